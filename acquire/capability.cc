@@ -194,7 +194,7 @@ SensorAbility LkG() {
 
 SensorAbility Stream(int baud) {
   const StreamFormat format;
-  return {.name = fmt::format("lines of 9 characters that come unasked, {} baud", baud),
+  return {.name = fmt::format("lines of 9 characters sent without request, {} baud", baud),
           .settings = {{"sensor", "stream"}, {"baud", std::to_string(baud)}},
           .rate_hz = MostLinesPerSecond(format, baud),
           .limit = RateLimit::kWire,

@@ -82,9 +82,9 @@ Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_b
   while (file.read(piece, sizeof piece) || file.gcount() > 0) {
     content.append(piece, static_cast<std::size_t>(file.gcount()));
     if (content.size() > limit_bytes) {
-      return CannotAnswer(path, fmt::format("is larger than {} MiB", limit_bytes >> 20),
-                          "is it the file that was meant? of a recording give the trial.bin, "
-                          "which is read in pieces");
+      return CannotAnswer(
+          path, fmt::format("is larger than {} MiB", limit_bytes >> 20),
+          "is it the file that was meant? give a recording as trial.bin, which is read in parts");
     }
   }
   if (file.bad()) return CannotAnswer(path, "could not be read to its end", "check the disk");

@@ -228,7 +228,7 @@ Result<Quantity> Possible(Quantity quantity, std::string_view written, const Dim
   }
   const std::string_view unit = row.units[0].symbol;
   return Usage(std::string(where),
-               fmt::format("'{}' is beyond {} that is possible", written, row.name),
+               fmt::format("'{}' is outside the possible range of {}", written, row.name),
                fmt::format("its size is 0, or from {} to {}{}{}", row.possible.least,
                            row.possible.largest, unit.empty() ? "" : " ", unit));
 }

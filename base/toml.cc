@@ -88,7 +88,7 @@ Result<void> CheckTomlShape(std::string_view text, std::string_view where) {
                           shape.is_key()
                               ? fmt::format("names a key of more than {} parts", kMostTomlLevels)
                               : fmt::format("opens more than {} brackets", kMostTomlLevels),
-                          "mend the TOML there");
+                          "correct the TOML there");
     }
     ++at;
   }
@@ -191,7 +191,7 @@ Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where)
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "mend the TOML there");
+                        std::string(error.description()), "correct the TOML there");
   }
   state->table = &state->root;
   state->file = where;
@@ -499,7 +499,7 @@ Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::s
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "mend the TOML there");
+                        std::string(error.description()), "correct the TOML there");
   }
   if (auto apart = RefuseOverlaps(keys); !apart) return std::unexpected(apart.error());
   std::string stem = "open_place_";

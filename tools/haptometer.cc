@@ -28,20 +28,22 @@ struct Verb {
 
 // in the order of the work: record, look, answer; then what needs no hardware
 constexpr auto kVerbs = std::to_array<Verb>({
-    {"acquire", "A sensor's readings become a trial", RunAcquire},
-    {"trial", "What a recording holds; label it, export it", RunTrial},
-    {"analyze", "A trial's vibration within a band", RunAnalyze},
-    {"study", "Conditions compared over subjects; matched voltages; linearity", RunStudy},
-    {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
-    {"fit-impedance", "An actuator's constants from an impedance sweep", RunFitImpedance},
-    {"fit-adapter", "An adapter's spring and damper from taps", RunFitAdapter},
-    {"plan-drop-test", "Load, recorder and number of drops for a wanted accuracy", RunPlanDropTest},
-    {"fit-skin", "The skin's constants under a contact from drive sweeps", RunFitSkin},
-    {"simulate", "A scene's exact motion, current and power", RunSimulate},
-    {"sweep", "A scene's answers over any of its keys, as a table", RunSweep},
-    {"tune", "The adapter that moves the skin most, with a proof", RunTune},
-    {"reproduce", "The thesis's numbers and figures, computed anew and compared", RunReproduce},
-    {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
+    {"acquire", "Record a sensor's readings into a trial", RunAcquire},
+    {"trial", "Show, label, plot and export recordings", RunTrial},
+    {"analyze", "Determine the band-limited RMS displacement of a recording", RunAnalyze},
+    {"study", "Compare conditions over subjects; matched voltages; linearity", RunStudy},
+    {"fit-lra", "Fit an actuator's constants to its ring-downs after a drop", RunFitLra},
+    {"fit-impedance", "Fit an actuator's constants to an impedance sweep", RunFitImpedance},
+    {"fit-adapter", "Fit an adapter's spring and damper to its ring-down after a tap",
+     RunFitAdapter},
+    {"plan-drop-test", "Plan the load, recorder and number of drops of a drop test",
+     RunPlanDropTest},
+    {"fit-skin", "Fit the skin's constants under a contact to drive sweeps", RunFitSkin},
+    {"simulate", "Solve a scene: motion, current and power", RunSimulate},
+    {"sweep", "Simulate a scene over any of its keys, as a table", RunSweep},
+    {"tune", "Find the adapter that moves the skin most, with a proved bound", RunTune},
+    {"reproduce", "Recompute the thesis's numbers and figures and compare", RunReproduce},
+    {"emulate", "Play a scene or a trial as an emulated sensor", RunEmulate},
 });
 
 // verbs with a part of their own, which has options of its own

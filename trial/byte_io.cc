@@ -129,7 +129,7 @@ Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path, IfExis
                   "name a file in a directory that exists and that you may write to");
   }
   if (if_exists == IfExists::kRefuse) {
-    return Usage(path, "already exists", "name another file, or say <overwrite>");
+    return Usage(path, "already exists", "name another file, or give <overwrite>");
   }
   const int opened = open(path.c_str(), kAppendFlags);
   if (opened < 0) {

@@ -68,7 +68,7 @@ void ReadLine(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
   const auto second = ReadPoint(table, "second", in, out);
   if (first && second) {
     if (scale || offset) {
-      table.Refuse(scale ? scale_key : offset_key, "is said twice",
+      table.Refuse(scale ? scale_key : offset_key, "is given twice",
                    "give the two points, or scale and offset");
     }
     calibration->scale = (second->value - first->value) / (second->input - first->input);

@@ -68,7 +68,7 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
     return CannotAnswer(name, "was changed on its way here, as a text-mode transfer does",
                         "copy it again in binary mode");
   }
-  return CannotAnswer(name, "is no trial", std::string(kGiveATrial));
+  return CannotAnswer(name, "is not a trial", std::string(kGiveATrial));
 }
 
 // what a source begins with; of a replay behind the path: "replay of PATH (SOURCE)"

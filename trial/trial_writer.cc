@@ -253,7 +253,7 @@ Result<void> AppendEvent(const std::string& path, Event event) {
   if (done) done = (*sink)->Sync();
   if (!done) {
     return Failed(path, "could not be written: " + done.error().what,
-                  "the recording itself is unchanged; make room and say it again");
+                  "the recording itself is unchanged; make room and repeat the command");
   }
   return {};
 }

@@ -104,7 +104,8 @@ class PtyEndpoint final : public Endpoint {
     if (link_.empty() || symlink(terminal_.path.c_str(), link_.c_str()) == 0) return {};
     if (errno != EEXIST) return NotLinked(link_);
     if (!LinkTarget(link_).starts_with("/dev/pts/")) {
-      return Failed(link_, "exists and is no link to a terminal", "remove it or give another name");
+      return Failed(link_, "exists and is not a link to a terminal",
+                    "remove it or give another name");
     }
     const auto fresh = LinkBeside(terminal_.path, link_);
     if (!fresh) return std::unexpected(fresh.error());
@@ -189,7 +190,7 @@ Result<HostPort> Split(const std::string& address) {
     parts.host = parts.host.substr(1, parts.host.size() - 2);
   }
   if (!TcpPort(parts.port)) {
-    return Usage("<tcp>", fmt::format("'{}': {} is no TCP port", address, parts.port),
+    return Usage("<tcp>", fmt::format("'{}': {} is not a TCP port", address, parts.port),
                  "give a port from 1 to 65535, or 0 for any free one");
   }
   return parts;

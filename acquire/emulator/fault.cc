@@ -99,7 +99,7 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
     if (fault.name == name) plan.fault = &fault;
   }
   if (plan.fault == nullptr) {
-    return Usage("<fault>", fmt::format("'{}' is no fault", name),
+    return Usage("<fault>", fmt::format("'{}' is not a fault", name),
                  fmt::format("give one of {}", KnownNames()));
   }
   if (colon == std::string_view::npos) return plan;
@@ -107,7 +107,7 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
   const std::string_view every = text.substr(colon + 1);
   const auto [stop, code] = std::from_chars(every.begin(), every.end(), plan.every);
   if (code != std::errc() || stop != every.end() || plan.every < 1) {
-    return Usage("<fault>", fmt::format("'{}' does not say how often", every),
+    return Usage("<fault>", fmt::format("'{}' does not state how often", every),
                  fmt::format("give {}:EVERY with a whole number from 1", name));
   }
   return plan;

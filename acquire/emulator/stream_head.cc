@@ -40,9 +40,10 @@ std::string Advice(const StreamSetup& setup) {
 Result<void> Validate(const StreamSetup& setup) {
   const Fault* fault = setup.faults.fault;
   if (fault != nullptr && NeedsAQuestion(*fault)) {
-    return Usage("<fault>",
-                 fmt::format("'{}' is a fault of answers, and nobody asks a stream", fault->name),
-                 "choose another, or <protocol> dl-rs1a");
+    return Usage(
+        "<fault>",
+        fmt::format("'{}' is a fault of replies, and a stream has no requests", fault->name),
+        "choose another, or <protocol> dl-rs1a");
   }
   if (setup.baud < 1 || !Fits(LineBytes(setup.format), setup.baud, setup.head.head.sampling_s)) {
     return Usage("<baud>",

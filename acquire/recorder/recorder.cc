@@ -254,7 +254,8 @@ Ending Reader::Run() {
   if (ending == Ending::kConnectionLost) {
     // a device that was away and given up was told of when it went
     const bool is_told = tally_.Summary().is_away;
-    Say(trial::EventKind::kRemark, is_told ? "the device was given up" : "the connection was lost");
+    Say(trial::EventKind::kRemark,
+        is_told ? "waiting for the device ended" : "the connection was lost");
   }
   return ending;
 }

@@ -75,7 +75,7 @@ std::string WrongRequest(const SensorProfile& profile) {
       return "check_count: 1 to 125 registers can be read";
     }
     if (*profile.check_count == profile.count) {
-      return "check_count: must differ from count, or a late reply cannot be told from it";
+      return "check_count: must differ from count, or a late reply cannot be distinguished from it";
     }
   }
   return {};

@@ -39,7 +39,7 @@ Result<std::vector<Word>> ReadWords(std::string_view text) {
                    std::string(kExample));
     }
     if (std::ranges::find(words, read.name, &Word::name) != words.end()) {
-      return Usage(std::string(kOption), fmt::format("{} is there twice", read.name),
+      return Usage(std::string(kOption), fmt::format("{} is given twice", read.name),
                    fmt::format("call the second one {}_2", read.name));
     }
     words.push_back(std::move(read));
@@ -58,7 +58,7 @@ Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& un
   const auto columns = trial::ReadCsvColumns({"time_s", cell}, std::string(kOption));
   if (columns && columns->back().kind == trial::CsvColumnKind::kValue) return columns->back();
   const std::string said = unit.empty() ? name : fmt::format("{}:{}", name, unit);
-  return Usage(std::string(kOption), fmt::format("{} does not say its unit", said),
+  return Usage(std::string(kOption), fmt::format("{} does not state its unit", said),
                std::string(kExample));
 }
 
@@ -88,7 +88,8 @@ Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format)
     channel.name = word.name;
     channel.role = RoleOf(word.name);
     if (!IsQuantity(channel.role)) return channel;
-    return Usage(std::string(kOption), fmt::format("nothing says what a count of {} is", word.name),
+    return Usage(std::string(kOption),
+                 fmt::format("the size of a count of {} is not stated", word.name),
                  fmt::format("give <calibration> a file with a table [{}]", word.name));
   }
   const auto column = ColumnOf(word.name, word.unit);
@@ -108,7 +109,7 @@ Result<trial::RawLimits> CalibrateChannel(const Word& word,
   if (channel->encoding == trial::Encoding::kI32) {
     if (!calibration.input_per_count) {
       return Usage("<calibration>",
-                   fmt::format("does not say what a count of {} is", channel->name),
+                   fmt::format("does not state the size of a count of {}", channel->name),
                    fmt::format("add {} to its table",
                                calibration.input_unit == "A" ? "a_per_count" : "v_per_count"));
     }
@@ -138,7 +139,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
   for (const Word& word : *words) {
     if (format == SampleFormat::kI16 && !word.unit.empty()) {
       return Usage(std::string(kOption), fmt::format("counts of {} have no unit", word.name),
-                   "leave it out: the calibration says what a count is");
+                   "leave it out: the calibration states the size of a count");
     }
   }
 
@@ -243,10 +244,11 @@ Error PipeSensor::NoRow(std::string what) const {
   } else if (parser_.waiting_bytes() > 0) {
     what += fmt::format(" ({} bytes did)", parser_.waiting_bytes());
   }
-  return {Cause::kCannotAnswer, transport_->name(), std::move(what),
-          fmt::format("check that the program writes {}, or say what it writes with <channels> and "
-                      "<format>",
-                      FormName(setup_))};
+  return {
+      Cause::kCannotAnswer, transport_->name(), std::move(what),
+      fmt::format(
+          "check that the program writes {}, or state what it writes by <channels> and <format>",
+          FormName(setup_))};
 }
 
 void PipeSensor::Describe() {

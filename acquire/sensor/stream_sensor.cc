@@ -93,8 +93,8 @@ Error StreamSensor::NoLines(const std::string& example) const {
   if (!example.empty()) {
     return {Cause::kCannotAnswer, name,
             fmt::format("sends lines of another form at {} baud: \"{}\"", setup_.baud, example),
-            "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR; a Keyence unit "
-            "that is asked is <sensor> keyence-il, keyence-en1 or keyence-lkg"};
+            "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR; a polled Keyence "
+            "unit is <sensor> keyence-il, keyence-en1 or keyence-lkg"};
   }
   if (discarded_bytes() > 0 || link_.waiting_bytes() > 0) {
     return {Cause::kCannotAnswer, name,
@@ -102,8 +102,8 @@ Error StreamSensor::NoLines(const std::string& example) const {
             "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR"};
   }
   return {Cause::kCannotAnswer, name, fmt::format("nothing comes at {} baud", setup_.baud),
-          "check that the sensor is on and sends by itself; a DL-RS1A is asked with <sensor> "
-          "keyence-il"};
+          "check that the sensor is on and sends without request; a DL-RS1A is polled with "
+          "<sensor> keyence-il"};
 }
 
 void StreamSensor::MakeHeader() {

@@ -150,7 +150,7 @@ Result<void> SetUp(modbus_t* context, const ModbusWire& wire, const std::string&
   modbus_set_response_timeout(context, kConnectTimeoutS, 0);
   modbus_set_byte_timeout(context, 0, 0);  // the response timeout is for the whole reply
   if (modbus_set_slave(context, wire.slave) != 0) {
-    return Usage("<slave>", fmt::format("{} is no address on this wire", wire.slave),
+    return Usage("<slave>", fmt::format("{} is not an address on this wire", wire.slave),
                  "give 1 to 247");
   }
   return {};

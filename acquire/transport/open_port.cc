@@ -255,7 +255,7 @@ Result<PortKind> KindOfPort(const std::string& name) {
   if (IsNetworkName(name)) {
     const std::string port = SplitNetworkName(name).service;
     if (TcpPort(port).value_or(0) > 0) return PortKind::kNetwork;
-    return Usage(name, fmt::format("{} is no TCP port", port),
+    return Usage(name, fmt::format("{} is not a TCP port", port),
                  fmt::format("give HOST:PORT with a port from 1 to {}", kMostPort));
   }
   struct stat status{};

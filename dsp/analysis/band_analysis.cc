@@ -36,7 +36,7 @@ Result<void> CheckQuestion(const BandQuestion& question) {
   if (question.choice == WindowChoice::kGiven &&
       !(question.window.end_s > question.window.begin_s)) {
     return Usage("window",
-                 fmt::format("{:g} s to {:g} s is no stretch of time", question.window.begin_s,
+                 fmt::format("{:g} s to {:g} s is not an interval of time", question.window.begin_s,
                              question.window.end_s),
                  "give its begin, then its end, as 1s:3s");
   }
@@ -81,7 +81,7 @@ Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
   }
   const double farthest_m = std::max(-summary.least, summary.most);
   if (farthest_m > kFarthestM) {
-    return CannotAnswer("", fmt::format("a reading of {:.3g} m is no displacement", farthest_m),
+    return CannotAnswer("", fmt::format("a reading of {:.3g} m is not a displacement", farthest_m),
                         "convert the column to metres, and its error codes to no value");
   }
   return {};

@@ -72,7 +72,7 @@ bool IsInAll(std::span<const double> values, double rate_hz, const SineFit& tone
 
 Result<SettledGlances> SettledGlances::Read(const BandSignal& signal, const BandPass& band) {
   const std::size_t settled = signal.settled_end() - signal.settled_begin();
-  HAPTOMETER_CHECK(settled >= kLeastSettled, "{} samples have settled", settled);
+  HAPTOMETER_CHECK(settled >= kLeastSettled, "{} samples free of transients", settled);
   const auto longest = static_cast<std::size_t>(kGlancePeriods / band.lower_hz * signal.rate_hz());
   const std::size_t size = std::max(std::min(longest, settled / kLeastSettled), std::size_t{1});
   const std::size_t every = SamplesAValue(signal.rate_hz(), band);

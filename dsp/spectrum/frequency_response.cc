@@ -85,7 +85,7 @@ Result<std::vector<ResponsePoint>> MeasureResponse(std::span<const double> drive
   auto cross = WelchCrossSpectrum(drive, displacement, options);
   if (!cross) return std::unexpected(std::move(cross.error()));
   if (cross->grid.segments < 2) {
-    return Usage("sweep", "holds one segment, which has no coherence",
+    return Usage("sweep", "holds one segment, which gives no coherence",
                  "choose shorter segments, or record longer");
   }
   const std::vector<double> coherence = Coherence(*cross);

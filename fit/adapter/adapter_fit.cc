@@ -253,7 +253,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
                                       : "name the adapter's channel");
   }
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
-    return CannotAnswer(name, "has gaps or an uneven time base",
+    return CannotAnswer(name, "has gaps or a non-uniform time base",
                         "record the tap with a clocked source, without lost rows");
   }
   ImpulseRecord tap;

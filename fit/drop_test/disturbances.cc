@@ -369,7 +369,7 @@ std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
       std::abs(0.5 * std::log(other.poles.stiffness_per_s2 / kept.poles.stiffness_per_s2));
   if (change < kLeastChange || change > kMostChange) return {};
   return fmt::format(
-      "is no single decaying oscillation: its parts ring at {:.4g} and {:.4g} Hz (a chirp or a "
+      "is not a single decaying oscillation: its parts ring at {:.4g} and {:.4g} Hz (a chirp or a "
       "beat?)",
       1 / PeriodOf(kept.poles), 1 / PeriodOf(other.poles));
 }
@@ -505,13 +505,13 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
   if (part->no_ring_down.empty() && !part->follows_a_later_blow &&
       HumIsMissingBefore(record, start, samples, fit, hum_hz)) {
     part->no_ring_down = fmt::format(
-        "is no single decaying oscillation: what looks like hum of {:g} Hz does not precede it (a "
-        "chirp or a beat?)",
+        "is not a single decaying oscillation: what looks like hum of {:g} Hz does not precede it "
+        "(a chirp or a beat?)",
         hum_hz);
   }
   if (part->no_ring_down.empty() && FollowsAnotherMotion(record, start, *part, samples, fit)) {
     part->no_ring_down = fmt::format(
-        "is no single decaying oscillation: another motion precedes that of {:.4g} Hz (a chirp "
+        "is not a single decaying oscillation: another motion precedes that of {:.4g} Hz (a chirp "
         "or a beat?)",
         1 / PeriodOf(fit.poles));
   }

@@ -221,11 +221,11 @@ Result<void> CheckKind(const ImpulseRecord& record) {
   }
   if (record.release_current_a && record.drop_height_m) {
     return CannotAnswer(record.name, "states a drop height and a released current",
-                        "state what began the motion: a blow or the current's end");
+                        "state what began the motion: an impact or the current's end");
   }
   if (record.release_current_a && record.signal == RecordedSignal::kDisplacement) {
     return CannotAnswer(record.name, "is a displacement after a released current",
-                        "record the voltage; of a laser's records, those of blows are fitted");
+                        "record the voltage; of a laser's records, those of impacts are fitted");
   }
   return {};
 }

@@ -129,7 +129,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   if (!found) return std::unexpected(found.error());
   const trial::Channel& signal = **found;
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
-    return CannotAnswer(name, "has gaps or an uneven time base",
+    return CannotAnswer(name, "has gaps or a non-uniform time base",
                         "export the whole oscilloscope record at its own sample interval");
   }
   ImpulseFile file;

@@ -92,7 +92,8 @@ std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
   if (!(deviation < kMostDeviation)) return {};
   if (std::abs(change) < std::max(kChange, kSurelyOther * deviation)) return {};
   return fmt::format(
-      "is no single decaying oscillation: its frequency goes from {:.4g} to {:.4g} Hz (a chirp?)",
+      "is not a single decaying oscillation: its frequency goes from {:.4g} to {:.4g} Hz (a "
+      "chirp?)",
       NaturalHz(early.poles), NaturalHz(late.poles));
 }
 
@@ -201,8 +202,8 @@ std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
   if (std::string change = FrequencyChange(samples, fit); !change.empty()) return change;
   if (evidence.misfit_share > kMostShare && MisfitDeviations(evidence, samples, fit) > kSurely) {
     return fmt::format(
-        "is no single decaying oscillation: {:.2g} % of the power at {:.4g} Hz is "
-        "not explained by one{}",
+        "is not a single decaying oscillation: {:.2g} % of the power at {:.4g} Hz is not explained "
+        "by one{}",
         100 * evidence.misfit_share, NaturalHz(fit.poles), Other(samples, fit));
   }
   if (evidence.lasting_share > kMostLasting &&

@@ -285,7 +285,7 @@ Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& 
   const double periods = static_cast<double>(values.size() - blow.sample) / blow.period_samples;
   if (periods < kLeastPeriods) {
     return Unfit(record,
-                 fmt::format("holds only {} periods behind the blow, {:g} are the least",
+                 fmt::format("holds only {} periods after the impact; at least {:g} are needed",
                              Below(periods, kLeastPeriods, 1), kLeastPeriods),
                  "record at least three decay times of one free ring-down");
   }
@@ -402,13 +402,14 @@ Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const L
         fmt::format("the oscillation at {:.4g} Hz has only {} dB more energy than the noise",
                     blow.frequency_hz,
                     Below(10 * std::log10(energy), 10 * std::log10(kLeastEnergy), 1)),
-        fmt::format("record a stronger blow or a smaller voltage range ({:.1f} dB are the least)",
-                    10 * std::log10(kLeastEnergy)));
+        fmt::format(
+            "record a stronger impact or a smaller voltage range; at least {:.1f} dB are needed",
+            10 * std::log10(kLeastEnergy)));
   }
   if (blow.period_samples < kLeastSamplesPerPeriod) {
     return Unfit(
         record,
-        fmt::format("has only {} samples a period, {:g} are the least",
+        fmt::format("has only {} samples per period; at least {:g} are needed",
                     Below(blow.period_samples, kLeastSamplesPerPeriod, 1), kLeastSamplesPerPeriod),
         "sample faster, at least 10 times the resonance");
   }
@@ -440,7 +441,8 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   const auto ringing = From(values, start.first_sample, blow->middle_v);
   const auto poles = EstimatePoles(ringing, record.step_s);
   if (!poles) {
-    return Unfit(record, "shows no ring-down", "record at least three decay times behind the blow");
+    return Unfit(record, "shows no ring-down",
+                 "record at least three decay times after the impact");
   }
   start.poles = IsHeavilyDamped(*poles)
                     ? BestHeavilyDamped(record, start.first_sample, ringing, *poles)

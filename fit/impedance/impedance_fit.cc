@@ -76,7 +76,7 @@ std::vector<ImpedancePoint> Measured(const std::vector<ImpedancePoint>& points) 
 Result<void> CheckPoints(const std::vector<ImpedancePoint>& points, const std::string& name) {
   if (points.size() < kLeastPoints) {
     return CannotAnswer(name, fmt::format("holds only {} impedances", points.size()),
-                        "six are the least; 20 around the resonance are good");
+                        "at least six are needed; 20 around the resonance are good");
   }
   for (const auto& point : points) {
     if (point.frequency_hz > 0 && std::abs(point.ohm) > 0) continue;

@@ -146,7 +146,7 @@ Result<void> CheckPoint(const SkinPoint& point, const SkinPoint& first, const st
 Result<void> CheckSweep(const std::vector<SkinPoint>& points, const std::string& name) {
   if (points.size() < kLeastPoints) {
     return CannotAnswer(name, fmt::format("holds only {} points", points.size()),
-                        "five are the least; 20 from 50 to 500 Hz are good");
+                        "at least five are needed; 20 from 50 to 500 Hz are good");
   }
   std::size_t different = 1;
   for (std::size_t n = 0; n < points.size(); ++n) {
@@ -155,7 +155,8 @@ Result<void> CheckSweep(const std::vector<SkinPoint>& points, const std::string&
   }
   if (different >= kLeastFrequencies) return {};
   return CannotAnswer(name, fmt::format("has {} different frequencies", different),
-                      "stiffness, damping and mass part by frequency: sweep from 50 to 500 Hz");
+                      "stiffness, damping and mass differ in their dependence on frequency: sweep "
+                      "from 50 to 500 Hz");
 }
 
 // of the two polarities the one that fits better
@@ -359,7 +360,7 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   SkinProblem problem(*actuator, sweep.drive, points);
   const auto starts = BestStarts(&problem, &fit.findings);
   if (starts.empty()) {
-    return CannotAnswer(sweep.name, "no skin under this actuator moves so",
+    return CannotAnswer(sweep.name, "no skin under this actuator has this motion",
                         "check the units of displacement and drive, and the actuator");
   }
   std::vector<double> parameters = starts.front().parameters;

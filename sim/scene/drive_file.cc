@@ -58,7 +58,7 @@ void RefuseEndlessChirp(TomlTable& table, const Drive& drive) {
   const double cubics = CubicsOf(drive);
   if (cubics <= kMostCubics) return;
   table.Refuse("duration_s", fmt::format("takes {:.2g} cubics at this hold_tolerance", cubics),
-               fmt::format("shorten it to {:.3g} s, or loosen hold_tolerance",
+               fmt::format("shorten it to {:.3g} s, or increase hold_tolerance",
                            drive.duration_s * kMostCubics / cubics));
 }
 
@@ -124,7 +124,7 @@ Result<std::vector<double>> ReadVoltages(const std::string& path) {
     const std::optional<double> value = NumberIn(line);
     if (!value) {
       return CannotAnswer(fmt::format("{}:{}", path, number),
-                          fmt::format("\"{}\" is no voltage", line),
+                          fmt::format("\"{}\" is not a voltage", line),
                           fmt::format("write a number of volts, up to {:g}", kLargestVoltageV));
     }
     voltages_v.push_back(*value);

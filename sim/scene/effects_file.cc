@@ -26,7 +26,9 @@ void ReadGravity(TomlTable* table, Effects& effects) {
 void ReadGaps(TomlTable& table, TravelStops& stops) {
   const bool both = table.Has("gap_m");
   for (const std::string_view key : {"gap_up_m", "gap_down_m"}) {
-    if (both && table.Has(key)) table.Refuse(key, "stands beside gap_m", "give one or the other");
+    if (both && table.Has(key)) {
+      table.Refuse(key, "cannot be combined with gap_m", "give one or the other");
+    }
   }
   if (both) stops.gap_up_m = stops.gap_down_m = Positive(table, "gap_m", Dimension::kLength);
   if (both) return;
@@ -49,13 +51,13 @@ std::optional<TravelStops> ReadTravelStops(TomlTable* table) {
     }
     stops.damping_n_s_per_m = NotNegativeOr(*table, "damping_n_s_per_m", Dimension::kDamping, 0);
     if (table->Has("restitution")) {
-      table->Refuse("restitution", "is of rigid stops, which have no stiffness_n_per_m",
+      table->Refuse("restitution", "applies to rigid stops, which have no stiffness_n_per_m",
                     "give one or the other");
     }
     return stops;
   }
   if (table->Has("damping_n_s_per_m")) {
-    table->Refuse("damping_n_s_per_m", "stands without stiffness_n_per_m",
+    table->Refuse("damping_n_s_per_m", "needs stiffness_n_per_m",
                   "a rigid stop has restitution instead");
   }
   stops.restitution = table->Require("restitution", Dimension::kNone);

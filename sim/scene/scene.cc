@@ -12,7 +12,7 @@
 namespace haptometer::sim {
 
 Drive::operator SineDrive() const {
-  HAPTOMETER_CHECK(kind == DriveKind::kSine, "a drive of kind {} is no sine", Name(kind));
+  HAPTOMETER_CHECK(kind == DriveKind::kSine, "a drive of kind {} is not a sine", Name(kind));
   return {.amplitude_v = amplitude_v, .frequency_hz = frequency_hz, .offset_v = offset_v};
 }
 

@@ -76,7 +76,8 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
         "force_constant_n_per_a", "resistance_ohm", "inductance_h", "file"}) {
     const bool wanted = key == "file" && !table.Has("model");
     if (table.Has(key) && !wanted) {
-      table.Refuse(key, fmt::format("stands beside {}", table.Has("model") ? "model" : "file"),
+      table.Refuse(key,
+                   fmt::format("cannot be combined with {}", table.Has("model") ? "model" : "file"),
                    "give one or the other");
     }
   }
@@ -122,7 +123,9 @@ Skin ReadSkinUnderArea(TomlTable& table) {
     table.Refuse("range", "is missing", "\"text\" (600-2000 N/m) or \"table\" (600-1200 N/m)");
   }
   for (const std::string_view key : {"stiffness_n_per_m", "damping_n_s_per_m"}) {
-    if (table.Has(key)) table.Refuse(key, "stands beside contact_area_m2", "give one or the other");
+    if (table.Has(key)) {
+      table.Refuse(key, "cannot be combined with contact_area_m2", "give one or the other");
+    }
   }
   if (!table.Finish() || !law || !range) return {};
   return SkinUnderArea(area_m2, *range == "text" ? SkinRange::kText : SkinRange::kTable);
@@ -131,8 +134,9 @@ Skin ReadSkinUnderArea(TomlTable& table) {
 Skin ReadSkin(TomlTable& table) {
   if (table.Has("contact_area_m2")) return ReadSkinUnderArea(table);
   for (const std::string_view key : {"law", "range"}) {
-    if (table.Has(key))
-      table.Refuse(key, "stands without contact_area_m2", "add it or remove this");
+    if (table.Has(key)) {
+      table.Refuse(key, "needs contact_area_m2", "add it or remove this");
+    }
   }
   return {.stiffness_n_per_m = NotNegative(table, "stiffness_n_per_m", Dimension::kStiffness),
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
@@ -152,7 +156,7 @@ void ReadStart(TomlTable& table, Scene& scene) {
   initial.current_a = Signed(table, "current_a", Dimension::kNone);
   for (const std::string_view key : {"case_m", "case_m_per_s"}) {
     if (!scene.grip.holds || !table.Has(key)) continue;
-    table.Refuse(key, "is of a case that moves, and [mounting] holds it", "remove one of the two");
+    table.Refuse(key, "applies to a moving case, and [mounting] holds it", "remove one of the two");
   }
   for (const std::string_view key : {"skin_m", "skin_m_per_s"}) {
     if (scene.adapter || !table.Has(key)) continue;
@@ -160,7 +164,8 @@ void ReadStart(TomlTable& table, Scene& scene) {
                  "give case_m and case_m_per_s");
   }
   if (scene.start != Start::kSteady) return;
-  table.Refuse("mover_m", "stands beside start = \"steady\" in [run]", "remove one of the two");
+  table.Refuse("mover_m", "cannot be combined with start = \"steady\" in [run]",
+               "remove one of the two");
 }
 
 // beyond a stop nothing can begin
@@ -172,11 +177,11 @@ void RefuseStartBeyondStops(TomlTable& root, const Scene& scene) {
   const double sag_m = MoverSag(scene, gravity, scene.effects[Effect::kStiffening] != Wish::kOff);
   const double travel_m = scene.initial.mover_m - scene.initial.case_m + sag_m;
   if (travel_m <= stops.gap_up_m && -travel_m <= stops.gap_down_m) return;
-  table->Refuse("mover_m",
-                fmt::format("puts the mover {:.4g} um from where its spring is at ease, "
-                            "beyond a stop",
-                            travel_m * 1e6),
-                "it counts from where the mover rests");
+  table->Refuse(
+      "mover_m",
+      fmt::format("puts the mover {:.4g} um from where its spring is unloaded, beyond a stop",
+                  travel_m * 1e6),
+      "it is measured from where the mover rests");
 }
 
 // a held case leaves nothing to what would move it or press on it
@@ -223,7 +228,7 @@ void ReadRun(TomlTable* table, Scene& scene) {
   scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
   if (*scene.start == Start::kRest || IsLasting(scene.drive)) return;
   table->Refuse("start",
-                fmt::format("\"steady\" is of drives that last, and kind = \"{}\" ends",
+                fmt::format("\"steady\" applies to continuous drives, and kind = \"{}\" ends",
                             Name(scene.drive.kind)),
                 "write start = \"rest\"");
 }
@@ -305,7 +310,7 @@ void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& sce
   if (scene.grip.stiffness_n_per_m > 0) {
     skin.Refuse(
         "preload_n",
-        fmt::format("stands with {} and a grip, which carries part of {}",
+        fmt::format("is given with {} and a grip, which carries part of {}",
                     gravity ? "gravity" : "the mover's preload", gravity ? "the weight" : "it"),
         gravity ? "leave gravity out and give the whole preload" : "leave one of the two out");
   }

@@ -1,5 +1,6 @@
-"""Reads docs/: each test that docs/developer/hard-cases.md names exists; no page uses a word that the glossary
-lists as not to be used; links between pages, paths in code and sources that comments name lead to what exists."""
+"""Reads docs/ and the sources: each test that docs/developer/hard-cases.md names exists; no page and no message in a
+source uses a word that the glossary lists as not to be used; links between pages, paths in code and sources that
+comments name lead to what exists."""
 import fnmatch
 import os
 import pathlib
@@ -8,10 +9,11 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from programs import check
+from words import GLOSSARY, MARK, comments, literals, message, pattern_of, uses, words_not_to_use
 
-GLOSSARY = pathlib.Path("docs/explanation/glossary.md")
 HARD_CASES = pathlib.Path("docs/developer/hard-cases.md")
-MARK = "<!-- words not to use -->"
+# what users get; tests/, bench/ and fuzz/ are for developers
+PRODUCT = ["acquire", "base", "dsp", "fit", "sim", "tools", "trial"]
 
 CASE = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)",
                   re.MULTILINE)
@@ -20,7 +22,8 @@ SCRIPT = re.compile(r"(?:haptometer_script_test\(\s*|add_test\(NAME )([\w.]+(?:\
 
 def pages():
     """The pages of the project, by path from its root."""
-    found = sorted(pathlib.Path("docs").rglob("*.md")) + [pathlib.Path("README.md"), pathlib.Path("CONTRIBUTING.md")]
+    found = sorted(pathlib.Path("docs").rglob("*.md")) + [
+        pathlib.Path(name) for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")]
     check(len(found) > 10, f"{len(found)} pages")
     return found
 
@@ -35,34 +38,41 @@ def prose(text):
     return re.sub(r"<!--.*?-->", blank, text, flags=re.DOTALL)
 
 
-def words_not_to_use():
-    """The first column of the glossary's marked table."""
-    text = GLOSSARY.read_text(encoding="utf-8")
-    check(text.count(MARK) == 1, f"{GLOSSARY} has no single {MARK}")
-    rows = [line.split("|")[1].strip() for line in text.split(MARK)[1].splitlines() if line.startswith("|")]
-    check(rows[0] == "word" and len(rows) > 20, f"{len(rows)} rows below the mark")
-    return rows[2:]
-
-
-def uses(text, words):
-    """(line, word) of every word that stands in a page's prose."""
-    text = prose(text)
-    for word in words:
-        pattern = r"\b" + r"\s+".join(map(re.escape, word.split())) + r"\b"
-        for match in re.finditer(pattern, text, re.IGNORECASE):
-            yield text.count("\n", 0, match.start()) + 1, word
+def product_sources():
+    found = [path for room in PRODUCT for path in sorted(pathlib.Path(room).rglob("*.[ch]*"))
+             if path.suffix in (".cc", ".h")]
+    check(len(found) > 400, f"{len(found)} sources")
+    return found
 
 
 def check_words():
-    words = words_not_to_use()
-    check(list(uses("A record\ntells more.\n", ["tells"])) == [(2, "tells")], "the search finds nothing")
-    check(not list(uses("`tells`\n\n    tells\n", ["tells"])), "the search looks into code")
+    tells = pattern_of(["tells"])
+    check(list(uses(prose("A record\ntells more.\n"), tells)) == [(2, "tells")], "the search finds nothing")
+    check(not list(uses(prose("`tells`\n\n    tells\n"), tells)), "the search looks into code")
+    pattern = pattern_of(words_not_to_use())
     wrong = []
     for page in pages():
         text = page.read_text(encoding="utf-8")
         text = text.split(MARK)[0] if page == GLOSSARY else text
-        wrong += [f"{page}:{line}: '{word}'" for line, word in uses(text, words)]
+        wrong += [f"{page}:{line}: '{word}'" for line, word in uses(prose(text), pattern)]
     check(not wrong, "words that the glossary replaces:\n" + "\n".join(wrong))
+
+
+def check_messages():
+    """Messages are the strings with a blank between letters, so keys and formats are none; comments are only counted."""
+    source = 'f("a record "\n  "tells", R"(it tells)", "tells", "--tells {tells} more");  // a comment tells\n'
+    tells = pattern_of(["tells"])
+    found = [line for line, text in literals(source) for _ in uses(message(text), tells)]
+    check(found == [1, 2], f"the search of messages finds lines {found}")
+    pattern = pattern_of(words_not_to_use())
+    wrong, in_comments = [], 0
+    for path in product_sources():
+        text = path.read_text(encoding="utf-8")
+        for line, literal in literals(text):
+            wrong += [f"{path}:{line}: '{word}' in \"{literal}\"" for _, word in uses(message(literal), pattern)]
+        in_comments += sum(len(list(uses(comment, pattern))) for _, comment in comments(text))
+    print(f"{in_comments} words in comments that the glossary replaces")
+    check(not wrong, "words in messages that the glossary replaces:\n" + "\n".join(wrong))
 
 
 def test_names():
@@ -137,6 +147,7 @@ def check_comments():
 
 
 check_words()
+check_messages()
 check_terms()
 check_comments()
 check_paths()

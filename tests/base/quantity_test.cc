@@ -150,10 +150,9 @@ TEST(Quantity, AnUncertaintyIsBoundedAsItsValueIs) {
 }
 
 TEST(Quantity, AnImpossibleMagnitudeIsRefusedWithTheLimits) {
-  EXPECT_EQ(
-      ParseQuantity("4e-310mm", Dimension::kLength, "--gap").error().Text(),
-      "--gap: '4e-310mm' is beyond a length that is possible; its size is 0, or from 1e-15 to "
-      "1000000 m");
+  EXPECT_EQ(ParseQuantity("4e-310mm", Dimension::kLength, "--gap").error().Text(),
+            "--gap: '4e-310mm' is outside the possible range of a length; its size is 0, or from "
+            "1e-15 to 1000000 m");
 }
 
 // the bracket counts in units of the last digit, which the exponent moves as it moves the others

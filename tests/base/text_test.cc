@@ -101,8 +101,9 @@ TEST(Printable, NewTextIsRefusedInOneLine) {
 
 // whatever a name, a cell or a key holds that an error repeats
 TEST(Printable, AnErrorIsOneLineOfPrintableText) {
-  const Error error{Cause::kUsage, "a\nb.csv", "cell '\x1b]0;title\x07' is no number", "see\r\xff"};
-  EXPECT_EQ(error.Text(), "a\\nb.csv: cell '\\x1b]0;title\\x07' is no number; see\\r\\xff");
+  const Error error{Cause::kUsage, "a\nb.csv", "cell '\x1b]0;title\x07' is not a number",
+                    "see\r\xff"};
+  EXPECT_EQ(error.Text(), "a\\nb.csv: cell '\\x1b]0;title\\x07' is not a number; see\\r\\xff");
 }
 
 }  // namespace

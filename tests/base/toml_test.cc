@@ -46,9 +46,9 @@ TEST_P(DeepToml, IsRefusedWithItsLineByEveryReader) {
   EXPECT_EQ(made.error().Text(), deep.told);
 }
 
-constexpr const char* kKey3 = "x.toml:3: names a key of more than 16 parts; mend the TOML there";
-constexpr const char* kKey1 = "x.toml:1: names a key of more than 16 parts; mend the TOML there";
-constexpr const char* kOpen2 = "x.toml:2: opens more than 16 brackets; mend the TOML there";
+constexpr const char* kKey3 = "x.toml:3: names a key of more than 16 parts; correct the TOML there";
+constexpr const char* kKey1 = "x.toml:1: names a key of more than 16 parts; correct the TOML there";
+constexpr const char* kOpen2 = "x.toml:2: opens more than 16 brackets; correct the TOML there";
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, DeepToml,
@@ -223,11 +223,11 @@ INSTANTIATE_TEST_SUITE_P(
               "x.toml:1: mass_kg: is not a number; write an SI number or a string with a unit"},
         Fault{"mass_kg = nan", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
         Fault{"mass_kg = 2e-310",
-              "x.toml:1: mass_kg: '2e-310' is beyond a mass that is possible; its size is 0, or "
-              "from 1e-12 to 1000000 kg"},
+              "x.toml:1: mass_kg: '2e-310' is outside the possible range of a mass; its size is 0, "
+              "or from 1e-12 to 1000000 kg"},
         Fault{"load_ohm = '4e-200 ohm'",
-              "x.toml:1: load_ohm: '4e-200 ohm' is beyond a resistance that is possible; its size "
-              "is 0, or from 1e-09 to 1000000000000000 ohm"},
+              "x.toml:1: load_ohm: '4e-200 ohm' is outside the possible range of a resistance; its "
+              "size is 0, or from 1e-09 to 1000000000000000 ohm"},
         Fault{"load_ohm = -inf", "x.toml:1: load_ohm: is not a finite number; write an SI number"},
         Fault{"mass_kg = \"3mm\"",
               "x.toml:1: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},

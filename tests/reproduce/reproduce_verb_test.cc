@@ -87,11 +87,11 @@ TEST(ReproduceVerb, TextIsATableForEachGroupOfRows) {
   const Outcome outcome = Reproduced({});
   EXPECT_EQ(outcome.status, 0);
   for (const char* said :
-       {"University of Washington, 2013, computed anew\n  data: simulated\n",
+       {"University of Washington, 2013, recomputed\n  data: simulated\n",
         "\n  Steady displacement of the skin\n", "\n  Electrical input without adapter\n",
         "note: 10 rows are of trials generated with the printed number, not of the thesis's",
         "note: \"tuned\" is a candidate cause with a number chosen by what is printed",
-        "note: a printed value is true to half of its last digit", "as matrix 2.5 has it",
+        "note: a printed value is rounded to half of its last digit", "as matrix 2.5 has it",
         "Table 2.1 has 1200 N/m", "no cause is proved", "it may miss it"}) {
     EXPECT_THAT(outcome.out, HasSubstr(said));
   }

@@ -269,7 +269,7 @@ TEST_F(BeforeRecording, ADirectoryNamesTheTrialsAndTheAliasForceReplaces) {
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100"})).status, 2);
   const Outcome no_trial = RunProgram(Acquire({"-o", trial_, "--samples", "100", "--force"}));
   EXPECT_EQ(no_trial.status, 2);
-  EXPECT_THAT(no_trial.err, HasSubstr("is there and is not a trial.bin"));
+  EXPECT_THAT(no_trial.err, HasSubstr("exists and is not a trial.bin"));
   fs::remove(trial_);
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "70"})).status, 0);
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100", "--force"})).status, 0);
@@ -335,7 +335,7 @@ TEST_F(BeforeRecording, AReplayOfAForeignFileSaysWhatIsPlayed) {
   const std::string csv = AtRest(0);
   const Outcome played = RunProgram({"acquire", "--sensor", "replay", "--port", csv, "-o", trial_});
   EXPECT_EQ(played.status, 3);
-  EXPECT_THAT(played.err, HasSubstr("is no trial; give a trial.bin"));
+  EXPECT_THAT(played.err, HasSubstr("is not a trial; give a trial.bin"));
   EXPECT_THAT(played.err, ::testing::Not(HasSubstr("CSV whose")));
 }
 

@@ -137,8 +137,9 @@ TEST_F(DropsFileRun, MistakesAreNamedInOneLine) {
   };
   const std::string open = directory_ / "open.csv";
   refused({directory_ / "nothing.toml"}, 3, "nothing.toml");
-  refused({Write("[[drop]]\nfile = 'open.csv'\n"), open}, 2, "stands beside other files");
-  refused({Write("[[drop]]\nfile = 'open.csv'\n"), "--open", open}, 2, "stands beside other files");
+  refused({Write("[[drop]]\nfile = 'open.csv'\n"), open}, 2, "cannot be combined with other files");
+  refused({Write("[[drop]]\nfile = 'open.csv'\n"), "--open", open}, 2,
+          "cannot be combined with other files");
   refused({Write("[[drop]]\nfiles = ['open.csv', 'open.csv']\n")}, 2, "is given twice");
   refused({Write("[[drop]]\nfile = 'open.cvs'\n")}, 3, (directory_ / "open.cvs").string());
   refused({Write("[[drop]\nfile = 'open.csv'\n")}, 3, "drops.toml");

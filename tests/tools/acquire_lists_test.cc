@@ -121,7 +121,8 @@ TEST(RecordingDocument, SaysWhatCameOfIt) {
   EXPECT_THAT(text, ::testing::StartsWith("t.bin: 30005 readings in 3.000 s\n  data: emulated\n"));
   for (const char* said :
        {"10001.6 Hz\n", "0.086 ms\n", "  2, 2 late\n", "note: the times of arrival are fitted",
-        "note: all times are late by one latency of at least 0.09766 ms, which is not known"}) {
+        "note: all times have one constant delay of at least 0.09766 ms, whose value is not "
+        "known"}) {
     EXPECT_THAT(text, HasSubstr(said));
   }
   EXPECT_THAT(text, Not(HasSubstr("lost to a slow disk"))) << "0 is not worth a line";

@@ -70,8 +70,8 @@ class AnalyzeMistakes : public ::testing::Test {
 
 TEST_F(AnalyzeMistakes, TheTransientsOfADriveOutsideOfTheBandAreNoDrive) {
   const Outcome outcome = Analyze({"--band", "300-500Hz", Burst()});
-  EXPECT_THAT(outcome.out, HasSubstr("taken for transients, not for a drive in this band"));
-  EXPECT_THAT(outcome.out, HasSubstr("all that has settled"));
+  EXPECT_THAT(outcome.out, HasSubstr("excluded as filter transients"));
+  EXPECT_THAT(outcome.out, HasSubstr("all that is free of filter transients"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("steady part of the drive")));
 }
 
@@ -187,7 +187,7 @@ TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
               ContainsRegex("resolution +20 Hz"));
   const Outcome alone = Analyze({"--resolution", "5Hz", sweep});
   EXPECT_EQ(alone.status, 2);
-  EXPECT_THAT(alone.err, HasSubstr("--resolution: is of a spectrum or a sweep"));
+  EXPECT_THAT(alone.err, HasSubstr("--resolution: applies to a spectrum or a sweep only"));
 }
 
 TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {
@@ -196,7 +196,7 @@ TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {
     return 5 / std::hypot(1 - u * u, u / 10) * Sine(400 + 20 * t_s, t_s);
   });
   EXPECT_THAT(Analyze({"--sweep", sweep}).out,
-              HasSubstr("the resonance may be above it; sweep and look further with --band"));
+              HasSubstr("the resonance may be above it; sweep further, with a wider --band"));
 }
 
 }  // namespace

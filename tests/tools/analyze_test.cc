@@ -59,9 +59,9 @@ TEST_F(AnalyzeVerb, AnswersInMicrometres) {
   EXPECT_THAT(outcome.out, ContainsRegex(" um; 95 %: .* um, in 20-500 Hz\n"));
   EXPECT_THAT(outcome.out,
               ContainsRegex("as measured +70.71.* um, corrected for the sensor's gain of 0.7604"));
-  EXPECT_THAT(outcome.out, HasSubstr("all that has settled"));
+  EXPECT_THAT(outcome.out, HasSubstr("all that is free of filter transients"));
   EXPECT_THAT(outcome.out, ContainsRegex("amplitude of the tone +131.51"));
-  EXPECT_THAT(outcome.out, HasSubstr("the sensor passes 0.7604 of the tone; corrected for"));
+  EXPECT_THAT(outcome.out, HasSubstr("the sensor's gain at the tone is 0.7604; corrected for"));
   EXPECT_THAT(outcome.out, HasSubstr("data: imported"));
   EXPECT_EQ(outcome.err, "");
 }

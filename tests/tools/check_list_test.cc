@@ -179,7 +179,7 @@ std::vector<Wrong> WrongRatesAndNoise() {
              s.findings.no_noise_because = "only 0.1 s settled";
            },
            "only 0.1 s settled", "--check"},
-          {"noise", [](Made& s) { s.question.smallest_rms_m = 0.6e-6; }, "0.6 um are asked for",
+          {"noise", [](Made& s) { s.question.smallest_rms_m = 0.6e-6; }, "0.6 um are required",
            "diffuse target"},
           {"clock", [](Made& s) { s.findings.summary.gaps = 1; }, "1 gaps", "without a hub"},
           {"clock",

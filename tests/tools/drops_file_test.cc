@@ -83,7 +83,7 @@ TEST(DropsFile, MistakesAreNamed) {
   refused(drop + "moving_mass_kg = 1.4e-3\n", "key moving_mass_kg is not known");
   refused(drop + "load_ohm = 0\n", "load_ohm: a short circuit shows no voltage");
   refused(drop + "load_ohm = '33'\ncase = 'hold'\n", "case");
-  refused(drop + "files = ['b.csv']\n", "files: stands beside file");
+  refused(drop + "files = ['b.csv']\n", "files: cannot be combined with file");
   refused("[[drop]]\nload_ohm = 33\n", "file: is missing");
   refused("[[drop]]\nfiles = []\n", "file: is missing");
   refused("[[drop]]\nfiles = ['']\n", "files: holds an empty name");

@@ -92,7 +92,7 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
     return outcome.err;
   };
   EXPECT_THAT(error(Sweep("nan.csv", names, 12, "nan")), HasSubstr("nan.csv:14"));
-  EXPECT_THAT(error(Sweep("empty.csv", names, 12, "")), HasSubstr("is no number"));
+  EXPECT_THAT(error(Sweep("empty.csv", names, 12, "")), HasSubstr("is not a number"));
   EXPECT_THAT(error(Sweep("zero.csv", names, 12, "0")), HasSubstr("not positive"));
   EXPECT_THAT(error(Sweep("names.csv", "f,z,p")), HasSubstr("has no column frequency_hz"));
   EXPECT_THAT(error(Sweep("swapped.csv", "impedance_ohm,frequency_hz,phase_deg")),

@@ -172,7 +172,7 @@ TEST_F(FitLraFiles, WhatHasNoAnswerGivesStatus3AndSaysWhatWould) {
   const auto outcome = FitLra({directory_ / "growing.csv", "--moving-mass", "1.4g"});
   EXPECT_EQ(outcome.status, 3);
   // it is no ring-down, so not even its frequency is said to be an actuator's
-  EXPECT_THAT(outcome.err, HasSubstr("is no single decaying oscillation"));
+  EXPECT_THAT(outcome.err, HasSubstr("is not a single decaying oscillation"));
   EXPECT_THAT(outcome.out, testing::Not(HasSubstr("natural frequency")));
 }
 
@@ -318,8 +318,8 @@ TEST_F(FitLraFiles, AMistypedHeaderKeyIsNamed) {
 
 TEST_F(FitLraFiles, WhereTheCausesOfTheUncertaintyStand) {
   const auto outcome = FitLra({kOpenFile, "--moving-mass", "1.40(3)g", "--time-scale", "1+-0.001"});
-  for (const char* line : {"moving mass 1.400\\(30\\) g +B +2.1 +2.1",
-                           "time scale 1.0000\\(10\\) +B +0.2 +0.1"}) {
+  for (const char* line :
+       {"moving mass 1.400\\(30\\) g +B +2.1 +2.1", "time scale 1.0000\\(10\\) +B +0.2 +0.1"}) {
     EXPECT_THAT(outcome.out, ::testing::ContainsRegex(line));
   }
   EXPECT_THAT(FitLra({kOpenFile, "--moving-mass", "1.40(3)g", "--all"}).out,

@@ -161,7 +161,7 @@ TEST(FitPlan, MistakesAreNamed) {
   refused(UsualPlan({kOpenFile}), kOpenFile);
   refused(UsualPlan({"--free"}), "--free");
   refused(UsualPlan({"--want", "km 2%"}), "km is none of Kv, Bv, Km");
-  refused(UsualPlan({"--want", "Km 2"}), "Km 2 is no percentage");
+  refused(UsualPlan({"--want", "Km 2"}), "Km 2 is not a percentage");
   refused(UsualPlan({"--want", "Km 0%"}), "not above 0 %");
   refused(UsualPlan({"--guess", "R 27"}), "R is none of Q, Bv, Km");
   refused(UsualPlan({"--guess", "Q 0.4"}), "Q 0.4 is not from 2 to 1000");
@@ -170,7 +170,7 @@ TEST(FitPlan, MistakesAreNamed) {
   refused(UsualPlan({"--rate", "1kHz"}), "below 5 samples a period");
   refused(UsualPlan({"--length", "5ms"}), "below 2 periods");
   refused(UsualPlan({"--rebound", "2"}), "--rebound: lies from 0 to 1");
-  refused(UsualPlan({"--load", "open"}), "--load: is no load");
+  refused(UsualPlan({"--load", "open"}), "--load: is not a load");
   refused(Captured(RunFitLra, "fit-lra", {kOpenFile, "--want", "Km 2%"}), "--want");
 }
 

@@ -97,7 +97,8 @@ TEST(Options, RefuseWhatLiesOutsideAndStateTheBounds) {
       {{"--note", "bad"}, "--note: is bad; write another"},
       {{"--drop", "10(1)mm"}, "has an uncertainty, which is not used here"},
       {{"--drop", "1mm", "--band", "5"},
-       "--band: does not go with --drop: they measure different things; leave out one of the two"}};
+       "--band: cannot be combined with --drop: they measure different things; leave out one of "
+       "the two"}};
   for (const auto& [typed, said] : cases) {
     const Outcome outcome = Typed(typed);
     EXPECT_EQ(outcome.status, 2) << said;

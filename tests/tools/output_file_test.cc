@@ -102,7 +102,7 @@ TEST_F(OutputFileTest, AnExistingFileNeedsToBeOfItsKindAndAskedFor) {
   const std::string path = File("s.csv", "# resolution_hz = 1\nfrequency_hz,density\n1,2\n");
   EXPECT_THAT(Wrong(WriteOutput(path, kSpectrumOutput, false, "x")), HasSubstr("already exists"));
   EXPECT_THAT(Wrong(WriteOutput(path, kRowsOutput, true, "x")),
-              HasSubstr("is there and is not a table of time_s"));
+              HasSubstr("exists and is not a table of time_s"));
   EXPECT_EQ(Wrong(WriteOutput(path, kSpectrumOutput, true, "frequency_hz,x\n")), "");
   EXPECT_EQ(Content("s.csv"), "frequency_hz,x\n");
   // an empty file holds nothing that could be lost

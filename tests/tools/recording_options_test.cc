@@ -222,7 +222,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongPlan{{.duration_s = Quantity{.value = 0}}, "stream", "--duration: must be above 0"},
         WrongPlan{{.duration_s = Quantity{.value = -1}}, "stream", "--duration: must be above 0"},
         WrongPlan{{.duration_s = Quantity{.value = 1e10}}, "stream", "beyond 30 years"},
-        WrongPlan{{.until = "soon"}, "stream", "--until: 'soon' is no time of day"},
+        WrongPlan{{.until = "soon"}, "stream", "--until: 'soon' is not a time of day"},
         WrongPlan{{.pre_samples = 5}, "stream", "--pre-samples: is part of a trigger"},
         WrongPlan{
             {.hold_off_s = Quantity{.value = 1}}, "stream", "--hold-off: is part of a trigger"},

@@ -60,9 +60,9 @@ TEST(SensorOptions, OfAnotherSensorAreNotIgnored) {
 
   SensorOptions stream = On("stream");
   stream.rate_hz = Quantity{.value = 50};
-  EXPECT_EQ(Complaint(stream),
-            "--rate: is for samples, and for what is asked: the others have their own; leave it "
-            "out");
+  EXPECT_EQ(
+      Complaint(stream),
+      "--rate: is for samples, and for polled sensors: the others have their own; leave it out");
   stream = On("stream");
   stream.settings = {"averaging=8"};
   EXPECT_EQ(Complaint(stream), "--set: is for the amplifiers of the IL series; leave it out");

@@ -151,7 +151,7 @@ TEST_F(SimulateDrives, SaysWhatItNeeds) {
   expect(Simulate({Scene(kTones), "--explain"}), "drives with tones and has no duration");
   expect(Simulate({Scene(kPulse), "--duration", "1000s"}), "shorten duration_s to 376 s or less");
   expect(Simulate({Scene("[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 1e-9\n")}),
-         "at 1e-09 Hz the skin moves so little that rounding hides it; raise frequency_hz");
+         "at 1e-09 Hz the skin moves so little that rounding exceeds it; raise frequency_hz");
 }
 
 TEST_F(SimulateDrives, ChoosesEffectsUnderABurst) {
@@ -164,7 +164,7 @@ TEST_F(SimulateDrives, ChoosesEffectsUnderABurst) {
   EXPECT_EQ(answer.at("run").at("mover_peak_of_run_m"), 5e-5) << "as it was written";
   EXPECT_GE(answer.at("contact_force_least_n").get<double>(), 0);
   EXPECT_THAT(Simulate({Scene(kBurst, stops), "--explain"}).out,
-              HasSubstr("each effect forced on and left out"));
+              HasSubstr("each effect forced on and forced off"));
   EXPECT_THAT(Simulate({Scene(kBurst, stops)}).out, HasSubstr("    travel_stops  yes, without it"));
 }
 
@@ -299,7 +299,7 @@ TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
   expect(Simulate({scene, "--waveforms", Path("w.txt")}), "use .csv, .h5 or .bin");
   expect(Simulate({scene, "--plot", Path("w.txt")}), "w.txt");
   expect(Simulate({scene, "--rate", "1kHz"}), "add --waveforms FILE");
-  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}), "0 Hz is no rate");
+  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}), "0 Hz is not a rate");
   expect(Simulate({scene, "--rate", "1MHz", "--duration", "10s", "--waveforms", Path("w.csv")}),
          "10 s at 1e+06 Hz are 1e+07 rows; give a --duration or --rate for 1 to 2e+06");
   std::ofstream(Path("kept.csv")) << "the only copy";
@@ -328,7 +328,7 @@ TEST_F(SimulateDrives, ASweepHasTheRunUnderABurst) {
   std::ifstream table(Path("s.csv"));
   std::stringstream text;
   text << table.rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr("the drive is no sine: its numbers are those of run_"));
+  EXPECT_THAT(text.str(), HasSubstr("the drive is not a sine: its numbers are those of run_"));
   EXPECT_REL(json::parse(swept.out).at("best").at("value").get<double>(), rms_m * 2 / 5, 1e-12,
              "linear");
 }

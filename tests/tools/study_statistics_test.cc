@@ -229,7 +229,7 @@ TEST(AnalyzeMatching, RefusesImpossibleLines) {
   EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1", "up"}}), {}).error().Text(),
               HasSubstr("started 'up'; write high or low"));
   EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1V", "low"}}), {}).error().Text(),
-              HasSubstr("matched_v '1V' is no number"));
+              HasSubstr("matched_v '1V' is not a number"));
 }
 
 TEST(AnalyzeMatching, ContrastsWithinSubjectsWhereBothHaveALevel) {

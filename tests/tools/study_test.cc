@@ -137,7 +137,7 @@ TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
   EXPECT_THAT(differs.err, HasSubstr("/contrasts/0/ratio_interval/0 was 1, is 1.86"));
   EXPECT_THAT(differs.err, HasSubstr("4 differences"));
   Write("r.json", "{");
-  EXPECT_THAT(Study(verify).err, HasSubstr("is no JSON document"));
+  EXPECT_THAT(Study(verify).err, HasSubstr("is not a JSON document"));
 }
 
 TEST_F(StudyVerb, NamesWhatIsMissingAndAnswersTheRest) {
@@ -161,7 +161,7 @@ TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   Trial("2.csv", 10, "# label.subject = x\n");
   const Outcome outcome = Study({directory()});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; say haptometer trial label"));
+  EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; use haptometer trial label"));
   EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subject, 1 condition\n"));
 }
 
@@ -190,7 +190,7 @@ TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
   EXPECT_THAT(methods, HasSubstr("\n- command: haptometer study "));
   const Outcome again = Study(words);
   EXPECT_EQ(again.status, 2);
-  EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or say --overwrite"));
+  EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or give --overwrite"));
 }
 
 TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {
@@ -297,8 +297,8 @@ TEST_F(StudyVerb, RefusesWhatIsWrong) {
   WriteNamedTrials();
   const std::string pattern = "s{subject}_{condition}";
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{directory(), "--contrast", "ia1"}, "'ia1' is no pair of conditions"},
-      {{directory(), "--contrast", "a:a"}, "'a:a' is no pair of conditions"},
+      {{directory(), "--contrast", "ia1"}, "'ia1' is not a pair of conditions"},
+      {{directory(), "--contrast", "a:a"}, "'a:a' is not a pair of conditions"},
       {{directory(), "--pattern", "{who}"}, "{who} is not a label"},
       {{directory(), "--pattern", "{subject}{subject}"}, "stands in it twice"},
       {{directory(), "--pattern", "x"}, "holds no label"},
@@ -306,7 +306,8 @@ TEST_F(StudyVerb, RefusesWhatIsWrong) {
       {{directory(), "--band", "5-2Hz"}, ""},
       {{directory_ / "s9_a.csv"}, "is neither a folder nor a manifest"},
       {{Write("a.toml", "contrast = []\n")}, "did you mean contrasts?"},
-      {{Write("b.toml", "contrasts = [[\"a\"]]\n")}, "something else than pairs"},
+      {{Write("b.toml", "contrasts = [[\"a\"]]\n")},
+       "holds something other than pairs of two conditions"},
       {{Write("c.toml", "conditions = [1]\n")}, "is not a list of texts"},
       {{Write("d.toml", "contrasts = [\"a\"]\n")}, "is not a list of lists of texts"},
       {{Write("e.toml", "[[trials]]\nsubject = \"1\"\n")}, "files: is missing"},

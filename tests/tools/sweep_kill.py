@@ -52,7 +52,7 @@ def disturb(table, whole, moments):
         check(process.returncode in (130, -signal.SIGINT, -signal.SIGKILL),
               f"ends with {process.returncode}: {said}")
         if process.returncode == 130:
-            check("go on with --resume" in said, said)
+            check("continue with --resume" in said, said)
             check(there.endswith(b"\n"), "Ctrl-C leaves a part of a row")
         kills += 1
         took_s = min(1.5 * took_s, 2.0)  # on a busy machine it needs longer to come anywhere

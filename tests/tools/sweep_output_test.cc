@@ -99,7 +99,7 @@ TEST(SweepDocument, RefusalsAreItsReasons) {
   answer.findings.Refuse(dsp::FindingKind::kNoResponse);
   answer.findings.Doubt(dsp::FindingKind::kNoDriveChannel);
   const auto json = nlohmann::json::parse(JsonOf(DocumentOf(answer)));
-  EXPECT_EQ(json["reasons"], nlohmann::json({"nothing in the displacement follows the drive"}));
+  EXPECT_EQ(json["reasons"], nlohmann::json({"the displacement shows no response to the drive"}));
   EXPECT_EQ(json["findings"].size(), 2U);
 }
 

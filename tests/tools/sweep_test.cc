@@ -254,12 +254,12 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{kCone, "--vary", "drive.amplitude_v=1,,2"}, "empty or not printable"},
       {{kCone, "--vary", "drive.amplitude_v=1:2"}, "is not BEGIN:END:COUNT"},
       {{kCone, "--vary", "drive.amplitude_v=1:2:3:4"}, "is not BEGIN:END:COUNT"},
-      {{kCone, "--vary", "drive.amplitude_v=1:2:1"}, "'1' is no count of values"},
-      {{kCone, "--vary", "drive.amplitude_v=1:2:x"}, "'x' is no count of values"},
+      {{kCone, "--vary", "drive.amplitude_v=1:2:1"}, "'1' is not a count of values"},
+      {{kCone, "--vary", "drive.amplitude_v=1:2:x"}, "'x' is not a count of values"},
       {{kCone, "--vary", "drive.amplitude_v=2:2:3"}, "ends between which there is nothing"},
       {{kCone, "--vary", "drive.amplitude_v=log:0:2:3"}, "reaches to 0 or below"},
       {{kCone, "--vary", "drive.amplitude_v=1:2:3", "--samples", "5"}, "is to be sampled"},
-      {{kCone, "--vary", "drive.amplitude_v=1,2", "--seed", "5"}, "--seed: stands without"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--seed", "5"}, "--seed: needs --samples"},
       {{kCone, "--vary", "drive.amplitude_v=1:2", "--samples", "0"}, "'0' is not a whole number"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--vary", "drive.amplitude_v=3"},
        "--vary drive.amplitude_v: is given twice"},
@@ -272,7 +272,8 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--shard", "1/"}, "'1/' is not I/N"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--best", "skin_rms"},
        "did you mean skin_rms_m?"},
-      {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"}, "beside --resume"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"},
+       "cannot be combined with --resume"},
       {{"--merge", kCone, "--threads", "2"}, "joins tables and computes nothing"}};
   for (const auto& [words, said] : faults) {
     const Outcome outcome = Sweep(words, "t.csv");

@@ -121,7 +121,7 @@ TEST_F(SweepVerb, GoesOnOnlyWithItsOwnTable) {
   (void)File("t.csv", "time_s,voltage_v\n1,2\n");
   const Outcome foreign = Sweep(kGrid, "t.csv", {"--resume"});
   EXPECT_EQ(foreign.status, 3);
-  EXPECT_THAT(foreign.err, HasSubstr("t.csv: is no table of haptometer sweep"));
+  EXPECT_THAT(foreign.err, HasSubstr("t.csv: is not a table of haptometer sweep"));
 }
 
 // the table of a version that wrote no checksums
@@ -204,7 +204,7 @@ TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {
   (void)File("t.csv", "the only copy\n");
   const Outcome outcome = Sweep(kGrid, "t.csv");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("already exists; go on with it by --resume"));
+  EXPECT_THAT(outcome.err, HasSubstr("already exists; continue it with --resume"));
   EXPECT_EQ(Content("t.csv"), "the only copy\n");
   // and no file of another kind
   EXPECT_THAT(Sweep(kGrid, "t.csv", {"--overwrite"}).err, HasSubstr("is not a sweep's table"));
@@ -247,8 +247,9 @@ TEST_F(SweepVerb, RefusesWhatMakesNoWhole) {
   refused({"half.csv", "2.csv", "3.csv", "1.csv"}, 2, "holds point 1, which ");
   refused({"1.csv", "2.csv", "other.csv"}, 2,
           "'sampling = latin hypercube, 40 samples, seed 8', not 'sampling");
-  refused({"1.csv", "cut.csv", "3.csv"}, 3, "cut.csv: ends amid a row; go on with it by --resume");
-  refused({"1.csv", "header.csv"}, 3, "header.csv: is no table of haptometer sweep");
+  refused({"1.csv", "cut.csv", "3.csv"}, 3,
+          "cut.csv: ends within a row; continue it with --resume");
+  refused({"1.csv", "header.csv"}, 3, "header.csv: is not a table of haptometer sweep");
   refused({"1.csv", "none.csv"}, 3, "none.csv: no such file");
 }
 

@@ -154,12 +154,12 @@ TEST_F(TrialVerb, ExportsDoNotOverwriteSilently) {
   std::ofstream(csv) << "precious";
   const Outcome refused = Trial({"export", trial_, "-o", csv});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("already exists; name another file, or say --overwrite"));
+  EXPECT_THAT(refused.err, HasSubstr("already exists; name another file, or give --overwrite"));
   EXPECT_EQ(Content(csv), "precious");
   // not even then: it is no table of ours
   const Outcome other = Trial({"export", trial_, "-o", csv, "--overwrite"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("is there and is not a table of time_s"));
+  EXPECT_THAT(other.err, HasSubstr("exists and is not a table of time_s"));
   EXPECT_EQ(Content(csv), "precious");
   std::ofstream(csv) << "# source = an older export\ntime_s,displacement_m\n0,1\n";
   EXPECT_EQ(Trial({"export", trial_, "-o", csv, "--overwrite"}).status, 0);

@@ -96,7 +96,7 @@ TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\n"
                       "first = { voltage_v = 1, displacement_m = 0 }\n"
                       "second = { voltage_v = 2, displacement_m = 1 }\n"),
-              HasSubstr("is said twice"));
+              HasSubstr("is given twice"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\nbad_above_v = 1\nbad_below_v = 2\n"),
               HasSubstr("bad_below_v: is not below bad_above"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\ndaq_max_v = 1\ndaq_min_v = 2\n"),

@@ -174,7 +174,7 @@ def check_refusals(directory):
         done = run("trial", "export", trial, "-o", target, status=2)
         check("already exists" in done.stderr and open(target).read() == "precious", ending)
         done = run("trial", "export", trial, "-o", target, "--force", status=2)
-        check("is there and is not" in done.stderr and open(target).read() == "precious", ending)
+        check("exists and is not" in done.stderr and open(target).read() == "precious", ending)
         os.remove(target)
         run("trial", "export", trial, "-o", target)
         older = os.stat(target)

@@ -114,7 +114,7 @@ TEST(Hdf5, ATrialThatGrowsMeanwhileIsExportedAsItWasRead) {
     EXPECT_EQ(done.has_value(), rows >= 30) << rows;
     if (!done) {
       EXPECT_EQ(done.error().cause, Cause::kCannotAnswer);
-      EXPECT_THAT(done.error().Text(), HasSubstr("fewer rows than a moment ago"));
+      EXPECT_THAT(done.error().Text(), HasSubstr("has fewer rows than when it was opened"));
     }
   }
 }

@@ -274,7 +274,7 @@ TEST(TrialReader, FilesThatAreNoTrialsAreExplained) {
             "binary mode");
   EXPECT_THAT(ErrorOf(whole.substr(0, 5)), HasSubstr("is cut short within its first bytes"));
   EXPECT_THAT(ErrorOf(whole.substr(0, 40)), HasSubstr("both copies of its header"));
-  EXPECT_THAT(ErrorOf("\x01\x02random"), HasSubstr("is no trial; give a trial.bin"));
+  EXPECT_THAT(ErrorOf("\x01\x02random"), HasSubstr("is not a trial; give a trial.bin"));
 }
 
 TEST(SourcesOf, AreStatedOrImportedOrNotKnown) {
@@ -329,7 +329,7 @@ TEST(ReadRecording, TellsTrialAndCsvApartAndRefusesTheRest) {
   EXPECT_THAT(message(std::string("\x7f"
                                   "ELF\x02\x01\x01\0",
                                   8)),
-              HasSubstr("is no trial; give a"));
+              HasSubstr("is not a trial; give a"));
   EXPECT_THAT(message("Dear Sir,\nthe vibration was strong.\n"),
               HasSubstr("no time column is named in its first line"));
   EXPECT_THAT(message("\xff\xfetime"), HasSubstr("no time column"));

@@ -171,7 +171,7 @@ TEST(TrialWriter, ExistingFilesAreRefusedUnlessReplaced) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().cause, Cause::kUsage);
   EXPECT_EQ(refused.error().Text(),
-            path + ": already exists; name another file, or say <overwrite>");
+            path + ": already exists; name another file, or give <overwrite>");
   EXPECT_EQ(std::filesystem::file_size(path), 8);
   auto replaced = TrialWriter::Create(path, header, {.overwrite = true}, clock);
   ASSERT_TRUE(replaced) << replaced.error().Text();

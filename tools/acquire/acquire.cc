@@ -115,7 +115,8 @@ std::function<void(const acquire::RecordingSummary&)> TellAbsences() {
   return [was_away = false](const acquire::RecordingSummary& summary) mutable {
     if (summary.is_away == was_away) return;
     was_away = summary.is_away;
-    cli::Remark(kVerb, was_away ? "the device is gone, and waited for" : "the device is back");
+    cli::Remark(kVerb,
+                was_away ? "the device is disconnected; waiting for it" : "the device is back");
   };
 }
 
@@ -156,7 +157,7 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
     return cli::ReportError(kVerb,
                             {Cause::kCannotAnswer, port,
                              fmt::format("the trigger did not fire in {} readings", summary.seen),
-                             "look at the values with --live, and set --trigger within them"});
+                             "examine the values with --live, and set --trigger within them"});
   }
   return cli::ReportError(
       kVerb, {Cause::kCannotAnswer, port,
@@ -198,7 +199,7 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
   acquire::SingleTrial sink(*writer);
   auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
   if (const std::string& moved_to = writer->totals().moved_to; summary && !moved_to.empty()) {
-    return Failed(file, "was moved while it was recorded", "it is whole, at " + moved_to);
+    return Failed(file, "was moved while it was recorded", "it is complete, at " + moved_to);
   }
   return summary;
 }

@@ -226,8 +226,9 @@ class TareMean {
 
   [[nodiscard]] Result<double> Mean(const std::string& name) const {
     if (is_uniform() && !is_over_) {
-      return CannotAnswer(name, "sent less than a second of readings and fell silent during --tare",
-                          "check that the source goes on, or leave --tare out");
+      return CannotAnswer(name,
+                          "sent less than a second of readings and then stopped during --tare",
+                          "check that the source continues, or leave --tare out");
     }
     if (count_ > 0) return mean_;
     return CannotAnswer(name, "gave no measurement to tare by",

@@ -157,25 +157,25 @@ CheckItem CheckDistance(const Context& c) {
 
 CheckItem CheckHold(const Context& c) {
   const std::string& hold = c.header.metadata.hold;
-  if (hold.empty()) return Unknown("the sensor does not say");
+  if (hold.empty()) return Unknown("the sensor does not report it");
   if (hold == "sample") return Ok("sample: each reading is the displacement");
   return Fix(hold + ": readings are not the displacement now", c.Again("--set hold=sample"));
 }
 
 CheckItem CheckHighPass(const Context& c) {
   const std::optional<int> code = c.Field("keyence_data_133");
-  if (!code) return Unknown("the sensor does not say");
+  if (!code) return Unknown("the sensor does not report it");
   if (*code == kDifferenceCode) {
-    return Fix("off, but the difference-count filter is on: small steps are swallowed",
+    return Fix("off, but the difference-count filter is on: small steps are suppressed",
                c.Again("--set averaging=1"));
   }
   if (*code != kHighPassCode) return Ok("off");
-  return Fix("on: what is slow is taken away", c.Again("--set high-pass=off"));
+  return Fix("on: slow motion is removed", c.Again("--set high-pass=off"));
 }
 
 CheckItem CheckAveraging(const Context& c) {
   const std::vector<ToneGain> gains = AveragingGains(c.header.metadata, c.question.band);
-  if (gains.empty()) return Unknown("the sensor does not say");
+  if (gains.empty()) return Unknown("the sensor does not report it");
   const dsp::BandPass& band = c.question.band;
   std::string arrives;
   bool is_enough = true;
@@ -228,7 +228,7 @@ CheckItem CheckNoise(const Context& c) {
   const auto hundredth = SmallestRmsOf(c.findings, c.question.band, 0.01);
   if (!tenth || !hundredth) {
     return Fix("not known in the band: " + c.findings.no_noise_because,
-               "settle what stands above, then " + c.question.command + " --check");
+               "correct what is listed above, then " + c.question.command + " --check");
   }
   std::string finding = fmt::format(
       "{:.3g} um RMS in {:g}-{:g} Hz: an RMS from {:.3g} um on may be reported to 10 %, "
@@ -236,12 +236,12 @@ CheckItem CheckNoise(const Context& c) {
       *c.findings.noise_m * kUmPerM, c.question.band.lower_hz, c.question.band.upper_hz,
       *tenth * kUmPerM, *hundredth * kUmPerM);
   if (c.findings.tone_hz) {
-    finding += fmt::format("; {:.3g} um RMS at {:.5g} Hz are there and are not counted",
+    finding += fmt::format("; {:.3g} um RMS at {:.5g} Hz are present and not included",
                            *c.findings.tone_rms_m * kUmPerM, *c.findings.tone_hz);
   }
   const auto wanted_m = c.question.smallest_rms_m;
   if (!wanted_m || *tenth <= *wanted_m) return Ok(std::move(finding));
-  finding += fmt::format("; {:.3g} um are asked for", *wanted_m * kUmPerM);
+  finding += fmt::format("; {:.3g} um are required", *wanted_m * kUmPerM);
   return Fix(std::move(finding),
              "use a white, diffuse target, keep head and target still, or take a better head: "
              "acquire --list-sensors");
@@ -251,7 +251,7 @@ CheckItem CheckRepeated(const Context& c) {
   const CheckFindings& f = c.findings;
   const auto readings = static_cast<double>(f.summary.readings);
   const double share = static_cast<double>(f.summary.repeated()) / std::max(readings, 1.0);
-  std::string finding = fmt::format("{:.1f} % of the readings were handed out again", share * 100);
+  std::string finding = fmt::format("{:.1f} % of the readings are repeated", share * 100);
   if (f.measured >= kLeastForHeld &&
       static_cast<double>(f.longest_hold) > kMostHeld * static_cast<double>(f.measured)) {
     return Fix(fmt::format("one value stood for {} of {} readings", f.longest_hold, f.measured),
@@ -299,7 +299,7 @@ CheckItem CheckBad(const Context& c) {
 CheckItem CheckClock(const Context& c) {
   const CheckFindings& f = c.findings;
   std::string finding = fmt::format(
-      "jitter {:.3g} ms, {} gaps, a reading's time known to {:.3g} ms",
+      "jitter {:.3g} ms, {} gaps, standard uncertainty of a reading's time {:.3g} ms",
       f.summary.interval_sd_s.value_or(0) * 1e3, f.summary.gaps, f.time_uncertainty_s * 1e3);
   if (f.summary.gaps > 0) {
     return Fix(std::move(finding),

@@ -67,7 +67,7 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
 Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clock) {
   const auto format = acquire::SampleFormatFromName(wanted.format);
   if (!format) {
-    return Usage("--format", fmt::format("'{}' is no form of samples", wanted.format),
+    return Usage("--format", fmt::format("'{}' is not a form of samples", wanted.format),
                  "use f64, f32, i16 or text");
   }
   auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);

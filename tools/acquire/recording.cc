@@ -87,7 +87,7 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   if (wanted.reconnect == "forever") return {};
   const auto quantity = ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect");
   if (!quantity) return std::unexpected(quantity.error());
-  const auto time = ReadTime("--reconnect", *quantity, "say forever");
+  const auto time = ReadTime("--reconnect", *quantity, "give forever");
   if (!time) return std::unexpected(time.error());
   plan.longest_away_ns = *time;
   return {};
@@ -99,26 +99,29 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
   options.Output("-o,--output", &wanted.output, "FILE|DIR/",
                  "The trial to write; a directory names it by start, sensor and labels");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
-                 "Stop after this time (with a trigger: each shot's)");
+                 "Stop after this time, with a trigger after this time of each shot");
   options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
-                "Stop after this many readings (with a trigger: each shot's)");
+                "Stop after this many readings, with a trigger after this many of each shot");
   options.Text("--until", &wanted.until, "HH:MM[:SS]",
                "Stop at this local time; also YYYY-MM-DDTHH:MM[:SS]");
   options.Text("--trigger", &wanted.trigger, "[CHANNEL] KIND VALUE",
                "Record from here on: 'rising 0.1mm', 'voltage above 1V'; KIND is above, below, "
                "rising or falling");
   options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
-                "Readings kept from before each trigger", cli::Shown::kHelpAll);
+                "Number of readings stored from before each trigger", cli::Shown::kHelpAll);
   options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
                  "Least time from one trigger to the next", cli::Shown::kHelpAll);
-  options.Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53,
-                "How many triggers are answered (1)", cli::Shown::kHelpAll);
+  options
+      .Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53, "Number of triggers to record",
+             cli::Shown::kHelpAll)
+      .Default("1");
   options.Text("--reconnect", &wanted.reconnect, "TIME|forever",
-               "Wait so long for a device that went away, and go on");
-  options.Flag("--tare", &wanted.tare,
-               "Keep the mean of the second before the recording as its zero; readings stay as "
-               "sent");
-  options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
+               "Wait up to this time for a disconnected device, and continue");
+  options.Flag(
+      "--tare", &wanted.tare,
+      "Store the mean of the second before the recording as its zero; readings are not changed");
+  options.Repeated("--label", &wanted.labels, "KEY=VALUE",
+                   "Label to store with the trial; may be repeated");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing trial");
 }
 
@@ -323,7 +326,7 @@ Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
     }
     return *instant;
   }
-  return Usage("--until", fmt::format("'{}' is no time of day", text),
+  return Usage("--until", fmt::format("'{}' is not a time of day", text),
                "write HH:MM, HH:MM:SS or YYYY-MM-DDTHH:MM, in local time");
 }
 
@@ -403,20 +406,22 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
   options.Flag("--live", &wanted.live,
                "Show level, band RMS and a plot; without -o nothing is kept");
   options.Flag("--check", &wanted.check,
-               "Look for 10 s (--duration) whether the sensor is ready, and say what to fix");
+               "Check for 10 s (--duration) whether the sensor is ready, and list what to correct");
   options.Number("--smallest-rms", &wanted.smallest_rms_m, Dimension::kLength,
-                 "An RMS that --check has to find reportable to 10 %", cli::Shown::kHelpAll);
+                 "RMS that --check requires to be reportable to 10 %", cli::Shown::kHelpAll);
   options.Flag("--list-ports", &wanted.list_ports, "List the serial ports, and record nothing");
   options.Flag("--list-sensors", &wanted.list_sensors,
-               "Say which sensors can answer --band and --resolution, and record nothing");
+               "List which sensors meet --band and --resolution, and record nothing");
   options.Text("--band", &wanted.band, "LOWER-UPPERHz",
-               "What --live, --check and --list-sensors ask about; 20-500Hz");
-  options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
-                 "For --list-sensors: largest step that is fine enough; 1um");
+               "Band that --live, --check and --list-sensors examine");
+  options
+      .Number("--resolution", &wanted.resolution_m, Dimension::kLength,
+              "Largest permitted step, for --list-sensors")
+      .Default("1 um");
   DeclareDaemon(options, wanted.daemon);
-  options.Flag("--all", &wanted.outputs.all, "Numbers and provenance too");
+  options.Flag("--all", &wanted.outputs.all, "Print all numbers and the provenance too");
   options.Output("--report", &wanted.outputs.report, "FILE.html",
-                 "A page with what is printed, all numbers and the provenance",
+                 "Write a page with what is printed, all numbers and the provenance",
                  cli::Shown::kHelpAll);
 }
 

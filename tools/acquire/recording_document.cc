@@ -31,13 +31,14 @@ document::Sentence SentenceOf(RecordingFinding kind) {
   switch (kind) {
     case RecordingFinding::kTimesStraightened:
       return {"times-straightened",
-              "the times of arrival are fitted by straight lines; standard uncertainty of a time "
+              "the times of arrival are fitted to a uniform clock; standard uncertainty of a time "
               "{time_uncertainty_s}"};
     case RecordingFinding::kLatencyUnknown:
       break;
   }
   return {"latency-unknown",
-          "all times are late by one latency of at least {latency_at_least_s}, which is not known"};
+          "all times have one constant delay of at least {latency_at_least_s}, whose value is not "
+          "known"};
 }
 
 Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,

@@ -18,7 +18,7 @@ namespace {
 Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind) {
   const bool is_pipe = kind.type == SensorType::kPipe;
   if (!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe) {
-    return Usage("--format", "is for lines that come unasked and for samples",
+    return Usage("--format", "is for lines that are sent without request and for samples",
                  "add --sensor stream or --sensor pipe");
   }
   for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
@@ -26,7 +26,7 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
     if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
   }
   if (wanted.rate_hz && !is_pipe && !kind.is_asked) {
-    return Usage("--rate", "is for samples, and for what is asked: the others have their own",
+    return Usage("--rate", "is for samples, and for polled sensors: the others have their own",
                  "leave it out");
   }
   if (!wanted.speed.empty() && !kind.is_played) {
@@ -41,10 +41,10 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
                  "name what is piped in, e.g. --channels displacement:m,voltage:V");
   }
   if (!wanted.rate_hz) {
-    return Usage("--rate", "is missing", "give the rows a second, e.g. --rate 10kHz");
+    return Usage("--rate", "is missing", "give the rows per second, e.g. --rate 10kHz");
   }
   if (wanted.format.empty()) {
-    return Usage("--format", "is missing", "say how the samples come: f64, f32, i16 or text");
+    return Usage("--format", "is missing", "give the form of the samples: f64, f32, i16 or text");
   }
   return {};
 }
@@ -64,45 +64,50 @@ Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
 }  // namespace
 
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
-  options.Text(
-      "--port", &wanted.port, "PORT",
-      "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
-      "pipe (standard input)");
-  options.Text(
-      "--sensor", &wanted.sensor, "NAME",
-      "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
-      "keyence-lkg: an LK-G3001; modbus: registers, with --profile; stream: lines that come "
-      "unasked; pipe: another program's samples; replay: a trial; scene:FILE: a simulated "
-      "scene");
-  options.Count(
-      "--baud", &wanted.baud, 50, 4'000'000,
-      "Bits per second (keyence-il, keyence-lkg: 9600; modbus: the profile's; stream: 921600)");
-  options.Choice("--command", &wanted.command, {"m0", "m1", "m2", "ms"},
-                 "What a Keyence is asked: m0 (default), ms (with the outputs); keyence-lkg: m1 "
-                 "(default), m2, m0",
-                 cli::Shown::kHelpAll);
+  options
+      .Text("--port", &wanted.port, "PORT",
+            "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
+            "pipe")
+      .Default("standard input for pipe");
+  options.Text("--sensor", &wanted.sensor, "NAME",
+               "keyence-il: a polled DL-RS1A; keyence-en1: a DL-EN1 (TCP); keyence-lkg: an "
+               "LK-G3001; modbus: registers, with --profile; stream: lines sent without request; "
+               "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
+  options.Count("--baud", &wanted.baud, 50, 4'000'000, "Bits per second")
+      .Default("9600, 921600 for stream, the profile's for modbus");
+  options
+      .Choice(
+          "--command", &wanted.command, {"m0", "m1", "m2", "ms"},
+          "Read command sent to a Keyence: m0 or ms (with the outputs); keyence-lkg: m1, m2 or m0",
+          cli::Shown::kHelpAll)
+      .Default("m0, m1 for keyence-lkg");
   options.Count("--decimals", &wanted.decimals, 0, 5,
-                "Of a value in mm, where a DL-EN1 or LK-G does not tell", cli::Shown::kHelpAll);
+                "Decimal places of a value in mm, where a DL-EN1 or LK-G does not report them",
+                cli::Shown::kHelpAll);
   options.Flag("--device-zero", &wanted.device_zero,
-               "Shift the zero of the IL amplifiers to where they look now", cli::Shown::kHelpAll);
+               "Set the zero of the IL amplifiers to the present position of their target",
+               cli::Shown::kHelpAll);
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
                "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
                "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
   options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
-               "What is piped in, e.g. displacement:um,voltage:V,trigger");
-  options.Number(
-      "--rate", &wanted.rate_hz, Dimension::kFrequency,
-      "Rows a second that are piped in; others that are asked are asked so often at most");
-  options.Text("--calibration", &wanted.calibration, "FILE",
-               "What the volts or counts of a piped channel mean (docs/reference/formats.md)");
-  options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
-               "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
+               "Channels of a pipe, e.g. displacement:um,voltage:V,trigger");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+                 "Rows per second of a pipe; of a polled sensor the largest polling rate");
+  options.Text(
+      "--calibration", &wanted.calibration, "FILE",
+      "Calibration of the volts or counts of a pipe's channels (docs/reference/formats.md)");
+  options
+      .Text("--speed", &wanted.speed, "recorded|max|FACTOR", "Speed of a replay or a scene",
+            cli::Shown::kHelpAll)
+      .Default("max for a replay, recorded for a scene");
   options.Text("--profile", &wanted.profile, "NAME|FILE",
-               "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
-  options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
-  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often a Keyence refreshes its values (DL-RS1A with one amplifier: 7 ms)",
-                 cli::Shown::kHelpAll);
+               "Profile of the Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
+  options.Count("--slave", &wanted.slave, 0, 255, "Modbus address").Default("the profile's");
+  options
+      .Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+              "Interval at which a Keyence refreshes its values", cli::Shown::kHelpAll)
+      .Default("7 ms, of a DL-RS1A with one amplifier");
   options.Repeated("--set", &wanted.settings, "KEY=VALUE",
                    "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
                    "high-pass=off; may be repeated",
@@ -146,7 +151,7 @@ Result<double> ReadSpeed(const std::string& speed) {
   if (speed == "recorded" || speed.empty()) return 1.0;
   const auto factor = trial::ReadNumber(speed);
   if (!factor || !std::isfinite(*factor) || !(*factor > 0)) {
-    return Usage("--speed", fmt::format("'{}' is no speed", speed),
+    return Usage("--speed", fmt::format("'{}' is not a speed", speed),
                  "write recorded, max, or a factor such as 10");
   }
   return *factor;

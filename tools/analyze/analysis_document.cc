@@ -129,7 +129,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
                 tone.fit.frequency_uncertainty_hz);
   } else {
     AddWords(section, "strongest tone",
-             analysis.frequency_move ? "none: the frequency moves" : "none above the noise");
+             analysis.frequency_move ? "none: the frequency changes" : "none above the noise");
   }
   const auto add = [&](const Key& key, bool is_known) {
     Item& item = section.Add(key, If(is_known, tone.amplitude_m));
@@ -161,7 +161,7 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
                document::kSecond},
               edge.rise_at_most_s);
   if (!edge.rise_s && !edge.rise_at_most_s) {
-    AddWords(section, "rise", "not determined: the noise hides its beginning");
+    AddWords(section, "rise", "not determined: the noise masks its beginning");
   }
   section.Add({"drive_s"}, onset.drive_s);
   if (onset.latency_s) {
@@ -190,7 +190,7 @@ Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
   section.Add(document::kWindowS, RangeOf(numbers.part.window)).note = because;
   section.Add({"window_because"}, because);
   section.Add({"band_rms_whole_m", "whole record (RMS)", document::kMetre}, numbers.whole_rms_m)
-      .note = "unsettled ends and pauses included";
+      .note = "including filter transients at the ends, and pauses";
   AddTone(analysis, numbers, section);
   section.sections.push_back(OnsetSection(numbers.onset));
   return section;
@@ -209,7 +209,7 @@ Section BandSection(const AnalyzedFile& file, const dsp::BandPass& band) {
 
 // by dsp::FaultKind
 constexpr std::array<std::string_view, dsp::kFaultKindCount> kArtifacts{
-    "clipped stretches", "held readings", "spikes", "steps"};
+    "clipped segments", "held readings", "spikes", "steps"};
 
 Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
   Section section{.name = "faults", .is_known = file.analysis.has_value()};
@@ -264,7 +264,7 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   section.Add({"peak_to_peak_m", "peak to peak", document::kMetre}, record.peak_to_peak_m).note =
       "unfiltered";
   AddSlowMotion(analysis.slow_motion, section);
-  section.Add({"frequency_moves_hz", "frequency moves", document::kHertz},
+  section.Add({"frequency_moves_hz", "frequency changes", document::kHertz},
               analysis.frequency_move ? Value(document::Range{analysis.frequency_move->from_hz,
                                                               analysis.frequency_move->to_hz})
                                       : Value());
@@ -528,15 +528,15 @@ Section ClosingSection(bool has_numbers) {
 }
 
 std::string_view LatencyVerdict(double latency_s) {
-  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
-  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
+  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cause errors";
+  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it causes errors; below 50 ms";
   return "above 50 ms, where it is perceived";
 }
 
 std::string_view LatencyVerdict(const sim::SkinRise& rise) {
   const std::string_view verdict = LatencyVerdict(rise.LatencyAtMostS());
   if (verdict == LatencyVerdict(rise.latency_s - rise.uncertainty_s)) return verdict;
-  return "too uncertain to be held against 25 and 50 ms";
+  return "too uncertain to be compared with 25 and 50 ms";
 }
 
 std::optional<double> LatencyBelowS(const sim::SkinRise& rise) {

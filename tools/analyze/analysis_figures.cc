@@ -69,7 +69,7 @@ plot::Panel DistancePanel(const std::vector<double>& times_s, std::span<const do
   return {fmt::format("distance, about {:.5g} um", offset_m / kUm),
           "time / s",
           "distance / um",
-          {{"left out", plot::Lines(plot::kGrey), times_s, Where(values, offset_m, unused)},
+          {{"excluded", plot::Lines(plot::kGrey), times_s, Where(values, offset_m, unused)},
            {"window", plot::Lines(plot::kBlue), times_s, Where(values, offset_m, used)}}};
 }
 

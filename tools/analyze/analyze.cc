@@ -32,7 +32,9 @@ constexpr std::string_view kVerb = "analyze";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Say how much a trial vibrates within a band, and over which part of it.",
+    .summary =
+        "Determine the band-limited RMS displacement of a recording, and the part of it that is "
+        "used.",
     .examples = {"analyze trial.bin", "analyze --floor drive_off.bin trial.bin --report trial.html",
                  "analyze --json a.bin b.bin c.csv --window 1s:3s"}};
 
@@ -73,7 +75,7 @@ Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
   auto panels = AnalysisPanels(rows, *file.analysis);
   if (!panels) return std::unexpected(panels.error());
   file.figures.push_back(
-      {"The record, the filtered signal and a part of it. Grey: no number is of it.",
+      {"The record, the filtered signal and a part of it. Grey: excluded from analysis.",
        *std::move(panels)});
   if (spectrum) {
     file.figures.push_back({"Spectrum of the unfiltered window (Welch, one-sided).", {*spectrum}});

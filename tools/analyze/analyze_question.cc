@@ -24,8 +24,8 @@ constexpr std::int64_t kMostThreads = 64;
 Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos) {
-    return Usage("--window", fmt::format("'{}' is no window", text),
-                 "say auto, all, or two times as 1s:3s");
+    return Usage("--window", fmt::format("'{}' is not a window", text),
+                 "give auto, all, or two times as 1s:3s");
   }
   const auto begin_s = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
   if (!begin_s) return std::unexpected(begin_s.error());
@@ -53,15 +53,16 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
        {"--response", &words.response}}};
   for (const auto& [option, path] : tables) {
     if (path->empty() || words.files.size() < 2) continue;
-    return Usage(std::string(option), fmt::format("is of one trial, not {}", words.files.size()),
+    return Usage(std::string(option),
+                 fmt::format("applies to one trial, not to {}", words.files.size()),
                  "give one file");
   }
   if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
-    return Usage("--sweep", "goes without --window, --floor and --report",
+    return Usage("--sweep", "cannot be combined with --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
   }
   if (!words.sweep && !words.response.empty()) {
-    return Usage("--response", "is of a sweep", "say --sweep too");
+    return Usage("--response", "applies to a sweep only", "give --sweep too");
   }
   if (!words.response.empty()) {
     auto writable =
@@ -71,8 +72,8 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   const bool has_spectrum = !words.spectrum.spectrum.empty() ||
                             !words.spectrum.spectrogram.empty() || !words.report.empty();
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
-    return Usage("--resolution", "is of a spectrum or a sweep",
-                 "say --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
+    return Usage("--resolution", "applies to a spectrum or a sweep only",
+                 "give --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
   }
   return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
 }
@@ -97,28 +98,29 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                        "Trials (trial.bin) or CSV with time_s,displacement_m");
   cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
   options->Text("--window", &words->window, "auto|all|FROM:TO",
-                "Which part: the steady drive (auto, default), all that has settled, or 1s:3s");
+                "Part to use: the steady drive (auto), all that is free of filter transients "
+                "(all), or an interval such as 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
-                "A drive-off trial: its noise in the band is taken off in power");
-  options->Flag("--all", &words->all,
-                "Print everything that is known, with the uncertainty budget");
+                "Drive-off trial whose noise in the band is subtracted (mean square)");
+  options->Flag("--all", &words->all, "Print all numbers, with the uncertainty budget");
   options->Output("--plot", &words->plot, "FILE.svg|png|pdf",
-                  "Draw the trial and what was used of it");
+                  "Draw the trial and the part that is used");
   options->Output("--report", &words->report, "FILE.html",
-                  "One page with figures, numbers, assumptions and settings");
+                  "Write one page with figures, numbers, assumptions and settings");
   options->Flag("--sweep", &words->sweep,
-                "The drive's frequency moves: amplitude over frequency, f0 and Q",
+                "Analyse a drive of changing frequency: amplitude over frequency, f0 and Q",
                 cli::Shown::kHelpAll);
-  options->Output("--response", &words->response, "FILE.csv", "The sweep's points",
+  options->Output("--response", &words->response, "FILE.csv", "Write the points of a sweep",
                   cli::Shown::kHelpAll);
-  options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
-                  "Of the drive: fitted where a record is too slow for the band (default: what the "
-                  "file says)",
-                  cli::Shown::kHelpAll);
-  options->Count(
-      "--threads", &words->threads, 1, kMostThreads,
-      "Threads that filter (default: as many as there are cores); no number depends on it",
-      cli::Shown::kHelpAll);
+  options
+      ->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
+               "Frequency of the drive, which is fitted where a record is too slow for the band",
+               cli::Shown::kHelpAll)
+      .Default("what the file states");
+  options
+      ->Count("--threads", &words->threads, 1, kMostThreads,
+              "Number of threads; no result depends on it", cli::Shown::kHelpAll)
+      .Default("the number of cores");
   DeclareSpectrum(options, &words->spectrum);
   cli::DeclareImport(options, &words->import);
 }
@@ -175,22 +177,29 @@ std::string_view NameOf(dsp::WindowShape window) {
 
 void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
   options->Output("--spectrum", &words->spectrum, "FILE.csv|svg|png|pdf",
-                  "Welch's spectrum of the unfiltered window, one-sided", cli::Shown::kHelpAll);
+                  "Write Welch's spectrum of the unfiltered window, one-sided",
+                  cli::Shown::kHelpAll);
   options->Output("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf",
-                  "The same over time", cli::Shown::kHelpAll);
-  options->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
-                  "Of the spectra (default: 1 Hz, or eight segments in a short window)",
-                  cli::Shown::kHelpAll);
+                  "Write the spectrum over time", cli::Shown::kHelpAll);
+  options
+      ->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
+               "Resolution of the spectra", cli::Shown::kHelpAll)
+      .Default("1 Hz, or eight segments in a short window");
   options->Choice("--spectrum-window", &words->window, WindowNames(),
-                  "Of each segment; the output states its noise bandwidth", cli::Shown::kHelpAll);
-  options->Number("--overlap", &words->overlap, Dimension::kNone,
-                  "Share of a segment that the next one repeats, 0 to 0.95 (default: 0.5)",
+                  "Window function of each segment; the output states its noise bandwidth",
                   cli::Shown::kHelpAll);
+  options
+      ->Number("--overlap", &words->overlap, Dimension::kNone,
+               "Overlap of consecutive segments as a share of their length, 0 to 0.95",
+               cli::Shown::kHelpAll)
+      .Default("0.5");
   options->Flag("--overwrite", &words->overwrite,
                 "Replace older tables of --spectrum, --spectrogram and --response",
                 cli::Shown::kHelpAll);
-  options->Choice("--scaling", &words->scaling, {"density", "amplitude"},
-                  "m^2/Hz for noise, or m for the amplitude of a tone", cli::Shown::kHelpAll);
+  options->Choice(
+      "--scaling", &words->scaling, {"density", "amplitude"},
+      "Scaling of the spectra: density in m^2/Hz for noise, or amplitude of a tone in m",
+      cli::Shown::kHelpAll);
 }
 
 Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {

@@ -118,7 +118,7 @@ std::optional<Error> Options::State::Excluded() const {
     for (const std::string& other : exclusion.others) {
       if (!IsGiven(other)) continue;
       return Error{Cause::kUsage, exclusion.name,
-                   fmt::format("does not go with {}: {}", other, exclusion.why),
+                   fmt::format("cannot be combined with {}: {}", other, exclusion.why),
                    "leave out one of the two"};
     }
   }
@@ -176,7 +176,7 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
     }
   }
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && argc <= 1) {
-    return {Cause::kUsage, {}, "nothing is given to work on", help_remedy};
+    return {Cause::kUsage, {}, "no input is given", help_remedy};
   }
   std::string what = error.what();
   std::ranges::replace(what, '\n', ' ');

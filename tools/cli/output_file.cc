@@ -119,7 +119,7 @@ std::string BeginOf(int descriptor, std::size_t most) {
 Result<void> CheckReplaceable(const std::string& path, const std::string& target,
                               const OutputKind& kind, bool overwrite) {
   if (!kind.is_marked && !overwrite) {
-    return Usage(path, "already exists", "name another file, or say --overwrite");
+    return Usage(path, "already exists", "name another file, or give --overwrite");
   }
   if (access(target.c_str(), W_OK) != 0) return CannotBeWritten(path, errno);
   const int descriptor = open(target.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -133,10 +133,10 @@ Result<void> CheckReplaceable(const std::string& path, const std::string& target
   }
   if (IsOfKind(content, kind)) return {};
   if (kind.is_marked) {
-    return Usage(path, fmt::format("is there and is not {}, or was changed since", kind.name),
+    return Usage(path, fmt::format("exists and is not {}, or was changed since", kind.name),
                  "name another file, or remove that one");
   }
-  return Usage(path, fmt::format("is there and is not {}", kind.name),
+  return Usage(path, fmt::format("exists and is not {}", kind.name),
                "name another file: --overwrite replaces a file of the same kind only");
 }
 
@@ -149,7 +149,7 @@ Result<void> CheckPlace(const std::string& path, const Place& place, const Outpu
     const mode_t mode = place.status.st_mode;
     if (S_ISDIR(mode)) return Usage(path, "is a directory", "name a file");
     if (S_ISBLK(mode) || S_ISSOCK(mode)) {
-      return Usage(path, "is there and is no file", "name another");
+      return Usage(path, "exists and is not a file", "name another");
     }
     return {};
   }
@@ -281,9 +281,9 @@ Result<void> OutputFile::Write(std::string_view bytes) {
 
 Result<std::string> OutputFile::PathForLibrary() const {
   if (part_.empty()) {
-    return Usage(path_,
-                 fmt::format("is no regular file, and {} is not written in one piece", kind_.name),
-                 "name a file");
+    return Usage(
+        path_, fmt::format("is not a regular file, and {} is not written in one piece", kind_.name),
+        "name a file");
   }
   return fmt::format("/proc/self/fd/{}", descriptor_);
 }

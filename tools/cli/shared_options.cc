@@ -34,7 +34,7 @@ void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
       .Default(fmt::format("{:g}-{:g}Hz", usual.band.lower_hz, usual.band.upper_hz));
   options
       ->Count("--order", &words->order, 1, dsp::kHighestOrder,
-              "Butterworth order, kept even where a record is too short for it", order_shown)
+              "Filter order (Butterworth), not reduced for short records", order_shown)
       .Default(fmt::format("{}, lowered where a record is too short for it", usual.band.order));
   options
       ->Choice("--corner", &words->corner, {"whole", "each"},
@@ -84,9 +84,9 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
                 "Columns of a foreign table: time_s, displacement_mm, voltage_v, ...; - for none",
                 Shown::kHelpAll);
   options
-      ->Number("--rate", &words->rate_hz, Dimension::kFrequency, Above(0),
-               "Rows a second of a foreign table without times, or whose times contradict its "
-               "header")
+      ->Number(
+          "--rate", &words->rate_hz, Dimension::kFrequency, Above(0),
+          "Rows per second of a foreign table without times, or whose times contradict its header")
       .Rare();
   if (scaled == Scaled::kVoltage) {
     options->Number("--scale", &words->scale_v, Dimension::kVoltage,

@@ -116,7 +116,7 @@ std::optional<Error> Serve(const std::string& config_path, const StatusSocket& s
 Result<void> CheckDirectory(const DaemonConfig& config, const std::string& config_path) {
   std::error_code error;
   if (std::filesystem::is_directory(config.trials.directory, error)) return {};
-  return Usage(config_path + ": directory", config.trials.directory + " is no directory",
+  return Usage(config_path + ": directory", config.trials.directory + " is not a directory",
                "make it, or name another");
 }
 
@@ -205,10 +205,11 @@ bool StandsAlone(int argc, const char* const* argv, const std::vector<std::strin
 }  // namespace
 
 void DeclareDaemon(cli::Options& options, DaemonOptions& wanted) {
-  options.Text("--daemon", &wanted.config, "CONFIG.toml",
-               "Record several sensors until SIGTERM, as the file says (docs/reference/daemon.md)");
+  options.Text(
+      "--daemon", &wanted.config, "CONFIG.toml",
+      "Record the sensors of a configuration file until SIGTERM (docs/reference/daemon.md)");
   options.OptionalText("--status", &wanted.wants_status, &wanted.asked, "SOCKET|CONFIG.toml",
-                       "Show what a running daemon is about");
+                       "Show the status of a running daemon");
 }
 
 std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document::Outputs& outputs,
@@ -218,8 +219,8 @@ std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document:
   std::vector<std::string> allowed{which, wanted.config, wanted.asked};
   if (wanted.wants_status) allowed.insert(allowed.end(), {"--json", "--all"});
   if (!StandsAlone(argc, argv, allowed)) {
-    return cli::ReportError(kVerb, {Cause::kUsage, which, "stands alone",
-                                    "leave the other options out; CONFIG.toml says the rest"});
+    return cli::ReportError(kVerb, {Cause::kUsage, which, "cannot be combined with other options",
+                                    "leave the other options out; CONFIG.toml states the rest"});
   }
   if (wanted.wants_status) return ShowStatus(wanted.asked, outputs, argc, argv);
   const std::vector<std::string> words(argv, argv + argc);

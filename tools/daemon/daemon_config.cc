@@ -63,7 +63,7 @@ DaemonSensor ReadSensor(TomlTable& table, const std::map<std::string, std::strin
   DaemonSensor sensor;
   sensor.name = table.Text("name").value_or("");
   if (!IsPlainName(sensor.name)) {
-    table.Refuse("name", table.Has("name") ? "is no plain name" : "is missing",
+    table.Refuse("name", table.Has("name") ? "is not a plain name" : "is missing",
                  "write letters, digits, '_', '-' and '.', e.g. \"left\"");
   }
   sensor.options = ReadSensorKeys(table);
@@ -85,7 +85,7 @@ Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) 
   for (const DaemonSensor& sensor : config.sensors) {
     const std::string place = fmt::format("{}: sensor {}", where, sensor.name);
     if (!names.insert(sensor.name).second) {
-      return Usage(place, "is there twice", "give each [[sensor]] its own name");
+      return Usage(place, "is given twice", "give each [[sensor]] its own name");
     }
     if (!ports.insert(sensor.options.port).second) {
       return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),

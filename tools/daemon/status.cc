@@ -184,7 +184,7 @@ Result<sockaddr_un> AddressOf(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) {
-    return Usage(path, fmt::format("is no path of 1 to {} bytes", sizeof address.sun_path - 1),
+    return Usage(path, fmt::format("is not a path of 1 to {} bytes", sizeof address.sun_path - 1),
                  "name a shorter one under `socket`");
   }
   std::ranges::copy(path, address.sun_path);

@@ -47,7 +47,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{profile} measures at {rate_hz}: motion up to {observable_hz} can be observed (rate / 2.56)"},
     {"profile-rate-unknown",
      "the rate at which {profile} measures is not known: motion can be observed up to that rate / "
-     "2.56; the rate of replies is no measure of it"},
+     "2.56; the rate of replies does not show it"},
     {"latency-timer",
      "the adapter keeps short replies for {latency_s}: readings at {rate_hz} at most in place of "
      "{rate_at_1_ms_hz}; set 1 ms with: echo 1 | sudo tee "
@@ -56,7 +56,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     // settings of the device
     {"setting-changed", "changed {setting} {before} -> {after}"},
     {"not-settled",
-     "the amplifier shows no value since its settings were changed: is there a target?"},
+     "the amplifier has shown no value since its settings were changed: check the target"},
     {"averaging-corner",
      "the amplifier averages {averages} samples of {sampling_s}: a vibration at {corner_hz} is 3 "
      "dB too small"},
@@ -75,17 +75,17 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"ideal-sensor", "the scene has no [sensor]: an ideal one on the skin at {rate_hz} is assumed"},
 
     // what was seen
-    {"heading-lines", "{lines} lines before the first row are no rows: \"{first}\""},
+    {"heading-lines", "{lines} lines before the first row are not rows: \"{first}\""},
     {"lines-too-soon",
      "{lines} lines came in {elapsed_s}, and {baud} baud carry them in {wire_s} at least: the port "
-     "is no such wire, or the sensor has another baud rate"},
+     "is not a serial line of this rate, or the sensor has another baud rate"},
     {"surplus-replies",
      "replies to requests that had been answered were discarded ({replies}): the device answers "
      "more than once"},
     {"replies-too-soon",
      "{too_soon} of {replies} replies came sooner than the stated baud rate carries request and "
-     "reply ({wire_s}): the port is no such wire, or the device has another baud rate; readings "
-     "were taken at {rate_hz} at most, as the stated rate allows"},
+     "reply ({wire_s}): the port is not a serial line of this rate, or the device has another baud "
+     "rate; readings were taken at {rate_hz} at most, as the stated rate allows"},
     {"wire-errors", "errors on the wire: {errors}"},
     {"replay-cut-short", "the trial was cut short"},
     {"replay-losses",
@@ -100,7 +100,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{needed_hz}"},
     {"averaging-too-long",
      "{averages} averages at {sampling_s} leave {gain} of {asked_hz}: set fewer"},
-    {"steps-too-large", "the steps are {step_m}; {wanted_m} are asked for"},
+    {"steps-too-large", "the steps are {step_m}; {wanted_m} are required"},
 }};
 
 }  // namespace

@@ -23,7 +23,8 @@ constexpr auto kRows = std::to_array<Row>({
     {kExcluded,
      {"readings-excluded", "{excluded} of {readings} readings are excluded ({statuses})"}},
     {kRepeated,
-     {"readings-repeated", "{repeated} of {readings} readings were handed out a second time"}},
+     {"readings-repeated",
+      "{repeated} of {readings} readings are repeated: the sensor had no new value"}},
     {kInterpolated,
      {"readings-interpolated",
       "{interpolated} reading{interpolated s} interpolated, which adds {rms_m} RMS at most"}},
@@ -59,15 +60,16 @@ constexpr auto kRows = std::to_array<Row>({
      {"segments", "gaps split the record into {segments} segments; the window is in one of them"}},
     {kLongestSegment,
      {"longest-segment", "gaps split the record into {segments} segments; the longest is used"}},
-    {kSamplesLimited, {"samples-limited", "of {samples} samples the first {used} are used"}},
+    {kSamplesLimited, {"samples-limited", "only the first {used} of {samples} samples are used"}},
     {kSegmentEnds,
      {"segment-ends",
-      "the first {first_s} and the last {last_s} of a segment of {segment_s} have not settled"}},
+      "filter transients excluded: the first {first_s} and the last {last_s} of a segment of "
+      "{segment_s}"}},
     {kAveragingUnknown,
      {"averaging-unknown",
-      "amplitude not verified: sensor averaging unknown; say it in the head of a CSV, as '# "
-      "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv "
-      "makes one of any trial)"}},
+      "amplitude not verified: sensor averaging unknown; state it in the header of a CSV, as '# "
+      "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes "
+      "one of any trial)"}},
     // rate and times
     {kTooFewReadings,
      {"too-few-readings",
@@ -92,133 +94,138 @@ constexpr auto kRows = std::to_array<Row>({
     {kRegularGrid,
      {"regular-grid",
       "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
-      "SI} readings/s: {readings} readings put on it, {missing} missing, {excluded} excluded; "
+      "SI} readings/s: {readings} readings assigned to it, {missing} missing, {excluded} excluded; "
       "this adds {error} of a tone at most"}},
     {kSamplingContradicted,
      {"sampling-contradicted",
-      "by the file the sensor samples every {sampling_s}, {samples_per_s SI} times a second, but "
-      "{new_readings_per_s SI} new readings/s came: one of them is wrong, and the sensor's gain "
-      "rests on the first"}},
+      "the file states a sampling period of {sampling_s}, {samples_per_s SI} samples/s, and holds "
+      "{new_readings_per_s SI} new readings/s: one of the two is wrong, and the sensor's gain is "
+      "computed from the first"}},
     {kTimesInOtherUnit,
      {"times-in-other-unit",
-      "read as {column}, the times would be {readings_per_s SI} readings/s over {duration_s}; if "
-      "that is right, name the column: --columns {column},displacement_m"}},
+      "as {column}, the times would give {readings_per_s SI} readings/s over {duration_s}; if that "
+      "is right, name the column: --columns {column},displacement_m"}},
     {kPolledTimes,
      {"polled-times",
-      "its readings are of unknown age, so that no tone of known frequency is fitted either"}},
+      "the age of its readings is unknown, so that no tone of known frequency is fitted either"}},
     {kTimesUnfitForTone,
      {"times-unfit-for-tone",
       "times are uncertain by {time_uncertainty_s}; a fit at {frequency_hz} needs less than "
       "{limit_s}"}},
     {kKnownTone,
      {"known-tone",
-      "a tone at {frequency_hz}, if that is what moves, has an amplitude of {amplitude_m}; no "
-      "answer for the band"}},
+      "if the motion is a tone at {frequency_hz}, its amplitude is {amplitude_m}; no answer for "
+      "the band"}},
     {kKnownToneAlias,
      {"known-tone-alias",
-      "a tone at {frequency_hz}, if that is what moves, has an amplitude of {amplitude_m}, seen "
-      "as an alias together with all else there; no answer for the band"}},
+      "if the motion is a tone at {frequency_hz}, its amplitude is {amplitude_m}, measured as an "
+      "alias together with all other motion there; no answer for the band"}},
     {kKnownTonePauses,
      {"known-tone-pauses",
-      "the tone at {frequency_hz} pauses: it is fitted where it is on longest, {from_s} to "
+      "the tone at {frequency_hz} has pauses: it is fitted in its longest part, {from_s} to "
       "{to_s}"}},
     {kKnownToneAtRate,
      {"known-tone-at-rate",
-      "a tone at {frequency_hz} cannot be told apart from the offset at this rate"}},
+      "a tone at {frequency_hz} cannot be distinguished from the offset at this rate"}},
     // filter
     {kOrderLowered,
      {"order-lowered",
-      "filter order lowered from {asked_order} to {order}: of order {asked_order} only "
-      "{settled_s} have settled"}},
+      "filter order lowered from {asked_order} to {order}: at order {asked_order} only {settled_s} "
+      "are free of filter transients"}},
     {kTooShort,
      {"too-short",
-      "only {settled_s} of it have settled in a filter of order {order}; {needed_s} are needed[, "
-      "and a lower order passes too much of the motion below {lower_hz}]: record at least "
-      "{record_s} without a gap"}},
+      "only {settled_s} of it are free of the transients of a filter of order {order}; {needed_s} "
+      "are needed[, and a lower order passes too much of the motion below {lower_hz}]: record at "
+      "least {record_s} without a gap"}},
     {kBelowBand,
      {"below-band",
-      "{amplitude_m} at {frequency_hz} lie below the band; {leaked_m} RMS of that leak into it"}},
+      "component below the band: amplitude {amplitude_m} at {frequency_hz}; its leakage into the "
+      "band is {leaked_m} RMS"}},
     {kBelowBandModelled,
      {"below-band-modelled",
-      "{amplitude_m} at {frequency_hz} lie below the band; {leaked_m} RMS of that leak into it; "
-      "modelled as going on before and after the record, and subtracted"}},
+      "component below the band: amplitude {amplitude_m} at {frequency_hz}; its leakage into the "
+      "band, {leaked_m} RMS, is modelled beyond both ends of the record and subtracted"}},
     // how a window was chosen
-    {kAllSettled, {"all-settled", "all that has settled"}},
-    {kWindowAsked, {"window-asked", "asked for: {from_s} to {to_s}"}},
+    {kAllSettled, {"all-settled", "all that is free of filter transients"}},
+    {kWindowAsked, {"window-asked", "requested: {from_s} to {to_s}"}},
     {kSteadyDrive, {"steady-drive", "steady part of the drive"}},
-    {kSettledOfDrive, {"settled-of-drive", "what has settled of the drive"}},
+    {kSettledOfDrive,
+     {"settled-of-drive", "the part of the drive that is free of filter transients"}},
     {kWhereFrequencyMoves,
-     {"where-frequency-moves", "where a vibration whose frequency moves stands out"}},
+     {"where-frequency-moves", "where a vibration of changing frequency exceeds the noise"}},
     // the course of the drive
     {kTooShortForParts, {"too-short-for-parts", "too short to be split into parts"}},
-    {kNothingStandsOut, {"nothing-stands-out", "no part of the {of} stands out for long enough"}},
+    {kNothingStandsOut,
+     {"nothing-stands-out", "no part of the {of} exceeds the rest for long enough"}},
     {kOneLevel,
-     {"one-level", "the power of the {of} keeps one level: the drive is on throughout, or never"}},
+     {"one-level", "the power of the {of} has one level: the drive is on throughout, or never"}},
     {kStandsOut,
      {"stands-out",
-      "the {of} stands out {ratio} times in RMS, [in {parts} parts, the longest ]from {from_s} "
-      "to {to_s}"}},
-    {kToneNeverPauses, {"tone-never-pauses", "the tone never pauses: the drive is on throughout"}},
-    {kOnlyTransients, {"only-transients", "only transients stand out"}},
+      "the RMS of the {of} is {ratio} times that of the rest, [in {parts} parts, the longest ]from "
+      "{from_s} to {to_s}"}},
+    {kToneNeverPauses, {"tone-never-pauses", "the tone has no pause: the drive is on throughout"}},
+    {kOnlyTransients, {"only-transients", "only transients exceed the noise"}},
     {kSweepIsNoDrive,
-     {"sweep-is-no-drive", "the frequency moves: where it stands out is no drive"}},
+     {"sweep-is-no-drive",
+      "the frequency changes: the part that exceeds the noise is not taken as the drive"}},
     {kDriveOn, {"drive-on", "the drive is on from {from_s} to {to_s}"}},
     {kVibrationStandsOut,
      {"vibration-stands-out",
-      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}"}},
+      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
+      "{to_s}"}},
     // what goes with them
     {kTransientsExcluded,
      {"transients-excluded",
-      "{parts} part{parts s} of the record no longer than the filter rings ({ringing_s}), with "
-      "its rise and fall: taken for transients, not for a drive in this band"}},
+      "{parts} part{parts s} of the record excluded as filter transients: no longer than the "
+      "filter rings ({ringing_s}), with its rise and fall"}},
     {kLevelChanges,
      {"level-changes",
-      "the vibration's level changes, but its tone never pauses: all of it is used"}},
+      "the vibration's level changes, but its tone has no pause: all of it is used"}},
     {kDriveTooShort,
      {"drive-too-short",
-      "the drive is on from {from_s} to {to_s}, of which {settled_s} have settled, where "
-      "{needed_s} are needed: drive longer, or raise the band's lower corner; --window all takes "
-      "what has settled beside it[, --window {window_from_s SI}s:{window_to_s SI}s what has "
-      "settled of it]"}},
+      "the drive is on from {from_s} to {to_s}; {settled_s} of it are free of filter transients "
+      "and {needed_s} are needed: drive longer, or raise the band's lower corner; --window all "
+      "also uses the record outside of it[, --window {window_from_s SI}s:{window_to_s SI}s its "
+      "part free of transients]"}},
     {kDriveNotSettled,
      {"drive-not-settled",
-      "the drive is on from {from_s} to {to_s}, of which {settled_s} have settled: drive longer, "
-      "record longer before and after it, or take a lower --order; --window all takes what has "
-      "settled beside it[, --window {window_from_s SI}s:{window_to_s SI}s what has settled of "
-      "it]"}},
+      "the drive is on from {from_s} to {to_s}; {settled_s} of it are free of filter transients: "
+      "drive longer, record longer before and after it, or choose a lower --order; --window all "
+      "also uses the record outside of it[, --window {window_from_s SI}s:{window_to_s SI}s its "
+      "part free of transients]"}},
     {kVibrationTooShort,
      {"vibration-too-short",
-      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}, "
-      "of which {settled_s} have settled, where {needed_s} are needed: drive longer, or raise "
-      "the band's lower corner; --window all takes what has settled beside it[, --window "
-      "{window_from_s SI}s:{window_to_s SI}s what has settled of it]"}},
+      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
+      "{to_s}; {settled_s} of it are free of filter transients and {needed_s} are needed: drive "
+      "longer, or raise the band's lower corner; --window all also uses the record outside of it[, "
+      "--window {window_from_s SI}s:{window_to_s SI}s its part free of transients]"}},
     {kVibrationNotSettled,
      {"vibration-not-settled",
-      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}, "
-      "of which {settled_s} have settled: drive longer, record longer before and after it, or "
-      "take a lower --order; --window all takes what has settled beside it[, --window "
-      "{window_from_s SI}s:{window_to_s SI}s what has settled of it]"}},
+      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
+      "{to_s}; {settled_s} of it are free of filter transients: drive longer, record longer before "
+      "and after it, or choose a lower --order; --window all also uses the record outside of it[, "
+      "--window {window_from_s SI}s:{window_to_s SI}s its part free of transients]"}},
     {kWindowMixed,
      {"window-mixed",
-      "in {off_s} of the window's {window_s} the drive is off or changes; --window auto takes "
-      "the steady part"}},
+      "in {off_s} of the window's {window_s} the drive is off or changes; --window auto uses the "
+      "steady part"}},
     {kDriveOffInWindow, {"drive-off-in-window", "the drive is off in the whole window"}},
     {kDriveUnsteady, {"drive-unsteady", "the amplitude changes by {drift %} over the drive"}},
     {kFrequencyMoves,
      {"frequency-moves",
-      "the frequency moves from {from_hz} to {to_hz}: this is a sweep, and the RMS is of all of "
-      "it; use --sweep"}},
+      "the frequency changes from {from_hz} to {to_hz}: this is a sweep, and the RMS is that of "
+      "all of it; use --sweep"}},
     {kWindowOutside,
      {"window-outside",
       "the window {from_s} to {to_s} lies outside of the record, {record_from_s} to "
       "{record_to_s}"}},
     {kWindowNotSettled,
      {"window-not-settled",
-      "of the window {from_s} to {to_s} only {settled_s} have settled: ask for a wider one, or "
-      "record longer before and after it"}},
+      "only {settled_s} of the window {from_s} to {to_s} are free of filter transients: choose a "
+      "wider one, or record longer before and after it"}},
     {kWindowShortened,
      {"window-shortened",
-      "{excluded_s} of the window {from_s} to {to_s} have not settled and are excluded"}},
+      "filter transients excluded: {excluded_s} of the window {from_s} to {to_s}"}},
     {kWindowClipped,
      {"window-clipped",
       "{share %} of the window is clipped, so that its RMS is a lower limit: move the sensor or "
@@ -226,12 +233,12 @@ constexpr auto kRows = std::to_array<Row>({
     // noise floor
     {kNoFloor,
      {"no-floor",
-      "noise floor not known, and not subtracted: no settled quiet part of 0.1 s beside the "
-      "window; --floor FILE takes a drive-off trial"}},
+      "noise floor not known, and not subtracted: no drive-off interval of 0.1 s or more outside "
+      "the window; give a drive-off trial by --floor FILE"}},
     {kFloorOfOtherRate,
      {"floor-of-other-rate",
       "the floor has {floor_per_s SI} readings/s and this trial {readings_per_s SI}: a sensor's "
-      "noise in the band depends on its rate; take one of the same settings"}},
+      "noise in the band depends on its rate; use a floor of the same settings"}},
     {kFloorHasTone,
      {"floor-has-tone",
       "the floor holds a tone, {amplitude_m} at {frequency_hz}: it is subtracted as noise; was "
@@ -242,37 +249,38 @@ constexpr auto kRows = std::to_array<Row>({
       "subtracted as noise; was the drive off?"}},
     {kFloorAboveSignal,
      {"floor-above-signal",
-      "the floor of {floor_m} is above the {measured_m} that were measured: take one of the same "
-      "sensor, settings and rate, drive off"}},
+      "the floor of {floor_m} is above the {measured_m} that were measured: record a floor with "
+      "the same sensor, settings and rate, drive off"}},
     {kBelowFloor, {"below-floor", "below the noise floor of {floor_m}: at most {at_most_m}"}},
     // the numbers
     {kRmsTooLarge,
      {"rms-too-large",
-      "{rms_m} RMS is more than any tactile actuator moves: is the column in another unit than "
-      "it says? Name it (--columns time_s,displacement_um) or say --scale 1um"}},
+      "{rms_m} RMS is more than any tactile actuator moves: is the column in another unit than it "
+      "states? Name it (--columns time_s,displacement_um) or give --scale 1um"}},
     {kRmsTooSmall,
      {"rms-too-small",
-      "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another "
-      "unit than it says?"}},
+      "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
+      "than it states?"}},
     {kGainInBand,
      {"gain-in-band",
-      "the sensor passes {least} to {greatest} of the band; without a tone this is not corrected "
+      "the sensor's gain in the band is {least} to {greatest}; without a tone it is not corrected "
       "for"}},
     {kGainTooLow,
      {"gain-too-low",
-      "the sensor passes {gain} of {frequency_hz}, below {least_gain}: set it to {averages} "
+      "the sensor's gain at {frequency_hz} is {gain}, below {least_gain}: set it to {averages} "
       "average{averages s} or fewer"}},
-    {kGainCorrected, {"gain-corrected", "the sensor passes {gain} of the tone; corrected for"}},
+    {kGainCorrected, {"gain-corrected", "the sensor's gain at the tone is {gain}; corrected for"}},
     {kElectricalUnmeasured,
      {"electrical-unmeasured",
       "electrical state not determined: {readings} readings of voltage or current in the window "
-      "are no measurements"}},
+      "are not measurements"}},
     {kElectricalNoTone,
      {"electrical-no-tone",
-      "electrical state not determined: no voltage or no current stands out at {frequency_hz}"}},
+      "electrical state not determined: no voltage or no current exceeds the noise at "
+      "{frequency_hz}"}},
     // sweeps
     {kSweepUneven,
-     {"sweep-uneven", "its readings lie at uneven times: a sweep needs a clocked record"}},
+     {"sweep-uneven", "the times of its readings are not uniform: a sweep needs a clocked record"}},
     {kSweepPolled,
      {"sweep-polled",
       "its readings are polled and of unknown age: a sweep needs a clocked record"}},
@@ -282,8 +290,8 @@ constexpr auto kRows = std::to_array<Row>({
       "{needed_per_s SI} or more"}},
     {kSweepSensorLimit,
      {"sweep-sensor-limit",
-      "not determined above {upper_hz}: there the sensor passes less than a half"}},
-    {kDriveConstant, {"drive-constant", "the channel {channel} does not move; it is no drive"}},
+      "not determined above {upper_hz}: the sensor's gain is below 0.5 there"}},
+    {kDriveConstant, {"drive-constant", "the channel {channel} is constant; it is not a drive"}},
     {kDriveGaps, {"drive-gaps", "the channel {channel} has gaps; its longest segment is used"}},
     {kNoDriveChannel,
      {"no-drive-channel",
@@ -293,14 +301,14 @@ constexpr auto kRows = std::to_array<Row>({
      {"constant-drive-assumed", "f0 and Q hold for a drive of constant amplitude"}},
     {kSweepTooShort,
      {"sweep-too-short",
-      "{length_s} do not hold two segments of the response; record longer, or ask for "
-      "{resolution_hz}"}},
-    {kNoResponse, {"no-response", "nothing in the displacement follows the drive"}},
+      "{length_s} do not hold two segments of the response; record longer, or choose a resolution "
+      "of {resolution_hz}"}},
+    {kNoResponse, {"no-response", "the displacement shows no response to the drive"}},
     {kNoSweep,
      {"no-sweep",
-      "from {lower_hz} to {upper_hz} no vibration whose frequency moves by a tenth, and by less "
-      "than {resolution_hz} in {block_s}; try another --band, a --resolution above the root of "
-      "the sweep's Hz/s, a slower sweep, or record the drive's voltage"}},
+      "no sweep found from {lower_hz} to {upper_hz}: no vibration whose frequency changes by a "
+      "tenth, and by less than {resolution_hz} in {block_s}; try another --band, a --resolution "
+      "above the root of the sweep's Hz/s, a slower sweep, or record the drive's voltage"}},
     {kFrequenciesExcluded,
      {"frequencies-excluded",
       "{excluded} of {frequencies} frequencies excluded: too little drive or too much noise "
@@ -308,13 +316,13 @@ constexpr auto kRows = std::to_array<Row>({
     {kResonanceAbove,
      {"resonance-above",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
-      "largest amplitude lies at the upper end, {highest_hz}: the resonance may be above it; "
-      "sweep and look further with --band"}},
+      "largest amplitude lies at the upper end, {highest_hz}: the resonance may be above it; sweep "
+      "further, with a wider --band"}},
     {kResonanceBelow,
      {"resonance-below",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
-      "largest amplitude lies at the lower end, {highest_hz}: the resonance may be below it; "
-      "sweep and look further with --band"}},
+      "largest amplitude lies at the lower end, {highest_hz}: the resonance may be below it; sweep "
+      "further, with a wider --band"}},
     {kPeakTooNarrow,
      {"peak-too-narrow",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the peak "
@@ -323,10 +331,10 @@ constexpr auto kRows = std::to_array<Row>({
     {kNoResonance,
      {"no-resonance",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
-      "largest amplitude lies at {highest_hz}: look at it with --plot or --response"}},
+      "largest amplitude lies at {highest_hz}: examine it with --plot or --response"}},
     {kSeveralResonances,
      {"several-resonances",
-      "one resonance leaves {left %} of the response: it may hold more than one"}},
+      "one resonance does not explain {left %} of the response: there may be more than one"}},
 });
 
 static_assert(kRows.size() == static_cast<std::size_t>(kSeveralResonances) + 1);

@@ -16,7 +16,8 @@ namespace haptometer::document {
 inline constexpr std::string_view kAmplitudeNotVerified =
     "amplitude not verified: sensor averaging unknown";
 inline constexpr std::string_view kAveragingRemedy =
-    "say it in the head of a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer "
+    "state it in the header of a CSV, as '# averages = 16' and '# sampling_s = 0.00033' "
+    "(haptometer "
     "trial export FILE -o OUT.csv makes one of any trial)";
 
 /// The finding in words, its subject before them.

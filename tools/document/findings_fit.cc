@@ -8,68 +8,72 @@ document::Sentence SentenceOf(FindingKind kind) {
     case kHeaderKeyUnknown:
       return {"header-key-unknown", "header key {key} is not known; did you mean {nearest}?"};
     case kSeveralDrops:
-      return {"several-drops", "{drops} drops in one record, each taken by itself"};
+      return {"several-drops", "{drops} drops in one record, each fitted separately"};
     case kHeightOfFirstDrop:
-      return {"height-of-first-drop", "the drop height is taken for the first drop alone"};
+      return {"height-of-first-drop", "the drop height is used for the first drop only"};
     case kTooFewDrops:
       return {"too-few-drops",
               "{good} of its {drops} drops could be fitted, too few for a file of drops: not used"};
     case kThinned:
       return {"averaged",
               "{samples} samples, averaged over {block} at a time[; {clipped} at the recorder's "
-              "limits are left out]"};
+              "limits are excluded]"};
     case kClipped:
-      return {"clipped", "clipped: {samples} sample{samples s} at the recorder's limits left out"};
+      return {"clipped", "clipped: {samples} sample{samples s} at the recorder's limits excluded"};
     case kLaterImpact:
       return {"later-impact",
-              "an impact at {at_s}[, {amplitude_v} beside a ringing of {ringing_v}][, "
-              "{amplitude_m} beside a ringing of {ringing_m}]: the part {kept} it is fitted"};
+              "an impact at {at_s}[, {amplitude_v} against a ringing of {ringing_v}][, "
+              "{amplitude_m} against a ringing of {ringing_m}]: the part {kept} it is fitted"};
     case kQuantisedTail:
       return {"quantised-tail",
-              "a tail below one step of the converter[, {step_v}][, {step_m}]: left out from "
+              "a tail below one step of the converter[, {step_v}][, {step_m}]: excluded from "
               "{from_s} on"};
     case kDryFriction:
       return {"dry-friction",
-              "dry friction of {share %} of the spring's force at the first swing: fitted along"};
+              "dry friction of {share %} of the spring's force at the first swing: included in the "
+              "fit"};
     case kHum:
-      return {"hum", "hum of {frequency_hz}[, {amplitude_v}][, {amplitude_m}]: fitted along"};
+      return {"hum",
+              "hum of {frequency_hz}[, {amplitude_v}][, {amplitude_m}]: included in the fit"};
     case kDrift:
       return {"drift",
-              "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: fitted along"};
+              "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: included in the fit"};
     case kOtherMode:
       return {"other-mode",
-              "{misfit_share %} of its power is explained by no single decaying oscillation: "
-              "another mode or a slow tail is beside it"};
+              "a single decaying oscillation does not explain {misfit_share %} of its power: there "
+              "is another mode or a slow tail"};
     case kHeightWithoutImpact:
-      return {"height-without-impact", "nothing quiet before it: the drop height is not used"};
+      return {"height-without-impact", "no quiet part before it: the drop height is not used"};
     case kCurrentWithoutRelease:
       return {"current-without-release",
-              "nothing quiet before it: the released current is not used"};
+              "no quiet part before it: the released current is not used"};
     case kHeightOfFirstImpact:
       return {"height-of-first-impact", "the drop height is that of the first impact: not used"};
     case kReleaseBehindSlow:
       return {"release-behind-slow",
-              "an oscillation sets in behind something slow at {at_s}: fitted from {from_s} on"};
+              "an oscillation begins during a slow change at {at_s}: fitted from {from_s} on"};
     case kDownweighted:
-      return {"downweighted", "{samples} of {of} samples lie far off and weigh less than half"};
+      return {"downweighted",
+              "{samples} of {of} samples are outlying and have less than half the weight"};
     case kNotQuietBefore:
       return {"not-quiet-before",
-              "what precedes the impact has a larger RMS than the residual: it is not taken for "
+              "the record before the impact has a larger RMS than the residual: it is not used as "
               "noise"};
     case kOpenAssumed:
       return {"open-assumed", "open circuit: no load is stated"};
     case kHeldAssumed:
       return {"held-assumed",
               "the case was held: neither --held nor --free is given, and records of one kind "
-              "cannot show it; free, Kv and Bv would be smaller by the factor Mc/(Mv+Mc)["
-              ": {ratio} times, and a Km from two loads {root_ratio} times]"};
+              "cannot show it; with a free case, Kv and Bv would be smaller by the factor "
+              "Mc/(Mv+Mc)[: {ratio} times, and a Km from two loads {root_ratio} times]"};
     case kInductanceAssumedZero:
-      return {"inductance-assumed-zero",
-              "coil inductance 0: none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %"};
+      return {
+          "inductance-assumed-zero",
+          "coil inductance 0: none is given; a coil of 130 uH and 27 ohm changes Kv by 0.003 %"};
     case kVoltageScaleExact:
       return {"voltage-scale-exact",
-              "the recorder's voltage scale is taken as exact (--voltage-scale states it): 1 % of "
-              "it moves Km by 1 %"};
+              "the uncertainty of the recorder's voltage scale is neglected (--voltage-scale "
+              "states it): 1 % of it changes Km by 1 %"};
     case kReboundStated:
       return {"rebound",
               "impact speed (1 + e) sqrt(2 g h) with g = 9.80665 m/s^2 and rebound e = {rebound}[ "
@@ -80,28 +84,28 @@ document::Sentence SentenceOf(FindingKind kind) {
               "+- {standard_uncertainty}: no --rebound is stated, 0 to 0.3 is assumed"};
     case kContactUnseen:
       return {"contact-unseen",
-              "the impact is taken as short, since nothing quiet before it shows how long it "
-              "lasts: a contact of 0.5 ms makes Km by the height {share %} too small"};
+              "the impact is assumed to be short, because no quiet part before it shows its "
+              "duration: a contact of 0.5 ms makes Km by the height {share %} too small"};
     case kContactAtMost:
       return {"contact-at-most",
               "the impact may last up to {longest_s}, which makes Km by the height up to {share %} "
-              "too small; its interval holds that"};
+              "too small; its interval includes that"};
     case kContactCorrected:
       return {"contact-corrected",
               "the impact lasts {shortest_s} to {longest_s}, as a half sine of force; Km by the "
               "height is corrected for it, by {share %}"};
     case kKmByLoads:
       return {"km-by-loads",
-              "Km rests on the loads' damping; with the drop height it would be {other_n_per_a} +- "
-              "{half_interval_n_per_a} (95 %)"};
+              "Km is determined from the loads' damping; from the drop height it would be "
+              "{other_n_per_a} +- {half_interval_n_per_a} (95 %)"};
     case kKmByHeight:
       return {"km-by-height",
-              "Km rests on the drop height and the loads; by the loads alone it is "
+              "Km is determined from the drop height and the loads; from the loads alone it is "
               "{other_n_per_a} +- {half_interval_n_per_a} (95 %)"};
     case kRobustLoss:
       return {"robust-loss",
-              "robust: beyond {bend} of the residuals' scale a sample has a constant influence "
-              "(Huber)"};
+              "robust fit (Huber loss): beyond {bend} times the residuals' scale a sample has a "
+              "constant influence"};
     case kMassMissing:
       return {"mass-missing",
               "Kv and Bv, and Km of an impedance sweep, are determined over the mass only: state "
@@ -137,49 +141,49 @@ document::Sentence SentenceOf(FindingKind kind) {
               "Km: an open circuit shows only Km x impact speed = {product_v}; state the drop "
               "height (--drop-height), or record again with 27 to 50 ohm across the terminals"};
     case kKmLostInDamping:
-      return {
-          "km-lost-in-damping",
-          "Km: what these loads change in the damping is within its uncertainty, or the mass or "
-          "the coil's resistance is missing; state those, or record with 27 to 50 ohm across "
-          "the terminals"};
+      return {"km-lost-in-damping",
+              "Km: the change of the damping by these loads is within its uncertainty, or the mass "
+              "or the coil's resistance is missing; state those, or record with 27 to 50 ohm "
+              "across the terminals"};
     case kSmallerLoadDecaysSlower:
       return {"smaller-load-decays-slower",
               "the records contradict each other: those with the smaller load decay more slowly, "
               "as no coil does: are files or loads exchanged? Do not use Bv and Km"};
     case kMotionBeginsBefore:
-      return {"motion-begins-before",
-              "the motion would begin {apart_s} before the signal does: a long contact, or a blow "
-              "for a released current or the reverse; do not use Km by height or current"};
+      return {
+          "motion-begins-before",
+          "the motion would begin {apart_s} before the signal does: a long contact, or an impact "
+          "stated as a released current or the reverse; do not use Km by height or current"};
     case kMotionBeginsAfter:
-      return {"motion-begins-after",
-              "the motion would begin {apart_s} after the signal does: a long contact, or a blow "
-              "for a released current or the reverse; do not use Km by height or current"};
+      return {
+          "motion-begins-after",
+          "the motion would begin {apart_s} after the signal does: a long contact, or an impact "
+          "stated as a released current or the reverse; do not use Km by height or current"};
     case kRecordOfAnother:
-      return {"record-of-another",
-              "the fit of all records together leaves {ratio} times what its own ring-down leaves: "
-              "its load, case or mass is not as stated, or it is of another actuator; do not use "
-              "the constants"};
+      return {
+          "record-of-another",
+          "its residual in the fit of all records is {ratio} times that of its own fit: its load, "
+          "case or mass is not as stated, or it is of another actuator; do not use the constants"};
     case kSpringStiffens:
       return {"spring-stiffens",
-              "one decay time later the resonance is {share %} off ({deviations} times its "
+              "one decay time later the resonance differs by {share %} ({deviations} times its "
               "uncertainty): the spring stiffens with travel, and Kv is an average over this "
               "ring-down"};
     case kSpringSoftens:
-      return {"spring-softens",
-              "one decay time later the resonance is {share %} off ({deviations} times its "
-              "uncertainty): the spring softens with travel, and Kv is an average over this "
-              "ring-down"};
+      return {
+          "spring-softens",
+          "one decay time later the resonance differs by {share %} ({deviations} times its "
+          "uncertainty): the spring softens with travel, and Kv is an average over this ring-down"};
     case kFrictionSlows:
       return {"friction-slows",
-              "one decay time later the decay is {share %} off ({deviations} times its "
+              "one decay time later the decay differs by {share %} ({deviations} times its "
               "uncertainty): dry friction slows small motions more, and Bv is an average over this "
               "ring-down"};
     case kDampingGrows:
-      return {
-          "damping-grows",
-          "one decay time later the decay is {share %} off ({deviations} times its "
-          "uncertainty): the damping grows with travel or speed, and Bv is an average over this "
-          "ring-down"};
+      return {"damping-grows",
+              "one decay time later the decay differs by {share %} ({deviations} times its "
+              "uncertainty): the damping grows with travel or speed, and Bv is an average over "
+              "this ring-down"};
     case kFrequenciesScatter:
       return {"frequencies-scatter",
               "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
@@ -190,13 +194,13 @@ document::Sentence SentenceOf(FindingKind kind) {
               "(Birge ratio): the statistical uncertainties of Bv, Km and Q are widened to that"};
     case kResidualsCorrelated:
       return {"residuals-correlated",
-              "the residuals follow each other: a second resonance, a spring that is not linear, "
+              "the residuals are correlated: a second resonance, a spring that is not linear, "
               "losses of the coil that grow with frequency, or another actuator's constants; the "
               "intervals are too narrow then"};
     case kOutlyingPoint:
       return {"outlying-point",
-              "the point at {frequency_hz} lies {spread} times the others' spread off the model: "
-              "is it a slip? All constants lean towards it"};
+              "the point at {frequency_hz} differs from the model by {spread} times the others' "
+              "spread: is it an error? It biases all constants"};
     case kUnusualFrequency:
       return {"unusual-frequency",
               "a resonance of {natural_frequency_hz} is unusual: are the times in ms or us, or the "
@@ -217,7 +221,7 @@ document::Sentence SentenceOf(FindingKind kind) {
               "a case mass of {case_mass_kg} is unusual: was it meant in g or mg?"};
     case kUnusualAdapterMass:
       return {"unusual-adapter-mass",
-              "a mass of {mass_kg} is unlike an adapter's: was it meant in g or mg?"};
+              "a mass of {mass_kg} is unusual for an adapter: was it meant in g or mg?"};
     case kUnusualResistance:
       return {"unusual-resistance",
               "a coil of {resistance_ohm} is unusual: is the magnitude in kohm or mohm?"};
@@ -231,31 +235,30 @@ document::Sentence SentenceOf(FindingKind kind) {
               "an amplitude of {amplitude_m} is unusual: is the column in mm or um?"};
     case kUnusualSkinStiffness:
       return {"unusual-skin-stiffness",
-              "Ks of {stiffness_n_per_m} is unlike skin's: check the units of displacement and "
+              "Ks of {stiffness_n_per_m} is unusual for skin: check the units of displacement and "
               "drive"};
     case kUnusualSkinDamping:
       return {"unusual-skin-damping",
-              "Bs of {damping_n_s_per_m} is unlike skin's: check the units of displacement and "
+              "Bs of {damping_n_s_per_m} is unusual for skin: check the units of displacement and "
               "drive"};
     case kUnusualDrive:
       return {"unusual-drive",
               "a drive of[ {current_a}][ {voltage_v}] is unusual: is the column in mA or mV?"};
     case kUnusualFrequencies:
       return {"unusual-frequencies",
-              "frequencies from {lowest_hz} to {highest_hz} are unlike a haptic sweep's: are they "
-              "in kHz?"};
+              "frequencies from {lowest_hz} to {highest_hz} are unusual for a haptic sweep: are "
+              "they in kHz?"};
     case kResistanceAsStated:
-      return {"resistance-as-stated", "the sweep does not determine R: it is taken as stated"};
+      return {"resistance-as-stated", "the sweep does not determine R: the stated value is used"};
     case kInductanceBelow:
       return {"inductance-below",
               "L: it is below {at_most_h} (95 %), which does not affect the constants; points at 1 "
-              "to 10 kHz would show it"};
+              "to 10 kHz would determine it"};
     case kSweepTooCoarse:
-      return {
-          "sweep-too-coarse",
-          "{constants}: the sweep determines them to worse than 25 %; {near} of {points} points "
-          "lie within the resonance's width, measure ten there (steps of {step_hz}) and some an "
-          "octave away on both sides"};
+      return {"sweep-too-coarse",
+              "{constants}: the sweep determines them to worse than 25 %; {near} of {points} "
+              "points lie within the resonance's width: measure ten there (steps of {step_hz}) and "
+              "some an octave away on both sides"};
     case kResonanceOutside:
       return {"resonance-outside",
               "the resonance, {natural_frequency_hz}, lies outside of the sweep"};
@@ -265,26 +268,26 @@ document::Sentence SentenceOf(FindingKind kind) {
               "leads, or a warm coil (+0.39 %/K)?"};
     case kPolarityTurned:
       return {"polarity-turned",
-              "the coil's polarity is free: the phases are turned by 180 degrees"};
+              "the coil's polarity is arbitrary: the phases are changed by 180 degrees"};
     case kKsNotDetermined:
       return {"ks-not-determined",
               "Ks: damping or mass dominates the motion at these frequencies; sweep lower, and "
               "measure the phase against the current"};
     case kBsNotDetermined:
       return {"bs-not-determined",
-              "Bs: the sweep shows no width of a resonance; more points around the largest "
-              "amplitude, or the phase against the current, would"};
+              "Bs: the sweep does not show the width of a resonance; measure more points around "
+              "the largest amplitude, or the phase against the current"};
     case kSkinMassNotDetermined:
       return {"skin-mass-not-determined",
-              "m: inertia is small beside stiffness and damping; sweep higher, where w^2 (Mc + m) "
-              "exceeds w Bs"};
+              "m: inertia is small compared with stiffness and damping; sweep higher, where w^2 "
+              "(Mc + m) exceeds w Bs"};
     case kFarOffModel:
       return {"far-off-model",
-              "the amplitudes lie {share %} off the model: is it this actuator, are amplitude and "
-              "drive both peak or both RMS, does the contact break?"};
+              "the amplitudes differ from the model by {share %}: is it this actuator, are "
+              "amplitude and drive both peak or both RMS, does the contact break?"};
     case kBeyondStated:
       return {"beyond-stated-uncertainty",
-              "the amplitudes lie {ratio} times their stated uncertainties off the model"};
+              "the amplitudes differ from the model by {ratio} times their stated uncertainties"};
     case kNegativeMass:
       return {"negative-mass",
               "an effective mass of {mass_kg} is negative: is the case's mass stated too large?"};
@@ -298,31 +301,29 @@ document::Sentence SentenceOf(FindingKind kind) {
               "of the spring's own mass counts)"};
     case kTimeBaseExact:
       return {"time-base-exact",
-              "the time base is taken as exact: 100 ppm of it are 200 ppm of Ka"};
+              "the uncertainty of the time base is neglected: 100 ppm of it are 200 ppm of Ka"};
     case kKaNotDetermined:
-      return {
-          "ka-not-determined",
-          "Ka: its frequency is known to worse than 25 %; a longer record or a stronger tap would "
-          "show it"};
+      return {"ka-not-determined",
+              "Ka: the uncertainty of its frequency exceeds 25 %; a longer record or a stronger "
+              "tap would determine it"};
     case kBaBelow:
       return {"ba-below",
               "Ba: it is below {at_most_n_s_per_m} (95 %); a longer record or a stronger tap would "
               "show the decay"};
     case kDampingChangesLater:
       return {"damping-changes-later",
-              "Ba changes by {share %} when the first {skipped_s} are left out: a joint rubs, or "
+              "Ba changes by {share %} when the first {skipped_s} are excluded: a joint rubs, or "
               "the air or the mount takes energy"};
     case kStiffnessChangesLater:
       return {"stiffness-changes-later",
-              "Ka changes by {share %} when the first {skipped_s} are left out: a spring that is "
+              "Ka changes by {share %} when the first {skipped_s} are excluded: a spring that is "
               "not linear at this amplitude; tap more softly"};
     case kManyImpacts:
       break;
   }
-  return {
-      "many-impacts",
-      "{impacts} impacts were cut off: several small ones in a row are usually a spring that is "
-      "not linear at this amplitude, or a joint that rubs; tap more softly"};
+  return {"many-impacts",
+          "{impacts} impacts were excluded: several small ones in a row are usually a spring that "
+          "is not linear at this amplitude, or a joint that rubs; tap more softly"};
 }
 
 }  // namespace haptometer::fit

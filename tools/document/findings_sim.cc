@@ -17,10 +17,11 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "there are too many events[ until {at_s}; shorten duration_s][ within {periods} "
               "periods of the drive; give duration_s], or leave out effects that are on"};
     case kBodiesTooFast:
-      return {"bodies-too-fast",
-              "bodies or the current are too fast against the drive for a search of events[ at "
-              "{at_s}][ within {periods} periods of the drive]; leave out what settles so fast "
-              "(inductance_h = 0 has the current follow at once), or the effects that are on"};
+      return {
+          "bodies-too-fast",
+          "the bodies or the current are too fast, relative to the drive, for a search of events[ "
+          "at {at_s}][ within {periods} periods of the drive]; leave out what decays so fast (with "
+          "inductance_h = 0 the current follows without delay), or the effects that are on"};
     case kSolverStopped:
       return {"solver-stopped",
               "the solver stops[ at {at_s}; shorten duration_s][ within {periods} periods of the "
@@ -39,7 +40,7 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "its numbers are beyond the range of a double; leave out effects that are on"};
     case kBeyondPrediction:
       return {"beyond-prediction",
-              "small errors grow in this motion until it is beyond prediction: it is known to "
+              "small errors grow in this motion until it is beyond prediction: its error is below "
               "{tolerance} until {known_until_s}; give a duration_s of {known_until_s} or less, or "
               "leave out effects that are on"};
     case kErrorUnbounded:
@@ -48,8 +49,8 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "shorten duration_s, or leave out effects that are on"};
     case kErrorTooLarge:
       return {"error-too-large",
-              "with smooth effects the answer is known to {relative_error}, not to the required "
-              "{tolerance}; give a tolerance of {least_tolerance} or more"};
+              "with smooth effects the answer's relative error is {relative_error}, above the "
+              "required {tolerance}; give a tolerance of {least_tolerance} or more"};
 
     // --- why a scene without a duration has none ---
     case kNoPeriodicMotion:
@@ -68,7 +69,7 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "out effects that are on"};
     case kTremorAtResonance:
       return {"tremor-at-resonance",
-              "the tremor meets an undamped resonance; give duration_s, or add damping"};
+              "the tremor excites an undamped resonance; give duration_s, or add damping"};
     case kTremorWithLimits:
       return {"tremor-with-limits",
               "tremor and drive have no common period in which a limited motion repeats itself; "
@@ -111,8 +112,8 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "stops"};
     case kContactKept:
       return {"contact-kept",
-              "contact is kept whatever the force: it is lost where less than {least_force_n} "
-              "presses actuator and skin together"};
+              "contact is kept for any force: it is lost where less than {least_force_n} presses "
+              "actuator and skin together"};
 
     // --- the rise of the skin ---
     case kDriveVaries:
@@ -133,10 +134,10 @@ Sentence SentenceOf(sim::FindingKind kind) {
           "10 % to 90 %"};
     case kLatencyUnnoticed:
       return {"latency-unnoticed",
-              "the latency is below 25 ms, the limit from which on a latency costs errors"};
+              "the latency is below 25 ms, the limit from which on a latency causes errors"};
     case kLatencyCostsErrors:
       return {"latency-costs-errors",
-              "the latency is above 25 ms, where it costs errors, and below 50 ms, where it is "
+              "the latency is above 25 ms, where it causes errors, and below 50 ms, where it is "
               "perceived"};
     case kLatencyPerceived:
       return {"latency-perceived", "the latency is above 50 ms, where it is perceived"};
@@ -144,8 +145,8 @@ Sentence SentenceOf(sim::FindingKind kind) {
       break;
   }
   return {"latency-undecided",
-          "the latency is too uncertain to be compared with 25 ms, where it costs errors, and "
-          "50 ms, where it is perceived"};
+          "the latency is too uncertain to be compared with 25 ms, where it causes errors, and 50 "
+          "ms, where it is perceived"};
 }
 
 }  // namespace haptometer::document

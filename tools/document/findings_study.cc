@@ -65,7 +65,7 @@ constexpr std::array kTable{
         {"calibration-excluded", "uncertainties exclude sensor calibration and linearity"}},
     Row{StudyFinding::kNoSetting, {"no-setting", "no setting"}},
     Row{StudyFinding::kOneStart,
-        {"one-start", "no setting started {missing}; those of the other start count"}},
+        {"one-start", "no setting started {missing}; those of the other start are used"}},
     Row{StudyFinding::kPowerByVoltage,
         {"power-by-voltage", "power savings assume power proportional to the voltage squared"}},
     Row{StudyFinding::kNoFloor,

@@ -58,7 +58,7 @@ constexpr std::string_view kModbus = "modbus";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Play a scene or a trial as a real sensor would, over a terminal or TCP.",
+    .summary = "Play a scene or a trial as an emulated sensor, over a terminal or TCP.",
     .examples = {"haptometer emulate --scene fixtures/lra_adapter.toml --link ./sensor",
                  "haptometer emulate --scene fixtures/lra_adapter.toml --protocol stream"
                  " --baud 921600",
@@ -91,42 +91,53 @@ struct Wanted {
 
 void Declare(cli::Options& options, Wanted& wanted) {
   options.Text("--scene", &wanted.scene, "FILE",
-               "The scene to play: steady, unless it starts at rest");
+               "Scene to play: its steady state, unless it starts at rest");
   options.Text("--trial", &wanted.trial, "FILE",
-               "The trial to play: straight lines between its rows, then its last value for ever");
+               "Trial to play, linearly interpolated between its rows; its last value is held "
+               "after its end");
   options.Choice("--protocol", &wanted.protocol,
                  {std::string(kUnit), std::string(kEn1), std::string(kLkg), std::string(kStream),
                   std::string(kModbus)},
-                 "Keyence's DL-RS1A, DL-EN1 or LK-G3001, asked for each reading, lines that come "
-                 "unasked, or registers");
+                 "Keyence's DL-RS1A, DL-EN1 or LK-G3001, polled for each reading; stream: lines "
+                 "sent without request; modbus: registers");
   options.Text("--profile", &wanted.profile, "NAME|FILE",
-               "Which Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
-  options.Count("--baud", &wanted.baud, 300, 20'000'000,
-                "The wire's (9600; stream: 921600; en1: none)");
-  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
-               "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
-  options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
+               "Profile of the Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
+  options.Count("--baud", &wanted.baud, 300, 20'000'000, "Bits per second of the wire")
+      .Default("9600, 921600 for stream, none for en1");
+  options
+      .Text("--format", &wanted.format, "PICTURE,UNIT,END",
+            "Form of a stream's lines; numbered lines: 000,+00.0000,mm,CR")
+      .Default("+00.0000,mm,CR");
+  options.Text("--link", &wanted.link, "PATH", "Symbolic link to create for the terminal");
   options.Text("--tcp", &wanted.tcp, "HOST:PORT",
                "TCP instead of a terminal; port 0: any free one");
-  std::string faults = "One answer in EVERY (1) fails:";
+  std::string faults = "One reply in EVERY fails:";
   for (const emulator::Fault& fault : emulator::Faults()) {
     faults +=
         fmt::format("{} {} ({})", faults.ends_with(':') ? "" : ",", fault.name, fault.summary);
   }
-  options.Text("--fault", &wanted.fault, "NAME[:EVERY]", faults);
-  options.Count("--seed", &wanted.seed, 0, INT64_MAX, "Of the noise (1)");
+  options.Text("--fault", &wanted.fault, "NAME[:EVERY]", faults).Default("none; EVERY 1");
+  options.Count("--seed", &wanted.seed, 0, INT64_MAX, "Seed of the noise").Default("1");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime, "End after this time");
-  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime,
-                 "The head's sampling period (1ms; stream: 100us)", cli::Shown::kHelpAll);
-  options.Count("--averages", &wanted.averages, 1, 4096, "Raw samples in a reading (16; stream: 1)",
-                cli::Shown::kHelpAll);
-  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often a DL-RS1A or DL-EN1 refills its buffer (7ms, 7.8ms with one amplifier)",
-                 cli::Shown::kHelpAll);
-  options.Count("--amplifiers", &wanted.amplifiers, 1, 15,
-                "Number n (from 0) shows the motion divided by n + 1 (1)", cli::Shown::kHelpAll);
+  options
+      .Number("--sampling", &wanted.sampling_s, Dimension::kTime, "Sampling period of the head",
+              cli::Shown::kHelpAll)
+      .Default("1 ms, 100 us for stream");
+  options
+      .Count("--averages", &wanted.averages, 1, 4096, "Raw samples averaged in a reading",
+             cli::Shown::kHelpAll)
+      .Default("16, 1 for stream");
+  options
+      .Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+              "Interval at which a DL-RS1A or DL-EN1 refreshes its values", cli::Shown::kHelpAll)
+      .Default("7 ms for dl-rs1a and 7.8 ms for en1, with one amplifier");
+  options
+      .Count("--amplifiers", &wanted.amplifiers, 1, 15,
+             "Number of amplifiers; number n, counted from 0, shows the motion divided by n + 1",
+             cli::Shown::kHelpAll)
+      .Default("1");
   options.Flag("--writable", &wanted.is_writable,
-               "The unit's R/W switch stands on W: SW and AW are obeyed", cli::Shown::kHelpAll);
+               "Set the unit's R/W switch to W: SW and AW are executed", cli::Shown::kHelpAll);
   // --format is that of the lines it sends
   cli::DeclareImport(&options, &wanted.import, cli::Scaled::kDisplacement, true);
 }
@@ -147,8 +158,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
                  fmt::format("leave it out with --protocol {}", wanted.protocol));
   }
   if (wanted.stream() && wanted.amplifiers) {
-    return Usage("--amplifiers", "is for those that are asked",
-                 "leave it out with --protocol stream");
+    return Usage("--amplifiers", "is for polled sensors", "leave it out with --protocol stream");
   }
   if (wanted.modbus() == wanted.profile.empty()) {
     return Usage("--profile", "belongs to --protocol modbus, and that needs it",
@@ -156,11 +166,11 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   }
   if (wanted.modbus() &&
       (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
-    return Usage("--profile", "says baud rate and sampling itself",
+    return Usage("--profile", "states baud rate and sampling itself",
                  "leave --baud, --sampling, --averages and --refresh out");
   }
   if (!wanted.stream() && !wanted.format.empty()) {
-    return Usage("--format", "is for lines that come unasked", "add --protocol stream");
+    return Usage("--format", "is for lines that are sent without request", "add --protocol stream");
   }
   const std::pair<const char*, const std::optional<Quantity>*> times[] = {
       {"--duration", &wanted.duration_s},
@@ -169,7 +179,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   for (const auto& [name, time] : times) {
     // below a nanosecond and above a year nothing can be scheduled
     if (*time && !((*time)->value >= 1e-9 && (*time)->value <= 3.2e7)) {
-      return Usage(name, fmt::format("{:g} s is no time to wait", (*time)->value),
+      return Usage(name, fmt::format("{:g} s is not a time to wait", (*time)->value),
                    "give 1ns to 1 year");
     }
   }
@@ -205,7 +215,7 @@ Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& w
   std::string remark =
       fmt::format("plays {:.6g} s of {}, then holds its last value", motion->duration_s, path);
   if (motion->left_out > 0) {
-    remark += fmt::format("; {} rows without a measurement are bridged", motion->left_out);
+    remark += fmt::format("; {} rows without a measurement are interpolated", motion->left_out);
   }
   return remark;
 }

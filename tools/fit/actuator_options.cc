@@ -14,17 +14,19 @@ using fit::ActuatorKnowns;
 
 void DeclareCoilAndMass(cli::Options& options, ActuatorWords& words) {
   ActuatorKnowns& knowns = words.knowns;
-  options.Number("--moving-mass", &knowns.moving_mass_kg, Dimension::kMass, "Mv");
-  options.Number("--resistance", &knowns.resistance_ohm, Dimension::kResistance, "R of the coil");
-  options.Number("--inductance", &knowns.inductance_h, Dimension::kInductance, "L of the coil");
+  options.Number("--moving-mass", &knowns.moving_mass_kg, Dimension::kMass, "Moving mass Mv");
+  options.Number("--resistance", &knowns.resistance_ohm, Dimension::kResistance,
+                 "Resistance R of the coil");
+  options.Number("--inductance", &knowns.inductance_h, Dimension::kInductance,
+                 "Inductance L of the coil");
   options.Text("--actuator", &words.file, "NAME|FILE",
-               "Takes masses, R and L from an actuator file or thesis-c10-100");
+               "Actuator file, or thesis-c10-100, from which masses, R and L are read");
 }
 
 void DeclareCase(cli::Options& options, ActuatorWords& words) {
-  options.Flag("--held", &words.held, "The case was fixed to something heavy");
-  options.Flag("--free", &words.is_free, "The case was free in the air");
-  options.Number("--case-mass", &words.knowns.case_mass_kg, Dimension::kMass, "Mc");
+  options.Flag("--held", &words.held, "The case was fixed to a heavy mass");
+  options.Flag("--free", &words.is_free, "The case was free");
+  options.Number("--case-mass", &words.knowns.case_mass_kg, Dimension::kMass, "Case mass Mc");
   options.Repeated("--require", &words.required, "Kv|Bv|Km",
                    "Status 3 where this constant is not determined; may be repeated");
 }

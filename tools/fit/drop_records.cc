@@ -36,7 +36,8 @@ Result<std::optional<Sources>> ListDropsFile(const FitLraOptions& options) {
   const auto path = std::ranges::find_if(options.files, IsDropsFile);
   if (path == options.files.end()) return std::nullopt;
   if (options.files.size() > 1 || !options.open.empty() || !options.loads.empty()) {
-    return Usage(*path, "stands beside other files", "name them in it, each under [[drop]]");
+    return Usage(*path, "cannot be combined with other files",
+                 "name them in it, each under [[drop]]");
   }
   auto file = ReadDropsFile(*path);
   if (!file) return std::unexpected(file.error());
@@ -289,7 +290,7 @@ class Statement {
         return CannotAnswer(file.record.name,
                             fmt::format("{} = {:g} contradicts {:g} of another file", key_,
                                         header->value, settled->value),
-                            fmt::format("fit the files apart, or settle it with {}", option_name_));
+                            fmt::format("fit the files separately, or decide by {}", option_name_));
       }
       if (header) settled = header;
     }
@@ -426,7 +427,7 @@ std::vector<std::string> ReadFiles(TomlTable& table) {
   const auto file = table.Text("file");
   auto files = table.TextList("files");
   const std::string remedy = "write file = \"open1.csv\" or files = [\"open1.csv\", \"open2.csv\"]";
-  if (file && table.Has("files")) table.Refuse("files", "stands beside file", remedy);
+  if (file && table.Has("files")) table.Refuse("files", "cannot be combined with file", remedy);
   if (file) files.insert(files.begin(), *file);
   if (files.empty()) table.Refuse("file", "is missing", remedy);
   for (const std::string& name : files) {

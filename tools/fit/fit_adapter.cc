@@ -115,7 +115,7 @@ Section MassOf(const fit::AdapterFit& fit, const Quantity& mass_kg) {
   AddFitted(section, {"ba_over_mass", "Ba over mass", document::kPerSecond, Form::kEstimate},
             fit.damping_over_mass);
   section.Add({"", "mass", document::kKilogram}, mass_kg.value, mass_kg.standard_uncertainty).note =
-      "1 % of it moves Ka and Ba by 1 %";
+      "1 % of it changes Ka and Ba by 1 %";
   Section mass{.name = "mass_kg"};
   mass.Add(document::kValue, mass_kg.value);
   mass.Add(document::kStandardUncertainty, mass_kg.standard_uncertainty);
@@ -191,8 +191,8 @@ int RunFitAdapter(int argc, const char* const* argv) {
   document::Outputs outputs;
   options.Positionals("taps", &files,
                       "Recordings of the displacement after a tap, the other side held");
-  options.Number("--mass", &mass_kg, Dimension::kMass, "The mass that rings on the spring");
-  options.Flag("--all", &outputs.all, "Each tap too, and the provenance");
+  options.Number("--mass", &mass_kg, Dimension::kMass, "Mass that vibrates on the spring");
+  options.Flag("--all", &outputs.all, "Print each tap too, and the provenance");
   options.Output("--report", &outputs.report, "FILE.html", "Write one page with all details");
   cli::DeclareImport(&options, &words);
   if (const auto status = options.Parse(argc, argv)) return *status;

@@ -253,8 +253,8 @@ document::Figure UnfittedFigure(const ImpulseRecord& record, const std::string& 
 document::Figure RecordFigure(const ImpulseRecord& record, const FittedRecord& fitted) {
   const std::string title = fmt::format("{} ({})", record.name, LoadText(fitted.load_ohm));
   document::Figure figure{
-      fmt::format("{}: record and fit, the same close to the impact, what the fit leaves, and the "
-                  "spectra of both. Grey: not used.",
+      fmt::format("{}: record and fit, the same close to the impact, the residual, and the spectra "
+                  "of both. Grey: not used.",
                   title),
       {RecordPanel(record, fitted, AllOf(record), title),
        RecordPanel(record, fitted, NearImpact(record, fitted), "close to the impact"),

@@ -63,7 +63,8 @@ Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
   for (std::size_t n = 0; n < hertz->size(); ++n) {
     if (!((*hertz)[n] > 0 && (*ohm)[n] > 0)) {
       return CannotAnswer(fmt::format("{}:{}", path, table->lines[n]),
-                          "has a frequency or a magnitude that is not positive", "mend that line");
+                          "has a frequency or a magnitude that is not positive",
+                          "correct that line");
     }
     points.push_back({(*hertz)[n], std::polar((*ohm)[n], (*degrees)[n] / kDegrees)});
   }

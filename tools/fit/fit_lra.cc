@@ -27,7 +27,7 @@ constexpr std::string_view kVerb = "fit-lra";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Fit an actuator's constants Kv, Bv, Km to the voltage it gives after a drop.",
+    .summary = "Fit an actuator's constants Kv, Bv, Km to its voltage after a drop.",
     .examples = {"fit-lra impulse.csv",
                  "fit-lra --open o*.csv --load 33ohm l*.csv --held --moving-mass '1.40(3)g'"
                  " --resistance 27ohm",
@@ -73,24 +73,25 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                  "Records with a resistor across the terminals; may be repeated");
   DeclareCase(options, wanted.actuator);
   DeclareCoilAndMass(options, wanted.actuator);
-  options.Flag("--robust", &wanted.is_robust, "A few samples far off shall hardly count");
+  options.Flag("--robust", &wanted.is_robust,
+               "Robust fit (Huber loss): outlying samples have little weight");
   options.Number("--drop-height", &wanted.drop_height_m, Dimension::kLength,
-                 "Height of the free fall; gives Km from one open record");
+                 "Height of the free fall before the impact; gives Km from one open record");
   options.Number("--rebound", &wanted.rebound, Dimension::kNone,
-                 "Speed of the case after the impact over that before it (0 to 1)");
+                 "Ratio of the case's speed after the impact to that before it, 0 to 1");
   options.Number("--release-current", &wanted.release_current_a, Dimension::kCurrent,
-                 "The motion began with the end of this current, not with a blow; gives Km");
+                 "Current whose end began the motion, in place of an impact; gives Km");
   options.Number("--voltage-scale", &wanted.voltage_scale, Dimension::kNone,
-                 "Volts shown by the recorder over true ones: '1.00(2)'");
+                 "Ratio of the recorder's voltage to the true voltage, such as '1.00(2)'");
   options.Number("--time-scale", &wanted.time_scale, Dimension::kNone,
-                 "Seconds shown over true ones: 1+-5e-5");
+                 "Ratio of the recorder's time to the true time, such as 1+-5e-5");
   options.Text("--window", &wanted.window, "A:B",
-               "Fit this part of each record alone, from and to seconds on its time axis");
+               "Part of each record to fit, in seconds on its time axis");
   DeclareFiles(options, files, "Draw records, fit, residuals, spectra and poles");
   cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
   for (const OtherVerb& other : kOtherVerbs) {
     static bool is_asked = false;  // RunOtherVerb has seen it
-    options.Flag(other.option, &is_asked, fmt::format("The verb {}", other.name),
+    options.Flag(other.option, &is_asked, fmt::format("Run the verb {}", other.name),
                  cli::Shown::kHelpAll);
   }
 }

@@ -296,7 +296,7 @@ document::Sentence SentenceOf(FitLraFinding kind) {
       break;
   }
   return {"taken-as-exact",
-          "taken as exact: {inputs}; --all shows what a change of 1 % of each does"};
+          "uncertainty neglected: {inputs}; --all shows the effect of 1 % of each"};
 }
 
 Findings<FitLraFinding> FindingsOf(const DropTestFit& fit,

@@ -69,7 +69,8 @@ Result<Sweeps> ReadAll(const std::vector<std::string>& files) {
 
 Result<sim::StatedActuator> Actuator(const std::string& name) {
   if (name.empty()) {
-    return Usage("--actuator", "is missing: the skin shows itself by how it loads a known actuator",
+    return Usage("--actuator",
+                 "is missing: the skin is determined from its load on a known actuator",
                  "add --actuator actuator.toml (with Kv, Bv, Km) or thesis-c10-100");
   }
   auto stated = sim::FindActuator(name);
@@ -276,7 +277,7 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
     const double area_mm2 = columns->areas_mm2 ? (*columns->areas_mm2)[row] : 0;
     if (columns->areas_mm2 && !(area_mm2 > 0)) {
       return CannotAnswer(fmt::format("{}:{}", path, table->lines[row]),
-                          "has a contact area that is not positive", "mend that cell");
+                          "has a contact area that is not positive", "correct that cell");
     }
     fit::SkinSweep& sweep = sweeps[area_mm2];
     sweep.drive = columns->drive;
@@ -301,7 +302,8 @@ int RunFitSkin(int argc, const char* const* argv) {
                       "columns (docs/reference/fit-skin.md)");
   options.Text("--actuator", &actuator_name, "NAME|FILE",
                "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
-  options.Flag("--all", &outputs.all, "Correlations and given numbers too, and the provenance");
+  options.Flag("--all", &outputs.all,
+               "Print correlations and given numbers too, and the provenance");
   options.Output("--plot", &outputs.plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
   options.Output("--report", &outputs.report, "FILE.html",
                  "Write one page with all details and the figures");

@@ -207,7 +207,7 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
 std::vector<document::Figure> FiguresOf(const FitSkinAnswer& answer) {
   std::vector<document::Figure> figures;
   for (const SkinFit& contact : answer.contacts) {
-    figures.push_back({.caption = contact.name + ": amplitudes, fit, and what the fit leaves",
+    figures.push_back({.caption = contact.name + ": amplitudes, fit and residual",
                        .panels = ContactPanels(contact)});
   }
   if (answer.areas.stiffness) {

@@ -122,7 +122,7 @@ Section& AddQuantity(Section& section, const document::Key& key, const Quantity&
 
 Section ActuatorSection(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
-  Section section{.heading = "actuator, as stated or supposed", .detail = Detail::kAll};
+  Section section{.heading = "actuator, as stated or assumed", .detail = Detail::kAll};
   Section guesses{.name = "guesses"};
   guesses.Add(document::kNaturalFrequencyHz, drops.natural_frequency_hz);
   guesses.Add(document::kQualityFactor, drops.quality_factor);
@@ -269,9 +269,10 @@ document::Sentence SentenceOf(PlanFinding kind) {
               "--moving-mass 1.4g+-0.006g"};
     case PlanFinding::kMassExact:
       return {"mass-exact",
-              "the moving mass is taken as exact: 1 % of it is 1 % of Kv and Bv, and 0.5 % of Km"};
+              "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and "
+              "0.5 % of Km"};
     case PlanFinding::kResistanceExact:
-      return {"resistance-exact", "the coil's resistance is taken as exact"};
+      return {"resistance-exact", "the uncertainty of the coil's resistance is neglected"};
     case PlanFinding::kQualityAssumed:
       return {"quality-assumed", "Q {quality_factor} is assumed: state --guess \"Q 60\""};
     case PlanFinding::kForceConstantAssumed:
@@ -294,8 +295,8 @@ document::Sentence SentenceOf(PlanFinding kind) {
       return {"noise-assumed", "noise of half a step is assumed: state --noise 3mV"};
     case PlanFinding::kLittleNoise:
       return {"little-noise",
-              "rounding is taken for noise; where it repeats itself, errors are up to 1.6 times as "
-              "large"};
+              "rounding is treated as noise; where it repeats itself, errors are up to 1.6 times "
+              "as large"};
     case PlanFinding::kLopsided:
       return {"lopsided-interval",
               "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % "

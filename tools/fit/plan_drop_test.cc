@@ -139,7 +139,7 @@ class CardMaker {
     }
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
-                   "a plan is for what rings");
+                   "a plan needs an actuator that oscillates");
     }
     auto km = guesses->force_constant_n_per_a;
     if (!km && actuator_ && actuator_->force_constant_n_per_a) {
@@ -173,7 +173,7 @@ class CardMaker {
       return {};
     }
     if (!(words_.load_ohm->value > 0 && std::isfinite(words_.load_ohm->value))) {
-      return Usage("--load", "is no load", "write --load 33ohm; the open drops are planned too");
+      return Usage("--load", "is not a load", "write --load 33ohm; the open drops are planned too");
     }
     drops.load_ohm = *words_.load_ohm;
     has_load_ = true;
@@ -331,27 +331,28 @@ Result<void> CheckRanges(const PlanWords& words) {
 void Declare(cli::Options& options, PlanWords& words) {
   constexpr auto kRare = cli::Shown::kHelpAll;
   options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency,
-                 "The resonance, as rated");
+                 "Rated resonance frequency");
   DeclareCoilAndMass(options, words.actuator);
   options.Repeated("--want", &words.wishes, "\"Km 2%\"",
-                   "Half the 95 % interval of Kv, Bv or Km; may be repeated");
+                   "Required half width of the 95 % interval of Kv, Bv or Km; may be repeated");
   options.Repeated("--guess", &words.guesses, "\"Q 60\"",
-                   "What is supposed of Q, Bv or Km; may be repeated");
-  options.Number("--load", &words.load_ohm, Dimension::kResistance, "Of the loaded drops");
+                   "Assumed value of Q, Bv or Km; may be repeated");
+  options.Number("--load", &words.load_ohm, Dimension::kResistance, "Load of the loaded drops");
   options.Number("--drop-height", &words.drop_height_m, Dimension::kLength,
-                 "Height of a fall that gives the impact");
+                 "Height of the free fall before the impact");
   options.Number("--rebound", &words.rebound, Dimension::kNone,
-                 "Speed of the case after the impact over that before it (0 to 1)", kRare);
+                 "Ratio of the case's speed after the impact to that before it, 0 to 1", kRare);
   options.Number("--time-scale", &words.time_scale, Dimension::kNone,
-                 "Seconds shown over true ones: 1+-5e-5", kRare);
-  options.Number("--rate", &words.rate_hz, Dimension::kFrequency, "Of the recorder");
-  options.Count("--taps", &words.taps, 1, 1000, "Drops of each kind");
-  options.Count("--bits", &words.bits, 4, 24, "Of the recorder, over --range");
+                 "Ratio of the recorder's time to the true time, such as 1+-5e-5", kRare);
+  options.Number("--rate", &words.rate_hz, Dimension::kFrequency, "Sampling rate of the recorder");
+  options.Count("--taps", &words.taps, 1, 1000, "Number of drops of each kind");
+  options.Count("--bits", &words.bits, 4, 24, "Bits of the recorder, over --range");
   options.Number("--range", &words.range_v, Dimension::kVoltage,
-                 "Of the recorder, from end to end");
-  options.Number("--noise", &words.noise_v, Dimension::kVoltage, "Of the recorder, RMS", kRare);
-  options.Number("--length", &words.length_s, Dimension::kTime, "Of the record, behind the impact",
+                 "Range of the recorder, from end to end");
+  options.Number("--noise", &words.noise_v, Dimension::kVoltage, "Noise of the recorder, RMS",
                  kRare);
+  options.Number("--length", &words.length_s, Dimension::kTime,
+                 "Length of the record after the impact", kRare);
 }
 
 }  // namespace
@@ -368,7 +369,7 @@ Result<fit::AccuracyWish> ParseWish(const std::string& word) {
   for (const auto constant :
        {fit::Constant::kStiffness, fit::Constant::kDamping, fit::Constant::kForceConstant}) {
     if (SymbolOf(constant) != symbol) continue;
-    if (!word.ends_with('%')) return Usage("--want", word + " is no percentage", example);
+    if (!word.ends_with('%')) return Usage("--want", word + " is not a percentage", example);
     const auto number = ParseQuantity(percent, Dimension::kNone, "--want");
     if (!number) return std::unexpected(number.error());
     if (!(number->value > 0 && number->value <= 25)) {
@@ -418,7 +419,7 @@ int RunPlanDropTest(int argc, const char* const* argv) {
   PlanWords words;
   document::Outputs outputs;
   Declare(options, words);
-  options.Flag("--all", &outputs.all, "The supposed constants too");
+  options.Flag("--all", &outputs.all, "Print the assumed constants too");
   options.Output("--report", &outputs.report, "FILE.html", "Write the card as a page");
   if (const auto status = options.Parse(argc, argv)) return *status;
   outputs.json = options.json();

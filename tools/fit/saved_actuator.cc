@@ -188,14 +188,15 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
 }
 
 void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figures) {
-  options.Flag("--all", &files.outputs.all, "All details, and the provenance");
+  options.Flag("--all", &files.outputs.all, "Print all details and the provenance");
   options.Output("--plot", &files.outputs.plot, "FILE.svg|png|pdf", figures);
   options.Output("--report", &files.outputs.report, "FILE.html",
                  "Write one page with all details and the figures");
   options.Output(
       "--save", &files.save, "FILE.toml",
       "Write the actuator with uncertainties and correlations, for scenes and --actuator");
-  options.Flag("--overwrite", &files.overwrite, "Replace what --save wrote earlier");
+  options.Flag("--overwrite", &files.overwrite,
+               "Replace an actuator file that --save wrote earlier");
 }
 
 Result<void> CheckFiles(const FitFiles& files) {

@@ -294,8 +294,7 @@ std::optional<double> Over(const std::optional<double>& a, const std::optional<d
 std::string Judged(const std::optional<double>& full_s) {
   if (!full_s) return "not reached within 1 s";
   return fmt::format(
-      "{} the 25 ms from which latency costs errors (p. 4); the first micrometres "
-      "come at once",
+      "{} the 25 ms from which latency causes errors (p. 4); the first micrometres come at once",
       *full_s > kErrorsFromS ? "beyond" : "within");
 }
 

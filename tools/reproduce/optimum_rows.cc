@@ -49,9 +49,9 @@ std::string StepsRemark(std::string_view key, const sim::Range& range) {
   const ThesisNumber& number = ThesisNumberOf(key);
   const auto above = std::ranges::lower_bound(values, SiValue(number));
   if (above == values.begin() || above == values.end()) return {};
-  return fmt::format("the printed one is no point of {} equal steps: {:.6g} and {:.6g} {} are next",
-                     kValuesPerAxis, *(above - 1) / number.unit.si, *above / number.unit.si,
-                     number.unit.name);
+  return fmt::format(
+      "the printed one is not a point of {} equal steps: {:.6g} and {:.6g} {} are next",
+      kValuesPerAxis, *(above - 1) / number.unit.si, *above / number.unit.si, number.unit.name);
 }
 
 std::vector<ThesisRow> GridRows(const sim::TuningProblem& problem, double printed_rms_m) {

@@ -20,7 +20,7 @@ constexpr std::string_view kVerb = "reproduce";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Compute every number of the thesis anew and compare.",
+    .summary = "Recompute every number of the thesis and compare.",
     .examples = {"haptometer reproduce", "haptometer reproduce --figures figures/ --chain",
                  "haptometer reproduce --report thesis.html --json"}};
 
@@ -37,7 +37,7 @@ Result<void> CheckPlaces(const Wanted& wanted) {
   std::error_code failure;
   fs::create_directories(wanted.figures, failure);
   if (failure || !fs::is_directory(wanted.figures)) {
-    return Usage(wanted.figures, "is no folder and none can be made there", "name another");
+    return Usage(wanted.figures, "is not a folder, and none can be made there", "name another");
   }
   return {};
 }

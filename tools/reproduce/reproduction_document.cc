@@ -50,8 +50,8 @@ document::Sentence SentenceOf(ReproduceFinding kind) {
   switch (kind) {
     case ReproduceFinding::kHalfDigit:
       return {"half-digit",
-              "a printed value is true to half of its last digit, 8200 N/m to 50 N/m, 220 Hz to 5 "
-              "Hz"};
+              "a printed value is rounded to half of its last digit, 8200 N/m to 50 N/m, 220 Hz to "
+              "5 Hz"};
     case ReproduceFinding::kCoilReaction:
       return {"coil-reaction",
               "equation 2.3 is taken with the coil's reaction on the case, as matrix 2.5 has it"};
@@ -224,11 +224,10 @@ Section ChainSection(const std::optional<std::vector<ChainRow>>& rows) {
 document::Document ReproductionDocument(const Reproduction& reproduction,
                                         const std::vector<ThesisFigure>& figures,
                                         const std::vector<std::string>& files) {
-  document::Document document{
-      .verb = "reproduce",
-      .title =
-          "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of "
-          "Washington, 2013, computed anew"};
+  document::Document document{.verb = "reproduce",
+                              .title =
+                                  "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", "
+                                  "University of Washington, 2013, recomputed"};
   Section& root = document.root;
   root.sources = {document::DataSource::kSimulated};
   AddCounts(reproduction.rows, root);

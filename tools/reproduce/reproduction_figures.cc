@@ -106,7 +106,7 @@ ThesisFigure ImpedanceFigure(const ThesisModel& model) {
   const sim::Scene scene = WithAdapter(model, kIa2AreaM2);
   const std::vector<double> hertz = Even(50, 500, 1800);
   return {"figure-2.4",
-          "(2.4) Impedance of the skin, and of LRA with adapter as the skin sees it",
+          "(2.4) Impedance of the skin, and of LRA with adapter at the skin",
           {{"mechanical impedance, magnitude",
             "frequency / Hz",
             "impedance / (N s/m)",

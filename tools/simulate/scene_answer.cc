@@ -89,7 +89,7 @@ Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
   }
   const double lowest_hz = *std::ranges::min_element(frequencies_hz);
   return {Cause::kCannotAnswer, where,
-          fmt::format("at {:g} Hz the skin moves so little that rounding hides it", lowest_hz),
+          fmt::format("at {:g} Hz the skin moves so little that rounding exceeds it", lowest_hz),
           "raise frequency_hz"};
 }
 

@@ -53,20 +53,21 @@ struct SimulateOptions {
 void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
-                 "Length of the run; beats [run] duration_s");
+                 "Length of the run; overrides [run] duration_s");
   options.Flag("--explain", &wanted.explain,
-               "For each effect: whether it is on, why, what it changes and costs");
+               "Show for each effect whether it is on, why, what it changes and how long it takes");
   options.Number("--tolerance", &wanted.tolerance, Dimension::kNone,
-                 "Relative change that effects = \"auto\" may neglect; beats [run] tolerance");
+                 "Relative change that effects = \"auto\" may neglect; overrides [run] tolerance");
   options.Choice("--quantity", &wanted.quantity,
                  {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
-                 "What the tolerance is about; beats [run] quantity");
-  options.Output("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
+                 "Quantity that the tolerance applies to; overrides [run] quantity");
+  options.Output("-o,--output", &wanted.output, "FILE",
+                 "Write the readings of the scene's sensor as a trial");
   options.Output("--waveforms", &wanted.waveforms, "FILE",
                  "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
-                 "Rows a second of --waveforms; 64 in the shortest period");
-  options.Flag("--all", &wanted.outputs.all, "The whole run and the method too");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, "Rows per second of --waveforms")
+      .Default("64 in the shortest period");
+  options.Flag("--all", &wanted.outputs.all, "Print the whole run and the method too");
   options.Output("--plot", &wanted.outputs.plot, "FILE",
                  "Draw waveforms and spectrum, .svg, .png or .pdf");
   options.Output("--report", &wanted.outputs.report, "FILE.html",
@@ -109,7 +110,7 @@ Result<void> AddDuration(const std::string& where, sim::Scene& scene,
   if (scene.duration_s || sim::IsLasting(scene.drive)) return {};
   const auto ring_down_s = sim::RingDownS(scene);
   if (!ring_down_s) {
-    return CannotAnswer(where, "has no duration, and a motion that never dies away",
+    return CannotAnswer(where, "has no duration, and its motion does not decay",
                         "give duration_s in [run], or --duration");
   }
   const double end_s = sim::EndOfDriveS(scene.drive);
@@ -229,11 +230,12 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   }
   if (wanted.waveforms.empty()) {
     if (!wanted.rate_hz) return {};
-    return Usage("--rate", "is of --waveforms, which are not asked for", "add --waveforms FILE");
+    return Usage("--rate", "applies to --waveforms only, which is not given",
+                 "add --waveforms FILE");
   }
   if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
-    return Usage("--rate", fmt::format("{:g} Hz is no rate", wanted.rate_hz->value),
-                 "give rows a second");
+    return Usage("--rate", fmt::format("{:g} Hz is not a rate", wanted.rate_hz->value),
+                 "give rows per second");
   }
   return CheckWaveformPath(wanted.waveforms, wanted.overwrite);
 }

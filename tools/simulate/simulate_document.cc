@@ -253,7 +253,7 @@ Section ContactSection(const SimulateAnswer& answer) {
                             answer.numbers.contact_force_least_n);
   least.note = "preload and weight included";
   if (answer.numbers.contact_force_least_n.value_or(0) < 0) {
-    least.note += ": the skin would have to pull";
+    least.note += ": contact is lost";
   }
   contact.Add({"efficiency", "part of the power into the skin", document::kShare},
               answer.numbers.efficiency);
@@ -391,7 +391,8 @@ std::string GroundText(const sim::EffectVerdict& verdict) {
     case sim::Ground::kNeverReached:
       return "never reached, proved between samples too: the motion is the same without it";
     case sim::Ground::kSuperposed:
-      return "nothing limits or bends the motion, so weight moves its centre alone";
+      return "no limit and no nonlinear spring acts on the motion, so weight changes its centre "
+             "only";
     case sim::Ground::kCompared:
       break;
   }
@@ -428,7 +429,7 @@ Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanatio
 
 Section ExplainedTable(const std::optional<Explanation>& explanation) {
   Section table{.name = document::kExplained.name,
-                .heading = "each effect forced on and left out, best time of three runs",
+                .heading = "each effect forced on and forced off, best time of three runs",
                 .shape = Section::Shape::kTable,
                 .is_known = explanation.has_value()};
   if (!explanation) return table;

@@ -51,7 +51,7 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.contrasts.reserve(contrasts.size());
   for (const auto& pair : contrasts) {
     if (pair.size() != 2 || pair[0].empty() || pair[1].empty() || pair[0] == pair[1]) {
-      table->Refuse("contrasts", "holds something else than pairs of two conditions",
+      table->Refuse("contrasts", "holds something other than pairs of two conditions",
                     R"(write it as [["ia1", "stock"]])");
       break;
     }
@@ -231,7 +231,7 @@ Result<PlannedContrast> ParseContrast(const std::string& word) {
                            colon == std::string::npos ? "" : word.substr(colon + 1)};
   if (contrast.treatment.empty() || contrast.control.empty() ||
       contrast.treatment == contrast.control) {
-    return Usage("--contrast", fmt::format("'{}' is no pair of conditions", word),
+    return Usage("--contrast", fmt::format("'{}' is not a pair of conditions", word),
                  "write TREATMENT:CONTROL, as ia1:stock");
   }
   return contrast;

@@ -36,8 +36,8 @@ constexpr std::string_view kVerb = "study";
 constexpr cli::VerbText kText{
     .name = kVerb,
     .summary =
-        "Compare the conditions of a study: trials x subjects x conditions, one mean a "
-        "subject. See also study matching --help and study linearity --help.",
+        "Compare the conditions of a study: trials x subjects x conditions, one mean per subject. "
+        "See also study matching --help and study linearity --help.",
     .examples = {"haptometer study trials/ --contrast ia1:stock --contrast ia2:cone",
                  "haptometer study study.toml --all --plot study.svg --methods methods.md",
                  "haptometer study study.toml --verify results.json"}};
@@ -68,25 +68,26 @@ void DeclareOutputs(cli::Options& options, document::Outputs& outputs, std::stri
 void Declare(cli::Options& options, Wanted& wanted) {
   options.Positional("source", &wanted.source,
                      "A folder of trials, or a manifest (.toml, docs/reference/study.md)");
-  options.Repeated("--contrast", &wanted.contrasts, "TREATMENT:CONTROL",
-                   "A planned contrast; may be repeated (default: the manifest's, else every "
-                   "condition against the first)");
+  options
+      .Repeated("--contrast", &wanted.contrasts, "TREATMENT:CONTROL",
+                "A planned contrast; may be repeated")
+      .Default("the manifest's, else every condition against the first");
   options.Text("--pattern", &wanted.pattern, "PATTERN",
                "Labels in the files' names: '{subject}_{condition}_{repeat}'");
   cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
-  options.Text(
-      "--floor", &wanted.floor, "FILE",
-      "A drive-off trial: its noise in the band is subtracted in mean square (default: the "
-      "manifest's, else each trial's own quiet part)");
+  options
+      .Text("--floor", &wanted.floor, "FILE",
+            "Drive-off trial whose noise in the band is subtracted (mean square)")
+      .Default("the manifest's, else each trial's own quiet part");
   DeclareOutputs(options, wanted.outputs,
                  "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend, "
                  "trials, provenance",
-                 "Draw means, spread and subjects, a panel a contrast");
-  options.Output("--table", &wanted.table, "LONG.csv", "Write a row a trial");
-  options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row a subject");
+                 "Draw means, spread and subjects, a panel per contrast");
+  options.Output("--table", &wanted.table, "LONG.csv", "Write a row per trial");
+  options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row per subject");
   options.Output("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
   options.Text("--verify", &wanted.verify, "RESULTS.json",
-               "Compare with what --json printed earlier; status 1 where something differs");
+               "Compare with an earlier output of --json; status 1 where something differs");
   options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
   cli::DeclareImport(&options, &wanted.import);
 }
@@ -295,7 +296,7 @@ Result<int> Verify(const std::string& path, const document::Document& document) 
   if (!earlier) return std::unexpected(earlier.error());
   const Json before = Json::parse(*earlier, nullptr, false);
   if (before.is_discarded() || !before.is_object()) {
-    return CannotAnswer(path, "is no JSON document", "give what study --json printed");
+    return CannotAnswer(path, "is not a JSON document", "give what study --json printed");
   }
   std::vector<std::string> differences;
   Compare(before, Json::parse(document::JsonOf(document)), "", differences);
@@ -340,9 +341,7 @@ constexpr std::string_view kMatching = "study matching";
 
 constexpr cli::VerbText kMatchingText{
     .name = kMatching,
-    .summary =
-        "How much lower a matched voltage is than its reference, level by level, and what "
-        "power that saves.",
+    .summary = "Reduction of voltage by matching, at each reference level, and the power saved.",
     .examples = {"haptometer study matching fixtures/matching.csv --contrast ia1:stock",
                  "haptometer study matching settings.csv --plot matching.svg",
                  "haptometer study matching settings.csv --json"}};
@@ -363,9 +362,8 @@ int RunStudyMatching(int argc, const char* const* argv) {
   document::Outputs outputs;
   std::vector<std::string> words;
   options.Positional("file", &file, "CSV with reference_v,condition,subject,matched_v,started");
-  options.Repeated("--contrast", &words, "TREATMENT:CONTROL",
-                   "A planned contrast; may be repeated (default: every condition against the "
-                   "first)");
+  options.Repeated("--contrast", &words, "TREATMENT:CONTROL", "A planned contrast; may be repeated")
+      .Default("every condition against the first");
   DeclareOutputs(options, outputs, "Print the levels and the provenance too",
                  "Draw matched against reference voltage");
   if (const auto status = options.Parse(argc - 1, argv + 1)) return *status;
@@ -384,7 +382,7 @@ constexpr std::string_view kLinearity = "study linearity";
 
 constexpr cli::VerbText kLinearityText{
     .name = kLinearity,
-    .summary = "Whether the RMS is linear in the drive's amplitude.",
+    .summary = "Test whether the RMS is linear in the drive's amplitude.",
     .examples = {"haptometer study linearity sweep/*.bin",
                  "haptometer study linearity sweep.csv --floor 0.8um --plot linearity.svg",
                  "haptometer study linearity sweep/*.bin --json"}};
@@ -398,9 +396,10 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   cli::ImportWords words;
   options.Positionals("files", &files,
                       "Trials that state their drive_amplitude_v, or CSV with drive_v,rms_m");
-  options.Number(
-      "--floor", &floor_m, Dimension::kLength,
-      "RMS with the drive off, subtracted in mean square (default: the readings at 0 V)");
+  options
+      .Number("--floor", &floor_m, Dimension::kLength,
+              "RMS with the drive off, subtracted in mean square")
+      .Default("the readings at 0 V");
   DeclareOutputs(options, outputs, "Print the provenance too", "Draw RMS against drive");
   cli::DeclareBand(&options, &band, cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &words);

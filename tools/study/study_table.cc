@@ -46,7 +46,7 @@ void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
     const std::string_view missing = trial.subject.empty() ? "subject" : "condition";
     trial.error =
         Error{Cause::kCannotAnswer, trial.file, fmt::format("has no label {}", missing),
-              fmt::format("say haptometer trial label {} {}=..., or give a pattern of the names",
+              fmt::format("use haptometer trial label {} {}=..., or give a pattern of the names",
                           trial.file, missing)};
     trial.answered = false;
   }

@@ -113,7 +113,7 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     const auto [stop, failure] = std::from_chars(cells[i].data(), end, numbers[i]);
     if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
-                          fmt::format("{} '{}' is no number", column, cells[i]),
+                          fmt::format("{} '{}' is not a number", column, cells[i]),
                           "correct that cell");
     }
     if (!PossibleQuantity({numbers[i], 0}, Dimension::kNone, column)) {

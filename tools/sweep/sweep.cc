@@ -27,7 +27,7 @@ constexpr std::string_view kVerb = "sweep";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Answer a scene at many values of its keys, as a table.",
+    .summary = "Simulate a scene at many values of its keys and write a table.",
     .examples = {"haptometer sweep scene.toml --vary drive.frequency_hz=100Hz:400Hz:301 -o f.csv",
                  "haptometer sweep scene.toml --vary skin.stiffness_n_per_m=600:2000 --vary "
                  "skin.damping_n_s_per_m=0.75:2.38 --samples 10000 --seed 7 -o s.csv --resume",
@@ -73,7 +73,7 @@ Result<Made> Compute(const SweepWords& words) {
   if (!made) return std::unexpected(made.error());
   const std::uint64_t rows = question->shard.RowsOf(question->points.size());
   if (*made == rows) return Made{.mended = file->mended_rows()};
-  cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; go on with --resume",
+  cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
                                  words.output, *made, rows));
   return Made{.is_whole = false};
 }
@@ -176,7 +176,7 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   const std::string nearest = Nearest(wish.column, names);
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  return Usage("--best", fmt::format("'{}' is no column of the answers", wish.column),
+  return Usage("--best", fmt::format("'{}' is not a column of the answers", wish.column),
                nearest.empty() ? "use one of " + all : fmt::format("did you mean {}?", nearest));
 }
 
@@ -193,7 +193,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   const auto found = std::ranges::find(columns, wish.column);
   if (found == columns.end()) {
     return CannotAnswer(table, fmt::format("has no column {}", wish.column),
-                        "name one of its own by --best");
+                        "name one of its columns by --best");
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
   for (auto row = reader->Next(); row; row = reader->Next()) {

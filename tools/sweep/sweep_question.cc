@@ -62,7 +62,7 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
   auto axes = ReadAxes(words);
   if (!axes) return std::unexpected(axes.error());
   if (!words.samples && words.seed) {
-    return Usage("--seed", "stands without --samples", "a grid has nothing random");
+    return Usage("--seed", "needs --samples", "a grid has nothing random");
   }
   std::optional<sim::LatinHypercube> sampling;
   if (words.samples) {
@@ -85,10 +85,9 @@ Result<void> CheckWords(const SweepWords& words) {
   if (words.scenes.size() > 1) {
     return Usage(words.scenes[1], "is a second scene", "sweep one at a time");
   }
-  if (words.output.empty())
-    return Usage("-o", "is missing", "say where the table goes: -o table.csv");
+  if (words.output.empty()) return Usage("-o", "is missing", "name the table: -o table.csv");
   if (words.resume && words.overwrite) {
-    return Usage("--overwrite", "stands beside --resume", "give one of the two");
+    return Usage("--overwrite", "cannot be combined with --resume", "give one of the two");
   }
   return {};
 }
@@ -102,19 +101,22 @@ void Declare(cli::Options& options, SweepWords& words) {
       "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
   options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
                 "Points of a Latin hypercube over BEGIN:END instead of a grid");
-  options.Count("--seed", &words.seed, 0, kMostSeed, "Of the samples; 1");
-  options.Output("-o,--output", &words.output, "FILE.csv", "The table, a row for each point");
-  options.Flag("--resume", &words.resume, "Go on with the table where a run was ended");
+  options.Count("--seed", &words.seed, 0, kMostSeed, "Seed of the samples").Default("1");
+  options.Output("-o,--output", &words.output, "FILE.csv",
+                 "Table to write, with a row for each point");
+  options.Flag("--resume", &words.resume, "Continue the table of an interrupted run");
   options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
-  options.Count("--threads", &words.threads, 1, kMostThreads,
-                "Default: as many as there are cores; no number depends on it");
-  options.Text("--shard", &words.shard, "I/N", "Only every N-th point, from the I-th on");
+  options
+      .Count("--threads", &words.threads, 1, kMostThreads,
+             "Number of threads; no result depends on it")
+      .Default("the number of cores");
+  options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
   options.Text("--best", &words.best, "COLUMN[:least]",
-               "Show the row with its largest number; skin_rms_m");
-  options.Flag("--all", &words.all, "The provenance too");
+               "Show the row with the largest number of this column");
+  options.Flag("--all", &words.all, "Print the provenance too");
   options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
-                 "Draw that column over one or two varied keys");
+                 "Draw the column of --best over one or two varied keys");
 }
 
 Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
@@ -145,8 +147,7 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
     return Usage("--merge", "joins tables and computes nothing",
                  "give it tables, -o, --overwrite, --best and --plot alone");
   }
-  if (words.output.empty())
-    return Usage("-o", "is missing", "say where the table goes: -o whole.csv");
+  if (words.output.empty()) return Usage("-o", "is missing", "name the table: -o whole.csv");
   return tables;
 }
 
@@ -260,7 +261,7 @@ Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre r
   }
   const auto count = SignedWholeNumber(parts[2]);
   if (!count || *count < 2 || *count > kMostValues) {
-    return Usage(where, fmt::format("'{}' is no count of values", parts[2]),
+    return Usage(where, fmt::format("'{}' is not a count of values", parts[2]),
                  "give 2 or more, both ends among them");
   }
   return static_cast<std::size_t>(*count);

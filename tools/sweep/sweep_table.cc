@@ -189,7 +189,7 @@ const std::vector<AnswerColumn>& AnswerColumns() {
 std::string AnswerRemark(const SceneAnswer& answer) {
   if (answer.tones) return "";
   if (answer.scene.drive.kind != sim::DriveKind::kSine)
-    return "the drive is no sine: its numbers are those of run_";
+    return "the drive is not a sine: its numbers are those of run_";
   if (!answer.steady && SettledRun(answer) == nullptr)
     return "stops or lost contact limit the motion: its numbers are those of run_";
   const bool is_short = answer.scene.duration_s && !answer.window;

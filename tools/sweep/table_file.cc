@@ -52,14 +52,14 @@ Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header)
   const std::string difference = DifferenceOf(reader.header(), header);
   if (!difference.empty()) {
     return Usage(reader.path(), "was begun with " + difference,
-                 "name another file, or say --overwrite");
+                 "name another file, or give --overwrite");
   }
   const auto said = [](const std::string& shard) { return shard.empty() ? "no" : shard; };
   if (reader.header().shard == header.shard) return {};
   return Usage(reader.path(),
                fmt::format("was begun with {} --shard, not {}", said(reader.header().shard),
                            said(header.shard)),
-               "name another file, or say --overwrite");
+               "name another file, or give --overwrite");
 }
 
 // a row that does not match its checksum
@@ -87,7 +87,7 @@ Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) 
     const bool is_changed = old.count < rows && !MatchesChecksum(*line);
     if (!is_ours && !is_changed) {
       return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", old.count + 1),
-                   "was it edited? name another file, or say --overwrite");
+                   "was it edited? name another file, or give --overwrite");
     }
     if (!is_ours) old.changed.push_back({old.count, begin, line->size() + 1});
     begin = reader.read_bytes();
@@ -103,7 +103,7 @@ Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& change
     rows.push_back(RowOf(question, question.shard.PointOf(old.row)));
     if (rows.back().size() == old.length) continue;
     return Usage(path, fmt::format("row {} was changed and has another length", old.row + 1),
-                 "remove it and all rows below, then go on with --resume");
+                 "remove it and all rows below, then continue with --resume");
   }
   return rows;
 }
@@ -131,7 +131,7 @@ Result<TableFile> TableFile::Open(const std::string& path) {
   }
   struct stat status{};
   if (fstat(file.descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return Usage(path, "is there and is no file", "name another");
+    return Usage(path, "exists and is not a file", "name another");
   }
   if (flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
     return Usage(path, "is being written by another run", "wait for it, or name another file");
@@ -153,7 +153,7 @@ Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& h
   if (!begun) {
     Error error = begun.error();
     if (error.what == "already exists") {
-      error.remedy = "go on with it by --resume, name another file, or say --overwrite";
+      error.remedy = "continue it with --resume, name another file, or give --overwrite";
     }
     return std::unexpected(std::move(error));
   }
@@ -194,7 +194,7 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
 Result<void> TableFile::PutAt(std::uint64_t begin, std::string_view row) {
   const auto written = pwrite(descriptor_, row.data(), row.size(), static_cast<off_t>(begin));
   if (written == static_cast<ssize_t>(row.size())) return {};
-  return Failed(path_, std::string("cannot be mended: ") + std::strerror(errno),
+  return Failed(path_, std::string("cannot be repaired: ") + std::strerror(errno),
                 "try again with --resume");
 }
 
@@ -209,7 +209,7 @@ Result<void> TableFile::Append(std::string_view rows) {
       if (ftruncate(descriptor_, end) != 0) { /* --resume cuts it off */
       }
       return Failed(path_, std::string("cannot be written: ") + std::strerror(failure),
-                    "make room, then go on with --resume");
+                    "make room, then continue with --resume");
     }
     rows.remove_prefix(static_cast<std::size_t>(written));
   }
@@ -222,7 +222,7 @@ Result<void> TableFile::Append(std::string_view rows) {
 Result<void> TableFile::Finish() {
   if (fdatasync(descriptor_) == 0) return {};
   return Failed(path_, std::string("is not safe on the disk: ") + std::strerror(errno),
-                "make room, then go on with --resume");
+                "make room, then continue with --resume");
 }
 
 namespace {
@@ -255,7 +255,7 @@ Result<TableReader> TableReader::Open(const std::string& path) {
 
 Result<void> TableReader::ReadHeader() {
   const auto unknown = [&] {
-    return CannotAnswer(path_, "is no table of haptometer sweep", "give one that it wrote");
+    return CannotAnswer(path_, "is not a table of haptometer sweep", "give one that it wrote");
   };
   auto line = Next();
   if (!line || !line->starts_with(kTitle)) return unknown();
@@ -335,7 +335,8 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
     if (!readers.empty()) {
       const std::string difference = DifferenceOf(reader->header(), readers.front().header());
       if (!difference.empty()) {
-        return Usage(path, fmt::format("asks another question than {}: {}", tables[0], difference),
+        return Usage(path,
+                     fmt::format("belongs to another sweep than {}: {}", tables[0], difference),
                      "merge the shards of one sweep");
       }
     }
@@ -350,14 +351,14 @@ Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads
   TableReader& reader = readers[table];
   auto row = reader.Next();
   if (reader.ends_amid_row()) {
-    return CannotAnswer(reader.path(), "ends amid a row", "go on with it by --resume first");
+    return CannotAnswer(reader.path(), "ends within a row", "continue it with --resume first");
   }
   if (!row) return {};
   const auto point = PointOfRow(*row);
   if (!point || *point > reader.header().points || !reader.IsRow(*row)) {
     return CannotAnswer(reader.path(),
                         fmt::format("holds a row that was changed or is none: '{:.40}'", *row),
-                        "go on with it by --resume, which computes such a row again");
+                        "continue it with --resume, which computes such a row again");
   }
   heads.push({*point, table, *std::move(row)});
   return {};
@@ -366,7 +367,7 @@ Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads
 Result<void> Missing(std::uint64_t point, const TableReader& reader) {
   return CannotAnswer(
       {}, fmt::format("point {} of {} is in none of the tables", point, reader.header().points),
-      "give every shard, each gone on with to its end");
+      "give every shard, each run to its end");
 }
 
 // All rows in their order, each point once.

@@ -242,8 +242,8 @@ int RunTrialExport(int argc, const char* const* argv) {
   cli::DeclareImport(&options, &wanted.import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (options.json()) {
-    return cli::ReportError(kText.name, {Cause::kUsage, "--json", "does not go with an export",
-                                         "say haptometer trial info FILE --json"});
+    return cli::ReportError(kText.name, {Cause::kUsage, "--json", "does not apply to an export",
+                                         "use haptometer trial info FILE --json"});
   }
   const auto status = Export(wanted);
   if (!status && wanted.output.empty() && cli::IsUnread()) return cli::kUnreadStatus;

@@ -323,7 +323,7 @@ namespace {
 
 constexpr cli::VerbText kText{
     .name = "trial info",
-    .summary = "What a recording holds: channels, rows, times, gaps, labels, losses.",
+    .summary = "Show what a recording holds: channels, rows, times, gaps, labels, losses.",
     .examples = {"haptometer trial info trial.bin", "haptometer trial info trial.bin --json",
                  "haptometer trial info scope.csv --columns time_s,displacement_mm"}};
 
@@ -335,9 +335,9 @@ int RunTrialInfo(int argc, const char* const* argv) {
   document::Outputs outputs;
   cli::Options options(kText);
   options.Positional("file", &path, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
-  options.Flag("--all", &outputs.all, "Host, command and segments of the time base too");
+  options.Flag("--all", &outputs.all, "Print host, command and segments of the time base too");
   options.Output("--report", &outputs.report, "FILE.html",
-                 "A page with all of it and the recording drawn", cli::Shown::kHelpAll);
+                 "Write a page with all of it and a plot of the recording", cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   outputs.json = options.json();

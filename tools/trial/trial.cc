@@ -34,7 +34,7 @@ struct Word {
 };
 
 constexpr std::array<Word, 4> kWords{
-    {{"info", RunTrialInfo, "What a recording holds: channels, times, gaps, labels, losses.",
+    {{"info", RunTrialInfo, "Show what a recording holds: channels, times, gaps, labels, losses.",
       "haptometer trial info trial.bin"},
      {"label", RunTrialLabel, "Add labels to a trial.",
       "haptometer trial label trial.bin subject=3 condition=stock"},
@@ -43,7 +43,7 @@ constexpr std::array<Word, 4> kWords{
       "haptometer trial export trial.bin -o trial.h5"}}};
 
 void PrintHelp() {
-  cli::Print("What a recording holds; label it, draw it, export it.\n\n");
+  cli::Print("Show, label, draw and export recordings.\n\n");
   for (const Word& word : kWords)
     cli::Print(fmt::format("  haptometer trial {:<7} {}\n", word.name, word.summary));
   cli::Print("\nExamples:\n");
@@ -75,14 +75,14 @@ namespace {
 
 constexpr cli::VerbText kLabelText{
     .name = "trial label",
-    .summary = "Add labels to a trial; the last word on a label counts, the older ones are kept.",
+    .summary = "Add labels to a trial; the latest value of a label is used, older ones are kept.",
     .examples = {"haptometer trial label trial.bin subject=3",
                  "haptometer trial label trial.bin subject=4 --reason 'wrong subject noted'",
                  "haptometer trial label trial.bin 'condition=with adapter'"}};
 
 // a file of another kind has its labels elsewhere
 Error Explained(Error error, const std::string& path) {
-  if (error.what != "is no trial") return error;
+  if (error.what != "is not a trial") return error;
   const auto other = trial::ReadRecording(path);
   if (!other || other->report.kind == trial::FileKind::kTrial) return error;
   error.what = fmt::format("is a {}", Name(other->report.kind));
@@ -117,8 +117,9 @@ int RunTrialLabel(int argc, const char* const* argv) {
   options.Positional("file", &path, "trial.bin");
   options.Positionals("labels", &words, "key=value ...", 0);
   // the way acquire takes them
-  options.Repeated("--label", &more, "KEY=VALUE", "As the plain words", cli::Shown::kHelpAll);
-  options.Text("--reason", &reason, "TEXT", "Why, kept with the labels");
+  options.Repeated("--label", &more, "KEY=VALUE", "The same as the positional key=value",
+                   cli::Shown::kHelpAll);
+  options.Text("--reason", &reason, "TEXT", "Reason, stored with the labels");
   if (const auto status = options.Parse(argc, argv)) return *status;
   words.insert(words.end(), more.begin(), more.end());
   if (auto done = Label(path, words, reason); !done) {
@@ -140,7 +141,8 @@ namespace {
 
 constexpr cli::VerbText kPlotText{
     .name = "trial plot",
-    .summary = "Draw a recording over time: gaps are gaps, bad samples are marked, peaks stay.",
+    .summary =
+        "Draw a recording over time; gaps stay open, bad samples are marked, peaks are kept.",
     .examples = {"haptometer trial plot trial.bin -o trial.svg",
                  "haptometer trial plot trial.bin --plot trial.png",
                  "haptometer trial plot s.csv --columns time_s,displacement_mm -o scope.pdf"}};
@@ -171,7 +173,7 @@ int RunTrialPlot(int argc, const char* const* argv) {
   cli::Options options(kPlotText);
   options.Positional("file", &input, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
   options.Output("-o,--output,--plot", &output, "FILE.svg|png|pdf",
-                 "The plot to write; an older one of ours is replaced");
+                 "Plot to write; an older plot of haptometer is replaced");
   cli::DeclareImport(&options, &import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto done = Draw(input, output, import);

@@ -138,19 +138,17 @@ std::unexpected<Error> NothingPrompt(const TuneAnswer& answer) {
         "leave out --latency");
   }
   if (limit_ms < least_ms) {
-    return CannotAnswer(
-        question.name,
-        fmt::format("a --latency of {:g} ms cannot be decided: at {:g} Hz a run tells a latency to "
-                    "{:.3g} ms, standard uncertainty",
-                    limit_ms, frequency_hz, least_ms),
-        fmt::format("allow at least {:g} ms", RoundedUp(least_ms)));
+    return CannotAnswer(question.name,
+                        fmt::format("a --latency of {:g} ms cannot be decided: at {:g} Hz the "
+                                    "standard uncertainty of a latency is {:.3g} ms",
+                                    limit_ms, frequency_hz, least_ms),
+                        fmt::format("allow at least {:g} ms", RoundedUp(least_ms)));
   }
   return CannotAnswer(
       question.name,
-      fmt::format(
-          "no adapter found within the bounds comes up within {:g} ms, uncertainty of {:.3g} "
-          "ms added (searched in {} runs, not proved)",
-          limit_ms, least_ms, answer.latency->runs),
+      fmt::format("no adapter found within the bounds reaches 10 % within {:g} ms, uncertainty of "
+                  "{:.3g} ms added (searched in {} runs, not proved)",
+                  limit_ms, least_ms, answer.latency->runs),
       "allow more --latency, or wider bounds");
 }
 

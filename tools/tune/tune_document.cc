@@ -52,7 +52,7 @@ enum class TuneFinding : std::uint8_t {
 document::Sentence SentenceOf(TuneFinding kind) {
   switch (kind) {
     case TuneFinding::kSkinGiven:
-      return {"skin-given", "the skin is the scene's whatever the contact's area"};
+      return {"skin-given", "the skin is the scene's for any contact area"};
     case TuneFinding::kSkinOfArea:
       return {"skin-of-area", "the skin follows the thesis's cube root of the contact's area"};
     case TuneFinding::kLatencyProved:
@@ -74,7 +74,7 @@ document::Sentence SentenceOf(TuneFinding kind) {
     case TuneFinding::kStopsLeftOut:
       break;
   }
-  return {"stops-left-out", "the stops are left out: --mover-travel keeps off them"};
+  return {"stops-left-out", "the stops are not modelled: limit the travel with --mover-travel"};
 }
 
 sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
@@ -121,7 +121,7 @@ std::string BoundedText(const TuneAnswer& answer) {
   if (!question.springs_n_per_m.empty()) text += " with one of these springs";
   if (std::isfinite(question.problem.mover_limit_m)) text += " that keeps to the travel";
   text += " gives more";
-  if (answer.latency && !answer.latency->proved) text += ", whatever its latency";
+  if (answer.latency && !answer.latency->proved) text += ", of any latency";
   return text;
 }
 
@@ -274,7 +274,7 @@ Section WrongSprings(const TuneAnswer& answer) {
     row.Add({"factor", "of the best", document::kShare}, spring.factor);
     row.Add({document::kValue.name, sim::Name(answer.question.objective), unit}, spring.as_built);
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
-    row.Add({"value_with_new_skin_side_mass", "skin's mass chosen anew", unit},
+    row.Add({"value_with_new_skin_side_mass", "skin side's mass optimised again", unit},
             spring.rebalanced > 0 ? spring.rebalanced : kNaN);
     row.Add(document::kMoverPeak, mover_peak_m);
     row.Add({"keeps_mover_limit", "keeps to the travel"}, mover_peak_m <= limit_m);
@@ -345,7 +345,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
 
 plot::Series Rebalanced(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  plot::Series curve{.title = "spring, the skin side's mass chosen anew",
+  plot::Series curve{.title = "spring, the skin side's mass optimised again",
                      .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
                      .x = Factors(),
                      .y = {}};

@@ -42,7 +42,7 @@ Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n
     const auto spring = ParseQuantity(word, Dimension::kStiffness, "--springs");
     if (!spring) return std::unexpected(spring.error());
     if (!(spring->value >= kLeastStiffness && spring->value <= kMostStiffness)) {
-      return Usage("--springs", fmt::format("has {}, which is no stiffness of a spring", word),
+      return Usage("--springs", fmt::format("has {}, which is not a stiffness of a spring", word),
                    "give those that can be had, such as --springs 8200,9100");
     }
     springs_n_per_m.push_back(spring->value);
@@ -166,13 +166,13 @@ void DeclareBounds(cli::Options& options, TuneWords& words) {
   declare("--skin-side-mass", bounds.skin_side_mass_kg, Dimension::kMass,
           cli::Within(kLeastMassKg, kMostMassKg), "Mass on the skin's side");
   declare("--stiffness", bounds.stiffness_n_per_m, Dimension::kStiffness,
-          cli::Within(kLeastStiffness, kMostStiffness), "Spring");
+          cli::Within(kLeastStiffness, kMostStiffness), "Stiffness of the spring");
   options.Parsed(
       "--springs", "K,K,...",
       [&words](const std::string& text) { return ReadSprings(text, words.asked.springs_n_per_m); },
-      "Choose from these springs, whatever --stiffness says");
+      "Choose from these springs, regardless of --stiffness");
   declare("--damping", bounds.damping_n_s_per_m, Dimension::kDamping, cli::Within(0, kMostDamping),
-          "Damper");
+          "Damping of the damper");
   options
       .Parsed(
           "--contact-area", "LOW:HIGH",
@@ -211,29 +211,31 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Positionals("scene", &words.scenes,
                       "A scene.toml: its actuator and drive; without it the thesis's", 0);
   options.Choice("--objective", &words.objective,
-                 {"skin-rms", "stimulus", "skin-power", "rms-per-watt"}, "What is made largest");
+                 {"skin-rms", "stimulus", "skin-power", "rms-per-watt"}, "Quantity to maximise");
   DeclareBounds(options, words);
   options.Choice("--skin", &words.skin, {"text", "table", "scene"},
                  "The thesis's law up to 2000 (text) or 1200 N/m (table), or the scene's skin");
   options.Number("--skin-varies", &asked.problem.skin_variation, Dimension::kNone,
                  {.least = 0, .most = 1, .is_below = true},
-                 "Best for the worst of skins, Ks and Bs each by this part: 0.2 is 20 %");
+                 "Maximise for the least favourable skin with Ks and Bs each varied by this share: "
+                 "0.2 is 20 %");
   options.Number("--voltage", &words.voltage_v, Dimension::kVoltage, kDrive,
                  "Overrides the scene's amplitude");
   options.Number("--frequency", &words.frequency_hz, Dimension::kFrequency, kDrive,
                  "Overrides the scene's frequency");
   options.Number("--mover-travel", &asked.problem.mover_limit_m, Dimension::kLength, cli::Above(0),
-                 "Only adapters with which the mover travels no further, to either side");
+                 "Largest permitted travel of the mover, to either side");
   options.Parsed(
       "--latency", "s",
       [&asked](const std::string& text) { return ReadLatency(text, asked.latency_limit_s); },
-      "Only adapters whose latency to 10 %, as of simulate, is no longer; with its unit");
-  options.Flag("--all", &words.outputs.all, "Grid, ridge and wrong springs too");
+      "Largest permitted latency to 10 %, as simulate computes it; with its unit");
+  options.Flag("--all", &words.outputs.all,
+               "Print grid, ridge and the effect of other springs too");
   options.Output("--plot", &words.outputs.plot, "FILE",
                  "Draw the objective around the optimum, and the ridge");
   options.Output("--report", &words.outputs.report, "FILE.html",
                  "Write a page with all numbers and figures");
-  options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid")
+  options.Count("--grid", &words.grid, 1, 60, "Number of values per axis of the grid")
       .Default(fmt::format("{}", asked.grid_values));
   DeclareReceptors(options, words);
   options.Exclude("--grid", {"--springs"}, "the grid has no list of springs");

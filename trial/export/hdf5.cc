@@ -187,7 +187,7 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
     const auto chunk = reader->Next();
     if (!chunk) return std::unexpected(chunk.error());
     if (*chunk == nullptr) {
-      return CannotAnswer("", "has fewer rows than a moment ago",
+      return CannotAnswer("", "has fewer rows than when it was opened",
                           "export it when nothing writes to it");
     }
     done = columns.Write(written, **chunk);

@@ -53,7 +53,7 @@ Result<std::uint32_t> RateOf(const Record& record) {
       whole_hz >= 1 && whole_hz < 4e9 && std::abs(rate_hz - whole_hz) <= kRateTolerance * whole_hz;
   if (!is_whole) {
     return CannotAnswer(
-        "", fmt::format("has {:.8g} rows a second; a WAV needs a whole number of hertz", rate_hz),
+        "", fmt::format("has {:.8g} rows per second; a WAV needs a whole number of hertz", rate_hz),
         kOtherFormats);
   }
   return static_cast<std::uint32_t>(whole_hz);
@@ -69,7 +69,7 @@ Result<void> CheckMeasured(const Record& record) {
   if (bad == 0) return {};
   return CannotAnswer(
       "",
-      fmt::format("holds {} value{} that {} no measurement, and a WAV cannot say so", bad,
+      fmt::format("holds {} value{} that {} no measurement, and a WAV cannot state that", bad,
                   bad == 1 ? "" : "s", bad == 1 ? "is" : "are"),
       kOtherFormats);
 }

@@ -273,11 +273,12 @@ class Parser {
     const double wanted_hz = *options_.rate_hz;
     const double rate_hz = std::ranges::max_element(record_.stretches, {}, &Stretch::rows)->rate_hz;
     if (std::abs(rate_hz - wanted_hz) <= kTolerance * wanted_hz) return {};
-    return CannotAnswer(name_,
-                        fmt::format("its times say {:.6g} rows a second and <rate> says {:.6g} Hz",
-                                    rate_hz, wanted_hz),
-                        "leave out <rate>, or name the time's unit in <columns> (time_ms), or - to "
-                        "leave the times out");
+    return CannotAnswer(
+        name_,
+        fmt::format("its times give {:.6g} rows per second and <rate> gives {:.6g} Hz", rate_hz,
+                    wanted_hz),
+        "leave out <rate>, or name the time's unit in <columns> (time_ms), or - to "
+        "leave the times out");
   }
 
   std::string storage_;

@@ -98,7 +98,7 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
       bar == std::string::npos ? "" : std::string_view(name).substr(bar + 1);
   const auto unit = FindUnit(suffix);
   if (!unit || unit->si_unit != quantity->si_unit) {
-    return CannotAnswer(where, fmt::format("column '{}' does not say its unit", cell),
+    return CannotAnswer(where, fmt::format("column '{}' does not state its unit", cell),
                         fmt::format("name it {}", quantity->examples));
   }
   return CsvColumn{.kind = quantity->name == "time" ? CsvColumnKind::kTime : CsvColumnKind::kValue,
@@ -172,7 +172,7 @@ constexpr std::string_view kChannelPrefix = "channel.";
 
 std::unexpected<Error> NoNumber(const std::string& where, std::string_view key,
                                 std::string_view value) {
-  return CannotAnswer(where, fmt::format("'{} = {}' is no number", key, value),
+  return CannotAnswer(where, fmt::format("'{} = {}' is not a number", key, value),
                       "write a plain number in the unit that the key names");
 }
 

@@ -141,7 +141,7 @@ Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
                         : column.is_clock ? OnOneDay(*printed)
                                           : *printed * column.factor + column.offset;
   if (!std::isfinite(time_s)) {
-    return CannotAnswer(Here(), fmt::format("'{}' is no time{}", cell, WhatElse(cell)),
+    return CannotAnswer(Here(), fmt::format("'{}' is not a time{}", cell, WhatElse(cell)),
                         "every row needs a time; remove the line or write its time");
   }
   return PlaceTime(cell, time_s, column);
@@ -182,7 +182,7 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
     if (!word && !number) {
       return CannotAnswer(
           Here(),
-          fmt::format("'{}' is no number (column '{}'){}", cell, column.name, WhatElse(cell)),
+          fmt::format("'{}' is not a number (column '{}'){}", cell, column.name, WhatElse(cell)),
           "leave the cell empty where there is no value, or remove the column");
     }
     status = word.value_or(status);
@@ -201,7 +201,7 @@ Result<void> CsvRows::TakeStatuses() {
     if (column.kind != CsvColumnKind::kStatus) continue;
     const auto status = SampleStatusFromName(cells_[i]);
     if (!status) {
-      return CannotAnswer(Here(), fmt::format("'{}' is no status", cells_[i]),
+      return CannotAnswer(Here(), fmt::format("'{}' is not a status", cells_[i]),
                           "the statuses are ok, repeated, over, under, invalid, device_error, "
                           "late, clipped, bad_frame");
     }

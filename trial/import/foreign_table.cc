@@ -226,7 +226,7 @@ class Finder {
   Result<std::optional<ForeignTable>> NoTable() const {
     if (options_.format) {
       return CannotAnswer(
-          name_, fmt::format("is no table as <format> {} says", FactsOf(*options_.format).name),
+          name_, fmt::format("is not a table of <format> {}", FactsOf(*options_.format).name),
           "leave <format> out, or name another");
     }
     if (options_.columns.empty()) return std::nullopt;
@@ -262,9 +262,8 @@ class Finder {
     const auto values = std::ranges::count(table_.columns, CsvColumnKind::kValue, &CsvColumn::kind);
     if (times > 1) return CannotAnswer(name_, "two columns are times", "say <columns>");
     if (times == 0 && !options_.rate_hz && !table_.clock) {
-      return CannotAnswer(
-          name_, "no column is a time and no line above states the sample interval",
-          "name one time_s (<columns>), or say how many rows come a second (<rate>)");
+      return CannotAnswer(name_, "no column is a time and no line above states the sample interval",
+                          "name one time_s (<columns>), or give the rows per second (<rate>)");
     }
     if (values == 0) {
       return CannotAnswer(name_, "no column beside the time holds values", "say <columns>");
@@ -302,7 +301,7 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
         fmt::format("has {} called '{}' (its channels: {})",
                     found == 0 ? "no channel" : "several channels", options.channel,
                     NamesOf(*columns)),
-        found == 0 ? "say <channel> with one of these" : "say <columns>, with - for the others");
+        found == 0 ? "give <channel> with one of these" : "give <columns>, with - for the others");
   }
   const std::size_t number = std::ranges::find_if(*columns, is_it)->channel;
   for (CsvColumn& column : *columns) {

@@ -78,7 +78,7 @@ class Group {
     const std::size_t bytes = H5Tget_size(type.id());
     if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 ||
         H5Sget_simple_extent_type(space.id()) != H5S_SCALAR || bytes > kMostBytes) {
-      return Wrong(name, "is no text of fixed length");
+      return Wrong(name, "is not a text of fixed length");
     }
     std::string text(bytes, '\0');
     if (H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) {
@@ -249,7 +249,7 @@ Result<Record> ReadRecordOf(const Group& group) {
   const auto json = group.Text(hdf5::kHeader);
   if (!json) return std::unexpected(json.error());
   const auto header = HeaderFromJson(*json);
-  if (!header) return group.Wrong(hdf5::kHeader, "is no trial's header");
+  if (!header) return group.Wrong(hdf5::kHeader, "is not a trial's header");
   const auto times_s = group.Doubles(hdf5::kTimes);
   if (!times_s) return std::unexpected(times_s.error());
   Record record;

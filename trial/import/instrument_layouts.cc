@@ -243,8 +243,8 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
   const SequenceHead head = SequenceHeadOf(beginning);
   if (!head.start_s || !head.increment_s || !std::isfinite(*head.start_s) ||
       !std::isfinite(1 / *head.increment_s) || !(*head.increment_s > 0)) {
-    return CannotAnswer(name, "has no Start and Increment beside its names, or no sound ones",
-                        "say <format> plain with <columns> and <rate>");
+    return CannotAnswer(name, "has no Start and Increment beside its names, or invalid ones",
+                        "give <format> plain with <columns> and <rate>");
   }
   table->columns.assign(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
   for (std::size_t i = 0; i < std::min(head.channels.size(), beginning.width()); ++i) {

@@ -144,7 +144,7 @@ class Parser {
     if (auto done = ReadKeys(&segment_.keys); !done) return done;
     const std::string dimension = ValueOf(segment_.keys, "X_Dimension");
     if (!dimension.empty() && LowerCase(dimension) != "time") {
-      return CannotAnswer(Here(), fmt::format("its X is no time: X_Dimension is {}", dimension),
+      return CannotAnswer(Here(), fmt::format("its X is not a time: X_Dimension is {}", dimension),
                           "save the signal over time, not its spectrum");
     }
     return {};
@@ -286,7 +286,7 @@ class Parser {
   Result<void> TakeX(const std::vector<std::string_view>& cells, std::size_t columns) {
     const auto x = Number(cells[0]);
     if (!x || !std::isfinite(*x * x_factor_)) {
-      return Wrong(fmt::format("'{}' is no X value", cells[0]));
+      return Wrong(fmt::format("'{}' is not an X value", cells[0]));
     }
     for (std::size_t i = 1; i < columns; ++i) {
       const auto other = Number(cells[2 * i]);
@@ -312,7 +312,7 @@ class Parser {
   Result<void> TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
     std::optional<double> value = kNan;
     if (!cell.empty()) value = Number(cell);
-    if (!value) return Wrong(fmt::format("'{}' is no number", cell));
+    if (!value) return Wrong(fmt::format("'{}' is not a number", cell));
     const bool is_value = std::isfinite(*value * column.factor);
     channel->values.push_back(is_value ? *value * column.factor : kNan);
     channel->statuses.push_back(is_value ? SampleStatus::kOk : SampleStatus::kInvalid);
@@ -425,14 +425,14 @@ class Parser {
       shift_s = *clock_s - *first_clock_s_ + first_start_s_ - start_s;
     }
     if (times_.Append(part, shift_s)) return {};
-    return Wrong("ends a segment whose X begins again and whose Date and Time do not tell when");
+    return Wrong("ends a segment whose X begins again and whose Date and Time do not state when");
   }
 
   Result<Record> Complete() {
     if (options_.segment && *options_.segment > segments_) {
       return CannotAnswer(name_,
                           fmt::format("has {} segment{}", segments_, segments_ == 1 ? "" : "s"),
-                          "say <segment> with one of them, counted from 1");
+                          "give <segment> with one of them, counted from 1");
     }
     if (options_.format) {
       findings_.Note(FindingKind::kFormatNotUsed);

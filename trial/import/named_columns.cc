@@ -219,22 +219,23 @@ class Head {
   std::unexpected<Error> NoNames(const std::vector<std::size_t>& filled) const {
     constexpr const char* kRemedy =
         "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil), "
-        "or say <columns>";
+        "or give <columns>";
     const std::string what =
         fmt::format("no line names its {} column{}{}", Width(), Width() == 1 ? "" : "s",
                     beginning_.rows[0].separator == ' ' ? " (separated by blanks)" : "");
     if (filled.size() == 1) {
-      return CannotAnswer(name_, "holds one column, without a name and without times",
-                          "say <rate> 10kHz, and what it is: <scale>, or <columns> voltage_v");
+      return CannotAnswer(
+          name_, "holds one column, without a name and without times",
+          "give <rate> 10kHz, and what the column is: <scale>, or <columns> voltage_v");
     }
     const double step = filled.empty() ? 0 : Step(filled[0]);
     if (!(step > 0)) return CannotAnswer(name_, what, kRemedy);
     return CannotAnswer(
         name_,
-        fmt::format("{}: the first may be a time ({:.4g} rows a second in s, {:.4g} in ms) or a "
-                    "channel beside the others",
+        fmt::format("{}: the first may be a time ({:.4g} rows per second in s, {:.4g} in ms) or a "
+                    "channel like the others",
                     what, 1 / step, 1000 / step),
-        "say <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>");
+        "give <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>");
   }
 
   // by how much the first two rows differ
@@ -308,12 +309,11 @@ class Head {
   // a time that may be seconds or milliseconds
   std::unexpected<Error> TimeError(std::string_view cell, std::size_t number) const {
     const double step = Step(number);
-    return CannotAnswer(
-        name_,
-        fmt::format("column '{}' does not say its unit: in s there are {:.4g} rows a second, in ms "
-                    "{:.4g}",
-                    cell, 1 / step, 1000 / step),
-        "name it time_s, time_ms or time_us, or say <columns>");
+    return CannotAnswer(name_,
+                        fmt::format("column '{}' does not state its unit: in s there are {:.4g} "
+                                    "rows per second, in ms {:.4g}",
+                                    cell, 1 / step, 1000 / step),
+                        "name it time_s, time_ms or time_us, or give <columns>");
   }
 
   // units of values that stand elsewhere than beside their names

@@ -23,16 +23,15 @@ double RateOf(const Record& part) {
 std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::size_t repeated,
                                std::size_t repeat_line) {
   if (repeated == 0) {
-    return CannotAnswer(name, "has times that lie closer than a rate can say",
+    return CannotAnswer(name, "has times that lie too close for a rate to be stated",
                         "check the unit of its time column");
   }
-  return CannotAnswer(
-      name,
-      fmt::format("{} of {} rows {} the time of the row before (first in line {}), and no even "
-                  "grid explains it",
-                  repeated, rows, repeated == 1 ? "has" : "have", repeat_line),
-      "print the times with more digits, or remove these rows; only where no row is missing, "
-      "leave the times out (<columns>) and say <rate>");
+  return CannotAnswer(name,
+                      fmt::format("{} of {} rows {} the time of the row before (first in line {}), "
+                                  "and no uniform grid explains it",
+                                  repeated, rows, repeated == 1 ? "has" : "have", repeat_line),
+                      "print the times with more digits, or remove these rows; only where no row "
+                      "is missing, leave the times out (<columns>) and give <rate>");
 }
 
 void NoteExcluded(std::size_t excluded, std::size_t rows, std::size_t repeat_line,
@@ -66,11 +65,10 @@ class TimeSetter {
       auto part = Read(std::move(segments[s]));
       if (!part) return std::unexpected(part.error());
       if (!times.Append(*part, words_.segment_starts_s[s])) {
-        return CannotAnswer(name_,
-                            fmt::format("says that segment {} begins before the one ahead "
-                                        "of it ends",
-                                        s + 1),
-                            "read one of them: <segment> 1");
+        return CannotAnswer(
+            name_,
+            fmt::format("states that segment {} begins before the one ahead of it ends", s + 1),
+            "read one of them: <segment> 1");
       }
     }
     std::move(times).Complete(record);
@@ -111,10 +109,9 @@ class TimeSetter {
   std::unexpected<Error> WhichSegment(const std::vector<Segment>& segments) const {
     return CannotAnswer(
         name_,
-        fmt::format(
-            "its times begin again at line {}: either {} segments, of which it does not say "
-            "when they were, or rows out of order",
-            segments[1].line, segments.size()),
+        fmt::format("its times begin again at line {}: either {} segments, whose times are not "
+                    "stated, or rows out of order",
+                    segments[1].line, segments.size()),
         fmt::format("read one of them (<segment> 1 to {}), or sort the rows", segments.size()));
   }
 
@@ -126,9 +123,9 @@ class TimeSetter {
     if (IsRate(rate_hz, stated_hz, 1e-3)) return part;
     if (!options_.rate_hz) {
       return CannotAnswer(name_,
-                          fmt::format("its times say {:.6g} rows a second and '{}' says {:.6g}",
+                          fmt::format("its times give {:.6g} rows per second and '{}' gives {:.6g}",
                                       rate_hz, words_.clock->from, stated_hz),
-                          "say which is right with <rate>");
+                          "give the right one as <rate>");
     }
     findings_.Note(FindingKind::kRateContradicted,
                    {{"rate_hz", rate_hz},
@@ -232,7 +229,7 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
     if (*options.segment < 1 || *options.segment > segments.size()) {
       return CannotAnswer(
           name, fmt::format("has {} segment{}", segments.size(), segments.size() == 1 ? "" : "s"),
-          "say <segment> with one of them, counted from 1");
+          "give <segment> with one of them, counted from 1");
     }
     if (rows->has_times()) {
       Segment wanted = std::move(segments[*options.segment - 1]);

@@ -150,7 +150,7 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
             name,
             fmt::format("states two sample intervals: {:.6g} s by '{}' and {:.6g} s by '{}'",
                         clock->interval_s, clock->from, *interval_s, key.key),
-            "remove the wrong line, or say <rate> and leave the times out with <columns>");
+            "remove the wrong line, or give <rate> and leave the times out with <columns>");
       }
       if (!clock) clock = StatedClock{.interval_s = *interval_s, .from = std::string(key.key)};
     }

@@ -140,7 +140,8 @@ std::string_view ErrorText(int number) {
     case kUnitNumber:
       return "no amplifier has this identification number";
     case kExpansionLine:
-      return "the unit cannot talk to an amplifier beside it; check the D-bus connectors";
+      return "the unit cannot communicate with the amplifier next to it; check the D-bus "
+             "connectors";
     case kWriteControl:
       return "writing is locked; the unit's R/W switch is in position R";
     default:

@@ -64,7 +64,7 @@ Result<std::vector<Write>> Parse(std::string_view text) {
   const std::string_view name = text.substr(0, equals);
   const auto key = std::ranges::find(kKeys, name, &Key::name);
   if (equals == std::string_view::npos || key == kKeys.end()) {
-    return Usage("<set>", fmt::format("'{}' is no setting of an IL amplifier", text),
+    return Usage("<set>", fmt::format("'{}' is not a setting of an IL amplifier", text),
                  "write sampling=..., averaging=..., hold=... or high-pass=...");
   }
   std::string value(text.substr(equals + 1));
@@ -199,7 +199,7 @@ Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_settin
   if (!*after || dl::NumberOf(**after) != write.code) {
     return CannotAnswer(
         talk.name(),
-        fmt::format("amplifier {:02} took {} = {} but says {}", unit, write.key,
+        fmt::format("amplifier {:02} was set to {} = {} but reports {}", unit, write.key,
                     il_setting::Describe(write.number, write.code), TextOf(write.number, *after)),
         "set it at the amplifier");
   }

@@ -92,8 +92,10 @@ Error KeyenceIl::NoAnswer() const {
     error.what = heard_bytes ? "bytes come, but no reply of a DL-EN1" : "nothing answers";
     error.remedy =
         "check the address, that the unit's socket port is the one given (64000 as delivered), and "
-        "that nobody else is connected: it serves one at a time";
-    if (heard_bytes) error.remedy += "; what sends without being asked is read by <sensor> stream";
+        "that no other program is connected: it serves one at a time";
+    if (heard_bytes) {
+      error.remedy += "; a sensor that sends without request is read by <sensor> stream";
+    }
     return error;
   }
   error.what = heard_bytes
@@ -103,7 +105,9 @@ Error KeyenceIl::NoAnswer() const {
       "try <baud> {}, and check that the amplifier is on, the unit set to 8 data bits "
       "without parity, and the cable the maker's",
       OtherBauds(setup_.baud));
-  if (heard_bytes) error.remedy += "; what sends without being asked is read by <sensor> stream";
+  if (heard_bytes) {
+    error.remedy += "; a sensor that sends without request is read by <sensor> stream";
+  }
   return error;
 }
 
@@ -152,9 +156,9 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
     }
     if (!told && settings_[i].head() != nullptr) told = settings_[i].head()->decimals;
     if (!told || *told < 0 || *told > 9) {
-      return CannotAnswer(line_.name(),
-                          fmt::format("amplifier {:02} does not tell its decimal places", units[i]),
-                          "give them with <decimals>, e.g. 3 for an IL-030");
+      return CannotAnswer(
+          line_.name(), fmt::format("amplifier {:02} does not report its decimal places", units[i]),
+          "give them with <decimals>, e.g. 3 for an IL-030");
     }
     decimals_[i] = *told;
   }

@@ -248,7 +248,7 @@ TEST_F(EmulatorLink, ReplacesAStaleLinkAndNothingElse) {
   const auto file = OpenPty(link_);
   ASSERT_FALSE(file);
   EXPECT_EQ(file.error().Text(),
-            link_ + ": exists and is no link to a terminal; remove it or give another name");
+            link_ + ": exists and is not a link to a terminal; remove it or give another name");
   EXPECT_TRUE(fs::is_regular_file(link_));
   EXPECT_EQ(file.error().cause, Cause::kFailed);
 

@@ -156,7 +156,7 @@ TEST(StreamHead, HasTheFaultsThatNobodyNeedsToAskFor) {
     const auto refused = Validate(setup);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().Text(), std::string("<fault>: '") + name +
-                                          "' is a fault of answers, and nobody asks a stream; "
+                                          "' is a fault of replies, and a stream has no requests; "
                                           "choose another, or <protocol> dl-rs1a");
   }
 }

@@ -333,11 +333,10 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
   const auto name = ParseFaultPlan("sulking:3");
   ASSERT_FALSE(name);
   EXPECT_EQ(name.error().cause, Cause::kUsage);
-  EXPECT_EQ(
-      name.error().Text(),
-      "<fault>: 'sulking' is no fault; give one of silent, slow, late, byte-gap, truncate, "
-      "garbage, merged, wrong-id, error, invalid, over, under, amplifier-error, disconnect, crc, "
-      "slave, transaction, word-order");
+  EXPECT_EQ(name.error().Text(),
+            "<fault>: 'sulking' is not a fault; give one of silent, slow, late, byte-gap, "
+            "truncate, garbage, merged, wrong-id, error, invalid, over, under, amplifier-error, "
+            "disconnect, crc, slave, transaction, word-order");
   for (const char* text :
        {"silent:", "silent:0", "silent:-1", "silent:1.5", "silent:99999999999999999999"}) {
     const auto every = ParseFaultPlan(text);

@@ -236,7 +236,7 @@ TEST(IlSetting, OthersAreRefusedWithThoseThereAre) {
   const auto key = il_setting::Parse("speed=1ms");
   ASSERT_FALSE(key);
   EXPECT_EQ(key.error().Text(),
-            "<set>: 'speed=1ms' is no setting of an IL amplifier; write sampling=..., "
+            "<set>: 'speed=1ms' is not a setting of an IL amplifier; write sampling=..., "
             "averaging=..., hold=... or high-pass=...");
   EXPECT_EQ(key.error().cause, Cause::kUsage);
   EXPECT_EQ(il_setting::Parse("sampling=3ms").error().Text(),

@@ -88,8 +88,9 @@ TEST_F(KeyenceIlTest, HalfACommandLeftInTheUnitSpoilsOnlyTheFirstProbe) {
 
 TEST_F(KeyenceIlTest, ARefusedM0SaysWhatTheNumberMeans) {
   for (int i = 0; i < 3; ++i) unit_.to_m0.push_back({{"ER,M0,66\r\n"}});
-  EXPECT_THAT(StartError().Text(), HasSubstr("refuses M0 with error 66: the unit cannot talk to an "
-                                             "amplifier beside it; check the D-bus"));
+  EXPECT_THAT(StartError().Text(),
+              HasSubstr("refuses M0 with error 66: the unit cannot communicate with the amplifier "
+                        "next to it; check the D-bus"));
 }
 
 TEST_F(KeyenceIlTest, AHangUpDuringTheStartIsSaid) {

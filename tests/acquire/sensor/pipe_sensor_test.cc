@@ -75,8 +75,8 @@ TEST(PipeChannels, AreNamedLikeTheColumnsOfACsv) {
 }
 
 TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
-  EXPECT_THAT(ErrorOf("displacement"), HasSubstr("displacement does not say its unit"));
-  EXPECT_THAT(ErrorOf("displacement:V"), HasSubstr("displacement:V does not say its unit"));
+  EXPECT_THAT(ErrorOf("displacement"), HasSubstr("displacement does not state its unit"));
+  EXPECT_THAT(ErrorOf("displacement:V"), HasSubstr("displacement:V does not state its unit"));
   EXPECT_THAT(ErrorOf("time:s,voltage:V"), HasSubstr("time:s"));
   EXPECT_THAT(ErrorOf("status,voltage:V"), HasSubstr("status"));
   EXPECT_THAT(ErrorOf("voltage:V,voltage:V"), HasSubstr("call the second one voltage_2"));
@@ -106,7 +106,7 @@ TEST(PipeChannels, ACalibratedChannelComesInVolts) {
 
 TEST(PipeChannels, CountsNeedACalibration) {
   EXPECT_THAT(ErrorOf("displacement", SampleFormat::kI16),
-              HasSubstr("nothing says what a count of displacement is"));
+              HasSubstr("the size of a count of displacement is not stated"));
   EXPECT_THAT(ErrorOf("displacement:m", SampleFormat::kI16),
               HasSubstr("counts of displacement have no unit"));
   const CalibrationFile no_counts("[displacement]\nscale_m_per_v = 1e-3\n");

@@ -119,7 +119,7 @@ TEST_F(ReconnectingTest, IsGivenUpWhenItStaysAway) {
   Counts(path_);
   ASSERT_EQ(events_.size(), 2U);
   EXPECT_EQ(events_[0].text, "the connection was lost");
-  EXPECT_EQ(events_[1].text, "the device was given up");
+  EXPECT_EQ(events_[1].text, "waiting for the device ended");
 }
 
 TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {

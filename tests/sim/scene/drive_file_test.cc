@@ -144,8 +144,7 @@ TEST(DriveFile, TellsEachFault) {
        "amplitude_v"},
       {chirp + "end_frequency_hz = 1e6\nduration_s = 1000\n",
        "scene.toml:11: [drive]: duration_s: takes 1.4e+11 cubics at this hold_tolerance; shorten "
-       "it "
-       "to 0.0705 s, or loosen hold_tolerance"},
+       "it to 0.0705 s, or increase hold_tolerance"},
       {"[drive]\nkind = 'pulse'\namplitude_v = 3\n",
        "scene.toml:6: [drive]: hold_s: is missing; add it, in s or with a unit"},
       {"[drive]\nkind = 'pulse'\namplitude_v = 3\nhold_s = 0\n",
@@ -155,8 +154,8 @@ TEST(DriveFile, TellsEachFault) {
       {"[drive]\nkind = 'samples'\nfile = 'v.csv'\n",
        "scene.toml:8: [drive]: file: v.csv: no such file; check the path"},
       {burst + "hold_s = 1\n[run]\nstart = 'steady'\n",
-       "scene.toml:12: [run]: start: \"steady\" is of drives that last, and kind = \"burst\" ends; "
-       "write start = \"rest\""}};
+       "scene.toml:12: [run]: start: \"steady\" applies to continuous drives, and kind = \"burst\" "
+       "ends; write start = \"rest\""}};
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(ErrorOf(text).substr(0, message.size()), message) << text;
   }
@@ -198,12 +197,13 @@ TEST_F(SamplesFile, TellsItsOwnLines) {
       {"0\n1\n", ":1: is not the column's name voltage_v; begin the file with it"},
       {"voltage\n0\n", ":1: is not the column's name voltage_v; begin the file with it"},
       {"voltage_v_rms\n0\n1\n", ":1: is not the column's name voltage_v; begin the file with it"},
-      {"voltage_v\n0\nx\n", ":3: \"x\" is no voltage; write a number of volts, up to 1e+09"},
-      {"voltage_v\n0\n\n1\n", ":3: \"\" is no voltage; write a number of volts, up to 1e+09"},
-      {"voltage_v\n0\n1,5\n", ":3: \"1,5\" is no voltage; write a number of volts, up to 1e+09"},
-      {"voltage_v\n0\n1e10\n", ":3: \"1e10\" is no voltage; write a number of volts, up to 1e+09"},
-      {"voltage_v\n0\nnan\n", ":3: \"nan\" is no voltage; write a number of volts, up to 1e+09"},
-      {"voltage_v\n0\n5V\n", ":3: \"5V\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\nx\n", ":3: \"x\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n\n1\n", ":3: \"\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n1,5\n", ":3: \"1,5\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n1e10\n",
+       ":3: \"1e10\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\nnan\n", ":3: \"nan\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n5V\n", ":3: \"5V\" is not a voltage; write a number of volts, up to 1e+09"},
       {"voltage_v\n1\n", ": has fewer than two voltages; give one a line"}};
   for (const auto& [content, message] : cases) {
     const auto scene = With(content);

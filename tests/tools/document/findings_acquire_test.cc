@@ -70,7 +70,7 @@ const std::vector<Case> kCases{
     {kProfileRateUnknown,
      {{"profile", "om70"}},
      "the rate at which om70 measures is not known: motion can be observed up to that rate / 2.56; "
-     "the rate of replies is no measure of it"},
+     "the rate of replies does not show it"},
     {kLatencyTimer,
      {{"port", "ttyUSB3"}, {"latency_s", 0.016}, {"rate_hz", 41.4}, {"rate_at_1_ms_hz", 109.1}},
      "the adapter keeps short replies for 16 ms: readings at 41.4 Hz at most in place of 109.1 Hz; "
@@ -80,7 +80,7 @@ const std::vector<Case> kCases{
      "changed sampling 1ms -> 0.33ms"},
     {kNotSettled,
      {},
-     "the amplifier shows no value since its settings were changed: is there a target?"},
+     "the amplifier has shown no value since its settings were changed: check the target"},
     {kAveragingCorner,
      {{"averages", 16}, {"sampling_s", 1e-3}, {"corner_hz", 27.69}},
      "the amplifier averages 16 samples of 1 ms: a vibration at 27.69 Hz is 3 dB too small"},
@@ -107,11 +107,11 @@ const std::vector<Case> kCases{
      "the scene has no sensor: an ideal one on the skin at 10000 Hz is assumed"},
     {kHeadingLines,
      {{"lines", 2}, {"first", "volts"}},
-     "2 lines before the first row are no rows: \"volts\""},
+     "2 lines before the first row are not rows: \"volts\""},
     {kLinesTooSoon,
      {{"lines", 100}, {"elapsed_s", 0.5}, {"baud", 9600}, {"wire_s", 1.0}},
-     "100 lines came in 500 ms, and 9600 baud carry them in 1 s at least: the port is no such wire, "
-     "or the sensor has another baud rate"},
+     "100 lines came in 500 ms, and 9600 baud carry them in 1 s at least: the port is not a serial "
+     "line of this rate, or the sensor has another baud rate"},
     {kSurplusReplies,
      {{"replies", 3}},
      "replies to requests that had been answered were discarded (3): the device answers more than "
@@ -119,8 +119,8 @@ const std::vector<Case> kCases{
     {kRepliesTooSoon,
      {{"too_soon", 3}, {"replies", 9}, {"wire_s", 0.01667}, {"rate_hz", 60.0}},
      "3 of 9 replies came sooner than the stated baud rate carries request and reply (16.67 ms): "
-     "the port is no such wire, or the device has another baud rate; readings were taken at 60 Hz "
-     "at most, as the stated rate allows"},
+     "the port is not a serial line of this rate, or the device has another baud rate; readings "
+     "were taken at 60 Hz at most, as the stated rate allows"},
     {kWireErrors, {{"errors", "1 timeout"}}, "errors on the wire: 1 timeout"},
     {kReplayCutShort, {}, "the trial was cut short"},
     {kReplayLosses,
@@ -141,7 +141,7 @@ const std::vector<Case> kCases{
      "4 averages at 0.33 ms leave 0.4421 of 500 Hz: set fewer"},
     {kStepsTooLarge,
      {{"step_m", 0.01}, {"wanted_m", 1e-6}},
-     "the steps are 10 mm; 1 um are asked for"},
+     "the steps are 10 mm; 1 um are required"},
 };
 
 TEST(FindingsOfSensors, EachKindHasItsSentence) {

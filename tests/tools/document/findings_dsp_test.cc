@@ -31,7 +31,7 @@ const std::vector<Case> kCases{
     {kRepeated,
      {{"repeated", 20}, {"readings", 4000}},
      "readings-repeated",
-     "20 of 4000 readings were handed out a second time"},
+     "20 of 4000 readings are repeated: the sensor had no new value"},
     {kInterpolated,
      {{"interpolated", 1}, {"rms_m", 2.5e-09}},
      "readings-interpolated",
@@ -81,15 +81,15 @@ const std::vector<Case> kCases{
     {kSamplesLimited,
      {{"samples", 20000000}, {"used", 16777216}},
      "samples-limited",
-     "of 20000000 samples the first 16777216 are used"},
+     "only the first 16777216 of 20000000 samples are used"},
     {kSegmentEnds,
      {{"first_s", 1.25}, {"last_s", 0.2}, {"segment_s", 3.0}},
      "segment-ends",
-     "the first 1.25 s and the last 200 ms of a segment of 3 s have not settled"},
+     "filter transients excluded: the first 1.25 s and the last 200 ms of a segment of 3 s"},
     {kAveragingUnknown,
      {},
      "averaging-unknown",
-     "amplitude not verified: sensor averaging unknown; say it in the head of a CSV, as '# "
+     "amplitude not verified: sensor averaging unknown; state it in the header of a CSV, as '# "
      "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes "
      "one of any trial)"},
     {kTooFewReadings,
@@ -130,21 +130,21 @@ const std::vector<Case> kCases{
       {"error", 0.02}},
      "regular-grid",
      "times scatter by 0.0005 ms (0.002 ms at most) about a grid of 10000 readings/s: 4000 "
-     "readings put on it, 3 missing, 0 excluded; this adds 0.02 of a tone at most"},
+     "readings assigned to it, 3 missing, 0 excluded; this adds 0.02 of a tone at most"},
     {kSamplingContradicted,
      {{"sampling_s", 0.001}, {"samples_per_s", 1000.0}, {"new_readings_per_s", 48.0}},
      "sampling-contradicted",
-     "by the file the sensor samples every 1 ms, 1000 times a second, but 48 new readings/s came: "
-     "one of them is wrong, and the sensor's gain rests on the first"},
+     "the file states a sampling period of 1 ms, 1000 samples/s, and holds 48 new readings/s: one "
+     "of the two is wrong, and the sensor's gain is computed from the first"},
     {kTimesInOtherUnit,
      {{"column", "time_ms"s}, {"readings_per_s", 10000.0}, {"duration_s", 2.0}},
      "times-in-other-unit",
-     "read as time_ms, the times would be 10000 readings/s over 2 s; if that is right, name the "
+     "as time_ms, the times would give 10000 readings/s over 2 s; if that is right, name the "
      "column: --columns time_ms,displacement_m"},
     {kPolledTimes,
      {},
      "polled-times",
-     "its readings are of unknown age, so that no tone of known frequency is fitted either"},
+     "the age of its readings is unknown, so that no tone of known frequency is fitted either"},
     {kTimesUnfitForTone,
      {{"time_uncertainty_s", 0.008}, {"frequency_hz", 225.0}, {"limit_s", 0.0002}},
      "times-unfit-for-tone",
@@ -152,68 +152,73 @@ const std::vector<Case> kCases{
     {kKnownTone,
      {{"frequency_hz", 225.0}, {"amplitude_m", 1e-05}},
      "known-tone",
-     "a tone at 225 Hz, if that is what moves, has an amplitude of 10 um; no answer for the band"},
+     "if the motion is a tone at 225 Hz, its amplitude is 10 um; no answer for the band"},
     {kKnownToneAlias,
      {{"frequency_hz", 225.0}, {"amplitude_m", 1e-05}},
      "known-tone-alias",
-     "a tone at 225 Hz, if that is what moves, has an amplitude of 10 um, seen as an alias "
-     "together with all else there; no answer for the band"},
+     "if the motion is a tone at 225 Hz, its amplitude is 10 um, measured as an alias together "
+     "with all other motion there; no answer for the band"},
     {kKnownTonePauses,
      {{"frequency_hz", 225.0}, {"from_s", 1.5}, {"to_s", 2.25}},
      "known-tone-pauses",
-     "the tone at 225 Hz pauses: it is fitted where it is on longest, 1.5 s to 2.25 s"},
+     "the tone at 225 Hz has pauses: it is fitted in its longest part, 1.5 s to 2.25 s"},
     {kKnownToneAtRate,
      {{"frequency_hz", 225.0}},
      "known-tone-at-rate",
-     "a tone at 225 Hz cannot be told apart from the offset at this rate"},
+     "a tone at 225 Hz cannot be distinguished from the offset at this rate"},
     {kOrderLowered,
      {{"asked_order", 6}, {"order", 4}, {"settled_s", 0.1}},
      "order-lowered",
-     "filter order lowered from 6 to 4: of order 6 only 100 ms have settled"},
+     "filter order lowered from 6 to 4: at order 6 only 100 ms are free of filter transients"},
     {kTooShort,
      {{"settled_s", 0.1}, {"order", 4}, {"needed_s", 0.125}, {"lower_hz", 20.0}, {"record_s", 2.0}},
      "too-short",
-     "only 100 ms of it have settled in a filter of order 4; 125 ms are needed, and a lower order "
-     "passes too much of the motion below 20 Hz: record at least 2 s without a gap"},
+     "only 100 ms of it are free of the transients of a filter of order 4; 125 ms are needed, and "
+     "a lower order passes too much of the motion below 20 Hz: record at least 2 s without a gap"},
     {kBelowBand,
      {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}, {"leaked_m", 1.5e-08}},
      "below-band",
-     "10 um at 225 Hz lie below the band; 0.015 um RMS of that leak into it"},
+     "component below the band: amplitude 10 um at 225 Hz; its leakage into the band is 0.015 um "
+     "RMS"},
     {kBelowBandModelled,
      {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}, {"leaked_m", 1.5e-08}},
      "below-band-modelled",
-     "10 um at 225 Hz lie below the band; 0.015 um RMS of that leak into it; modelled as going on "
-     "before and after the record, and subtracted"},
-    {kAllSettled, {}, "all-settled", "all that has settled"},
-    {kWindowAsked, {{"from_s", 1.5}, {"to_s", 2.25}}, "window-asked", "asked for: 1.5 s to 2.25 s"},
+     "component below the band: amplitude 10 um at 225 Hz; its leakage into the band, 0.015 um "
+     "RMS, is modelled beyond both ends of the record and subtracted"},
+    {kAllSettled, {}, "all-settled", "all that is free of filter transients"},
+    {kWindowAsked, {{"from_s", 1.5}, {"to_s", 2.25}}, "window-asked", "requested: 1.5 s to 2.25 s"},
     {kSteadyDrive, {}, "steady-drive", "steady part of the drive"},
-    {kSettledOfDrive, {}, "settled-of-drive", "what has settled of the drive"},
+    {kSettledOfDrive,
+     {},
+     "settled-of-drive",
+     "the part of the drive that is free of filter transients"},
     {kWhereFrequencyMoves,
      {},
      "where-frequency-moves",
-     "where a vibration whose frequency moves stands out"},
+     "where a vibration of changing frequency exceeds the noise"},
     {kTooShortForParts, {}, "too-short-for-parts", "too short to be split into parts"},
     {kNothingStandsOut,
      {{"of", "tone"s}},
      "nothing-stands-out",
-     "no part of the tone stands out for long enough"},
+     "no part of the tone exceeds the rest for long enough"},
     {kOneLevel,
      {{"of", "tone"s}},
      "one-level",
-     "the power of the tone keeps one level: the drive is on throughout, or never"},
+     "the power of the tone has one level: the drive is on throughout, or never"},
     {kStandsOut,
      {{"of", "tone"s}, {"ratio", 12.5}, {"parts", 2}, {"from_s", 1.5}, {"to_s", 2.25}},
      "stands-out",
-     "the tone stands out 12.5 times in RMS, in 2 parts, the longest from 1.5 s to 2.25 s"},
+     "the RMS of the tone is 12.5 times that of the rest, in 2 parts, the longest from 1.5 s to "
+     "2.25 s"},
     {kToneNeverPauses,
      {},
      "tone-never-pauses",
-     "the tone never pauses: the drive is on throughout"},
-    {kOnlyTransients, {}, "only-transients", "only transients stand out"},
+     "the tone has no pause: the drive is on throughout"},
+    {kOnlyTransients, {}, "only-transients", "only transients exceed the noise"},
     {kSweepIsNoDrive,
      {},
      "sweep-is-no-drive",
-     "the frequency moves: where it stands out is no drive"},
+     "the frequency changes: the part that exceeds the noise is not taken as the drive"},
     {kDriveOn,
      {{"from_s", 1.5}, {"to_s", 2.25}},
      "drive-on",
@@ -221,16 +226,16 @@ const std::vector<Case> kCases{
     {kVibrationStandsOut,
      {{"frequency_hz", 225.0}, {"rms_m", 9e-06}, {"from_s", 1.5}, {"to_s", 2.25}},
      "vibration-stands-out",
-     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s"},
+     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s"},
     {kTransientsExcluded,
      {{"parts", 2}, {"ringing_s", 0.35}},
      "transients-excluded",
-     "2 parts of the record no longer than the filter rings (350 ms), with its rise and fall: "
-     "taken for transients, not for a drive in this band"},
+     "2 parts of the record excluded as filter transients: no longer than the filter rings (350 "
+     "ms), with its rise and fall"},
     {kLevelChanges,
      {},
      "level-changes",
-     "the vibration's level changes, but its tone never pauses: all of it is used"},
+     "the vibration's level changes, but its tone has no pause: all of it is used"},
     {kDriveTooShort,
      {{"from_s", 1.5},
       {"to_s", 2.25},
@@ -239,9 +244,9 @@ const std::vector<Case> kCases{
       {"window_from_s", 1.55},
       {"window_to_s", 1.65}},
      "drive-too-short",
-     "the drive is on from 1.5 s to 2.25 s, of which 100 ms have settled, where 125 ms are needed: "
-     "drive longer, or raise the band's lower corner; --window all takes what has settled beside "
-     "it, --window 1.55s:1.65s what has settled of it"},
+     "the drive is on from 1.5 s to 2.25 s; 100 ms of it are free of filter transients and 125 ms "
+     "are needed: drive longer, or raise the band's lower corner; --window all also uses the "
+     "record outside of it, --window 1.55s:1.65s its part free of transients"},
     {kDriveNotSettled,
      {{"from_s", 1.5},
       {"to_s", 2.25},
@@ -249,9 +254,9 @@ const std::vector<Case> kCases{
       {"window_from_s", 1.55},
       {"window_to_s", 1.65}},
      "drive-not-settled",
-     "the drive is on from 1.5 s to 2.25 s, of which 100 ms have settled: drive longer, record "
-     "longer before and after it, or take a lower --order; --window all takes what has settled "
-     "beside it, --window 1.55s:1.65s what has settled of it"},
+     "the drive is on from 1.5 s to 2.25 s; 100 ms of it are free of filter transients: drive "
+     "longer, record longer before and after it, or choose a lower --order; --window all also uses "
+     "the record outside of it, --window 1.55s:1.65s its part free of transients"},
     {kVibrationTooShort,
      {{"frequency_hz", 225.0},
       {"rms_m", 9e-06},
@@ -262,9 +267,10 @@ const std::vector<Case> kCases{
       {"window_from_s", 1.55},
       {"window_to_s", 1.65}},
      "vibration-too-short",
-     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s, of which 100 ms "
-     "have settled, where 125 ms are needed: drive longer, or raise the band's lower corner; "
-     "--window all takes what has settled beside it, --window 1.55s:1.65s what has settled of it"},
+     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s; 100 ms of "
+     "it are free of filter transients and 125 ms are needed: drive longer, or raise the band's "
+     "lower corner; --window all also uses the record outside of it, --window 1.55s:1.65s its part "
+     "free of transients"},
     {kVibrationNotSettled,
      {{"frequency_hz", 225.0},
       {"rms_m", 9e-06},
@@ -274,13 +280,14 @@ const std::vector<Case> kCases{
       {"window_from_s", 1.55},
       {"window_to_s", 1.65}},
      "vibration-not-settled",
-     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s, of which 100 ms "
-     "have settled: drive longer, record longer before and after it, or take a lower --order; "
-     "--window all takes what has settled beside it, --window 1.55s:1.65s what has settled of it"},
+     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s; 100 ms of "
+     "it are free of filter transients: drive longer, record longer before and after it, or choose "
+     "a lower --order; --window all also uses the record outside of it, --window 1.55s:1.65s its "
+     "part free of transients"},
     {kWindowMixed,
      {{"off_s", 0.25}, {"window_s", 1.0}},
      "window-mixed",
-     "in 250 ms of the window's 1 s the drive is off or changes; --window auto takes the steady "
+     "in 250 ms of the window's 1 s the drive is off or changes; --window auto uses the steady "
      "part"},
     {kDriveOffInWindow, {}, "drive-off-in-window", "the drive is off in the whole window"},
     {kDriveUnsteady,
@@ -290,8 +297,8 @@ const std::vector<Case> kCases{
     {kFrequencyMoves,
      {{"from_hz", 60.0}, {"to_hz", 450.0}},
      "frequency-moves",
-     "the frequency moves from 60 Hz to 450 Hz: this is a sweep, and the RMS is of all of it; use "
-     "--sweep"},
+     "the frequency changes from 60 Hz to 450 Hz: this is a sweep, and the RMS is that of all of "
+     "it; use --sweep"},
     {kWindowOutside,
      {{"from_s", 1.5}, {"to_s", 2.25}, {"record_from_s", 0.0}, {"record_to_s", 3.0}},
      "window-outside",
@@ -299,12 +306,12 @@ const std::vector<Case> kCases{
     {kWindowNotSettled,
      {{"from_s", 1.5}, {"to_s", 2.25}, {"settled_s", 0.1}},
      "window-not-settled",
-     "of the window 1.5 s to 2.25 s only 100 ms have settled: ask for a wider one, or record "
-     "longer before and after it"},
+     "only 100 ms of the window 1.5 s to 2.25 s are free of filter transients: choose a wider one, "
+     "or record longer before and after it"},
     {kWindowShortened,
      {{"excluded_s", 0.1}, {"from_s", 1.5}, {"to_s", 2.25}},
      "window-shortened",
-     "100 ms of the window 1.5 s to 2.25 s have not settled and are excluded"},
+     "filter transients excluded: 100 ms of the window 1.5 s to 2.25 s"},
     {kWindowClipped,
      {{"share", 0.02}},
      "window-clipped",
@@ -313,13 +320,13 @@ const std::vector<Case> kCases{
     {kNoFloor,
      {},
      "no-floor",
-     "noise floor not known, and not subtracted: no settled quiet part of 0.1 s beside the window; "
-     "--floor FILE takes a drive-off trial"},
+     "noise floor not known, and not subtracted: no drive-off interval of 0.1 s or more outside "
+     "the window; give a drive-off trial by --floor FILE"},
     {kFloorOfOtherRate,
      {{"floor_per_s", 2000.0}, {"readings_per_s", 10000.0}},
      "floor-of-other-rate",
      "the floor has 2000 readings/s and this trial 10000: a sensor's noise in the band depends on "
-     "its rate; take one of the same settings"},
+     "its rate; use a floor of the same settings"},
     {kFloorHasTone,
      {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}},
      "floor-has-tone",
@@ -332,7 +339,7 @@ const std::vector<Case> kCases{
     {kFloorAboveSignal,
      {{"floor_m", 2e-06}, {"measured_m", 1e-06}},
      "floor-above-signal",
-     "the floor of 2 um is above the 1 um that were measured: take one of the same sensor, "
+     "the floor of 2 um is above the 1 um that were measured: record a floor with the same sensor, "
      "settings and rate, drive off"},
     {kBelowFloor,
      {{"floor_m", 2e-06}, {"at_most_m", 3e-06}},
@@ -342,37 +349,37 @@ const std::vector<Case> kCases{
      {{"rms_m", 0.014}},
      "rms-too-large",
      "14 mm RMS is more than any tactile actuator moves: is the column in another unit than it "
-     "says? Name it (--columns time_s,displacement_um) or say --scale 1um"},
+     "states? Name it (--columns time_s,displacement_um) or give --scale 1um"},
     {kRmsTooSmall,
      {{"rms_m", 1.4e-11}},
      "rms-too-small",
      "1.4e-05 um RMS is less than any laser distance sensor resolves: is the column in another "
-     "unit than it says?"},
+     "unit than it states?"},
     {kGainInBand,
      {{"least", 0.9}, {"greatest", 0.99}},
      "gain-in-band",
-     "the sensor passes 0.9 to 0.99 of the band; without a tone this is not corrected for"},
+     "the sensor's gain in the band is 0.9 to 0.99; without a tone it is not corrected for"},
     {kGainTooLow,
      {{"gain", 0.47}, {"frequency_hz", 225.0}, {"least_gain", 0.5}, {"averages", 6}},
      "gain-too-low",
-     "the sensor passes 0.47 of 225 Hz, below 0.5: set it to 6 averages or fewer"},
+     "the sensor's gain at 225 Hz is 0.47, below 0.5: set it to 6 averages or fewer"},
     {kGainCorrected,
      {{"gain", 0.47}},
      "gain-corrected",
-     "the sensor passes 0.47 of the tone; corrected for"},
+     "the sensor's gain at the tone is 0.47; corrected for"},
     {kElectricalUnmeasured,
      {{"readings", 2}},
      "electrical-unmeasured",
-     "electrical state not determined: 2 readings of voltage or current in the window are no "
+     "electrical state not determined: 2 readings of voltage or current in the window are not "
      "measurements"},
     {kElectricalNoTone,
      {{"frequency_hz", 225.0}},
      "electrical-no-tone",
-     "electrical state not determined: no voltage or no current stands out at 225 Hz"},
+     "electrical state not determined: no voltage or no current exceeds the noise at 225 Hz"},
     {kSweepUneven,
      {},
      "sweep-uneven",
-     "its readings lie at uneven times: a sweep needs a clocked record"},
+     "the times of its readings are not uniform: a sweep needs a clocked record"},
     {kSweepPolled,
      {},
      "sweep-polled",
@@ -384,11 +391,11 @@ const std::vector<Case> kCases{
     {kSweepSensorLimit,
      {{"upper_hz", 500.0}},
      "sweep-sensor-limit",
-     "not determined above 500 Hz: there the sensor passes less than a half"},
+     "not determined above 500 Hz: the sensor's gain is below 0.5 there"},
     {kDriveConstant,
      {{"channel", "coil"s}},
      "drive-constant",
-     "the channel coil does not move; it is no drive"},
+     "the channel coil is constant; it is not a drive"},
     {kDriveGaps,
      {{"channel", "coil"s}},
      "drive-gaps",
@@ -405,14 +412,15 @@ const std::vector<Case> kCases{
     {kSweepTooShort,
      {{"length_s", 4.0}, {"resolution_hz", 0.5}},
      "sweep-too-short",
-     "4 s do not hold two segments of the response; record longer, or ask for 0.5 Hz"},
-    {kNoResponse, {}, "no-response", "nothing in the displacement follows the drive"},
+     "4 s do not hold two segments of the response; record longer, or choose a resolution of 0.5 "
+     "Hz"},
+    {kNoResponse, {}, "no-response", "the displacement shows no response to the drive"},
     {kNoSweep,
      {{"lower_hz", 20.0}, {"upper_hz", 500.0}, {"resolution_hz", 0.5}, {"block_s", 2.0}},
      "no-sweep",
-     "from 20 Hz to 500 Hz no vibration whose frequency moves by a tenth, and by less than 0.5 Hz "
-     "in 2 s; try another --band, a --resolution above the root of the sweep's Hz/s, a slower "
-     "sweep, or record the drive's voltage"},
+     "no sweep found from 20 Hz to 500 Hz: no vibration whose frequency changes by a tenth, and by "
+     "less than 0.5 Hz in 2 s; try another --band, a --resolution above the root of the sweep's "
+     "Hz/s, a slower sweep, or record the drive's voltage"},
     {kFrequenciesExcluded,
      {{"excluded", 12}, {"frequencies", 400}},
      "frequencies-excluded",
@@ -421,14 +429,14 @@ const std::vector<Case> kCases{
      {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
      "resonance-above",
      "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
-     "amplitude lies at the upper end, 449.5 Hz: the resonance may be above it; sweep and look "
-     "further with --band"},
+     "amplitude lies at the upper end, 449.5 Hz: the resonance may be above it; sweep further, "
+     "with a wider --band"},
     {kResonanceBelow,
      {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
      "resonance-below",
      "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
-     "amplitude lies at the lower end, 449.5 Hz: the resonance may be below it; sweep and look "
-     "further with --band"},
+     "amplitude lies at the lower end, 449.5 Hz: the resonance may be below it; sweep further, "
+     "with a wider --band"},
     {kPeakTooNarrow,
      {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}, {"resolution_hz", 0.5}},
      "peak-too-narrow",
@@ -439,11 +447,11 @@ const std::vector<Case> kCases{
      {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
      "no-resonance",
      "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
-     "amplitude lies at 449.5 Hz: look at it with --plot or --response"},
+     "amplitude lies at 449.5 Hz: examine it with --plot or --response"},
     {kSeveralResonances,
      {{"left", 0.25}},
      "several-resonances",
-     "one resonance leaves 25 % of the response: it may hold more than one"},
+     "one resonance does not explain 25 % of the response: there may be more than one"},
 };
 
 TEST(FindingsOfDsp, SayTheirSentences) {
@@ -472,9 +480,9 @@ TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
       text(kTooShort, {{"settled_s", 0.0}, {"order", 6}, {"needed_s", 0.1}, {"record_s", 2.0}}),
       ::testing::EndsWith("100 ms are needed: record at least 2 s without a gap"));
   EXPECT_EQ(text(kStandsOut, {{"of", "drive"s}, {"ratio", 2.0}, {"from_s", 1.0}, {"to_s", 2.0}}),
-            "the drive stands out 2 times in RMS, from 1 s to 2 s");
+            "the RMS of the drive is 2 times that of the rest, from 1 s to 2 s");
   EXPECT_THAT(text(kDriveNotSettled, {{"from_s", 1.0}, {"to_s", 2.0}, {"settled_s", 0.0}}),
-              ::testing::EndsWith("--window all takes what has settled beside it"));
+              ::testing::EndsWith("--window all also uses the record outside of it"));
 }
 
 TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
@@ -485,7 +493,7 @@ TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
   findings.Add({.severity = Severity::kRefusal, .kind = kNoResponse, .subject = "a.bin"});
   EXPECT_THAT(RefusalsOf(findings),
               ::testing::ElementsAre("none of its readings is a measurement",
-                                     "a.bin: nothing in the displacement follows the drive"));
+                                     "a.bin: the displacement shows no response to the drive"));
   EXPECT_EQ(RefusalOf(findings), "none of its readings is a measurement");
 }
 

@@ -35,9 +35,9 @@ std::vector<Said> Sentences() {
       {kBodiesTooFast,
        {{"at_s", 0.0}},
        "bodies-too-fast",
-       "bodies or the current are too fast against the drive for a search of events at 0 ms; leave "
-       "out what settles so fast (inductance_h = 0 has the current follow at once), or the effects "
-       "that are on"},
+       "the bodies or the current are too fast, relative to the drive, for a search of events at 0 "
+       "ms; leave out what decays so fast (with inductance_h = 0 the current follows without "
+       "delay), or the effects that are on"},
       {kSolverStopped,
        {{"at_s", 2.0}},
        "solver-stopped",
@@ -58,8 +58,8 @@ std::vector<Said> Sentences() {
       {kBeyondPrediction,
        {{"tolerance", 1e-10}, {"known_until_s", 0.0712}},
        "beyond-prediction",
-       "small errors grow in this motion until it is beyond prediction: it is known to 1e-10 until "
-       "71.2 ms; give a duration_s of 71.2 ms or less, or leave out effects that are on"},
+       "small errors grow in this motion until it is beyond prediction: its error is below 1e-10 "
+       "until 71.2 ms; give a duration_s of 71.2 ms or less, or leave out effects that are on"},
       {kErrorUnbounded,
        {},
        "error-unbounded",
@@ -68,7 +68,7 @@ std::vector<Said> Sentences() {
       {kErrorTooLarge,
        {{"relative_error", 2e-9}, {"tolerance", 1e-10}, {"least_tolerance", 4e-9}},
        "error-too-large",
-       "with smooth effects the answer is known to 2e-09, not to the required 1e-10; give a "
+       "with smooth effects the answer's relative error is 2e-09, above the required 1e-10; give a "
        "tolerance of 4e-09 or more"},
       {kNoPeriodicMotion,
        {{"most_periods", 32}, {"transient_periods", 8}, {"periods", 1032}, {"steps", 5160}},
@@ -100,7 +100,7 @@ std::vector<Said> Sentences() {
       {kTremorAtResonance,
        {},
        "tremor-at-resonance",
-       "the tremor meets an undamped resonance; give duration_s, or add damping"},
+       "the tremor excites an undamped resonance; give duration_s, or add damping"},
       {kTremorWithLimits,
        {},
        "tremor-with-limits",
@@ -142,8 +142,8 @@ std::vector<Said> Sentences() {
       {kContactKept,
        {{"least_force_n", 0.34489}},
        "contact-kept",
-       "contact is kept whatever the force: it is lost where less than 0.3449 N presses actuator "
-       "and skin together"},
+       "contact is kept for any force: it is lost where less than 0.3449 N presses actuator and "
+       "skin together"},
       {kDriveVaries,
        {{"drive", std::string("a chirp")}},
        "drive-varies",
@@ -165,11 +165,12 @@ std::vector<Said> Sentences() {
       {kLatencyUnnoticed,
        {},
        "latency-unnoticed",
-       "the latency is below 25 ms, the limit from which on a latency costs errors"},
+       "the latency is below 25 ms, the limit from which on a latency causes errors"},
       {kLatencyCostsErrors,
        {},
        "latency-costs-errors",
-       "the latency is above 25 ms, where it costs errors, and below 50 ms, where it is perceived"},
+       "the latency is above 25 ms, where it causes errors, and below 50 ms, where it is "
+       "perceived"},
       {kLatencyPerceived,
        {},
        "latency-perceived",
@@ -177,7 +178,7 @@ std::vector<Said> Sentences() {
       {kLatencyUndecided,
        {},
        "latency-undecided",
-       "the latency is too uncertain to be compared with 25 ms, where it costs errors, and 50 ms, "
+       "the latency is too uncertain to be compared with 25 ms, where it causes errors, and 50 ms, "
        "where it is perceived"},
   };
 }

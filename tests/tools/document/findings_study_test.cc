@@ -89,7 +89,7 @@ std::vector<Case> Cases() {
       {kOneStart,
        {{"missing", std::string("low")}},
        "one-start",
-       "no setting started low; those of the other start count"},
+       "no setting started low; those of the other start are used"},
       {kPowerByVoltage,
        {},
        "power-by-voltage",

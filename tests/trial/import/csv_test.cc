@@ -155,41 +155,39 @@ TEST(Csv, GapsBecomeStretches) {
 }
 
 TEST(Csv, WhatCannotBeReadIsExplained) {
-  EXPECT_EQ(
-      ErrorOf("0,1\n1,2\n"),
-      "f.csv: no line names its 2 columns: the first may be a time (1 rows a second in s, 1000 in "
-      "ms) or a channel beside the others; say <columns> time_s,voltage_v, or <columns> "
-      "voltage_v,voltage_2_v with <rate>");
+  EXPECT_EQ(ErrorOf("0,1\n1,2\n"),
+            "f.csv: no line names its 2 columns: the first may be a time (1 rows per second in s, "
+            "1000 in ms) or a channel like the others; give <columns> time_s,voltage_v, or "
+            "<columns> voltage_v,voltage_2_v with <rate>");
   EXPECT_THAT(ErrorOf("name,age\nbob,3\n"), HasSubstr("no time column"));
   EXPECT_EQ(ErrorOf("time,voltage_v\n0,1\n"),
-            "f.csv: column 'time' does not say its unit; name it time_s, time_ms or time_us");
+            "f.csv: column 'time' does not state its unit; name it time_s, time_ms or time_us");
   EXPECT_THAT(ErrorOf("time_s,displacement\n0,1\n"), HasSubstr("name it displacement_m, displ"));
   EXPECT_THAT(ErrorOf("time_s,voltage_mm\n0,1\n"), HasSubstr("name it voltage_v"));
   EXPECT_THAT(ErrorOf("time_s\n0\n1\n"), HasSubstr("no column beside the time"));
   EXPECT_THAT(ErrorOf("time_s,time_ms,voltage_v\n0,1\n"), HasSubstr("two columns are named time"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v,status_2\n0,1,ok\n"), HasSubstr("is not there"));
-  EXPECT_EQ(
-      ErrorOf("time_s,voltage_v\n0,1\n1,abc\n"),
-      "f.csv: line 3: 'abc' is no number (column 'voltage'); leave the cell empty where there "
-      "is no value, or remove the column");
+  EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,abc\n"),
+            "f.csv: line 3: 'abc' is not a number (column 'voltage'); leave the cell empty where "
+            "there is no value, or remove the column");
   EXPECT_EQ(ErrorOf("# a\n\ntime_s,voltage_v\n0,1\n1,2,3\n"),
             "f.csv: line 5: has 3 cells where the columns are 2; complete or remove the line");
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n1,3\n"),
-            "f.csv: 1 of 3 rows has the time of the row before (first in line 4), and no even grid "
-            "explains it; print the times with more digits, or remove these rows; only where no "
-            "row is missing, leave the times out (<columns>) and say <rate>");
+            "f.csv: 1 of 3 rows has the time of the row before (first in line 4), and no uniform "
+            "grid explains it; print the times with more digits, or remove these rows; only where "
+            "no row is missing, leave the times out (<columns>) and give <rate>");
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n0.5,3\n"),
             "f.csv: line 4: time 0.5 s does not grow (the row before is at 1 s); sort the rows, or "
             "print the times with more digits");
-  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\nnan,2\n"), HasSubstr("line 3: 'nan' is no time"));
-  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n,2\n"), HasSubstr("line 3: '' is no time"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\nnan,2\n"), HasSubstr("line 3: 'nan' is not a time"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n,2\n"), HasSubstr("line 3: '' is not a time"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n"), HasSubstr("holds 1 row; a measurement needs"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n"), HasSubstr("holds 0 rows"));
   EXPECT_THAT(ErrorOf("# only = comments\n"), HasSubstr("holds no columns"));
-  EXPECT_THAT(ErrorOf("time_s,voltage_v,status\n0,1,fine\n"), HasSubstr("'fine' is no status"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v,status\n0,1,fine\n"), HasSubstr("'fine' is not a status"));
   EXPECT_EQ(ErrorOf("# averages = many\ntime_s,voltage_v\n0,1\n"),
-            "f.csv: line 1: 'averages = many' is no number; write a plain number in the unit that "
-            "the key names");
+            "f.csv: line 1: 'averages = many' is not a number; write a plain number in the unit "
+            "that the key names");
 }
 
 TEST(Csv, EditedExportsAreNotTrustedToTheirStretchLines) {

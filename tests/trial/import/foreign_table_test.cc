@@ -83,10 +83,9 @@ TEST(ForeignTable, AValueThatItsScaleTakesBeyondADoubleIsInvalid) {
 }
 
 TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
-  EXPECT_EQ(
-      ErrorOf("Time,CH1\n0,1\n1,2\n"),
-      "f.csv: column 'Time' does not say its unit: in s there are 1 rows a second, in ms 1000; "
-      "name it time_s, time_ms or time_us, or say <columns>");
+  EXPECT_EQ(ErrorOf("Time,CH1\n0,1\n1,2\n"),
+            "f.csv: column 'Time' does not state its unit: in s there are 1 rows per second, in ms "
+            "1000; name it time_s, time_ms or time_us, or give <columns>");
   EXPECT_EQ(ErrorOf("a,b\n0,001,1,5\n0,002,1,6\n"),
             "f.csv: line 2: has 4 cells under 2 names: either cells '0' and '001', or one number "
             "0,001; separate cells with semicolons, or write decimal points");
@@ -95,7 +94,7 @@ TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
       "f.csv: line 2: '1,234' may be a decimal comma or group thousands, as '0.5' has a point; "
       "write all numbers with points and without grouping");
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n1,2\n", {.rate_hz = 1000.0}),
-              HasSubstr("its times say 1 rows a second and <rate> says 1000 Hz"));
+              HasSubstr("its times give 1 rows per second and <rate> gives 1000 Hz"));
 }
 
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
@@ -106,7 +105,7 @@ TEST(ForeignTable, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "voltage_v"}, .scale_m = 1.0}),
               HasSubstr("no column is one; say <columns> time_s,displacement"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time", "voltage_v"}}),
-              HasSubstr("column 'time' does not say its unit"));
+              HasSubstr("column 'time' does not state its unit"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "-"}}),
               HasSubstr("no column beside the time"));
 }
@@ -163,8 +162,8 @@ TEST(ForeignTable, TimesAgainstAStatedRateAreADoubt) {
 TEST(ForeignTable, TimesAndHeaderThatContradictEachOtherAreRefusedUntilTheRateIsSaid) {
   const std::string text = "Sample Interval,1e-3\nTime (s),CH1 (V)\n0,1\n1,2\n2,3\n";
   EXPECT_EQ(ErrorOf(text),
-            "f.csv: its times say 1 rows a second and 'Sample Interval' says 1000; say which is "
-            "right with <rate>");
+            "f.csv: its times give 1 rows per second and 'Sample Interval' gives 1000; give the "
+            "right one as <rate>");
   EXPECT_REL(Parsed(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-12, "header");
   EXPECT_REL(Parsed(text, {.rate_hz = 1.0}).stretches.at(0).rate_hz, 1, 1e-12, "times");
   EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("<rate> says 7 Hz"));
@@ -186,9 +185,8 @@ TEST(ForeignTable, ARateThatIsSaidReplacesTheHeadersWhereThereAreNoTimes) {
 TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
   const std::string text = "Time (s),CH1 (V)\n0,1\n1,2\n2,3\n0,4\n1,5\n2,6\n";
   EXPECT_EQ(ErrorOf(text),
-            "f.csv: its times begin again at line 5: either 2 segments, of which it does not say "
-            "when they were, or rows out of order; read one of them (<segment> 1 to 2), or sort "
-            "the rows");
+            "f.csv: its times begin again at line 5: either 2 segments, whose times are not "
+            "stated, or rows out of order; read one of them (<segment> 1 to 2), or sort the rows");
   EXPECT_EQ(Parsed(text, {.segment = 2}).channels.at(0).values, (std::vector<double>{4, 5, 6}));
   EXPECT_THAT(ErrorOf("Time (s),CH1 (V)\n0,1\n1,2\n0,4\n", {.segment = 2}),
               HasSubstr("line 4: is a segment of one row"));
@@ -197,11 +195,12 @@ TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
 TEST(ForeignTable, TimesThatRepeatWithoutAGridBehindThemAreRefused) {
   EXPECT_THAT(
       ErrorOf("Time (s),CH1 (V)\n0,1\n0,2\n1,3\n"),
-      HasSubstr("1 of 3 rows has the time of the row before (first in line 3), and no even grid"));
+      HasSubstr(
+          "1 of 3 rows has the time of the row before (first in line 3), and no uniform grid"));
   std::string burst = "Time (s),CH1 (V)\n";
   for (int i = 0; i < 40; ++i) burst += i % 20 < 10 ? "0.001,1\n" : "";
   for (int i = 0; i < 40; ++i) burst += "0.5,1\n";
-  EXPECT_THAT(ErrorOf(burst), HasSubstr("no even grid explains it"));
+  EXPECT_THAT(ErrorOf(burst), HasSubstr("no uniform grid explains it"));
 }
 
 TEST(ForeignTable, EmptyRowsAtTheEndArePassedOverAndInTheMiddleNot) {
@@ -212,8 +211,9 @@ TEST(ForeignTable, EmptyRowsAtTheEndArePassedOverAndInTheMiddleNot) {
 }
 
 TEST(ForeignTable, WhatASpreadsheetMadeOfANumberIsNamed) {
-  EXPECT_THAT(ErrorOf("Time (s);CH1 (V)\n0;1,5\n1;2,5\n2;1.234.567\n"),
-              HasSubstr("line 4: '1.234.567' is no number (column 'CH1'): a spreadsheet may have"));
+  EXPECT_THAT(
+      ErrorOf("Time (s);CH1 (V)\n0;1,5\n1;2,5\n2;1.234.567\n"),
+      HasSubstr("line 4: '1.234.567' is not a number (column 'CH1'): a spreadsheet may have"));
 }
 
 TEST(ForeignTable, TheOnlyChannelIsWhatTheScaleIsAbout) {

@@ -122,7 +122,7 @@ TEST(Lvm, SegmentsBecomeStretches) {
   EXPECT_EQ(again.channels[0].values[3], 1);
   // or nothing does
   EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + rows)),
-              HasSubstr("whose Date and Time do not tell when"));
+              HasSubstr("whose Date and Time do not state when"));
   EXPECT_THAT(
       LvmErrorOf(Lvm("", kSegment + rows + "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t1\n")),
       HasSubstr("begins a segment of 1 channels where the first has 2"));
@@ -131,14 +131,14 @@ TEST(Lvm, SegmentsBecomeStretches) {
 TEST(Lvm, WhatCannotBeReadIsExplained) {
   EXPECT_THAT(LvmErrorOf("LabVIEW Measurement\nX_Columns\tOne\n"),
               HasSubstr("header does not end"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is no number"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is not a number"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\n")),
               HasSubstr("has 2 cells where 3 are needed"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "1\t1\t1\n0\t1\t1\n")), HasSubstr("does not grow"));
   EXPECT_THAT(LvmErrorOf(Lvm("", "0\t1\n")), HasSubstr("a line of names"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment)), HasSubstr("holds 0 rows"));
   EXPECT_THAT(LvmErrorOf(Lvm("Decimal_Separator\t.\n", kSegment + "0,5\t1\t1\n")),
-              HasSubstr("'0,5' is no X value"));
+              HasSubstr("'0,5' is not an X value"));
   EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", "X_Value\tA\n\t1\n\t2\n")),
               HasSubstr("neither X values nor a Delta_X"));
 }
@@ -191,7 +191,7 @@ TEST(Lvm, XAgainstDeltaXIsRefusedUntilTheRateIsSaid) {
   const std::string text = TwoChannels(
       kVolts, 100, [](auto i) { return fmt::format("{}", 1e-3 * static_cast<double>(i)); });
   EXPECT_THAT(LvmErrorOf(text),
-              HasSubstr("its times say 1000 rows a second and 'Delta_X' says 40960"));
+              HasSubstr("its times give 1000 rows per second and 'Delta_X' gives 40960"));
   EXPECT_REL(ParsedLvm(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-9, "X");
   EXPECT_REL(ParsedLvm(text, {.rate_hz = 40'960.0}).stretches.at(0).rate_hz, 40'960, 1e-9,
              "header");
@@ -285,7 +285,7 @@ TEST(Lvm, ChannelsOfOtherClocksAreReadOneByOne) {
 TEST(Lvm, ASpectrumIsNoSignalOverTime) {
   const std::string header = "Channels\t2\nX_Dimension\tFrequency\tFrequency\n";
   EXPECT_THAT(LvmErrorOf(TwoChannels(header, 4, Microseconds)),
-              HasSubstr("its X is no time: X_Dimension is Frequency"));
+              HasSubstr("its X is not a time: X_Dimension is Frequency"));
 }
 
 TEST(Lvm, OneSegmentCanBeRead) {

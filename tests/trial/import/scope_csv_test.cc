@@ -238,7 +238,7 @@ TEST(ScopeCsv, LabviewFilesWithAndWithoutAHeader) {
 TEST(ScopeCsv, AToolsTableWithARowNumber) {
   const auto silent = ReadRecording(PathOf("hantek_tool.tsv"));
   ASSERT_FALSE(silent);
-  EXPECT_THAT(silent.error().Text(), HasSubstr("in s there are 1 rows a second, in ms 1000"));
+  EXPECT_THAT(silent.error().Text(), HasSubstr("in s there are 1 rows per second, in ms 1000"));
   // the rate says which unit it is
   const auto recording = ReadRecording(PathOf("hantek_tool.tsv"), {.rate_hz = 1e6});
   ASSERT_TRUE(recording) << recording.error().Text();
@@ -253,7 +253,7 @@ TEST(ScopeCsv, TheFormatCanBeSaid) {
   const auto wrong =
       ReadRecording(PathOf("siglent_source.csv"), {.format = TableFormat::kTektronixTds});
   ASSERT_FALSE(wrong);
-  EXPECT_THAT(wrong.error().Text(), HasSubstr("is no table as <format> tektronix-tds says"));
+  EXPECT_THAT(wrong.error().Text(), HasSubstr("is not a table of <format> tektronix-tds"));
 }
 
 TEST(ScopeCsv, ATextWithoutLinesIsNoTable) {
