@@ -81,16 +81,16 @@ constexpr auto kRows = std::to_array<Row>({
       "each reading's time is uncertain by {time_uncertainty_s}; motion at {upper_hz} needs less "
       "than {limit_s}: use a sensor that samples on a clock of its own"}},
     {kFewUnevenTimes,
-     {"few-uneven-times", "{rows} rows at uneven times are too few: record longer"}},
+     {"few-uneven-times", "{rows} rows at non-uniform times are too few: record longer"}},
     {kTimesTooUneven,
      {"times-too-uneven",
       "the times of its readings scatter by {jitter_s} about a grid of {grid_s}, up to "
-      "{largest_jitter_s}: dropped readings cannot be told from late ones: record with a clocked "
+      "{largest_jitter_s}: dropped readings cannot be distinguished from late ones: record with a clocked "
       "source"}},
     {kReadingsTooFarApart,
      {"readings-too-far-apart",
-      "its readings at uneven times are too far apart for motion at {upper_hz}: {readings_per_s}: "
-      "ask for a lower band, or record with a clocked source"}},
+      "its readings at non-uniform times are too far apart for motion at {upper_hz}: {readings_per_s}: "
+      "choose a lower band, or record with a clocked source"}},
     {kRegularGrid,
      {"regular-grid",
       "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
@@ -379,11 +379,11 @@ std::string TextOf(const dsp::SensorAveraging& sensor) {
 
 CauseText TextOf(dsp::RmsCause cause) {
   constexpr std::array<CauseText, dsp::kRmsCauseCount> kTexts{{
-      {"noise", "periodogram of what the tone leaves"},
-      {"noise floor", "scatter of the floor that is taken off"},
+      {"noise", "residual periodogram after subtraction of the sine fit"},
+      {"noise floor", "scatter of the floor that is subtracted"},
       {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
       {"quantisation", "step / sqrt(12), white up to half the rate"},
-      {"bridged readings", "the error of the same bridging beside each hole"},
+      {"interpolated readings", "the error of the same interpolation next to each gap"},
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
       {"drive's edges", "what a window shorter by a period at either end would change"},
       {"spikes", "their energy within the band"},
