@@ -279,20 +279,17 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     if (!deviation || uncertainty != 0) return NotANumber(raw, row, where);
     const std::string_view right_symbol = Trimmed(right.substr(deviation->length));
     if (symbol.empty()) symbol = right_symbol;
-    const auto factor = UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
-                                   right.substr(0, deviation->length), where);
-    if (!factor) return std::unexpected(factor.error());
-    uncertainty = InSi(right, *deviation, *factor);
+    HAPTOMETER_LET(const auto factor, UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
+                                                 right.substr(0, deviation->length), where));
+    uncertainty = InSi(right, *deviation, factor);
     if (uncertainty < 0) return NotANumber(raw, row, where);
-    const auto left = UnitFactor(row, symbol, text.substr(0, number->length), where);
-    if (!left) return std::unexpected(left.error());
-    return Possible({InSi(text, *number, *left), uncertainty}, raw, row, where);
+    HAPTOMETER_LET(const auto left, UnitFactor(row, symbol, text.substr(0, number->length), where));
+    return Possible({InSi(text, *number, left), uncertainty}, raw, row, where);
   }
-  const auto factor =
-      UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where);
-  if (!factor) return std::unexpected(factor.error());
+  HAPTOMETER_LET(const auto factor,
+                 UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where));
   if (uncertainty < 0) return NotANumber(raw, row, where);
-  return Possible({InSi(text, *number, *factor), Times(uncertainty, *factor)}, raw, row, where);
+  return Possible({InSi(text, *number, factor), Times(uncertainty, factor)}, raw, row, where);
 }
 
 }  // namespace haptometer

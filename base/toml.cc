@@ -178,13 +178,12 @@ TomlTable& TomlTable::operator=(TomlTable&&) noexcept = default;
 TomlTable::~TomlTable() = default;
 
 Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
-  auto text = ReadInputFile(path, kMostTomlBytes);
-  if (!text) return std::unexpected(text.error());
-  return ParseText(*text, path);
+  HAPTOMETER_LET(auto text, ReadInputFile(path, kMostTomlBytes));
+  return ParseText(text, path);
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
-  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
+  HAPTOMETER_TRY(CheckTomlShape(text, where));
   auto state = std::make_unique<State>();
   try {
     state->root = toml::parse(text, where);
@@ -412,7 +411,7 @@ Result<void> TomlTable::Finish() const {
   }
   if (state_->first_error) return std::unexpected(*state_->first_error);
   for (const auto& [key, child] : state_->children) {
-    if (auto done = child.Finish(); !done) return done;
+    HAPTOMETER_TRY(child.Finish());
   }
   return {};
 }
@@ -492,7 +491,7 @@ std::vector<std::string> TextsBelow(const toml::table& root) {
 
 Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::string& where,
                                              const std::vector<std::string>& keys) {
-  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
+  HAPTOMETER_TRY(CheckTomlShape(text, where));
   toml::table root;
   try {
     root = toml::parse(text, where);
@@ -501,13 +500,11 @@ Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::s
     return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
                         std::string(error.description()), "mend the TOML there");
   }
-  if (auto apart = RefuseOverlaps(keys); !apart) return std::unexpected(apart.error());
+  HAPTOMETER_TRY(RefuseOverlaps(keys));
   std::string stem = "open_place_";
   while (text.find(stem) != std::string_view::npos) stem += '_';
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (auto opened = OpenKey(root, keys[k], Mark(stem, k)); !opened) {
-      return std::unexpected(opened.error());
-    }
+    HAPTOMETER_TRY(OpenKey(root, keys[k], Mark(stem, k)));
   }
   std::ostringstream stream;
   stream << root;

@@ -37,9 +37,7 @@ Result<Record> ReadAllRows(const RowSource& source) {
     Channel& channel = record.channels[c];
     channel.values.resize(record.rows);
     channel.statuses.resize(record.rows);
-    if (auto read = source.Read(c, 0, channel.values, channel.statuses); !read) {
-      return std::unexpected(read.error());
-    }
+    HAPTOMETER_TRY(source.Read(c, 0, channel.values, channel.statuses));
   }
   return record;
 }

@@ -222,7 +222,7 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
 // keys and values; `what` is one of them
 Result<void> CheckTexts(const std::string& what, const std::map<std::string, std::string>& texts) {
   for (const auto& [key, value] : texts) {
-    if (auto fit = CheckPrintable("the name of a " + what, key); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable("the name of a " + what, key));
     if (auto fit = CheckPrintable(fmt::format("{} {}", what, key), value); !fit) return fit;
   }
   return {};
@@ -266,26 +266,22 @@ Event EventFrom(const Json& json) {
 Result<void> CheckTexts(const TrialHeader& header) {
   for (std::size_t i = 0; i < header.channels.size(); ++i) {
     const std::string channel = "channel " + std::to_string(i + 1);
-    if (auto fit = CheckPrintable("the name of " + channel, header.channels[i].name); !fit) {
-      return fit;
-    }
-    if (auto fit = CheckPrintable("the unit of " + channel, header.channels[i].unit); !fit) {
-      return fit;
-    }
+    HAPTOMETER_TRY(CheckPrintable("the name of " + channel, header.channels[i].name));
+    HAPTOMETER_TRY(CheckPrintable("the unit of " + channel, header.channels[i].unit));
   }
   const Metadata& metadata = header.metadata;
   for (const auto& [key, member] : kMetadataTexts) {
-    if (auto fit = CheckPrintable(std::string(key), metadata.*member); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable(std::string(key), metadata.*member));
   }
   for (const std::string& note : metadata.notes) {
-    if (auto fit = CheckPrintable("a note", note); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable("a note", note));
   }
-  if (auto fit = CheckTexts("field", metadata.fields); !fit) return fit;
+  HAPTOMETER_TRY(CheckTexts("field", metadata.fields));
   return CheckTexts("label", metadata.labels);
 }
 
 Result<void> CheckTexts(const Event& event) {
-  if (auto fit = CheckPrintable("the text of an event", event.text); !fit) return fit;
+  HAPTOMETER_TRY(CheckPrintable("the text of an event", event.text));
   return CheckTexts("label", event.labels);
 }
 

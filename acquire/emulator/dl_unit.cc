@@ -323,7 +323,7 @@ Result<void> Validate(const DlRs1aSetup& setup) {
     return Usage("<amplifiers>", "a DL-RS1A has no more than 15", "give 1 to 15");
   }
   for (const MovingHead& head : setup.expansions) {
-    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+    HAPTOMETER_TRY(ValidateIlHead(head.head));
   }
   return ValidateIlHead(setup.head.head);
 }
@@ -384,7 +384,7 @@ Result<void> Validate(const DlEn1Setup& setup) {
     return Usage("<amplifiers>", "a DL-EN1 has 1 to 15", "give as many");
   }
   for (const MovingHead& head : setup.heads) {
-    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+    HAPTOMETER_TRY(ValidateIlHead(head.head));
   }
   return {};
 }

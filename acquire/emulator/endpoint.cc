@@ -106,11 +106,10 @@ class PtyEndpoint final : public Endpoint {
     if (!LinkTarget(link_).starts_with("/dev/pts/")) {
       return Failed(link_, "exists and is no link to a terminal", "remove it or give another name");
     }
-    const auto fresh = LinkBeside(terminal_.path, link_);
-    if (!fresh) return std::unexpected(fresh.error());
-    if (rename(fresh->c_str(), link_.c_str()) == 0) return {};
+    HAPTOMETER_LET(const auto fresh, LinkBeside(terminal_.path, link_));
+    if (rename(fresh.c_str(), link_.c_str()) == 0) return {};
     const int failure = errno;
-    unlink(fresh->c_str());
+    unlink(fresh.c_str());
     errno = failure;
     return NotLinked(link_);
   }
@@ -146,9 +145,8 @@ class PtyEndpoint final : public Endpoint {
 
   [[nodiscard]] Result<void> Unplug() override {
     // the old terminal hangs up when the new one replaces it; opened first, so its name differs
-    auto fresh = OpenTerminal();
-    if (!fresh) return std::unexpected(fresh.error());
-    terminal_ = std::move(*fresh);
+    HAPTOMETER_LET(auto fresh, OpenTerminal());
+    terminal_ = std::move(fresh);
     host_there_ = false;
     return MakeLink();
   }
@@ -162,10 +160,9 @@ class PtyEndpoint final : public Endpoint {
 }  // namespace
 
 Result<std::unique_ptr<Endpoint>> OpenPty(const std::string& link) {
-  auto terminal = OpenTerminal();
-  if (!terminal) return std::unexpected(terminal.error());
-  auto endpoint = std::make_unique<PtyEndpoint>(std::move(*terminal), link);
-  if (auto linked = endpoint->MakeLink(); !linked) return std::unexpected(linked.error());
+  HAPTOMETER_LET(auto terminal, OpenTerminal());
+  auto endpoint = std::make_unique<PtyEndpoint>(std::move(terminal), link);
+  HAPTOMETER_TRY(endpoint->MakeLink());
   return endpoint;
 }
 
@@ -283,13 +280,12 @@ OwnedDescriptor Listener(const addrinfo& address) {
 }  // namespace
 
 Result<std::unique_ptr<Endpoint>> ListenTcp(const std::string& address) {
-  const auto parts = Split(address);
-  if (!parts) return std::unexpected(parts.error());
+  HAPTOMETER_LET(const auto parts, Split(address));
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  const int code = getaddrinfo(parts->host.c_str(), parts->port.c_str(), &hints, &found);
+  const int code = getaddrinfo(parts.host.c_str(), parts.port.c_str(), &hints, &found);
   if (code != 0) {
     return Usage("<tcp>", "'" + address + "': " + gai_strerror(code),
                  "give 127.0.0.1:0, for example");

@@ -376,19 +376,18 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
 
 // the registers, or why there are none
 Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
-  const auto answer = Exchange(request, kTries, stop);
-  if (!answer) return std::unexpected(answer.error());
-  if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
-    return std::string(answer->registers);
+  HAPTOMETER_LET(const auto answer, Exchange(request, kTries, stop));
+  if (answer.fault == ModbusFault::kNone && answer.exception == 0) {
+    return std::string(answer.registers);
   }
   const std::string asked =
       fmt::format("slave {}, function {:02}, {} registers from {}", request.unit, request.function,
                   request.count, request.address + profile_.address_base);
-  if (answer->exception != 0) {
+  if (answer.exception != 0) {
     return CannotAnswer(
         link_->name(),
-        fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
-                    ModbusExceptionText(answer->exception)),
+        fmt::format("refuses {} with exception {:02} ({})", asked, answer.exception,
+                    ModbusExceptionText(answer.exception)),
         profile_.advice.empty() ? "give the <profile> of this sensor" : profile_.advice);
   }
   const std::string settings =
@@ -400,9 +399,9 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
   if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
   return CannotAnswer(
       link_->name(),
-      answer->fault == ModbusFault::kTimeout
+      answer.fault == ModbusFault::kTimeout
           ? fmt::format("nothing answers to {}{}", asked, is_rtu() ? " at " + settings : "")
-          : fmt::format("answers to {} come damaged ({})", asked, Name(answer->fault)),
+          : fmt::format("answers to {} come damaged ({})", asked, Name(answer.fault)),
       remedy);
 }
 
@@ -412,9 +411,8 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
     ReadRequest request = ReadingRequest(profile_);
     request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
     request.count = 1;
-    const auto registers = Ask(request, stop);
-    if (!registers) return std::unexpected(registers.error());
-    register_scale = RegisterAt(*registers, 0);
+    HAPTOMETER_LET(const auto registers, Ask(request, stop));
+    register_scale = RegisterAt(registers, 0);
     if (register_scale == 0) {
       return CannotAnswer(
           link_->name(),
@@ -422,8 +420,7 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
           profile_.advice.empty() ? "check the <profile>" : profile_.advice);
     }
   }
-  const auto registers = Ask(ReadingRequest(profile_), stop);
-  if (!registers) return std::unexpected(registers.error());
+  HAPTOMETER_TRY(Ask(ReadingRequest(profile_), stop));
   MakeHeader(register_scale);
   return LearnCheck(stop);
 }
@@ -432,9 +429,8 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
 Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
   if (!is_rtu()) return {};
   const bool was_silent = std::exchange(start_was_silent_, false);
-  const auto answer = Exchange(CheckRequest(profile_), 1, stop);
-  if (!answer) return std::unexpected(answer.error());
-  has_checks_ = answer->fault == ModbusFault::kNone && answer->exception == 0;
+  HAPTOMETER_LET(const auto answer, Exchange(CheckRequest(profile_), 1, stop));
+  has_checks_ = answer.fault == ModbusFault::kNone && answer.exception == 0;
   // registers of a check are behind everything older
   start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
   errors_ = {};

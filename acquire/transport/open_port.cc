@@ -72,9 +72,7 @@ Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
   // take it for us alone before anything is set: sp_open() changes settings, also another user's
   handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
-  if (auto locked = LockPort(handle->lock.get(), name); !locked) {
-    return std::unexpected(locked.error());
-  }
+  HAPTOMETER_TRY(LockPort(handle->lock.get(), name));
   if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) {
     return std::unexpected(PortDoesNotOpen(name, sp_last_error_code()));
   }
@@ -119,9 +117,7 @@ VirtualTerminal::VirtualTerminal(OwnedDescriptor descriptor, std::string name)
 Result<std::unique_ptr<Transport>> VirtualTerminal::Open(const std::string& path) {
   OwnedDescriptor descriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(path, errno));
-  if (auto locked = LockPort(descriptor.get(), path); !locked) {
-    return std::unexpected(locked.error());
-  }
+  HAPTOMETER_TRY(LockPort(descriptor.get(), path));
   // raw: no echo, no line editing, no translation of CR, 8 bits
   termios settings{};
   if (tcgetattr(descriptor.get(), &settings) != 0) {
@@ -267,13 +263,12 @@ Result<PortKind> KindOfPort(const std::string& name) {
 }
 
 Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
-  const auto kind = KindOfPort(name);
-  if (!kind) return std::unexpected(kind.error());
-  if (*kind == PortKind::kNetwork) {
+  HAPTOMETER_LET(const auto kind, KindOfPort(name));
+  if (kind == PortKind::kNetwork) {
     const NetworkName parts = SplitNetworkName(name);
     return TcpStream::Connect(parts.host, parts.service, kConnectTimeoutNs);
   }
-  if (*kind == PortKind::kVirtualTerminal) return VirtualTerminal::Open(name);
+  if (kind == PortKind::kVirtualTerminal) return VirtualTerminal::Open(name);
   // libserialport knows ports by the kernel's names only, so links are followed first
   const std::unique_ptr<char, decltype(&std::free)> path(realpath(name.c_str(), nullptr),
                                                          &std::free);

@@ -103,7 +103,7 @@ Result<void> WriteCsv(const Record& record, const PieceSink& sink) {
   for (std::size_t row = 0; row < record.rows; ++row) {
     AppendRow(record, row, status_columns, &text);
     if (text.size() < kPieceBytes) continue;
-    if (auto done = sink(text); !done) return done;
+    HAPTOMETER_TRY(sink(text));
     text.clear();
   }
   return sink(text);

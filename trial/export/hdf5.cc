@@ -184,14 +184,13 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
   }
   hsize_t written = 0;
   while (done && written < rows) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) {
+    HAPTOMETER_LET(const auto chunk, reader->Next());
+    if (chunk == nullptr) {
       return CannotAnswer("", "has fewer rows than a moment ago",
                           "export it when nothing writes to it");
     }
-    done = columns.Write(written, **chunk);
-    written += std::min<hsize_t>((*chunk)->rows(), rows - written);
+    done = columns.Write(written, *chunk);
+    written += std::min<hsize_t>(chunk->rows(), rows - written);
   }
   if (!done) return done;
   return columns.Close();

@@ -54,7 +54,7 @@ Result<void> WriteNpy(const Record& record, const PieceSink& sink) {
       AppendLittleEndian(static_cast<std::uint8_t>(channel.statuses[row]), &bytes);
     }
     if (bytes.size() < kPieceBytes) continue;
-    if (auto done = sink(bytes); !done) return done;
+    HAPTOMETER_TRY(sink(bytes));
     bytes.clear();
   }
   return sink(bytes);

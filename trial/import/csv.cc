@@ -64,13 +64,12 @@ class Parser {
   }
 
   Result<Record> Parse() {
-    if (auto bounded = CheckLines(whole_, name_); !bounded) return std::unexpected(bounded.error());
-    if (auto done = JoinBlocks(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(CheckLines(whole_, name_));
+    HAPTOMETER_TRY(JoinBlocks());
     while (NextLine()) {
-      const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
-                        : rows_.has_begun()    ? TakeRow()
-                                               : ReadHeaderLine();
-      if (!done) return std::unexpected(done.error());
+      HAPTOMETER_TRY(line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
+                     : rows_.has_begun()    ? TakeRow()
+                                            : ReadHeaderLine());
     }
     auto record = Complete();
     if (record) FindContradictedRate(*record, findings_);
@@ -80,10 +79,9 @@ class Parser {
  private:
   Result<void> JoinBlocks() {
     if (options_.format.value_or(FindTableFormat(whole_)) != TableFormat::kHantek) return {};
-    auto joined = JoinHantekBlocks(whole_, name_);
-    if (!joined) return std::unexpected(joined.error());
-    if (!*joined) return {};
-    storage_ = std::move(**joined);
+    HAPTOMETER_LET(auto joined, JoinHantekBlocks(whole_, name_));
+    if (!joined) return {};
+    storage_ = std::move(*joined);
     whole_ = rest_ = storage_;
     return {};
   }
@@ -109,20 +107,18 @@ class Parser {
     const bool is_told = !options_.columns.empty() || options_.rate_hz || options_.scale_m ||
                          options_.scale_v || options_.format || options_.segment;
     if (is_told || std::ranges::none_of(header.cells, IsOurTime)) {
-      auto table = FindForeignTable(whole_, name_, options_);
-      if (!table) return std::unexpected(table.error());
-      if (*table) {
-        if (auto done = ReadCommentsTo(**table); !done) return done;
-        NoteOverridden((*table)->columns);
-        Begin(std::move(**table));
+      HAPTOMETER_LET(auto table, FindForeignTable(whole_, name_, options_));
+      if (table) {
+        HAPTOMETER_TRY(ReadCommentsTo(*table));
+        NoteOverridden(table->columns);
+        Begin(std::move(*table));
         return {};
       }
     }
-    auto columns = ReadCsvColumns(header.cells, name_);
-    if (!columns) return std::unexpected(columns.error());
-    NameChannels(&*columns);
-    if (auto done = KeepChannel(options_, name_, &*columns); !done) return done;
-    BeginRows({.separator = header.separator, .columns = std::move(*columns)});
+    HAPTOMETER_LET(auto columns, ReadCsvColumns(header.cells, name_));
+    NameChannels(&columns);
+    HAPTOMETER_TRY(KeepChannel(options_, name_, &columns));
+    BeginRows({.separator = header.separator, .columns = std::move(columns)});
     return {};
   }
 
@@ -154,7 +150,7 @@ class Parser {
   Result<void> ReadCommentsTo(const ForeignTable& table) {
     while (line_number_ < table.line && NextLine() && line_number_ <= table.line) {
       if (!line_.starts_with('#')) continue;
-      if (auto done = ReadCsvComment(line_, Here(), &comments_); !done) return done;
+      HAPTOMETER_TRY(ReadCsvComment(line_, Here(), &comments_));
     }
     return {};
   }
@@ -222,10 +218,10 @@ class Parser {
     record_.channels = std::move(rows_.channels());
     record_.metadata = std::move(comments_.metadata);
     if (record_.metadata.source.empty()) record_.metadata.source = "imported";
-    if (auto agreed = rows_.CheckCommas(); !agreed) return std::unexpected(agreed.error());
+    HAPTOMETER_TRY(rows_.CheckCommas());
     SetChannelKeys();
-    if (auto done = SetTimes(); !done) return std::unexpected(done.error());
-    if (auto agreed = CheckRate(); !agreed) return std::unexpected(agreed.error());
+    HAPTOMETER_TRY(SetTimes());
+    HAPTOMETER_TRY(CheckRate());
     if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     return std::move(record_);
   }

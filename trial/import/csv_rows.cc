@@ -65,7 +65,7 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
     empty_line_ = line_number;
     return {};
   }
-  if (auto done = CheckWidth(); !done) return done;
+  HAPTOMETER_TRY(CheckWidth());
   std::size_t channel = 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
@@ -84,7 +84,7 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
 }
 
 Result<void> CsvRows::CheckWidth() {
-  if (auto done = CheckEmptyRow(); !done) return done;
+  HAPTOMETER_TRY(CheckEmptyRow());
   const auto& columns = layout_.columns;
   // some programs end every line with a separator, or only some
   while (layout_.is_foreign && cells_.size() > columns.size() && cells_.back().empty()) {

@@ -88,18 +88,16 @@ Result<std::optional<Reply>> KeyenceLkg::Ask(const std::atomic<bool>& stop) {
     if (!answers) reply.reset();
     return answers;
   };
-  const auto answered = line_.Exchange(poll_.PollRequest(), take, stop);
-  if (!answered) return std::unexpected(answered.error());
+  HAPTOMETER_TRY(line_.Exchange(poll_.PollRequest(), take, stop));
   return reply;
 }
 
 Result<void> KeyenceLkg::Start(const std::atomic<bool>& stop) {
   std::optional<Reply> last;
   for (int probe = 0; probe < kProbes; ++probe) {
-    const auto reply = Ask(stop);
-    if (!reply) return std::unexpected(reply.error());
-    if (!*reply) continue;
-    last = **reply;
+    HAPTOMETER_LET(const auto reply, Ask(stop));
+    if (!reply) continue;
+    last = *reply;
     if (last->kind == ReplyKind::kError) continue;
     const std::optional<int> decimals = setup_.decimals ? setup_.decimals : DecimalsOf(*last);
     if (!decimals) continue;
