@@ -3,32 +3,28 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/names.h"
 #include "base/text.h"
 
 namespace haptometer::trial {
 
-std::string_view Name(Encoding encoding) {
-  constexpr std::array<std::string_view, 3> kNames{"i32", "f32", "f64"};
-  return kNames.at(static_cast<std::size_t>(encoding));
-}
+namespace {
+
+constexpr Names<Encoding, 3> kEncodingNames{{"i32", "f32", "f64"}};
+constexpr Names<Timing, 3> kTimingNames{{"uniform", "arrival", "polled"}};
+constexpr Names<EventKind, 5> kEventNames{{"gap", "reconnect", "remark", "labels", "time_base"}};
+
+}  // namespace
+
+std::string_view Name(Encoding encoding) { return kEncodingNames.Of(encoding); }
+std::string_view Name(Timing timing) { return kTimingNames.Of(timing); }
+std::string_view Name(EventKind kind) { return kEventNames.Of(kind); }
 
 std::size_t BytesOf(Encoding encoding) { return encoding == Encoding::kF64 ? 8 : 4; }
-
-std::string_view Name(Timing timing) {
-  constexpr std::array<std::string_view, 3> kNames{"uniform", "arrival", "polled"};
-  return kNames.at(static_cast<std::size_t>(timing));
-}
-
-std::string_view Name(EventKind kind) {
-  constexpr std::array<std::string_view, 5> kNames{"gap", "reconnect", "remark", "labels",
-                                                   "time_base"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
 
 Channel ChannelOf(const ChannelFormat& format) {
   return {.name = format.name,

@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/names.h"
 #include "trial/block.h"
 #include "trial/time_base.h"
 #include "trial/trial_format.h"
@@ -95,9 +96,9 @@ std::optional<DataSource> StatedSource(std::string_view source) {
 }  // namespace
 
 std::string_view NameOf(DataSource source) {
-  constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
-                                                   "interrupted"};
-  return kNames.at(static_cast<std::size_t>(source));
+  constexpr Names<DataSource, 5> kNames{
+      {"device", "emulated", "simulated", "imported", "interrupted"}};
+  return kNames.Of(source);
 }
 
 std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report) {
@@ -112,8 +113,8 @@ std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& re
 }
 
 std::string_view Name(FileKind kind) {
-  constexpr std::array<std::string_view, 4> kNames{"trial", "CSV", "HDF5", "LabVIEW measurement"};
-  return kNames.at(static_cast<std::size_t>(kind));
+  constexpr Names<FileKind, 4> kNames{{"trial", "CSV", "HDF5", "LabVIEW measurement"}};
+  return kNames.Of(kind);
 }
 
 Finding FindingOfLoss(const Loss& loss) {
@@ -155,7 +156,7 @@ Findings ReadReport::AllFindings() const {
   Findings all;
   for (const Loss& loss : losses) all.Add(FindingOfLoss(loss));
   if (!closed) all.Doubt(FindingKind::kNotFinished);
-  for (const Finding& finding : findings.list()) all.Add(finding);
+  all.AddAll(findings);
   return all;
 }
 

@@ -18,9 +18,6 @@ namespace haptometer::acquire {
 
 enum class ModbusFraming : std::uint8_t { kRtu, kTcp };
 
-/// "rtu", "tcp".
-[[nodiscard]] std::string_view Name(ModbusFraming framing);
-
 enum class Parity : std::uint8_t { kNone, kEven, kOdd };
 
 /// "none", "even", "odd".

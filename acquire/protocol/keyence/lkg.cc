@@ -8,6 +8,7 @@
 #include "acquire/protocol/keyence/dl_line.h"
 #include "acquire/protocol/wire.h"
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire::lkg {
 namespace {
@@ -48,19 +49,8 @@ bool ReadError(std::span<const std::string_view> fields, Reply& reply) {
 }  // namespace
 
 std::string_view Name(Command command) {
-  switch (command) {
-    case Command::kM0:
-      return "M0";
-    case Command::kM1:
-      return "M1";
-    case Command::kM2:
-      return "M2";
-    case Command::kQ0:
-      return "Q0";
-    case Command::kR0:
-      return "R0";
-  }
-  return "";
+  constexpr Names<Command, 5> kNames{{"M0", "M1", "M2", "Q0", "R0"}};
+  return kNames.Of(command);
 }
 
 std::size_t ValuesOf(Command command) {
