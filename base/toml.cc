@@ -149,6 +149,17 @@ struct TomlTable::State {
 
 namespace {
 
+Result<toml::table> Parsed(std::string_view text, std::string_view where) {
+  HAPTOMETER_TRY(CheckTomlShape(text, where));
+  try {
+    return toml::parse(text, where);
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
+                        std::string(error.description()), "mend the TOML there");
+  }
+}
+
 // what to say of a key that nobody asked for
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
   const std::string nearest = Nearest(key, {known.begin(), known.end()});
@@ -183,15 +194,8 @@ Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
-  HAPTOMETER_TRY(CheckTomlShape(text, where));
   auto state = std::make_unique<State>();
-  try {
-    state->root = toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
-    const auto at = error.source().begin;
-    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "mend the TOML there");
-  }
+  HAPTOMETER_LET(state->root, Parsed(text, where));
   state->table = &state->root;
   state->file = where;
   state->where = std::move(where);
@@ -491,15 +495,7 @@ std::vector<std::string> TextsBelow(const toml::table& root) {
 
 Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::string& where,
                                              const std::vector<std::string>& keys) {
-  HAPTOMETER_TRY(CheckTomlShape(text, where));
-  toml::table root;
-  try {
-    root = toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
-    const auto at = error.source().begin;
-    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "mend the TOML there");
-  }
+  HAPTOMETER_LET(toml::table root, Parsed(text, where));
   HAPTOMETER_TRY(RefuseOverlaps(keys));
   std::string stem = "open_place_";
   while (text.find(stem) != std::string_view::npos) stem += '_';

@@ -4,8 +4,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
+#include "trial/hdf5_id.h"
 #include "trial/record.h"
 #include "trial/trial_reader.h"
 
@@ -100,10 +102,6 @@ class Hdf5Writer {
   /// made.
   [[nodiscard]] static Result<Hdf5Writer> Create(const std::string& path);
 
-  Hdf5Writer(Hdf5Writer&&) noexcept;
-  Hdf5Writer& operator=(Hdf5Writer&&) noexcept;
-  ~Hdf5Writer();
-
   /// Adds `recording` as the group `name`, which may hold no '/' and must be new. `raw`: a reader
   /// at the beginning of the trial.bin that it comes from, or nullptr. `say`: a line for each of
   /// its losses and findings; empty: without them.
@@ -116,9 +114,9 @@ class Hdf5Writer {
   [[nodiscard]] Result<void> Close();
 
  private:
-  struct State;
-  explicit Hdf5Writer(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Hdf5Writer(Hdf5Id file) : file_(std::move(file)) {}
+
+  Hdf5Id file_;
 };
 
 }  // namespace haptometer::trial

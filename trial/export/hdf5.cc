@@ -247,27 +247,18 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
 
 }  // namespace
 
-struct Hdf5Writer::State {
-  Hdf5Id file;
-};
-
-Hdf5Writer::Hdf5Writer(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Hdf5Writer::Hdf5Writer(Hdf5Writer&&) noexcept = default;
-Hdf5Writer& Hdf5Writer::operator=(Hdf5Writer&&) noexcept = default;
-Hdf5Writer::~Hdf5Writer() = default;
-
 Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
   // errors are told by us, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) return NotWritten();
-  return Hdf5Writer(std::make_unique<State>(State{std::move(file)}));
+  return Hdf5Writer(std::move(file));
 }
 
 Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording, TrialReader* raw,
                              const FindingSayer& say) {
-  const Hdf5Id group(
-      H5Gcreate2(state_->file.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Hdf5Id group(H5Gcreate2(file_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
   if (!group.ok()) return NotWritten();
   const Record& record = recording.record;
   const std::vector<std::string> columns = CsvColumnNames(record.channels);
@@ -282,8 +273,8 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
 
 Result<void> Hdf5Writer::Close() {
   // flushed first: a close that fails leaves nothing to say
-  const bool is_flushed = H5Fflush(state_->file.id(), H5F_SCOPE_LOCAL) >= 0;
-  if (!state_->file.Close() || !is_flushed) return NotWritten();
+  const bool is_flushed = H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0;
+  if (!file_.Close() || !is_flushed) return NotWritten();
   return {};
 }
 

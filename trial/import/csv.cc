@@ -21,16 +21,58 @@
 
 namespace haptometer::trial {
 
-/// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
-/// where their counts differ.
-void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
-                         Findings& findings);
-
-/// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
-/// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
-[[nodiscard]] std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except);
-
 namespace {
+
+constexpr std::size_t kRows = 8;
+constexpr double kEven = 0.05;
+
+bool GrowsEvenly(const std::vector<double>& values) {
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  if (!(step > 0)) return false;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (!(std::abs(values[k] - values[k - 1] - step) <= kEven * step)) return false;
+  }
+  return true;
+}
+
+// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
+// where their counts differ.
+void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
+                         Findings& findings) {
+  if (said.size() != read.size()) return;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
+    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
+    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
+                                                 {"file_factor", said[i].factor},
+                                                 {"file_unit", said[i].unit},
+                                                 {"given_factor", read[i].factor},
+                                                 {"given_unit", read[i].unit}});
+  }
+}
+
+// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
+// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
+std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {
+  std::vector<std::vector<double>> columns;
+  std::size_t count = 0;
+  for (; count < kRows && !rows.empty(); ++count) {
+    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
+    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
+    rows.remove_prefix(end + 1);
+    if (columns.empty()) columns.resize(cells.size());
+    if (cells.size() != columns.size()) return 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      columns[i].push_back(
+          ReadNumberWithComma(cells[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+  }
+  if (count < kRows) return 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i + 1 != except && GrowsEvenly(columns[i])) return i + 1;
+  }
+  return 0;
+}
 
 bool IsOurTime(std::string_view cell) {
   const auto column = ReadCsvColumn(cell, "");
@@ -301,57 +343,6 @@ Result<Record> ParseCsv(std::string_view text, const std::string& name,
                         const ImportOptions& options, Findings* findings) {
   Findings ignored;
   return Parser(text, name, options, findings != nullptr ? findings : &ignored).Parse();
-}
-
-namespace {
-
-constexpr std::size_t kRows = 8;
-constexpr double kEven = 0.05;
-
-bool GrowsEvenly(const std::vector<double>& values) {
-  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
-  if (!(step > 0)) return false;
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    if (!(std::abs(values[k] - values[k - 1] - step) <= kEven * step)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
-                         Findings& findings) {
-  if (said.size() != read.size()) return;
-  for (std::size_t i = 0; i < read.size(); ++i) {
-    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
-    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
-    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
-                                                 {"file_factor", said[i].factor},
-                                                 {"file_unit", said[i].unit},
-                                                 {"given_factor", read[i].factor},
-                                                 {"given_unit", read[i].unit}});
-  }
-}
-
-std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {
-  std::vector<std::vector<double>> columns;
-  std::size_t count = 0;
-  for (; count < kRows && !rows.empty(); ++count) {
-    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
-    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
-    rows.remove_prefix(end + 1);
-    if (columns.empty()) columns.resize(cells.size());
-    if (cells.size() != columns.size()) return 0;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      columns[i].push_back(
-          ReadNumberWithComma(cells[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
-    }
-  }
-  if (count < kRows) return 0;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (i + 1 != except && GrowsEvenly(columns[i])) return i + 1;
-  }
-  return 0;
 }
 
 }  // namespace haptometer::trial
