@@ -32,6 +32,23 @@ SampleStatus StatusOf(std::int32_t counts, std::int32_t most) {
   return SampleStatus::kOk;
 }
 
+// the inverse
+std::string Formatted(const Value& value, std::int32_t most) {
+  switch (value.status) {
+    case SampleStatus::kOver:
+      return FormatNumber(most);
+    case SampleStatus::kUnder:
+      return FormatNumber(-most);
+    case SampleStatus::kDeviceError:
+      return FormatNumber(most + 1);
+    case SampleStatus::kOk:
+    case SampleStatus::kRepeated:
+      return FormatNumber(value.counts);
+    default:
+      return FormatNumber(-(most - 1));
+  }
+}
+
 constexpr std::int32_t kUnitsMost = 99'999'999;
 constexpr std::int32_t kIlMost = 99'999;
 
@@ -80,21 +97,9 @@ std::optional<Value> ParseValue(std::string_view text) {
   return Value{counts, 0, StatusOf(counts, kUnitsMost)};
 }
 
-std::string FormatValue(const Value& value) {
-  switch (value.status) {
-    case SampleStatus::kOver:
-      return FormatNumber(kUnitsMost);
-    case SampleStatus::kUnder:
-      return FormatNumber(-kUnitsMost);
-    case SampleStatus::kDeviceError:
-      return FormatNumber(kUnitsMost + 1);
-    case SampleStatus::kOk:
-    case SampleStatus::kRepeated:
-      return FormatNumber(value.counts);
-    default:
-      return FormatNumber(-(kUnitsMost - 1));
-  }
-}
+std::string FormatValue(const Value& value) { return Formatted(value, kUnitsMost); }
+
+std::string FormatIlValue(const Value& value) { return Formatted(value, kIlMost); }
 
 Value WithIlSpecials(Value value) {
   if (value.status == SampleStatus::kOk) value.status = StatusOf(value.counts, kIlMost);

@@ -13,6 +13,8 @@
 namespace haptometer::acquire::dl_rs1a {
 namespace {
 
+using dl::Command;
+
 constexpr std::size_t kValueWidth = 7;  // sign, five digits, point
 constexpr std::int32_t kMostCounts = 99'999;
 constexpr std::int32_t kInvalidCounts = -99'998;
@@ -76,26 +78,6 @@ const dl::Spelling& Spelling() {
                                           .parameter_count = kParameterCount,
                                           .parameter = kParameter};
   return kSpelling;
-}
-
-ParsedRequest ParseRequest(std::string_view line) { return dl::ParseRequest(Spelling(), line); }
-
-std::optional<Reply> ParseReply(std::string_view line) { return dl::ParseReply(Spelling(), line); }
-
-std::string FormatM0Reply(std::span<const Value> values) {
-  return dl::FormatM0Reply(Spelling(), values);
-}
-
-std::string FormatMsReply(std::span<const int> outputs, std::span<const Value> values) {
-  return dl::FormatMsReply(Spelling(), outputs, values);
-}
-
-std::string FormatSrReply(int unit, int number, std::string_view data) {
-  return dl::FormatDataReply(Command::kSr, unit, number, data);
-}
-
-std::string FormatErrorReply(const Refusal& refusal) {
-  return dl::FormatErrorReply(Spelling(), refusal);
 }
 
 // The maker's tables: what the numbers of the DL-RS1A and of the IL series mean.
