@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/error.h"
 #include "base/names.h"
@@ -30,11 +31,18 @@ Channel ChannelOf(const ChannelFormat& format) {
   return {.name = format.name,
           .role = format.role,
           .unit = format.unit,
-          .values = {},
-          .statuses = {},
           .range_min = format.range_min,
           .range_max = format.range_max,
           .resolution = format.resolution};
+}
+
+ChannelFormat DisplacementCounts(std::string name, double step_m) {
+  return {.name = std::move(name),
+          .role = ChannelRole::kDisplacement,
+          .unit = "m",
+          .encoding = Encoding::kI32,
+          .scale = step_m,
+          .resolution = step_m};
 }
 
 TrialHeader HeaderOf(const Record& record) {

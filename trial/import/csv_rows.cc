@@ -39,11 +39,7 @@ void CsvRows::Begin(Layout layout) {
     if (column.kind == CsvColumnKind::kStatus) has_status_ = true;
     if (column.kind == CsvColumnKind::kTime) has_times_ = true;
     if (column.kind != CsvColumnKind::kValue) continue;
-    Channel channel;
-    channel.name = column.name;
-    channel.role = column.role;
-    channel.unit = column.unit;
-    channels_.push_back(std::move(channel));
+    channels_.push_back({.name = column.name, .role = column.role, .unit = column.unit});
   }
   segments_.emplace_back();
 }

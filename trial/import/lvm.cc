@@ -204,11 +204,7 @@ class Parser {
     HAPTOMETER_TRY(ApplyScales(options_, &columns_));
     for (const CsvColumn& column : columns_) {
       if (column.kind != CsvColumnKind::kValue) continue;
-      Channel channel;
-      channel.name = column.name;
-      channel.role = column.role;
-      channel.unit = column.unit;
-      record_.channels.push_back(std::move(channel));
+      record_.channels.push_back({.name = column.name, .role = column.role, .unit = column.unit});
     }
     if (record_.channels.empty()) return CannotAnswer(name_, "no column is left", "say <columns>");
     return {};

@@ -201,12 +201,8 @@ void KeyenceIl::MakeHeader() {
   header_.channels.clear();
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
-    trial::ChannelFormat channel;
-    channel.name = "displacement" + Suffix(i, units[i]);
-    channel.role = trial::ChannelRole::kDisplacement;
-    channel.unit = "m";
-    channel.encoding = trial::Encoding::kI32;
-    channel.scale = channel.resolution = 1e-3 * std::pow(10.0, -decimals_[i]);
+    trial::ChannelFormat channel = trial::DisplacementCounts("displacement" + Suffix(i, units[i]),
+                                                             1e-3 * std::pow(10.0, -decimals_[i]));
     if (const dl_rs1a::Head* head = settings_[i].head(); head && head->farthest_mm > 0) {
       channel.range_min = 1e-3 * (head->reference_mm - head->farthest_mm);
       channel.range_max = 1e-3 * (head->reference_mm - head->nearest_mm);
@@ -214,10 +210,8 @@ void KeyenceIl::MakeHeader() {
     header_.channels.push_back(channel);
   }
   for (std::size_t i = 0; setup_.command == Command::kMs && i < units.size(); ++i) {
-    trial::ChannelFormat channel;
-    channel.name = "outputs" + Suffix(i, units[i]);
-    channel.encoding = trial::Encoding::kI32;
-    header_.channels.push_back(channel);
+    header_.channels.push_back(
+        {.name = "outputs" + Suffix(i, units[i]), .encoding = trial::Encoding::kI32});
   }
   trial::Metadata& metadata = header_.metadata;
   metadata.sensor = traits_.sensor;

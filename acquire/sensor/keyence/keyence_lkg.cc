@@ -135,13 +135,8 @@ void KeyenceLkg::MakeHeader(int decimals) {
   header_.timing = trial::Timing::kPolled;
   header_.channels.clear();
   for (std::size_t out = 0; out < lkg::ValuesOf(setup_.command); ++out) {
-    trial::ChannelFormat channel;
-    channel.name = OutName(setup_.command, out);
-    channel.role = trial::ChannelRole::kDisplacement;
-    channel.unit = "m";
-    channel.encoding = trial::Encoding::kI32;
-    channel.scale = channel.resolution = 1e-3 * std::pow(10.0, -decimals);
-    header_.channels.push_back(channel);
+    header_.channels.push_back(
+        trial::DisplacementCounts(OutName(setup_.command, out), 1e-3 * std::pow(10.0, -decimals)));
   }
   header_.metadata.sensor = "keyence-lkg";
   header_.metadata.source = line_.link().Source(false);
