@@ -16,6 +16,11 @@ namespace haptometer::trial {
 /// Takes the next piece of an export, text or bytes; an error ends the export.
 using PieceSink = std::function<Result<void>(std::string_view)>;
 
+/// Hands `bytes` and what `append` adds to them for each of `rows` rows to `sink`, in pieces.
+[[nodiscard]] Result<void> WriteInPieces(
+    std::string bytes, std::size_t rows,
+    const std::function<void(std::size_t row, std::string* bytes)>& append, const PieceSink& sink);
+
 /// What every export calls `time_s`: when row `row` of `record` was measured, in seconds, as well
 /// as that is known. On the clean time base, but for readings whose own times are known and lie on
 /// no grid: there it is theirs. Times at which somebody asked or heard stand in a column beside it.

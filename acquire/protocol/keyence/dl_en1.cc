@@ -65,28 +65,18 @@ std::string WithPort(std::string_view host) {
 }
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kOutOfRange:
-      return "the data is out of range";
-    case kNotExecutable:
-      return "it cannot be done now";
-    case kWriteProtected:
-      return "the data cannot be written";
-    case kReadProtected:
-      return "the data cannot be read";
-    case kDataNumber:
-      return "no data has this number";
-    case kUnitNumber:
-      return "no amplifier has this identification number";
-    case kMode:
-      return "the unit is in another mode";
-    case kStarting:
-      return "the unit or an amplifier is still starting";
-    case kFormat:
-      return "the command is not one of the unit's";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kOutOfRange, "the data is out of range"},
+      {kNotExecutable, "it cannot be done now"},
+      {kWriteProtected, "the data cannot be written"},
+      {kReadProtected, "the data cannot be read"},
+      {kDataNumber, "no data has this number"},
+      {kUnitNumber, "no amplifier has this identification number"},
+      {kMode, "the unit is in another mode"},
+      {kStarting, "the unit or an amplifier is still starting"},
+      {kFormat, "the command is not one of the unit's"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 std::optional<Value> ParseValue(std::string_view text) {

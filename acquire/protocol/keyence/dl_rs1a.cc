@@ -108,26 +108,19 @@ constexpr int kMostAveragingCode = 12;
 }  // namespace
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kInvalidCommand:
-      return "the unit does not know the command";
-    case kDataLength:
-      return "the command was too long, or its end (CR) did not arrive";
-    case kParameterCount:
-      return "wrong number of parameters";
-    case kParameter:
-      return "a parameter is out of range or cannot be read, or the amplifier is still starting";
-    case kCommunication:
-      return "characters arrived damaged; check baud rate, parity and wiring";
-    case kUnitNumber:
-      return "no amplifier has this identification number";
-    case kExpansionLine:
-      return "the unit cannot talk to an amplifier beside it; check the D-bus connectors";
-    case kWriteControl:
-      return "writing is locked; the unit's R/W switch is in position R";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kInvalidCommand, "the unit does not know the command"},
+      {kDataLength, "the command was too long, or its end (CR) did not arrive"},
+      {kParameterCount, "wrong number of parameters"},
+      {kParameter,
+       "a parameter is out of range or cannot be read, or the amplifier is still starting"},
+      {kCommunication, "characters arrived damaged; check baud rate, parity and wiring"},
+      {kUnitNumber, "no amplifier has this identification number"},
+      {kExpansionLine,
+       "the unit cannot talk to an amplifier beside it; check the D-bus connectors"},
+      {kWriteControl, "writing is locked; the unit's R/W switch is in position R"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 const Head* FindHead(int code) {

@@ -59,24 +59,16 @@ std::size_t ValuesOf(Command command) {
 }
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kInvalidCommand:
-      return "the controller does not know the command";
-    case kStatus:
-      return "not in the controller's present mode";
-    case kCommandLength:
-      return "wrong length of the command";
-    case kParameterCount:
-      return "wrong number of parameters";
-    case kParameter:
-      return "a parameter is out of range";
-    case kTimeout:
-      return "the controller ran out of time";
-    case kOther:
-      return "another error";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kInvalidCommand, "the controller does not know the command"},
+      {kStatus, "not in the controller's present mode"},
+      {kCommandLength, "wrong length of the command"},
+      {kParameterCount, "wrong number of parameters"},
+      {kParameter, "a parameter is out of range"},
+      {kTimeout, "the controller ran out of time"},
+      {kOther, "another error"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 std::optional<Value> ParseValue(std::string_view text) {
