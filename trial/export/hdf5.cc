@@ -88,10 +88,6 @@ struct RawColumn {
   Hdf5Id dataset;
 };
 
-void AppendNumber(std::int64_t number, std::string* bytes) {
-  bytes->append(reinterpret_cast<const char*>(&number), sizeof number);
-}
-
 // the columns of a trial of `rows` rows, not yet written
 class RawColumns {
  public:
@@ -100,17 +96,17 @@ class RawColumns {
   Result<void> AddTimes(Timing timing) {
     if (timing == Timing::kUniform) {
       return Add("index", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
-        AppendNumber(chunk.first_index() + static_cast<std::int64_t>(row), bytes);
+        AppendLittleEndian(chunk.first_index() + static_cast<std::int64_t>(row), bytes);
       });
     }
     const bool is_polled = timing == Timing::kPolled;
     auto done = Add(is_polled ? "request_ns" : "time_ns", H5T_STD_I64LE,
                     [](const Chunk& chunk, std::size_t row, auto* bytes) {
-                      AppendNumber(chunk.TimeNs(row), bytes);
+                      AppendLittleEndian(chunk.TimeNs(row), bytes);
                     });
     if (!done || !is_polled) return done;
     return Add("reply_ns", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
-      AppendNumber(chunk.ReplyNs(row), bytes);
+      AppendLittleEndian(chunk.ReplyNs(row), bytes);
     });
   }
 
