@@ -19,7 +19,8 @@ struct NoiseInBand {
   double noise_record_s = 0;  ///< length of the record of the noise alone, > 0
 };
 
-/// Relative standard uncertainty of an RMS of `rms_m` (a tone, > 0), as a ratio:
+/// The smallest RMS in m whose relative standard uncertainty u is `relative` (> 0). That of the RMS
+/// of a tone, as a ratio, is
 ///
 ///   u^2 = (1 + T/Tn + 2 q) / (4 B T q^2),   q = rms^2 / noise^2.
 ///
@@ -27,10 +28,7 @@ struct NoiseInBand {
 /// 2 B T degrees of freedom; Bendat, Piersol: Random Data, sect. 8.2), that of the noise alone over
 /// Tn likewise, and the product of tone and noise by noise * rms * sqrt(2 / (B T)); the RMS is the
 /// root of their difference, so half of its relative scatter. Holds where u is small against 1.
-[[nodiscard]] double RelativeUncertainty(const NoiseInBand& noise, double rms_m);
-
-/// The smallest RMS in m whose relative standard uncertainty is `relative` (> 0): the root of the
-/// equation above, q = (1 + sqrt(1 + (1 + T/Tn) s)) / s with s = 4 B T relative^2.
+/// Its root is q = (1 + sqrt(1 + (1 + T/Tn) s)) / s with s = 4 B T relative^2.
 [[nodiscard]] double SmallestRms(const NoiseInBand& noise, double relative);
 
 /// What each sensor can be asked, before anything is bought, wired or recorded: arithmetic on what

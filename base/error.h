@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <expected>
 #include <string>
+#include <utility>
 
 namespace haptometer::internal {
 
@@ -53,7 +54,7 @@ struct Error {
 [[nodiscard]] int ExitStatus(Cause cause);
 
 /// A value, or the error that stands in its place; functions that give one are [[nodiscard]].
-/// g++ 12 has no and_then(): test, then use.
+/// g++ 12 has no and_then(): test, then use, or HAPTOMETER_TRY and HAPTOMETER_LET.
 template <typename T>
 using Result = std::expected<T, Error>;
 
@@ -66,3 +67,21 @@ using Result = std::expected<T, Error>;
                                                   std::string remedy = {});
 
 }  // namespace haptometer
+
+/// In a function that gives a Result: returns the error of a Result, where it holds one.
+///   HAPTOMETER_TRY(sink->Sync());
+#define HAPTOMETER_TRY(...)                                                                   \
+  do {                                                                                        \
+    if (auto tried = (__VA_ARGS__); !tried) return std::unexpected(std::move(tried.error())); \
+  } while (false)
+
+/// The same; the value, where there is one, is put into what is declared or named:
+///   HAPTOMETER_LET(const auto text, ReadInputFile(path));
+#define HAPTOMETER_LET(declaration, ...) \
+  HAPTOMETER_LET_BY(HAPTOMETER_JOINED(result_of_line_, __LINE__), declaration, __VA_ARGS__)
+#define HAPTOMETER_LET_BY(result, declaration, ...)               \
+  auto result = (__VA_ARGS__);                                    \
+  if (!result) return std::unexpected(std::move(result.error())); \
+  declaration = *std::move(result) /* NOLINT(bugprone-macro-parentheses): a declaration */
+#define HAPTOMETER_JOINED(a, b) HAPTOMETER_JOINED_NOW(a, b)
+#define HAPTOMETER_JOINED_NOW(a, b) a##b

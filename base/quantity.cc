@@ -12,85 +12,55 @@
 namespace haptometer {
 namespace {
 
-struct Unit {
-  std::string_view symbol;
-  double si;  // how many SI units one of these is
-};
-
 struct DimensionRow {
   Dimension dimension;
   std::string_view name;
   std::string_view example;
   bool may_be_bare;
   PossibleMagnitudes possible;  // in SI units
-  std::array<Unit, 6> units;    // SI unit first; unused places have an empty symbol
 };
 
-// "u" stands for micro here; Normalised() turns both code points of the Greek letter into it.
+using enum Dimension;
 constexpr std::array<DimensionRow, 12> kDimensions{{
-    {Dimension::kNone, "a plain number", "0.3", true, {1e-30, 1e30}, {{{"", 1}}}},
-    {Dimension::kLength,
-     "a length",
-     "10mm",
-     false,
-     {1e-15, 1e6},
-     {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}}},
-    {Dimension::kMass,
-     "a mass",
-     "1.4g",
-     false,
-     {1e-12, 1e6},
-     {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}}},
-    {Dimension::kInductance,
-     "an inductance",
-     "130uH",
-     false,
-     {1e-12, 1e6},
-     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}, {"nH", 1e-9}}}},
-    {Dimension::kTime,
-     "a time",
-     "3s",
-     true,
-     {1e-12, 1e12},
-     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"min", 60}, {"h", 3600}}}},
-    {Dimension::kFrequency,
-     "a frequency",
-     "225Hz",
-     true,
-     {1e-9, 1e12},
-     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}}}},
-    {Dimension::kVoltage,
-     "a voltage",
-     "5V",
-     true,
-     {1e-15, 1e9},
-     {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}, {"kV", 1e3}}}},
-    {Dimension::kCurrent,
-     "a current",
-     "0.13A",
-     true,
-     {1e-15, 1e9},
-     {{{"A", 1}, {"mA", 1e-3}, {"uA", 1e-6}}}},
-    {Dimension::kResistance,
-     "a resistance",
-     "27ohm",
-     true,
-     {1e-9, 1e15},
-     {{{"ohm", 1}, {"mohm", 1e-3}, {"kohm", 1e3}, {"Mohm", 1e6}}}},
-    {Dimension::kStiffness,
-     "a stiffness",
-     "2800N/m",
-     true,
-     {1e-9, 1e15},
-     {{{"N/m", 1}, {"N/mm", 1e3}}}},
-    {Dimension::kDamping,
-     "a damping",
-     "0.0322Ns/m",
-     true,
-     {1e-12, 1e12},
-     {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}}},
-    {Dimension::kForceConstant, "a force constant", "1.0N/A", true, {1e-9, 1e9}, {{{"N/A", 1}}}},
+    {kNone, "a plain number", "0.3", true, {1e-30, 1e30}},
+    {kLength, "a length", "10mm", false, {1e-15, 1e6}},
+    {kMass, "a mass", "1.4g", false, {1e-12, 1e6}},
+    {kInductance, "an inductance", "130uH", false, {1e-12, 1e6}},
+    {kTime, "a time", "3s", true, {1e-12, 1e12}},
+    {kFrequency, "a frequency", "225Hz", true, {1e-9, 1e12}},
+    {kVoltage, "a voltage", "5V", true, {1e-15, 1e9}},
+    {kCurrent, "a current", "0.13A", true, {1e-15, 1e9}},
+    {kResistance, "a resistance", "27ohm", true, {1e-9, 1e15}},
+    {kStiffness, "a stiffness", "2800N/m", true, {1e-9, 1e15}},
+    {kDamping, "a damping", "0.0322Ns/m", true, {1e-12, 1e12}},
+    {kForceConstant, "a force constant", "1.0N/A", true, {1e-9, 1e9}},
 }};
+
+struct Unit {
+  std::string_view symbol;
+  double si;  // how many SI units one of these is
+};
+
+// By dimension, the SI unit first; unused places have an empty symbol. "u" stands for micro here;
+// Normalised() turns both code points of the Greek letter into it.
+constexpr std::array<std::array<Unit, 6>, 12> kUnits{{
+    {{{"", 1}}},
+    {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}},
+    {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}},
+    {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}, {"nH", 1e-9}}},
+    {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"min", 60}, {"h", 3600}}},
+    {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}}},
+    {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}, {"kV", 1e3}}},
+    {{{"A", 1}, {"mA", 1e-3}, {"uA", 1e-6}}},
+    {{{"ohm", 1}, {"mohm", 1e-3}, {"kohm", 1e3}, {"Mohm", 1e6}}},
+    {{{"N/m", 1}, {"N/mm", 1e3}}},
+    {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}},
+    {{{"N/A", 1}}},
+}};
+
+const std::array<Unit, 6>& UnitsOf(Dimension dimension) {
+  return kUnits[static_cast<std::size_t>(dimension)];
+}
 
 const DimensionRow& RowOf(Dimension dimension) {
   return kDimensions[static_cast<std::size_t>(dimension)];
@@ -150,7 +120,7 @@ std::optional<Number> LeadingNumber(std::string_view text) {
 
 // the factor of a unit, or nothing
 std::optional<double> FactorOf(const DimensionRow& row, std::string_view symbol) {
-  for (const Unit& unit : row.units) {
+  for (const Unit& unit : UnitsOf(row.dimension)) {
     if (!unit.symbol.empty() && unit.symbol == symbol) return unit.si;
   }
   return std::nullopt;
@@ -158,7 +128,7 @@ std::optional<double> FactorOf(const DimensionRow& row, std::string_view symbol)
 
 std::string UnitList(const DimensionRow& row) {
   std::string list;
-  for (const Unit& unit : row.units) {
+  for (const Unit& unit : UnitsOf(row.dimension)) {
     if (unit.symbol.empty()) continue;
     if (!list.empty()) list += ", ";
     list += unit.symbol;
@@ -226,7 +196,7 @@ Result<Quantity> Possible(Quantity quantity, std::string_view written, const Dim
   if (IsPossible(quantity.value, row) && IsPossible(quantity.standard_uncertainty, row)) {
     return quantity;
   }
-  const std::string_view unit = row.units[0].symbol;
+  const std::string_view unit = UnitsOf(row.dimension)[0].symbol;
   return Usage(std::string(where),
                fmt::format("'{}' is outside the possible range of {}", written, row.name),
                fmt::format("its size is 0, or from {} to {}{}{}", row.possible.least,
@@ -246,7 +216,7 @@ Result<Quantity> PossibleQuantity(Quantity quantity, Dimension dimension, std::s
   return Possible(quantity, fmt::format("{}", quantity.value), RowOf(dimension), where);
 }
 
-std::string_view SiUnit(Dimension dimension) { return RowOf(dimension).units[0].symbol; }
+std::string_view SiUnit(Dimension dimension) { return UnitsOf(dimension)[0].symbol; }
 
 Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::string_view where) {
   const DimensionRow& row = RowOf(dimension);
@@ -279,20 +249,17 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     if (!deviation || uncertainty != 0) return NotANumber(raw, row, where);
     const std::string_view right_symbol = Trimmed(right.substr(deviation->length));
     if (symbol.empty()) symbol = right_symbol;
-    const auto factor = UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
-                                   right.substr(0, deviation->length), where);
-    if (!factor) return std::unexpected(factor.error());
-    uncertainty = InSi(right, *deviation, *factor);
+    HAPTOMETER_LET(const auto factor, UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
+                                                 right.substr(0, deviation->length), where));
+    uncertainty = InSi(right, *deviation, factor);
     if (uncertainty < 0) return NotANumber(raw, row, where);
-    const auto left = UnitFactor(row, symbol, text.substr(0, number->length), where);
-    if (!left) return std::unexpected(left.error());
-    return Possible({InSi(text, *number, *left), uncertainty}, raw, row, where);
+    HAPTOMETER_LET(const auto left, UnitFactor(row, symbol, text.substr(0, number->length), where));
+    return Possible({InSi(text, *number, left), uncertainty}, raw, row, where);
   }
-  const auto factor =
-      UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where);
-  if (!factor) return std::unexpected(factor.error());
+  HAPTOMETER_LET(const auto factor,
+                 UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where));
   if (uncertainty < 0) return NotANumber(raw, row, where);
-  return Possible({InSi(text, *number, *factor), Times(uncertainty, *factor)}, raw, row, where);
+  return Possible({InSi(text, *number, factor), Times(uncertainty, factor)}, raw, row, where);
 }
 
 }  // namespace haptometer

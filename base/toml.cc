@@ -149,6 +149,17 @@ struct TomlTable::State {
 
 namespace {
 
+Result<toml::table> Parsed(std::string_view text, std::string_view where) {
+  HAPTOMETER_TRY(CheckTomlShape(text, where));
+  try {
+    return toml::parse(text, where);
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
+                        std::string(error.description()), "mend the TOML there");
+  }
+}
+
 // what to say of a key that nobody asked for
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
   const std::string nearest = Nearest(key, {known.begin(), known.end()});
@@ -178,21 +189,13 @@ TomlTable& TomlTable::operator=(TomlTable&&) noexcept = default;
 TomlTable::~TomlTable() = default;
 
 Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
-  auto text = ReadInputFile(path, kMostTomlBytes);
-  if (!text) return std::unexpected(text.error());
-  return ParseText(*text, path);
+  HAPTOMETER_LET(auto text, ReadInputFile(path, kMostTomlBytes));
+  return ParseText(text, path);
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
-  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
   auto state = std::make_unique<State>();
-  try {
-    state->root = toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
-    const auto at = error.source().begin;
-    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "correct the TOML there");
-  }
+  HAPTOMETER_LET(state->root, Parsed(text, where));
   state->table = &state->root;
   state->file = where;
   state->where = std::move(where);
@@ -412,7 +415,7 @@ Result<void> TomlTable::Finish() const {
   }
   if (state_->first_error) return std::unexpected(*state_->first_error);
   for (const auto& [key, child] : state_->children) {
-    if (auto done = child.Finish(); !done) return done;
+    HAPTOMETER_TRY(child.Finish());
   }
   return {};
 }
@@ -492,22 +495,12 @@ std::vector<std::string> TextsBelow(const toml::table& root) {
 
 Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::string& where,
                                              const std::vector<std::string>& keys) {
-  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
-  toml::table root;
-  try {
-    root = toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
-    const auto at = error.source().begin;
-    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "correct the TOML there");
-  }
-  if (auto apart = RefuseOverlaps(keys); !apart) return std::unexpected(apart.error());
+  HAPTOMETER_LET(toml::table root, Parsed(text, where));
+  HAPTOMETER_TRY(RefuseOverlaps(keys));
   std::string stem = "open_place_";
   while (text.find(stem) != std::string_view::npos) stem += '_';
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (auto opened = OpenKey(root, keys[k], Mark(stem, k)); !opened) {
-      return std::unexpected(opened.error());
-    }
+    HAPTOMETER_TRY(OpenKey(root, keys[k], Mark(stem, k)));
   }
   std::ostringstream stream;
   stream << root;

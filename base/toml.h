@@ -40,7 +40,7 @@ enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 /// of the reads or an unknown key with the nearest known one. So readers stay free of branches:
 ///   auto table = TomlTable::ParseFile("actuator.toml");
 ///   actuator.stiffness_n_per_m = table->Require("stiffness_n_per_m", Dimension::kStiffness);
-///   if (auto done = table->Finish(); !done) return std::unexpected(done.error());
+///   HAPTOMETER_TRY(table->Finish());
 class TomlTable {
  public:
   /// Reads a file. Errors: the file's (base/input_file.h), or Cause::kCannotAnswer with line and

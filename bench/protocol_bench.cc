@@ -45,10 +45,10 @@ BENCHMARK(StreamLines)->Arg(9)->Arg(64)->Arg(4095);
 void DlRs1aReplies(benchmark::State& state) {
   std::string bytes;
   for (int i = 0; i < kLines; ++i) {
-    bytes += dl_rs1a::FormatM0Reply(std::array{Value{i * 3 - 500, 3, {}}});
+    bytes += dl::FormatM0Reply(dl_rs1a::Spelling(), std::array{Value{i * 3 - 500, 3, {}}});
   }
   RunLines(state, Delimiter::kCrLf, dl_rs1a::kLongestLine, bytes,
-           [](std::string_view line) { return dl_rs1a::ParseReply(line); });
+           [](std::string_view line) { return dl::ParseReply(dl_rs1a::Spelling(), line); });
 }
 BENCHMARK(DlRs1aReplies)->Arg(12)->Arg(64);
 

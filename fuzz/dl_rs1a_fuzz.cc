@@ -16,20 +16,22 @@ using namespace haptometer::fuzz;
 
 // M0 has one spelling; the sign of zero and of an error is all that its values do not keep
 void CheckReply(const std::string& line) {
-  const auto reply = dl_rs1a::ParseReply(line);
+  const auto reply = dl::ParseReply(dl_rs1a::Spelling(), line);
   if (!reply) return;
   Require(reply->units <= dl_rs1a::kMostUnits);
-  if (reply->kind != dl_rs1a::ReplyKind::kM0) return;
-  const std::string again = dl_rs1a::FormatM0Reply(std::span(reply->values).first(reply->units));
-  const auto twice = dl_rs1a::ParseReply(std::string_view(again).substr(0, again.size() - 2));
+  if (reply->kind != dl::ReplyKind::kM0) return;
+  const std::string again =
+      dl::FormatM0Reply(dl_rs1a::Spelling(), std::span(reply->values).first(reply->units));
+  const auto twice =
+      dl::ParseReply(dl_rs1a::Spelling(), std::string_view(again).substr(0, again.size() - 2));
   Require(twice && twice->units == reply->units && twice->values == reply->values);
 }
 
 void CheckRequest(const std::string& line) {
-  const auto parsed = dl_rs1a::ParseRequest(line);
+  const auto parsed = dl::ParseRequest(dl_rs1a::Spelling(), line);
   if (!parsed.request) return;
-  const std::string again = dl_rs1a::FormatRequest(*parsed.request);
-  Require(again == line + std::string(dl_rs1a::kLineEnd));
+  const std::string again = dl::FormatRequest(*parsed.request);
+  Require(again == line + std::string(dl::kLineEnd));
 }
 
 }  // namespace

@@ -62,9 +62,8 @@ std::optional<BlockHead> DecodeBlockHead(std::span<const std::byte> bytes) {
 
 Result<void> WriteAll(ByteSink* sink, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const auto written = sink->WriteSome(bytes);
-    if (!written) return std::unexpected(written.error());
-    bytes = bytes.subspan(*written);
+    HAPTOMETER_LET(const auto written, sink->WriteSome(bytes));
+    bytes = bytes.subspan(written);
   }
   return {};
 }
@@ -113,20 +112,18 @@ BlockScanner::BlockScanner(const ByteSource* source, std::uint64_t offset)
 
 Result<std::optional<FoundBlock>> BlockScanner::Next(std::vector<std::byte>* payload) {
   while (offset_ < source_->size()) {
-    const auto head = HeadAt(offset_);
-    if (!head) return std::unexpected(head.error());
-    if (!*head) {
-      if (auto done = SkipToNextHead(); !done) return std::unexpected(done.error());
+    HAPTOMETER_LET(const auto head, HeadAt(offset_));
+    if (!head) {
+      HAPTOMETER_TRY(SkipToNextHead());
       continue;
     }
-    const auto sound = LoadPayload(**head, payload);
-    if (!sound) return std::unexpected(sound.error());
-    if (!*sound) {
-      if (auto done = SkipBlock(**head); !done) return std::unexpected(done.error());
+    HAPTOMETER_LET(const auto sound, LoadPayload(*head, payload));
+    if (!sound) {
+      HAPTOMETER_TRY(SkipBlock(*head));
       continue;
     }
-    const FoundBlock block{**head, offset_};
-    offset_ += kBlockHeadBytes + (*head)->payload_bytes;
+    const FoundBlock block{*head, offset_};
+    offset_ += kBlockHeadBytes + head->payload_bytes;
     if (!Follows(block.head)) {
       Reject(block, FindingKind::kBlockOutOfOrder);
       continue;
@@ -149,29 +146,26 @@ void BlockScanner::Reject(const FoundBlock& block, FindingKind why) {
 
 Result<std::optional<BlockHead>> BlockScanner::HeadAt(std::uint64_t offset) {
   std::array<std::byte, kBlockHeadBytes> bytes;
-  const auto got = source_->ReadAt(offset, bytes);
-  if (!got) return std::unexpected(got.error());
-  return DecodeBlockHead(std::span(bytes).first(*got));
+  HAPTOMETER_LET(const auto got, source_->ReadAt(offset, bytes));
+  return DecodeBlockHead(std::span(bytes).first(got));
 }
 
 Result<std::uint64_t> BlockScanner::FindHead(std::uint64_t from) {
   std::vector<std::byte> window(kSearchBytes);
   const auto magic = std::as_bytes(std::span(kBlockMagic));
   while (from < source_->size()) {
-    const auto got = source_->ReadAt(from, window);
-    if (!got) return std::unexpected(got.error());
-    const std::span seen = std::span(window).first(*got);
+    HAPTOMETER_LET(const auto got, source_->ReadAt(from, window));
+    const std::span seen = std::span(window).first(got);
     for (auto at = seen.begin();;) {
       at = std::search(at, seen.end(), magic.begin(), magic.end());
       if (at == seen.end()) break;
       const std::uint64_t place = from + static_cast<std::uint64_t>(at - seen.begin());
-      const auto head = HeadAt(place);
-      if (!head) return std::unexpected(head.error());
-      if (*head) return place;
+      HAPTOMETER_LET(const auto head, HeadAt(place));
+      if (head) return place;
       ++at;
     }
     // windows overlap, because a magic may lie across their border
-    if (*got < window.size()) break;
+    if (got < window.size()) break;
     from += window.size() - magic.size() + 1;
   }
   return source_->size();
@@ -185,9 +179,8 @@ Result<bool> BlockScanner::LoadPayload(const BlockHead& head, std::vector<std::b
     return true;
   }
   payload->resize(head.payload_bytes);
-  const auto got = source_->ReadAt(offset_ + kBlockHeadBytes, *payload);
-  if (!got) return std::unexpected(got.error());
-  return *got == payload->size() && Crc32(*payload) == head.payload_crc;
+  HAPTOMETER_LET(const auto got, source_->ReadAt(offset_ + kBlockHeadBytes, *payload));
+  return got == payload->size() && Crc32(*payload) == head.payload_crc;
 }
 
 // a damaged payload ends where its head says if a block or the file's end is there; otherwise it
@@ -195,45 +188,42 @@ Result<bool> BlockScanner::LoadPayload(const BlockHead& head, std::vector<std::b
 Result<std::uint64_t> BlockScanner::EndOfDamaged(const BlockHead& head) {
   const std::uint64_t end = offset_ + kBlockHeadBytes + head.payload_bytes;
   if (end == source_->size()) return end;
-  const auto next = HeadAt(end);
-  if (!next) return std::unexpected(next.error());
-  if (*next) return end;
+  HAPTOMETER_LET(const auto next, HeadAt(end));
+  if (next) return end;
   return FindHead(offset_ + kBlockHeadBytes);
 }
 
 Result<void> BlockScanner::SkipBlock(const BlockHead& head) {
-  const auto end = EndOfDamaged(head);
-  if (!end) return std::unexpected(end.error());
+  HAPTOMETER_LET(const auto end, EndOfDamaged(head));
   const bool is_cut =
-      *end == source_->size() && *end - offset_ < kBlockHeadBytes + head.payload_bytes;
+      end == source_->size() && end - offset_ < kBlockHeadBytes + head.payload_bytes;
   // its head is sound, so what it held is known
   if (Follows(head)) Settle({head, offset_});
   losses_.push_back({.offset = offset_,
-                     .bytes = *end - offset_,
+                     .bytes = end - offset_,
                      .kind = is_cut ? FindingKind::kEndsInBlock : FindingKind::kBlocksDamaged,
                      .block = head.sequence,
                      .first_row = head.first_row,
                      .rows = RowsOf(head)});
-  offset_ = *end;
+  offset_ = end;
   return {};
 }
 
 Result<void> BlockScanner::SkipToNextHead() {
-  const auto next = FindHead(offset_ + 1);
-  if (!next) return std::unexpected(next.error());
-  const bool is_cut = *next == source_->size() && *next - offset_ < kBlockHeadBytes;
+  HAPTOMETER_LET(const auto next, FindHead(offset_ + 1));
+  const bool is_cut = next == source_->size() && next - offset_ < kBlockHeadBytes;
   if (open_loss_) {
-    losses_[*open_loss_].bytes = *next - losses_[*open_loss_].offset;
+    losses_[*open_loss_].bytes = next - losses_[*open_loss_].offset;
   } else {
     losses_.push_back({.offset = offset_,
-                       .bytes = *next - offset_,
+                       .bytes = next - offset_,
                        .kind = is_cut ? FindingKind::kEndsInBlock : FindingKind::kDamagedFromBlock,
                        .block = next_sequence_,
                        .first_row = next_row_,
                        .rows = std::nullopt});
     open_loss_ = losses_.size() - 1;
   }
-  offset_ = *next;
+  offset_ = next;
   return {};
 }
 
@@ -282,9 +272,8 @@ Result<std::vector<Payload>> FindPayloads(const ByteSource& source, std::uint64_
   std::vector<Payload> payloads;
   std::array<std::byte, kBlockHeadBytes> bytes;
   for (;;) {
-    const auto got = source.ReadAt(offset, bytes);
-    if (!got) return std::unexpected(got.error());
-    const auto head = DecodeBlockHead(std::span(bytes).first(*got));
+    HAPTOMETER_LET(const auto got, source.ReadAt(offset, bytes));
+    const auto head = DecodeBlockHead(std::span(bytes).first(got));
     if (!head || source.size() - offset < kBlockHeadBytes + head->payload_bytes) return payloads;
     // a list whose length only the file knows
     payloads.push_back({offset + kBlockHeadBytes, head->payload_bytes, head->payload_crc});
@@ -296,26 +285,23 @@ Result<bool> IsSound(const ByteSource& source, const Payload& payload,
                      std::vector<std::byte>& buffer) {
   if (buffer.size() < payload.bytes) buffer.resize(payload.bytes);
   const auto bytes = std::span(buffer).first(payload.bytes);
-  const auto got = source.ReadAt(payload.offset, bytes);
-  if (!got) return std::unexpected(got.error());
-  return *got == bytes.size() && Crc32(bytes) == payload.crc;
+  HAPTOMETER_LET(const auto got, source.ReadAt(payload.offset, bytes));
+  return got == bytes.size() && Crc32(bytes) == payload.crc;
 }
 
 }  // namespace
 
 Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset, int threads) {
-  const auto payloads = FindPayloads(source, offset);
-  if (!payloads) return std::unexpected(payloads.error());
-  std::size_t sound = payloads->size();  // the first that is damaged
+  HAPTOMETER_LET(const auto payloads, FindPayloads(source, offset));
+  std::size_t sound = payloads.size();  // the first that is damaged
   std::mutex mutex;
-  const std::size_t jobs = (payloads->size() + kBlocksPerJob - 1) / kBlocksPerJob;
+  const std::size_t jobs = (payloads.size() + kBlocksPerJob - 1) / kBlocksPerJob;
   const auto checked = RunJobs(jobs, threads, [&]() -> Worker {
     return [&, buffer = std::vector<std::byte>()](std::size_t job) mutable -> Result<void> {
-      const std::size_t end = std::min((job + 1) * kBlocksPerJob, payloads->size());
+      const std::size_t end = std::min((job + 1) * kBlocksPerJob, payloads.size());
       for (std::size_t k = job * kBlocksPerJob; k < end; ++k) {
-        const auto is_sound = IsSound(source, (*payloads)[k], buffer);
-        if (!is_sound) return std::unexpected(is_sound.error());
-        if (*is_sound) continue;
+        HAPTOMETER_LET(const auto is_sound, IsSound(source, payloads[k], buffer));
+        if (is_sound) continue;
         const std::scoped_lock lock(mutex);
         sound = std::min(sound, k);
         break;
@@ -324,9 +310,9 @@ Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset,
     };
   });
   if (!checked) return std::unexpected(checked.error());
-  if (sound < payloads->size()) return (*payloads)[sound].offset - kBlockHeadBytes;
-  if (payloads->empty()) return offset;
-  return payloads->back().offset + payloads->back().bytes;
+  if (sound < payloads.size()) return payloads[sound].offset - kBlockHeadBytes;
+  if (payloads.empty()) return offset;
+  return payloads.back().offset + payloads.back().bytes;
 }
 
 }  // namespace haptometer::trial

@@ -26,22 +26,9 @@ inline constexpr std::uint8_t kFormatVersion = 1;
 
 /// 16 bytes at the start. A byte above 127, CR LF and LF show a transfer that changed text; the
 /// version stands beside its complement, so that one flipped bit is no newer version.
-inline constexpr std::array<std::uint8_t, 16> kSignature{0x93,
-                                                         'h',
-                                                         'a',
-                                                         'p',
-                                                         't',
-                                                         'r',
-                                                         'i',
-                                                         'a',
-                                                         'l',
-                                                         '\r',
-                                                         '\n',
-                                                         0x1a,
-                                                         '\n',
-                                                         kFormatVersion,
-                                                         0xff - kFormatVersion,
-                                                         0};
+inline constexpr std::array<std::uint8_t, 16> kSignature{
+    0x93, 'h', 'a', 'p', 't', 'r', 'i', 'a', 'l', '\r', '\n', 0x1a, '\n', 1, 0xfe, 0};
+static_assert(kSignature[13] == kFormatVersion && kSignature[14] == 0xff - kFormatVersion);
 
 /// 8 bytes at the start of every block; a reader that lost its way looks for them.
 inline constexpr std::array<std::uint8_t, 8> kBlockMagic{0x93, 'b', 'l', 'o', 'c', 'k', '\r', '\n'};

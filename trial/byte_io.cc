@@ -32,7 +32,7 @@ class FileSink final : public ByteSink {
   FileSink& operator=(const FileSink&) = delete;
 
   Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
-    if (auto whole = CheckWhole(); !whole) return std::unexpected(whole.error());
+    HAPTOMETER_TRY(CheckWhole());
     // a signal (Ctrl-C) may interrupt a write before its first byte
     ssize_t written = -1;
     do {
@@ -44,7 +44,7 @@ class FileSink final : public ByteSink {
   }
 
   Result<void> Sync() override {
-    if (auto whole = CheckWhole(); !whole) return whole;
+    HAPTOMETER_TRY(CheckWhole());
     // pipes and character devices (/dev/null) cannot be synced and need not be
     if (fdatasync(descriptor_) == 0 || errno == EINVAL || errno == EROFS) return {};
     return Failed("", std::strerror(errno));

@@ -153,7 +153,7 @@ Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelForm
     if (of_channel == nullptr) continue;
     calibration.channels[channel.name] = ReadChannel(*of_channel, channel.role);
   }
-  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table.Finish());
   if (calibration.channels.empty()) {
     return Usage(table.where(), "calibrates none of the channels " + names,
                  "give it a table [displacement]");
@@ -181,16 +181,14 @@ SampleStatus StatusOf(const RawLimits& limits, double number) {
 
 Result<Calibration> ReadCalibrationFile(const std::string& path,
                                         std::span<const ChannelFormat> channels) {
-  auto table = TomlTable::ParseFile(path);
-  if (!table) return std::unexpected(table.error());
-  return ReadCalibration(std::move(*table), channels);
+  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
+  return ReadCalibration(std::move(table), channels);
 }
 
 Result<Calibration> ReadCalibrationText(std::string_view text, const std::string& where,
                                         std::span<const ChannelFormat> channels) {
-  auto table = TomlTable::ParseText(text, where);
-  if (!table) return std::unexpected(table.error());
-  return ReadCalibration(std::move(*table), channels);
+  HAPTOMETER_LET(auto table, TomlTable::ParseText(text, where));
+  return ReadCalibration(std::move(table), channels);
 }
 
 RawLimits Calibrate(const ChannelCalibration& calibration, double input_per_raw,

@@ -1,41 +1,27 @@
 #include "trial/record.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::trial {
 namespace {
 
-constexpr std::array<std::string_view, kSampleStatusCount> kStatusNames{
-    "ok", "repeated", "over", "under", "invalid", "device_error", "late", "clipped", "bad_frame"};
-
-constexpr std::array<std::string_view, 5> kRoleNames{"displacement", "voltage", "current",
-                                                     "trigger", "other"};
-
-// the enumerator whose place in `names` holds `name`
-template <typename Enum, std::size_t kCount>
-std::optional<Enum> FromName(const std::array<std::string_view, kCount>& names,
-                             std::string_view name) {
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Enum>(found - names.begin());
-}
+constexpr Names<SampleStatus, kSampleStatusCount> kStatusNames{
+    {"ok", "repeated", "over", "under", "invalid", "device_error", "late", "clipped", "bad_frame"}};
+constexpr Names<ChannelRole, 5> kRoleNames{
+    {"displacement", "voltage", "current", "trigger", "other"}};
 
 }  // namespace
 
-std::string_view Name(SampleStatus status) {
-  const auto index = static_cast<std::size_t>(status);
-  HAPTOMETER_CHECK(index < kStatusNames.size(), "status {}", index);
-  return kStatusNames[index];
-}
+std::string_view Name(SampleStatus status) { return kStatusNames.Of(status); }
 
 std::optional<SampleStatus> SampleStatusFromName(std::string_view name) {
-  return FromName<SampleStatus>(kStatusNames, name);
+  return kStatusNames.From(name);
 }
 
-std::string_view Name(ChannelRole role) { return kRoleNames[static_cast<std::size_t>(role)]; }
+std::string_view Name(ChannelRole role) { return kRoleNames.Of(role); }
 
 const Channel* Record::Find(ChannelRole role) const {
   const auto found = std::ranges::find(channels, role, &Channel::role);

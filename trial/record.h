@@ -45,11 +45,11 @@ enum class ChannelRole : std::uint8_t { kDisplacement, kVoltage, kCurrent, kTrig
 
 /// One measured quantity over time, in SI units.
 struct Channel {
-  std::string name;  ///< as the source calls it: "displacement", "CH1"
+  std::string name{};  ///< as the source calls it: "displacement", "CH1"
   ChannelRole role = ChannelRole::kOther;
-  std::string unit;                    ///< SI: "m", "V", "A"; "" where unknown
-  std::vector<double> values;          ///< (rows); NaN where there is no measurement
-  std::vector<SampleStatus> statuses;  ///< (rows)
+  std::string unit{};                    ///< SI: "m", "V", "A"; "" where unknown
+  std::vector<double> values{};          ///< (rows); NaN where there is no measurement
+  std::vector<SampleStatus> statuses{};  ///< (rows)
   double range_min = -std::numeric_limits<double>::infinity();  ///< in `unit`
   double range_max = std::numeric_limits<double>::infinity();   ///< in `unit`
   double resolution = 0;  ///< one step of the source, in `unit`; 0 where unknown

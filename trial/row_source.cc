@@ -17,14 +17,12 @@ Record HeadOf(const Record& record) {
   head.metadata = record.metadata;
   head.channels.reserve(record.channels.size());
   for (const Channel& channel : record.channels) {
-    head.channels.push_back({channel.name,
-                             channel.role,
-                             channel.unit,
-                             {},
-                             {},
-                             channel.range_min,
-                             channel.range_max,
-                             channel.resolution});
+    head.channels.push_back({.name = channel.name,
+                             .role = channel.role,
+                             .unit = channel.unit,
+                             .range_min = channel.range_min,
+                             .range_max = channel.range_max,
+                             .resolution = channel.resolution});
   }
   return head;
 }
@@ -37,9 +35,7 @@ Result<Record> ReadAllRows(const RowSource& source) {
     Channel& channel = record.channels[c];
     channel.values.resize(record.rows);
     channel.statuses.resize(record.rows);
-    if (auto read = source.Read(c, 0, channel.values, channel.statuses); !read) {
-      return std::unexpected(read.error());
-    }
+    HAPTOMETER_TRY(source.Read(c, 0, channel.values, channel.statuses));
   }
   return record;
 }

@@ -16,38 +16,71 @@
 /// first row, as doubles: exact below 2^53 ns = 104 days.
 namespace haptometer::trial {
 
-inline constexpr double kNsPerSecond = 1e9;
+namespace {
+
+constexpr double kNsPerSecond = 1e9;
 
 using Times = std::span<const double>;
 
-/// Rows [first, end) of a recording
+// Rows [first, end) of a recording
 struct Piece {
   std::size_t first = 0;
   std::size_t end = 0;
   [[nodiscard]] std::size_t rows() const { return end - first; }
 };
 
-/// Time of row j of a piece: start_ns + j * period_ns
+// Time of row j of a piece: start_ns + j * period_ns
 struct Line {
   double start_ns = 0;
   double period_ns = 0;
 };
 
-[[nodiscard]] inline double AsDouble(std::size_t n) { return static_cast<double>(n); }
+double AsDouble(std::size_t n) { return static_cast<double>(n); }
 
-/// The upper one of two middle values; 0 of none.
-[[nodiscard]] double Median(std::vector<double> values);
+// the upper one of two middle values; 0 of none
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
 
-/// values[k] - values[k - lag].
-[[nodiscard]] std::vector<double> Differences(const std::vector<double>& values, std::size_t lag);
+// values[k] - values[k - lag]
+std::vector<double> Differences(const std::vector<double>& values, std::size_t lag) {
+  std::vector<double> differences;
+  for (std::size_t k = lag; k < values.size(); ++k) {
+    differences.push_back(values[k] - values[k - lag]);
+  }
+  return differences;
+}
 
-/// The pieces of `rows` rows that begin at 0 and at `starts`, in any order.
-[[nodiscard]] std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> starts);
+// the pieces of `rows` rows that begin at 0 and at `starts`, in any order and number
+std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> starts) {
+  std::ranges::sort(starts);
+  std::vector<Piece> pieces{{0, rows}};
+  for (const std::size_t row : starts) {
+    if (row <= pieces.back().first || row >= rows) continue;
+    pieces.back().end = row;
+    pieces.push_back({row, rows});
+  }
+  return pieces;
+}
 
-/// Rows a second; infinite where all came at one moment.
-[[nodiscard]] double RateOf(double period_ns);
+// rows a second; infinite where all came at one moment
+double RateOf(double period_ns) {
+  return period_ns > 0 ? kNsPerSecond / period_ns : std::numeric_limits<double>::infinity();
+}
 
-[[nodiscard]] std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns);
+std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
+  std::vector<double> times;
+  times.reserve(time_ns.size());
+  for (const std::int64_t t : time_ns) {
+    times.push_back(static_cast<double>(t) - static_cast<double>(time_ns.front()));
+  }
+  return times;
+}
+
+}  // namespace
 
 void UniformGrid::Append(std::int64_t first_index, std::size_t rows) {
   if (stretches_.empty() || first_index != next_index_) {
@@ -528,46 +561,6 @@ std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
          .time_uncertainty_s = PolledUncertaintyNs(part, part_waits, line) / kNsPerSecond});
   }
   return stretches;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-std::vector<double> Differences(const std::vector<double>& values, std::size_t lag) {
-  std::vector<double> differences;
-  for (std::size_t k = lag; k < values.size(); ++k) {
-    differences.push_back(values[k] - values[k - lag]);
-  }
-  return differences;
-}
-
-// pieces between rows that begin a new one, whatever their order and number
-std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> starts) {
-  std::ranges::sort(starts);
-  std::vector<Piece> pieces{{0, rows}};
-  for (const std::size_t row : starts) {
-    if (row <= pieces.back().first || row >= rows) continue;
-    pieces.back().end = row;
-    pieces.push_back({row, rows});
-  }
-  return pieces;
-}
-
-double RateOf(double period_ns) {
-  return period_ns > 0 ? kNsPerSecond / period_ns : std::numeric_limits<double>::infinity();
-}
-
-std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
-  std::vector<double> times;
-  times.reserve(time_ns.size());
-  for (const std::int64_t t : time_ns) {
-    times.push_back(static_cast<double>(t) - static_cast<double>(time_ns.front()));
-  }
-  return times;
 }
 
 }  // namespace haptometer::trial

@@ -3,42 +3,46 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/error.h"
+#include "base/names.h"
 #include "base/text.h"
 
 namespace haptometer::trial {
 
-std::string_view Name(Encoding encoding) {
-  constexpr std::array<std::string_view, 3> kNames{"i32", "f32", "f64"};
-  return kNames.at(static_cast<std::size_t>(encoding));
-}
+namespace {
+
+constexpr Names<Encoding, 3> kEncodingNames{{"i32", "f32", "f64"}};
+constexpr Names<Timing, 3> kTimingNames{{"uniform", "arrival", "polled"}};
+constexpr Names<EventKind, 5> kEventNames{{"gap", "reconnect", "remark", "labels", "time_base"}};
+
+}  // namespace
+
+std::string_view Name(Encoding encoding) { return kEncodingNames.Of(encoding); }
+std::string_view Name(Timing timing) { return kTimingNames.Of(timing); }
+std::string_view Name(EventKind kind) { return kEventNames.Of(kind); }
 
 std::size_t BytesOf(Encoding encoding) { return encoding == Encoding::kF64 ? 8 : 4; }
-
-std::string_view Name(Timing timing) {
-  constexpr std::array<std::string_view, 3> kNames{"uniform", "arrival", "polled"};
-  return kNames.at(static_cast<std::size_t>(timing));
-}
-
-std::string_view Name(EventKind kind) {
-  constexpr std::array<std::string_view, 5> kNames{"gap", "reconnect", "remark", "labels",
-                                                   "time_base"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
 
 Channel ChannelOf(const ChannelFormat& format) {
   return {.name = format.name,
           .role = format.role,
           .unit = format.unit,
-          .values = {},
-          .statuses = {},
           .range_min = format.range_min,
           .range_max = format.range_max,
           .resolution = format.resolution};
+}
+
+ChannelFormat DisplacementCounts(std::string name, double step_m) {
+  return {.name = std::move(name),
+          .role = ChannelRole::kDisplacement,
+          .unit = "m",
+          .encoding = Encoding::kI32,
+          .scale = step_m,
+          .resolution = step_m};
 }
 
 TrialHeader HeaderOf(const Record& record) {
@@ -222,7 +226,7 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
 // keys and values; `what` is one of them
 Result<void> CheckTexts(const std::string& what, const std::map<std::string, std::string>& texts) {
   for (const auto& [key, value] : texts) {
-    if (auto fit = CheckPrintable("the name of a " + what, key); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable("the name of a " + what, key));
     if (auto fit = CheckPrintable(fmt::format("{} {}", what, key), value); !fit) return fit;
   }
   return {};
@@ -266,26 +270,22 @@ Event EventFrom(const Json& json) {
 Result<void> CheckTexts(const TrialHeader& header) {
   for (std::size_t i = 0; i < header.channels.size(); ++i) {
     const std::string channel = "channel " + std::to_string(i + 1);
-    if (auto fit = CheckPrintable("the name of " + channel, header.channels[i].name); !fit) {
-      return fit;
-    }
-    if (auto fit = CheckPrintable("the unit of " + channel, header.channels[i].unit); !fit) {
-      return fit;
-    }
+    HAPTOMETER_TRY(CheckPrintable("the name of " + channel, header.channels[i].name));
+    HAPTOMETER_TRY(CheckPrintable("the unit of " + channel, header.channels[i].unit));
   }
   const Metadata& metadata = header.metadata;
   for (const auto& [key, member] : kMetadataTexts) {
-    if (auto fit = CheckPrintable(std::string(key), metadata.*member); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable(std::string(key), metadata.*member));
   }
   for (const std::string& note : metadata.notes) {
-    if (auto fit = CheckPrintable("a note", note); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable("a note", note));
   }
-  if (auto fit = CheckTexts("field", metadata.fields); !fit) return fit;
+  HAPTOMETER_TRY(CheckTexts("field", metadata.fields));
   return CheckTexts("label", metadata.labels);
 }
 
 Result<void> CheckTexts(const Event& event) {
-  if (auto fit = CheckPrintable("the text of an event", event.text); !fit) return fit;
+  HAPTOMETER_TRY(CheckPrintable("the text of an event", event.text));
   return CheckTexts("label", event.labels);
 }
 

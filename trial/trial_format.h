@@ -58,6 +58,9 @@ inline constexpr std::size_t kMaxChannels = 1024;
 /// An empty channel that is what `format` says.
 [[nodiscard]] Channel ChannelOf(const ChannelFormat& format);
 
+/// A displacement that comes as whole counts of `step_m`.
+[[nodiscard]] ChannelFormat DisplacementCounts(std::string name, double step_m);
+
 /// The head of a trial that would hold `record`: channels of doubles in their units, its metadata.
 /// The rate is that of its longest stretch.
 [[nodiscard]] TrialHeader HeaderOf(const Record& record);

@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/names.h"
 #include "trial/block.h"
 #include "trial/time_base.h"
 #include "trial/trial_format.h"
@@ -41,9 +42,8 @@ bool IsSignature(std::span<const std::byte> start) {
 Result<void> CheckSignature(const ByteSource& source, const std::string& name,
                             std::vector<Loss>* losses) {
   std::array<std::byte, kSignature.size() + kBlockHeadBytes> bytes{};
-  const auto got = source.ReadAt(0, bytes);
-  if (!got) return std::unexpected(got.error());
-  const std::span start = std::span(bytes).first(std::min(*got, kSignature.size()));
+  HAPTOMETER_LET(const auto got, source.ReadAt(0, bytes));
+  const std::span start = std::span(bytes).first(std::min(got, kSignature.size()));
   if (IsSignature(start)) {
     if (std::memcmp(start.data(), kSignature.data(), kSignature.size()) == 0) return {};
     return CannotAnswer(name,
@@ -52,7 +52,7 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
                         "update haptometer");
   }
   // a damaged signature costs nothing if the first block behind it is sound
-  const std::span rest = std::span(bytes).first(*got).subspan(start.size());
+  const std::span rest = std::span(bytes).first(got).subspan(start.size());
   if (DecodeBlockHead(rest)) {
     losses->push_back({.offset = 0,
                        .bytes = kSignature.size(),
@@ -61,7 +61,7 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
                        .rows = 0});
     return {};
   }
-  if (*got < kSignature.size() && std::memcmp(start.data(), kSignature.data(), *got) == 0) {
+  if (got < kSignature.size() && std::memcmp(start.data(), kSignature.data(), got) == 0) {
     return CannotAnswer(name, "is cut short within its first bytes", "record it again");
   }
   if (IsNearSignature(start)) {
@@ -96,9 +96,9 @@ std::optional<DataSource> StatedSource(std::string_view source) {
 }  // namespace
 
 std::string_view NameOf(DataSource source) {
-  constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
-                                                   "interrupted"};
-  return kNames.at(static_cast<std::size_t>(source));
+  constexpr Names<DataSource, 5> kNames{
+      {"device", "emulated", "simulated", "imported", "interrupted"}};
+  return kNames.Of(source);
 }
 
 std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report) {
@@ -113,8 +113,8 @@ std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& re
 }
 
 std::string_view Name(FileKind kind) {
-  constexpr std::array<std::string_view, 4> kNames{"trial", "CSV", "HDF5", "LabVIEW measurement"};
-  return kNames.at(static_cast<std::size_t>(kind));
+  constexpr Names<FileKind, 4> kNames{{"trial", "CSV", "HDF5", "LabVIEW measurement"}};
+  return kNames.Of(kind);
 }
 
 Finding FindingOfLoss(const Loss& loss) {
@@ -156,7 +156,7 @@ Findings ReadReport::AllFindings() const {
   Findings all;
   for (const Loss& loss : losses) all.Add(FindingOfLoss(loss));
   if (!closed) all.Doubt(FindingKind::kNotFinished);
-  for (const Finding& finding : findings.list()) all.Add(finding);
+  all.AddAll(findings);
   return all;
 }
 
@@ -205,9 +205,8 @@ struct TrialReader::State {
 
   // the header is the first sound block; there are two copies
   Result<void> FindHeader() {
-    const auto block = scanner->Next(&chunk.payload_);
-    if (!block) return std::unexpected(block.error());
-    if (*block && (*block)->head.kind == BlockKind::kHeader) {
+    HAPTOMETER_LET(const auto block, scanner->Next(&chunk.payload_));
+    if (block && block->head.kind == BlockKind::kHeader) {
       if (auto found = HeaderFromJson(PayloadText())) {
         header = std::move(*found);
         layout = LayoutOf(header);
@@ -280,21 +279,18 @@ TrialReader& TrialReader::operator=(TrialReader&&) noexcept = default;
 TrialReader::~TrialReader() = default;
 
 Result<TrialReader> TrialReader::Open(const std::string& path) {
-  auto source = OpenFileSource(path);
-  if (!source) return std::unexpected(source.error());
-  return OpenFrom(std::move(*source), path);
+  HAPTOMETER_LET(auto source, OpenFileSource(path));
+  return OpenFrom(std::move(source), path);
 }
 
 Result<TrialReader> TrialReader::OpenFrom(std::unique_ptr<ByteSource> source, std::string name) {
   auto state = std::make_unique<State>();
-  if (auto sound = CheckSignature(*source, name, &state->first_losses); !sound) {
-    return std::unexpected(sound.error());
-  }
+  HAPTOMETER_TRY(CheckSignature(*source, name, &state->first_losses));
   state->source = std::move(source);
   state->name = std::move(name);
   state->scanner.emplace(state->source.get(), kSignature.size());
   state->report.file_bytes = state->source->size();
-  if (auto found = state->FindHeader(); !found) return std::unexpected(found.error());
+  HAPTOMETER_TRY(state->FindHeader());
   return TrialReader(std::move(state));
 }
 
@@ -303,26 +299,24 @@ const TrialHeader& TrialReader::header() const { return state_->header; }
 Result<const Chunk*> TrialReader::Next() {
   State& state = *state_;
   for (;;) {
-    const auto block = state.scanner->Next(&state.chunk.payload_);
-    if (!block) return std::unexpected(block.error());
-    if (!*block) {
+    HAPTOMETER_LET(const auto block, state.scanner->Next(&state.chunk.payload_));
+    if (!block) {
       state.CompleteReport();
       return nullptr;
     }
-    if ((*block)->head.kind != BlockKind::kRows) {
-      state.Take(**block);
+    if (block->head.kind != BlockKind::kRows) {
+      state.Take(*block);
       continue;
     }
-    if (state.TakeRows(**block)) return &state.chunk;
-    state.scanner->Reject(**block, FindingKind::kBlockUnfit);
+    if (state.TakeRows(*block)) return &state.chunk;
+    state.scanner->Reject(*block, FindingKind::kBlockUnfit);
   }
 }
 
 Result<void> TrialReader::CheckRows(int threads) {
   BlockScanner& scanner = *state_->scanner;
-  const auto end = SoundUntil(*state_->source, scanner.offset(), threads);
-  if (!end) return std::unexpected(end.error());
-  scanner.Trust(*end);
+  HAPTOMETER_LET(const auto end, SoundUntil(*state_->source, scanner.offset(), threads));
+  scanner.Trust(end);
   return {};
 }
 
@@ -446,16 +440,15 @@ Result<Recording> Gather(TrialReader* reader) {
   Gathered gathered{
       .time_ns = {}, .reply_ns = {}, .grid = UniformGrid(header.rate_hz), .breaks = {}};
   for (;;) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) break;
-    AppendValues(**chunk, &record);
+    HAPTOMETER_LET(const auto chunk, reader->Next());
+    if (chunk == nullptr) break;
+    AppendValues(*chunk, &record);
     if (header.timing == Timing::kUniform) {
-      gathered.grid.Append((*chunk)->first_index(), (*chunk)->rows());
+      gathered.grid.Append(chunk->first_index(), chunk->rows());
     } else {
-      AppendTimes(**chunk, header.timing, &gathered);
+      AppendTimes(*chunk, header.timing, &gathered);
     }
-    record.rows += (*chunk)->rows();
+    record.rows += chunk->rows();
   }
   recording.report = reader->report();
   SetTimes(header, std::move(gathered), recording.report, &record);
@@ -466,15 +459,13 @@ Result<Recording> Gather(TrialReader* reader) {
 }  // namespace
 
 Result<Recording> ReadRecord(const std::string& path) {
-  auto reader = TrialReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
-  return Gather(&*reader);
+  HAPTOMETER_LET(auto reader, TrialReader::Open(path));
+  return Gather(&reader);
 }
 
 Result<Recording> ReadRecordFrom(std::unique_ptr<ByteSource> source, std::string name) {
-  auto reader = TrialReader::OpenFrom(std::move(source), std::move(name));
-  if (!reader) return std::unexpected(reader.error());
-  return Gather(&*reader);
+  HAPTOMETER_LET(auto reader, TrialReader::OpenFrom(std::move(source), std::move(name)));
+  return Gather(&reader);
 }
 
 }  // namespace haptometer::trial

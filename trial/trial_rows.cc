@@ -54,17 +54,14 @@ Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::stri
                                                    int threads) {
   HAPTOMETER_CHECK(CanRead(reader.header()), "timing {}", trial::Name(reader.header().timing));
   std::unique_ptr<TrialRows> rows(new TrialRows(reader.header(), std::move(name)));
-  if (auto checked = reader.CheckRows(threads); !checked) {
-    return std::unexpected(checked.error());
-  }
+  HAPTOMETER_TRY(reader.CheckRows(threads));
   UniformGrid grid(reader.header().rate_hz);
   for (;;) {
-    const auto chunk = reader.Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) break;
-    rows->blocks_.push_back({rows->head_.rows, (*chunk)->offset()});
-    grid.Append((*chunk)->first_index(), (*chunk)->rows());
-    rows->head_.rows += (*chunk)->rows();
+    HAPTOMETER_LET(const auto chunk, reader.Next());
+    if (chunk == nullptr) break;
+    rows->blocks_.push_back({rows->head_.rows, chunk->offset()});
+    grid.Append(chunk->first_index(), chunk->rows());
+    rows->head_.rows += chunk->rows();
   }
   rows->report_ = reader.report();
   rows->head_.stretches = grid.stretches();
@@ -85,9 +82,7 @@ Result<void> TrialRows::Read(std::size_t channel, std::size_t first, std::span<d
     const std::size_t end = block == blocks_.end() ? head_.rows : block->first;
     const std::size_t count = std::min(values.size(), end - first);
     const std::uint64_t offset = rows.offset + (first - rows.first) * row_bytes;
-    if (auto read = ReadPiece(channel, offset, values.first(count), statuses.first(count)); !read) {
-      return read;
-    }
+    HAPTOMETER_TRY(ReadPiece(channel, offset, values.first(count), statuses.first(count)));
     first += count;
     values = values.subspan(count);
     statuses = statuses.subspan(count);
@@ -115,9 +110,8 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
     const std::size_t count = std::min(rows_at_once, values.size());
     const std::span<std::byte> piece =
         std::span(bytes.get(), most_bytes).first(count * layout.row_bytes);
-    const auto got = source_->ReadAt(offset, piece);
-    if (!got) return std::unexpected(got.error());
-    if (*got < piece.size()) {
+    HAPTOMETER_LET(const auto got, source_->ReadAt(offset, piece));
+    if (got < piece.size()) {
       return Failed(name_, "was cut shorter while it was read", "leave it alone meanwhile");
     }
     column.Decode(piece, values.first(count), statuses.first(count));

@@ -94,7 +94,7 @@ struct TrialWriter::State {
   }
 
   Result<void> Flush() {
-    if (auto done = WriteRows(); !done) return done;
+    HAPTOMETER_TRY(WriteRows());
     last_flush_ns = clock->Now();
     if (auto done = sink->Sync(); !done) return Broken(done.error());
     return {};
@@ -135,16 +135,16 @@ TrialWriter::~TrialWriter() = default;
 
 Result<TrialWriter> TrialWriter::Create(const std::string& path, TrialHeader header,
                                         WriterOptions options, Clock& clock) {
-  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
-  auto sink = CreateFileSink(path, options.overwrite ? IfExists::kReplace : IfExists::kRefuse);
-  if (!sink) return std::unexpected(sink.error());
-  return CreateIn(std::move(*sink), path, std::move(header), options, clock);
+  HAPTOMETER_TRY(CheckTexts(header));
+  HAPTOMETER_LET(auto sink,
+                 CreateFileSink(path, options.overwrite ? IfExists::kReplace : IfExists::kRefuse));
+  return CreateIn(std::move(sink), path, std::move(header), options, clock);
 }
 
 Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::string name,
                                           TrialHeader header, WriterOptions options, Clock& clock) {
   CheckHeader(header);
-  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
+  HAPTOMETER_TRY(CheckTexts(header));
   auto state = std::make_unique<State>();
   state->sink = std::move(sink);
   state->name = std::move(name);
@@ -161,11 +161,9 @@ Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::s
   // twice, because without it no row can be read
   const std::string json = HeaderToJson(state->header);
   for (int copy = 0; copy < 2; ++copy) {
-    if (auto done = state->WriteText(BlockKind::kHeader, json); !done) {
-      return std::unexpected(done.error());
-    }
+    HAPTOMETER_TRY(state->WriteText(BlockKind::kHeader, json));
   }
-  if (auto done = state->Flush(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(state->Flush());
   return TrialWriter(std::move(state));
 }
 
@@ -180,13 +178,13 @@ Result<void> TrialWriter::Append(const Row& row) {
   HAPTOMETER_CHECK(index >= state.next_index, "index {} after {}", index, state.next_index - 1);
   // rows of one block follow each other on the grid
   if (index != state.next_index && state.rows_waiting > 0) {
-    if (auto done = state.WriteRows(); !done) return done;
+    HAPTOMETER_TRY(state.WriteRows());
   }
   if (state.rows_waiting == 0) state.first_index = index;
   state.next_index = index + 1;
   state.Store(row);
   if (state.rows_waiting == state.rows_per_block) {
-    if (auto done = state.WriteRows(); !done) return done;
+    HAPTOMETER_TRY(state.WriteRows());
   }
   return state.FlushIfDue();
 }
@@ -196,7 +194,7 @@ Result<void> TrialWriter::AddEvent(Event event) {
   if (state.error) return std::unexpected(*state.error);
   HAPTOMETER_CHECK(!state.finished, "event after the end");
   event.row = state.totals.rows;
-  if (auto done = state.WriteRows(); !done) return done;
+  HAPTOMETER_TRY(state.WriteRows());
   return state.WriteText(BlockKind::kEvent, EventToJson(event));
 }
 
@@ -214,11 +212,9 @@ Result<TrialTotals> TrialWriter::Finish() {
   State& state = *state_;
   if (state.error) return std::unexpected(*state.error);
   HAPTOMETER_CHECK(!state.finished, "finished twice");
-  if (auto done = state.WriteRows(); !done) return std::unexpected(done.error());
-  if (auto done = state.WriteText(BlockKind::kClose, TotalsToJson(state.totals)); !done) {
-    return std::unexpected(done.error());
-  }
-  if (auto done = state.Flush(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(state.WriteRows());
+  HAPTOMETER_TRY(state.WriteText(BlockKind::kClose, TotalsToJson(state.totals)));
+  HAPTOMETER_TRY(state.Flush());
   state.finished = true;
   state.totals.moved_to = state.sink->MovedTo();
   state.sink.reset();
@@ -229,28 +225,24 @@ const TrialHeader& TrialWriter::header() const { return state_->header; }
 const TrialTotals& TrialWriter::totals() const { return state_->totals; }
 
 Result<void> AppendEvent(const std::string& path, Event event) {
-  if (auto printable = CheckTexts(event); !printable) return printable;
+  HAPTOMETER_TRY(CheckTexts(event));
   // a file that is no trial is refused before it is opened for writing
-  auto reader = TrialReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
-  auto sink = OpenFileSinkAtEnd(path);
-  if (!sink) return std::unexpected(sink.error());
+  HAPTOMETER_LET(auto reader, TrialReader::Open(path));
+  HAPTOMETER_LET(auto sink, OpenFileSinkAtEnd(path));
   // again under the lock: the first one may have seen less
-  reader = TrialReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
+  HAPTOMETER_LET(reader, TrialReader::Open(path));
   for (;;) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) break;
+    HAPTOMETER_LET(const auto chunk, reader.Next());
+    if (chunk == nullptr) break;
   }
-  const ReadReport& report = reader->report();
+  const ReadReport& report = reader.report();
   event.row = report.next_row;
   const BlockHead head{.kind = BlockKind::kLaterEvent,
                        .sequence = report.next_sequence,
                        .first_row = report.next_row,
                        .first_index = static_cast<std::int64_t>(report.next_row)};
-  auto done = WriteBlock(sink->get(), head, BytesOfText(EventToJson(event)));
-  if (done) done = (*sink)->Sync();
+  auto done = WriteBlock(sink.get(), head, BytesOfText(EventToJson(event)));
+  if (done) done = sink->Sync();
   if (!done) {
     return Failed(path, "could not be written: " + done.error().what,
                   "the recording itself is unchanged; make room and repeat the command");

@@ -16,27 +16,10 @@ namespace {
 
 using trial::SampleStatus;
 
-constexpr int kHighestAveraging = 14;
-
-// codes that a data number takes: 0 to this; nothing for one that cannot be written
-std::optional<int> HighestCode(int number) {
-  switch (number) {
-    case dl_rs1a::kBank:
-      return 3;
-    case dl_rs1a::kSamplingCycle:
-      return 4;
-    case dl_rs1a::kAveraging:
-      return kHighestAveraging;
-    case dl_rs1a::kHold:
-      return 5;
-    case dl_rs1a::kZeroShiftMemory:
-      return 1;
-    case dl_rs1a::kHighPassCutoff:
-      return 9;
-    default:
-      return std::nullopt;
-  }
-}
+// the data numbers that can be written; each takes the codes from 0 to this
+const std::map<int, int> kHighestCodes{
+    {dl_rs1a::kBank, 3}, {dl_rs1a::kSamplingCycle, 4},   {dl_rs1a::kAveraging, 14},
+    {dl_rs1a::kHold, 5}, {dl_rs1a::kZeroShiftMemory, 1}, {dl_rs1a::kHighPassCutoff, 9}};
 
 const dl_rs1a::Head& TypeOf(const std::string& name) {
   const dl_rs1a::Head* type = dl_rs1a::FindHead(name);
@@ -63,10 +46,7 @@ Result<void> ValidateIlHead(const trial::SensorHead& head) {
 
 IlAmplifier::IlAmplifier(MovingHead head, bool is_main)
     : head_(std::move(head)), type_(TypeOf(head_.head.name)), is_main_(is_main) {
-  for (const int number :
-       {dl_rs1a::kBank, dl_rs1a::kHold, dl_rs1a::kZeroShiftMemory, dl_rs1a::kHighPassCutoff}) {
-    codes_[number] = 0;
-  }
+  for (const auto& [number, highest] : kHighestCodes) codes_[number] = 0;
   codes_[dl_rs1a::kSamplingCycle] = dl_rs1a::SamplingCode(head_.head.sampling_s).value_or(0);
   codes_[dl_rs1a::kAveraging] = dl_rs1a::AveragingCode(head_.head.averages).value_or(0);
 }
@@ -126,11 +106,11 @@ IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
     ShiftZero(number, code, now);
     return IlWriteOutcome::kDone;
   }
-  const std::optional<int> highest = HighestCode(number);
-  if (!highest) {
+  const auto highest = kHighestCodes.find(number);
+  if (highest == kHighestCodes.end()) {
     return Read(number, {}) ? IlWriteOutcome::kReadOnly : IlWriteOutcome::kNoSuchNumber;
   }
-  if (code < 0 || code > *highest) return IlWriteOutcome::kOutOfRange;
+  if (code < 0 || code > highest->second) return IlWriteOutcome::kOutOfRange;
   codes_[number] = code;
   // "default" is 1 ms; the filters average nothing here
   head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
@@ -323,7 +303,7 @@ Result<void> Validate(const DlRs1aSetup& setup) {
     return Usage("<amplifiers>", "a DL-RS1A has no more than 15", "give 1 to 15");
   }
   for (const MovingHead& head : setup.expansions) {
-    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+    HAPTOMETER_TRY(ValidateIlHead(head.head));
   }
   return ValidateIlHead(setup.head.head);
 }
@@ -342,24 +322,6 @@ namespace {
 
 constexpr int kBaud = 125'000'000;  // 100 Mbit/s as characters of 10 bits
 
-// a datum of an IL amplifier has its own five digits of special values
-std::string FormatDataValue(const Value& value) {
-  constexpr std::int32_t kMost = 99'999;
-  switch (value.status) {
-    case trial::SampleStatus::kOver:
-      return dl_en1::FormatNumber(kMost);
-    case trial::SampleStatus::kUnder:
-      return dl_en1::FormatNumber(-kMost);
-    case trial::SampleStatus::kDeviceError:
-      return dl_en1::FormatNumber(kMost + 1);
-    case trial::SampleStatus::kOk:
-    case trial::SampleStatus::kRepeated:
-      return dl_en1::FormatNumber(value.counts);
-    default:
-      return dl_en1::FormatNumber(-(kMost - 1));
-  }
-}
-
 const DlModel& En1Model() {
   static const DlModel kModel{
       .spelling = dl_en1::Spelling(),
@@ -373,7 +335,7 @@ const DlModel& En1Model() {
       .too_long = dl_en1::kFormat,
       .faulty = dl_en1::kNotExecutable,
       .format_number = [](int number, int /*digits*/) { return dl_en1::FormatNumber(number); },
-      .format_data_value = FormatDataValue};
+      .format_data_value = dl_en1::FormatIlValue};
   return kModel;
 }
 
@@ -384,7 +346,7 @@ Result<void> Validate(const DlEn1Setup& setup) {
     return Usage("<amplifiers>", "a DL-EN1 has 1 to 15", "give as many");
   }
   for (const MovingHead& head : setup.heads) {
-    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+    HAPTOMETER_TRY(ValidateIlHead(head.head));
   }
   return {};
 }

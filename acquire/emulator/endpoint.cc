@@ -26,14 +26,6 @@ namespace {
 
 constexpr MonotonicNs kHostPollNs = 2'000'000;
 
-timespec TimespecOf(MonotonicNs ns) {
-  ns = std::max<MonotonicNs>(ns, 0);
-  timespec time{};
-  time.tv_sec = ns / kNsPerS;
-  time.tv_nsec = ns % kNsPerS;
-  return time;
-}
-
 struct Terminal {
   OwnedDescriptor master{-1};
   std::string path;
@@ -57,11 +49,8 @@ Result<Terminal> OpenTerminal() {
 
   // the settings outlive this descriptor; its closing makes the master report that nobody is there
   const OwnedDescriptor host(open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
-  termios settings{};
-  if (host.get() < 0 || tcgetattr(host.get(), &settings) != 0) return NoTerminal("tcgetattr");
-  cfmakeraw(&settings);
-  settings.c_cflag |= CLOCAL | CREAD;
-  if (tcsetattr(host.get(), TCSANOW, &settings) != 0) return NoTerminal("tcsetattr");
+  if (host.get() < 0) return NoTerminal("tcgetattr");
+  if (!MakeRaw(host.get())) return NoTerminal("tcsetattr");
   return terminal;
 }
 
@@ -107,11 +96,10 @@ class PtyEndpoint final : public Endpoint {
       return Failed(link_, "exists and is not a link to a terminal",
                     "remove it or give another name");
     }
-    const auto fresh = LinkBeside(terminal_.path, link_);
-    if (!fresh) return std::unexpected(fresh.error());
-    if (rename(fresh->c_str(), link_.c_str()) == 0) return {};
+    HAPTOMETER_LET(const auto fresh, LinkBeside(terminal_.path, link_));
+    if (rename(fresh.c_str(), link_.c_str()) == 0) return {};
     const int failure = errno;
-    unlink(fresh->c_str());
+    unlink(fresh.c_str());
     errno = failure;
     return NotLinked(link_);
   }
@@ -147,9 +135,8 @@ class PtyEndpoint final : public Endpoint {
 
   [[nodiscard]] Result<void> Unplug() override {
     // the old terminal hangs up when the new one replaces it; opened first, so its name differs
-    auto fresh = OpenTerminal();
-    if (!fresh) return std::unexpected(fresh.error());
-    terminal_ = std::move(*fresh);
+    HAPTOMETER_LET(auto fresh, OpenTerminal());
+    terminal_ = std::move(fresh);
     host_there_ = false;
     return MakeLink();
   }
@@ -163,10 +150,9 @@ class PtyEndpoint final : public Endpoint {
 }  // namespace
 
 Result<std::unique_ptr<Endpoint>> OpenPty(const std::string& link) {
-  auto terminal = OpenTerminal();
-  if (!terminal) return std::unexpected(terminal.error());
-  auto endpoint = std::make_unique<PtyEndpoint>(std::move(*terminal), link);
-  if (auto linked = endpoint->MakeLink(); !linked) return std::unexpected(linked.error());
+  HAPTOMETER_LET(auto terminal, OpenTerminal());
+  auto endpoint = std::make_unique<PtyEndpoint>(std::move(terminal), link);
+  HAPTOMETER_TRY(endpoint->MakeLink());
   return endpoint;
 }
 
@@ -174,23 +160,14 @@ namespace {
 
 constexpr int kSendBuffer = 32 * 1024;  // the kernel doubles it: as much as a pseudo-terminal holds
 
-struct HostPort {
-  std::string host;
-  std::string port;
-};
-
-Result<HostPort> Split(const std::string& address) {
+Result<NetworkName> Split(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
     return Usage("<tcp>", "'" + address + "' is not HOST:PORT", "give 127.0.0.1:0, for example");
   }
-  HostPort parts{address.substr(0, colon), address.substr(colon + 1)};
-  // an IPv6 address wears brackets because of its own colons
-  if (parts.host.starts_with('[') && parts.host.ends_with(']')) {
-    parts.host = parts.host.substr(1, parts.host.size() - 2);
-  }
-  if (!TcpPort(parts.port)) {
-    return Usage("<tcp>", fmt::format("'{}': {} is not a TCP port", address, parts.port),
+  NetworkName parts = SplitNetworkName(address);
+  if (!TcpPort(parts.service)) {
+    return Usage("<tcp>", fmt::format("'{}': {} is not a TCP port", address, parts.service),
                  "give a port from 1 to 65535, or 0 for any free one");
   }
   return parts;
@@ -223,10 +200,7 @@ class TcpEndpoint final : public Endpoint {
   [[nodiscard]] bool Wait(MonotonicNs longest_ns) override {
     // with a host only its socket is watched: the next one waits in the queue
     pollfd watched{.fd = HasHost() ? host_.get() : listener_.get(), .events = POLLIN, .revents = 0};
-    const MonotonicNs wait_ns = std::max<MonotonicNs>(longest_ns, 0);
-    timespec longest{};
-    longest.tv_sec = wait_ns / kNsPerS;
-    longest.tv_nsec = wait_ns % kNsPerS;
+    const timespec longest = TimespecOf(longest_ns);
     if (ppoll(&watched, 1, &longest, nullptr) > 0 && !HasHost()) Accept();
     return HasHost();
   }
@@ -284,13 +258,12 @@ OwnedDescriptor Listener(const addrinfo& address) {
 }  // namespace
 
 Result<std::unique_ptr<Endpoint>> ListenTcp(const std::string& address) {
-  const auto parts = Split(address);
-  if (!parts) return std::unexpected(parts.error());
+  HAPTOMETER_LET(const auto parts, Split(address));
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  const int code = getaddrinfo(parts->host.c_str(), parts->port.c_str(), &hints, &found);
+  const int code = getaddrinfo(parts.host.c_str(), parts.service.c_str(), &hints, &found);
   if (code != 0) {
     return Usage("<tcp>", "'" + address + "': " + gai_strerror(code),
                  "give 127.0.0.1:0, for example");

@@ -18,8 +18,6 @@ constexpr std::uint32_t kQuietNan = 0x7FC00000;
 // bytes that may wait in either direction; a host that sends more is not heard, as by a full buffer
 constexpr std::size_t kMostWaiting = 65'536;
 
-std::string ExceptionData(ModbusException exception) { return {static_cast<char>(exception)}; }
-
 // the address, slave or identifier that the fault makes of it
 ModbusAdu Misaddressed(ModbusAdu adu, const Fault* fault) {
   if (fault == nullptr) return adu;
@@ -136,23 +134,24 @@ void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
   busy_until_ns_ = at_ns + (fault != nullptr ? fault->delay_ns : 0);
 
   // the reading, or a refusal
-  int refusal = 0;
+  auto refusal = ModbusException::kNone;
   ReadRequest asked;
   if (request.function != setup_.profile.function) {
-    refusal = static_cast<int>(ModbusException::kIllegalFunction);
+    refusal = ModbusException::kIllegalFunction;
   } else if (request.data.size() != 4) {
-    refusal = static_cast<int>(ModbusException::kIllegalValue);
+    refusal = ModbusException::kIllegalValue;
   } else {
     asked.address = RegisterAt(request.data, 0);
     asked.count = RegisterAt(request.data, 1);
     refusal = RefusalOf(asked);
   }
   if (fault != nullptr && fault->refuses) {
-    refusal = static_cast<int>(ModbusException::kDeviceFailure);
+    refusal = ModbusException::kDeviceFailure;
   }
-  const std::string data = refusal != 0 ? ExceptionData(static_cast<ModbusException>(refusal))
-                                        : DataOf(asked, at_ns, fault);
-  const auto function = static_cast<std::uint8_t>(request.function | (refusal != 0 ? 0x80U : 0U));
+  const bool is_refused = refusal != ModbusException::kNone;
+  const std::string data =
+      is_refused ? std::string{static_cast<char>(refusal)} : DataOf(asked, at_ns, fault);
+  const auto function = static_cast<std::uint8_t>(request.function | (is_refused ? 0x80U : 0U));
   std::string answer;
   AppendAdu(setup_.framing,
             Misaddressed({.transaction = request.transaction,
@@ -164,24 +163,23 @@ void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
   Queue(answer, busy_until_ns_, fault);
 }
 
-// exception code, or 0
-int ModbusUnit::RefusalOf(const ReadRequest& request) const {
+ModbusException ModbusUnit::RefusalOf(const ReadRequest& request) const {
   const SensorProfile& profile = setup_.profile;
   if (request.count < 1 || request.count > kMostModbusRegisters) {
-    return static_cast<int>(ModbusException::kIllegalValue);
+    return ModbusException::kIllegalValue;
   }
   for (int i = 0; i < request.count; ++i) {
     const int address = request.address + i + profile.address_base;
     const bool is_read = address >= profile.address && address < profile.address + profile.count;
     if (!is_read && address != profile.scale_address) {
-      return static_cast<int>(ModbusException::kIllegalAddress);
+      return ModbusException::kIllegalAddress;
     }
   }
   const auto asks = [&](const ReadRequest& known) {
     return request.address == known.address && request.count == known.count;
   };
   const bool is_whole = asks(ReadingRequest(profile)) || asks(CheckRequest(profile));
-  return profile.is_exact && !is_whole ? static_cast<int>(ModbusException::kIllegalValue) : 0;
+  return profile.is_exact && !is_whole ? ModbusException::kIllegalValue : ModbusException::kNone;
 }
 
 std::string ModbusUnit::DataOf(const ReadRequest& request, MonotonicNs at_ns,

@@ -66,7 +66,7 @@ class ModbusUnit final : public Device {
   void AnswerTo(const ModbusAdu& request, MonotonicNs end_ns);
   [[nodiscard]] std::string DataOf(const ReadRequest& request, MonotonicNs at_ns,
                                    const Fault* fault) const;
-  [[nodiscard]] int RefusalOf(const ReadRequest& request) const;
+  [[nodiscard]] ModbusException RefusalOf(const ReadRequest& request) const;
   [[nodiscard]] std::vector<std::uint16_t> Window(MonotonicNs at_ns, const Fault* fault) const;
   [[nodiscard]] std::uint32_t BitsAt(std::int64_t sample, const Fault* fault) const;
   [[nodiscard]] std::uint32_t InvalidBits() const;

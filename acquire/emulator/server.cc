@@ -99,9 +99,7 @@ Result<ServeReport> Serve(Device& device, Endpoint& endpoint, const std::atomic<
 
     // a device that drops off the line may come back under another name
     if (device.TakeHangUp() && has_host) {
-      if (auto unplugged = endpoint.Unplug(); !unplugged) {
-        return std::unexpected(unplugged.error());
-      }
+      HAPTOMETER_TRY(endpoint.Unplug());
       ++report.hang_ups;
       writer.Abandon();
       if (endpoint.name() != name) announce(name = endpoint.name());

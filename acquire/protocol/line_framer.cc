@@ -1,19 +1,13 @@
 #include "acquire/protocol/line_framer.h"
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire {
 
 std::string_view Bytes(Delimiter delimiter) {
-  switch (delimiter) {
-    case Delimiter::kCr:
-      return "\r";
-    case Delimiter::kLf:
-      return "\n";
-    case Delimiter::kCrLf:
-      return "\r\n";
-  }
-  return "\r\n";
+  constexpr Names<Delimiter, 3> kBytes{{"\r", "\n", "\r\n"}};
+  return kBytes.Of(delimiter);
 }
 
 LineFramer::LineFramer(Delimiter delimiter, std::size_t longest)

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -62,10 +63,6 @@ ReadReply Faulty(ModbusFault fault) { return {.fault = fault}; }
 
 }  // namespace
 
-std::string_view Name(ModbusFraming framing) {
-  return framing == ModbusFraming::kRtu ? "rtu" : "tcp";
-}
-
 std::string_view ModbusExceptionText(int code) {
   constexpr std::array<std::string_view, 12> kTexts{"unknown",
                                                     "illegal function",
@@ -97,8 +94,8 @@ std::uint16_t ModbusCrc(std::string_view bytes) {
 }
 
 std::string_view Name(Parity parity) {
-  constexpr std::array<std::string_view, 3> kNames{"none", "even", "odd"};
-  return kNames[static_cast<std::size_t>(parity)];
+  constexpr Names<Parity, 3> kNames{{"none", "even", "odd"}};
+  return kNames.Of(parity);
 }
 
 int BitsPerCharacter(const ModbusWire& wire) {
@@ -152,10 +149,10 @@ std::size_t ReplyBytes(ModbusFraming framing, std::size_t count) {
 }
 
 std::string_view Name(ModbusFault fault) {
-  constexpr std::array<std::string_view, kModbusFaultCount> kNames{
-      "none",        "timeout",        "wrong CRC",        "wrong length",
-      "wrong slave", "wrong function", "wrong transaction"};
-  return kNames[static_cast<std::size_t>(fault)];
+  constexpr Names<ModbusFault, kModbusFaultCount> kNames{{"none", "timeout", "wrong CRC",
+                                                          "wrong length", "wrong slave",
+                                                          "wrong function", "wrong transaction"}};
+  return kNames.Of(fault);
 }
 
 ReadReply ParseReadReply(ModbusFraming framing, const ReadRequest& request,
@@ -191,8 +188,8 @@ std::uint16_t RegisterAt(std::string_view registers, std::size_t index) {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> kTypeNames{"u16", "i16", "u32", "i32", "f32"};
-constexpr std::array<std::string_view, 4> kOrderNames{"ABCD", "CDAB", "BADC", "DCBA"};
+constexpr Names<RegisterType, 5> kTypeNames{{"u16", "i16", "u32", "i32", "f32"}};
+constexpr Names<WordOrder, 4> kOrderNames{{"ABCD", "CDAB", "BADC", "DCBA"}};
 
 bool SwapsBytes(WordOrder order) { return order == WordOrder::kBadc || order == WordOrder::kDcba; }
 bool LowWordFirst(WordOrder order) {
@@ -200,14 +197,6 @@ bool LowWordFirst(WordOrder order) {
 }
 
 std::uint16_t Swapped(std::uint16_t word) { return static_cast<std::uint16_t>(std::rotl(word, 8)); }
-
-template <typename Enum, std::size_t kNames>
-std::optional<Enum> FromName(const std::array<std::string_view, kNames>& names,
-                             std::string_view name) {
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Enum>(found - names.begin());
-}
 
 template <typename Integer>
 std::optional<std::uint32_t> RoundedBits(double number) {
@@ -221,17 +210,15 @@ std::optional<std::uint32_t> RoundedBits(double number) {
 
 }  // namespace
 
-std::string_view Name(RegisterType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
+std::string_view Name(RegisterType type) { return kTypeNames.Of(type); }
 
 std::optional<RegisterType> RegisterTypeFromName(std::string_view name) {
-  return FromName<RegisterType>(kTypeNames, name);
+  return kTypeNames.From(name);
 }
 
-std::string_view Name(WordOrder order) { return kOrderNames[static_cast<std::size_t>(order)]; }
+std::string_view Name(WordOrder order) { return kOrderNames.Of(order); }
 
-std::optional<WordOrder> WordOrderFromName(std::string_view name) {
-  return FromName<WordOrder>(kOrderNames, name);
-}
+std::optional<WordOrder> WordOrderFromName(std::string_view name) { return kOrderNames.From(name); }
 
 std::size_t RegistersOf(RegisterType type) {
   return type == RegisterType::kU16 || type == RegisterType::kI16 ? 1 : 2;

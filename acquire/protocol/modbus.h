@@ -18,9 +18,6 @@ namespace haptometer::acquire {
 
 enum class ModbusFraming : std::uint8_t { kRtu, kTcp };
 
-/// "rtu", "tcp".
-[[nodiscard]] std::string_view Name(ModbusFraming framing);
-
 enum class Parity : std::uint8_t { kNone, kEven, kOdd };
 
 /// "none", "even", "odd".
@@ -45,6 +42,7 @@ inline constexpr std::size_t kLongestModbusAdu = 260;  ///< bytes; an RTU frame 
 
 /// What an exception reply says.
 enum class ModbusException : std::uint8_t {
+  kNone = 0,  ///< there is none
   kIllegalFunction = 1,
   kIllegalAddress = 2,
   kIllegalValue = 3,

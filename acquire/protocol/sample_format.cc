@@ -1,12 +1,12 @@
 #include "acquire/protocol/sample_format.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <utility>
 
 #include "base/error.h"
+#include "base/names.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::acquire {
@@ -18,7 +18,7 @@ using trial::SampleStatus;
 
 static_assert(std::endian::native == std::endian::little, "binary samples are read as they lie");
 
-constexpr std::array<std::string_view, 4> kNames{"f64", "f32", "i16", "text"};
+constexpr Names<SampleFormat, 4> kNames{{"f64", "f32", "i16", "text"}};
 
 // a number with its blanks: "-1.7976931348623157e+308" and as much room again
 constexpr std::size_t kLongestCell = 48;
@@ -75,12 +75,10 @@ std::string_view TakeCell(std::string_view& line) {
 
 }  // namespace
 
-std::string_view Name(SampleFormat format) { return kNames.at(static_cast<std::size_t>(format)); }
+std::string_view Name(SampleFormat format) { return kNames.Of(format); }
 
 std::optional<SampleFormat> SampleFormatFromName(std::string_view name) {
-  const auto found = std::ranges::find(kNames, name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<SampleFormat>(found - kNames.begin());
+  return kNames.From(name);
 }
 
 trial::Encoding EncodingOf(SampleFormat format) {

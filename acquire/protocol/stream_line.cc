@@ -67,10 +67,9 @@ Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
 Result<double> ReadUnit(std::string_view unit) {
   const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
   const std::string text = (has_number ? "" : "1") + std::string(unit);
-  const Result<Quantity> quantity = ParseQuantity(text, Dimension::kLength, "<format>");
-  if (!quantity) return std::unexpected(quantity.error());
-  if (!(quantity->value > 0)) return Usage("<format>", "the unit must be a length above 0");
-  return quantity->value;
+  HAPTOMETER_LET(const Quantity quantity, ParseQuantity(text, Dimension::kLength, "<format>"));
+  if (!(quantity.value > 0)) return Usage("<format>", "the unit must be a length above 0");
+  return quantity.value;
 }
 
 Result<Delimiter> ReadDelimiter(std::string_view word) {
@@ -92,15 +91,9 @@ Result<StreamFormat> ParseStreamFormat(std::string_view text) {
                  std::string(kFormatRemedy));
   }
   StreamFormat format;
-  if (auto read = ReadPictures(text.substr(0, first), format); !read) {
-    return std::unexpected(read.error());
-  }
-  const Result<double> unit_m = ReadUnit(text.substr(first + 1, second - first - 1));
-  if (!unit_m) return std::unexpected(unit_m.error());
-  const Result<Delimiter> delimiter = ReadDelimiter(text.substr(second + 1));
-  if (!delimiter) return std::unexpected(delimiter.error());
-  format.unit_m = *unit_m;
-  format.delimiter = *delimiter;
+  HAPTOMETER_TRY(ReadPictures(text.substr(0, first), format));
+  HAPTOMETER_LET(format.unit_m, ReadUnit(text.substr(first + 1, second - first - 1)));
+  HAPTOMETER_LET(format.delimiter, ReadDelimiter(text.substr(second + 1)));
   return format;
 }
 

@@ -34,4 +34,9 @@ std::int32_t PowerOfTen(int exponent) {
   return power;
 }
 
+std::string_view ErrorTextIn(std::span<const ErrorWords> known, int number) {
+  const auto found = std::ranges::find(known, number, &ErrorWords::number);
+  return found == known.end() ? "unknown error" : found->text;
+}
+
 }  // namespace haptometer::acquire

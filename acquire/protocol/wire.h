@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "base/clock.h"
@@ -35,6 +36,15 @@ inline constexpr double kNeededRateHz = 500 * kReadingsPerPeriod;
 
 /// 10^exponent for 0 <= exponent <= 9.
 [[nodiscard]] std::int32_t PowerOfTen(int exponent);
+
+/// What an error number of a device means, in words a user can act on.
+struct ErrorWords {
+  int number = 0;
+  std::string_view text;
+};
+
+/// The text of `number`; "unknown error" where it is not among `known`.
+[[nodiscard]] std::string_view ErrorTextIn(std::span<const ErrorWords> known, int number);
 
 /// Stands in Value::counts where the sensor sent letters instead of a number.
 inline constexpr std::int32_t kNoCounts = std::numeric_limits<std::int32_t>::min();

@@ -27,19 +27,19 @@ Result<void> WriteWaiting(RowRing& ring, RowSink& sink) {
     // the row first: an event that was added before it is then there
     const auto row = ring.Front();
     if (auto event = ring.TakeEvent()) {
-      if (auto added = sink.AddEvent(std::move(*event)); !added) return added;
+      HAPTOMETER_TRY(sink.AddEvent(std::move(*event)));
       continue;
     }
     if (!row) return {};
-    if (auto appended = sink.Append(*row); !appended) return appended;
+    HAPTOMETER_TRY(sink.Append(*row));
     ring.Pop();
   }
 }
 
 Result<void> WriteRows(RowRing& ring, RowSink& sink) {
   while (ring.Wait()) {
-    if (auto written = WriteWaiting(ring, sink); !written) return written;
-    if (auto flushed = sink.FlushIfDue(); !flushed) return flushed;
+    HAPTOMETER_TRY(WriteWaiting(ring, sink));
+    HAPTOMETER_TRY(sink.FlushIfDue());
   }
   return {};
 }
@@ -309,7 +309,7 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   ring.Close();
   writing.join();
   if (!written) return std::unexpected(written.error());
-  if (auto finished = sink.Finish(); !finished) return std::unexpected(finished.error());
+  HAPTOMETER_TRY(sink.Finish());
   return summary;
 }
 

@@ -23,7 +23,7 @@ Result<std::unique_ptr<TrialRotation>> TrialRotation::Begin(NamePart name,
                                                             trial::WriterOptions options) {
   std::unique_ptr<TrialRotation> rotation(
       new TrialRotation(std::move(name), std::move(header), limits, clock, options));
-  if (auto begun = rotation->BeginPart(nullptr); !begun) return std::unexpected(begun.error());
+  HAPTOMETER_TRY(rotation->BeginPart(nullptr));
   return rotation;
 }
 
@@ -43,9 +43,9 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   }
   rows_ = 0;
   const std::string file = name_(part_);
-  auto writer = trial::TrialWriter::Create(file, std::move(header), options_, clock_);
-  if (!writer) return std::unexpected(writer.error());
-  writer_ = std::move(*writer);
+  HAPTOMETER_LET(auto writer,
+                 trial::TrialWriter::Create(file, std::move(header), options_, clock_));
+  writer_ = std::move(writer);
   const std::lock_guard lock(file_mutex_);
   file_ = file;
   return {};
@@ -65,8 +65,8 @@ bool TrialRotation::IsDue(const trial::Row& row) {
 
 Result<void> TrialRotation::Append(const trial::Row& row) {
   if (IsDue(row)) {
-    if (auto finished = Finish(); !finished) return finished;
-    if (auto begun = BeginPart(&row); !begun) return begun;
+    HAPTOMETER_TRY(Finish());
+    HAPTOMETER_TRY(BeginPart(&row));
   }
   trial::Row here = row;
   here.index -= start_index_;

@@ -5,21 +5,13 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire {
 
 std::string_view Name(TriggerKind kind) {
-  switch (kind) {
-    case TriggerKind::kAbove:
-      return "above";
-    case TriggerKind::kBelow:
-      return "below";
-    case TriggerKind::kRising:
-      return "rising";
-    case TriggerKind::kFalling:
-      return "falling";
-  }
-  return "";
+  constexpr Names<TriggerKind, 4> kNames{{"above", "below", "rising", "falling"}};
+  return kNames.Of(kind);
 }
 
 TriggerWatch::TriggerWatch(const TriggerSetup& setup, const trial::TrialHeader& header)

@@ -346,7 +346,7 @@ Result<SensorProfile> ReadProfile(TomlTable root) {
   profile.manual = root.Text("manual").value_or("");
   profile.advice = root.Text("advice").value_or("");
   ReadTables(root, profile);
-  if (auto done = root.Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(root.Finish());
   if (const std::string wrong = WhatIsWrong(profile); !wrong.empty()) {
     return Usage(root.where(), wrong, "docs/reference/sensors.md describes the keys");
   }
@@ -356,15 +356,13 @@ Result<SensorProfile> ReadProfile(TomlTable root) {
 }  // namespace
 
 Result<SensorProfile> ReadProfileFile(const std::string& path) {
-  auto root = TomlTable::ParseFile(path);
-  if (!root) return std::unexpected(root.error());
-  return ReadProfile(std::move(*root));
+  HAPTOMETER_LET(auto root, TomlTable::ParseFile(path));
+  return ReadProfile(std::move(root));
 }
 
 Result<SensorProfile> ReadProfileText(std::string_view text, std::string where) {
-  auto root = TomlTable::ParseText(text, std::move(where));
-  if (!root) return std::unexpected(root.error());
-  return ReadProfile(std::move(*root));
+  HAPTOMETER_LET(auto root, TomlTable::ParseText(text, std::move(where)));
+  return ReadProfile(std::move(root));
 }
 
 // What the makers' manuals say, and no more: a figure that was not at hand is left out.

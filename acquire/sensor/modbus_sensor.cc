@@ -15,23 +15,114 @@
 #include "acquire/transport/port_list.h"
 #include "trial/trial_format.h"
 
-/// What the registers of a Modbus sensor mean by its profile. `registers` are those of one reading,
-/// as many as profile.count, two bytes each.
 namespace haptometer::acquire {
+namespace {
 
-/// The channel that a trial keeps of it: numbers as sent (f64 for u32, which i32 does not hold).
-/// `register_scale` is the number in the profile's scale register, else 1.
-[[nodiscard]] trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_scale);
+using trial::SampleStatus;
 
-/// The number as sent, with what profile and status register say of it.
-[[nodiscard]] trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers);
+// What the registers of a Modbus sensor mean by its profile. `registers` are those of one reading,
+// as many as profile.count, two bytes each.
 
-/// What stands in for a number where none came.
-[[nodiscard]] trial::RawValue NoValue(RegisterType type);
+trial::Encoding EncodingOf(RegisterType type) {
+  switch (type) {
+    case RegisterType::kF32:
+      return trial::Encoding::kF32;
+    case RegisterType::kU32:  // beyond the counts of i32; exact
+      return trial::Encoding::kF64;
+    default:
+      return trial::Encoding::kI32;
+  }
+}
 
-/// The timestamp registers; the profile has some.
-[[nodiscard]] std::string_view TimestampOf(const SensorProfile& profile,
-                                           std::string_view registers);
+trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::Bits(bits);
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(NumberOf(bits, type));
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
+}
+
+std::size_t Offset(const SensorProfile& profile, int address) {
+  return static_cast<std::size_t>(address - profile.address);
+}
+
+SampleStatus StatusOf(const SensorProfile& profile, std::string_view registers,
+                      std::uint32_t bits) {
+  if (profile.status_address) {
+    const std::uint16_t flags = RegisterAt(registers, Offset(profile, *profile.status_address));
+    if ((flags & profile.status_mask) != 0) {
+      return profile.status_meaning == StatusMeaning::kInvalid ? SampleStatus::kInvalid
+                                                               : SampleStatus::kDeviceError;
+    }
+  }
+  const double number = NumberOf(bits, profile.type);
+  const bool is_listed =
+      std::ranges::find(profile.invalid_bits, bits) != profile.invalid_bits.end();
+  if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
+  if (profile.least_number && number < *profile.least_number) return SampleStatus::kUnder;
+  if (profile.most_number && number > *profile.most_number) return SampleStatus::kOver;
+  return SampleStatus::kOk;
+}
+
+// The channel that a trial keeps of it: numbers as sent (f64 for u32, which i32 does not hold).
+// `register_scale` is the number in the profile's scale register, else 1.
+trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_scale) {
+  trial::ChannelFormat channel;
+  channel.name = "displacement";
+  channel.role = trial::ChannelRole::kDisplacement;
+  channel.unit = "m";
+  channel.encoding = EncodingOf(profile.type);
+  channel.scale = profile.scale * register_scale * profile.unit_m;
+  channel.offset = profile.offset * profile.unit_m;
+  const bool is_whole = profile.type != RegisterType::kF32;
+  channel.resolution = profile.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
+  // the ends, whichever way the scale goes
+  const auto end_m = [&](const std::optional<double>& number, double otherwise) {
+    return number ? *number * channel.scale + channel.offset : otherwise;
+  };
+  const double least_m = end_m(profile.least_number, channel.range_min);
+  const double most_m = end_m(profile.most_number, channel.range_max);
+  if (channel.scale > 0) {
+    channel.range_min = profile.range_min_m.value_or(least_m);
+    channel.range_max = profile.range_max_m.value_or(most_m);
+  }
+  return channel;
+}
+
+// the number as sent, with what profile and status register say of it
+trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers) {
+  std::array<std::uint16_t, 2> words{};
+  const std::size_t count = RegistersOf(profile.type);
+  const std::size_t first = Offset(profile, profile.value_address);
+  for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
+  const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile.type, profile.order);
+  return {RawOf(bits, profile.type), StatusOf(profile, registers, bits)};
+}
+
+// what stands in for a number where none came
+trial::RawValue NoValue(RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::F32(std::numeric_limits<float>::quiet_NaN());
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(std::numeric_limits<double>::quiet_NaN());
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(kNoCounts);
+}
+
+// the timestamp registers; the profile has some
+std::string_view TimestampOf(const SensorProfile& profile, std::string_view registers) {
+  return registers.substr(2 * Offset(profile, *profile.timestamp_address),
+                          2 * static_cast<std::size_t>(profile.timestamp_count));
+}
+
+}  // namespace
 
 std::string InWords(const ModbusErrors& errors) {
   std::string text;
@@ -51,8 +142,6 @@ std::string InWords(const ModbusErrors& errors) {
 
 // --- the wire and the recording ---
 namespace {
-
-using trial::SampleStatus;
 
 constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
 constexpr int kMostBadRows = 8;
@@ -376,19 +465,18 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
 
 // the registers, or why there are none
 Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
-  const auto answer = Exchange(request, kTries, stop);
-  if (!answer) return std::unexpected(answer.error());
-  if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
-    return std::string(answer->registers);
+  HAPTOMETER_LET(const auto answer, Exchange(request, kTries, stop));
+  if (answer.fault == ModbusFault::kNone && answer.exception == 0) {
+    return std::string(answer.registers);
   }
   const std::string asked =
       fmt::format("slave {}, function {:02}, {} registers from {}", request.unit, request.function,
                   request.count, request.address + profile_.address_base);
-  if (answer->exception != 0) {
+  if (answer.exception != 0) {
     return CannotAnswer(
         link_->name(),
-        fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
-                    ModbusExceptionText(answer->exception)),
+        fmt::format("refuses {} with exception {:02} ({})", asked, answer.exception,
+                    ModbusExceptionText(answer.exception)),
         profile_.advice.empty() ? "give the <profile> of this sensor" : profile_.advice);
   }
   const std::string settings =
@@ -400,9 +488,9 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
   if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
   return CannotAnswer(
       link_->name(),
-      answer->fault == ModbusFault::kTimeout
+      answer.fault == ModbusFault::kTimeout
           ? fmt::format("nothing answers to {}{}", asked, is_rtu() ? " at " + settings : "")
-          : fmt::format("answers to {} come damaged ({})", asked, Name(answer->fault)),
+          : fmt::format("answers to {} come damaged ({})", asked, Name(answer.fault)),
       remedy);
 }
 
@@ -412,9 +500,8 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
     ReadRequest request = ReadingRequest(profile_);
     request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
     request.count = 1;
-    const auto registers = Ask(request, stop);
-    if (!registers) return std::unexpected(registers.error());
-    register_scale = RegisterAt(*registers, 0);
+    HAPTOMETER_LET(const auto registers, Ask(request, stop));
+    register_scale = RegisterAt(registers, 0);
     if (register_scale == 0) {
       return CannotAnswer(
           link_->name(),
@@ -422,8 +509,7 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
           profile_.advice.empty() ? "check the <profile>" : profile_.advice);
     }
   }
-  const auto registers = Ask(ReadingRequest(profile_), stop);
-  if (!registers) return std::unexpected(registers.error());
+  HAPTOMETER_TRY(Ask(ReadingRequest(profile_), stop));
   MakeHeader(register_scale);
   return LearnCheck(stop);
 }
@@ -432,9 +518,8 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
 Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
   if (!is_rtu()) return {};
   const bool was_silent = std::exchange(start_was_silent_, false);
-  const auto answer = Exchange(CheckRequest(profile_), 1, stop);
-  if (!answer) return std::unexpected(answer.error());
-  has_checks_ = answer->fault == ModbusFault::kNone && answer->exception == 0;
+  HAPTOMETER_LET(const auto answer, Exchange(CheckRequest(profile_), 1, stop));
+  has_checks_ = answer.fault == ModbusFault::kNone && answer.exception == 0;
   // registers of a check are behind everything older
   start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
   errors_ = {};
@@ -484,104 +569,6 @@ Findings ModbusSensor::Found() const {
   }
   found.AddAll(DoubtfulReplies(replies_, exchanges_.wire_ns()));
   return found;
-}
-
-namespace {
-
-trial::Encoding EncodingOf(RegisterType type) {
-  switch (type) {
-    case RegisterType::kF32:
-      return trial::Encoding::kF32;
-    case RegisterType::kU32:  // beyond the counts of i32; exact
-      return trial::Encoding::kF64;
-    default:
-      return trial::Encoding::kI32;
-  }
-}
-
-trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
-  switch (EncodingOf(type)) {
-    case trial::Encoding::kF32:
-      return trial::RawValue::Bits(bits);
-    case trial::Encoding::kF64:
-      return trial::RawValue::F64(NumberOf(bits, type));
-    case trial::Encoding::kI32:
-      break;
-  }
-  return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
-}
-
-std::size_t Offset(const SensorProfile& profile, int address) {
-  return static_cast<std::size_t>(address - profile.address);
-}
-
-SampleStatus StatusOf(const SensorProfile& profile, std::string_view registers,
-                      std::uint32_t bits) {
-  if (profile.status_address) {
-    const std::uint16_t flags = RegisterAt(registers, Offset(profile, *profile.status_address));
-    if ((flags & profile.status_mask) != 0) {
-      return profile.status_meaning == StatusMeaning::kInvalid ? SampleStatus::kInvalid
-                                                               : SampleStatus::kDeviceError;
-    }
-  }
-  const double number = NumberOf(bits, profile.type);
-  const bool is_listed =
-      std::ranges::find(profile.invalid_bits, bits) != profile.invalid_bits.end();
-  if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
-  if (profile.least_number && number < *profile.least_number) return SampleStatus::kUnder;
-  if (profile.most_number && number > *profile.most_number) return SampleStatus::kOver;
-  return SampleStatus::kOk;
-}
-
-}  // namespace
-
-trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_scale) {
-  trial::ChannelFormat channel;
-  channel.name = "displacement";
-  channel.role = trial::ChannelRole::kDisplacement;
-  channel.unit = "m";
-  channel.encoding = EncodingOf(profile.type);
-  channel.scale = profile.scale * register_scale * profile.unit_m;
-  channel.offset = profile.offset * profile.unit_m;
-  const bool is_whole = profile.type != RegisterType::kF32;
-  channel.resolution = profile.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
-  // the ends, whichever way the scale goes
-  const auto end_m = [&](const std::optional<double>& number, double otherwise) {
-    return number ? *number * channel.scale + channel.offset : otherwise;
-  };
-  const double least_m = end_m(profile.least_number, channel.range_min);
-  const double most_m = end_m(profile.most_number, channel.range_max);
-  if (channel.scale > 0) {
-    channel.range_min = profile.range_min_m.value_or(least_m);
-    channel.range_max = profile.range_max_m.value_or(most_m);
-  }
-  return channel;
-}
-
-trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers) {
-  std::array<std::uint16_t, 2> words{};
-  const std::size_t count = RegistersOf(profile.type);
-  const std::size_t first = Offset(profile, profile.value_address);
-  for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
-  const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile.type, profile.order);
-  return {RawOf(bits, profile.type), StatusOf(profile, registers, bits)};
-}
-
-trial::RawValue NoValue(RegisterType type) {
-  switch (EncodingOf(type)) {
-    case trial::Encoding::kF32:
-      return trial::RawValue::F32(std::numeric_limits<float>::quiet_NaN());
-    case trial::Encoding::kF64:
-      return trial::RawValue::F64(std::numeric_limits<double>::quiet_NaN());
-    case trial::Encoding::kI32:
-      break;
-  }
-  return trial::RawValue::Counts(kNoCounts);
-}
-
-std::string_view TimestampOf(const SensorProfile& profile, std::string_view registers) {
-  return registers.substr(2 * Offset(profile, *profile.timestamp_address),
-                          2 * static_cast<std::size_t>(profile.timestamp_count));
 }
 
 }  // namespace haptometer::acquire

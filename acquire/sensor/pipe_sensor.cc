@@ -92,12 +92,11 @@ Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format)
                  fmt::format("the size of a count of {} is not stated", word.name),
                  fmt::format("give <calibration> a file with a table [{}]", word.name));
   }
-  const auto column = ColumnOf(word.name, word.unit);
-  if (!column) return std::unexpected(column.error());
-  channel.name = column->name;
-  channel.role = column->role;
-  channel.unit = column->unit;
-  channel.scale = column->factor;
+  HAPTOMETER_LET(const auto column, ColumnOf(word.name, word.unit));
+  channel.name = column.name;
+  channel.role = column.role;
+  channel.unit = column.unit;
+  channel.scale = column.factor;
   return channel;
 }
 
@@ -134,9 +133,8 @@ Result<trial::RawLimits> CalibrateChannel(const Word& word,
 
 Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format,
                                       const std::string& calibration_path) {
-  const auto words = ReadWords(text);
-  if (!words) return std::unexpected(words.error());
-  for (const Word& word : *words) {
+  HAPTOMETER_LET(const auto words, ReadWords(text));
+  for (const Word& word : words) {
     if (format == SampleFormat::kI16 && !word.unit.empty()) {
       return Usage(std::string(kOption), fmt::format("counts of {} have no unit", word.name),
                    "leave it out: the calibration states the size of a count");
@@ -147,29 +145,26 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
   trial::Calibration calibration;
   if (!calibration_path.empty()) {
     std::vector<trial::ChannelFormat> names;
-    for (const Word& word : *words) {
+    for (const Word& word : words) {
       names.push_back({.name = word.name, .role = RoleOf(word.name)});
     }
-    auto read = trial::ReadCalibrationFile(calibration_path, names);
-    if (!read) return std::unexpected(read.error());
-    calibration = std::move(*read);
+    HAPTOMETER_LET(auto read, trial::ReadCalibrationFile(calibration_path, names));
+    calibration = std::move(read);
   }
 
   PipeChannels channels;
   if (!calibration_path.empty()) channels.fields = CalibrationFields(calibration);
-  for (const Word& word : *words) {
+  for (const Word& word : words) {
     trial::ChannelFormat channel{.name = word.name, .role = RoleOf(word.name)};
     channel.encoding = EncodingOf(format);
     trial::RawLimits limits;
     if (const auto found = calibration.channels.find(word.name);
         found != calibration.channels.end()) {
-      const auto calibrated = CalibrateChannel(word, found->second, &channel);
-      if (!calibrated) return std::unexpected(calibrated.error());
-      limits = *calibrated;
+      HAPTOMETER_LET(const auto calibrated, CalibrateChannel(word, found->second, &channel));
+      limits = calibrated;
     } else {
-      auto plain = PlainChannel(word, format);
-      if (!plain) return std::unexpected(plain.error());
-      channel = std::move(*plain);
+      HAPTOMETER_LET(auto plain, PlainChannel(word, format));
+      channel = std::move(plain);
     }
     channels.formats.push_back(std::move(channel));
     channels.limits.push_back(limits);
@@ -207,7 +202,7 @@ PipeSensor::PipeSensor(std::unique_ptr<Transport> transport, PipeSetup setup, Cl
 }
 
 Result<void> PipeSensor::Start(const std::atomic<bool>& stop) {
-  if (auto waited = WaitForRow(stop); !waited) return waited;
+  HAPTOMETER_TRY(WaitForRow(stop));
   Describe();
   return {};
 }

@@ -89,9 +89,7 @@ Result<bool> PolledLine::Exchange(std::string_view request,
                                   const std::function<bool(std::string_view line)>& take,
                                   const std::atomic<bool>& stop) {
   link_.Flush();
-  if (auto sent = link_.transport().Write(request, clock_.Now() + kWriteTimeNs); !sent) {
-    return std::unexpected(sent.error());
-  }
+  HAPTOMETER_TRY(link_.transport().Write(request, clock_.Now() + kWriteTimeNs));
   const MonotonicNs deadline = clock_.Now() + ResponseDeadline::kLongestNs;
   while (clock_.Now() < deadline) {
     if (stop.load()) {

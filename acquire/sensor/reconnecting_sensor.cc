@@ -25,10 +25,9 @@ ReconnectingSensor::ReconnectingSensor(Open open, std::optional<MonotonicNs> lon
 
 Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
   stop_ = &stop;
-  auto opened = open_();
-  if (!opened) return std::unexpected(opened.error());
-  if (auto started = (*opened)->Start(stop); !started) return started;
-  sensor_ = std::move(*opened);
+  HAPTOMETER_LET(auto opened, open_());
+  HAPTOMETER_TRY(opened->Start(stop));
+  sensor_ = std::move(opened);
   header_ = sensor_->header();
   return {};
 }

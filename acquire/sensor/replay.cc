@@ -63,12 +63,10 @@ namespace {
 
 // everything the file says beside its rows
 Result<trial::ReadReport> ReadToTheEnd(const std::string& path) {
-  auto reader = trial::TrialReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
+  HAPTOMETER_LET(auto reader, trial::TrialReader::Open(path));
   while (true) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) return reader->report();
+    HAPTOMETER_LET(const auto chunk, reader.Next());
+    if (chunk == nullptr) return reader.report();
   }
 }
 
@@ -77,28 +75,26 @@ Result<trial::ReadReport> ReadToTheEnd(const std::string& path) {
 Replay::Replay(trial::TrialReader reader) : reader_(std::move(reader)), header_(reader_.header()) {}
 
 Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
-  const auto report = ReadToTheEnd(path);
-  if (!report) return std::unexpected(report.error());
-  auto reader = trial::TrialReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
-  std::unique_ptr<Replay> replay(new Replay(std::move(*reader)));
+  HAPTOMETER_LET(const auto report, ReadToTheEnd(path));
+  HAPTOMETER_LET(auto reader, trial::TrialReader::Open(path));
+  std::unique_ptr<Replay> replay(new Replay(std::move(reader)));
   // the header of the new trial: the old one, with the labels as last given
   trial::Metadata& metadata = replay->header_.metadata;
-  for (const trial::Event& event : report->events) {
+  for (const trial::Event& event : report.events) {
     for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
   }
   metadata.source = fmt::format("replay of {} ({})", path, metadata.source);
   // what the recording itself cannot give
-  if (!report->closed) {
+  if (!report.closed) {
     replay->found_.Add(
         {.severity = Severity::kDoubt, .kind = FindingKind::kReplayCutShort, .subject = path});
   }
-  if (!report->losses.empty()) {
+  if (!report.losses.empty()) {
     Finding losses{.severity = Severity::kDoubt,
                    .kind = FindingKind::kReplayLosses,
-                   .numbers = {{"losses", report->losses.size()}},
+                   .numbers = {{"losses", report.losses.size()}},
                    .subject = path};
-    if (const auto rows = report->RowsLost()) losses.numbers.emplace_back("rows_lost", *rows);
+    if (const auto rows = report.RowsLost()) losses.numbers.emplace_back("rows_lost", *rows);
     replay->found_.Add(std::move(losses));
   }
   return replay;

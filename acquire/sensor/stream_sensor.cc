@@ -108,12 +108,7 @@ Error StreamSensor::NoLines(const std::string& example) const {
 
 void StreamSensor::MakeHeader() {
   const StreamFormat& format = setup_.format;
-  trial::ChannelFormat channel;
-  channel.name = "displacement";
-  channel.role = trial::ChannelRole::kDisplacement;
-  channel.unit = "m";
-  channel.encoding = trial::Encoding::kI32;
-  channel.scale = channel.resolution = MetresPerCount(format);
+  trial::ChannelFormat channel = trial::DisplacementCounts("displacement", MetresPerCount(format));
   channel.range_max = MostCounts(format) * channel.scale;
   channel.range_min = format.sign == SignRule::kAlways ? -channel.range_max : 0.0;
   header_.timing = trial::Timing::kArrival;

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +23,15 @@ namespace {
 
 std::string Reason(int error_number) { return std::generic_category().message(error_number); }
 
+// of a port that is in use: "is busy: minicom (process 123) holds it"
+Error BusyPort(const std::string& name) {
+  const std::string holder = PortHolder(name);
+  return {Cause::kCannotAnswer, name,
+          holder.empty() ? "is busy: another program holds it"
+                         : fmt::format("is busy: {} holds it", holder),
+          "end that program, or give another <port>"};
+}
+
 }  // namespace
 
 OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
@@ -33,10 +43,22 @@ OwnedDescriptor::~OwnedDescriptor() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
+timespec TimespecOf(MonotonicNs ns) {
+  ns = std::max<MonotonicNs>(ns, 0);
+  return {.tv_sec = ns / kNsPerS, .tv_nsec = ns % kNsPerS};
+}
+
+bool MakeRaw(int descriptor) {
+  termios settings{};
+  if (tcgetattr(descriptor, &settings) != 0) return false;
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  return tcsetattr(descriptor, TCSANOW, &settings) == 0;
+}
+
 int WaitFor(int descriptor, int events, MonotonicNs deadline) {
   SystemClock clock;
-  const MonotonicNs wait_ns = std::max<MonotonicNs>(deadline - clock.Now(), 0);
-  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
+  const timespec timeout = TimespecOf(deadline - clock.Now());
   pollfd watched{.fd = descriptor, .events = static_cast<short>(events), .revents = 0};
   return ppoll(&watched, 1, &timeout, nullptr) > 0 ? watched.revents : 0;
 }
@@ -85,14 +107,6 @@ bool AskForLowLatency(int descriptor) {
   if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return false;
   settings.flags |= ASYNC_LOW_LATENCY;
   return ioctl(descriptor, TIOCSSERIAL, &settings) == 0;
-}
-
-Error BusyPort(const std::string& name) {
-  const std::string holder = PortHolder(name);
-  return {Cause::kCannotAnswer, name,
-          holder.empty() ? "is busy: another program holds it"
-                         : fmt::format("is busy: {} holds it", holder),
-          "end that program, or give another <port>"};
 }
 
 Error PortDoesNotOpen(const std::string& name, int error_number) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <time.h>
+
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,6 +30,13 @@ class OwnedDescriptor {
   int descriptor_;
 };
 
+/// `ns` as the system wants it; 0 below 0.
+[[nodiscard]] timespec TimespecOf(MonotonicNs ns);
+
+/// Sets a terminal raw, 8N1: no echo, no line editing, no translation of CR, no flow control.
+/// Whether that went well; errno says why not.
+[[nodiscard]] bool MakeRaw(int descriptor);
+
 /// Waits for `events` of poll(2) until `deadline`; 0 after the deadline or a signal, else what
 /// came.
 [[nodiscard]] int WaitFor(int descriptor, int events, MonotonicNs deadline);
@@ -53,9 +62,6 @@ class OwnedDescriptor {
 /// answer within 1 ms and not 16 ms); whether it now does. Most drivers but not all know the
 /// setting.
 [[nodiscard]] bool AskForLowLatency(int descriptor);
-
-/// The error of a port that is in use: "is busy (held by minicom, process 123)".
-[[nodiscard]] Error BusyPort(const std::string& name);
 
 /// The error of a port that did not open, by errno, with the remedy for it: absent, no permission,
 /// busy, or anything else.

@@ -165,16 +165,12 @@ Result<void> CheckDescriptor(modbus_t* context, const std::string& name) {
 Result<std::unique_ptr<ModbusLink>> OpenTcp(const std::string& name, const ModbusWire& wire) {
   const NetworkName parts = SplitNetworkName(name);
   Context context(modbus_new_tcp_pi(parts.host.c_str(), parts.service.c_str()));
-  if (auto ready = SetUp(context.get(), wire, name); !ready) {
-    return std::unexpected(ready.error());
-  }
+  HAPTOMETER_TRY(SetUp(context.get(), wire, name));
   if (modbus_connect(context.get()) != 0) {
     return CannotAnswer(name, fmt::format("does not connect: {}", modbus_strerror(errno)),
                         "check that the device is on and that address and port are right");
   }
-  if (auto fits = CheckDescriptor(context.get(), name); !fits) {
-    return std::unexpected(fits.error());
-  }
+  HAPTOMETER_TRY(CheckDescriptor(context.get(), name));
   return std::make_unique<ModbusPort>(
       std::move(context), OwnedDescriptor(-1), name,
       fmt::format("Modbus TCP {} (what is behind it is not known)", name), 0);
@@ -190,18 +186,14 @@ Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const Modbu
   // taken for us alone before its settings change, so that another user is not disturbed
   OwnedDescriptor lock(open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
-  if (auto locked = LockPort(lock.get(), name); !locked) return std::unexpected(locked.error());
+  HAPTOMETER_TRY(LockPort(lock.get(), name));
 
   const char parity = is_virtual ? 'N' : ParityLetter(wire.parity);
   Context context(
       modbus_new_rtu(name.c_str(), wire.baud, parity, 8, is_virtual ? 1 : wire.stop_bits));
-  if (auto ready = SetUp(context.get(), wire, name); !ready) {
-    return std::unexpected(ready.error());
-  }
+  HAPTOMETER_TRY(SetUp(context.get(), wire, name));
   if (modbus_connect(context.get()) != 0) return std::unexpected(PortDoesNotOpen(name, errno));
-  if (auto fits = CheckDescriptor(context.get(), name); !fits) {
-    return std::unexpected(fits.error());
-  }
+  HAPTOMETER_TRY(CheckDescriptor(context.get(), name));
   std::string source = fmt::format("virtual terminal {}, Modbus RTU (not a hardware port)", name);
   std::optional<MonotonicNs> latency_ns;
   if (!is_virtual) {
@@ -230,10 +222,9 @@ Result<std::unique_ptr<ModbusLink>> OpenModbusPort(const std::string& name,
   const bool is_host = !name.empty() && name.find_first_of(":/") == std::string::npos &&
                        !std::filesystem::exists(name, error);
   if (is_host) return OpenTcp(name + ":502", wire);
-  const auto kind = KindOfPort(name);
-  if (!kind) return std::unexpected(kind.error());
-  if (*kind == PortKind::kNetwork) return OpenTcp(name, wire);
-  return OpenRtu(name, wire, *kind == PortKind::kVirtualTerminal);
+  HAPTOMETER_LET(const auto kind, KindOfPort(name));
+  if (kind == PortKind::kNetwork) return OpenTcp(name, wire);
+  return OpenRtu(name, wire, kind == PortKind::kVirtualTerminal);
 }
 
 }  // namespace haptometer::acquire

@@ -27,6 +27,27 @@
 namespace haptometer::acquire {
 namespace {
 
+// what all ports have in common: bytes on a descriptor, which a derived class owns
+class DescriptorPort : public Transport {
+ public:
+  DescriptorPort(int descriptor, std::string name, std::string source)
+      : descriptor_(descriptor), name_(std::move(name)), source_(std::move(source)) {}
+
+  ReadOutcome Read(std::span<char> buffer, MonotonicNs deadline) final {
+    return ReadDescriptor(descriptor_, buffer, deadline);
+  }
+  Result<void> Write(std::string_view bytes, MonotonicNs deadline) override {
+    return WriteDescriptor(descriptor_, bytes, deadline, name_);
+  }
+  std::string Source() const final { return source_; }
+  const std::string& name() const final { return name_; }
+
+ private:
+  int descriptor_;
+  std::string name_;
+  std::string source_;
+};
+
 // 8N1 without flow control
 sp_return Configure(sp_port* port, int baud) {
   for (const sp_return done :
@@ -38,117 +59,64 @@ sp_return Configure(sp_port* port, int baud) {
   return SP_OK;
 }
 
-}  // namespace
-
-struct SerialPort::Handle {
+// libserialport's port, closed and freed with it
+struct SerialHandle {
   OwnedDescriptor lock{-1};  // held before libserialport opens the port, and as long as we have it
   sp_port* port = nullptr;
-  bool open = false;
+  bool is_open = false;
+  int descriptor = -1;  // of the open port
 
-  Handle() = default;
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (open) sp_close(port);
+  SerialHandle() = default;
+  SerialHandle(const SerialHandle&) = delete;
+  SerialHandle& operator=(const SerialHandle&) = delete;
+  ~SerialHandle() {
+    if (descriptor >= 0) ioctl(descriptor, TIOCNXCL);
+    if (is_open) sp_close(port);
     sp_free_port(port);
   }
 };
 
-SerialPort::SerialPort(std::unique_ptr<Handle> handle, std::string name, int baud)
-    : handle_(std::move(handle)), name_(std::move(name)), baud_(baud) {}
+class SerialPort final : public DescriptorPort {
+ public:
+  SerialPort(std::unique_ptr<SerialHandle> handle, std::string name, std::string source,
+             std::string path, std::optional<MonotonicNs> latency_ns)
+      : DescriptorPort(handle->descriptor, std::move(name), std::move(source)),
+        handle_(std::move(handle)),
+        path_(std::move(path)),
+        latency_ns_(latency_ns) {}
 
-SerialPort::~SerialPort() {
-  if (descriptor_ >= 0) ioctl(descriptor_, TIOCNXCL);
-}
-
-Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
-                                                    const std::string& name, int baud) {
-  // open
-  auto handle = std::make_unique<Handle>();
-  if (sp_get_port_by_name(path.c_str(), &handle->port) != SP_OK) {
-    return CannotAnswer(name, "is not a serial port",
-                        "look for the sensor's port with: ls /dev/serial/by-id/");
+  std::optional<MonotonicNs> LatencyTimer() const override { return latency_ns_; }
+  Findings LatencyCost(MonotonicNs period_ns) const override {
+    return latency_ns_ ? LatencyCostOf(path_, *latency_ns_, period_ns) : Findings();
   }
-  // take it for us alone before anything is set: sp_open() changes settings, also another user's
-  handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
-  if (auto locked = LockPort(handle->lock.get(), name); !locked) {
-    return std::unexpected(locked.error());
-  }
-  if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) {
-    return std::unexpected(PortDoesNotOpen(name, sp_last_error_code()));
-  }
-  handle->open = true;
-  int descriptor = -1;
-  sp_get_port_handle(handle->port, &descriptor);
-  ioctl(descriptor, TIOCEXCL);
-  std::unique_ptr<SerialPort> opened(new SerialPort(std::move(handle), name, baud));
-  opened->descriptor_ = descriptor;
 
-  // settings
-  if (Configure(opened->handle_->port, baud) != SP_OK) {
-    return CannotAnswer(name, fmt::format("cannot be set to {} baud 8N1", baud),
-                        "give a <baud> that the port and the sensor have");
-  }
-  opened->low_latency_ = AskForLowLatency(descriptor);
-  opened->path_ = path;
-  opened->latency_ns_ = LatencyTimerNs(path);
-  return opened;
-}
+ private:
+  std::unique_ptr<SerialHandle> handle_;
+  std::string path_;
+  std::optional<MonotonicNs> latency_ns_;  // of the adapter's timer, after the setting
+};
 
-ReadOutcome SerialPort::Read(std::span<char> buffer, MonotonicNs deadline) {
-  return ReadDescriptor(descriptor_, buffer, deadline);
-}
+// a virtual terminal, a socket or a pipe
+class PlainPort : public DescriptorPort {
+ public:
+  PlainPort(OwnedDescriptor descriptor, std::string name, std::string source)
+      : DescriptorPort(descriptor.get(), std::move(name), std::move(source)),
+        owned_(std::move(descriptor)) {}
+  bool IsHardware() const final { return false; }
 
-Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
-  return WriteDescriptor(descriptor_, bytes, deadline, name_);
-}
+ private:
+  OwnedDescriptor owned_;
+};
 
-std::string SerialPort::Source() const {
-  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
-                     LatencyWords(latency_ns_, low_latency_));
-}
-
-Findings SerialPort::LatencyCost(MonotonicNs period_ns) const {
-  return latency_ns_ ? LatencyCostOf(path_, *latency_ns_, period_ns) : Findings();
-}
-
-VirtualTerminal::VirtualTerminal(OwnedDescriptor descriptor, std::string name)
-    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
-
-Result<std::unique_ptr<Transport>> VirtualTerminal::Open(const std::string& path) {
+Result<std::unique_ptr<Transport>> OpenTerminal(const std::string& path) {
   OwnedDescriptor descriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(path, errno));
-  if (auto locked = LockPort(descriptor.get(), path); !locked) {
-    return std::unexpected(locked.error());
-  }
-  // raw: no echo, no line editing, no translation of CR, 8 bits
-  termios settings{};
-  if (tcgetattr(descriptor.get(), &settings) != 0) {
-    return std::unexpected(PortDoesNotOpen(path, errno));
-  }
-  cfmakeraw(&settings);
-  settings.c_cflag |= CLOCAL | CREAD;
-  if (tcsetattr(descriptor.get(), TCSANOW, &settings) != 0) {
-    return std::unexpected(PortDoesNotOpen(path, errno));
-  }
+  HAPTOMETER_TRY(LockPort(descriptor.get(), path));
+  if (!MakeRaw(descriptor.get())) return std::unexpected(PortDoesNotOpen(path, errno));
   tcflush(descriptor.get(), TCIOFLUSH);
-  return std::unique_ptr<Transport>(new VirtualTerminal(std::move(descriptor), path));
+  return std::make_unique<PlainPort>(
+      std::move(descriptor), path, fmt::format("virtual terminal {} (not a hardware port)", path));
 }
-
-ReadOutcome VirtualTerminal::Read(std::span<char> buffer, MonotonicNs deadline) {
-  return ReadDescriptor(descriptor_.get(), buffer, deadline);
-}
-
-Result<void> VirtualTerminal::Write(std::string_view bytes, MonotonicNs deadline) {
-  return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
-}
-
-std::string VirtualTerminal::Source() const {
-  return fmt::format("virtual terminal {} (not a hardware port)", name_);
-}
-
-namespace {
 
 // 0 once connected, else the errno
 int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline) {
@@ -158,7 +126,7 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
   pollfd watched{.fd = descriptor, .events = POLLOUT, .revents = 0};
   const MonotonicNs wait_ns = deadline - clock.Now();
   if (wait_ns <= 0) return ETIMEDOUT;
-  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
+  const timespec timeout = TimespecOf(wait_ns);
   const int ready = ppoll(&watched, 1, &timeout, nullptr);
   if (ready < 0) return errno;
   if (ready == 0) return ETIMEDOUT;
@@ -168,17 +136,11 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
   return error_number;
 }
 
-}  // namespace
-
-TcpStream::TcpStream(OwnedDescriptor descriptor, std::string name)
-    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
-
-Result<std::unique_ptr<Transport>> TcpStream::Connect(const std::string& host,
-                                                      const std::string& service,
-                                                      MonotonicNs timeout_ns) {
+Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::string& service) {
+  constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
   const std::string name = fmt::format("{}:{}", host, service);
   SystemClock clock;
-  const MonotonicNs deadline = clock.Now() + timeout_ns;
+  const MonotonicNs deadline = clock.Now() + kConnectTimeoutNs;
 
   // the host's addresses
   addrinfo hints{};
@@ -200,28 +162,14 @@ Result<std::unique_ptr<Transport>> TcpStream::Connect(const std::string& host,
     if (error_number != 0) continue;
     const int on = 1;
     setsockopt(descriptor.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    return std::unique_ptr<Transport>(new TcpStream(std::move(descriptor), name));
+    return std::make_unique<PlainPort>(
+        std::move(descriptor), name,
+        fmt::format("TCP connection {} (what is behind it is not known)", name));
   }
   return CannotAnswer(
       name, fmt::format("does not connect: {}", std::generic_category().message(error_number)),
       "check that the device is on and that address and port are right");
 }
-
-ReadOutcome TcpStream::Read(std::span<char> buffer, MonotonicNs deadline) {
-  return ReadDescriptor(descriptor_.get(), buffer, deadline);
-}
-
-Result<void> TcpStream::Write(std::string_view bytes, MonotonicNs deadline) {
-  return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
-}
-
-std::string TcpStream::Source() const {
-  return fmt::format("TCP connection {} (what is behind it is not known)", name_);
-}
-
-namespace {
-
-constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
 
 // "host:64000" and "[::1]:64000", but no path
 bool IsNetworkName(const std::string& name) {
@@ -238,6 +186,38 @@ constexpr int kMostPort = 65'535;
 bool IsPseudoTerminal(dev_t device) { return major(device) >= 136 && major(device) <= 143; }
 
 }  // namespace
+
+Result<std::unique_ptr<Transport>> OpenSerialPort(const std::string& path, const std::string& name,
+                                                  int baud) {
+  // open
+  auto handle = std::make_unique<SerialHandle>();
+  if (sp_get_port_by_name(path.c_str(), &handle->port) != SP_OK) {
+    return CannotAnswer(name, "is not a serial port",
+                        "look for the sensor's port with: ls /dev/serial/by-id/");
+  }
+  // take it for us alone before anything is set: sp_open() changes settings, also another user's
+  handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  HAPTOMETER_TRY(LockPort(handle->lock.get(), name));
+  if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) {
+    return std::unexpected(PortDoesNotOpen(name, sp_last_error_code()));
+  }
+  handle->is_open = true;
+  sp_get_port_handle(handle->port, &handle->descriptor);
+  ioctl(handle->descriptor, TIOCEXCL);
+
+  // settings
+  if (Configure(handle->port, baud) != SP_OK) {
+    return CannotAnswer(name, fmt::format("cannot be set to {} baud 8N1", baud),
+                        "give a <baud> that the port and the sensor have");
+  }
+  const bool is_low = AskForLowLatency(handle->descriptor);
+  const auto latency_ns = LatencyTimerNs(path);
+  return std::make_unique<SerialPort>(std::move(handle), name,
+                                      fmt::format("device: serial port {}, {} baud 8N1{}", name,
+                                                  baud, LatencyWords(latency_ns, is_low)),
+                                      path, latency_ns);
+}
 
 NetworkName SplitNetworkName(const std::string& name) {
   const std::size_t colon = name.rfind(':');
@@ -267,17 +247,16 @@ Result<PortKind> KindOfPort(const std::string& name) {
 }
 
 Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
-  const auto kind = KindOfPort(name);
-  if (!kind) return std::unexpected(kind.error());
-  if (*kind == PortKind::kNetwork) {
+  HAPTOMETER_LET(const auto kind, KindOfPort(name));
+  if (kind == PortKind::kNetwork) {
     const NetworkName parts = SplitNetworkName(name);
-    return TcpStream::Connect(parts.host, parts.service, kConnectTimeoutNs);
+    return Connect(parts.host, parts.service);
   }
-  if (*kind == PortKind::kVirtualTerminal) return VirtualTerminal::Open(name);
+  if (kind == PortKind::kVirtualTerminal) return OpenTerminal(name);
   // libserialport knows ports by the kernel's names only, so links are followed first
   const std::unique_ptr<char, decltype(&std::free)> path(realpath(name.c_str(), nullptr),
                                                          &std::free);
-  return SerialPort::Open(path ? path.get() : name, name, baud);
+  return OpenSerialPort(path ? path.get() : name, name, baud);
 }
 
 namespace {
@@ -287,12 +266,17 @@ constexpr const char* kRemedy =
     "pipe samples into it, e.g. my_daq | acquire <sensor> pipe <rate> 10kHz <channels> "
     "displacement:m -o trial.bin";
 
+class InputPipe final : public PlainPort {
+ public:
+  using PlainPort::PlainPort;
+  Result<void> Write(std::string_view /*bytes*/, MonotonicNs /*deadline*/) override {
+    return Failed(name(), "takes no bytes");
+  }
+};
+
 }  // namespace
 
-InputPipe::InputPipe(OwnedDescriptor descriptor, std::string name)
-    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
-
-Result<std::unique_ptr<Transport>> InputPipe::Open(const std::string& path) {
+Result<std::unique_ptr<Transport>> OpenInputPipe(const std::string& path) {
   const bool is_stdin = path.empty() || path == "-";
   const std::string name = is_stdin ? "standard input" : path;
   // a named pipe must not wait here for its writer
@@ -306,17 +290,8 @@ Result<std::unique_ptr<Transport>> InputPipe::Open(const std::string& path) {
     return CannotAnswer(name, "is a directory", kRemedy);
   }
   (void)fcntl(descriptor.get(), F_SETPIPE_SZ, kPipeBytes);
-  return std::unique_ptr<Transport>(new InputPipe(std::move(descriptor), name));
+  return std::make_unique<InputPipe>(std::move(descriptor), name,
+                                     fmt::format("piped in: {}", name));
 }
-
-ReadOutcome InputPipe::Read(std::span<char> buffer, MonotonicNs deadline) {
-  return ReadDescriptor(descriptor_.get(), buffer, deadline);
-}
-
-Result<void> InputPipe::Write(std::string_view /*bytes*/, MonotonicNs /*deadline*/) {
-  return Failed(name_, "takes no bytes");
-}
-
-std::string InputPipe::Source() const { return fmt::format("piped in: {}", name_); }
 
 }  // namespace haptometer::acquire

@@ -133,6 +133,13 @@ TEST(KnownSensors, AreSortedByWhetherTheyAnswerAndThenByReach) {
 // The smallest RMS that may be reported, against its equation and against noise from a generator.
 namespace {
 
+// the equation that SmallestRms is the root of
+double RelativeUncertainty(const NoiseInBand& noise, double rms_m) {
+  const double q = rms_m * rms_m / (noise.rms_m * noise.rms_m);
+  const double noise_parts = 1 + noise.record_s / noise.noise_record_s;
+  return std::sqrt((noise_parts + 2 * q) / (4 * noise.bandwidth_hz * noise.record_s)) / q;
+}
+
 const NoiseInBand kIl030{.rms_m = 6e-6, .bandwidth_hz = 480, .record_s = 10, .noise_record_s = 10};
 
 // worked by hand: B T = 4800; s = 4 * 4800 * 0.1^2 = 192, q = (1 + sqrt(385)) / 192 = 0.107403

@@ -55,8 +55,8 @@ class ScriptedIlUnit {
     if (request == "M0\r\n") {
       std::vector<Answer> answers;
       if (to_m0.empty()) {
-        answers = {
-            {dl_rs1a::FormatM0Reply(std::array{Value{next_um++, 3, trial::SampleStatus::kOk}})}};
+        answers = {{dl::FormatM0Reply(dl_rs1a::Spelling(),
+                                      std::array{Value{next_um++, 3, trial::SampleStatus::kOk}})}};
       } else {
         answers = to_m0.front();
         to_m0.pop_front();

@@ -72,7 +72,7 @@ Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clo
   }
   auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);
   if (!channels) return std::unexpected(channels.error());
-  auto pipe = acquire::InputPipe::Open(wanted.port);
+  auto pipe = acquire::OpenInputPipe(wanted.port);
   if (!pipe) return std::unexpected(pipe.error());
   acquire::PipeSetup setup{
       .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(*channels)};

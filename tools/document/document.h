@@ -61,8 +61,8 @@ using AnyValue =
 struct Value : AnyValue {
   Value() = default;
   template <typename T>
-  requires(std::constructible_from<AnyValue, T> && !std::integral<T>) Value(T value)
-      : AnyValue(std::move(value)) {}
+    requires(std::constructible_from<AnyValue, T> && !std::integral<T>)
+  Value(T value) : AnyValue(std::move(value)) {}
   Value(bool yes) : AnyValue(yes) {}
   Value(std::integral auto count) : AnyValue(static_cast<std::int64_t>(count)) {}
   Value(std::string_view text) : AnyValue(std::string(text)) {}

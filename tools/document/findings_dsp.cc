@@ -85,11 +85,13 @@ constexpr auto kRows = std::to_array<Row>({
     {kTimesTooUneven,
      {"times-too-uneven",
       "the times of its readings scatter by {jitter_s} about a grid of {grid_s}, up to "
-      "{largest_jitter_s}: dropped readings cannot be distinguished from late ones: record with a clocked "
+      "{largest_jitter_s}: dropped readings cannot be distinguished from late ones: record with a "
+      "clocked "
       "source"}},
     {kReadingsTooFarApart,
      {"readings-too-far-apart",
-      "its readings at non-uniform times are too far apart for motion at {upper_hz}: {readings_per_s}: "
+      "its readings at non-uniform times are too far apart for motion at {upper_hz}: "
+      "{readings_per_s}: "
       "choose a lower band, or record with a clocked source"}},
     {kRegularGrid,
      {"regular-grid",

@@ -11,8 +11,6 @@
 namespace haptometer::trial {
 namespace {
 
-constexpr std::size_t kPieceBytes = 1U << 16;
-
 // which status columns are needed
 enum class StatusColumns : std::uint8_t { kNone, kOne, kOneAChannel };
 
@@ -96,17 +94,26 @@ void AppendRow(const Record& record, std::size_t row, StatusColumns status_colum
 
 }  // namespace
 
+Result<void> WriteInPieces(std::string bytes, std::size_t rows,
+                           const std::function<void(std::size_t row, std::string* bytes)>& append,
+                           const PieceSink& sink) {
+  constexpr std::size_t kPieceBytes = 1U << 16;
+  for (std::size_t row = 0; row < rows; ++row) {
+    append(row, &bytes);
+    if (bytes.size() < kPieceBytes) continue;
+    HAPTOMETER_TRY(sink(bytes));
+    bytes.clear();
+  }
+  return sink(bytes);
+}
+
 Result<void> WriteCsv(const Record& record, const PieceSink& sink) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
   const StatusColumns status_columns = StatusColumnsOf(record);
-  std::string text = Head(record, status_columns);
-  for (std::size_t row = 0; row < record.rows; ++row) {
-    AppendRow(record, row, status_columns, &text);
-    if (text.size() < kPieceBytes) continue;
-    if (auto done = sink(text); !done) return done;
-    text.clear();
-  }
-  return sink(text);
+  return WriteInPieces(
+      Head(record, status_columns), record.rows,
+      [&](std::size_t row, std::string* text) { AppendRow(record, row, status_columns, text); },
+      sink);
 }
 
 }  // namespace haptometer::trial

@@ -4,8 +4,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
+#include "trial/hdf5_id.h"
 #include "trial/record.h"
 #include "trial/trial_reader.h"
 
@@ -13,6 +15,11 @@ namespace haptometer::trial {
 
 /// Takes the next piece of an export, text or bytes; an error ends the export.
 using PieceSink = std::function<Result<void>(std::string_view)>;
+
+/// Hands `bytes` and what `append` adds to them for each of `rows` rows to `sink`, in pieces.
+[[nodiscard]] Result<void> WriteInPieces(
+    std::string bytes, std::size_t rows,
+    const std::function<void(std::size_t row, std::string* bytes)>& append, const PieceSink& sink);
 
 /// What every export calls `time_s`: when row `row` of `record` was measured, in seconds, as well
 /// as that is known. On the clean time base, but for readings whose own times are known and lie on
@@ -100,10 +107,6 @@ class Hdf5Writer {
   /// made.
   [[nodiscard]] static Result<Hdf5Writer> Create(const std::string& path);
 
-  Hdf5Writer(Hdf5Writer&&) noexcept;
-  Hdf5Writer& operator=(Hdf5Writer&&) noexcept;
-  ~Hdf5Writer();
-
   /// Adds `recording` as the group `name`, which may hold no '/' and must be new. `raw`: a reader
   /// at the beginning of the trial.bin that it comes from, or nullptr. `say`: a line for each of
   /// its losses and findings; empty: without them.
@@ -116,9 +119,9 @@ class Hdf5Writer {
   [[nodiscard]] Result<void> Close();
 
  private:
-  struct State;
-  explicit Hdf5Writer(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Hdf5Writer(Hdf5Id file) : file_(std::move(file)) {}
+
+  Hdf5Id file_;
 };
 
 }  // namespace haptometer::trial

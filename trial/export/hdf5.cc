@@ -88,10 +88,6 @@ struct RawColumn {
   Hdf5Id dataset;
 };
 
-void AppendNumber(std::int64_t number, std::string* bytes) {
-  bytes->append(reinterpret_cast<const char*>(&number), sizeof number);
-}
-
 // the columns of a trial of `rows` rows, not yet written
 class RawColumns {
  public:
@@ -100,17 +96,17 @@ class RawColumns {
   Result<void> AddTimes(Timing timing) {
     if (timing == Timing::kUniform) {
       return Add("index", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
-        AppendNumber(chunk.first_index() + static_cast<std::int64_t>(row), bytes);
+        AppendLittleEndian(chunk.first_index() + static_cast<std::int64_t>(row), bytes);
       });
     }
     const bool is_polled = timing == Timing::kPolled;
     auto done = Add(is_polled ? "request_ns" : "time_ns", H5T_STD_I64LE,
                     [](const Chunk& chunk, std::size_t row, auto* bytes) {
-                      AppendNumber(chunk.TimeNs(row), bytes);
+                      AppendLittleEndian(chunk.TimeNs(row), bytes);
                     });
     if (!done || !is_polled) return done;
     return Add("reply_ns", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
-      AppendNumber(chunk.ReplyNs(row), bytes);
+      AppendLittleEndian(chunk.ReplyNs(row), bytes);
     });
   }
 
@@ -184,14 +180,13 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
   }
   hsize_t written = 0;
   while (done && written < rows) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) {
+    HAPTOMETER_LET(const auto chunk, reader->Next());
+    if (chunk == nullptr) {
       return CannotAnswer("", "has fewer rows than when it was opened",
                           "export it when nothing writes to it");
     }
-    done = columns.Write(written, **chunk);
-    written += std::min<hsize_t>((*chunk)->rows(), rows - written);
+    done = columns.Write(written, *chunk);
+    written += std::min<hsize_t>(chunk->rows(), rows - written);
   }
   if (!done) return done;
   return columns.Close();
@@ -248,27 +243,18 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
 
 }  // namespace
 
-struct Hdf5Writer::State {
-  Hdf5Id file;
-};
-
-Hdf5Writer::Hdf5Writer(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Hdf5Writer::Hdf5Writer(Hdf5Writer&&) noexcept = default;
-Hdf5Writer& Hdf5Writer::operator=(Hdf5Writer&&) noexcept = default;
-Hdf5Writer::~Hdf5Writer() = default;
-
 Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
   // errors are told by us, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) return NotWritten();
-  return Hdf5Writer(std::make_unique<State>(State{std::move(file)}));
+  return Hdf5Writer(std::move(file));
 }
 
 Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording, TrialReader* raw,
                              const FindingSayer& say) {
-  const Hdf5Id group(
-      H5Gcreate2(state_->file.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Hdf5Id group(H5Gcreate2(file_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
   if (!group.ok()) return NotWritten();
   const Record& record = recording.record;
   const std::vector<std::string> columns = CsvColumnNames(record.channels);
@@ -283,8 +269,8 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
 
 Result<void> Hdf5Writer::Close() {
   // flushed first: a close that fails leaves nothing to say
-  const bool is_flushed = H5Fflush(state_->file.id(), H5F_SCOPE_LOCAL) >= 0;
-  if (!state_->file.Close() || !is_flushed) return NotWritten();
+  const bool is_flushed = H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0;
+  if (!file_.Close() || !is_flushed) return NotWritten();
   return {};
 }
 

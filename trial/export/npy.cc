@@ -11,8 +11,6 @@
 namespace haptometer::trial {
 namespace {
 
-constexpr std::size_t kPieceBytes = 1U << 16;
-
 // the Python dictionary that says what follows
 std::string Dictionary(const Record& record) {
   std::string fields = "('time_s', '<f8'), ";
@@ -46,18 +44,14 @@ std::string Head(const Record& record) {
 
 Result<void> WriteNpy(const Record& record, const PieceSink& sink) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
-  std::string bytes = Head(record);
-  for (std::size_t row = 0; row < record.rows; ++row) {
-    AppendLittleEndian(ExportedTimeOf(record, row), &bytes);
+  const auto append = [&](std::size_t row, std::string* bytes) {
+    AppendLittleEndian(ExportedTimeOf(record, row), bytes);
     for (const Channel& channel : record.channels) {
-      AppendLittleEndian(channel.values[row], &bytes);
-      AppendLittleEndian(static_cast<std::uint8_t>(channel.statuses[row]), &bytes);
+      AppendLittleEndian(channel.values[row], bytes);
+      AppendLittleEndian(static_cast<std::uint8_t>(channel.statuses[row]), bytes);
     }
-    if (bytes.size() < kPieceBytes) continue;
-    if (auto done = sink(bytes); !done) return done;
-    bytes.clear();
-  }
-  return sink(bytes);
+  };
+  return WriteInPieces(Head(record), record.rows, append, sink);
 }
 
 }  // namespace haptometer::trial

@@ -12,7 +12,6 @@
 namespace haptometer::trial {
 namespace {
 
-constexpr std::size_t kPieceBytes = 1U << 16;
 constexpr const char* kOtherFormats = "export it as .npy, .h5 or .csv, which keep what there is";
 
 // the largest deviation of a rate from a whole number that is only stated: 0.1 Hz at 1 kHz, far
@@ -128,24 +127,19 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
 }  // namespace
 
 Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
-  if (auto fits = CheckRoom(record); !fits) return std::unexpected(fits.error());
-  const auto rate_hz = RateOf(record);
-  if (!rate_hz) return std::unexpected(rate_hz.error());
-  if (auto measured = CheckMeasured(record); !measured) return std::unexpected(measured.error());
+  HAPTOMETER_TRY(CheckRoom(record));
+  HAPTOMETER_LET(const auto rate_hz, RateOf(record));
+  HAPTOMETER_TRY(CheckMeasured(record));
   std::vector<double> offsets;
   offsets.reserve(record.channels.size());
   for (const Channel& channel : record.channels) offsets.push_back(MeanOf(channel.values));
-  std::string comment = Comment(record, offsets, *rate_hz);
-  std::string bytes = Head(record, *rate_hz, comment);
-  for (std::size_t row = 0; row < record.rows; ++row) {
+  std::string comment = Comment(record, offsets, rate_hz);
+  const auto append = [&](std::size_t row, std::string* bytes) {
     for (std::size_t c = 0; c < offsets.size(); ++c) {
-      AppendLittleEndian(record.channels[c].values[row] - offsets[c], &bytes);
+      AppendLittleEndian(record.channels[c].values[row] - offsets[c], bytes);
     }
-    if (bytes.size() < kPieceBytes) continue;
-    if (auto done = sink(bytes); !done) return std::unexpected(done.error());
-    bytes.clear();
-  }
-  if (auto done = sink(bytes); !done) return std::unexpected(done.error());
+  };
+  HAPTOMETER_TRY(WriteInPieces(Head(record, rate_hz, comment), record.rows, append, sink));
   return comment;
 }
 

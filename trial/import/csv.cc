@@ -21,16 +21,58 @@
 
 namespace haptometer::trial {
 
-/// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
-/// where their counts differ.
-void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
-                         Findings& findings);
-
-/// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
-/// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
-[[nodiscard]] std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except);
-
 namespace {
+
+constexpr std::size_t kRows = 8;
+constexpr double kEven = 0.05;
+
+bool GrowsEvenly(const std::vector<double>& values) {
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  if (!(step > 0)) return false;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (!(std::abs(values[k] - values[k - 1] - step) <= kEven * step)) return false;
+  }
+  return true;
+}
+
+// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
+// where their counts differ.
+void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
+                         Findings& findings) {
+  if (said.size() != read.size()) return;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
+    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
+    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
+                                                 {"file_factor", said[i].factor},
+                                                 {"file_unit", said[i].unit},
+                                                 {"given_factor", read[i].factor},
+                                                 {"given_unit", read[i].unit}});
+  }
+}
+
+// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
+// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
+std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {
+  std::vector<std::vector<double>> columns;
+  std::size_t count = 0;
+  for (; count < kRows && !rows.empty(); ++count) {
+    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
+    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
+    rows.remove_prefix(end + 1);
+    if (columns.empty()) columns.resize(cells.size());
+    if (cells.size() != columns.size()) return 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      columns[i].push_back(
+          ReadNumberWithComma(cells[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+  }
+  if (count < kRows) return 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i + 1 != except && GrowsEvenly(columns[i])) return i + 1;
+  }
+  return 0;
+}
 
 bool IsOurTime(std::string_view cell) {
   const auto column = ReadCsvColumn(cell, "");
@@ -64,13 +106,12 @@ class Parser {
   }
 
   Result<Record> Parse() {
-    if (auto bounded = CheckLines(whole_, name_); !bounded) return std::unexpected(bounded.error());
-    if (auto done = JoinBlocks(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(CheckLines(whole_, name_));
+    HAPTOMETER_TRY(JoinBlocks());
     while (NextLine()) {
-      const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
-                        : rows_.has_begun()    ? TakeRow()
-                                               : ReadHeaderLine();
-      if (!done) return std::unexpected(done.error());
+      HAPTOMETER_TRY(line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
+                     : rows_.has_begun()    ? TakeRow()
+                                            : ReadHeaderLine());
     }
     auto record = Complete();
     if (record) FindContradictedRate(*record, findings_);
@@ -80,10 +121,9 @@ class Parser {
  private:
   Result<void> JoinBlocks() {
     if (options_.format.value_or(FindTableFormat(whole_)) != TableFormat::kHantek) return {};
-    auto joined = JoinHantekBlocks(whole_, name_);
-    if (!joined) return std::unexpected(joined.error());
-    if (!*joined) return {};
-    storage_ = std::move(**joined);
+    HAPTOMETER_LET(auto joined, JoinHantekBlocks(whole_, name_));
+    if (!joined) return {};
+    storage_ = std::move(*joined);
     whole_ = rest_ = storage_;
     return {};
   }
@@ -109,20 +149,18 @@ class Parser {
     const bool is_told = !options_.columns.empty() || options_.rate_hz || options_.scale_m ||
                          options_.scale_v || options_.format || options_.segment;
     if (is_told || std::ranges::none_of(header.cells, IsOurTime)) {
-      auto table = FindForeignTable(whole_, name_, options_);
-      if (!table) return std::unexpected(table.error());
-      if (*table) {
-        if (auto done = ReadCommentsTo(**table); !done) return done;
-        NoteOverridden((*table)->columns);
-        Begin(std::move(**table));
+      HAPTOMETER_LET(auto table, FindForeignTable(whole_, name_, options_));
+      if (table) {
+        HAPTOMETER_TRY(ReadCommentsTo(*table));
+        NoteOverridden(table->columns);
+        Begin(std::move(*table));
         return {};
       }
     }
-    auto columns = ReadCsvColumns(header.cells, name_);
-    if (!columns) return std::unexpected(columns.error());
-    NameChannels(&*columns);
-    if (auto done = KeepChannel(options_, name_, &*columns); !done) return done;
-    BeginRows({.separator = header.separator, .columns = std::move(*columns)});
+    HAPTOMETER_LET(auto columns, ReadCsvColumns(header.cells, name_));
+    NameChannels(&columns);
+    HAPTOMETER_TRY(KeepChannel(options_, name_, &columns));
+    BeginRows({.separator = header.separator, .columns = std::move(columns)});
     return {};
   }
 
@@ -154,7 +192,7 @@ class Parser {
   Result<void> ReadCommentsTo(const ForeignTable& table) {
     while (line_number_ < table.line && NextLine() && line_number_ <= table.line) {
       if (!line_.starts_with('#')) continue;
-      if (auto done = ReadCsvComment(line_, Here(), &comments_); !done) return done;
+      HAPTOMETER_TRY(ReadCsvComment(line_, Here(), &comments_));
     }
     return {};
   }
@@ -222,10 +260,10 @@ class Parser {
     record_.channels = std::move(rows_.channels());
     record_.metadata = std::move(comments_.metadata);
     if (record_.metadata.source.empty()) record_.metadata.source = "imported";
-    if (auto agreed = rows_.CheckCommas(); !agreed) return std::unexpected(agreed.error());
+    HAPTOMETER_TRY(rows_.CheckCommas());
     SetChannelKeys();
-    if (auto done = SetTimes(); !done) return std::unexpected(done.error());
-    if (auto agreed = CheckRate(); !agreed) return std::unexpected(agreed.error());
+    HAPTOMETER_TRY(SetTimes());
+    HAPTOMETER_TRY(CheckRate());
     if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     return std::move(record_);
   }
@@ -306,57 +344,6 @@ Result<Record> ParseCsv(std::string_view text, const std::string& name,
                         const ImportOptions& options, Findings* findings) {
   Findings ignored;
   return Parser(text, name, options, findings != nullptr ? findings : &ignored).Parse();
-}
-
-namespace {
-
-constexpr std::size_t kRows = 8;
-constexpr double kEven = 0.05;
-
-bool GrowsEvenly(const std::vector<double>& values) {
-  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
-  if (!(step > 0)) return false;
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    if (!(std::abs(values[k] - values[k - 1] - step) <= kEven * step)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
-                         Findings& findings) {
-  if (said.size() != read.size()) return;
-  for (std::size_t i = 0; i < read.size(); ++i) {
-    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
-    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
-    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
-                                                 {"file_factor", said[i].factor},
-                                                 {"file_unit", said[i].unit},
-                                                 {"given_factor", read[i].factor},
-                                                 {"given_unit", read[i].unit}});
-  }
-}
-
-std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {
-  std::vector<std::vector<double>> columns;
-  std::size_t count = 0;
-  for (; count < kRows && !rows.empty(); ++count) {
-    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
-    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
-    rows.remove_prefix(end + 1);
-    if (columns.empty()) columns.resize(cells.size());
-    if (cells.size() != columns.size()) return 0;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      columns[i].push_back(
-          ReadNumberWithComma(cells[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
-    }
-  }
-  if (count < kRows) return 0;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (i + 1 != except && GrowsEvenly(columns[i])) return i + 1;
-  }
-  return 0;
 }
 
 }  // namespace haptometer::trial

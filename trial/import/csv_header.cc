@@ -120,9 +120,8 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
                                               const std::string& where) {
   std::vector<CsvColumn> columns;
   for (const std::string_view cell : cells) {
-    auto column = ReadCsvColumn(cell, where);
-    if (!column) return std::unexpected(column.error());
-    columns.push_back(std::move(*column));
+    HAPTOMETER_LET(auto column, ReadCsvColumn(cell, where));
+    columns.push_back(std::move(column));
   }
   const auto times = std::ranges::count(columns, CsvColumnKind::kTime, &CsvColumn::kind);
   const auto values = std::ranges::count(columns, CsvColumnKind::kValue, &CsvColumn::kind);
@@ -259,9 +258,8 @@ Result<void> ReadCsvComment(std::string_view line, const std::string& where,
     metadata.*member = value;
     return {};
   }
-  const auto taken = TakeNumber(key, value, where, &metadata);
-  if (!taken) return std::unexpected(taken.error());
-  if (*taken || TakeLayout(key, value, comments)) return {};
+  HAPTOMETER_LET(const auto taken, TakeNumber(key, value, where, &metadata));
+  if (taken || TakeLayout(key, value, comments)) return {};
   if (key == "note") {
     metadata.notes.emplace_back(value);
   } else if (key.starts_with(kLabelPrefix)) {

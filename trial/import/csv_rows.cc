@@ -39,11 +39,7 @@ void CsvRows::Begin(Layout layout) {
     if (column.kind == CsvColumnKind::kStatus) has_status_ = true;
     if (column.kind == CsvColumnKind::kTime) has_times_ = true;
     if (column.kind != CsvColumnKind::kValue) continue;
-    Channel channel;
-    channel.name = column.name;
-    channel.role = column.role;
-    channel.unit = column.unit;
-    channels_.push_back(std::move(channel));
+    channels_.push_back({.name = column.name, .role = column.role, .unit = column.unit});
   }
   segments_.emplace_back();
 }
@@ -65,7 +61,7 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
     empty_line_ = line_number;
     return {};
   }
-  if (auto done = CheckWidth(); !done) return done;
+  HAPTOMETER_TRY(CheckWidth());
   std::size_t channel = 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
@@ -84,7 +80,7 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
 }
 
 Result<void> CsvRows::CheckWidth() {
-  if (auto done = CheckEmptyRow(); !done) return done;
+  HAPTOMETER_TRY(CheckEmptyRow());
   const auto& columns = layout_.columns;
   // some programs end every line with a separator, or only some
   while (layout_.is_foreign && cells_.size() > columns.size() && cells_.back().empty()) {

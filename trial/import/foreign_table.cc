@@ -207,17 +207,12 @@ class Finder {
     for (const TableKey& key : is_beside ? beginning->keys : std::vector<TableKey>{}) {
       table_.fields["table." + std::string(key.key)] = key.values[0];
     }
-    auto read = ReadColumns(*beginning);
-    if (!read) return std::unexpected(read.error());
+    HAPTOMETER_LET(auto read, ReadColumns(*beginning));
     NumberChannels(&table_.columns);
-    KeepWords(*beginning, *read, &table_);
-    if (auto done = AddInstrumentWords(*beginning, name_, &table_); !done) {
-      return std::unexpected(done.error());
-    }
-    if (auto done = KeepChannel(options_, name_, &table_.columns); !done) {
-      return std::unexpected(done.error());
-    }
-    if (auto done = Check(); !done) return std::unexpected(done.error());
+    KeepWords(*beginning, read, &table_);
+    HAPTOMETER_TRY(AddInstrumentWords(*beginning, name_, &table_));
+    HAPTOMETER_TRY(KeepChannel(options_, name_, &table_.columns));
+    HAPTOMETER_TRY(Check());
     return std::move(table_);
   }
 
@@ -238,9 +233,8 @@ class Finder {
 
   // columns and clock; how many lines above were used for it
   Result<std::size_t> ReadColumns(const TableBeginning& beginning) {
-    auto clock = FindStatedClock(beginning.keys, name_);
-    if (!clock) return std::unexpected(clock.error());
-    table_.clock = std::move(*clock);
+    HAPTOMETER_LET(auto clock, FindStatedClock(beginning.keys, name_));
+    table_.clock = std::move(clock);
     table_.stated_rows = FindStatedRows(beginning.keys);
     if (options_.columns.empty() && table_.format == TableFormat::kTektronixTds) {
       table_.columns = SideColumns(beginning);
@@ -249,11 +243,11 @@ class Finder {
     if (options_.columns.empty() && table_.format == TableFormat::kRigolSequence) {
       return ReadSequence(beginning, name_, &table_);
     }
-    auto named = ReadNamedColumns(beginning, {table_.format, table_.clock}, name_, options_);
-    if (!named) return std::unexpected(named.error());
-    table_.columns = std::move(named->columns);
-    table_.findings = std::move(named->findings);
-    return named->lines_used;
+    HAPTOMETER_LET(auto named,
+                   ReadNamedColumns(beginning, {table_.format, table_.clock}, name_, options_));
+    table_.columns = std::move(named.columns);
+    table_.findings = std::move(named.findings);
+    return named.lines_used;
   }
 
   // what holds for any source of the names
@@ -317,9 +311,7 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
 }
 
 Result<void> ApplyScales(const ImportOptions& options, std::vector<CsvColumn>* columns) {
-  if (auto done = ApplyScale(options.scale_m, ChannelRole::kDisplacement, columns); !done) {
-    return done;
-  }
+  HAPTOMETER_TRY(ApplyScale(options.scale_m, ChannelRole::kDisplacement, columns));
   return ApplyScale(options.scale_v, ChannelRole::kVoltage, columns);
 }
 

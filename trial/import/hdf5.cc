@@ -200,11 +200,10 @@ bool Covers(const std::vector<Stretch>& stretches, std::size_t rows) {
 }
 
 Result<void> ReadTimes(const Group& group, Record* record) {
-  const auto numbers = group.Doubles(hdf5::kStretches, hdf5::kStretchNumbers);
-  if (!numbers) return std::unexpected(numbers.error());
+  HAPTOMETER_LET(const auto numbers, group.Doubles(hdf5::kStretches, hdf5::kStretchNumbers));
   constexpr double kMostRows = kMostNumbers;
-  for (std::size_t i = 0; i < numbers->size(); i += hdf5::kStretchNumbers) {
-    const double* n = numbers->data() + i;
+  for (std::size_t i = 0; i < numbers.size(); i += hdf5::kStretchNumbers) {
+    const double* n = numbers.data() + i;
     const bool is_count = n[0] >= 0 && n[0] <= kMostRows && n[1] >= 0 && n[1] <= kMostRows;
     if (!is_count) return group.Wrong(hdf5::kStretches, "do not describe its rows");
     record->stretches.push_back({.first_row = static_cast<std::size_t>(n[0]),
@@ -217,76 +216,68 @@ Result<void> ReadTimes(const Group& group, Record* record) {
     return group.Wrong(hdf5::kStretches, "do not describe its rows");
   }
   if (!group.Has(hdf5::kRawTimes)) return {};
-  auto raw = group.Doubles(hdf5::kRawTimes);
-  if (!raw) return std::unexpected(raw.error());
-  if (raw->size() != record->rows) return group.Wrong(hdf5::kRawTimes, "has another length");
-  record->raw_times_s = std::move(*raw);
+  HAPTOMETER_LET(auto raw, group.Doubles(hdf5::kRawTimes));
+  if (raw.size() != record->rows) return group.Wrong(hdf5::kRawTimes, "has another length");
+  record->raw_times_s = std::move(raw);
   record->times_are_known = group.Flag(hdf5::kTimesAreKnown);
   return {};
 }
 
 Result<void> ReadChannel(const Group& group, const std::string& column, std::size_t rows,
                          Channel* channel) {
-  auto values = group.Doubles(column);
-  if (!values) return std::unexpected(values.error());
+  HAPTOMETER_LET(auto values, group.Doubles(column));
   const std::string status_name = hdf5::StatusName(column);
-  const auto statuses = group.Numbers<std::uint8_t>(status_name, H5T_NATIVE_UINT8, H5T_INTEGER);
-  if (!statuses) return std::unexpected(statuses.error());
-  if (values->size() != rows) return group.Wrong(column, "has another length");
-  if (statuses->size() != rows) return group.Wrong(status_name, "has another length");
+  HAPTOMETER_LET(const auto statuses,
+                 group.Numbers<std::uint8_t>(status_name, H5T_NATIVE_UINT8, H5T_INTEGER));
+  if (values.size() != rows) return group.Wrong(column, "has another length");
+  if (statuses.size() != rows) return group.Wrong(status_name, "has another length");
   for (std::size_t row = 0; row < rows; ++row) {
-    if ((*statuses)[row] >= kSampleStatusCount) return group.Wrong(status_name, "is none");
-    const auto status = static_cast<SampleStatus>((*statuses)[row]);
+    if (statuses[row] >= kSampleStatusCount) return group.Wrong(status_name, "is none");
+    const auto status = static_cast<SampleStatus>(statuses[row]);
     channel->statuses.push_back(status);
     // a number beside a status that is none is not kept, as everywhere
-    if (!IsMeasurement(status)) (*values)[row] = std::numeric_limits<double>::quiet_NaN();
+    if (!IsMeasurement(status)) values[row] = std::numeric_limits<double>::quiet_NaN();
   }
-  channel->values = std::move(*values);
+  channel->values = std::move(values);
   return {};
 }
 
 Result<Record> ReadRecordOf(const Group& group) {
-  const auto json = group.Text(hdf5::kHeader);
-  if (!json) return std::unexpected(json.error());
-  const auto header = HeaderFromJson(*json);
+  HAPTOMETER_LET(const auto json, group.Text(hdf5::kHeader));
+  const auto header = HeaderFromJson(json);
   if (!header) return group.Wrong(hdf5::kHeader, "is not a trial's header");
-  const auto times_s = group.Doubles(hdf5::kTimes);
-  if (!times_s) return std::unexpected(times_s.error());
+  HAPTOMETER_LET(const auto times_s, group.Doubles(hdf5::kTimes));
   Record record;
-  record.rows = times_s->size();
+  record.rows = times_s.size();
   record.timing = header->timing;
   record.metadata = header->metadata;
-  if (auto done = ReadTimes(group, &record); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(ReadTimes(group, &record));
   for (const ChannelFormat& format : header->channels) record.channels.push_back(ChannelOf(format));
   const std::vector<std::string> columns = CsvColumnNames(record.channels);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    auto done = ReadChannel(group, columns[c], record.rows, &record.channels[c]);
-    if (!done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(ReadChannel(group, columns[c], record.rows, &record.channels[c]));
   }
   return record;
 }
 
 Result<Recording> ReadGroup(const Group& group) {
-  auto record = ReadRecordOf(group);
-  if (!record) return std::unexpected(record.error());
-  Recording recording{.record = std::move(*record), .report = {}};
+  HAPTOMETER_LET(auto record, ReadRecordOf(group));
+  Recording recording{.record = std::move(record), .report = {}};
   ReadReport& report = recording.report;
   report.kind = FileKind::kHdf5;
   report.closed = group.Flag(hdf5::kClosed);
   report.rows = report.next_row = recording.record.rows;
   if (group.Has(hdf5::kEvents)) {
-    const auto events = group.Text(hdf5::kEvents);
-    if (!events) return std::unexpected(events.error());
-    for (const std::string& line : Lines(*events)) {
+    HAPTOMETER_LET(const auto events, group.Text(hdf5::kEvents));
+    for (const std::string& line : Lines(events)) {
       const auto event = EventFromJson(line);
       if (!event) return group.Wrong(hdf5::kEvents, "hold a line that is none");
       report.events.push_back(*event);
     }
   }
   if (group.Has(hdf5::kRemarks)) {
-    const auto remarks = group.Text(hdf5::kRemarks);
-    if (!remarks) return std::unexpected(remarks.error());
-    for (std::string& line : Lines(*remarks)) {
+    HAPTOMETER_LET(const auto remarks, group.Text(hdf5::kRemarks));
+    for (std::string& line : Lines(remarks)) {
       report.findings.Note(FindingKind::kNotedAtExport, {{"text", std::move(line)}});
     }
   }
@@ -303,11 +294,10 @@ Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
   if (!file.ok()) {
     return CannotAnswer(path, "is a damaged HDF5 file, or is still being written", kRemedy);
   }
-  const auto chosen = Choose(file, path, name);
-  if (!chosen) return std::unexpected(chosen.error());
-  Hdf5Id group(H5Gopen2(file.id(), chosen->c_str(), H5P_DEFAULT), H5Gclose);
+  HAPTOMETER_LET(const auto chosen, Choose(file, path, name));
+  Hdf5Id group(H5Gopen2(file.id(), chosen.c_str(), H5P_DEFAULT), H5Gclose);
   if (!group.ok()) return CannotAnswer(path, "holds a trial that cannot be opened", kRemedy);
-  return ReadGroup(Group(std::move(group), fmt::format("{}/{}", path, *chosen)));
+  return ReadGroup(Group(std::move(group), fmt::format("{}/{}", path, chosen)));
 }
 
 }  // namespace haptometer::trial

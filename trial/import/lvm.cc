@@ -54,13 +54,12 @@ class Parser {
       : rest_(text), name_(name), options_(options), findings_(*findings) {}
 
   Result<Record> Parse() {
-    if (auto bounded = CheckLines(rest_, name_); !bounded) return std::unexpected(bounded.error());
-    if (auto done = ReadFileHeader(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(CheckLines(rest_, name_));
+    HAPTOMETER_TRY(ReadFileHeader());
     while (NextLine()) {
-      const auto done = BeginsSegment() ? ReadSegmentHeader() : ReadDataLine();
-      if (!done) return std::unexpected(done.error());
+      HAPTOMETER_TRY(BeginsSegment() ? ReadSegmentHeader() : ReadDataLine());
     }
-    if (auto done = FinishSegment(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(FinishSegment());
     return Complete();
   }
 
@@ -122,7 +121,7 @@ class Parser {
       const std::string_view second = rest_.substr(0, rest_.find('\n'));
       if (second.find(',') != std::string_view::npos) separator_ = ',';
     }
-    if (auto done = ReadKeys(&file_keys_); !done) return done;
+    HAPTOMETER_TRY(ReadKeys(&file_keys_));
     const std::string decimal = ValueOf(file_keys_, "Decimal_Separator");
     decimal_comma_ = decimal.empty() ? separator_ != ',' : decimal == ",";
     const std::string x_columns = LowerCase(ValueOf(file_keys_, "X_Columns"));
@@ -137,11 +136,11 @@ class Parser {
   }
 
   Result<void> ReadSegmentHeader() {
-    if (auto done = FinishSegment(); !done) return done;
+    HAPTOMETER_TRY(FinishSegment());
     segment_ = {};
     segment_.rows.first_row = record_.rows;
     is_in_data_ = false;
-    if (auto done = ReadKeys(&segment_.keys); !done) return done;
+    HAPTOMETER_TRY(ReadKeys(&segment_.keys));
     const std::string dimension = ValueOf(segment_.keys, "X_Dimension");
     if (!dimension.empty() && LowerCase(dimension) != "time") {
       return CannotAnswer(Here(), fmt::format("its X is not a time: X_Dimension is {}", dimension),
@@ -199,17 +198,13 @@ class Parser {
       }
       columns_.push_back(std::move(column));
     }
-    if (auto done = TakeToldColumns(); !done) return done;
+    HAPTOMETER_TRY(TakeToldColumns());
     NumberChannels(&columns_);
-    if (auto done = KeepChannel(options_, name_, &columns_); !done) return done;
-    if (auto done = ApplyScales(options_, &columns_); !done) return done;
+    HAPTOMETER_TRY(KeepChannel(options_, name_, &columns_));
+    HAPTOMETER_TRY(ApplyScales(options_, &columns_));
     for (const CsvColumn& column : columns_) {
       if (column.kind != CsvColumnKind::kValue) continue;
-      Channel channel;
-      channel.name = column.name;
-      channel.role = column.role;
-      channel.unit = column.unit;
-      record_.channels.push_back(std::move(channel));
+      record_.channels.push_back({.name = column.name, .role = column.role, .unit = column.unit});
     }
     if (record_.channels.empty()) return CannotAnswer(name_, "no column is left", "say <columns>");
     return {};
@@ -228,12 +223,11 @@ class Parser {
           "name each from the left, - for one to leave out");
     }
     for (std::size_t i = 0; i < told; ++i) {
-      auto column = ReadToldColumn(options_.columns[i], options_);
-      if (!column) return std::unexpected(column.error());
+      HAPTOMETER_LET(auto column, ReadToldColumn(options_.columns[i], options_));
       const bool is_x = has_x && i == 0;
-      const bool is_left_out = column->kind == CsvColumnKind::kLeftOut;
-      if (is_x ? !is_left_out && column->kind != CsvColumnKind::kTime
-               : !is_left_out && column->kind != CsvColumnKind::kValue) {
+      const bool is_left_out = column.kind == CsvColumnKind::kLeftOut;
+      if (is_x ? !is_left_out && column.kind != CsvColumnKind::kTime
+               : !is_left_out && column.kind != CsvColumnKind::kValue) {
         return Usage("<columns>",
                      fmt::format("'{}' stands for {}", options_.columns[i],
                                  is_x ? "X_Value, which is the time" : "a channel"),
@@ -241,9 +235,9 @@ class Parser {
       }
       if (is_x) {
         x_is_read_ = !is_left_out;
-        x_factor_ = column->factor;
+        x_factor_ = column.factor;
       } else {
-        columns_[i - (has_x ? 1 : 0)] = std::move(*column);
+        columns_[i - (has_x ? 1 : 0)] = std::move(column);
       }
     }
     return {};
@@ -266,13 +260,13 @@ class Parser {
     }
     if (segment_.rows.rows == 0) segment_.rows.line = line_number_;
     if (x_columns_ != XColumns::kNone && x_is_read_) {
-      if (auto done = TakeX(cells, is_multi ? channels : 1); !done) return done;
+      HAPTOMETER_TRY(TakeX(cells, is_multi ? channels : 1));
     }
     std::size_t number = 0;
     for (std::size_t c = 0; c < channels; ++c) {
       if (columns_[c].kind != CsvColumnKind::kValue) continue;
       const std::string_view cell = cells[is_multi ? 2 * c + 1 : first + c];
-      if (auto done = TakeValue(cell, columns_[c], &record_.channels[number++]); !done) return done;
+      HAPTOMETER_TRY(TakeValue(cell, columns_[c], &record_.channels[number++]));
     }
     ++segment_.rows.rows;
     ++record_.rows;
@@ -371,17 +365,15 @@ class Parser {
       Truncate(0);
       return {};
     }
-    const auto clock = CommonClock();
-    if (!clock) return std::unexpected(clock.error());
+    HAPTOMETER_LET(const auto clock, CommonClock());
     TimeWords words;
-    if (*clock) words.clock = StatedClock{(*clock)->interval_s, (*clock)->start_s, "Delta_X"};
+    if (clock) words.clock = StatedClock{clock->interval_s, clock->start_s, "Delta_X"};
     // X values are those of the first channel
     const auto first = ClockOf(0);
-    const bool x_is_ours = x_columns_ == XColumns::kMulti || !*clock || !first ||
-                           AreEqual(first->interval_s, (*clock)->interval_s);
-    if (!x_is_ours && (*clock)->samples &&
-        *(*clock)->samples < static_cast<double>(segment_.rows.rows)) {
-      Truncate(static_cast<std::size_t>(*(*clock)->samples));
+    const bool x_is_ours = x_columns_ == XColumns::kMulti || !clock || !first ||
+                           AreEqual(first->interval_s, clock->interval_s);
+    if (!x_is_ours && clock->samples && *clock->samples < static_cast<double>(segment_.rows.rows)) {
+      Truncate(static_cast<std::size_t>(*clock->samples));
     }
     Record part;
     part.rows = segment_.rows.rows;
@@ -392,10 +384,9 @@ class Parser {
       part.stretches = {UniformTimes(words, options_, part.rows, &findings_)};
       return Append(part);
     }
-    auto read =
-        ReadSegmentTimes(name_, words, options_, std::move(segment_.rows), &left_out_, &findings_);
-    if (!read) return std::unexpected(read.error());
-    return Append(*read);
+    HAPTOMETER_LET(auto read, ReadSegmentTimes(name_, words, options_, std::move(segment_.rows),
+                                               &left_out_, &findings_));
+    return Append(read);
   }
 
   // keeps the first `rows` rows of the segment

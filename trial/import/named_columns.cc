@@ -71,9 +71,7 @@ class Head {
         options_(options) {}
 
   Result<NamedColumns> Read() {
-    if (auto done = options_.columns.empty() ? FromHeader() : FromOptions(); !done) {
-      return std::unexpected(done.error());
-    }
+    HAPTOMETER_TRY(options_.columns.empty() ? FromHeader() : FromOptions());
     return std::move(named_);
   }
 
@@ -95,9 +93,8 @@ class Head {
     named_.lines_used = beginning_.Above(1).size() == Width() ? 1 : 0;
     named_.columns.reserve(Width());
     for (const std::string& word : options_.columns) {
-      auto column = ReadToldColumn(word, options_);
-      if (!column) return std::unexpected(column.error());
-      named_.columns.push_back(std::move(*column));
+      HAPTOMETER_LET(auto column, ReadToldColumn(word, options_));
+      named_.columns.push_back(std::move(column));
     }
     named_.columns.resize(Width(), CsvColumn{.kind = CsvColumnKind::kLeftOut});
     return {};
@@ -127,9 +124,8 @@ class Head {
     units.resize(Width());
     named_.lines_used = is_in_comment ? 0 : units[0].empty() ? 1 : 2;
     for (std::size_t i = 0; i < names.size(); ++i) {
-      auto column = ColumnOf(names[i], UnitCell(units[i]), i);
-      if (!column) return std::unexpected(column.error());
-      named_.columns.push_back(std::move(*column));
+      HAPTOMETER_LET(auto column, ColumnOf(names[i], UnitCell(units[i]), i));
+      named_.columns.push_back(std::move(column));
     }
     FillUnits();
     return {};

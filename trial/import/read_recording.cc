@@ -87,17 +87,15 @@ std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
 }
 
 Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions& options) {
-  const auto text = ReadInputFile(path);
-  if (!text) return std::unexpected(text.error());
+  HAPTOMETER_LET(const auto text, ReadInputFile(path));
   Recording recording;
-  const bool is_lvm = IsLvm(*text);
-  auto record = is_lvm ? ParseLvm(*text, path, options, &recording.report.findings)
-                       : ParseCsv(*text, path, options, &recording.report.findings);
-  if (!record) return std::unexpected(record.error());
+  const bool is_lvm = IsLvm(text);
+  HAPTOMETER_LET(auto record, is_lvm ? ParseLvm(text, path, options, &recording.report.findings)
+                                     : ParseCsv(text, path, options, &recording.report.findings));
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
   recording.report.closed = true;
-  recording.report.rows = recording.report.next_row = record->rows;
-  recording.record = std::move(*record);
+  recording.report.rows = recording.report.next_row = record.rows;
+  recording.record = std::move(record);
   return recording;
 }
 
@@ -124,13 +122,11 @@ void MakePrintable(Recording* recording) {
 
 Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptions& options) {
   const auto [path, name] = SplitTrialName(whole_path);
-  auto source = OpenFileSource(path);
-  if (!source) return std::unexpected(source.error());
+  HAPTOMETER_LET(auto source, OpenFileSource(path));
   std::array<std::byte, 512> bytes;
-  const auto got = (*source)->ReadAt(0, bytes);
-  if (!got) return std::unexpected(got.error());
-  const std::span<const std::byte> start = std::span(bytes).first(*got);
-  const std::uint64_t file_bytes = (*source)->size();
+  HAPTOMETER_LET(const auto got, source->ReadAt(0, bytes));
+  const std::span<const std::byte> start = std::span(bytes).first(got);
+  const std::uint64_t file_bytes = source->size();
   if (const UnreadKind* kind = FindUnreadKind(start)) {
     return CannotAnswer(path, fmt::format("is {}", kind->what),
                         "give the trial itself, or export its columns as a CSV whose header line "
@@ -141,8 +137,8 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
     recording = ReadHdf5(path, name);
   } else if (!name.empty()) {
     return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
-  } else if (*got > 0 && !IsText(start)) {
-    recording = ReadRecordFrom(std::move(*source), path);
+  } else if (got > 0 && !IsText(start)) {
+    recording = ReadRecordFrom(std::move(source), path);
     if (!recording && recording.error().remedy == kGiveATrial) {
       recording.error().remedy += ", or a CSV whose header line begins with time_s";
     }
@@ -178,16 +174,14 @@ class OwnedRows final : public RowSource {
 Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options, int threads) {
   // what is no trial, or none that can be read, is left to ReadRecording and its messages
   if (auto reader = TrialReader::Open(path); reader && TrialRows::CanRead(reader->header())) {
-    auto rows = TrialRows::From(std::move(*reader), path, threads);
-    if (!rows) return std::unexpected(rows.error());
-    OpenedRows opened{.rows = nullptr, .report = (*rows)->report()};
-    opened.rows = std::move(*rows);
+    HAPTOMETER_LET(auto rows, TrialRows::From(std::move(*reader), path, threads));
+    OpenedRows opened{.rows = nullptr, .report = rows->report()};
+    opened.rows = std::move(rows);
     return opened;
   }
-  auto recording = ReadRecording(path, options);
-  if (!recording) return std::unexpected(recording.error());
-  return OpenedRows{std::make_unique<OwnedRows>(std::move(recording->record)),
-                    std::move(recording->report)};
+  HAPTOMETER_LET(auto recording, ReadRecording(path, options));
+  return OpenedRows{std::make_unique<OwnedRows>(std::move(recording.record)),
+                    std::move(recording.report)};
 }
 
 }  // namespace haptometer::trial

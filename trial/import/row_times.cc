@@ -47,12 +47,11 @@ class TimeSetter {
       : name_(name), words_(words), options_(options), findings_(*findings) {}
 
   Result<void> One(Segment segment, Record* record) {
-    auto part = Read(std::move(segment));
-    if (!part) return std::unexpected(part.error());
-    record->stretches = std::move(part->stretches);
-    record->raw_times_s = std::move(part->raw_times_s);
-    record->timing = part->timing;
-    record->times_are_known = part->times_are_known;
+    HAPTOMETER_LET(auto part, Read(std::move(segment)));
+    record->stretches = std::move(part.stretches);
+    record->raw_times_s = std::move(part.raw_times_s);
+    record->timing = part.timing;
+    record->times_are_known = part.times_are_known;
     LeaveOutRows(left_out_, record);
     return {};
   }
@@ -62,13 +61,13 @@ class TimeSetter {
     if (words_.segment_starts_s.size() != segments.size()) return WhichSegment(segments);
     SegmentedTimes times;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      auto part = Read(std::move(segments[s]));
-      if (!part) return std::unexpected(part.error());
-      if (!times.Append(*part, words_.segment_starts_s[s])) {
-        return CannotAnswer(
-            name_,
-            fmt::format("states that segment {} begins before the one ahead of it ends", s + 1),
-            "read one of them: <segment> 1");
+      HAPTOMETER_LET(auto part, Read(std::move(segments[s])));
+      if (!times.Append(part, words_.segment_starts_s[s])) {
+        return CannotAnswer(name_,
+                            fmt::format("states that segment {} begins before the one ahead "
+                                        "of it ends",
+                                        s + 1),
+                            "read one of them: <segment> 1");
       }
     }
     std::move(times).Complete(record);

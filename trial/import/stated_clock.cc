@@ -75,19 +75,19 @@ struct IntervalKey {
   std::optional<double> (*read)(std::string_view);
 };
 
-constexpr std::array<IntervalKey, 13> kIntervalKeys{{{"sampleinterval", IntervalOf},
-                                                     {"samplinginterval", IntervalOf},
-                                                     {"deltat", IntervalOf},
-                                                     {"xinc", IntervalOf},
-                                                     {"increment", IntervalOf},
-                                                     {"hresolution", IntervalOf},
-                                                     {"timeinterval", IntervalOf},
-                                                     {"samplingperiod", IntervalOf},
-                                                     {"clock", IntervalOf},
-                                                     {"samplerate", IntervalOfRate},
-                                                     {"samplingrate", IntervalOfRate},
-                                                     {"samplingfrequencyhz", IntervalOfRate},
-                                                     {"samplingfrequency", IntervalOfRate}}};
+constexpr std::array kIntervalKeys{IntervalKey{"sampleinterval", IntervalOf},
+                                   IntervalKey{"samplinginterval", IntervalOf},
+                                   IntervalKey{"deltat", IntervalOf},
+                                   IntervalKey{"xinc", IntervalOf},
+                                   IntervalKey{"increment", IntervalOf},
+                                   IntervalKey{"hresolution", IntervalOf},
+                                   IntervalKey{"timeinterval", IntervalOf},
+                                   IntervalKey{"samplingperiod", IntervalOf},
+                                   IntervalKey{"clock", IntervalOf},
+                                   IntervalKey{"samplerate", IntervalOfRate},
+                                   IntervalKey{"samplingrate", IntervalOfRate},
+                                   IntervalKey{"samplingfrequencyhz", IntervalOfRate},
+                                   IntervalKey{"samplingfrequency", IntervalOfRate}};
 
 bool Agree(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); }
 

@@ -177,102 +177,42 @@ std::optional<double> ReadClock(std::string_view text) {
 
 namespace {
 
-struct UnitName {
-  std::string_view name;
+// the names of a unit in lower case, between blanks
+struct UnitNames {
   PrintedUnit unit;
+  std::string_view names;
 };
 
-constexpr std::array<UnitName, 67> kUnits{{{"s", {"s", 1}},
-                                           {"sec", {"s", 1}},
-                                           {"second", {"s", 1}},
-                                           {"seconds", {"s", 1}},
-                                           {"sekunden", {"s", 1}},
-                                           {"ms", {"s", 1e-3}},
-                                           {"msec", {"s", 1e-3}},
-                                           {"millisecond", {"s", 1e-3}},
-                                           {"milliseconds", {"s", 1e-3}},
-                                           {"us", {"s", 1e-6}},
-                                           {"\xc2\xb5"
-                                            "s",
-                                            {"s", 1e-6}},
-                                           {"\xce\xbc"
-                                            "s",
-                                            {"s", 1e-6}},
-                                           {"usec", {"s", 1e-6}},
-                                           {"microsecond", {"s", 1e-6}},
-                                           {"microseconds", {"s", 1e-6}},
-                                           {"ns", {"s", 1e-9}},
-                                           {"nanosecond", {"s", 1e-9}},
-                                           {"nanoseconds", {"s", 1e-9}},
-                                           {"ps", {"s", 1e-12}},
-                                           {"m", {"m", 1}},
-                                           {"meter", {"m", 1}},
-                                           {"meters", {"m", 1}},
-                                           {"metre", {"m", 1}},
-                                           {"metres", {"m", 1}},
-                                           {"cm", {"m", 1e-2}},
-                                           {"centimeters", {"m", 1e-2}},
-                                           {"mm", {"m", 1e-3}},
-                                           {"millimeter", {"m", 1e-3}},
-                                           {"millimeters", {"m", 1e-3}},
-                                           {"millimetre", {"m", 1e-3}},
-                                           {"millimetres", {"m", 1e-3}},
-                                           {"um", {"m", 1e-6}},
-                                           {"\xc2\xb5"
-                                            "m",
-                                            {"m", 1e-6}},
-                                           {"\xce\xbc"
-                                            "m",
-                                            {"m", 1e-6}},
-                                           {"micrometer", {"m", 1e-6}},
-                                           {"micrometers", {"m", 1e-6}},
-                                           {"micrometre", {"m", 1e-6}},
-                                           {"micrometres", {"m", 1e-6}},
-                                           {"microns", {"m", 1e-6}},
-                                           {"nm", {"m", 1e-9}},
-                                           {"nanometer", {"m", 1e-9}},
-                                           {"nanometers", {"m", 1e-9}},
-                                           {"nanometres", {"m", 1e-9}},
-                                           {"v", {"V", 1}},
-                                           {"volt", {"V", 1}},
-                                           {"volts", {"V", 1}},
-                                           {"mv", {"V", 1e-3}},
-                                           {"millivolt", {"V", 1e-3}},
-                                           {"millivolts", {"V", 1e-3}},
-                                           {"uv", {"V", 1e-6}},
-                                           {"\xc2\xb5"
-                                            "v",
-                                            {"V", 1e-6}},
-                                           {"\xce\xbc"
-                                            "v",
-                                            {"V", 1e-6}},
-                                           {"microvolts", {"V", 1e-6}},
-                                           {"kv", {"V", 1e3}},
-                                           {"a", {"A", 1}},
-                                           {"amp", {"A", 1}},
-                                           {"amps", {"A", 1}},
-                                           {"ampere", {"A", 1}},
-                                           {"amperes", {"A", 1}},
-                                           {"ma", {"A", 1e-3}},
-                                           {"milliamp", {"A", 1e-3}},
-                                           {"milliamps", {"A", 1e-3}},
-                                           {"milliamperes", {"A", 1e-3}},
-                                           {"ua", {"A", 1e-6}},
-                                           {"\xc2\xb5"
-                                            "a",
-                                            {"A", 1e-6}},
-                                           {"\xce\xbc"
-                                            "a",
-                                            {"A", 1e-6}},
-                                           {"microamps", {"A", 1e-6}}}};
+constexpr std::array kUnits{
+    UnitNames{{"s", 1}, " s sec second seconds sekunden "},
+    UnitNames{{"s", 1e-3}, " ms msec millisecond milliseconds "},
+    UnitNames{{"s", 1e-6}, " us \u00b5s \u03bcs usec microsecond microseconds "},
+    UnitNames{{"s", 1e-9}, " ns nanosecond nanoseconds "},
+    UnitNames{{"s", 1e-12}, " ps "},
+    UnitNames{{"m", 1}, " m meter meters metre metres "},
+    UnitNames{{"m", 1e-2}, " cm centimeters "},
+    UnitNames{{"m", 1e-3}, " mm millimeter millimeters millimetre millimetres "},
+    UnitNames{{"m", 1e-6},
+              " um \u00b5m \u03bcm micrometer micrometers micrometre micrometres microns "},
+    UnitNames{{"m", 1e-9}, " nm nanometer nanometers nanometres "},
+    UnitNames{{"V", 1}, " v volt volts "},
+    UnitNames{{"V", 1e-3}, " mv millivolt millivolts "},
+    UnitNames{{"V", 1e-6}, " uv \u00b5v \u03bcv microvolts "},
+    UnitNames{{"V", 1e3}, " kv "},
+    UnitNames{{"A", 1}, " a amp amps ampere amperes "},
+    UnitNames{{"A", 1e-3}, " ma milliamp milliamps milliamperes "},
+    UnitNames{{"A", 1e-6}, " ua \u00b5a \u03bca microamps "},
+};
 
 }  // namespace
 
 std::optional<PrintedUnit> FindUnit(std::string_view text) {
   const bool is_mega = text.size() > 1 && text[0] == 'M' && text.size() < 3;
   if (is_mega) return std::nullopt;
-  const std::string lower = LowerCase(text);
-  const auto found = std::ranges::find(kUnits, lower, &UnitName::name);
+  if (text.contains(' ')) return std::nullopt;
+  const std::string word = " " + LowerCase(text) + " ";
+  const auto found = std::ranges::find_if(
+      kUnits, [&](const UnitNames& unit) { return unit.names.contains(word); });
   if (found == kUnits.end()) return std::nullopt;
   return found->unit;
 }

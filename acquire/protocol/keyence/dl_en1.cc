@@ -32,6 +32,23 @@ SampleStatus StatusOf(std::int32_t counts, std::int32_t most) {
   return SampleStatus::kOk;
 }
 
+// the inverse
+std::string Formatted(const Value& value, std::int32_t most) {
+  switch (value.status) {
+    case SampleStatus::kOver:
+      return FormatNumber(most);
+    case SampleStatus::kUnder:
+      return FormatNumber(-most);
+    case SampleStatus::kDeviceError:
+      return FormatNumber(most + 1);
+    case SampleStatus::kOk:
+    case SampleStatus::kRepeated:
+      return FormatNumber(value.counts);
+    default:
+      return FormatNumber(-(most - 1));
+  }
+}
+
 constexpr std::int32_t kUnitsMost = 99'999'999;
 constexpr std::int32_t kIlMost = 99'999;
 
@@ -48,28 +65,18 @@ std::string WithPort(std::string_view host) {
 }
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kOutOfRange:
-      return "the data is out of range";
-    case kNotExecutable:
-      return "it cannot be done now";
-    case kWriteProtected:
-      return "the data cannot be written";
-    case kReadProtected:
-      return "the data cannot be read";
-    case kDataNumber:
-      return "no data has this number";
-    case kUnitNumber:
-      return "no amplifier has this identification number";
-    case kMode:
-      return "the unit is in another mode";
-    case kStarting:
-      return "the unit or an amplifier is still starting";
-    case kFormat:
-      return "the command is not one of the unit's";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kOutOfRange, "the data is out of range"},
+      {kNotExecutable, "it cannot be done now"},
+      {kWriteProtected, "the data cannot be written"},
+      {kReadProtected, "the data cannot be read"},
+      {kDataNumber, "no data has this number"},
+      {kUnitNumber, "no amplifier has this identification number"},
+      {kMode, "the unit is in another mode"},
+      {kStarting, "the unit or an amplifier is still starting"},
+      {kFormat, "the command is not one of the unit's"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 std::optional<Value> ParseValue(std::string_view text) {
@@ -80,21 +87,9 @@ std::optional<Value> ParseValue(std::string_view text) {
   return Value{counts, 0, StatusOf(counts, kUnitsMost)};
 }
 
-std::string FormatValue(const Value& value) {
-  switch (value.status) {
-    case SampleStatus::kOver:
-      return FormatNumber(kUnitsMost);
-    case SampleStatus::kUnder:
-      return FormatNumber(-kUnitsMost);
-    case SampleStatus::kDeviceError:
-      return FormatNumber(kUnitsMost + 1);
-    case SampleStatus::kOk:
-    case SampleStatus::kRepeated:
-      return FormatNumber(value.counts);
-    default:
-      return FormatNumber(-(kUnitsMost - 1));
-  }
-}
+std::string FormatValue(const Value& value) { return Formatted(value, kUnitsMost); }
+
+std::string FormatIlValue(const Value& value) { return Formatted(value, kIlMost); }
 
 Value WithIlSpecials(Value value) {
   if (value.status == SampleStatus::kOk) value.status = StatusOf(value.counts, kIlMost);

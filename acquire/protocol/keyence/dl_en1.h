@@ -60,6 +60,9 @@ inline constexpr int kFormat = 255;
 /// measurement, M0 is read by both where the head is known to be one of the IL series.
 [[nodiscard]] Value WithIlSpecials(Value value);
 
+/// The inverse of both: the status decides first, by an IL amplifier's special values.
+[[nodiscard]] std::string FormatIlValue(const Value& value);
+
 /// Sign and nine digits, as SR, SW and FR carry numbers; |number| < 10^9.
 [[nodiscard]] std::string FormatNumber(std::int32_t number);
 

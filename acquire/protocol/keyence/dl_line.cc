@@ -7,6 +7,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire {
 
@@ -108,42 +109,16 @@ bool ReadError(const Spelling& spelling, std::span<const std::string_view> field
   return true;
 }
 
-ReplyKind KindOf(Command command) {
-  switch (command) {
-    case Command::kM0:
-      return ReplyKind::kM0;
-    case Command::kMs:
-      return ReplyKind::kMs;
-    case Command::kSr:
-      return ReplyKind::kSr;
-    case Command::kSw:
-      return ReplyKind::kSw;
-    case Command::kAw:
-      return ReplyKind::kAw;
-    case Command::kFr:
-      return ReplyKind::kFr;
-  }
-  return ReplyKind::kError;
-}
+// a command's own reply
+ReplyKind KindOf(Command command) { return static_cast<ReplyKind>(command); }
+static_assert(static_cast<int>(ReplyKind::kM0) == static_cast<int>(Command::kM0) &&
+              static_cast<int>(ReplyKind::kFr) == static_cast<int>(Command::kFr));
 
 }  // namespace
 
 std::string_view Name(Command command) {
-  switch (command) {
-    case Command::kM0:
-      return "M0";
-    case Command::kMs:
-      return "MS";
-    case Command::kSr:
-      return "SR";
-    case Command::kSw:
-      return "SW";
-    case Command::kAw:
-      return "AW";
-    case Command::kFr:
-      return "FR";
-  }
-  return "";
+  constexpr Names<Command, 6> kNames{{"M0", "MS", "SR", "SW", "AW", "FR"}};
+  return kNames.Of(command);
 }
 
 ParsedRequest ParseRequest(const Spelling& spelling, std::string_view line) {

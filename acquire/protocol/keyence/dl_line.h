@@ -82,14 +82,15 @@ struct ParsedRequest {
   Refusal refusal;  ///< meaningful only without a request
 };
 
+/// The commands' own replies, in their order, and others.
 enum class ReplyKind : std::uint8_t {
   kM0,
   kMs,
-  kDr,  ///< MS sent at a hardware trigger: nobody asked
   kSr,
   kSw,
   kAw,
   kFr,
+  kDr,  ///< MS sent at a hardware trigger: nobody asked
   kError,
 };
 

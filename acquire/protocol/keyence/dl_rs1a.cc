@@ -13,6 +13,8 @@
 namespace haptometer::acquire::dl_rs1a {
 namespace {
 
+using dl::Command;
+
 constexpr std::size_t kValueWidth = 7;  // sign, five digits, point
 constexpr std::int32_t kMostCounts = 99'999;
 constexpr std::int32_t kInvalidCounts = -99'998;
@@ -78,26 +80,6 @@ const dl::Spelling& Spelling() {
   return kSpelling;
 }
 
-ParsedRequest ParseRequest(std::string_view line) { return dl::ParseRequest(Spelling(), line); }
-
-std::optional<Reply> ParseReply(std::string_view line) { return dl::ParseReply(Spelling(), line); }
-
-std::string FormatM0Reply(std::span<const Value> values) {
-  return dl::FormatM0Reply(Spelling(), values);
-}
-
-std::string FormatMsReply(std::span<const int> outputs, std::span<const Value> values) {
-  return dl::FormatMsReply(Spelling(), outputs, values);
-}
-
-std::string FormatSrReply(int unit, int number, std::string_view data) {
-  return dl::FormatDataReply(Command::kSr, unit, number, data);
-}
-
-std::string FormatErrorReply(const Refusal& refusal) {
-  return dl::FormatErrorReply(Spelling(), refusal);
-}
-
 // The maker's tables: what the numbers of the DL-RS1A and of the IL series mean.
 namespace {
 
@@ -126,27 +108,19 @@ constexpr int kMostAveragingCode = 12;
 }  // namespace
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kInvalidCommand:
-      return "the unit does not know the command";
-    case kDataLength:
-      return "the command was too long, or its end (CR) did not arrive";
-    case kParameterCount:
-      return "wrong number of parameters";
-    case kParameter:
-      return "a parameter is out of range or cannot be read, or the amplifier is still starting";
-    case kCommunication:
-      return "characters arrived damaged; check baud rate, parity and wiring";
-    case kUnitNumber:
-      return "no amplifier has this identification number";
-    case kExpansionLine:
-      return "the unit cannot communicate with the amplifier next to it; check the D-bus "
-             "connectors";
-    case kWriteControl:
-      return "writing is locked; the unit's R/W switch is in position R";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kInvalidCommand, "the unit does not know the command"},
+      {kDataLength, "the command was too long, or its end (CR) did not arrive"},
+      {kParameterCount, "wrong number of parameters"},
+      {kParameter,
+       "a parameter is out of range or cannot be read, or the amplifier is still starting"},
+      {kCommunication, "characters arrived damaged; check baud rate, parity and wiring"},
+      {kUnitNumber, "no amplifier has this identification number"},
+      {kExpansionLine,
+       "the unit cannot communicate with the amplifier next to it; check the D-bus connectors"},
+      {kWriteControl, "writing is locked; the unit's R/W switch is in position R"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 const Head* FindHead(int code) {

@@ -25,8 +25,6 @@ inline constexpr std::array<int, 5> kBauds = {9600, 2400, 4800, 19200, 38400};
 inline constexpr std::size_t kMostUnits = dl::kMostUnits;
 /// Characters of the longest legal line: MS with two-digit outputs of 15 amplifiers.
 inline constexpr std::size_t kLongestLine = 2 + kMostUnits * 11;
-/// The unit ends its lines with CR LF; it accepts CR or CR LF.
-inline constexpr std::string_view kLineEnd = dl::kLineEnd;
 /// Processing of M0 and MS between the request's last and the reply's first character, at most.
 inline constexpr MonotonicNs kProcessingNs = 4'000'000;
 /// How often the unit refreshes the values that M0 reads, with one amplifier.
@@ -81,35 +79,6 @@ inline constexpr int kWriteControl = 67;
 /// How this unit spells the lines that it shares with the DL-EN1.
 [[nodiscard]] const dl::Spelling& Spelling();
 
-// --- requests ---
-
-using dl::Command;
-using dl::FormatRequest;
-using dl::ParsedRequest;
-using dl::Refusal;
-using dl::Request;
-
-/// The unit's side: reads a line (without its end).
-[[nodiscard]] ParsedRequest ParseRequest(std::string_view line);
-
-// --- replies ---
-
-using dl::Reply;
-using dl::ReplyKind;
-
-/// Reads one line (without its end); nothing when it is not a reply of this unit.
-[[nodiscard]] std::optional<Reply> ParseReply(std::string_view line);
-
-/// `M0,-00.007,+00.018\r\n`.
-[[nodiscard]] std::string FormatM0Reply(std::span<const Value> values);
-/// `MS,04,-00.007,...\r\n`; outputs[i] belongs to values[i]: bit 0 HIGH, 1 LOW, 2 GO, 3 alarm.
-[[nodiscard]] std::string FormatMsReply(std::span<const int> outputs,
-                                        std::span<const Value> values);
-/// `SR,00,195,1\r\n` with the data as given (at most 10 characters).
-[[nodiscard]] std::string FormatSrReply(int unit, int number, std::string_view data);
-/// `ER,SR,22\r\n`.
-[[nodiscard]] std::string FormatErrorReply(const Refusal& refusal);
-
 // --- what the numbers of SR mean ---
 
 /// A sensor head of the IL series.
@@ -151,12 +120,13 @@ inline constexpr int kHighPassFilter = 14;
 ///
 /// 4 characters out, 4 ms, 4 + 8 n characters back (MS: 4 + 11 n): 8.17 ms at 38400 baud with one
 /// amplifier.
-[[nodiscard]] MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command = Command::kM0);
+[[nodiscard]] MonotonicNs PollPeriodNs(int baud, std::size_t units,
+                                       dl::Command command = dl::Command::kM0);
 
 /// What request and reply of M0 or MS need on the wire at least, in ns: no reply comes sooner. The
 /// outputs of MS have one digit in some editions.
 [[nodiscard]] MonotonicNs LeastExchangeNs(int baud, std::size_t units,
-                                          Command command = Command::kM0);
+                                          dl::Command command = dl::Command::kM0);
 
 /// How often the unit refreshes the values that M0 reads, in ns: 7, 9, 13, 15, 19, 21, 25, 27 ms
 /// with 1 to 8 amplifiers (IB and GT-70A Editions, as the longest time; the figure for IL was not

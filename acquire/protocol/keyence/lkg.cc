@@ -8,6 +8,7 @@
 #include "acquire/protocol/keyence/dl_line.h"
 #include "acquire/protocol/wire.h"
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer::acquire::lkg {
 namespace {
@@ -48,19 +49,8 @@ bool ReadError(std::span<const std::string_view> fields, Reply& reply) {
 }  // namespace
 
 std::string_view Name(Command command) {
-  switch (command) {
-    case Command::kM0:
-      return "M0";
-    case Command::kM1:
-      return "M1";
-    case Command::kM2:
-      return "M2";
-    case Command::kQ0:
-      return "Q0";
-    case Command::kR0:
-      return "R0";
-  }
-  return "";
+  constexpr Names<Command, 5> kNames{{"M0", "M1", "M2", "Q0", "R0"}};
+  return kNames.Of(command);
 }
 
 std::size_t ValuesOf(Command command) {
@@ -69,24 +59,16 @@ std::size_t ValuesOf(Command command) {
 }
 
 std::string_view ErrorText(int number) {
-  switch (number) {
-    case kInvalidCommand:
-      return "the controller does not know the command";
-    case kStatus:
-      return "not in the controller's present mode";
-    case kCommandLength:
-      return "wrong length of the command";
-    case kParameterCount:
-      return "wrong number of parameters";
-    case kParameter:
-      return "a parameter is out of range";
-    case kTimeout:
-      return "the controller ran out of time";
-    case kOther:
-      return "another error";
-    default:
-      return "unknown error";
-  }
+  static constexpr ErrorWords kErrors[] = {
+      {kInvalidCommand, "the controller does not know the command"},
+      {kStatus, "not in the controller's present mode"},
+      {kCommandLength, "wrong length of the command"},
+      {kParameterCount, "wrong number of parameters"},
+      {kParameter, "a parameter is out of range"},
+      {kTimeout, "the controller ran out of time"},
+      {kOther, "another error"},
+  };
+  return ErrorTextIn(kErrors, number);
 }
 
 std::optional<Value> ParseValue(std::string_view text) {

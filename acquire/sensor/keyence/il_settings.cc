@@ -187,23 +187,19 @@ std::string TextOf(int number, const std::optional<std::string>& data) {
 
 // one setting of one amplifier; nothing where it held the code already
 Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_setting::Write& write) {
-  const auto before = talk.Read(unit, write.number);
-  if (!before) return std::unexpected(before.error());
-  const auto code = *before ? dl::NumberOf(**before) : std::nullopt;
+  HAPTOMETER_LET(const auto before, talk.Read(unit, write.number));
+  const auto code = before ? dl::NumberOf(*before) : std::nullopt;
   if (code == write.code || (write.only_where && code != write.only_where)) return std::nullopt;
-  if (auto done = talk.Write(unit, write.number, DataLike(*before, write.code, talk)); !done) {
-    return std::unexpected(done.error());
-  }
-  const auto after = talk.Read(unit, write.number);
-  if (!after) return std::unexpected(after.error());
-  if (!*after || dl::NumberOf(**after) != write.code) {
+  HAPTOMETER_TRY(talk.Write(unit, write.number, DataLike(before, write.code, talk)));
+  HAPTOMETER_LET(const auto after, talk.Read(unit, write.number));
+  if (!after || dl::NumberOf(*after) != write.code) {
     return CannotAnswer(
         talk.name(),
         fmt::format("amplifier {:02} was set to {} = {} but reports {}", unit, write.key,
-                    il_setting::Describe(write.number, write.code), TextOf(write.number, *after)),
+                    il_setting::Describe(write.number, write.code), TextOf(write.number, after)),
         "set it at the amplifier");
   }
-  return IlChange{unit, write.key, TextOf(write.number, *before), TextOf(write.number, *after)};
+  return IlChange{unit, write.key, TextOf(write.number, before), TextOf(write.number, after)};
 }
 
 // an error that says what had been changed before it
@@ -217,9 +213,8 @@ Result<void> WaitForShift(IlTalk& talk, int unit, Clock& clock) {
   constexpr int kFailed = 2;
   const MonotonicNs deadline = clock.Now() + kNsPerS;
   while (clock.Now() < deadline) {
-    const auto result = talk.Read(unit, dl_rs1a::kZeroShiftResult);
-    if (!result) return std::unexpected(result.error());
-    const auto code = *result ? dl::NumberOf(**result) : std::nullopt;
+    HAPTOMETER_LET(const auto result, talk.Read(unit, dl_rs1a::kZeroShiftResult));
+    const auto code = result ? dl::NumberOf(*result) : std::nullopt;
     if (code == kFailed) {
       return CannotAnswer(talk.name(),
                           fmt::format("amplifier {:02} could not shift its zero", unit),
@@ -231,8 +226,7 @@ Result<void> WaitForShift(IlTalk& talk, int unit, Clock& clock) {
 }
 
 Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
-  const auto before = talk.Read(unit, dl_rs1a::kPresentValue);
-  if (!before) return std::unexpected(before.error());
+  HAPTOMETER_LET(const auto before, talk.Read(unit, dl_rs1a::kPresentValue));
   const std::string off = talk.traits().format_number(0);
   for (const std::string& data : {off, talk.traits().format_number(1), off}) {
     auto done = talk.Write(unit, dl_rs1a::kZeroShift, data);
@@ -245,13 +239,10 @@ Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
     }
     return std::unexpected(std::move(error));
   }
-  if (auto shifted = WaitForShift(talk, unit, clock); !shifted) {
-    return std::unexpected(shifted.error());
-  }
-  const auto after = talk.Read(unit, dl_rs1a::kPresentValue);
-  if (!after) return std::unexpected(after.error());
-  return IlChange{unit, "zero", before->value_or(std::string(kUnknown)),
-                  after->value_or(std::string(kUnknown))};
+  HAPTOMETER_TRY(WaitForShift(talk, unit, clock));
+  HAPTOMETER_LET(const auto after, talk.Read(unit, dl_rs1a::kPresentValue));
+  return IlChange{unit, "zero", before.value_or(std::string(kUnknown)),
+                  after.value_or(std::string(kUnknown))};
 }
 
 }  // namespace
@@ -290,10 +281,9 @@ Result<bool> WaitUntilValid(IlTalk& talk, MonotonicNs refresh_ns, MonotonicNs lo
   const MonotonicNs deadline = clock.Now() + longest_ns;
   clock.SleepUntil(clock.Now() + refresh_ns);  // until then the unit hands out the old value
   while (clock.Now() < deadline) {
-    const auto reply = talk.Ask({});
-    if (!reply) return std::unexpected(reply.error());
-    if (!*reply || (*reply)->kind != dl::ReplyKind::kM0) continue;
-    const auto values = std::span((*reply)->values).first((*reply)->units);
+    HAPTOMETER_LET(const auto reply, talk.Ask({}));
+    if (!reply || reply->kind != dl::ReplyKind::kM0) continue;
+    const auto values = std::span(reply->values).first(reply->units);
     if (std::ranges::find(values, trial::SampleStatus::kInvalid, &Value::status) == values.end()) {
       return true;
     }

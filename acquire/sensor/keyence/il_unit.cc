@@ -55,31 +55,29 @@ Result<std::optional<dl::Reply>> IlTalk::Ask(const dl::Request& request) {
     if (reply && !IsReplyTo(request, *reply)) reply.reset();
     return reply.has_value();
   };
-  const auto answered = line_.Exchange(dl::FormatRequest(request), take, stop_);
-  if (!answered) return std::unexpected(answered.error());
-  silences_ = *answered ? 0 : silences_ + 1;
+  HAPTOMETER_LET(const auto answered, line_.Exchange(dl::FormatRequest(request), take, stop_));
+  silences_ = answered ? 0 : silences_ + 1;
   return reply;
 }
 
 Result<std::optional<std::string>> IlTalk::Read(int unit, int number) {
-  const auto reply = Ask({.command = dl::Command::kSr, .unit = unit, .number = number});
-  if (!reply) return std::unexpected(reply.error());
-  if (!*reply || (*reply)->kind != dl::ReplyKind::kSr) return std::nullopt;
-  return std::string((*reply)->data);
+  HAPTOMETER_LET(const auto reply,
+                 Ask({.command = dl::Command::kSr, .unit = unit, .number = number}));
+  if (!reply || reply->kind != dl::ReplyKind::kSr) return std::nullopt;
+  return std::string(reply->data);
 }
 
 Result<void> IlTalk::Write(int unit, int number, std::string_view data) {
-  const auto reply =
-      Ask({.command = dl::Command::kSw, .unit = unit, .number = number, .data = data});
-  if (!reply) return std::unexpected(reply.error());
-  if (!*reply) {
+  HAPTOMETER_LET(const auto reply,
+                 Ask({.command = dl::Command::kSw, .unit = unit, .number = number, .data = data}));
+  if (!reply) {
     return CannotAnswer(
         name(),
         fmt::format("the {} does not answer the writing of data {:03}", traits_.name, number),
         "check cable and power");
   }
-  if ((*reply)->kind == dl::ReplyKind::kSw) return {};
-  const int error = (*reply)->number;
+  if (reply->kind == dl::ReplyKind::kSw) return {};
+  const int error = reply->number;
   return CannotAnswer(
       name(),
       fmt::format("the {} refuses to write data {:03} with error {:0{}}: {}", traits_.name, number,

@@ -49,10 +49,10 @@ KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup,
 
 Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
   IlTalk talk(line_, traits_, stop);
-  if (auto done = Probe(talk); !done) return done;
-  if (auto done = ReadSettings(talk); !done) return done;
-  if (auto done = ReadDecimals(talk); !done) return done;
-  if (auto done = Change(talk); !done) return done;
+  HAPTOMETER_TRY(Probe(talk));
+  HAPTOMETER_TRY(ReadSettings(talk));
+  HAPTOMETER_TRY(ReadDecimals(talk));
+  HAPTOMETER_TRY(Change(talk));
   MakeHeader();
   return {};
 }
@@ -62,16 +62,15 @@ Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
 Result<void> KeyenceIl::Probe(IlTalk& talk) {
   std::optional<int> refusal;
   for (int probe = 0; probe < kProbes; ++probe) {
-    const auto reply = talk.Ask({});
-    if (!reply) return std::unexpected(reply.error());
-    if (!*reply) continue;
+    HAPTOMETER_LET(const auto reply, talk.Ask({}));
+    if (!reply) continue;
     // half a command left in the unit by somebody else spoils our first one: ask again
-    if ((*reply)->kind == ReplyKind::kError) {
-      refusal = (*reply)->number;
+    if (reply->kind == ReplyKind::kError) {
+      refusal = reply->number;
       continue;
     }
-    for (std::size_t i = 0; i < (*reply)->units; ++i) {
-      decimals_.push_back((*reply)->values[i].decimals);
+    for (std::size_t i = 0; i < reply->units; ++i) {
+      decimals_.push_back(reply->values[i].decimals);
     }
     settings_.resize(decimals_.size());
     return {};
@@ -124,10 +123,9 @@ Result<void> KeyenceIl::ReadSettings(IlTalk& talk) {
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
     for (const int number : UnitSettings::kNumbers) {
-      const auto data = talk.Read(units[i], number);
-      if (!data) return std::unexpected(data.error());
+      HAPTOMETER_LET(const auto data, talk.Read(units[i], number));
       if (talk.silences() == kMostSilences) return {};
-      if (*data) settings_[i].Set(number, **data);
+      if (data) settings_[i].Set(number, *data);
     }
   }
   return {};
@@ -149,10 +147,10 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
   for (std::size_t i = 0; i < units.size(); ++i) {
     std::optional<int> told = setup_.decimals;
     if (!told && talk.silences() < kMostSilences) {
-      const auto reply =
-          talk.Ask({.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue});
-      if (!reply) return std::unexpected(reply.error());
-      if (*reply && (*reply)->kind == ReplyKind::kFr) told = dl::NumberOf((*reply)->data);
+      HAPTOMETER_LET(
+          const auto reply,
+          talk.Ask({.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue}));
+      if (reply && reply->kind == ReplyKind::kFr) told = dl::NumberOf(reply->data);
     }
     if (!told && settings_[i].head() != nullptr) told = settings_[i].head()->decimals;
     if (!told || *told < 0 || *told > 9) {
@@ -169,24 +167,22 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
 
 Result<void> KeyenceIl::Change(IlTalk& talk) {
   const std::vector<int> units = Units();
-  auto changes = WriteSettings(talk, units, setup_.writes);
-  if (!changes) return std::unexpected(changes.error());
-  changes_ = std::move(*changes);
+  HAPTOMETER_LET(auto changes, WriteSettings(talk, units, setup_.writes));
+  changes_ = std::move(changes);
   if (!changes_.empty()) {
-    if (auto read = ReadSettings(talk); !read) return read;
+    HAPTOMETER_TRY(ReadSettings(talk));
     // the longest averaging of all, twice, and what the amplifier needs besides
     double longest_s = 2;
     for (const UnitSettings& settings : settings_) {
       longest_s = std::max(longest_s, 2 + 2 * settings.ResponseSeconds());
     }
-    const auto valid = WaitUntilValid(talk, RefreshNs(), NsFromSeconds(longest_s), clock_);
-    if (!valid) return std::unexpected(valid.error());
-    is_unsettled_ = !*valid;
+    HAPTOMETER_LET(const auto valid,
+                   WaitUntilValid(talk, RefreshNs(), NsFromSeconds(longest_s), clock_));
+    is_unsettled_ = !valid;
   }
   if (!setup_.device_zero) return {};
-  auto shifts = ShiftZeros(talk, units, clock_);
-  if (!shifts) return std::unexpected(shifts.error());
-  changes_.insert(changes_.end(), shifts->begin(), shifts->end());
+  HAPTOMETER_LET(auto shifts, ShiftZeros(talk, units, clock_));
+  changes_.insert(changes_.end(), shifts.begin(), shifts.end());
   return {};
 }
 
@@ -209,12 +205,8 @@ void KeyenceIl::MakeHeader() {
   header_.channels.clear();
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
-    trial::ChannelFormat channel;
-    channel.name = "displacement" + Suffix(i, units[i]);
-    channel.role = trial::ChannelRole::kDisplacement;
-    channel.unit = "m";
-    channel.encoding = trial::Encoding::kI32;
-    channel.scale = channel.resolution = 1e-3 * std::pow(10.0, -decimals_[i]);
+    trial::ChannelFormat channel = trial::DisplacementCounts("displacement" + Suffix(i, units[i]),
+                                                             1e-3 * std::pow(10.0, -decimals_[i]));
     if (const dl_rs1a::Head* head = settings_[i].head(); head && head->farthest_mm > 0) {
       channel.range_min = 1e-3 * (head->reference_mm - head->farthest_mm);
       channel.range_max = 1e-3 * (head->reference_mm - head->nearest_mm);
@@ -222,10 +214,8 @@ void KeyenceIl::MakeHeader() {
     header_.channels.push_back(channel);
   }
   for (std::size_t i = 0; setup_.command == Command::kMs && i < units.size(); ++i) {
-    trial::ChannelFormat channel;
-    channel.name = "outputs" + Suffix(i, units[i]);
-    channel.encoding = trial::Encoding::kI32;
-    header_.channels.push_back(channel);
+    header_.channels.push_back(
+        {.name = "outputs" + Suffix(i, units[i]), .encoding = trial::Encoding::kI32});
   }
   trial::Metadata& metadata = header_.metadata;
   metadata.sensor = traits_.sensor;

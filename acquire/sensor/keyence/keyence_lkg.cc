@@ -88,18 +88,16 @@ Result<std::optional<Reply>> KeyenceLkg::Ask(const std::atomic<bool>& stop) {
     if (!answers) reply.reset();
     return answers;
   };
-  const auto answered = line_.Exchange(poll_.PollRequest(), take, stop);
-  if (!answered) return std::unexpected(answered.error());
+  HAPTOMETER_TRY(line_.Exchange(poll_.PollRequest(), take, stop));
   return reply;
 }
 
 Result<void> KeyenceLkg::Start(const std::atomic<bool>& stop) {
   std::optional<Reply> last;
   for (int probe = 0; probe < kProbes; ++probe) {
-    const auto reply = Ask(stop);
-    if (!reply) return std::unexpected(reply.error());
-    if (!*reply) continue;
-    last = **reply;
+    HAPTOMETER_LET(const auto reply, Ask(stop));
+    if (!reply) continue;
+    last = *reply;
     if (last->kind == ReplyKind::kError) continue;
     const std::optional<int> decimals = setup_.decimals ? setup_.decimals : DecimalsOf(*last);
     if (!decimals) continue;
@@ -137,13 +135,8 @@ void KeyenceLkg::MakeHeader(int decimals) {
   header_.timing = trial::Timing::kPolled;
   header_.channels.clear();
   for (std::size_t out = 0; out < lkg::ValuesOf(setup_.command); ++out) {
-    trial::ChannelFormat channel;
-    channel.name = OutName(setup_.command, out);
-    channel.role = trial::ChannelRole::kDisplacement;
-    channel.unit = "m";
-    channel.encoding = trial::Encoding::kI32;
-    channel.scale = channel.resolution = 1e-3 * std::pow(10.0, -decimals);
-    header_.channels.push_back(channel);
+    header_.channels.push_back(
+        trial::DisplacementCounts(OutName(setup_.command, out), 1e-3 * std::pow(10.0, -decimals)));
   }
   header_.metadata.sensor = "keyence-lkg";
   header_.metadata.source = line_.link().Source(false);

@@ -243,9 +243,10 @@ TEST(DlRs1aUnit, ReadsTheHeadsLastAverage) {
   clock.Advance(100 * kMs);
   const std::string answer = Ask(unit, clock, "M0\r\n");
   const auto reading = trial::ReadingAt(trial::Il030(), setup.head.displacement, 105, 7);
-  EXPECT_EQ(answer, dl_rs1a::FormatM0Reply(std::vector<Value>{
-                        {.counts = static_cast<std::int32_t>(std::lround(reading.value_m * 1e6)),
-                         .decimals = 3}}));
+  EXPECT_EQ(answer, dl::FormatM0Reply(dl_rs1a::Spelling(),
+                                      std::vector<Value>{{.counts = static_cast<std::int32_t>(
+                                                              std::lround(reading.value_m * 1e6)),
+                                                          .decimals = 3}}));
   EXPECT_NE(reading.value_m, 0);
 }
 

@@ -9,6 +9,10 @@
 namespace haptometer::acquire::dl_rs1a {
 namespace {
 
+using dl::Command;
+using dl::ParsedRequest;
+using dl::ReplyKind;
+using dl::Request;
 using trial::SampleStatus;
 
 std::string FromHex(std::string_view hex) {
@@ -26,7 +30,7 @@ const std::string kCaptured =
 std::string_view Line(std::string_view bytes) { return bytes.substr(0, bytes.size() - 2); }
 
 TEST(DlRs1aReply, ReadsTheCapturedM0) {
-  const auto reply = ParseReply(Line(kCaptured));
+  const auto reply = dl::ParseReply(Spelling(), Line(kCaptured));
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->kind, ReplyKind::kM0);
   ASSERT_EQ(reply->units, 2U);
@@ -36,28 +40,28 @@ TEST(DlRs1aReply, ReadsTheCapturedM0) {
 
 TEST(DlRs1aReply, WritesTheCapturedM0) {
   const std::array values{Value{-7, 3, SampleStatus::kOk}, Value{18, 3, SampleStatus::kOk}};
-  EXPECT_EQ(FormatM0Reply(values), kCaptured);
+  EXPECT_EQ(dl::FormatM0Reply(Spelling(), values), kCaptured);
 }
 
 TEST(DlRs1aReply, ReadsTheManualsExamples) {
-  const auto error = ParseReply("ER,SR,65");  // SR,06,101: FD-S Edition, p. 10
+  const auto error = dl::ParseReply(Spelling(), "ER,SR,65");  // SR,06,101: FD-S Edition, p. 10
   ASSERT_TRUE(error);
   EXPECT_EQ(error->kind, ReplyKind::kError);
   EXPECT_EQ(error->data, "SR");
   EXPECT_EQ(error->number, kUnitNumber);
-  const auto data = ParseReply("SR,01,134,1");  // IG Edition, p. 10
+  const auto data = dl::ParseReply(Spelling(), "SR,01,134,1");  // IG Edition, p. 10
   ASSERT_TRUE(data);
   EXPECT_EQ(data->kind, ReplyKind::kSr);
   EXPECT_EQ(data->unit, 1);
   EXPECT_EQ(data->number, 134);
   EXPECT_EQ(data->data, "1");
-  EXPECT_EQ(FormatSrReply(1, 134, "1"), "SR,01,134,1\r\n");
-  EXPECT_EQ(FormatErrorReply({"SR", kUnitNumber}), "ER,SR,65\r\n");
+  EXPECT_EQ(dl::FormatDataReply(dl::Command::kSr, 1, 134, "1"), "SR,01,134,1\r\n");
+  EXPECT_EQ(dl::FormatErrorReply(Spelling(), {"SR", kUnitNumber}), "ER,SR,65\r\n");
 }
 
 TEST(DlRs1aReply, ReadsMsWithOneAndTwoDigitOutputsAndDr) {
   for (const std::string_view line : {"MS,04,-00.007,02,+00.018", "MS,4,-00.007,2,+00.018"}) {
-    const auto reply = ParseReply(line);
+    const auto reply = dl::ParseReply(Spelling(), line);
     ASSERT_TRUE(reply) << line;
     EXPECT_EQ(reply->kind, ReplyKind::kMs);
     ASSERT_EQ(reply->units, 2U);
@@ -65,9 +69,9 @@ TEST(DlRs1aReply, ReadsMsWithOneAndTwoDigitOutputsAndDr) {
     EXPECT_EQ(reply->outputs[1], 2);
     EXPECT_EQ(reply->values[1].counts, 18);
   }
-  EXPECT_EQ(ParseReply("DR,04,-00.007")->kind, ReplyKind::kDr);
+  EXPECT_EQ(dl::ParseReply(Spelling(), "DR,04,-00.007")->kind, ReplyKind::kDr);
   const std::array values{Value{-7, 3, SampleStatus::kOk}};
-  EXPECT_EQ(FormatMsReply(std::array{4}, values), "MS,04,-00.007\r\n");
+  EXPECT_EQ(dl::FormatMsReply(Spelling(), std::array{4}, values), "MS,04,-00.007\r\n");
 }
 
 TEST(DlRs1aReply, RefusesWhatIsNoReply) {
@@ -94,12 +98,12 @@ TEST(DlRs1aReply, RefusesWhatIsNoReply) {
                                       "ER,SR,222",
                                       "SR,00,200,\x01\x02",
                                       "M0,+0\x80.001"}) {
-    EXPECT_FALSE(ParseReply(line)) << line;
+    EXPECT_FALSE(dl::ParseReply(Spelling(), line)) << line;
   }
   std::string sixteen = "M0";
   for (int i = 0; i < 16; ++i) sixteen += ",+00.001";
-  EXPECT_FALSE(ParseReply(sixteen));
-  EXPECT_TRUE(ParseReply(sixteen.substr(0, sixteen.size() - 8)));
+  EXPECT_FALSE(dl::ParseReply(Spelling(), sixteen));
+  EXPECT_TRUE(dl::ParseReply(Spelling(), sixteen.substr(0, sixteen.size() - 8)));
 }
 
 struct SpecialValue {
@@ -152,24 +156,25 @@ TEST(DlRs1aValue, RefusesOtherForms) {
 }
 
 TEST(DlRs1aRequest, BothWays) {
-  EXPECT_EQ(FormatRequest({}), "M0\r\n");
-  EXPECT_EQ(FormatRequest({Command::kMs, 0, 0, {}}), "MS\r\n");
-  EXPECT_EQ(FormatRequest({Command::kSr, 0, 195, {}}), "SR,00,195\r\n");
-  EXPECT_EQ(FormatRequest({Command::kSw, 0, 1, "0"}), "SW,00,001,0\r\n");
-  EXPECT_EQ(FormatRequest({Command::kAw, 0, 1, "0"}), "AW,001,0\r\n");
+  EXPECT_EQ(dl::FormatRequest({}), "M0\r\n");
+  EXPECT_EQ(dl::FormatRequest({Command::kMs, 0, 0, {}}), "MS\r\n");
+  EXPECT_EQ(dl::FormatRequest({Command::kSr, 0, 195, {}}), "SR,00,195\r\n");
+  EXPECT_EQ(dl::FormatRequest({Command::kSw, 0, 1, "0"}), "SW,00,001,0\r\n");
+  EXPECT_EQ(dl::FormatRequest({Command::kAw, 0, 1, "0"}), "AW,001,0\r\n");
   for (const Request& request :
        {Request{Command::kM0, 0, 0, {}}, Request{Command::kMs, 0, 0, {}},
         Request{Command::kSr, 14, 37, {}}, Request{Command::kSw, 7, 99, "+00012"},
         Request{Command::kAw, 0, 1, "1"}}) {
-    const std::string bytes = FormatRequest(request);
-    EXPECT_EQ(ParseRequest(Line(bytes)).request, request) << bytes;
+    const std::string bytes = dl::FormatRequest(request);
+    EXPECT_EQ(dl::ParseRequest(Spelling(), Line(bytes)).request, request) << bytes;
   }
 }
 
 TEST(DlRs1aRequest, RefusalsCarryTheMakersNumbers) {
   const auto refusal = [](std::string_view line) {
-    const ParsedRequest parsed = ParseRequest(line);
-    return parsed.request ? std::string("accepted") : FormatErrorReply(parsed.refusal);
+    const ParsedRequest parsed = dl::ParseRequest(Spelling(), line);
+    return parsed.request ? std::string("accepted")
+                          : dl::FormatErrorReply(Spelling(), parsed.refusal);
   };
   EXPECT_EQ(refusal("XX"), "ER,XX,00\r\n");
   EXPECT_EQ(refusal("m0"), "ER,m0,00\r\n");

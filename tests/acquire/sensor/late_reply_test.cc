@@ -94,7 +94,9 @@ Maker DlRs1a() {
           .step = "MS\r\n",
           .step_answer = "MS,04,+88.888\r\n",
           .reading =
-              [](int number) { return dl_rs1a::FormatM0Reply(std::array{Value{number, 3, {}}}); },
+              [](int number) {
+                return dl::FormatM0Reply(dl_rs1a::Spelling(), std::array{Value{number, 3, {}}});
+              },
           .other = [](const std::string&) { return "ER,SR,22\r\n"; },
           .sensor =
               [](std::unique_ptr<Transport> transport, Clock& clock) {
@@ -109,7 +111,7 @@ Maker DlRs1aByMs() {
   maker.step = "M0\r\n";
   maker.step_answer = "M0,+88.888\r\n";
   maker.reading = [](int number) {
-    return dl_rs1a::FormatMsReply(std::array{4}, std::array{Value{number, 3, {}}});
+    return dl::FormatMsReply(dl_rs1a::Spelling(), std::array{4}, std::array{Value{number, 3, {}}});
   };
   maker.sensor = [](std::unique_ptr<Transport> transport, Clock& clock) {
     return std::make_unique<KeyenceIl>(std::move(transport),

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "acquire/transport/descriptor.h"
 #include "acquire/transport/open_port.h"
 #include "tests/acquire/pty_pair.h"
 #include "tests/acquire/scripted_transport.h"
@@ -279,7 +280,7 @@ TEST(InputPipe, HandsOutWhatIsWrittenAndThenItsEnd) {
   const std::string path = ::testing::TempDir() + "haptometer_fifo";
   std::filesystem::remove(path);
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  auto pipe = InputPipe::Open(path);
+  auto pipe = OpenInputPipe(path);
   ASSERT_TRUE(pipe) << pipe.error().Text();
   SystemClock clock;
   std::array<char, 16> buffer{};
@@ -299,7 +300,7 @@ TEST(InputPipe, HandsOutWhatIsWrittenAndThenItsEnd) {
 
 TEST(InputPipe, RefusesWhatHoldsNoSamples) {
   const auto error = [](const std::string& path) {
-    const auto pipe = InputPipe::Open(path);
+    const auto pipe = OpenInputPipe(path);
     return pipe ? "no error" : pipe.error().Text();
   };
   EXPECT_THAT(error(::testing::TempDir()), HasSubstr("is a directory; pipe samples into it"));

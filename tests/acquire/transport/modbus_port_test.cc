@@ -168,7 +168,7 @@ TEST_P(ModbusFaults, AreSeenAndNoOtherRowSuffers) {
 std::string NameOf(const ::testing::TestParamInfo<FaultCase>& info) {
   std::string name = info.param.name;
   std::erase(name, '-');
-  return std::string(Name(info.param.framing)) + "_" + name;
+  return std::string(info.param.framing == ModbusFraming::kRtu ? "rtu" : "tcp") + "_" + name;
 }
 
 constexpr auto kRtu = ModbusFraming::kRtu;

@@ -107,7 +107,7 @@ TEST(VirtualTerminal, ForgetsWhatWaitedInThePort) {
 TEST(SerialPort, LibserialportMovesBytesAndSeesTheHangUp) {
   PtyPair device;
   const PortLink link(device.path());
-  auto port = SerialPort::Open(link.name(), "/dev/ttyUSB0", 38400);
+  auto port = OpenSerialPort(link.name(), "/dev/ttyUSB0", 38400);
   ASSERT_TRUE(port) << port.error().Text();
   EXPECT_EQ((*port)->Source(), "device: serial port /dev/ttyUSB0, 38400 baud 8N1");
   // the settings that reached the line
@@ -133,7 +133,7 @@ TEST(PortLock, ASecondOpenIsRefusedAndTheFirstWorksOn) {
   ASSERT_TRUE(first);
   ExpectBusy(OpenPort(device.path(), 9600), device.path());
   const PortLink link(device.path());
-  ExpectBusy(SerialPort::Open(link.name(), "/dev/ttyUSB0", 9600), "/dev/ttyUSB0");
+  ExpectBusy(OpenSerialPort(link.name(), "/dev/ttyUSB0", 9600), "/dev/ttyUSB0");
   device.Send("still ours");
   EXPECT_EQ(ReadAll(**first, 10), "still ours");
   // free again afterwards
@@ -145,7 +145,7 @@ TEST(PortLock, ASerialPortIsFreeAgainAfterwards) {
   PtyPair device;
   const PortLink link(device.path());
   {
-    auto first = SerialPort::Open(link.name(), "/dev/ttyUSB0", 9600);
+    auto first = OpenSerialPort(link.name(), "/dev/ttyUSB0", 9600);
     ASSERT_TRUE(first) << first.error().Text();
     ExpectBusy(OpenPort(device.path(), 9600), device.path());
   }
@@ -162,7 +162,7 @@ TEST(PortLock, ABusyPortsSettingsAreLeftAlone) {
   before.c_cc[VMIN] = 7;
   ASSERT_EQ(tcsetattr(other.get(), TCSANOW, &before), 0);
   const PortLink link(device.path());
-  ExpectBusy(SerialPort::Open(link.name(), "/dev/ttyUSB0", 38400), "/dev/ttyUSB0");
+  ExpectBusy(OpenSerialPort(link.name(), "/dev/ttyUSB0", 38400), "/dev/ttyUSB0");
   termios after{};
   ASSERT_EQ(tcgetattr(other.get(), &after), 0);
   EXPECT_EQ(after.c_iflag, before.c_iflag);

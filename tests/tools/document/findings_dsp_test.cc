@@ -109,17 +109,18 @@ const std::vector<Case> kCases{
     {kFewUnevenTimes,
      {{"rows", 3}},
      "few-uneven-times",
-     "3 rows at uneven times are too few: record longer"},
+     "3 rows at non-uniform times are too few: record longer"},
     {kTimesTooUneven,
      {{"jitter_s", 2.5e-05}, {"grid_s", 0.0001}, {"largest_jitter_s", 9e-05}},
      "times-too-uneven",
      "the times of its readings scatter by 0.025 ms about a grid of 0.1 ms, up to 0.09 ms: dropped "
-     "readings cannot be told from late ones: record with a clocked source"},
+     "readings cannot be distinguished from late ones: record with a clocked source"},
     {kReadingsTooFarApart,
      {{"upper_hz", 4500.0}, {"readings_per_s", 10000.0}},
      "readings-too-far-apart",
-     "its readings at uneven times are too far apart for motion at 4500 Hz: 10000 readings/s: ask "
-     "for a lower band, or record with a clocked source"},
+     "its readings at non-uniform times are too far apart for motion at 4500 Hz: 10000 readings/s: "
+     "choose "
+     "a lower band, or record with a clocked source"},
     {kRegularGrid,
      {{"jitter_s", 5e-07},
       {"largest_jitter_s", 2e-06},
