@@ -20,11 +20,9 @@ namespace {
 
 std::vector<FilterDesign> EveryDesign(double rate_hz) {
   std::vector<FilterDesign> designs;
-  designs.reserve(3UZ * kHighestOrder);
+  designs.reserve(kHighestOrder);
   for (int order = 1; order <= kHighestOrder; ++order) {
     designs.push_back(DesignBandPass({order, 20, 500}, rate_hz).value());
-    designs.push_back(DesignHighPass({order, 20}, rate_hz).value());
-    designs.push_back(DesignLowPass({order, 500}, rate_hz).value());
   }
   return designs;
 }
@@ -256,12 +254,11 @@ TEST(ZeroPhaseBlocks, LoseNothingToAnOffsetAndTremor) {
   }
 }
 
-TEST(ZeroPhaseBlocks, AConstantComesOutAsNothingOrAsItself) {
+TEST(ZeroPhaseBlocks, AConstantComesOutAsNothing) {
   const std::vector<double> in(10'000, 0.0301234567);
   for (const FilterDesign& design : EveryDesign(2e3)) {
-    const double expected = design.kind == FilterKind::kLowPass ? in[0] : 0;
     for (const double y : FilterZeroPhase(design, in)) {
-      ASSERT_LE(std::abs(y - expected), 1e-15 * in[0]) << design.order;
+      ASSERT_LE(std::abs(y), 1e-15 * in[0]) << design.order;
     }
   }
 }
