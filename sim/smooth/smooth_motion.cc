@@ -23,10 +23,6 @@ constexpr double kLocalPartBdf = 1.0 / 3000;
 constexpr double kLocalPartAdams = 1.0 / 1000;
 // where rounding begins to rule
 constexpr double kLeastRelative = 0x1p-48;
-// of the second run
-constexpr double kCoarser = 100;
-// by how much the error is smaller at least than that of the second run (measured: 14 to 180)
-constexpr double kLeastGain = 10;
 // what a guard may be wrong by, over the local tolerance
 constexpr double kNoiseParts = 10;
 constexpr double kLongestStepPeriods = 0.125;
@@ -86,13 +82,6 @@ OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequen
   return stiff ? OdeMethod::kBdf : OdeMethod::kAdams;
 }
 
-// the run with the larger tolerance and what it differs by
-struct SmoothMotion::Companion {
-  SmoothMotion motion;
-  Eigen::VectorXd largest;
-  Eigen::VectorXd difference;
-};
-
 SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode,
                                const ExcitationPiece& piece, bool with_energy, OdeMethod method,
                                double relative)
@@ -118,24 +107,12 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
   const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
   method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
   relative_ = std::max(LocalPart(method_) * settings_.tolerance, kLeastRelative);
-  if (settings_.with_error) {
-    SmoothSettings coarse = settings_;
-    coarse.tolerance *= kCoarser;
-    coarse.with_error = coarse.with_energy = false;
-    coarse.method = method_;
-    companion_.reset(new Companion{
-        .motion{system_, excitation_, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
-        .largest = Positions().cwiseAbs(),
-        .difference = Eigen::VectorXd::Zero(Positions().size())});
-  }
   Enter(Whole());
   ForgetRanges();
   if (!settings_.with_energy) return;
   flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
   initial_j_ = Run().problem.StoredEnergy(0, x_);
 }
-
-SmoothMotion::~SmoothMotion() = default;
 
 void SmoothMotion::Enter(Eigen::VectorXd y) {
   std::unique_ptr<ModeRun>& run = runs_[mode_];
@@ -213,7 +190,6 @@ void SmoothMotion::Next() {
     if (stalled_at_s_) return;
   }
   ++index_;
-  if (companion_) Compare();
 }
 
 void SmoothMotion::TakeOutput(double tau_s) {
@@ -405,22 +381,6 @@ void SmoothMotion::Stall(FindingKind reason) {
   TakeOutput(Run().solver.end_s());
 }
 
-void SmoothMotion::Compare() {
-  companion_->motion.Next();
-  const Eigen::VectorXd here = Positions();
-  companion_->largest = companion_->largest.cwiseMax(here.cwiseAbs());
-  companion_->difference =
-      companion_->difference.cwiseMax((here - companion_->motion.Positions()).cwiseAbs());
-}
-
-double SmoothMotion::error_estimate() const {
-  HAPTOMETER_CHECK(companion_ != nullptr, "no second run was asked for");
-  if (companion_->motion.stalled_at_s()) return std::numeric_limits<double>::infinity();
-  // what never moved has no error
-  const Eigen::VectorXd scale = companion_->largest.cwiseMax(std::numeric_limits<double>::min());
-  return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
-}
-
 double SmoothMotion::tolerance() const { return relative_ / LocalPart(method_); }
 
 OdeWork SmoothMotion::work() const {
@@ -428,7 +388,6 @@ OdeWork SmoothMotion::work() const {
   for (const std::unique_ptr<ModeRun>& run : runs_) {
     if (run) work += run->solver.work();
   }
-  if (companion_) work += companion_->motion.work();
   return work;
 }
 

@@ -83,8 +83,8 @@ TEST(LongRows, ABlockFarOutIsTheToneAndSoIsTheLast) {
   for (const std::size_t block : {far, blocks.blocks() - 1}) {
     const SampleRange range = blocks.Range(block);
     std::vector<double> out(range.count);
-    const auto take = [&](std::size_t first, std::span<double> samples) {
-      std::ranges::copy(samples, &out[first - range.first]);
+    const auto take = [&](std::size_t first, std::span<double> piece) {
+      std::ranges::copy(piece, &out[first - range.first]);
     };
     ASSERT_TRUE(blocks.FilterPieces(block, read, take, states, scratch));
     const std::size_t sure =
