@@ -78,9 +78,9 @@ Eigen::MatrixXd Reference(const Case& that) {
 // range(0): digits of the tolerance; range(1): 0 BDF, 1 Adams
 void Ladder(benchmark::State& state, const Case& that) {
   const Eigen::MatrixXd reference = Reference(that);
-  const SmoothSettings settings{.tolerance = std::pow(10.0, -static_cast<double>(state.range(0))),
-                                .method =
-                                    state.range(1) == 0 ? OdeMethod::kBdf : OdeMethod::kAdams};
+  const SmoothSettings settings{
+      .tolerance = std::pow(10.0, -static_cast<double>(state.range(0))),
+      .method = state.range(1) == 0 ? OdeMethod::kBdf : OdeMethod::kAdams};
   Eigen::MatrixXd samples;
   OdeWork work;
   for (auto _ : state) {

@@ -156,7 +156,8 @@ template <typename Run>
 void WithOrder(const FilterDesign& design, const Run& run) {
   [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
     (void)((design.order == kIndex + 1 && (run.template operator()<kIndex + 1>(), true)) || ...);
-  }(std::make_integer_sequence<int, kHighestOrder>());
+  }
+  (std::make_integer_sequence<int, kHighestOrder>());
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
@@ -179,9 +180,8 @@ void Weigh(const FilterDesign& design, Direction direction, const double* rows,
 
 void HandOver(const FilterDesign& design, Direction direction, const double* handover,
               double* state, LaneStates& states) {
-  WithOrder(design, [&]<int kOrder>() {
-    HandOverLanes<kOrder>(direction, handover, state, states);
-  });
+  WithOrder(design,
+            [&]<int kOrder>() { HandOverLanes<kOrder>(direction, handover, state, states); });
 }
 
 // Two samples of two lanes are turned at once: wider squares are slower (g++ 12).

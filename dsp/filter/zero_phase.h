@@ -36,8 +36,8 @@ struct SampleRange {
 /// lets the slowest pole decay to 1e-18, so that a wrong begin stays below rounding even where the
 /// motion is 1000 times the signal. So any block can be made alone, in any order, on any thread,
 /// always with the same bytes: the grid depends on the design only. Beyond its ends the signal is
-/// continued oddly: turned about the end point (2 x[0] - x[k], and beyond the turned signal its last
-/// value). What that cannot know is in the first and last tenths of a second
+/// continued oddly: turned about the end point (2 x[0] - x[k], and beyond the turned signal its
+/// last value). What that cannot know is in the first and last tenths of a second
 /// (dsp/filter/transient.h finds where that ends).
 ///
 /// What the passes of a block remember where its pieces meet may be kept: then each piece can be
@@ -99,13 +99,13 @@ class ZeroPhaseBlocks {
   [[nodiscard]] std::size_t pieces() const { return (size_ + kPieceSamples - 1) / kPieceSamples; }
   [[nodiscard]] SampleRange PieceRange(std::size_t piece) const;
 
-  /// Filters `block` of a signal in memory, size() samples, which is read where it lies, into `out`,
-  /// which has Range(block).count samples.
+  /// Filters `block` of a signal in memory, size() samples, which is read where it lies, into
+  /// `out`, which has Range(block).count samples.
   void Filter(std::size_t block, std::span<const double> signal, std::span<double> out,
               Scratch& scratch) const;
 
-  /// The same of any signal, piece by piece, the last one first; `states`, one for each of pieces(),
-  /// has those of the block filled in. Errors: those of `read`.
+  /// The same of any signal, piece by piece, the last one first; `states`, one for each of
+  /// pieces(), has those of the block filled in. Errors: those of `read`.
   [[nodiscard]] Result<void> FilterPieces(std::size_t block, const ReadSamples& read,
                                           const TakePiece& take, std::span<PieceStates> states,
                                           Scratch& scratch) const;
@@ -145,7 +145,6 @@ class ZeroPhaseBlocks {
 /// All blocks of ZeroPhaseBlocks, so the same signal read from a file gives the same bytes; so does
 /// any number of threads. Memory: the result, and a few blocks a thread.
 [[nodiscard]] std::vector<double> FilterZeroPhase(const FilterDesign& design,
-                                                  std::span<const double> signal,
-                                                  int threads = 1);
+                                                  std::span<const double> signal, int threads = 1);
 
 }  // namespace haptometer::dsp

@@ -22,8 +22,8 @@ namespace haptometer::sim {
 /// How a smooth motion is computed.
 struct SmoothSettings {
   double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2
-  std::optional<OdeMethod> method{};  ///< absent: the cheaper one, MethodFor()
-  bool with_energy = false;           ///< keep the ledger
+  std::optional<OdeMethod> method{};     ///< absent: the cheaper one, MethodFor()
+  bool with_energy = false;              ///< keep the ledger
   std::int64_t most_steps = 10'000'000;  ///< of the solver, in all: half a minute
 };
 
