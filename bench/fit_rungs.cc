@@ -18,6 +18,7 @@
 #include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "sim/ring_down.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/sim/ring_ratios.h"
 
 namespace haptometer::fit {

@@ -10,6 +10,7 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "sim/ring_down.h"
 #include "tests/fit/bound.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/sim/ring_ratios.h"
 
 namespace haptometer::fit {

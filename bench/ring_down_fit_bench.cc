@@ -8,6 +8,7 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/ring_start.h"
 #include "sim/ring_down.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/sim/ring_ratios.h"
 
 namespace haptometer {

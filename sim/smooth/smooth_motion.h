@@ -146,19 +146,19 @@ class SmoothMotion {
   [[nodiscard]] double LongestStepS() const;
   void Advance();
   void LookForFall();
-  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard);
+  template <typename Number, typename Value>
+  [[nodiscard]] Eigen::VectorXd PolynomialOf(const Number& that, const Value& value);
   [[nodiscard]] double NoiseOf(std::size_t guard);
   void Arm();
   void Fire(const Fall& fall);
   [[nodiscard]] Eigen::VectorXd Follow(std::size_t transition, const Eigen::VectorXd& y,
                                        double time_s, double guard_rate);
-  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition,
-                                                 const Eigen::VectorXd& y);
+  [[nodiscard]] std::optional<double> RestAfter(const Transition& transition,
+                                                const Eigen::VectorXd& y);
   void Stall(FindingKind reason);
   void TakeOutput(double tau_s);
   void Watch(double tau_s);
   [[nodiscard]] const Eigen::MatrixXd& StepTerms();
-  [[nodiscard]] Eigen::VectorXd PolynomialOfNumber(std::size_t number);
   [[nodiscard]] std::vector<double> IntegralsHere() const;
   [[nodiscard]] Eigen::VectorXd Whole() const;
   [[nodiscard]] long double TimeOf(std::uint64_t output) const;
