@@ -80,9 +80,9 @@ TEST(Offset, OfTonesAndUnderTremorAddsToEachSquare) {
 
   Scene shaken = tests::ConeScene();
   shaken.finger.tones = {{.amplitude = 5e-5, .frequency_hz = 8}};
-  const Superposition still = Superpose(shaken);
+  const SteadyTones still = Superpose(shaken);
   shaken.drive.offset_v = 0.9;
-  const Superposition pushed = Superpose(shaken);
+  const SteadyTones pushed = Superpose(shaken);
   EXPECT_REL(pushed.current_rms_a, std::hypot(still.current_rms_a, current_a), 1e-13, "rounding");
   EXPECT_REL(pushed.power_w, still.power_w + 0.9 * current_a, 1e-12, "rounding");
 }
