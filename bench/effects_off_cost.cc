@@ -27,6 +27,7 @@
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/waveforms.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {
@@ -43,7 +44,7 @@ Scene FromRest() {
 // Calls take(i, x, [sin, cos]) for outputs 1, 2, ...
 template <typename Take>
 void StepBarely(const Scene& scene, Eigen::Index outputs, const Take& take) {
-  const Eigen::MatrixXd whole = DrivenStep(AssembleModel(scene), scene.drive, 1 / kRateHz);
+  const Eigen::MatrixXd whole = ModelStep(AssembleModel(scene), scene.drive, 1 / kRateHz);
   DriveSequence drive(scene.drive.frequency_hz, 0, kRateHz);
   // a row of zeros makes columns of whole vectors
   Eigen::Matrix<double, 8, 9> step = Eigen::Matrix<double, 8, 9>::Zero();

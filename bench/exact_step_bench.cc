@@ -13,6 +13,7 @@
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"
 #include "sim/sensor_model.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "dsp/filter/cascade.h"
-#include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/statistics/moments.h"
@@ -59,14 +58,6 @@ void ZeroPhase(benchmark::State& state) {
       500 * std::norm(Response(design, 8.3)) / std::norm(Response(design, 100));
 }
 BENCHMARK(ZeroPhase)->DenseRange(2, 8, 1)->Unit(benchmark::kMillisecond);
-
-void Settled(benchmark::State& state) {
-  const FilterDesign design = DesignBandPass({6, 20, 500}, kRateHz).value();
-  const std::vector<double> in = HandHeld(30'000);
-  for (auto _ : state) benchmark::DoNotOptimize(FilterSettled(design, in));
-  CountSamples(state, in.size());
-}
-BENCHMARK(Settled)->Unit(benchmark::kMillisecond);
 
 void RootMeanSquare(benchmark::State& state) {
   const std::vector<double> in = HandHeld(1 << 20);

@@ -18,6 +18,8 @@
 #include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "sim/ring_down.h"
+#include "tests/fit/unprepared_drops.h"
+#include "tests/sim/ring_ratios.h"
 
 namespace haptometer::fit {
 namespace {
@@ -64,7 +66,7 @@ struct AutomaticResiduals {
     const T voltage = record->polarity * exp(own[0]);
     for (std::size_t n = 0; n < record->times_s.size(); ++n) {
       const T since_s = record->times_s[n] - own[1];
-      residuals[n] = (own[2] - voltage * circuit.VoltageRatio(since_s) - record->voltages_v[n]) /
+      residuals[n] = (own[2] - voltage * VoltageRatio(circuit, since_s) - record->voltages_v[n]) /
                      record->noise_v;
     }
     return true;

@@ -10,6 +10,8 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "sim/ring_down.h"
 #include "tests/fit/bound.h"
+#include "tests/fit/unprepared_drops.h"
+#include "tests/sim/ring_ratios.h"
 
 namespace haptometer::fit {
 namespace {
@@ -44,7 +46,7 @@ void AddResiduals(const SyntheticDrop& drop, const double* shared, const double*
   const auto count = static_cast<std::size_t>((drop.length_s - first_s) / drop.step_s);
   for (std::size_t n = 0; n < count; ++n) {
     const double since_s = first_s + (static_cast<double>(n) + 0.5) * drop.step_s - own[1];
-    residuals->push_back((own[2] - std::exp(own[0]) * circuit.VoltageRatio(since_s)) / noise_v);
+    residuals->push_back((own[2] - std::exp(own[0]) * VoltageRatio(circuit, since_s)) / noise_v);
   }
 }
 

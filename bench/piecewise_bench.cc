@@ -21,6 +21,7 @@
 #include "sim/piecewise/stop_modes.h"
 #include "tests/sim/reference/events_reference.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {

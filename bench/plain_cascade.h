@@ -31,15 +31,14 @@ class DeltaForm {
   Number Advance(Number input) { return step_.Advance(sections_.data(), input); }
 
  private:
-  static constexpr CascadeShape kShape = ShapeOf(FilterKind::kBandPass, kOrder);
-  static constexpr std::size_t kSections = kShape.count();
+  static constexpr std::size_t kSections = kOrder;
   struct Section {
     Number e;
     Number f;
     Number b;
   };
   std::array<Section, kSections> sections_{};
-  CascadeStep<kShape, Number> step_{};
+  CascadeStep<kOrder, Number> step_{};
 };
 
 /// The transposed direct form II, which SciPy's sosfilt runs:
@@ -56,11 +55,9 @@ class DirectForm {
                       static_cast<Number>(two * section.b),
                       static_cast<Number>(section.e + section.f - 2),
                       static_cast<Number>(1 - section.f)};
-      const auto gain = static_cast<Number>(ConstantGain(section));
-      states_[k].second = sections_[k].b2 * constant - sections_[k].a2 * gain * constant;
-      states_[k].first = (gain - sections_[k].b0) * constant;
-      constant *= gain;
     }
+    // the first section gives 0 for a constant
+    states_[0] = {-sections_[0].b0 * constant, sections_[0].b2 * constant};
   }
 
   Number Advance(Number x) {
@@ -76,7 +73,7 @@ class DirectForm {
   }
 
  private:
-  static constexpr std::size_t kSections = ShapeOf(FilterKind::kBandPass, kOrder).count();
+  static constexpr std::size_t kSections = kOrder;
   // of 1/z and 1/z^2, by SectionKind
   static constexpr std::array<std::array<int, 2>, 3> kNumerators{{{-2, 1}, {0, -1}, {2, 1}}};
   struct Section {

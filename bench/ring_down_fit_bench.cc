@@ -8,6 +8,8 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/ring_start.h"
 #include "sim/ring_down.h"
+#include "tests/fit/unprepared_drops.h"
+#include "tests/sim/ring_ratios.h"
 
 namespace haptometer {
 namespace {
@@ -35,7 +37,7 @@ fit::ImpulseRecord Record(double load_ohm, std::size_t samples) {
   std::normal_distribution<double> noise(0, 2e-3);
   for (std::size_t n = 0; n < samples; ++n) {
     const double t = static_cast<double>(n + 1) * record.step_s;
-    record.voltage_v.push_back(-0.443 * circuit.VoltageRatio(t) + noise(engine));
+    record.voltage_v.push_back(-0.443 * VoltageRatio(circuit, t) + noise(engine));
   }
   return record;
 }
@@ -54,7 +56,7 @@ void VoltageOfALoadedCircuit(benchmark::State& state) {
   double time_s = 0;
   while (state.KeepRunning()) {
     time_s = time_s > 0.25 ? 0 : time_s + 1e-4;
-    benchmark::DoNotOptimize(circuit.VoltageRatio(time_s));
+    benchmark::DoNotOptimize(VoltageRatio(circuit, time_s));
   }
 }
 BENCHMARK(VoltageOfALoadedCircuit);

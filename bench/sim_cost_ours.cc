@@ -8,6 +8,7 @@
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/smooth/smooth_motion.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {

@@ -76,39 +76,35 @@ Eigen::MatrixXd Reference(const Case& that) {
 }
 
 // range(0): digits of the tolerance; range(1): 0 BDF, 1 Adams
-void Ladder(benchmark::State& state, const Case& that, bool with_error) {
+void Ladder(benchmark::State& state, const Case& that) {
   const Eigen::MatrixXd reference = Reference(that);
-  const SmoothSettings settings{.tolerance = std::pow(10.0, -static_cast<double>(state.range(0))),
-                                .method = state.range(1) == 0 ? OdeMethod::kBdf : OdeMethod::kAdams,
-                                .with_error = with_error};
+  const SmoothSettings settings{
+      .tolerance = std::pow(10.0, -static_cast<double>(state.range(0))),
+      .method = state.range(1) == 0 ? OdeMethod::kBdf : OdeMethod::kAdams};
   Eigen::MatrixXd samples;
   OdeWork work;
-  double estimate = 0;
   for (auto _ : state) {
     SmoothMotion motion = MotionOf(that, settings);
     samples = Samples(motion);
     work = motion.work();
-    if (with_error) estimate = motion.error_estimate();
   }
   const Eigen::VectorXd largest = reference.cwiseAbs().rowwise().maxCoeff();
   const Eigen::VectorXd apart = (samples - reference).cwiseAbs().rowwise().maxCoeff();
   state.counters["error"] = apart.cwiseQuotient(largest).maxCoeff();
   state.counters["steps"] = static_cast<double>(work.steps);
   state.counters["evaluations"] = static_cast<double>(work.evaluations);
-  if (with_error) state.counters["estimate"] = estimate;
 }
 
 void Rungs(benchmark::internal::Benchmark* bench) {
   bench->ArgsProduct({{2, 4, 6, 8, 10}, {0, 1}})->Unit(benchmark::kMicrosecond);
 }
 
-BENCHMARK_CAPTURE(Ladder, linear, kLinear, false)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, slow_coil, kSlowCoil, false)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, rigid_stops, kStops, false)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, spring, kSpring, false)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, spring_with_estimate, kSpring, true)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, spring_and_heat, kSpringAndHeat, false)->Apply(Rungs);
-BENCHMARK_CAPTURE(Ladder, all, kAll, false)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, linear, kLinear)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, slow_coil, kSlowCoil)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, rigid_stops, kStops)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, spring, kSpring)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, spring_and_heat, kSpringAndHeat)->Apply(Rungs);
+BENCHMARK_CAPTURE(Ladder, all, kAll)->Apply(Rungs);
 
 void Search(benchmark::State& state, const PeriodMap& map, const PeriodPoint& start) {
   PeriodicSearch search;

@@ -71,8 +71,7 @@ class Record {
       ZeroPhaseBlocks::Scratch& scratch = scratch_[mine++];
       for (std::size_t block = next++; block < blocks.blocks(); block = next++) {
         const SampleRange range = blocks.Range(block);
-        blocks.Filter(block, in_, Continuation::kOdd,
-                      std::span(out_).subspan(range.first, range.count), scratch);
+        blocks.Filter(block, in_, std::span(out_).subspan(range.first, range.count), scratch);
       }
     });
   }

@@ -137,6 +137,19 @@ double Variance(const Identifiability& identifiability, const std::vector<double
   return Covariance(identifiability, weights, weights);
 }
 
+std::vector<double> Correlations(const Identifiability& identifiability) {
+  const std::size_t columns = identifiability.columns;
+  const auto& covariance = identifiability.covariance;
+  std::vector<double> correlations(columns * columns, 0.0);
+  for (std::size_t i = 0; i < columns; ++i) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      const double scale = std::sqrt(covariance[i * columns + i] * covariance[k * columns + k]);
+      if (scale > 0) correlations[i * columns + k] = covariance[i * columns + k] / scale;
+    }
+  }
+  return correlations;
+}
+
 std::vector<double> Response(const Identifiability& identifiability, const Jacobian& jacobian,
                              const std::vector<double>& residual_change) {
   const Eigen::Map<const Eigen::VectorXd> change(residual_change.data(),

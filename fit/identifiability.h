@@ -49,6 +49,9 @@ struct Identifiability {
 [[nodiscard]] double Variance(const Identifiability& identifiability,
                               const std::vector<double>& weights);
 
+/// The covariance over the roots of its diagonal (columns x columns), 0 where one of these is 0.
+[[nodiscard]] std::vector<double> Correlations(const Identifiability& identifiability);
+
 /// First-order response of the solution to a change of the residuals: -(J'J)^+ J' change, per
 /// column.
 [[nodiscard]] std::vector<double> Response(const Identifiability& identifiability,

@@ -99,6 +99,16 @@ ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
   return density;
 }
 
+std::vector<double> OnGrid(std::span<const double> residuals, std::span<const double> times_s,
+                           double step_s) {
+  const auto place = [&](double time_s) {
+    return static_cast<std::size_t>(std::lround((time_s - times_s.front()) / step_s));
+  };
+  std::vector<double> grid(place(times_s.back()) + 1, 0.0);
+  for (std::size_t n = 0; n < residuals.size(); ++n) grid[place(times_s[n])] = residuals[n];
+  return grid;
+}
+
 ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t points) {
   ResidualLook look;
   std::vector<double> magnitudes;

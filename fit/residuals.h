@@ -31,6 +31,10 @@ struct ResidualDensity {
 [[nodiscard]] ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
                                         double resonance_hz);
 
+/// Residuals at some times of a regular grid on all of it, 0 where there is none. At least one.
+[[nodiscard]] std::vector<double> OnGrid(std::span<const double> residuals,
+                                         std::span<const double> times_s, double step_s);
+
 /// What a sweep's residuals look like, in the order of frequency.
 struct ResidualLook {
   /// Correlation of successive residuals, in deviations of that of white ones.

@@ -212,7 +212,7 @@ bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady) 
   return scene.scene.finger.tones.empty() && IsFree(scene, ReachOf(steady), steady.error_estimate);
 }
 
-bool SteadyMotionIsFree(const EffectiveScene& scene, const Superposition& steady) {
+bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyTones& steady) {
   return IsFree(scene, ReachOf(steady), steady.error_estimate);
 }
 

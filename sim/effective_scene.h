@@ -90,6 +90,6 @@ struct EffectiveScene {
 /// nothing smooth bends it, it stays clear of stops and keeps contact. By the amplitudes of travel
 /// and skin force: exact under one tone, on the safe side under several.
 [[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady);
-[[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const Superposition& steady);
+[[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyTones& steady);
 
 }  // namespace haptometer::sim

@@ -44,7 +44,6 @@ PeriodMap::PeriodMap(PiecewiseLinearSystem system, const SineDrive& drive)
 PeriodMap::PeriodMap(SmoothSystem system, const SineDrive& drive, const SmoothSettings& settings)
     : system_(std::move(system)), drive_(drive), settings_(settings), error_(settings.tolerance) {
   system_.linear.squared_rows = RowsToSquare(system_.linear.modes[0]);
-  settings_->with_error = false;
 }
 
 PeriodPoint PeriodMap::PointOf(std::size_t mode, const Eigen::VectorXd& x,

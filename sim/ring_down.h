@@ -105,22 +105,24 @@ class RingDown {
   /// Solves for the poles: about 200 ns with doubles. No allocation.
   explicit RingDown(const RingDownParameters<T>& parameters);
 
-  /// Terminal voltage per volt of Km v0, the speed voltage of the blow, `time_s` after it. Before
-  /// the blow there is none; what is given for a search's sake is the ringing continued backwards,
-  /// without the current's build-up, which would grow beyond all numbers.
+  /// d: amplitudes fall as e^(-d t), in 1/s (underdamped).
+  const T& decay_per_s() const { return decay_per_s_; }
+  /// q of s^2 + 2 d s + q, in 1/s^2; its root is the ringing system's natural angular frequency.
+  const T& stiffness_per_s2() const { return stiffness_per_s2_; }
+  /// p, the coil's current's own decay; 0 without inductance or load.
+  const T& electrical_rate_per_s() const { return electrical_rate_per_s_; }
+  /// Terminal voltage per volt of Km v0, the speed voltage of the blow.
   ///
   /// Its sign is that of the thesis (equation 2.1): at first -1 without inductance and load.
   /// Relative to the largest voltage the error is below 1e-13 up to 100 cycles.
-  T VoltageRatio(const T& time_s) const;
-
+  const RingingShape<T>& voltage() const { return voltage_; }
   /// Displacement of mover against case per speed of the blow, x(t)/v0 in seconds:
   ///
   ///     {e^(-d t) [((1 - y)(y - d T) + n) S - T (1 - y) C] + T (1 - y) e^(-y t/T)} / n,
   ///
-  /// C and S being DampedFundamentals' pair. Before the blow as VoltageRatio; error below 1e-13 of
-  /// the largest displacement up to 100 cycles.
-  T DisplacementRatio(const T& time_s) const;
-
+  /// C and S being DampedFundamentals' pair; error below 1e-13 of the largest displacement up to
+  /// 100 cycles.
+  const RingingShape<T>& displacement() const { return displacement_; }
   /// Terminal voltage after a current I0 that held the mover out of its place is interrupted, per
   /// Km^2 I0/M, in seconds: x(0) = Km I0/Kv, x'(0) = 0, i(0) = 0, and
   ///
@@ -129,22 +131,9 @@ class RingDown {
   /// Without inductance and load it is the blow's displacement, turned. What the current's own
   /// decay through a load would add is a blow of T w of the motion, 1e-3 for an LRA's coil: a shift
   /// in time, and (T w)^2 of the amplitude.
-  T ReleaseRatio(const T& time_s) const;
-
-  /// d: amplitudes fall as e^(-d t), in 1/s (underdamped).
-  const T& decay_per_s() const { return decay_per_s_; }
-  /// q of s^2 + 2 d s + q, in 1/s^2; its root is the ringing system's natural angular frequency.
-  const T& stiffness_per_s2() const { return stiffness_per_s2_; }
-  /// p, the coil's current's own decay; 0 without inductance or load.
-  const T& electrical_rate_per_s() const { return electrical_rate_per_s_; }
-  /// The ratios above as shapes, for who takes many samples of them.
-  const RingingShape<T>& voltage() const { return voltage_; }
-  const RingingShape<T>& displacement() const { return displacement_; }
   const RingingShape<T>& release() const { return release_; }
 
  private:
-  T At(const RingingShape<T>& shape, const T& time_s) const;
-
   T decay_per_s_;
   T stiffness_per_s2_;
   T electrical_rate_per_s_;  // y / T; 0 where T is 0
@@ -190,30 +179,6 @@ RingDown<T>::RingDown(const RingDownParameters<T>& parameters) {
   displacement_ = {-lag_s * loss, 1.0 + loss * swing, lag_s * loss};
   release_ = {divider * lag_s, -divider * swing, -divider * lag_s};
   electrical_rate_per_s_ = tau > 0.0 ? T(y / tau) : T(0.0);
-}
-
-template <typename T>
-T RingDown<T>::At(const RingingShape<T>& shape, const T& time_s) const {
-  using std::exp;
-  const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
-  T value = shape.even * pair.even + shape.odd * pair.odd;
-  if (!(electrical_rate_per_s_ > 0.0) || time_s < 0.0) return value;
-  return value + shape.electrical * exp(-electrical_rate_per_s_ * time_s);
-}
-
-template <typename T>
-T RingDown<T>::VoltageRatio(const T& time_s) const {
-  return At(voltage_, time_s);
-}
-
-template <typename T>
-T RingDown<T>::DisplacementRatio(const T& time_s) const {
-  return At(displacement_, time_s);
-}
-
-template <typename T>
-T RingDown<T>::ReleaseRatio(const T& time_s) const {
-  return At(release_, time_s);
 }
 
 }  // namespace haptometer::sim

@@ -77,14 +77,14 @@ bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady)
 
 SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   SteadyRun steady;
-  const Superposition motion = Superpose(scene.scene);
+  const SteadyTones motion = Superpose(scene.scene);
   if (!(motion.error_estimate < 1)) {
     return NoRun(FindingKind::kTremorAtResonance);
   }
   if (!SteadyMotionIsFree(scene, motion)) return NoRun(FindingKind::kTremorWithLimits);
   EffectiveScene linear = scene;
   linear.piecewise = {};
-  steady.start.x = motion.state;
+  steady.start.x = motion.start;
   SceneRun run = RunScene(linear, PlayedS(scene), steady.start);
   run.skin_rms_m = motion.skin_rms_m;
   run.case_rms_m = motion.case_rms_m;

@@ -119,7 +119,7 @@ ReadSamples BandSignal::reading() const {
 
 Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch) {
   return blocks_.FilterPieces(
-      block, reading(), Continuation::kOdd,
+      block, reading(),
       [this](std::size_t first, std::span<double> samples) {
         if (model_) model_->AddFiltered(design_, first, samples);
         TakeCells(first, samples);
@@ -164,8 +164,7 @@ Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
     const std::size_t piece = first / ZeroPhaseBlocks::kPieceSamples;
     const SampleRange range = blocks_.PieceRange(piece);
     filtered.resize(range.count);
-    const auto done = blocks_.FilterPiece(piece, states_[piece], reading(), Continuation::kOdd,
-                                          filtered, scratch);
+    const auto done = blocks_.FilterPiece(piece, states_[piece], reading(), filtered, scratch);
     if (!done) return done;
     if (model_) model_->AddFiltered(design_, range.first, filtered);
     const auto wanted = std::span(filtered).subspan(first - range.first);

@@ -58,19 +58,14 @@ Pair PairOf(std::complex<double> prototype_pole, const WarpedBand& warped) {
           SectionOf(SectionKind::kLowPass, large.real(), std::norm(large)), std::norm(large)};
 }
 
-Result<void> CheckRateAndOrder(int order, double rate_hz) {
+Result<void> Check(const BandPass& band, double rate_hz) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz)) {
     return Usage("sample rate", fmt::format("is {} Hz", rate_hz), "give a positive rate");
   }
-  if (order < 1 || order > kHighestOrder) {
-    return Usage("order", fmt::format("{} is not possible", order),
+  if (band.order < 1 || band.order > kHighestOrder) {
+    return Usage("order", fmt::format("{} is not possible", band.order),
                  fmt::format("choose 1 to {}", kHighestOrder));
   }
-  return {};
-}
-
-Result<void> Check(const BandPass& band, double rate_hz) {
-  if (auto checked = CheckRateAndOrder(band.order, rate_hz); !checked) return checked;
   if (!(band.lower_hz > 0) || !(band.upper_hz > band.lower_hz) || !std::isfinite(band.upper_hz)) {
     return Usage("band", fmt::format("{}-{} Hz is not a band", band.lower_hz, band.upper_hz),
                  "give a lower corner above 0 and an upper corner above it, as 20-500Hz");
@@ -84,48 +79,8 @@ Result<void> Check(const BandPass& band, double rate_hz) {
   return {};
 }
 
-Result<void> CheckCorner(int order, double corner_hz, double rate_hz) {
-  if (auto checked = CheckRateAndOrder(order, rate_hz); !checked) return checked;
-  if (!(corner_hz > 0) || !(corner_hz < rate_hz / 2)) {
-    return Usage(
-        "corner",
-        fmt::format("{} Hz is not between 0 and half the rate of {} Hz", corner_hz, rate_hz),
-        fmt::format("choose one below {} Hz", rate_hz / 2));
-  }
-  return {};
-}
-
-// the corner on the axis of the bilinear transform; for the whole it moves outwards: down (1) of a
-// high-pass, up (-1) of a low-pass
-double WarpedCorner(double corner_hz, double rate_hz, Corners corners, int order, int direction) {
-  const double warped = std::tan(kPi * corner_hz / rate_hz);
-  if (corners == Corners::kEach) return warped;
-  return warped * std::pow(std::numbers::sqrt2 - 1, direction / (2.0 * order));
-}
-
-// the sections of a high-pass or low-pass with its poles on a circle of radius `corner`
-std::vector<DeltaSection> SectionsOnCircle(FilterKind kind, int order, double corner) {
-  const bool high = kind == FilterKind::kHighPass;
-  std::vector<DeltaSection> sections;
-  for (int k = order / 2 - 1; k >= 0; --k) {
-    const double real = -corner * std::sin(kPi * (2 * k + 1) / (2 * order));
-    sections.push_back(
-        SectionOf(high ? SectionKind::kHighPass : SectionKind::kLowPass, real, corner * corner));
-  }
-  if (order % 2 == 0) return sections;
-  const DeltaSection single =
-      high ? DeltaSection{SectionKind::kFirstOrderHighPass, 2 * corner / (1 + corner), 1,
-                          1 / (1 + corner)}
-           : DeltaSection{SectionKind::kFirstOrderLowPass, 2 * corner / (1 + corner), 1,
-                          corner / (1 + corner)};
-  sections.insert(high ? sections.end() : sections.begin(), single);
-  return sections;
-}
-
 std::complex<double> SectionResponse(const DeltaSection& section, double s, double c) {
-  // denominator e + f u + u^2 z with u = 1 - 1/z = 2 s (s + j c); numerators times z as well.
-  // Of the first order: e + (1 - e) u, times exp(j w/2) = c + j s
-  const std::complex<double> first_order(section.e * c, (2 - section.e) * s);
+  // denominator e + f u + u^2 z with u = 1 - 1/z = 2 s (s + j c); numerators times z as well
   const std::complex<double> denominator(section.e - 4 * s * s + 2 * section.f * s * s,
                                          2 * section.f * s * c);
   switch (section.kind) {
@@ -135,21 +90,12 @@ std::complex<double> SectionResponse(const DeltaSection& section, double s, doub
       return std::complex<double>(0, 4 * section.b * s * c) / denominator;
     case SectionKind::kLowPass:
       return 4 * section.b * c * c / denominator;
-    case SectionKind::kFirstOrderHighPass:
-      return std::complex<double>(0, 2 * section.b * s) / first_order;
-    case SectionKind::kFirstOrderLowPass:
-      return 2 * section.b * c / first_order;
   }
   HAPTOMETER_CHECK(false, "section kind {}", static_cast<int>(section.kind));
 }
 
 // -ln of the larger pole radius
 double DecayPerSample(const DeltaSection& section) {
-  // of the first order: pole 1 - e, which may be negative
-  if (section.kind == SectionKind::kFirstOrderHighPass ||
-      section.kind == SectionKind::kFirstOrderLowPass) {
-    return section.e <= 1 ? -std::log1p(-section.e) : -std::log(section.e - 1);
-  }
   const double sum = section.e + section.f;  // poles 1 + delta: delta^2 + (e + f) delta + e = 0
   const double discriminant = sum * sum - 4 * section.e;
   if (discriminant <= 0) return -0.5 * std::log1p(-section.f);
@@ -172,7 +118,7 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
     pairs.push_back(PairOf({-std::sin(angle), std::cos(angle)}, warped));
   }
 
-  FilterDesign design{FilterKind::kBandPass, n, {}, rate_hz};
+  FilterDesign design{n, {}, rate_hz};
   design.sections.reserve(static_cast<std::size_t>(n));
   double gain = std::pow(warped.width, n);
   for (const Pair& pair : pairs) {
@@ -188,26 +134,6 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
   }
   design.sections.back().b *= gain;
   return design;
-}
-
-Result<FilterDesign> DesignHighPass(const HighPass& high_pass, double rate_hz) {
-  const auto [order, corner_hz, corners] = high_pass;
-  if (auto checked = CheckCorner(order, corner_hz, rate_hz); !checked) {
-    return std::unexpected(checked.error());
-  }
-  const double corner = WarpedCorner(corner_hz, rate_hz, corners, order, 1);
-  return FilterDesign{FilterKind::kHighPass, order,
-                      SectionsOnCircle(FilterKind::kHighPass, order, corner), rate_hz};
-}
-
-Result<FilterDesign> DesignLowPass(const LowPass& low_pass, double rate_hz) {
-  const auto [order, corner_hz, corners] = low_pass;
-  if (auto checked = CheckCorner(order, corner_hz, rate_hz); !checked) {
-    return std::unexpected(checked.error());
-  }
-  const double corner = WarpedCorner(corner_hz, rate_hz, corners, order, -1);
-  return FilterDesign{FilterKind::kLowPass, order,
-                      SectionsOnCircle(FilterKind::kLowPass, order, corner), rate_hz};
 }
 
 std::complex<double> Response(const FilterDesign& design, double frequency_hz) {

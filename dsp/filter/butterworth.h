@@ -10,41 +10,28 @@
 
 namespace haptometer::dsp {
 
-/// What a section's numerator is: (1 - 1/z)^2, 1 - 1/z^2, (1 + 1/z)^2, or of the first order
-/// 1 - 1/z, 1 + 1/z.
-enum class SectionKind : std::uint8_t {
-  kHighPass,
-  kBandPass,
-  kLowPass,
-  kFirstOrderHighPass,
-  kFirstOrderLowPass
-};
+/// What a section's numerator is: (1 - 1/z)^2, 1 - 1/z^2 or (1 + 1/z)^2.
+enum class SectionKind : std::uint8_t { kHighPass, kBandPass, kLowPass };
 
 /// A second-order section in delta form, with d[n] = y[n] - y[n-1]:
 ///
 ///   d[n] = d[n-1] - f d[n-1] - e y[n-1] + b m[n],   y[n] = y[n-1] + d[n]
 ///
 /// m is the numerator's combination of inputs. e and f are small where the corners are far below
-/// the rate; a direct form would hold 2 - e - f and 1 - f instead and lose their digits. With f = 1
-/// the same recursion is of the first order: d[n] = b m[n] - e y[n-1]. Middleton and Goodwin,
-/// Digital Control and Estimation, 1990 (delta operator).
+/// the rate; a direct form would hold 2 - e - f and 1 - f instead and lose their digits. Middleton
+/// and Goodwin, Digital Control and Estimation, 1990 (delta operator).
 struct DeltaSection {
   SectionKind kind = SectionKind::kHighPass;
   double e = 0;  ///< 1 + a1 + a2 of the direct form, > 0
-  double f = 0;  ///< 1 - a2 of the direct form, 0 < f < 2; 1 of the first order
+  double f = 0;  ///< 1 - a2 of the direct form, 0 < f < 2
   double b = 0;  ///< factor of the numerator
 };
 
-/// What a filter lets through.
-enum class FilterKind : std::uint8_t { kBandPass, kHighPass, kLowPass };
-
-/// A filter as a cascade of sections: high-pass sections first (an offset of any size leaves in the
-/// first one), then the section that an odd order has in the middle (band-pass, or of the first
-/// order), then low-pass. The band-pass's gain is in its last section; high-pass and low-pass
-/// sections have gain 1 each.
+/// A band-pass as a cascade of sections: high-pass sections first (an offset of any size leaves in
+/// the first one), then the band-pass section that an odd order has in the middle, then low-pass.
+/// The filter's gain is in its last section.
 struct FilterDesign {
-  FilterKind kind = FilterKind::kBandPass;
-  int order = 0;  ///< 1 to 8
+  int order = 0;  ///< 1 to 8: as many sections
   std::vector<DeltaSection> sections;
   double rate_hz = 0;
 };
@@ -57,20 +44,6 @@ struct BandPass {
   int order = 6;          ///< 1 to 8
   double lower_hz = 20;   ///< > 0
   double upper_hz = 500;  ///< > lower_hz, < rate / 2
-  Corners corners = Corners::kWhole;
-};
-
-/// A Butterworth high-pass as it is asked for: N poles, (N + 1)/2 sections.
-struct HighPass {
-  int order = 6;          ///< 1 to 8
-  double corner_hz = 20;  ///< > 0, < rate / 2
-  Corners corners = Corners::kWhole;
-};
-
-/// A Butterworth low-pass as it is asked for: N poles, (N + 1)/2 sections.
-struct LowPass {
-  int order = 6;           ///< 1 to 8
-  double corner_hz = 500;  ///< > 0, < rate / 2
   Corners corners = Corners::kWhole;
 };
 
@@ -87,19 +60,6 @@ inline constexpr int kHighestOrder = 8;
 /// Errors (Cause::kUsage): order outside 1..8, corners not in order or not positive, upper corner
 /// at or above rate/2, rate not positive.
 [[nodiscard]] Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz);
-
-/// Designs the high-pass: |H|^2 = 1 / (1 + |wc/s|^(2N)), s = j tan(pi f/rate), wc the warped
-/// corner.
-///
-/// Corners::kWhole multiplies wc by (sqrt(2) - 1)^(1/2N), so that |H|^2 is 1/sqrt(2) at the corner.
-/// Errors and accuracy as for the band-pass.
-[[nodiscard]] Result<FilterDesign> DesignHighPass(const HighPass& high_pass, double rate_hz);
-
-/// Designs the low-pass: |H|^2 = 1 / (1 + |s/wc|^(2N)).
-///
-/// Corners::kWhole divides wc by (sqrt(2) - 1)^(1/2N). A constant passes with gain exactly 1.
-/// Errors and accuracy as for the band-pass.
-[[nodiscard]] Result<FilterDesign> DesignLowPass(const LowPass& low_pass, double rate_hz);
 
 /// The complex response of one pass of the stored sections at `frequency_hz` (any, up to rate/2).
 ///

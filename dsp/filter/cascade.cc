@@ -10,38 +10,28 @@ namespace haptometer::dsp {
 
 void CheckSections(const FilterDesign& design) {
   HAPTOMETER_CHECK(design.order >= 1 && design.order <= kHighestOrder, "order {}", design.order);
-  const CascadeShape shape = ShapeOf(design.kind, design.order);
-  HAPTOMETER_CHECK(design.sections.size() == shape.count(), "{} sections", design.sections.size());
-  for (std::size_t k = 0; k < shape.count(); ++k) {
-    HAPTOMETER_CHECK(design.sections[k].kind == KindAt(shape, k), "section {} of {}", k,
-                     shape.count());
+  const auto count = static_cast<std::size_t>(design.order);
+  HAPTOMETER_CHECK(design.sections.size() == count, "{} sections", design.sections.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    HAPTOMETER_CHECK(design.sections[k].kind == KindAt(design.order, k), "section {} of {}", k,
+                     count);
   }
-}
-
-double ConstantGain(const DeltaSection& section) {
-  if (!TakesSums(section.kind)) return 0;
-  return (section.kind == SectionKind::kLowPass ? 4 : 2) * section.b / section.e;
 }
 
 Cascade::Cascade(const FilterDesign& design) : count_(design.sections.size()) {
   CheckSections(design);
-  run_ = RunOf(design.kind, design.order);
+  run_ = RunOf(design.order);
   std::ranges::copy(design.sections, sections_.begin());
 }
 
 void Cascade::StartFrom(double input) {
   states_ = {};
   last_input_ = input;
-  for (std::size_t k = 0; k < count_; ++k) {
-    if (TakesSums(sections_[k].kind)) states_[k].input_before = input + input;
-    input *= ConstantGain(sections_[k]);
-    states_[k].output = input;
-  }
 }
 
-template <FilterKind kKind, int kOrder>
+template <int kOrder>
 [[gnu::noinline]] void Cascade::Run(std::span<const double> in, std::span<double> out) {
-  using Step = CascadeStep<ShapeOf(kKind, kOrder), double>;
+  using Step = CascadeStep<kOrder, double>;
   Step step;
   std::array<DeltaSection, Step::kCount> sections;
   for (std::size_t k = 0; k < Step::kCount; ++k) {
@@ -60,23 +50,12 @@ template <FilterKind kKind, int kOrder>
   last_input_ = step.last_input;
 }
 
-Cascade::RunFunction Cascade::RunOf(FilterKind kind, int order) {
-  const auto of_kind = [&]<FilterKind kKind>() {
-    return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
-      constexpr std::array<RunFunction, kHighestOrder> kByOrder{
-          &Cascade::Run<kKind, kIndex + 1>...};
-      return kByOrder.at(static_cast<std::size_t>(order - 1));
-    }(std::make_integer_sequence<int, kHighestOrder>());
-  };
-  switch (kind) {
-    case FilterKind::kBandPass:
-      return of_kind.operator()<FilterKind::kBandPass>();
-    case FilterKind::kHighPass:
-      return of_kind.operator()<FilterKind::kHighPass>();
-    case FilterKind::kLowPass:
-      return of_kind.operator()<FilterKind::kLowPass>();
+Cascade::RunFunction Cascade::RunOf(int order) {
+  return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
+    constexpr std::array<RunFunction, kHighestOrder> kByOrder{&Cascade::Run<kIndex + 1>...};
+    return kByOrder.at(static_cast<std::size_t>(order - 1));
   }
-  HAPTOMETER_CHECK(false, "filter kind {}", static_cast<int>(kind));
+  (std::make_integer_sequence<int, kHighestOrder>());
 }
 
 void Cascade::Process(std::span<const double> in, std::span<double> out) {

@@ -40,8 +40,8 @@ class Cascade {
   /// Begins at rest: as if the input had been 0 for ever.
   explicit Cascade(const FilterDesign& design);
 
-  /// Sets the state as if the input had been `input` for ever. Exact: a constant leaves a filter
-  /// whose first section blocks it as exactly 0, and a low-pass as exactly itself.
+  /// Sets the state as if the input had been `input` for ever. Exact: a constant leaves the filter
+  /// as exactly 0.
   void StartFrom(double input);
 
   /// Filters in.size() samples; `out` has the same size and may be `in` itself.
@@ -54,13 +54,13 @@ class Cascade {
   struct State {
     double output = 0;        // y[n-1]
     double step = 0;          // d[n-1] = y[n-1] - y[n-2]
-    double input_before = 0;  // x[n-1] - x[n-2], or the sum where the section takes sums
+    double input_before = 0;  // x[n-1] - x[n-2], or the sum of a low-pass section
   };
   using RunFunction = void (Cascade::*)(std::span<const double>, std::span<double>);
 
-  template <FilterKind kKind, int kOrder>
+  template <int kOrder>
   void Run(std::span<const double> in, std::span<double> out);
-  static RunFunction RunOf(FilterKind kind, int order);
+  static RunFunction RunOf(int order);
 
   std::array<DeltaSection, kHighestOrder> sections_{};
   std::array<State, kHighestOrder> states_{};
@@ -69,11 +69,7 @@ class Cascade {
   double last_input_ = 0;  // x[n-1]
 };
 
-/// Aborts unless `design` has the sections that its kind and order say.
+/// Aborts unless `design` has the sections that its order says.
 void CheckSections(const FilterDesign& design);
-
-/// What a section gives for ever where its input is 1 for ever: exactly 1 or 0 in every design but
-/// the last section of a band-pass.
-[[nodiscard]] double ConstantGain(const DeltaSection& section);
 
 }  // namespace haptometer::dsp

@@ -12,51 +12,22 @@ namespace haptometer::dsp {
 // function to a file compiled for another.
 namespace {
 
-/// Which sections a cascade has, in order: `high` high-pass ones, `middle` (0 or 1) of the kind
-/// `middle_kind`, `low` low-pass ones.
-struct CascadeShape {
-  std::size_t high = 0;
-  std::size_t middle = 0;
-  SectionKind middle_kind = SectionKind::kBandPass;
-  std::size_t low = 0;
-
-  [[nodiscard]] constexpr std::size_t count() const { return high + middle + low; }
-};
-
-constexpr CascadeShape ShapeOf(FilterKind kind, int order) {
+/// The kind of a section of a cascade of `order` sections.
+constexpr SectionKind KindAt(int order, std::size_t section) {
   const auto pairs = static_cast<std::size_t>(order / 2);
-  const std::size_t odd = order % 2 == 1 ? 1 : 0;
-  switch (kind) {
-    case FilterKind::kBandPass:
-      return {pairs, odd, SectionKind::kBandPass, pairs};
-    case FilterKind::kHighPass:
-      return {pairs, odd, SectionKind::kFirstOrderHighPass, 0};
-    case FilterKind::kLowPass:
-      return {0, odd, SectionKind::kFirstOrderLowPass, pairs};
-  }
-  return {};
-}
-
-constexpr SectionKind KindAt(const CascadeShape& shape, std::size_t section) {
-  if (section < shape.high) return SectionKind::kHighPass;
-  if (section < shape.high + shape.middle) return shape.middle_kind;
-  return SectionKind::kLowPass;
-}
-
-/// Whether a section takes sums of neighbouring inputs, not differences.
-constexpr bool TakesSums(SectionKind kind) {
-  return kind == SectionKind::kLowPass || kind == SectionKind::kFirstOrderLowPass;
+  if (section < pairs) return SectionKind::kHighPass;
+  return order % 2 == 1 && section == pairs ? SectionKind::kBandPass : SectionKind::kLowPass;
 }
 
 /// Whether `Value` is a number or a row of them: the same operations in the same order. Sections
 /// are DeltaSections, or have e, f and b in another type of number.
-template <CascadeShape kShape, typename Value>
+template <int kOrder, typename Value>
 struct CascadeStep {
-  static constexpr std::size_t kCount = kShape.count();
+  static constexpr std::size_t kCount = kOrder;
 
   Value output[kCount];        // y[n-1]
   Value step[kCount];          // d[n-1] = y[n-1] - y[n-2]
-  Value input_before[kCount];  // x[n-1] - x[n-2], or the sum where the section takes sums
+  Value input_before[kCount];  // x[n-1] - x[n-2], or the sum of a low-pass section
   Value last_input;            // x[n-1] of the first section
 
   // One sample runs through all sections before the next: the processor overlaps the sections of
@@ -71,9 +42,8 @@ struct CascadeStep {
   /// What Advance feeds to the first section's recursion, and what it remembers of the input.
   [[gnu::always_inline]] static inline Value FirstCombined(const Value& input, Value& last_input,
                                                            Value& input_before) {
-    constexpr SectionKind kKind = KindAt(kShape, 0);
-    const Value now = TakesSums(kKind) ? input + last_input : input - last_input;
-    const Value combined = Combined<kKind>(now, input_before);
+    const Value now = input - last_input;
+    const Value combined = Combined<KindAt(kOrder, 0)>(now, input_before);
     last_input = input;
     input_before = now;
     return combined;
@@ -88,8 +58,8 @@ struct CascadeStep {
       return x;
     } else {
       // the numerator's combination of inputs, and what it needs next time
-      constexpr SectionKind kKind = KindAt(kShape, k);
-      const Value now = TakesSums(kKind) ? x + x_before : x_step;
+      constexpr SectionKind kKind = KindAt(kOrder, k);
+      const Value now = kKind == SectionKind::kLowPass ? x + x_before : x_step;
       const Value combined = Combined<kKind>(now, input_before[k]);
       input_before[k] = now;
       const Value y_before = output[k];
@@ -105,10 +75,8 @@ struct CascadeStep {
   [[gnu::always_inline]] static inline Value Combined(const Value& now, const Value& before) {
     if constexpr (kKind == SectionKind::kHighPass) {
       return now - before;
-    } else if constexpr (kKind == SectionKind::kBandPass || kKind == SectionKind::kLowPass) {
-      return now + before;
     } else {
-      return now;
+      return now + before;
     }
   }
 };

@@ -47,28 +47,6 @@ std::string_view Name(InstructionSet set) {
 
 namespace {
 
-// a numerator 1 + one/z + two/z^2
-struct Numerator {
-  double one = 0;
-  double two = 0;
-};
-
-Numerator NumeratorOf(SectionKind kind) {
-  switch (kind) {
-    case SectionKind::kHighPass:
-      return {-2, 1};
-    case SectionKind::kBandPass:
-      return {0, -1};
-    case SectionKind::kLowPass:
-      return {2, 1};
-    case SectionKind::kFirstOrderHighPass:
-      return {-1, 0};
-    case SectionKind::kFirstOrderLowPass:
-      return {1, 0};
-  }
-  return {};
-}
-
 const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(IsSupported(set), "this processor has no {}", Name(set));
   switch (set) {
@@ -87,13 +65,16 @@ const LaneKernel& KernelOf(InstructionSet set) {
 std::vector<double> WeightsOf(const FilterDesign& design) {
   const std::size_t states = 2 * design.sections.size();
   std::vector<double> weights(kLaneSamples * states);
-  // the inputs that combine to 1, 0, 0, ...: small whole numbers, so exact
-  const auto [one, two] = NumeratorOf(design.sections.front().kind);
+  // the inputs that combine to 1, 0, 0, ... by a numerator 1 - one/z - two/z^2: small whole
+  // numbers, so exact
+  const bool is_high_pass = design.sections.front().kind == SectionKind::kHighPass;
+  const double one = is_high_pass ? 2 : 0;
+  const double two = is_high_pass ? -1 : 1;
   double last = 0;
   double before_last = 0;
   Cascade cascade(design);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    const double input = (n == 0 ? 1 : 0) - one * last - two * before_last;
+    const double input = (n == 0 ? 1 : 0) + one * last + two * before_last;
     before_last = std::exchange(last, input);
     double output = 0;
     cascade.Process({&input, 1}, {&output, 1});
@@ -133,10 +114,6 @@ void LaneCascade::StartFrom(double input) {
   state_ = {};
   state_.last_input_ = input;
   state_.input_before_last_ = input;
-  for (std::size_t k = 0; k < plan_->sections_; ++k) {
-    input *= ConstantGain(plan_->design_.sections[k]);
-    state_.sections_[k] = input;
-  }
 }
 
 // lanes with the inputs that came before them, run from rest
@@ -144,14 +121,13 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   const bool forward = direction == Direction::kForward;
   const double* last_row = rows + (forward ? kTileSamples - kLanes : 0);
   const double* row_before = forward ? last_row - kLanes : last_row + kLanes;
-  const bool sums = TakesSums(plan_->design_.sections.front().kind);
   lanes_ = {};
   double last = state_.last_input_;
   double before = state_.input_before_last_;
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t lane = forward ? k : kLanes - 1 - k;
     lanes_.last_input[lane] = last;
-    lanes_.input_before[lane] = sums ? last + before : last - before;
+    lanes_.input_before[lane] = last - before;
     last = last_row[lane];
     before = row_before[lane];
   }

@@ -25,7 +25,6 @@ Lanes Load(const double* values) {
   return lanes;
 }
 
-// runs Lanes::size() lanes from `first_lane` on
 // the first row on the way and how far the next one is
 struct Way {
   std::ptrdiff_t first = 0;
@@ -39,15 +38,15 @@ Way WayOf(Direction direction) {
 }
 
 // the cascade in Lanes::size() lanes from `first_lane` on
-template <CascadeShape kShape>
-CascadeStep<kShape, Lanes> LoadStep(const LaneStates& states, std::size_t first_lane) {
-  CascadeStep<kShape, Lanes> step;
-  for (std::size_t k = 0; k < kShape.count(); ++k) {
+template <int kOrder>
+CascadeStep<kOrder, Lanes> LoadStep(const LaneStates& states, std::size_t first_lane) {
+  CascadeStep<kOrder, Lanes> step;
+  for (std::size_t k = 0; k < kOrder; ++k) {
     step.output[k] = Load(&states.output[k][first_lane]);
     step.step[k] = Load(&states.step[k][first_lane]);
     if (k == 0) {
       step.input_before[k] = Load(&states.input_before[first_lane]);
-    } else if (TakesSums(KindAt(kShape, k))) {
+    } else if (KindAt(kOrder, k) == SectionKind::kLowPass) {
       // y[n-1] + y[n-2] of the section before
       step.input_before[k] = step.output[k - 1] + (step.output[k - 1] - step.step[k - 1]);
     } else {
@@ -58,9 +57,9 @@ CascadeStep<kShape, Lanes> LoadStep(const LaneStates& states, std::size_t first_
   return step;
 }
 
-template <CascadeShape kShape>
-void StoreStep(const CascadeStep<kShape, Lanes>& step, LaneStates& states, std::size_t first_lane) {
-  for (std::size_t k = 0; k < kShape.count(); ++k) {
+template <int kOrder>
+void StoreStep(const CascadeStep<kOrder, Lanes>& step, LaneStates& states, std::size_t first_lane) {
+  for (std::size_t k = 0; k < kOrder; ++k) {
     step.output[k].copy_to(&states.output[k][first_lane], vector_aligned);
     step.step[k].copy_to(&states.step[k][first_lane], vector_aligned);
   }
@@ -75,15 +74,14 @@ void FetchTwoRegisters(const double* samples) {
 
 // Runs 2 Lanes::size() lanes from `first_lane` on: in two registers, because each alone would wait
 // for its own last sample.
-template <FilterKind kKind, int kOrder>
+template <int kOrder>
 void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
               const TilesAhead& ahead, LaneStates& states, std::size_t first_lane) {
-  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
-  DeltaSection sections[kShape.count()];
-  for (std::size_t k = 0; k < kShape.count(); ++k) sections[k] = given[k];
+  DeltaSection sections[kOrder];
+  for (std::size_t k = 0; k < kOrder; ++k) sections[k] = given[k];
   const std::size_t second_lane = first_lane + Lanes::size();
-  auto first = LoadStep<kShape>(states, first_lane);
-  auto second = LoadStep<kShape>(states, second_lane);
+  auto first = LoadStep<kOrder>(states, first_lane);
+  auto second = LoadStep<kOrder>(states, second_lane);
   const Way way = WayOf(direction);
   std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
@@ -95,17 +93,16 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
         .copy_to(out + at + Lanes::size(), vector_aligned);
     at += way.stride;
   }
-  StoreStep<kShape>(first, states, first_lane);
-  StoreStep<kShape>(second, states, second_lane);
+  StoreStep<kOrder>(first, states, first_lane);
+  StoreStep<kOrder>(second, states, second_lane);
 }
 
 // the weighted sums of Lanes::size() lanes from `first_lane` on
-template <FilterKind kKind, int kOrder>
+template <int kOrder>
 void WeighLanes(Direction direction, const double* rows, const double* weights, LaneStates& states,
                 std::size_t first_lane) {
-  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
-  constexpr std::size_t kCount = kShape.count();
-  using Step = CascadeStep<kShape, Lanes>;
+  constexpr std::size_t kCount = kOrder;
+  using Step = CascadeStep<kOrder, Lanes>;
   Lanes sums[2 * kCount] = {};
   Lanes last_input = Load(&states.last_input[first_lane]);
   Lanes input_before = Load(&states.input_before[first_lane]);
@@ -154,48 +151,37 @@ void HandOverLanes(Direction direction, const double* handover, double* state, L
   }
 }
 
-// calls `run` with the kind and the order of `design` as constants
+// calls `run` with the order of `design` as a constant
 template <typename Run>
-void WithShape(const FilterDesign& design, const Run& run) {
-  const auto with_kind = [&]<FilterKind kKind>() {
-    [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
-      (void)((design.order == kIndex + 1 && (run.template operator()<kKind, kIndex + 1>(), true)) ||
-             ...);
-    }(std::make_integer_sequence<int, kHighestOrder>());
-  };
-  switch (design.kind) {
-    case FilterKind::kBandPass:
-      return with_kind.template operator()<FilterKind::kBandPass>();
-    case FilterKind::kHighPass:
-      return with_kind.template operator()<FilterKind::kHighPass>();
-    case FilterKind::kLowPass:
-      return with_kind.template operator()<FilterKind::kLowPass>();
+void WithOrder(const FilterDesign& design, const Run& run) {
+  [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
+    (void)((design.order == kIndex + 1 && (run.template operator()<kIndex + 1>(), true)) || ...);
   }
+  (std::make_integer_sequence<int, kHighestOrder>());
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
             const TilesAhead& ahead, LaneStates& states) {
-  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+  WithOrder(design, [&]<int kOrder>() {
     for (std::size_t lane = 0; lane < kLanes; lane += 2 * Lanes::size()) {
-      RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, ahead, states, lane);
+      RunLanes<kOrder>(&design.sections.front(), direction, rows, out, ahead, states, lane);
     }
   });
 }
 
 void Weigh(const FilterDesign& design, Direction direction, const double* rows,
            const double* weights, LaneStates& states) {
-  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+  WithOrder(design, [&]<int kOrder>() {
     for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
-      WeighLanes<kKind, kOrder>(direction, rows, weights, states, lane);
+      WeighLanes<kOrder>(direction, rows, weights, states, lane);
     }
   });
 }
 
 void HandOver(const FilterDesign& design, Direction direction, const double* handover,
               double* state, LaneStates& states) {
-  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
-    HandOverLanes<ShapeOf(kKind, kOrder).count()>(direction, handover, state, states);
-  });
+  WithOrder(design,
+            [&]<int kOrder>() { HandOverLanes<kOrder>(direction, handover, state, states); });
 }
 
 // Two samples of two lanes are turned at once: wider squares are slower (g++ 12).

@@ -20,7 +20,6 @@
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
-#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 
@@ -184,24 +183,6 @@ SampleRange SettledRange(std::size_t size, const EndDependence& dependence, cons
 
 std::size_t LeastRmsSamples(const FilterDesign& design) {
   return static_cast<std::size_t>(kRmsTimeConstants * design.rate_hz / SlowestDecayPerS(design));
-}
-
-SettledSignal FilterSettled(const FilterDesign& design, std::span<const double> signal,
-                            int threads) {
-  SettledSignal settled;
-  settled.filtered = FilterZeroPhase(design, signal, Continuation::kOdd, threads);
-  ZeroPhaseBlocks::Scratch scratch;
-  const auto dependence =
-      MeasureEndDependence(ZeroPhaseBlocks(design, signal.size()), ReadFrom(signal), scratch);
-  HAPTOMETER_CHECK(dependence, "memory cannot fail");
-  const std::span<const double> filtered = settled.filtered;
-  const SampleRange range = SettledRange(
-      signal.size(), *dependence,
-      [&](const SampleRange& part) { return Rms(filtered.subspan(part.first, part.count)); },
-      LeastRmsSamples(design));
-  settled.begin = range.first;
-  settled.end = range.end();
-  return settled;
 }
 
 namespace {

@@ -60,18 +60,6 @@ using RangeRms = std::function<double(const SampleRange& range)>;
 /// for a band-pass of order 6.
 [[nodiscard]] std::size_t LeastRmsSamples(const FilterDesign& design);
 
-/// A filtered signal and the part of it that does not depend on what lay beyond its ends.
-struct SettledSignal {
-  std::vector<double> filtered;  ///< all of it, continued oddly; the ends are not to be trusted
-  std::size_t begin = 0;         ///< first settled sample
-  std::size_t end = 0;           ///< one past the last; begin == end: nothing has settled
-};
-
-/// Filters with zero phase (FilterZeroPhase) and measures, instead of assuming, where the result
-/// has settled (SettledRange).
-[[nodiscard]] SettledSignal FilterSettled(const FilterDesign& design,
-                                          std::span<const double> signal, int threads = 1);
-
 /// Motion slower than a band at one end of a signal, such as a hand's drift and tremor, and how it
 /// is expected to go on:
 ///

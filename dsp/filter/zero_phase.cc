@@ -52,13 +52,11 @@ std::size_t BlockSize(std::size_t lead_in) {
 // reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
 class ZeroPhaseBlocks::Continued {
  public:
-  Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
-      : size_(static_cast<std::ptrdiff_t>(size)),
-        reach_(continuation == Continuation::kOdd ? size_ - 1 : 0),
-        read_(read) {}
+  Continued(std::size_t size, const ReadSamples& read)
+      : size_(static_cast<std::ptrdiff_t>(size)), reach_(size_ - 1), read_(read) {}
   // one in memory, which `read` reads from, too
-  Continued(std::span<const double> signal, const ReadSamples& read, Continuation continuation)
-      : Continued(signal.size(), read, continuation) {
+  Continued(std::span<const double> signal, const ReadSamples& read)
+      : Continued(signal.size(), read) {
     in_memory_ = signal;
   }
 
@@ -165,54 +163,32 @@ SampleRange ZeroPhaseBlocks::Range(std::size_t block) const {
   return {first, std::min(block_size_, size_ - first)};
 }
 
-Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
-                                     Continuation continuation, std::span<double> out,
-                                     Scratch& scratch) const {
-  return Filter(Range(block), read, continuation, out, scratch);
-}
-
-Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
-                                     Continuation continuation, std::span<double> out,
-                                     Scratch& scratch) const {
-  HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
-                   range.first, range.count, size_, out.size());
-  if (range.count == 0) return {};
-  return Filter(range, Continued(size_, read, continuation), out, scratch);
-}
-
-void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
-                             Continuation continuation, std::span<double> out,
-                             Scratch& scratch) const {
-  const SampleRange range = Range(block);
-  HAPTOMETER_CHECK(signal.size() == size_ && out.size() == range.count, "{} of {}, {} out for {}",
-                   signal.size(), size_, out.size(), range.count);
-  const ReadSamples read = ReadFrom(signal);
-  const auto done = Filter(range, Continued(signal, read, continuation), out, scratch);
-  HAPTOMETER_CHECK(done, "memory cannot fail");
-}
-
 // The rows of all but the first two tiles lie in `out` itself: a buffer for them would be memory
 // that every thread touches first, and more than the cache holds. They lie below the samples that
 // are made of them, backward in time, so that none is overwritten before it is read.
-Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const Continued& signal,
-                                     std::span<double> out, Scratch& scratch) const {
+void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
+                             std::span<double> out, Scratch& scratch) const {
+  const SampleRange range = Range(block);
+  HAPTOMETER_CHECK(signal.size() == size_ && out.size() == range.count, "{} of {}, {} out for {}",
+                   signal.size(), size_, out.size(), range.count);
   const std::size_t inner = WholeTiles(range.count);
   const std::size_t head_size = std::min(inner, 2 * kTileSamples);
   const std::span<double> apart = scratch.Rows(head_size + lead_in_);
   const std::span<double> head = apart.first(head_size);
   const std::span<double> beyond = apart.subspan(head_size);
   const std::span<double> body = AlignedRows(out, inner - head_size);
+  const ReadSamples read = ReadFrom(signal);
+  const Continued continued(signal, read);
   LaneCascade cascade(plan_);
-  auto done = LeadIn(range.first, signal, scratch, cascade);
-  if (done) done = FilterForward(range.first, signal, head, scratch, cascade);
-  if (done) done = FilterForward(range.first + head_size, signal, body, scratch, cascade);
-  if (done) done = FilterForward(range.first + inner, signal, beyond, scratch, cascade);
-  if (!done) return done;
+  auto done = LeadIn(range.first, continued, scratch, cascade);
+  if (done) done = FilterForward(range.first, continued, head, scratch, cascade);
+  if (done) done = FilterForward(range.first + head_size, continued, body, scratch, cascade);
+  if (done) done = FilterForward(range.first + inner, continued, beyond, scratch, cascade);
+  HAPTOMETER_CHECK(done, "memory cannot fail");
   cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
   cascade.AdvanceBackward(beyond);
   cascade.ProcessBackward(body, out.subspan(std::min(head_size, out.size())));
   cascade.ProcessBackward(head, out.first(std::min(head_size, out.size())));
-  return {};
 }
 
 SampleRange ZeroPhaseBlocks::PieceRange(std::size_t piece) const {
@@ -222,8 +198,8 @@ SampleRange ZeroPhaseBlocks::PieceRange(std::size_t piece) const {
 }
 
 Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples& read,
-                                           Continuation continuation, const TakePiece& take,
-                                           std::span<PieceStates> states, Scratch& scratch) const {
+                                           const TakePiece& take, std::span<PieceStates> states,
+                                           Scratch& scratch) const {
   HAPTOMETER_CHECK(states.size() == pieces(), "{} states of {}", states.size(), pieces());
   const SampleRange range = Range(block);
   const std::size_t inner = WholeTiles(range.count);
@@ -231,7 +207,7 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
   const std::span<double> beyond = rows.subspan(inner);
   const std::size_t first_piece = range.first / kPieceSamples;
   const std::size_t end_piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
-  const Continued signal(size_, read, continuation);
+  const Continued signal(size_, read);
   LaneCascade cascade(plan_);
   const auto rows_of = [&](const SampleRange& part) {
     return rows.subspan(part.first - range.first, WholeTiles(part.count));
@@ -258,12 +234,12 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
 }
 
 Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& states,
-                                          const ReadSamples& read, Continuation continuation,
-                                          std::span<double> out, Scratch& scratch) const {
+                                          const ReadSamples& read, std::span<double> out,
+                                          Scratch& scratch) const {
   const SampleRange range = PieceRange(piece);
   HAPTOMETER_CHECK(out.size() == range.count, "{} out for {}", out.size(), range.count);
   const std::span<double> rows = scratch.Rows(WholeTiles(range.count));
-  const Continued signal(size_, read, continuation);
+  const Continued signal(size_, read);
   LaneCascade cascade(plan_);
   cascade.GoOnFrom(states.forward);
   auto done = FilterForward(range.first, signal, rows, scratch, cascade);
@@ -345,7 +321,7 @@ ReadSamples ReadFrom(std::span<const double> signal) {
 }
 
 std::vector<double> FilterZeroPhase(const FilterDesign& design, std::span<const double> signal,
-                                    Continuation continuation, int threads) {
+                                    int threads) {
   HAPTOMETER_CHECK(threads >= 1, "threads = {}", threads);
   const ZeroPhaseBlocks blocks(design, signal.size());
   std::vector<double> filtered(signal.size());
@@ -355,7 +331,7 @@ std::vector<double> FilterZeroPhase(const FilterDesign& design, std::span<const 
     for (std::size_t block = next++; block < blocks.blocks(); block = next++) {
       const SampleRange range = blocks.Range(block);
       const std::span<double> out = std::span(filtered).subspan(range.first, range.count);
-      blocks.Filter(block, signal, continuation, out, scratch);
+      blocks.Filter(block, signal, out, scratch);
     }
   };
   std::vector<std::jthread> helpers;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <functional>
 #include <memory>
@@ -13,10 +12,6 @@
 #include "dsp/filter/lane_cascade.h"
 
 namespace haptometer::dsp {
-
-/// How a signal is thought to go on beyond its ends: turned about the end point (2 x[0] - x[k], and
-/// beyond the turned signal its last value), or staying at the end value.
-enum class Continuation : std::uint8_t { kOdd, kConstant };
 
 /// Samples after which the slowest pole has decayed to `remainder` (0 to 1).
 [[nodiscard]] std::size_t RingingSamples(const FilterDesign& design, double remainder);
@@ -40,9 +35,10 @@ struct SampleRange {
 /// (backward pass); each pass begins exactly as if its first value had stood for ever. The lead-in
 /// lets the slowest pole decay to 1e-18, so that a wrong begin stays below rounding even where the
 /// motion is 1000 times the signal. So any block can be made alone, in any order, on any thread,
-/// always with the same bytes: the grid depends on the design only. Beyond the signal's ends the
-/// continuation takes the place of samples; what it cannot know is in the first and last tenths of
-/// a second (dsp/filter/transient.h finds where that ends).
+/// always with the same bytes: the grid depends on the design only. Beyond its ends the signal is
+/// continued oddly: turned about the end point (2 x[0] - x[k], and beyond the turned signal its
+/// last value). What that cannot know is in the first and last tenths of a second
+/// (dsp/filter/transient.h finds where that ends).
 ///
 /// What the passes of a block remember where its pieces meet may be kept: then each piece can be
 /// filtered again, to the same bytes, without a lead-in.
@@ -103,32 +99,22 @@ class ZeroPhaseBlocks {
   [[nodiscard]] std::size_t pieces() const { return (size_ + kPieceSamples - 1) / kPieceSamples; }
   [[nodiscard]] SampleRange PieceRange(std::size_t piece) const;
 
-  /// Filters `block` into `out`, which has Range(block).count samples. Errors: those of `read`;
-  /// `out` then holds nothing of use.
-  [[nodiscard]] Result<void> Filter(std::size_t block, const ReadSamples& read,
-                                    Continuation continuation, std::span<double> out,
-                                    Scratch& scratch) const;
+  /// Filters `block` of a signal in memory, size() samples, which is read where it lies, into
+  /// `out`, which has Range(block).count samples.
+  void Filter(std::size_t block, std::span<const double> signal, std::span<double> out,
+              Scratch& scratch) const;
 
-  /// The same of a signal in memory, size() samples, which is read where it lies.
-  void Filter(std::size_t block, std::span<const double> signal, Continuation continuation,
-              std::span<double> out, Scratch& scratch) const;
-
-  /// The same piece by piece, the last one first; `states`, one for each of pieces(), has those of
-  /// the block filled in.
+  /// The same of any signal, piece by piece, the last one first; `states`, one for each of
+  /// pieces(), has those of the block filled in. Errors: those of `read`.
   [[nodiscard]] Result<void> FilterPieces(std::size_t block, const ReadSamples& read,
-                                          Continuation continuation, const TakePiece& take,
-                                          std::span<PieceStates> states, Scratch& scratch) const;
+                                          const TakePiece& take, std::span<PieceStates> states,
+                                          Scratch& scratch) const;
 
   /// Filters one piece again into `out`, which has PieceRange(piece).count samples. Cost: that of
   /// the piece alone. Errors: those of `read`.
   [[nodiscard]] Result<void> FilterPiece(std::size_t piece, const PieceStates& states,
-                                         const ReadSamples& read, Continuation continuation,
-                                         std::span<double> out, Scratch& scratch) const;
-
-  /// The same for a range of one's own, begun as a block is: within rounding of the blocks' values.
-  [[nodiscard]] Result<void> Filter(const SampleRange& range, const ReadSamples& read,
-                                    Continuation continuation, std::span<double> out,
-                                    Scratch& scratch) const;
+                                         const ReadSamples& read, std::span<double> out,
+                                         Scratch& scratch) const;
 
   /// What the filter makes, in the first out.size() samples of a signal of nothing but zeros, of
   /// what lies ahead of it: `before`, at most lead_in() samples, the nearest first. What it makes
@@ -138,8 +124,6 @@ class ZeroPhaseBlocks {
  private:
   class Continued;
 
-  Result<void> Filter(const SampleRange& range, const Continued& signal, std::span<double> out,
-                      Scratch& scratch) const;
   // runs `cascade` through the lead-in before `first`
   Result<void> LeadIn(std::size_t first, const Continued& signal, Scratch& scratch,
                       LaneCascade& cascade) const;
@@ -161,8 +145,6 @@ class ZeroPhaseBlocks {
 /// All blocks of ZeroPhaseBlocks, so the same signal read from a file gives the same bytes; so does
 /// any number of threads. Memory: the result, and a few blocks a thread.
 [[nodiscard]] std::vector<double> FilterZeroPhase(const FilterDesign& design,
-                                                  std::span<const double> signal,
-                                                  Continuation continuation = Continuation::kOdd,
-                                                  int threads = 1);
+                                                  std::span<const double> signal, int threads = 1);
 
 }  // namespace haptometer::dsp

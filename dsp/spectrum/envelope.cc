@@ -264,17 +264,4 @@ std::optional<Edge> FindOnset(const Envelope& envelope, const EdgeSearch& search
   return edge;
 }
 
-std::optional<Edge> FindDecay(const Envelope& envelope, const EdgeSearch& search) {
-  if (envelope.amplitude.empty()) return std::nullopt;
-  Envelope reversed = envelope;
-  std::ranges::reverse(reversed.amplitude);
-  const double end_s =
-      envelope.start_s + static_cast<double>(envelope.amplitude.size() - 1) * envelope.step_s;
-  const double turn_s = envelope.start_s + end_s;  // time t becomes turn_s - t
-  auto edge = FindOnset(reversed, {turn_s - search.quiet_end_s, turn_s - search.quiet_begin_s,
-                                   turn_s - search.steady_end_s, turn_s - search.steady_begin_s});
-  if (edge) edge->time_s = turn_s - edge->time_s;
-  return edge;
-}
-
 }  // namespace haptometer::dsp

@@ -83,8 +83,4 @@ struct Edge {
 /// where the noise is above a sixth of the steady amplitude.
 [[nodiscard]] std::optional<Edge> FindOnset(const Envelope& envelope, const EdgeSearch& search);
 
-/// The edge from steady to quiet: FindOnset with time reversed; `time_s` is where the amplitude has
-/// fallen to the low level, `rise_s` the 90-10 % decay time.
-[[nodiscard]] std::optional<Edge> FindDecay(const Envelope& envelope, const EdgeSearch& search);
-
 }  // namespace haptometer::dsp

@@ -59,8 +59,6 @@ RealFft::RealFft(std::size_t size) : plans_(std::make_unique<Plans>()) {
 }
 
 RealFft::~RealFft() = default;
-RealFft::RealFft(RealFft&&) noexcept = default;
-RealFft& RealFft::operator=(RealFft&&) noexcept = default;
 
 std::size_t RealFft::size() const { return plans_->size; }
 std::size_t RealFft::bins() const { return plans_->bins(); }

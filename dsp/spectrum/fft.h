@@ -23,8 +23,6 @@ class RealFft {
  public:
   explicit RealFft(std::size_t size);
   ~RealFft();
-  RealFft(RealFft&&) noexcept;
-  RealFft& operator=(RealFft&&) noexcept;
 
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::size_t bins() const;  ///< size / 2 + 1

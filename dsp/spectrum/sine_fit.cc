@@ -237,18 +237,13 @@ SineFit Describe(const Signal& signal, const SineFitOptions& options, const Coef
                                     ? Eigen::Vector2d(a / fit.amplitude, b / fit.amplitude)
                                     : Eigen::Vector2d::UnitX();
   fit.amplitude_uncertainty = std::sqrt(along.dot(covariance.topLeftCorner<2, 2>() * along));
-  fit.offset_uncertainty = std::sqrt(covariance(2, 2));
-  const double half_s = signal.half / signal.units_per_s;
-  if (options.drift_degree > 0) {
-    fit.slope_per_s = c.linear[3] / half_s;
-    fit.slope_uncertainty_per_s = std::sqrt(covariance(3, 3)) / half_s;
-  }
   // phase: across (a, b), and the frequency's share between the middle and the reference
   Vector across = Vector::Zero(all);
   across[0] = b / (fit.amplitude * fit.amplitude);
   across[1] = -a / (fit.amplitude * fit.amplitude);
   if (free_frequency) {
     across[all - 1] = signal.to_reference / signal.half;
+    const double half_s = signal.half / signal.units_per_s;
     fit.frequency_uncertainty_hz = std::sqrt(covariance(all - 1, all - 1)) / half_s / kTwoPi;
   }
   fit.phase_uncertainty_rad = std::sqrt(across.dot(covariance * across));
@@ -256,15 +251,12 @@ SineFit Describe(const Signal& signal, const SineFitOptions& options, const Coef
   return fit;
 }
 
-SineFit NotConverged(double frequency_hz, int iterations) {
+SineFit NotConverged(double frequency_hz) {
   SineFit fit;
   fit.frequency_hz = frequency_hz;
   fit.frequency_uncertainty_hz = kNotANumber;
   fit.amplitude_uncertainty = kNotANumber;
   fit.phase_uncertainty_rad = kNotANumber;
-  fit.offset_uncertainty = kNotANumber;
-  fit.slope_uncertainty_per_s = kNotANumber;
-  fit.iterations = iterations;
   return fit;
 }
 
@@ -312,10 +304,9 @@ Coefficients StartAt(double rad_per_unit, int drift_degree) {
 
 SineFit FitLinear(const Signal& signal, const SineFitOptions& options, double frequency_hz) {
   Coefficients c = StartAt(kTwoPi * frequency_hz / signal.units_per_s, options.drift_degree);
-  if (!SolveLinear(signal, c)) return NotConverged(frequency_hz, 1);
+  if (!SolveLinear(signal, c)) return NotConverged(frequency_hz);
   SineFit fit = Describe(signal, options, c, false);
   fit.frequency_hz = frequency_hz;
-  fit.iterations = 1;
   return fit;
 }
 
@@ -359,7 +350,7 @@ SineFit FitSineAt(std::span<const double> signal, const SineFitOptions& options,
                   double frequency_hz) {
   CheckOptions(options);
   if (!Enough(options, signal.size(), frequency_hz, 3 + options.drift_degree)) {
-    return NotConverged(frequency_hz, 0);
+    return NotConverged(frequency_hz);
   }
   return FitLinear(EvenSignal(signal, options), options, frequency_hz);
 }
@@ -371,21 +362,21 @@ SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> t
   HAPTOMETER_CHECK(values.size() == times_s.size(), "{} values, {} times", values.size(),
                    times_s.size());
   if (values.size() < 4 + static_cast<std::size_t>(drift_degree)) {
-    return NotConverged(frequency_hz, 0);
+    return NotConverged(frequency_hz);
   }
   const Signal signal = TimedSignal(values, times_s);
-  if (!(2 * signal.half * frequency_hz >= 0.5)) return NotConverged(frequency_hz, 0);
+  if (!(2 * signal.half * frequency_hz >= 0.5)) return NotConverged(frequency_hz);
   return FitLinear(signal, options, frequency_hz);
 }
 
 SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, double start_hz) {
   CheckOptions(options);
   const int parameters = 4 + options.drift_degree;
-  if (!Enough(options, signal.size(), start_hz, parameters)) return NotConverged(start_hz, 0);
+  if (!Enough(options, signal.size(), start_hz, parameters)) return NotConverged(start_hz);
   const Signal even = EvenSignal(signal, options);
   const double start = kTwoPi * start_hz / options.rate_hz;
   Coefficients c = StartAt(start, options.drift_degree);
-  if (!SolveLinear(even, c)) return NotConverged(start_hz, 1);
+  if (!SolveLinear(even, c)) return NotConverged(start_hz);
 
   // step by step, until the frequency rests
   const double freedom = IndependentSamples(even, options) - parameters;
@@ -395,12 +386,10 @@ SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, d
     // 2/T in rad per sample, twice `half` being T
     if (!change || !(std::abs(c.rad_per_unit - start) <= kTwoPi / even.half)) break;
     if (AtRest(normal, *change, freedom) && SolveLinear(even, c)) {
-      SineFit fit = Describe(even, options, c, true);
-      fit.iterations = iteration;
-      return fit;
+      return Describe(even, options, c, true);
     }
   }
-  return NotConverged(start_hz, kMostIterations);
+  return NotConverged(start_hz);
 }
 
 }  // namespace haptometer::dsp

@@ -41,16 +41,12 @@ struct SineFit {
   double amplitude = 0;     ///< >= 0, in the signal's unit
   double phase_rad = 0;     ///< at the first sample (FitSineAtTimes: at t = 0), -pi to pi
   double offset = 0;        ///< the drift's mean over the signal
-  double slope_per_s = 0;   ///< of the straight line nearest to the drift; 0 without one
   double residual_rms = 0;  ///< of what the sine and the drift leave
   double frequency_uncertainty_hz = 0;  ///< 0 where the frequency was given
   double amplitude_uncertainty = 0;
   double phase_uncertainty_rad = 0;  ///< NaN for an amplitude of 0
-  double offset_uncertainty = 0;
-  double slope_uncertainty_per_s = 0;
-  double degrees_of_freedom = 0;  ///< independent samples less the parameters
-  int iterations = 0;
-  bool converged = false;  ///< false: the numbers are the start's and mean nothing more
+  double degrees_of_freedom = 0;     ///< independent samples less the parameters
+  bool converged = false;            ///< false: the numbers are the start's and mean nothing more
 };
 
 inline constexpr int kHighestDriftDegree = 3;

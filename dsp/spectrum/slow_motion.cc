@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/spectrum/tone.h"
 #include "dsp/spectrum/welch.h"
 #include "dsp/statistics/moments.h"
 
@@ -98,9 +97,6 @@ std::optional<SlowMotion> DescribeSlowMotion(std::span<const double> signal, dou
   const auto spectrum = WelchSpectrum(rest, {rate_hz, std::min(rest.size(), longest)});
   if (!spectrum) return motion;
   DescribeBand(*spectrum, duration_s, motion);
-  const auto tone = StrongestTone(rest, {rate_hz, kTremorLower_hz, kTremorUpper_hz, 0});
-  const double band_power = *motion.tremor_rms * *motion.tremor_rms;
-  if (tone && tone->amplitude * tone->amplitude > band_power) motion.tremor_tone = tone;
   return motion;
 }
 

@@ -3,8 +3,6 @@
 #include <optional>
 #include <span>
 
-#include "dsp/spectrum/sine_fit.h"
-
 namespace haptometer::dsp {
 
 /// Where tremor of a hand lies.
@@ -21,9 +19,6 @@ struct SlowMotion {
   /// freedom.
   double tremor_rms_uncertainty = 0;
   double tremor_frequency_hz = 0;  ///< the power's centre between 3 and 13 Hz
-  /// The tone that holds more than half of that power, where one stands out; otherwise the tremor
-  /// is a band, and its RMS is what to state.
-  std::optional<SineFit> tremor_tone;
 };
 
 /// Drift and tremor of a low-rate signal (means of cells, at about 50 to 1000 Hz).

@@ -47,7 +47,7 @@ class SegmentTransform {
 
  private:
   double rate_hz_ = 0;
-  int detrend_degree_ = 0;  // -1: nothing is taken off
+  Detrend detrend_;
   std::vector<double> window_;
   double window_square_sum_ = 0;
   std::size_t step_ = 1;
@@ -272,18 +272,10 @@ double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz
     // bin k stands for a resolution about its frequency
     const double lower = lower_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
     const double upper = upper_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
-    inside[k] = std::max(0.0, std::min(0.5, upper) - std::max(-0.5, lower));
+    inside[k] = std::max(0.0, std::min(0.5, upper) - std::max(-0.5, lower)) * spectrum.density[k];
   }
-  return RmsThrough(spectrum, inside);
-}
-
-double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_gains) {
-  HAPTOMETER_CHECK(power_gains.size() == spectrum.density.size() && !power_gains.empty(),
-                   "{} gains for {} bins", power_gains.size(), spectrum.density.size());
-  std::vector<double> through(power_gains.begin(), power_gains.end());
-  for (std::size_t k = 0; k < through.size(); ++k) through[k] *= spectrum.density[k];
-  const auto bins = static_cast<double>(through.size());
-  return std::sqrt(Mean(through) * bins * spectrum.grid.resolution_hz);
+  const auto bins = static_cast<double>(inside.size());
+  return std::sqrt(Mean(inside) * bins * spectrum.grid.resolution_hz);
 }
 
 Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchOptions& options) {
@@ -310,44 +302,17 @@ Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchO
 
 namespace {
 
-int DegreeOf(Detrend detrend) {
-  switch (detrend) {
-    case Detrend::kNothing:
-      return -1;
-    case Detrend::kMean:
-      return 0;
-    case Detrend::kLine:
-      return 1;
-  }
-  return -1;
-}
-
 std::size_t StepOf(const WelchOptions& options) {
   const auto size = static_cast<double>(options.segment_size);
   const double step = std::round(size * (1 - options.overlap));
   return std::max<std::size_t>(1, static_cast<std::size_t>(step));
 }
 
-// takes the least-squares line through `samples`, whose mean is 0 already, off them
-void TakeOffLine(std::span<double> samples) {
-  const auto n = static_cast<double>(samples.size());
-  const double middle = 0.5 * (n - 1);
-  std::vector<double> products(samples.size());
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    products[k] = (static_cast<double>(k) - middle) * samples[k];
-  }
-  // sum of (k - middle)^2 = n (n^2 - 1) / 12
-  const double slope = Mean(products) * 12 / (n * n - 1);
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k] -= slope * (static_cast<double>(k) - middle);
-  }
-}
-
 }  // namespace
 
 SegmentTransform::SegmentTransform(const WelchOptions& options)
     : rate_hz_(options.rate_hz),
-      detrend_degree_(DegreeOf(options.detrend)),
+      detrend_(options.detrend),
       window_(WindowValues(options.window, options.segment_size)),
       step_(StepOf(options)),
       fft_(options.segment_size),
@@ -369,10 +334,10 @@ std::size_t SegmentTransform::Count(std::size_t samples) const {
 std::span<const std::complex<double>> SegmentTransform::Of(std::span<const double> signal,
                                                            std::size_t index) {
   const std::span<const double> segment = signal.subspan(index * step_, size());
-  const double mean = detrend_degree_ >= 0 ? Mean(segment) : 0;
-  for (std::size_t k = 0; k < segment.size(); ++k) samples_[k] = segment[k] - mean;
-  if (detrend_degree_ == 1) TakeOffLine(samples_);
-  for (std::size_t k = 0; k < samples_.size(); ++k) samples_[k] *= window_[k];
+  const double mean = detrend_ == Detrend::kMean ? Mean(segment) : 0;
+  for (std::size_t k = 0; k < segment.size(); ++k) {
+    samples_[k] = (segment[k] - mean) * window_[k];
+  }
   fft_.Forward(samples_, bins_);
   return bins_;
 }

@@ -29,7 +29,7 @@ enum class WindowShape : std::uint8_t {
 [[nodiscard]] double NoiseBandwidthBins(const std::vector<double>& window);
 
 /// What is taken off each segment before its transform.
-enum class Detrend : std::uint8_t { kNothing, kMean, kLine };
+enum class Detrend : std::uint8_t { kNothing, kMean };
 
 /// How a signal is cut into segments and transformed.
 struct WelchOptions {
@@ -98,10 +98,6 @@ struct CrossSpectrum {
 /// of them that lies inside. A tone's power spreads over the window's main lobe: leave its bins
 /// room.
 [[nodiscard]] double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz);
-
-/// RMS of what a filter with these power gains (|H|^2 per bin, |H|^4 for two passes) lets through:
-/// the leak of all motion outside of a band, not of its strongest tone alone.
-[[nodiscard]] double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_gains);
 
 /// Power over time and frequency.
 struct Spectrogram {

@@ -57,22 +57,6 @@ double StandardDeviation(std::span<const double> values) {
   return std::sqrt((squares - rest * rest / n) / (n - 1));
 }
 
-double Lag1Autocorrelation(std::span<const double> values) {
-  HAPTOMETER_CHECK(values.size() >= 2, "{} values", values.size());
-  const double mean = Mean(values);
-  const double rest = PairwiseSum(values, [mean](double x) { return x - mean; }) /
-                      static_cast<double>(values.size());
-  std::vector<double> deviations(values.size());
-  std::ranges::transform(values, deviations.begin(), [&](double x) { return (x - mean) - rest; });
-  std::vector<double> products(values.size() - 1);
-  for (std::size_t i = 0; i < products.size(); ++i) {
-    products[i] = deviations[i] * deviations[i + 1];
-  }
-  const double squares = PairwiseSum(deviations, [](double x) { return x * x; });
-  HAPTOMETER_CHECK(squares > 0, "{} equal values", values.size());
-  return PairwiseSum(products, [](double x) { return x; }) / squares;
-}
-
 OneSample TestMean(std::span<const double> values) {
   OneSample sample{.n = values.size(), .mean = Mean(values)};
   if (sample.n < 2) return sample;

@@ -23,13 +23,6 @@ namespace haptometer::dsp {
 /// On the NIST sets NumAcc1-4 it is within half a digit of exact arithmetic on the stored doubles.
 [[nodiscard]] double StandardDeviation(std::span<const double> values);
 
-/// Lag-1 autocorrelation: sum of d(i) d(i+1) over sum of d(i)^2, with d the deviations from the
-/// mean (NIST StRD, univariate). At least 2 values that are not all alike.
-///
-/// What the rounded mean leaves is taken from every deviation, so the NIST sets come out within
-/// half a digit of exact arithmetic on the stored doubles.
-[[nodiscard]] double Lag1Autocorrelation(std::span<const double> values);
-
 /// Student's t test of one mean against 0.
 struct StudentTest {
   double t = 0;

@@ -40,17 +40,6 @@ double Hertz(double stiffness_per_s2) {
   return std::sqrt(stiffness_per_s2) / (2 * std::numbers::pi);
 }
 
-// the residuals on their grid, 0 where a block has a hole
-std::vector<double> OnGrid(const RingSamples& samples, const std::vector<double>& residuals) {
-  const auto place = [&](double time_s) {
-    return static_cast<std::size_t>(
-        std::lround((time_s - samples.times_s.front()) / samples.step_s));
-  };
-  std::vector<double> grid(place(samples.times_s.back()) + 1, 0.0);
-  for (std::size_t n = 0; n < residuals.size(); ++n) grid[place(samples.times_s[n])] = residuals[n];
-  return grid;
-}
-
 // diagonal of (J'J)^-1 of the two poles
 std::array<double, 2> UnitVariances(const Jacobian& jacobian) {
   const Eigen::Map<const RowMajor> whole(jacobian.values.data(),
@@ -84,8 +73,8 @@ std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std:
                                                static_cast<Eigen::Index>(residuals.size()));
   const double square = view.squaredNorm();
   part.residual_rms = std::sqrt(square / static_cast<double>(part.samples));
-  part.density =
-      DensityAt(OnGrid(samples, residuals), samples.step_s, Hertz(part.fit.poles.stiffness_per_s2));
+  part.density = DensityAt(OnGrid(residuals, samples.times_s, samples.step_s), samples.step_s,
+                           Hertz(part.fit.poles.stiffness_per_s2));
   const double noise =
       square / static_cast<double>(part.samples - part.fit.jacobian.columns) * part.density.ratio;
   const auto variances = UnitVariances(part.fit.jacobian);
@@ -229,9 +218,7 @@ void Explain(AdapterFit* fit) {
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value, 20, 2000,
                findings);
   DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, 1e-5, 0.1, findings);
-  if (fit->quality_factor.determined) {
-    DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor.value, 1, 2000, findings);
-  }
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, 1, 2000, findings);
   for (const auto& tap : fit->taps) {
     DoubtManyImpacts(tap, findings);
     if (tap.unit != "m") continue;

@@ -9,7 +9,6 @@
 
 #include "dsp/statistics/distributions.h"
 #include "fit/drop_test/ring_fit.h"
-#include "fit/identifiability.h"
 #include "fit/residuals.h"
 
 namespace haptometer::fit {
@@ -40,15 +39,6 @@ struct Rates {
   double blocks = 0;
 };
 
-// standard uncertainty of one of a fit's parameters, for residuals of this variance
-double DeviationOf(const RingFit& fit, std::size_t column, double variance) {
-  const std::vector<bool> every(fit.jacobian.columns, true);
-  const std::vector<bool> none(fit.jacobian.columns, false);
-  std::vector<double> weights(fit.jacobian.columns, 0.0);
-  weights[column] = 1;
-  return std::sqrt(variance * Variance(FindIdentifiability(fit.jacobian, every, none), weights));
-}
-
 // the part's record as it would be without dry friction
 ImpulseRecord WithoutFriction(const PreparedRecord& drop) {
   ImpulseRecord linear = drop.record;
@@ -73,10 +63,10 @@ void WidenForFriction(const PreparedRecord& drop, const RingFit& fit, std::size_
   const double taken = 2 * drop.part.friction_share / std::numbers::pi *
                        std::sqrt(fit.poles.stiffness_per_s2) / fit.poles.decay_per_s;
   rates->decay_widening = std::max(
-      std::hypot(rates->decay.deviation, 0.02 * taken) / DeviationOf(linear, 0, variance), 1.0);
-  rates->frequency_widening = std::max(std::hypot(rates->frequency.deviation, 1e-4 * taken) /
-                                           (0.5 * DeviationOf(linear, 1, variance)),
-                                       1.0);
+      std::hypot(rates->decay.deviation, 0.02 * taken) / linear.Deviation(0, variance), 1.0);
+  rates->frequency_widening = std::max(
+      std::hypot(rates->frequency.deviation, 1e-4 * taken) / (0.5 * linear.Deviation(1, variance)),
+      1.0);
 }
 
 // `poles` of the blocks from `first` on, with uncertainties from the residuals' density
@@ -90,18 +80,16 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   if (samples.values_v.size() < kLeastBlocks) return std::nullopt;
   const RingFit fit = FitRing(samples, start, drop.part.background);
   if (!fit.converged) return std::nullopt;
-  double square = 0;
-  for (const double residual : fit.jacobian.residuals) square += residual * residual;
   const auto rows = static_cast<double>(fit.jacobian.rows);
-  square /= rows - static_cast<double>(fit.jacobian.columns);
+  double square = fit.Squares() / (rows - static_cast<double>(fit.jacobian.columns));
   const ResidualDensity density =
       DensityAt(fit.jacobian.residuals, samples.step_s, natural / (2 * std::numbers::pi));
   if (density.is_coloured) square *= density.ratio;
   const double motion =
       fit.Envelope(0) / (samples.signal == RecordedSignal::kVoltage ? natural : 1);
   Rates rates{
-      .frequency = {0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * DeviationOf(fit, 1, square)},
-      .decay = {std::log(fit.poles.decay_per_s), DeviationOf(fit, 0, square)},
+      .frequency = {0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * fit.Deviation(1, square)},
+      .decay = {std::log(fit.poles.decay_per_s), fit.Deviation(0, square)},
       .noise_v = std::sqrt(square * static_cast<double>(block)),
       .amplitude_v = fit.Envelope(0),
       .friction_share = fit.friction / motion,

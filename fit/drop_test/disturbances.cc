@@ -377,12 +377,6 @@ std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
 // beyond this share of the spring's force it ends within five swings, and is something else
 constexpr double kMostFriction = 0.045;
 
-double SquaresOf(const RingFit& fit) {
-  double sum = 0;
-  for (const double residual : fit.jacobian.residuals) sum += residual * residual;
-  return sum;
-}
-
 // of the spring's force at the first swing
 double FrictionShare(const RingFit& fit, RecordedSignal signal) {
   const double per_motion =
@@ -392,18 +386,18 @@ double FrictionShare(const RingFit& fit, RecordedSignal signal) {
 
 // whether friction explains the record better than no friction does, and slows the motion
 bool Holds(const RingFit& without, const RingFit& with, RecordedSignal signal) {
-  const double left = SquaresOf(with);
+  const double left = with.Squares();
   const auto degrees = static_cast<double>(with.jacobian.rows - with.jacobian.columns);
   const double share = FrictionShare(with, signal);
   return with.converged && share > 0 && share < kMostFriction &&
-         SquaresOf(without) - left > kLeastFrictionGain * left / degrees;
+         without.Squares() - left > kLeastFrictionGain * left / degrees;
 }
 
 // whether more friction than that explains most of what is left
 bool StopsAtOnce(const RingFit& without, const RingFit& with, RecordedSignal signal) {
   constexpr double kMostLeft = 0.25;
   return with.converged && FrictionShare(with, signal) >= kMostFriction &&
-         SquaresOf(with) < kMostLeft * SquaresOf(without);
+         with.Squares() < kMostLeft * without.Squares();
 }
 
 // what makes the part's samples those of a motion without friction
@@ -452,7 +446,7 @@ bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
                    fit.hum_sine_v * std::sin(angle));
   }
   const double block = samples.step_s / record.step_s;
-  const double noise = SquaresOf(fit) / static_cast<double>(fit.jacobian.residuals.size()) * block;
+  const double noise = fit.Squares() / static_cast<double>(fit.jacobian.residuals.size()) * block;
   const Eigen::Map<const Eigen::ArrayXd> all(left.data(), static_cast<Eigen::Index>(left.size()));
   const double square = (all - all.mean()).square().mean();
   return square - 2 * noise > kMostLeft * 0.5 * amplitude_v * amplitude_v;

@@ -319,11 +319,6 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
 
 }  // namespace
 
-Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
-                                const ActuatorKnowns& knowns, Loss loss) {
-  return FitModel(MakeDropTestModel(records, knowns), loss);
-}
-
 Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const ActuatorKnowns& knowns,
                                 Loss loss) {
   return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
@@ -335,30 +330,34 @@ void DoubtUnusual(FindingKind kind, std::string_view name, double value, double 
   findings.Add(About(subject, Severity::kDoubt, kind, {{name, value}}));
 }
 
+void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value, double least,
+                  double most, Findings& findings) {
+  if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
+}
+
+void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
+                  double least, double most, Findings& findings, const std::string& subject) {
+  if (value) DoubtUnusual(kind, name, value->value, least, most, findings, subject);
+}
+
 Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
                     const ActuatorKnowns& knowns) {
   using enum FindingKind;
   Findings findings;
-  const auto fitted = [&](FindingKind kind, std::string_view name, const FittedValue& value,
-                          double least, double most) {
-    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
-  };
-  const auto given = [&](FindingKind kind, std::string_view name,
-                         const std::optional<Quantity>& value, double least, double most,
-                         const std::string& subject = {}) {
-    if (value) DoubtUnusual(kind, name, value->value, least, most, findings, subject);
-  };
-  fitted(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency, 20, 2000);
-  fitted(kUnusualQuality, "quality_factor", fit.quality_factor, 0.05, 1000);
-  fitted(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant, 1e-3, 100);
-  given(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1);
-  given(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1);
-  given(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm, 0.1, 1e4);
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency, 20, 2000,
+               findings);
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit.quality_factor, 0.05, 1000, findings);
+  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant, 1e-3, 100,
+               findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1, findings);
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1, findings);
+  DoubtUnusual(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm, 0.1, 1e4, findings);
   for (const auto& record : fit.records) {
     DoubtUnusual(kUnusualVoltage, "peak_v", record.peak_v, 1e-5, 100, findings, record.name);
   }
   for (const auto& record : records) {
-    given(kUnusualHeight, "drop_height_m", record.drop_height_m, 1e-4, 1, record.name);
+    DoubtUnusual(kUnusualHeight, "drop_height_m", record.drop_height_m, 1e-4, 1, findings,
+                 record.name);
   }
   return findings;
 }

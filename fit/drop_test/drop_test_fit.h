@@ -125,15 +125,9 @@ struct DropTestFit {
 /// the inputs' standard uncertainties through the same Jacobian; the two add as squares (JCGM
 /// 100:2008, 5.1.2).
 ///
-/// Errors (Cause::kCannotAnswer): no records; no ring-down found in one (nothing above the noise,
-/// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and
-/// free cases together without both masses. Cost: 1 us a sample
-/// in all, 5 ns of it an evaluation of the joint fit; memory below 130 bytes a sample.
-[[nodiscard]] Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
-                                              const ActuatorKnowns& knowns,
-                                              Loss loss = Loss::kSquares);
-
-/// The same of records that are prepared already.
+/// Errors (Cause::kCannotAnswer): no records; held and free cases together without both masses.
+/// Cost: 1 us a sample in all with what PrepareRecord takes, 5 ns of it an evaluation of the joint
+/// fit; memory below 130 bytes a sample.
 [[nodiscard]] Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records,
                                               const ActuatorKnowns& knowns,
                                               Loss loss = Loss::kSquares);
@@ -152,5 +146,11 @@ struct DropTestFit {
 /// Adds the doubt `kind` where the value is not from `least` to `most`; its number is `name`.
 void DoubtUnusual(FindingKind kind, std::string_view name, double value, double least, double most,
                   Findings& findings, const std::string& subject = {});
+/// The same of a value that is determined.
+void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value, double least,
+                  double most, Findings& findings);
+/// The same of a number that is given.
+void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
+                  double least, double most, Findings& findings, const std::string& subject = {});
 
 }  // namespace haptometer::fit

@@ -254,18 +254,6 @@ std::optional<double> MassFromAddedOnes(const DropTestModel& model,
 
 }  // namespace
 
-Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
-                                        const ActuatorKnowns& knowns) {
-  std::vector<PreparedRecord> prepared;
-  prepared.reserve(records.size());
-  for (const ImpulseRecord& record : records) {
-    auto one = PrepareRecord(record);
-    if (!one) return std::unexpected(one.error());
-    prepared.push_back(*std::move(one));
-  }
-  return MakeDropTestModel(std::move(prepared), knowns);
-}
-
 Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
                                         const ActuatorKnowns& knowns) {
   if (records.empty()) return CannotAnswer("", "no ring-down is given", "give an impulse.csv");

@@ -60,10 +60,6 @@ struct DropTestModel {
 [[nodiscard]] Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
                                                       const ActuatorKnowns& knowns);
 
-/// Prepares the records first (prepared_record.h).
-[[nodiscard]] Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
-                                                      const ActuatorKnowns& knowns);
-
 /// The problem with the samples of each record's part; the noise is that of the start's fit.
 [[nodiscard]] RingDownProblem MakeProblem(const DropTestModel& model);
 

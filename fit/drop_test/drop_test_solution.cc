@@ -50,17 +50,6 @@ std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_fre
   return is_free;
 }
 
-// the record's residuals on its grid, 0 where there is no sample
-std::vector<double> OnGrid(const RingDownSamples& record, std::span<const double> residuals) {
-  const double length_s = record.times_s.back() - record.times_s.front();
-  std::vector<double> grid(static_cast<std::size_t>(std::lround(length_s / record.step_s)) + 1);
-  for (std::size_t n = 0; n < residuals.size(); ++n) {
-    const double since_s = record.times_s[n] - record.times_s.front();
-    grid[static_cast<std::size_t>(std::lround(since_s / record.step_s))] = residuals[n];
-  }
-  return grid;
-}
-
 // samples that turn out to lie before the impact
 void LeaveOutSilence(DropTestRoad& road) {
   for (std::size_t r = 0; r < road.point.own.size(); ++r) {
@@ -107,8 +96,8 @@ void Reweight(Loss loss, DropTestRoad& road) {
     rest = rest.subspan(own.size());
     const bool is_robust = loss == Loss::kHuber;
     const double scale = is_robust ? RobustScale(own) : RootMeanSquare(own);
-    const auto grid =
-        OnGrid(record, is_robust ? DrawnIn(own, scale) : std::vector(own.begin(), own.end()));
+    const auto drawn = is_robust ? DrawnIn(own, scale) : std::vector(own.begin(), own.end());
+    const auto grid = OnGrid(drawn, record.times_s, record.step_s);
     const auto density = DensityAt(grid, record.step_s, ResonanceHz(record, road.point));
     if (is_robust) record.root_weights = HuberRootWeights(own, scale);
     double peak = 0;

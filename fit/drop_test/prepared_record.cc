@@ -24,14 +24,19 @@ double PeriodSamples(const ImpulseRecord& record, const RingStart& start) {
   return 2 * std::numbers::pi / (std::sqrt(start.poles.stiffness_per_s2) * record.step_s);
 }
 
+// the samples from `first` up to `end` as a record
+ImpulseRecord Slice(const ImpulseRecord& record, std::size_t first, std::size_t end) {
+  ImpulseRecord slice = record;
+  const auto begin = record.voltage_v.begin();
+  slice.voltage_v.assign(begin + static_cast<std::ptrdiff_t>(first),
+                         begin + static_cast<std::ptrdiff_t>(end));
+  slice.start_s = record.start_s + static_cast<double>(first) * record.step_s;
+  return slice;
+}
+
 // start values on the part alone, which begins with a blow of its own
 Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& part) {
-  ImpulseRecord alone = record;
-  const auto begin = record.voltage_v.begin();
-  alone.voltage_v.assign(begin + static_cast<std::ptrdiff_t>(part.first_sample),
-                         begin + static_cast<std::ptrdiff_t>(part.end_sample));
-  alone.start_s = record.start_s + static_cast<double>(part.first_sample) * record.step_s;
-  auto start = FindRingStart(alone);
+  auto start = FindRingStart(Slice(record, part.first_sample, part.end_sample));
   if (start) start->first_sample += part.first_sample;
   return start;
 }
@@ -103,15 +108,6 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   return prepared;
 }
 
-// the record from sample `first` on
-ImpulseRecord From(const ImpulseRecord& record, std::size_t first) {
-  ImpulseRecord later = record;
-  later.voltage_v.assign(record.voltage_v.begin() + static_cast<std::ptrdiff_t>(first),
-                         record.voltage_v.end());
-  later.start_s = record.start_s + static_cast<double>(first) * record.step_s;
-  return later;
-}
-
 // The sample where a fast oscillation sets in behind something slow, as a release behind a pull,
 // and its period; nothing where none does. The record's differences say which oscillation that is:
 // what is slow is small in them.
@@ -162,7 +158,7 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
   for (const double periods : {0.5, 1.0, 1.5, 2.0, 3.0}) {
     const auto first = onset->sample + static_cast<std::size_t>(periods * onset->period_samples);
     if (first + kLeastSamples > record.voltage_v.size()) break;
-    auto later = PrepareAsItIs(From(record, first));
+    auto later = PrepareAsItIs(Slice(record, first, record.voltage_v.size()));
     if (!later) continue;
     const double at_s =
         record.start_s +
@@ -213,11 +209,7 @@ std::vector<std::size_t> Begins(const std::vector<double>& amplitudes, std::size
 
 ImpulseRecord Piece(const ImpulseRecord& record, std::size_t begin, std::size_t end,
                     std::size_t number) {
-  ImpulseRecord piece = record;
-  const auto first = record.voltage_v.begin();
-  piece.voltage_v.assign(first + static_cast<std::ptrdiff_t>(begin),
-                         first + static_cast<std::ptrdiff_t>(end));
-  piece.start_s = record.start_s + static_cast<double>(begin) * record.step_s;
+  ImpulseRecord piece = Slice(record, begin, end);
   piece.name = fmt::format("{}, drop {}", record.name, number);
   if (number > 1) piece.drop_height_m.reset();
   return piece;

@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "fit/identifiability.h"
 #include "fit/poles.h"
 
 namespace haptometer::fit {
@@ -57,16 +56,9 @@ RingSamples Some(const RingSamples& samples, std::size_t first, std::size_t end)
 
 // standard uncertainty of one of a fit's parameters
 double DeviationOf(const RingFit& fit, std::size_t column) {
-  const std::vector<bool> all(fit.jacobian.columns, true);
-  const std::vector<bool> none(fit.jacobian.columns, false);
-  std::vector<double> weights(fit.jacobian.columns, 0.0);
-  weights[column] = 1;
-  double square = 0;
-  for (const double residual : fit.jacobian.residuals) square += residual * residual;
   const auto degrees = std::max(
       static_cast<double>(fit.jacobian.rows) - static_cast<double>(fit.jacobian.columns), 1.0);
-  return std::sqrt(square / degrees *
-                   Variance(FindIdentifiability(fit.jacobian, all, none), weights));
+  return fit.Deviation(column, fit.Squares() / degrees);
 }
 
 // Frequencies of the begin and of what follows, where they are surely not one. Each of a third of

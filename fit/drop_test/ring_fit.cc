@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "fit/drop_test/condensed_record.h"
 #include "fit/drop_test/ringing_model.h"
+#include "fit/identifiability.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -401,6 +402,20 @@ double RingFit::Envelope(double since_s) const {
 }
 
 double RingFit::HumAmplitude() const { return std::hypot(hum_cosine_v, hum_sine_v); }
+
+double RingFit::Squares() const {
+  double sum = 0;
+  for (const double residual : jacobian.residuals) sum += residual * residual;
+  return sum;
+}
+
+double RingFit::Deviation(std::size_t column, double variance) const {
+  const std::vector<bool> all(jacobian.columns, true);
+  const std::vector<bool> none(jacobian.columns, false);
+  std::vector<double> weights(jacobian.columns, 0.0);
+  weights[column] = 1;
+  return std::sqrt(variance * Variance(FindIdentifiability(jacobian, all, none), weights));
+}
 
 RingFit FitRing(const RingSamples& samples, const PolePair& start,
                 const RingBackground& background) {

@@ -82,6 +82,10 @@ struct RingFit {
   /// sqrt of the ringing's energy as an amplitude: its envelope `since_s` after the first sample.
   [[nodiscard]] double Envelope(double since_s) const;
   [[nodiscard]] double HumAmplitude() const;
+  /// Sum of the residuals' squares.
+  [[nodiscard]] double Squares() const;
+  /// Standard uncertainty of one of the parameters, for residuals of this variance.
+  [[nodiscard]] double Deviation(std::size_t column, double variance) const;
 };
 
 /// Fits from `start`; see least_squares.h. At least 16 samples.

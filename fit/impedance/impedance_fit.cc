@@ -329,14 +329,7 @@ void Describe(const Solved& solved, ImpedanceFit* fit) {
   fit->parameters = solved.parameters;
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
-  const auto& covariance = solution.seen.covariance;
-  for (std::size_t i = 0; i < kImpedanceParameters; ++i) {
-    for (std::size_t k = 0; k < kImpedanceParameters; ++k) {
-      const double scale = std::sqrt(covariance[i * kImpedanceParameters + i] *
-                                     covariance[k * kImpedanceParameters + k]);
-      fit->correlation.push_back(scale > 0 ? covariance[i * kImpedanceParameters + k] / scale : 0);
-    }
-  }
+  fit->correlation = Correlations(solution.seen);
   const double half_width_hz =
       std::numbers::sqrt3 / 2 * fit->natural_frequency.value / fit->quality_factor.value;
   for (const auto& point : solved.points) {
@@ -423,21 +416,15 @@ void ExplainSweep(ImpedanceFit& fit) {
 void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit* fit) {
   using enum FindingKind;
   Findings& findings = fit->findings;
-  const auto usual = [&](FindingKind kind, std::string_view name, const FittedValue& value,
-                         double least, double most) {
-    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
-  };
   const double f0 = fit->natural_frequency.value;
-  usual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency, 20, 2000);
-  usual(kUnusualQuality, "quality_factor", fit->quality_factor, 0.5, 300);
-  usual(kUnusualResistance, "resistance_ohm", fit->resistance, 0.1, 1e4);
-  usual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant, 1e-3, 100);
-  const auto mass = [&](FindingKind kind, std::string_view name,
-                        const std::optional<Quantity>& given, double most) {
-    if (given) DoubtUnusual(kind, name, given->value, 1e-5, most, findings);
-  };
-  mass(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 0.1);
-  mass(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1);
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency, 20, 2000,
+               findings);
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, 0.5, 300, findings);
+  DoubtUnusual(kUnusualResistance, "resistance_ohm", fit->resistance, 0.1, 1e4, findings);
+  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant, 1e-3, 100,
+               findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1, findings);
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1, findings);
   DoubtUnusual(kResonanceOutside, "natural_frequency_hz", f0, fit->lowest_hz, fit->highest_hz,
                findings);
   DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->farthest_hz, findings);

@@ -266,15 +266,7 @@ void Describe(const SkinProblem& problem, const std::vector<double>& parameters,
   fit->singular_values = solution.seen.singular_values;
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
-  const auto& covariance = solution.seen.covariance;
-  for (std::size_t i = 0; i < kContactParameters; ++i) {
-    for (std::size_t k = 0; k < kContactParameters; ++k) {
-      const double scale = std::sqrt(covariance[i * kContactParameters + i] *
-                                     covariance[k * kContactParameters + k]);
-      const std::size_t place = i * kContactParameters + k;
-      fit->correlation[place] = scale > 0 ? covariance[place] / scale : 0;
-    }
-  }
+  std::ranges::copy(Correlations(solution.seen), fit->correlation.begin());
   fit->model_m = problem.Amplitudes(parameters);
   for (const auto& point : problem.points()) {
     fit->frequencies_hz.push_back(point.frequency_hz);
@@ -293,12 +285,8 @@ void ExplainUndetermined(SkinFit* fit) {
 void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
   using enum FindingKind;
   Findings& findings = fit->findings;
-  const auto usual = [&](FindingKind kind, std::string_view name, const FittedValue& value,
-                         double least, double most) {
-    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
-  };
-  usual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness, 30, 3e4);
-  usual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, 0.02, 50);
+  DoubtUnusual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness, 30, 3e4, findings);
+  DoubtUnusual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, 0.02, 50, findings);
   double largest_m = 0, largest_drive = 0;
   for (const auto& point : problem.points()) {
     largest_m = std::max(largest_m, point.displacement_m);

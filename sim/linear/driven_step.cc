@@ -85,22 +85,6 @@ Matrix StepOf(const Matrix& exponential, Eigen::Index signals) {
 
 }  // namespace
 
-Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive) {
-  return DrivenGenerator(model.a, model.b, drive);
-}
-
-Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
-                                const SineDrive& drive) {
-  const Eigen::Index n = a.rows();
-  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-  Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + 2, n + 2);
-  generator.topLeftCorner(n, n) = a;
-  generator.block(0, n, n, 1) = drive.amplitude_v * b;
-  generator(n, n + 1) = omega;
-  generator(n + 1, n) = -omega;
-  return generator;
-}
-
 Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::MatrixXd& inputs,
                                 const ExcitationShape& shape) {
   const Eigen::Index n = a.rows(), m = shape.generator.rows();
@@ -121,15 +105,6 @@ LongMatrix LongDrivenGenerator(const Mode& mode, const ExcitationShape& shape) {
   return generator;
 }
 
-LongMatrix LongDrivenGenerator(const LinearModel& model, const SineDrive& drive) {
-  const Eigen::Index n = model.states();
-  LongMatrix generator = DrivenGenerator(model, drive).cast<long double>();
-  generator.topLeftCorner(n, n) += model.a_rest.cast<long double>();
-  generator.block(0, n, n, 1) = static_cast<long double>(drive.amplitude_v) *
-                                (model.b.cast<long double>() + model.b_rest.cast<long double>());
-  return generator;
-}
-
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
   // whole cycles leave in 64 bits before the sine sees the rest; rint, unlike nearbyint, is one
   // instruction
@@ -144,12 +119,6 @@ Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s, Eigen::
 
 LongMatrix LongDrivenStep(const LongMatrix& generator, long double h_s, Eigen::Index signals) {
   return StepOf<LongMatrix>(LongMatrixExponential(generator, h_s), signals);
-}
-
-Eigen::MatrixXd DrivenStep(const LinearModel& model, const SineDrive& drive, double h_s) {
-  if (model.a_rest.size() == 0) return DrivenStep(DrivenGenerator(model, drive), h_s);
-  const auto length_s = static_cast<long double>(h_s);
-  return LongDrivenStep(LongDrivenGenerator(model, drive), length_s).cast<double>();
 }
 
 DriveSequence::DriveSequence(double frequency_hz, double start_s, double rate_hz)

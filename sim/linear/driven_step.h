@@ -5,9 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/linear/linear_model.h"
-#include "sim/scene/scene.h"
-
 namespace haptometer::sim {
 
 /// A matrix in units that make its rows and columns of equal size.
@@ -39,14 +36,7 @@ using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 struct ExcitationShape;
 struct Mode;
 
-/// G of z = [x, sin w t, cos w t], z' = G z: (n + 2, n + 2).
-[[nodiscard]] Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive);
-
-/// The same for any x' = A x + b v.
-[[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
-                                              const SineDrive& drive);
-
-/// The same for x' = A x + inputs u, u and w as `shape` has them: z = [x, w], (n + m, n + m).
+/// G of z = [x, w], z' = G z, for x' = A x + inputs u, u and w as `shape` has them: (n + m, n + m).
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a,
                                               const Eigen::MatrixXd& inputs,
                                               const ExcitationShape& shape);
@@ -54,9 +44,6 @@ struct Mode;
 /// The mode's under an excitation of that shape, in long double and with what rounding left out of
 /// a and b: for modes that have a rest.
 [[nodiscard]] LongMatrix LongDrivenGenerator(const Mode& mode, const ExcitationShape& shape);
-
-/// The same of the model under a sine.
-[[nodiscard]] LongMatrix LongDrivenGenerator(const LinearModel& model, const SineDrive& drive);
 
 /// [sin w t, cos w t], the phase from the whole number of cycles on: exact to rounding at any time.
 [[nodiscard]] Eigen::Vector2d DriveAt(double frequency_hz, long double t_s);
@@ -69,15 +56,11 @@ struct Mode;
 ///
 /// `signals`: how many the drive has, 2 of a sine; (n, n + signals).
 [[nodiscard]] Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s,
-                                         Eigen::Index signals = 2);
+                                         Eigen::Index signals);
 
 /// The same in long double, for steps so long that eps |G| h counts.
 [[nodiscard]] LongMatrix LongDrivenStep(const LongMatrix& generator, long double h_s,
-                                        Eigen::Index signals = 2);
-
-/// DrivenStep of the model under the drive; by LongDrivenStep, 0.1 ms, where the model has a rest.
-[[nodiscard]] Eigen::MatrixXd DrivenStep(const LinearModel& model, const SineDrive& drive,
-                                         double h_s);
+                                        Eigen::Index signals);
 
 /// DriveAt at equal times start_s + i / rate_hz, cheaper where they are asked for one after the
 /// other: each from the phase of the 32nd sample before it at most and a turn that is kept. What

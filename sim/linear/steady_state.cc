@@ -243,94 +243,6 @@ double SkinRmsUncertainty(const Scene& scene) {
 
 namespace {
 
-// all that moves at one frequency
-struct FrequencyPart {
-  Eigen::VectorXcd states;
-  Complex current_a;
-  Complex finger_m;
-};
-
-double OmegaOf(double frequency_hz) { return 2 * std::numbers::pi * frequency_hz; }
-
-// What the finger's tone does: its position and its rate each push the skin through `finger`.
-Eigen::VectorXcd StatesUnder(const Tone& tone, Complex finger_m, const LinearModel& model,
-                             const Eigen::MatrixXd& finger, double& error) {
-  Eigen::VectorXcd states = Eigen::VectorXcd::Zero(model.states());
-  const Complex rate = Complex(0, OmegaOf(tone.frequency_hz)) * finger_m;
-  for (const Eigen::Index input : {0, 1}) {
-    if (finger.col(input).isZero(0)) continue;
-    LinearModel pushed = model;
-    pushed.b = finger.col(input);
-    const SteadyState unit =
-        SolveSteadyState(pushed, {.amplitude_v = 1, .frequency_hz = tone.frequency_hz}, Skin{});
-    error = std::max(error, unit.error_estimate);
-    states += (input == 0 ? finger_m : rate) * unit.phasors;
-  }
-  return states;
-}
-
-void Add(const Scene& scene, const LinearModel& model, double frequency_hz,
-         const FrequencyPart& part, Superposition& sum) {
-  const Eigen::VectorXcd& x = part.states;
-  const Complex skin_m = x(model.skin());
-  const Complex impedance(scene.skin.stiffness_n_per_m,
-                          OmegaOf(frequency_hz) * scene.skin.damping_n_s_per_m);
-  sum.skin_rms_m = std::hypot(sum.skin_rms_m, std::abs(skin_m) / std::numbers::sqrt2);
-  sum.case_rms_m =
-      std::hypot(sum.case_rms_m, std::abs(x(LinearModel::kCase)) / std::numbers::sqrt2);
-  sum.current_rms_a = std::hypot(sum.current_rms_a, std::abs(part.current_a) / std::numbers::sqrt2);
-  sum.mover_peak_m += std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
-  const Complex force_n = impedance * (skin_m - part.finger_m);
-  const Complex finger_m_per_s = Complex(0, OmegaOf(frequency_hz)) * part.finger_m;
-  sum.skin_force_peak_n += std::abs(force_n);
-  sum.power_w -= (std::conj(finger_m_per_s) * force_n).real() / 2;
-  sum.state += x.imag();
-}
-
-// what the drive's offset holds
-void AddMean(const Scene& scene, const LinearModel& model, const SteadyState& driven,
-             Superposition& sum) {
-  if (!IsHeldInPlace(scene)) sum.error_estimate = HUGE_VAL;
-  sum.skin_rms_m = std::hypot(sum.skin_rms_m, driven.mean(model.skin()));
-  sum.case_rms_m = std::hypot(sum.case_rms_m, driven.mean(LinearModel::kCase));
-  sum.current_rms_a = std::hypot(sum.current_rms_a, driven.mean_current_a);
-  sum.mean_travel_m = driven.mean_travel_m;
-  sum.mean_skin_force_n = driven.mean_skin_force_n;
-  sum.mover_peak_m += std::abs(driven.mean_travel_m);
-  sum.skin_force_peak_n += std::abs(driven.mean_skin_force_n);
-  sum.power_w += scene.drive.offset_v * driven.mean_current_a;
-  sum.state += driven.mean;
-}
-
-}  // namespace
-
-Superposition Superpose(const Scene& scene) {
-  const LinearModel model = AssembleModel(scene);
-  const SineDrive drive = scene.drive;
-  const SteadyState driven = SolveSteadyState(model, drive, scene.skin);
-  Superposition sum{.state = Eigen::VectorXd::Zero(model.states()),
-                    .error_estimate = driven.error_estimate};
-  std::map<double, FrequencyPart> parts;
-  parts[drive.frequency_hz] = {driven.phasors, driven.current_a, 0};
-  const Mode mode = SceneMode(scene);
-  for (const Tone& tone : scene.finger.tones) {
-    const Complex finger_m = std::polar(tone.amplitude, tone.phase_rad);
-    const Eigen::VectorXcd states =
-        StatesUnder(tone, finger_m, model, mode.finger, sum.error_estimate);
-    FrequencyPart& part = parts[tone.frequency_hz];
-    if (part.states.size() == 0) part.states = Eigen::VectorXcd::Zero(model.states());
-    part.states += states;
-    part.current_a += (model.current_row.cast<Complex>() * states).value();
-    part.finger_m += finger_m;
-  }
-  sum.power_w = drive.amplitude_v * parts[drive.frequency_hz].current_a.real() / 2;
-  for (const auto& [frequency_hz, part] : parts) Add(scene, model, frequency_hz, part, sum);
-  if (drive.offset_v != 0) AddMean(scene, model, driven, sum);
-  return sum;
-}
-
-namespace {
-
 constexpr double kMostPlayed = 1 << 20;
 constexpr double kParts = 1e6;  // of a hertz that frequencies are written in
 
@@ -388,34 +300,46 @@ double CommonPeriod(const std::map<double, Complex>& voltages) {
   return outputs <= kMostPlayed ? period_s : 0;
 }
 
-// Adds up the tones.
+// Adds up what acts at one frequency after the other.
 class SumOfTones {
  public:
   SumOfTones(const Scene& scene, double period_s)
-      : scene_(scene), model_(AssembleModel(scene)), period_s_(period_s) {
+      : scene_(scene), model_(AssembleModel(scene)), finger_(SceneMode(scene).finger) {
     steady_.start = StaticState(model_, scene.drive.offset_v);
     steady_.period_s = period_s;
     AddMean();
   }
 
-  void Add(double frequency_hz, Complex voltage_v) {
-    const SineDrive unit{.amplitude_v = 1, .frequency_hz = frequency_hz};
-    const SteadyState one = SolveSteadyState(model_, unit, scene_.skin);
+  // a voltage and a motion of the finger
+  void Add(double frequency_hz, Complex voltage_v, Complex finger_m) {
     const double w = 2 * std::numbers::pi * frequency_hz;
-    const Complex skin = one.phasors(model_.skin()) * voltage_v;
+    Eigen::VectorXcd x = Eigen::VectorXcd::Zero(model_.states());
+    Complex current_a = 0;
+    if (voltage_v != 0.0) {
+      const SteadyState one = UnderUnit(model_, frequency_hz);
+      x = one.phasors * voltage_v;
+      current_a = one.current_a * voltage_v;
+      steady_.power_w += std::norm(voltage_v) * one.power_w;
+    }
+    if (finger_m != 0.0) {
+      const Eigen::VectorXcd moved = UnderFinger(frequency_hz, finger_m);
+      const Complex induced_a = (model_.current_row.cast<Complex>() * moved).value();
+      x += moved;
+      current_a += induced_a;
+      steady_.power_w += (std::conj(voltage_v) * induced_a).real() / 2;
+    }
     const Skin& tissue = scene_.skin;
-    steady_.start += (one.phasors * voltage_v).imag();
-    skin_square_ += std::norm(skin) / 2;
-    case_square_ += std::norm(one.phasors(LinearModel::kCase) * voltage_v) / 2;
-    current_square_ += std::norm(one.current_a * voltage_v) / 2;
-    steady_.power_w += std::norm(voltage_v) * one.power_w;
-    steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(skin) / 2;
-    travel_.push_back(
-        {frequency_hz,
-         (one.phasors(LinearModel::kMover) - one.phasors(LinearModel::kCase)) * voltage_v});
-    force_.push_back(
-        {frequency_hz, Complex(tissue.stiffness_n_per_m, w * tissue.damping_n_s_per_m) * skin});
-    steady_.error_estimate = std::max(steady_.error_estimate, one.error_estimate);
+    const Complex skin_m = x(model_.skin()), pressed_m = skin_m - finger_m;
+    const Complex force_n =
+        Complex(tissue.stiffness_n_per_m, w * tissue.damping_n_s_per_m) * pressed_m;
+    steady_.start += x.imag();
+    skin_square_ += std::norm(skin_m) / 2;
+    case_square_ += std::norm(x(LinearModel::kCase)) / 2;
+    current_square_ += std::norm(current_a) / 2;
+    steady_.power_w -= (std::conj(Complex(0, w) * finger_m) * force_n).real() / 2;
+    steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(pressed_m) / 2;
+    travel_.push_back({frequency_hz, x(LinearModel::kMover) - x(LinearModel::kCase)});
+    force_.push_back({frequency_hz, force_n});
     highest_hz_ = std::max(highest_hz_, frequency_hz);
   }
 
@@ -424,12 +348,33 @@ class SumOfTones {
     steady_.case_rms_m = std::sqrt(case_square_);
     steady_.current_rms_a = std::sqrt(current_square_);
     if (!(steady_.error_estimate < 1)) return steady_;
-    steady_.mover_peak_m = PeakOf(travel_, mean_travel_m_, period_s_, highest_hz_);
-    steady_.skin_force_peak_n = PeakOf(force_, steady_.mean_skin_force_n, period_s_, highest_hz_);
+    steady_.mover_peak_m = PeakOf(travel_, steady_.mean_travel_m, steady_.period_s, highest_hz_);
+    steady_.skin_force_peak_n =
+        PeakOf(force_, steady_.mean_skin_force_n, steady_.period_s, highest_hz_);
     return steady_;
   }
 
  private:
+  SteadyState UnderUnit(const LinearModel& model, double frequency_hz) {
+    SteadyState one =
+        SolveSteadyState(model, {.amplitude_v = 1, .frequency_hz = frequency_hz}, scene_.skin);
+    steady_.error_estimate = std::max(steady_.error_estimate, one.error_estimate);
+    return one;
+  }
+
+  // the finger's position and its rate each push the skin
+  Eigen::VectorXcd UnderFinger(double frequency_hz, Complex finger_m) {
+    Eigen::VectorXcd states = Eigen::VectorXcd::Zero(model_.states());
+    const Complex rate = Complex(0, 2 * std::numbers::pi * frequency_hz) * finger_m;
+    for (const Eigen::Index input : {0, 1}) {
+      if (finger_.col(input).isZero(0)) continue;
+      LinearModel pushed = model_;
+      pushed.b = finger_.col(input);
+      states += (input == 0 ? finger_m : rate) * UnderUnit(pushed, frequency_hz).phasors;
+    }
+    return states;
+  }
+
   // what the offset holds
   void AddMean() {
     const double offset_v = scene_.drive.offset_v;
@@ -441,14 +386,13 @@ class SumOfTones {
     case_square_ = mean(LinearModel::kCase) * mean(LinearModel::kCase);
     current_square_ = current_a * current_a;
     steady_.power_w = offset_v * current_a;
-    mean_travel_m_ = mean(LinearModel::kMover) - mean(LinearModel::kCase);
+    steady_.mean_travel_m = mean(LinearModel::kMover) - mean(LinearModel::kCase);
     steady_.mean_skin_force_n = scene_.skin.stiffness_n_per_m * mean(model_.skin());
   }
 
   const Scene& scene_;
   LinearModel model_;
-  double period_s_;
-  double mean_travel_m_ = 0;
+  Eigen::MatrixXd finger_;  // what its motion does (Mode::finger)
   double highest_hz_ = 0;
   SteadyTones steady_;
   double skin_square_ = 0, case_square_ = 0, current_square_ = 0;
@@ -456,6 +400,20 @@ class SumOfTones {
 };
 
 }  // namespace
+
+SteadyTones Superpose(const Scene& scene) {
+  const SineDrive drive = scene.drive;
+  std::map<double, Complex> fingers_m{{drive.frequency_hz, 0}};
+  for (const Tone& tone : scene.finger.tones) {
+    fingers_m[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
+  }
+  SumOfTones sum(scene, 0);
+  for (const auto& [frequency_hz, finger_m] : fingers_m) {
+    const bool is_driven = frequency_hz == drive.frequency_hz;
+    sum.Add(frequency_hz, is_driven ? drive.amplitude_v : 0, finger_m);
+  }
+  return sum.Take();
+}
 
 SteadyTones SolveSteadyTones(const Scene& scene) {
   HAPTOMETER_CHECK(scene.drive.kind == DriveKind::kTones && !scene.drive.tones.empty(),
@@ -466,7 +424,7 @@ SteadyTones SolveSteadyTones(const Scene& scene) {
   }
   SumOfTones sum(scene, CommonPeriod(voltages));
   for (const auto& [frequency_hz, voltage_v] : voltages) {
-    if (voltage_v != 0.0) sum.Add(frequency_hz, voltage_v);
+    if (voltage_v != 0.0) sum.Add(frequency_hz, voltage_v, 0);
   }
   return sum.Take();
 }

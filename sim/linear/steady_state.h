@@ -61,60 +61,43 @@ struct SteadyState {
 /// where the uncertainties are small against the resonance's width. Cost: 14 steady states.
 [[nodiscard]] double SkinRmsUncertainty(const Scene& scene);
 
-/// The steady motion of a linear scene under its sine and its finger's tones together, long after
-/// every transient.
+/// The motion of a linear scene under several tones, long after every transient: the steady motions
+/// of each, superposed. RMS values and power are those over all time.
 ///
 /// Each frequency has its own phasors; tones of the very same frequency add before they are
 /// squared. Over a long time the powers of different frequencies add, and so their squares do:
 ///
 ///   rms^2 = mean^2 + sum over frequencies of |X|^2 / 2
-///
-/// Amplitudes add: sums that are reached, as nearly as one likes, where frequencies have no common
-/// period, and are bounds where they have one.
-struct Superposition {
+struct SteadyTones {
+  Eigen::VectorXd start;  ///< (n): the states at t = 0, which begin the steady motion
   double skin_rms_m = 0;
   double case_rms_m = 0;
   double current_rms_a = 0;
   double power_w = 0;            ///< mean of v i, and of what the finger puts in
-  double mover_peak_m = 0;       ///< sum of the amplitudes of xv - xa
-  double skin_force_peak_n = 0;  ///< sum of those of Ks (xs - xg) + Bs (vs - vg)
-  double mean_travel_m = 0;      ///< of mover_peak_m what an offset holds, with its sign
-  double mean_skin_force_n = 0;  ///< the same of the force
-  Eigen::VectorXd state;         ///< (n) at t = 0: what begins the steady motion
-  /// The largest of SteadyState's over the frequencies; 1 or more: there is no steady motion.
-  double error_estimate = 0;
-};
-
-/// Cost: three factorisations for each of the finger's tones, and the drive's.
-[[nodiscard]] Superposition Superpose(const Scene& scene);
-
-/// The motion under several tones, long after every transient: the steady motions of each,
-/// superposed. RMS values and power are those over all time.
-struct SteadyTones {
-  Eigen::VectorXd start;  ///< (n): the states at t = 0
-  double skin_rms_m = 0;  ///< sqrt(mean^2 + sum |Xs_k|^2 / 2) over the frequencies k; so are these:
-  double case_rms_m = 0;
-  double current_rms_a = 0;
-  double power_w = 0;            ///< mean electrical power taken from the source: sum of the tones'
   double skin_power_w = 0;       ///< of it what the skin's damper takes
   double mover_peak_m = 0;       ///< largest |xv - xa|
-  double skin_force_peak_n = 0;  ///< largest |Ks xs + Bs vs|
-  double mean_skin_force_n = 0;  ///< what an offset holds of it
+  double skin_force_peak_n = 0;  ///< largest |Ks (xs - xg) + Bs (vs - vg)|
+  double mean_travel_m = 0;      ///< of mover_peak_m what an offset holds, with its sign
+  double mean_skin_force_n = 0;  ///< the same of the force
   /// After how long all repeats itself; 0: after more than 2^20 outputs, 64 in the shortest period,
-  /// or never. The two peaks are then the sums of the tones' amplitudes: never more than that, and
-  /// nearly that now and then where the frequencies have nothing in common.
+  /// or never, or not looked for. The two peaks are then the sums of the tones' amplitudes: never
+  /// more than that, and nearly that now and then where the frequencies have nothing in common.
   double period_s = 0;
-  /// Of skin_rms_m, the largest of the tones' (steady_state.h). 1 or more: a tone meets an undamped
-  /// resonance, and the other fields hold nothing.
+  /// The largest of SteadyState's over the frequencies. 1 or more: a tone meets an undamped
+  /// resonance, there is no steady motion, and the other fields hold nothing.
   double error_estimate = 0;
 };
 
-/// Solves for a scene whose drive are tones.
+/// Under the scene's sine and its finger's tones together, whose common period is not looked for.
+/// Cost: three factorisations for each of the finger's frequencies, and the drive's.
+[[nodiscard]] SteadyTones Superpose(const Scene& scene);
+
+/// Under a drive that is tones, the finger at rest.
 ///
-/// Tones of equal frequency are added up first. The common period is that of the frequencies as
-/// decimals of a microhertz; over it the peaks are those of the quintics through 64 outputs in the
-/// shortest period (sim/linear/time_response.h), 2e-11 of the sum of amplitudes. Cost: a
-/// SolveSteadyState a tone, and 0.1 us a tone for each output.
+/// The common period is that of the frequencies as decimals of a microhertz; over it the peaks are
+/// those of the quintics through 64 outputs in the shortest period (sim/linear/time_response.h),
+/// 2e-11 of the sum of amplitudes. Cost: a SolveSteadyState a tone, and 0.1 us a tone for each
+/// output.
 [[nodiscard]] SteadyTones SolveSteadyTones(const Scene& scene);
 
 }  // namespace haptometer::sim

@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/mode.h"
 #include "sim/linear/steady_state.h"
 
 namespace haptometer::sim {
@@ -42,24 +44,6 @@ double HermiteQuintic::Peak() const {
   return std::max(ends, std::abs(At(low)));
 }
 
-Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
-                              const Eigen::VectorXd& initial, double start_s, double rate_hz,
-                              std::size_t count) {
-  HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
-  HAPTOMETER_CHECK(initial.size() == model.states(), "{} of {} states", initial.size(),
-                   model.states());
-  Eigen::MatrixXd samples(model.states(), static_cast<Eigen::Index>(count));
-  if (count == 0) return samples;
-  samples.col(0) = initial;
-  Eigen::VectorXd x = initial;
-  DriveSequence sequence(drive.frequency_hz, start_s, rate_hz);
-  StepUniformly(DrivenStep(model, drive, 1 / rate_hz), sequence, 0, samples.cols() - 1, x,
-                [&](Eigen::Index i, const auto& state, const Eigen::Vector2d&) {
-                  samples.col(i + 1) = state;
-                });
-  return samples;
-}
-
 namespace {
 
 // Times are taken apart into powers of two from 2^-64 s, where even the fastest state (L/R of
@@ -92,16 +76,24 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Sta
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
                            Eigen::VectorXd initial)
-    : states_(model.states()),
-      model_(model),
-      drive_(drive),
-      generator_(DrivenGenerator(model, drive)),
-      initial_(std::move(initial)) {
+    : states_(model.states()), frequency_hz_(drive.frequency_hz), initial_(std::move(initial)) {
   HAPTOMETER_CHECK(initial_.size() == states_, "{} of {} states", initial_.size(), states_);
+  const Mode mode{.name = {},
+                  .a = model.a,
+                  .b = model.b,
+                  .positions = {},
+                  .stored_j = {},
+                  .current_row = {},
+                  .a_rest = model.a_rest,
+                  .b_rest = model.b_rest};
+  const SineDrive sine{.amplitude_v = drive.amplitude_v, .frequency_hz = drive.frequency_hz};
+  const ExcitationShape shape = ShapeOf(Excitation(sine).Piece(0));
+  generator_ = DrivenGenerator(mode.a, mode.Inputs(), shape);
+  if (mode.a_rest.size() > 0) long_generator_ = LongDrivenGenerator(mode, shape);
   // each exponential on its own: squaring the smallest would lose what distinguishes it from 1
   powers_.reserve(kPowers);
   for (int k = 0; k < kPowers; ++k) {
-    powers_.push_back(DrivenStep(model_, drive_, std::ldexp(1.0, k + kSmallestExponent)));
+    powers_.push_back(Step(std::ldexp(1.0, k + kSmallestExponent)));
   }
 }
 
@@ -116,20 +108,20 @@ Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
     const double step_s = std::ldexp(1.0, k + kSmallestExponent);
     if (t_s - passed_s < step_s) continue;
     passed_s += step_s;
-    z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
+    z.tail(2) = DriveAt(frequency_hz_, static_cast<long double>(passed_s));
     z.head(states_) = (powers_[static_cast<std::size_t>(k)] * z).eval();
   }
   return z.head(states_);
 }
 
-Eigen::MatrixXd TimeResponse::Sample(double start_s, double rate_hz, std::size_t count) const {
-  return UniformMotion(model_, drive_, StateAt(start_s), start_s, rate_hz, count);
+Eigen::MatrixXd TimeResponse::Step(double h_s) const {
+  if (long_generator_.size() == 0) return DrivenStep(generator_, h_s, 2);
+  return LongDrivenStep(long_generator_, static_cast<long double>(h_s), 2).cast<double>();
 }
 
 Eigen::MatrixXd TimeResponse::Exponential(double h_s) const {
-  if (model_.a_rest.size() == 0) return MatrixExponential(h_s * generator_);
-  const auto length_s = static_cast<long double>(h_s);
-  return LongMatrixExponential(LongDrivenGenerator(model_, drive_), length_s).cast<double>();
+  if (long_generator_.size() == 0) return MatrixExponential(h_s * generator_);
+  return LongMatrixExponential(long_generator_, static_cast<long double>(h_s)).cast<double>();
 }
 
 double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
@@ -152,7 +144,7 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
     gramian += (e.transpose() * gramian * e).eval();
   }
   Eigen::VectorXd z(states_ + 2);
-  z << StateAt(begin_s), DriveAt(drive_.frequency_hz, static_cast<long double>(begin_s));
+  z << StateAt(begin_s), DriveAt(frequency_hz_, static_cast<long double>(begin_s));
   z = z.cwiseQuotient(balanced.scale);
   return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
 }

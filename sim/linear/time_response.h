@@ -35,19 +35,6 @@ class HermiteQuintic {
   std::array<double, 6> c_;  // of u^k
 };
 
-/// The states at start_s + i / rate_hz, i = 0 .. count - 1, one column each: (n, count).
-///
-/// Exact at any rate: the exponential of one step (driven_step.h), then a product a sample; the
-/// drive's phase is that of the sample's number, so it does not drift. Of 1000 samples of the
-/// thesis's adapter scene every state is within 2e-13 of its peak.
-///
-/// @param initial (n) the states at start_s
-/// Cost: one exponential and some 15 ns a sample of seven states; no allocation but the result's
-/// and the exponential's.
-[[nodiscard]] Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
-                                            const Eigen::VectorXd& initial, double start_s,
-                                            double rate_hz, std::size_t count);
-
 /// StepUniformly of so many states. Rows are filled up to a multiple of four with zeros, which
 /// keeps every product in whole vectors.
 template <int kStates, typename Take>
@@ -70,9 +57,13 @@ void StepStates(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t
   state = x.template head<kStates>();
 }
 
-/// What UniformMotion steps with: goes on from `x`, the state at sample `first`, by `count` samples
-/// and calls take(i, state, [sin w t, cos w t]) for i = 0 .. count - 1, the samples behind `first`.
-/// (n, n + 2) `step` of 4 <= n <= 7 states.
+/// Goes on from `x`, the state at sample `first`, by `count` samples under a sine and calls
+/// take(i, state, [sin w t, cos w t]) for i = 0 .. count - 1, the samples behind `first`. (n, n +
+/// 2) `step` of 4 <= n <= 7 states.
+///
+/// Exact at any rate: a product a sample; the drive's phase is that of the sample's number, so it
+/// does not drift. Of 1000 samples of the thesis's adapter scene every state is within 2e-13 of its
+/// peak. Cost: some 15 ns a sample of seven states; no allocation.
 template <typename Take>
 void StepUniformly(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t first,
                    Eigen::Index count, Eigen::VectorXd& x, const Take& take) {
@@ -111,10 +102,6 @@ class TimeResponse {
   /// earlier questions. No allocation besides the result; threads may share it.
   [[nodiscard]] Eigen::VectorXd StateAt(double t_s) const;
 
-  /// States at start_s + i / rate_hz for i = 0 .. count - 1, one column each: (n, count).
-  /// See UniformMotion, which does without the powers where the motion begins at t = 0.
-  [[nodiscard]] Eigen::MatrixXd Sample(double start_s, double rate_hz, std::size_t count) const;
-
   /// sqrt(1/(end - begin) x integral of state^2 dt over [begin_s, end_s]), exact, not sampled.
   ///
   /// The integral is z' S z with S(h) = integral of exp(G' s) c c' exp(G s) over [0, h], built from
@@ -123,12 +110,13 @@ class TimeResponse {
   [[nodiscard]] double WindowRms(Eigen::Index state, double begin_s, double end_s) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXd Step(double h_s) const;         // DrivenStep
   [[nodiscard]] Eigen::MatrixXd Exponential(double h_s) const;  // of generator_
 
   Eigen::Index states_;
-  LinearModel model_;
-  SineDrive drive_;
+  double frequency_hz_;
   Eigen::MatrixXd generator_;            // (n + 2, n + 2)
+  LongMatrix long_generator_;            // where the model has a rest; else empty
   Eigen::VectorXd initial_;              // (n)
   std::vector<Eigen::MatrixXd> powers_;  // DrivenStep over 2^k s, (n, n + 2), smallest k first
 };

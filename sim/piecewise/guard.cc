@@ -39,6 +39,18 @@ GuardVerdict Judge(const GuardJet& begin, const GuardJet& end, const GuardBounds
   return GuardVerdict::kUnknown;
 }
 
+std::optional<double> TimeToRest(const Bounce& bounce, const GuardJet& after, double height) {
+  // how much the acceleration may change until bounces are over
+  constexpr double kSteadyAcceleration = 1e-3;
+  const double speed = std::max(after[1], 0.0);
+  const double acceleration = -after[2];
+  if (bounce.restitution >= 1 || !(acceleration > 0)) return {};
+  const double rest_s = 2 * speed / (acceleration * (1 - bounce.restitution));
+  const bool low = speed * speed / (2 * acceleration) <= height;
+  const bool steady = std::abs(after[3]) * rest_s <= kSteadyAcceleration * acceleration;
+  return low && steady ? std::optional(rest_s) : std::nullopt;
+}
+
 double GuardBound::LongestHorizon(const Eigen::MatrixXd& generator) {
   return kMostPoints * kSpacingTimesNorm / BalancedNorm(generator);
 }

@@ -41,6 +41,12 @@ using GuardBounds = std::array<double, 3>;
 [[nodiscard]] GuardVerdict Judge(const GuardJet& begin, const GuardJet& end,
                                  const GuardBounds& bounds, double h_s);
 
+/// The rule of accumulation (sim/linear/mode.h): how long the bounces take that follow an impact,
+/// behind which the gap has the jet `after`, where all of them are lower than `height`; nothing
+/// where they are to be played one by one.
+[[nodiscard]] std::optional<double> TimeToRest(const Bounce& bounce, const GuardJet& after,
+                                               double height);
+
 /// A guard g = row z + offset of z' = G z, z = [x, w] (excitation.h), with its derivatives
 /// g^(k) = row G^k z and bounds of them over any interval up to a horizon.
 ///

@@ -14,8 +14,6 @@ namespace {
 
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
-// how much the acceleration may change until bounces are over (sim/linear/mode.h)
-constexpr double kSteadyAcceleration = 1e-3;
 // by how much an uncertain gap may raise the height of bounces that are at rest
 constexpr double kMostRestHeights = 1e4;
 
@@ -244,7 +242,7 @@ void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
   }
   const Eigen::MatrixXd& step = Stepper().Step(level);
   if (to.drive.size() == 2) {
-    // the order of UniformMotion, for the sake of equal bits
+    // the order of StepUniformly, for the sake of equal bits
     to.x.noalias() = step.col(n) * to.drive[0] + step.col(n + 1) * to.drive[1];
   } else {
     to.x.noalias() = step.rightCols(to.drive.size()) * to.drive;
@@ -349,7 +347,7 @@ void PiecewiseMotion::Fire(std::size_t guard) {
   const double error = flow_.error ? flow_.error->Bound(Stepper().mode().guards[guard].row) : 0;
   Follow(place, time_s, rate);
   if (flow_.error) CarryErrorOver(guard, transition, before, mode_before);
-  if (const std::optional<double> rest_s = TimeToRest(transition, error)) {
+  if (const std::optional<double> rest_s = RestAfter(transition, error)) {
     const Transition& rest = system_.transitions[transition.bounce->rest_via];
     if (flow_.error) CarryErrorToRest(rest, *transition.bounce, now_.x - before.x);
     Follow(transition.bounce->rest_via, time_s + *rest_s, 0);
@@ -367,19 +365,12 @@ void PiecewiseMotion::Follow(std::size_t transition, double time_s, double guard
   events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
 }
 
-// the rule of accumulation; bounces lower than what is known of the gap are none
-std::optional<double> PiecewiseMotion::TimeToRest(const Transition& transition, double gap_error) {
-  if (!transition.bounce || !departure_ || transition.bounce->restitution >= 1) return {};
-  const GuardJet jet = JetHere(departure_->guard);
-  const double speed = std::max(jet[1], 0.0);
-  const double acceleration = -jet[2];
-  if (!(acceleration > 0)) return {};
-  const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
-  const double height = std::clamp(2 * gap_error, transition.bounce->rest_height,
-                                   kMostRestHeights * transition.bounce->rest_height);
-  const bool low = speed * speed / (2 * acceleration) <= height;
-  const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
-  return low && steady ? std::optional(rest_s) : std::nullopt;
+// bounces lower than what is known of the gap are none
+std::optional<double> PiecewiseMotion::RestAfter(const Transition& transition, double gap_error) {
+  if (!transition.bounce || !departure_) return {};
+  const double least = transition.bounce->rest_height;
+  const double height = std::clamp(2 * gap_error, least, kMostRestHeights * least);
+  return TimeToRest(*transition.bounce, JetHere(departure_->guard), height);
 }
 
 void PiecewiseMotion::NoticeStall() {

@@ -47,7 +47,7 @@ struct OutputGrid {
 ///
 /// **Between outputs.** An output step without events is one product with one matrix, so guards
 /// that are never reached leave no trace: the samples are, bit for bit, those of the same mode
-/// without guards (and of UniformMotion over its first 16384 samples). Every 16384 outputs
+/// without guards (and of StepUniformly over its first 16384 samples). Every 16384 outputs
 /// the state is computed anew from where the mode was entered, in long double: rounding does not
 /// pile up (undamped, 1e6 cycles at 10 kHz: energy to 1e-10 instead of 3e-9).
 ///
@@ -98,7 +98,7 @@ class PiecewiseMotion {
   /// Goes on by as many outputs as nothing can happen in (no guards, no energies, one sine of the
   /// drive, no new state from where the mode began), `most` at most, and calls take(i, x,
   /// voltage_v) for i = 0, 1, ...; how many, 0: Next() is called for. The same bits at
-  /// UniformMotion's cost.
+  /// StepUniformly's cost.
   template <typename Take>
   Eigen::Index NextUnwatched(Eigen::Index most, const Take& take) {
     const Eigen::Index count = std::min(OutputsUnwatched(), most);
@@ -218,7 +218,7 @@ class PiecewiseMotion {
   [[nodiscard]] GuardJet JetHere(std::size_t guard);
   void Fire(std::size_t guard);
   void Follow(std::size_t transition, double time_s, double guard_rate);
-  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition, double gap_error);
+  [[nodiscard]] std::optional<double> RestAfter(const Transition& transition, double gap_error);
   void NoticeStall();
   void NoticeWork();
   void Stall(double time_s, FindingKind reason);

@@ -23,17 +23,11 @@ constexpr double kLocalPartBdf = 1.0 / 3000;
 constexpr double kLocalPartAdams = 1.0 / 1000;
 // where rounding begins to rule
 constexpr double kLeastRelative = 0x1p-48;
-// of the second run
-constexpr double kCoarser = 100;
-// by how much the error is smaller at least than that of the second run (measured: 14 to 180)
-constexpr double kLeastGain = 10;
 // what a guard may be wrong by, over the local tolerance
 constexpr double kNoiseParts = 10;
 constexpr double kLongestStepPeriods = 0.125;
 constexpr int kMostCrowdedEvents = 100;
 constexpr double kCrowdedPart = 0x1p-40;  // of an output step
-// how much the acceleration may change until bounces are over (sim/linear/mode.h)
-constexpr double kSteadyAcceleration = 1e-3;
 // rates above so many times the drive's are stiff
 constexpr double kStiffRatio = 30;
 // and above so many BDF wins at any tolerance: Adams's steps are no longer than a few of theirs
@@ -86,13 +80,6 @@ OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequen
   return stiff ? OdeMethod::kBdf : OdeMethod::kAdams;
 }
 
-// the run with the larger tolerance and what it differs by
-struct SmoothMotion::Companion {
-  SmoothMotion motion;
-  Eigen::VectorXd largest;
-  Eigen::VectorXd difference;
-};
-
 SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode,
                                const ExcitationPiece& piece, bool with_energy, OdeMethod method,
                                double relative)
@@ -118,24 +105,12 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
   const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
   method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
   relative_ = std::max(LocalPart(method_) * settings_.tolerance, kLeastRelative);
-  if (settings_.with_error) {
-    SmoothSettings coarse = settings_;
-    coarse.tolerance *= kCoarser;
-    coarse.with_error = coarse.with_energy = false;
-    coarse.method = method_;
-    companion_.reset(new Companion{
-        .motion{system_, excitation_, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
-        .largest = Positions().cwiseAbs(),
-        .difference = Eigen::VectorXd::Zero(Positions().size())});
-  }
   Enter(Whole());
   ForgetRanges();
   if (!settings_.with_energy) return;
   flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
   initial_j_ = Run().problem.StoredEnergy(0, x_);
 }
-
-SmoothMotion::~SmoothMotion() = default;
 
 void SmoothMotion::Enter(Eigen::VectorXd y) {
   std::unique_ptr<ModeRun>& run = runs_[mode_];
@@ -213,7 +188,6 @@ void SmoothMotion::Next() {
     if (stalled_at_s_) return;
   }
   ++index_;
-  if (companion_) Compare();
 }
 
 void SmoothMotion::TakeOutput(double tau_s) {
@@ -243,7 +217,10 @@ void SmoothMotion::Watch(double tau_s) {
   const double from = std::max(0.0, (watched_until_s_ - begin_s) / step_s);
   const double to = std::min(1.0, (tau_s - begin_s) / step_s);
   for (std::size_t k = 0; k < ranges_.size(); ++k) {
-    const Eigen::VectorXd polynomial = PolynomialOfNumber(k);
+    const WatchedNumber& number = system_.linear.modes[mode_].watched[k];
+    const Eigen::VectorXd polynomial = PolynomialOf(
+        number,
+        [&](double t_s, const Eigen::VectorXd& y) { return Run().problem.Value(number, t_s, y); });
     ranges_[k].Include(PolynomialValue(polynomial, from));
     ranges_[k].Include(PolynomialValue(polynomial, to));
     ExtendRange(polynomial, from, to, ranges_[k]);
@@ -302,42 +279,30 @@ void SmoothMotion::LookForFall() {
   ModeRun& run = Run();
   const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
   for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
-    const std::optional<double> u =
-        FallWithin(PolynomialOf(guard), run.armed[guard] ? 0 : NoiseOf(guard));
+    const Eigen::VectorXd polynomial = PolynomialOf(
+        system_.linear.modes[mode_].guards[guard],
+        [&](double t_s, const Eigen::VectorXd& y) { return run.problem.Value(guard, t_s, y); });
+    const std::optional<double> u = FallWithin(polynomial, run.armed[guard] ? 0 : NoiseOf(guard));
     if (!u) continue;
     const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
     if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
   }
 }
 
-// A guard over the step; one that feels what acts from outside is no polynomial.
-Eigen::VectorXd SmoothMotion::PolynomialOf(std::size_t guard) {
-  ModeRun& run = Run();
-  const Guard& that = system_.linear.modes[mode_].guards[guard];
-  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+// A guard or a watched number over the step, of which `value` tells it at a time and a state; one
+// that feels what acts from outside is no polynomial.
+template <typename Number, typename Value>
+Eigen::VectorXd SmoothMotion::PolynomialOf(const Number& that, const Value& value) {
+  const OdeSolver& solver = Run().solver;
+  const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
   if (that.feed.size() > 0) {
     return ThroughPoints([&](double u) {
       const double t_s = begin_s + u * step_s;
-      return run.problem.Value(guard, t_s, run.solver.At(t_s));
+      return value(t_s, solver.At(t_s));
     });
   }
   Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
-  coefficients[0] = run.problem.Value(guard, begin_s, StepTerms().col(0));
-  return coefficients;
-}
-
-Eigen::VectorXd SmoothMotion::PolynomialOfNumber(std::size_t number) {
-  ModeRun& run = Run();
-  const WatchedNumber& that = system_.linear.modes[mode_].watched[number];
-  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
-  if (that.feed.size() > 0) {
-    return ThroughPoints([&](double u) {
-      const double t_s = begin_s + u * step_s;
-      return run.problem.Value(that, t_s, run.solver.At(t_s));
-    });
-  }
-  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
-  coefficients[0] += that.offset;
+  coefficients[0] = value(begin_s, StepTerms().col(0));
   return coefficients;
 }
 
@@ -353,7 +318,7 @@ void SmoothMotion::Fire(const Fall& fall) {
   const auto time_s = static_cast<double>(origin_s_);
   Eigen::VectorXd after = Follow(place, y, time_s, rate);
   const Transition& transition = system_.linear.transitions[place];
-  if (const std::optional<double> rest_s = TimeToRest(transition, after)) {
+  if (const std::optional<double> rest_s = RestAfter(transition, after)) {
     after = Follow(transition.bounce->rest_via, after, time_s + *rest_s, 0);
   }
   Enter(std::move(after));
@@ -380,22 +345,15 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
   return after;
 }
 
-// the rule of accumulation; heights that the tolerance hides are none
-std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
-                                               const Eigen::VectorXd& y) {
-  if (!transition.bounce || !transition.departure || transition.bounce->restitution >= 1) return {};
+// heights that the tolerance hides are none
+std::optional<double> SmoothMotion::RestAfter(const Transition& transition,
+                                              const Eigen::VectorXd& y) {
+  if (!transition.bounce || !transition.departure) return {};
   SmoothMode problem(system_, mode_, piece_, false);
   problem.Begin(piece_, origin_s_);
   const std::size_t guard = transition.departure->guard;
-  const GuardJet jet = problem.Jet(guard, 0, y);
-  const double speed = std::max(jet[1], 0.0);
-  const double acceleration = -jet[2];
-  if (!(acceleration > 0)) return {};
-  const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
   const double height = std::max(transition.bounce->rest_height, NoiseOf(guard));
-  const bool low = speed * speed / (2 * acceleration) <= height;
-  const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
-  return low && steady ? std::optional(rest_s) : std::nullopt;
+  return TimeToRest(*transition.bounce, problem.Jet(guard, 0, y), height);
 }
 
 void SmoothMotion::Stall(FindingKind reason) {
@@ -405,22 +363,6 @@ void SmoothMotion::Stall(FindingKind reason) {
   TakeOutput(Run().solver.end_s());
 }
 
-void SmoothMotion::Compare() {
-  companion_->motion.Next();
-  const Eigen::VectorXd here = Positions();
-  companion_->largest = companion_->largest.cwiseMax(here.cwiseAbs());
-  companion_->difference =
-      companion_->difference.cwiseMax((here - companion_->motion.Positions()).cwiseAbs());
-}
-
-double SmoothMotion::error_estimate() const {
-  HAPTOMETER_CHECK(companion_ != nullptr, "no second run was asked for");
-  if (companion_->motion.stalled_at_s()) return std::numeric_limits<double>::infinity();
-  // what never moved has no error
-  const Eigen::VectorXd scale = companion_->largest.cwiseMax(std::numeric_limits<double>::min());
-  return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
-}
-
 double SmoothMotion::tolerance() const { return relative_ / LocalPart(method_); }
 
 OdeWork SmoothMotion::work() const {
@@ -428,7 +370,6 @@ OdeWork SmoothMotion::work() const {
   for (const std::unique_ptr<ModeRun>& run : runs_) {
     if (run) work += run->solver.work();
   }
-  if (companion_) work += companion_->motion.work();
   return work;
 }
 

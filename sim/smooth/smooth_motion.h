@@ -22,9 +22,8 @@ namespace haptometer::sim {
 /// How a smooth motion is computed.
 struct SmoothSettings {
   double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2
-  std::optional<OdeMethod> method{};  ///< absent: the cheaper one, MethodFor()
-  bool with_energy = false;           ///< keep the ledger
-  bool with_error = false;  ///< a second run with a tolerance 100 times as large beside it
+  std::optional<OdeMethod> method{};     ///< absent: the cheaper one, MethodFor()
+  bool with_energy = false;              ///< keep the ledger
   std::int64_t most_steps = 10'000'000;  ///< of the solver, in all: half a minute
 };
 
@@ -53,8 +52,9 @@ struct SmoothSettings {
 ///
 /// **Energies** are integrals in the same integration, with the same error control.
 ///
-/// **Error.** The tolerance steers each step's error, not what becomes of it; `with_error` measures
-/// that. Below some 1e-11 rounding wins; a chaotic motion has no error that stays small.
+/// **Error.** The tolerance steers each step's error, not what becomes of it: ErrorOf() two runs
+/// (sim/scene_run.h) measures that. Below some 1e-11 rounding wins; a chaotic motion has no error
+/// that stays small.
 ///
 /// **A stall** ends the motion: a hundred events within 2^-40 of an output step, a solver that
 /// cannot go on or needs more steps than it may take.
@@ -75,7 +75,6 @@ class SmoothMotion {
   // problems refer to the system within
   SmoothMotion(const SmoothMotion&) = delete;
   SmoothMotion& operator=(const SmoothMotion&) = delete;
-  ~SmoothMotion();
 
   /// Goes on to the next output. Cost: some 3 us a step of the solver, of which there are 30 to 300
   /// in a period and 30 to 100 after an event. Nothing happens after a stall.
@@ -116,14 +115,10 @@ class SmoothMotion {
   /// What it is integrated with: the tolerance that was asked for, or the least that rounding lets
   /// (4e-12 by Adams's formulas, 1.1e-11 by BDF).
   [[nodiscard]] double tolerance() const;
-  /// What it cost, both runs.
+  /// What it cost.
   [[nodiscard]] OdeWork work() const;
-  /// The solver's steps so far, without those of the run that errors are told from.
+  /// The solver's steps so far.
   [[nodiscard]] std::int64_t steps() const { return steps_; }
-  /// A tenth of the largest difference to the second run over all outputs so far, each position
-  /// over its largest value. In every scene of the tests the error is below it. Infinite after the
-  /// second run stalled; needs `with_error`.
-  [[nodiscard]] double error_estimate() const;
 
  private:
   struct ModeRun {
@@ -141,7 +136,6 @@ class SmoothMotion {
     long double impact_j = 0;
     std::vector<long double> integrals;  // as SmoothMode's
   };
-  struct Companion;
 
   [[nodiscard]] ModeRun& Run() { return *runs_[mode_]; }
   void Enter(Eigen::VectorXd y);
@@ -152,20 +146,19 @@ class SmoothMotion {
   [[nodiscard]] double LongestStepS() const;
   void Advance();
   void LookForFall();
-  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard);
+  template <typename Number, typename Value>
+  [[nodiscard]] Eigen::VectorXd PolynomialOf(const Number& that, const Value& value);
   [[nodiscard]] double NoiseOf(std::size_t guard);
   void Arm();
   void Fire(const Fall& fall);
   [[nodiscard]] Eigen::VectorXd Follow(std::size_t transition, const Eigen::VectorXd& y,
                                        double time_s, double guard_rate);
-  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition,
-                                                 const Eigen::VectorXd& y);
+  [[nodiscard]] std::optional<double> RestAfter(const Transition& transition,
+                                                const Eigen::VectorXd& y);
   void Stall(FindingKind reason);
   void TakeOutput(double tau_s);
   void Watch(double tau_s);
   [[nodiscard]] const Eigen::MatrixXd& StepTerms();
-  [[nodiscard]] Eigen::VectorXd PolynomialOfNumber(std::size_t number);
-  void Compare();
   [[nodiscard]] std::vector<double> IntegralsHere() const;
   [[nodiscard]] Eigen::VectorXd Whole() const;
   [[nodiscard]] long double TimeOf(std::uint64_t output) const;
@@ -198,7 +191,6 @@ class SmoothMotion {
   std::optional<FindingKind> stall_reason_;
   double initial_j_ = 0;
   Flow flow_;
-  std::unique_ptr<Companion> companion_;
 };
 
 }  // namespace haptometer::sim

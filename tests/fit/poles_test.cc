@@ -13,6 +13,7 @@
 #include "sim/ring_down.h"
 #include "tests/fit/fitted_drops.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 

@@ -8,6 +8,7 @@
 
 #include "fit/drop_test/impulse_record.h"
 #include "sim/ring_down.h"
+#include "tests/sim/ring_ratios.h"
 
 namespace haptometer::tests {
 
@@ -58,13 +59,13 @@ inline double SpeedVoltage(const SyntheticDrop& drop) {
 /// What follows the instant of the blow or release at `t` seconds, first negative.
 inline double RingingOf(const SyntheticDrop& drop, const sim::RingDown<double>& circuit, double t) {
   if (drop.displacement_share > 0) {
-    return -drop.displacement_share * ImpactSpeed(drop) * circuit.DisplacementRatio(t);
+    return -drop.displacement_share * ImpactSpeed(drop) * DisplacementRatio(circuit, t);
   }
   if (drop.release_current_a > 0) {
     return drop.force_constant_n_per_a * drop.force_constant_n_per_a * drop.release_current_a /
-           EffectiveMass(drop) * circuit.ReleaseRatio(t);
+           EffectiveMass(drop) * ReleaseRatio(circuit, t);
   }
-  return SpeedVoltage(drop) * circuit.VoltageRatio(t);
+  return SpeedVoltage(drop) * VoltageRatio(circuit, t);
 }
 
 /// The record; load, condition, current and added mass are stated, height and rebound are not.

@@ -15,6 +15,7 @@
 #include "tests/residual.h"
 #include "tests/sim/reference/csim_reference.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {
@@ -87,8 +88,10 @@ Eigen::MatrixXd Columns(const double (&csim)[kCsimTimes][kStates]) {
 }
 
 Eigen::MatrixXd Exactly(const Scene& scene) {
-  const TimeResponse exact(AssembleModel(scene), scene.drive, Start::kRest);
-  return exact.Sample(0, kCsimRateHz, kCsimTimes + 1).rightCols(kCsimTimes);
+  const LinearModel model = AssembleModel(scene);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.states());
+  return UniformMotion(model, scene.drive, rest, 0, kCsimRateHz, kCsimTimes + 1)
+      .rightCols(kCsimTimes);
 }
 
 // each state's largest deviation at any of the times over its amplitude

@@ -19,6 +19,7 @@
 #include "sim/sensor_model.h"
 #include "sim/steady_run.h"
 #include "tests/residual.h"
+#include "tests/sim/ring_ratios.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {
@@ -79,9 +80,9 @@ TEST(Offset, OfTonesAndUnderTremorAddsToEachSquare) {
 
   Scene shaken = tests::ConeScene();
   shaken.finger.tones = {{.amplitude = 5e-5, .frequency_hz = 8}};
-  const Superposition still = Superpose(shaken);
+  const SteadyTones still = Superpose(shaken);
   shaken.drive.offset_v = 0.9;
-  const Superposition pushed = Superpose(shaken);
+  const SteadyTones pushed = Superpose(shaken);
   EXPECT_REL(pushed.current_rms_a, std::hypot(still.current_rms_a, current_a), 1e-13, "rounding");
   EXPECT_REL(pushed.power_w, still.power_w + 0.9 * current_a, 1e-12, "rounding");
 }
@@ -237,12 +238,12 @@ TEST(DropMounting, IsTheRingDownOfTheFit) {
         motion->Next();
         const double t_s = k / rate_hz;
         EXPECT_ABS(motion->Positions()(kMover) / peak_m,
-                   ring.DisplacementRatio(t_s) * blow_m_per_s / peak_m, 1e-12,
+                   DisplacementRatio(ring, t_s) * blow_m_per_s / peak_m, 1e-12,
                    "two closed forms; rounding");
         ASSERT_EQ(motion->Positions()(kCase), 0);
         // the load's voltage drives the current, against the coil's sense
         EXPECT_ABS(-load_ohm * motion->CurrentA() / peak_v,
-                   ring.VoltageRatio(t_s) * peak_v / peak_v, 1e-12, "two closed forms; rounding");
+                   VoltageRatio(ring, t_s) * peak_v / peak_v, 1e-12, "two closed forms; rounding");
       }
       EXPECT_LT(motion->Ledger().Imbalance(), 1e-11);
     }
@@ -271,7 +272,7 @@ TEST(DropMounting, OfAFreeCaseIsTheRingDownOfBothMasses) {
   for (int k = 1; k <= 2000; ++k) {
     motion->Next();
     const Eigen::VectorXd x = motion->Positions();
-    EXPECT_ABS((x(kMover) - x(kCase)) / peak_m, ring.DisplacementRatio(k / 20000.0) * 0.5 / peak_m,
+    EXPECT_ABS((x(kMover) - x(kCase)) / peak_m, DisplacementRatio(ring, k / 20000.0) * 0.5 / peak_m,
                1e-12, "two closed forms; rounding");
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/residual.h"
 #include "tools/fit/fit_figures.h"
 

@@ -13,6 +13,7 @@
 #include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
+#include "tests/dsp/filter/settled_signal.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"

@@ -77,12 +77,16 @@ TEST(LongRows, ABlockFarOutIsTheToneAndSoIsTheLast) {
   const ZeroPhaseBlocks blocks(design, kRows);
   const double gain = std::norm(Response(design, kToneHz));
   ZeroPhaseBlocks::Scratch scratch;
+  std::vector<ZeroPhaseBlocks::PieceStates> states(blocks.pieces());
   // one with rows around 2^32, and the last one up to where it hangs on the end
   const std::size_t far = (std::size_t{1} << 32U) / blocks.block_size();
   for (const std::size_t block : {far, blocks.blocks() - 1}) {
     const SampleRange range = blocks.Range(block);
     std::vector<double> out(range.count);
-    ASSERT_TRUE(blocks.Filter(block, read, Continuation::kOdd, out, scratch));
+    const auto take = [&](std::size_t first, std::span<double> piece) {
+      std::ranges::copy(piece, &out[first - range.first]);
+    };
+    ASSERT_TRUE(blocks.FilterPieces(block, read, take, states, scratch));
     const std::size_t sure =
         range.end() == kRows ? range.count - std::min(range.count, blocks.lead_in()) : range.count;
     double worst = 0;

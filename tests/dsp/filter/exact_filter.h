@@ -26,10 +26,6 @@ inline Numerator NumeratorOf(SectionKind kind) {
       return {0, -1, 0};
     case SectionKind::kLowPass:
       return {2, 1, 4};
-    case SectionKind::kFirstOrderHighPass:
-      return {-1, 0, 0};
-    case SectionKind::kFirstOrderLowPass:
-      return {1, 0, 2};
   }
   return {};
 }

@@ -101,21 +101,6 @@ TEST(Onset, TremorAndOffsetOfAHandDoNotMoveIt) {
   EXPECT_LT(edge->time_uncertainty_s, 1e-3);
 }
 
-TEST(Onset, TheDecayIsTheOnsetReversed) {
-  const double tau_s = 0.02;
-  std::vector<double> signal =
-      Shaped([tau_s](double t_s) { return 1 - std::exp(-t_s / tau_s); }, 0.4);
-  const auto onset = OnsetOf(signal);
-  std::ranges::reverse(signal);
-  const Envelope envelope = DemodulateTone(signal, {kRateHz, kToneHz});
-  const double last_s = (6000 - 1) / kRateHz;
-  const auto decay =
-      FindDecay(envelope, {last_s - 0.15, last_s - 0.02, last_s - 0.55, last_s - 0.45});
-  ASSERT_TRUE(onset && decay && onset->rise_s && decay->rise_s);
-  EXPECT_ABS(decay->time_s, last_s - onset->time_s, 2e-4, "steps of the envelope fall elsewhere");
-  EXPECT_REL(*decay->rise_s, std::log(9) * tau_s, 0.02, "slow against the window");
-}
-
 TEST(Onset, IntervalsUnderNoiseHoldTheTruth) {
   // noise of 12 % of the amplitude a sample; 500 onsets at every phase
   Noise noise(21);

@@ -23,11 +23,11 @@ TARGET = pathlib.Path(__file__).with_name("scipy_welch.h")
 HFT90D = [1, 1.942604, 1.340318, 0.440811, 0.043097]
 # name, window, overlap in samples, detrend
 CASES = [
-    ("kRectangularLine", "boxcar", 0, "linear"),
+    ("kRectangularMean", "boxcar", 0, "constant"),
     ("kHannMean", "hann", 32, "constant"),
     ("kHammingNothing", "hamming", 16, False),
     ("kBlackmanHarrisMean", "blackmanharris", 48, "constant"),
-    ("kFlatTopLine", "hft90d", 48, "linear"),
+    ("kFlatTopMean", "hft90d", 48, "constant"),
 ]
 
 

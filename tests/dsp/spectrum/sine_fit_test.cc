@@ -120,15 +120,11 @@ TEST(SineFit, UncertaintiesAreCramerAndRaosBound) {
                s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 4e-4, kReason);
     EXPECT_REL(fit.phase_uncertainty_rad, s / fit.amplitude * std::sqrt(8.0 / kCount), 4e-4,
                kReason);
-    EXPECT_REL(fit.offset_uncertainty, s / std::sqrt(kCount), 4e-4, kReason);
-    const double slope = degree == 1 ? s * std::sqrt(12.0 / kCount) / duration_s : 0;
-    EXPECT_ABS(fit.slope_uncertainty_per_s, slope, 4e-4 * s * std::sqrt(12.0 / kCount) / duration_s,
-               kReason);
   }
 }
 
 TEST(SineFit, DriftIsFittedAlong) {
-  // a cubic of 1 mm over the record, Legendre-orthogonal on [-1, 1]: mean and slope by hand
+  // a cubic of 1 mm over the record, Legendre-orthogonal on [-1, 1]: mean by hand
   constexpr std::size_t kCount = 3001;
   std::vector<double> signal = Samples(kRateHz, kCount, 0.03, {{2e-6, 225, 0.3}});
   for (std::size_t k = 0; k < kCount; ++k) {
@@ -140,7 +136,6 @@ TEST(SineFit, DriftIsFittedAlong) {
   EXPECT_REL(fit.amplitude, 2e-6, 1e-12, "the input's rounding at 30 mm");
   EXPECT_REL(fit.frequency_hz, 225, 1e-13, "the same");
   EXPECT_REL(fit.offset, 0.03 + 1e-3 / 6, 1e-14, "tau^2 = 1/3 + (2/3) P2");
-  EXPECT_REL(fit.slope_per_s, 1e-3 * (1 - 0.6) / 0.15, 1e-11, "tau^3 = (3/5) P1 + (2/5) P3");
   const SineFit without = FitSine(signal, {kRateHz, 0, 0}, 225.5);
   EXPECT_GT(std::abs(without.amplitude - 2e-6), 1e-7) << "an offset alone is not enough";
 }
@@ -159,7 +154,6 @@ TEST(SineFit, UnevenTimesBeyondHalfTheRate) {
   ASSERT_TRUE(fit.converged);
   EXPECT_REL(fit.amplitude, 5e-6, 1e-11, "phases of 3e4 rad, rounded to 4e-12, and 30 mm");
   EXPECT_ABS(fit.phase_rad, 1.2, 1e-10, "the same over sqrt(N), at t = 0, 17 s before");
-  EXPECT_REL(fit.slope_per_s, 1e-4, 1e-11, "rounding at 30 mm");
   EXPECT_FALSE(FitSineAtTimes(values, times_s, 225, 1).amplitude_uncertainty > 1e-15);
 }
 
@@ -179,8 +173,6 @@ struct Coverage {
   int amplitude = 0;
   int frequency = 0;
   int phase = 0;
-  int offset = 0;
-  int slope = 0;
 };
 
 void Count(const SineFit& fit, double t, Coverage& held) {
@@ -188,8 +180,6 @@ void Count(const SineFit& fit, double t, Coverage& held) {
   held.amplitude += std::abs(fit.amplitude - 1) <= t * fit.amplitude_uncertainty ? 1 : 0;
   held.frequency += std::abs(fit.frequency_hz - 1003) <= t * fit.frequency_uncertainty_hz ? 1 : 0;
   held.phase += std::abs(fit.phase_rad - truth_phase) <= t * fit.phase_uncertainty_rad ? 1 : 0;
-  held.offset += std::abs(fit.offset - 0.2) <= t * fit.offset_uncertainty ? 1 : 0;
-  held.slope += std::abs(fit.slope_per_s - 3) <= t * fit.slope_uncertainty_per_s ? 1 : 0;
 }
 
 constexpr int kRepetitions = 2000;
@@ -219,8 +209,6 @@ TEST(SineFit, IntervalsOfAFitWithDriftHoldTheTruth) {
   ExpectCoverage(held.amplitude, "amplitude");
   ExpectCoverage(held.frequency, "frequency");
   ExpectCoverage(held.phase, "phase");
-  ExpectCoverage(held.offset, "offset");
-  ExpectCoverage(held.slope, "slope");
 }
 
 TEST(SineFit, IntervalsOfAFitAtUnevenTimesHoldTheTruth) {
@@ -244,8 +232,6 @@ TEST(SineFit, IntervalsOfAFitAtUnevenTimesHoldTheTruth) {
   }
   ExpectCoverage(held.amplitude, "amplitude");
   ExpectCoverage(held.phase, "phase");
-  ExpectCoverage(held.offset, "offset");
-  ExpectCoverage(held.slope, "slope");
 }
 
 TEST(SineFit, ADecayingToneComesToRest) {
@@ -259,7 +245,6 @@ TEST(SineFit, ADecayingToneComesToRest) {
   ASSERT_TRUE(fit.converged);
   EXPECT_ABS(fit.frequency_hz, 439.15, 1e-3,
              "half a thousandth of 1/duration: the other side lobe");
-  EXPECT_LT(fit.iterations, 15);
 }
 
 TEST(SineFit, NothingFiniteNothingSaid) {

@@ -24,23 +24,20 @@ TEST(SlowMotion, DriftAndASteadyTremor) {
     signal[k] += 2e-4 * static_cast<double>(k) / kRateHz;
   }
   const auto motion = DescribeSlowMotion(signal, kRateHz);
-  ASSERT_TRUE(motion && motion->tremor_rms && motion->tremor_tone);
+  ASSERT_TRUE(motion && motion->tremor_rms);
   EXPECT_ABS(motion->drift_per_s, 2e-4, 4 * motion->drift_uncertainty_per_s, "as stated");
   EXPECT_LT(motion->drift_uncertainty_per_s, 5e-6) << "a tremor of 8.3 periods an eighth";
   EXPECT_REL(*motion->tremor_rms, 0.5e-3 / std::numbers::sqrt2, 2e-8, "what is left of the line");
   EXPECT_REL(motion->tremor_frequency_hz, 8.3, 1e-8, "the power's centre");
-  EXPECT_REL(motion->tremor_tone->frequency_hz, 8.3, 1e-8, "what is left of the line");
-  EXPECT_REL(motion->tremor_tone->amplitude, 0.5e-3, 1e-7, "the same");
 }
 
-TEST(SlowMotion, ABroadTremorIsABandAndNoTone) {
+TEST(SlowMotion, ABroadTremorIsABand) {
   // white noise of density 2 s^2/rate; 10 Hz of it
   Noise noise(12);
   std::vector<double> signal(12'000);
   for (double& x : signal) x = 1e-4 * noise();
   const auto motion = DescribeSlowMotion(signal, kRateHz);
   ASSERT_TRUE(motion && motion->tremor_rms);
-  EXPECT_FALSE(motion->tremor_tone);
   EXPECT_REL(*motion->tremor_rms, 1e-4 * std::sqrt(2 * 10 / kRateHz), 0.12,
              "3.5 deviations: 1/sqrt(4 x 10 Hz x 60 s)");
   EXPECT_REL(motion->tremor_rms_uncertainty / *motion->tremor_rms, 1 / std::sqrt(4 * 10 * 60), 0.1,
@@ -123,24 +120,6 @@ TEST(SlowMotion, ANarrowTremorsIntervalHoldsTheTruth) {
   ExpectCoverage("RMS of a narrow tremor", held, repetitions);
 }
 
-TEST(SlowMotion, ATremorTonesIntervalsHoldTheTruth) {
-  const int repetitions = Repetitions(100);
-  Noise noise(37);
-  int amplitude = 0;
-  int frequency = 0;
-  for (int r = 0; r < repetitions; ++r) {
-    std::vector<double> signal = Samples(kRateHz, 1600, 0.03, {{0.5e-3, 8.3, 0.7 * r}});
-    for (double& x : signal) x += 5e-5 * noise();
-    const auto motion = DescribeSlowMotion(signal, kRateHz);
-    ASSERT_TRUE(motion && motion->tremor_tone);
-    const SineFit& tone = *motion->tremor_tone;
-    amplitude += std::abs(tone.amplitude - 0.5e-3) <= 1.96 * tone.amplitude_uncertainty ? 1 : 0;
-    frequency += std::abs(tone.frequency_hz - 8.3) <= 1.96 * tone.frequency_uncertainty_hz ? 1 : 0;
-  }
-  ExpectCoverage("amplitude of a steady tremor", amplitude, repetitions);
-  ExpectCoverage("frequency of a steady tremor", frequency, repetitions);
-}
-
 TEST(SlowMotion, IsNotMadeUp) {
   std::vector<double> signal(15, 1.0);
   EXPECT_FALSE(DescribeSlowMotion(signal, kRateHz));
@@ -155,7 +134,6 @@ TEST(SlowMotion, IsNotMadeUp) {
   ASSERT_TRUE(still && still->tremor_rms);
   EXPECT_EQ(*still->tremor_rms, 0);
   EXPECT_EQ(still->drift_per_s, 0);
-  EXPECT_FALSE(still->tremor_tone);
 }
 
 }  // namespace

@@ -49,12 +49,11 @@ TEST(NistUnivariateSets, AreWithinHalfADigitOfExactArithmetic) {
   const auto sets = Sets();
   for (const NistSet& set : kNistSets) {
     const std::vector<double>& values = sets.at(set.name);
-    const std::array<double, 3> ours{Mean(values), StandardDeviation(values),
-                                     Lag1Autocorrelation(values)};
+    const std::array<double, 2> ours{Mean(values), StandardDeviation(values)};
     for (std::size_t i = 0; i < ours.size(); ++i) {
       const double possible = RightDigits(set.exact[i], set.certified[i]);
       EXPECT_GE(RightDigits(ours[i], set.certified[i]), possible - 0.5) << set.name << ' ' << i;
-      EXPECT_REL(ours[i], set.exact[i], 2e-15, "sums of up to 5000 rounded products");
+      EXPECT_REL(ours[i], set.exact[i], 2e-15, "sums of up to 5000 rounded squares");
     }
   }
 }

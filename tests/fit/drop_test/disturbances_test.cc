@@ -12,7 +12,9 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/residual.h"
+#include "tests/sim/ring_ratios.h"
 
 namespace haptometer::fit {
 namespace {
@@ -43,7 +45,7 @@ Spoil SecondImpact(double share, double at_s) {
                                        .coil_resistance_ohm = 27,
                                        .inductance_h = 0,
                                        .load_ohm = tests::kOpen});
-  return Add([=](double t) { return t > at_s ? share * circuit.VoltageRatio(t - at_s) : 0.0; });
+  return Add([=](double t) { return t > at_s ? share * VoltageRatio(circuit, t - at_s) : 0.0; });
 }
 
 Spoil Clip(double share) {

@@ -12,6 +12,7 @@
 #include "tests/fit/fitted_drops.h"
 #include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 

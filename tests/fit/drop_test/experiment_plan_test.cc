@@ -10,6 +10,7 @@
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 

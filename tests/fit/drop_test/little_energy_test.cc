@@ -8,6 +8,7 @@
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/repetitions.h"
 
 namespace haptometer::fit {

@@ -10,6 +10,7 @@
 #include "fit/drop_test/ring_start.h"
 #include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/fit/unprepared_drops.h"
 #include "tests/residual.h"
 
 namespace haptometer::fit {

@@ -19,6 +19,7 @@
 #include "tests/residual.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {

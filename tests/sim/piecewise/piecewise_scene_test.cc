@@ -15,6 +15,7 @@
 #include "tests/residual.h"
 #include "tests/sim/reference/events_reference.h"
 #include "tests/sim/thesis_scenes.h"
+#include "tests/sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {
