@@ -156,7 +156,7 @@ Result<toml::table> Parsed(std::string_view text, std::string_view where) {
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "mend the TOML there");
+                        std::string(error.description()), "correct the TOML there");
   }
 }
 
