@@ -145,6 +145,14 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
               If(numbers.tone && !is_number, tone.amplitude_lower_m));
 }
 
+// What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on
+// it is perceived.
+std::string_view LatencyVerdict(double latency_s) {
+  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
+  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
+  return "above 50 ms, where it is perceived";
+}
+
 Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   const dsp::OnsetNumbers onset = found.value_or(dsp::OnsetNumbers{});
   const dsp::Edge& edge = onset.edge;
@@ -503,7 +511,8 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   trial.Add({"file"}, file.path);
   trial.Add({"answered"}, analysis.answered);
   trial.Add({"source"}, file.source.empty() ? Value() : Value(file.source));
-  AddSources(file.sources, trial);
+  if (file.sources.empty()) trial.Add({"data_source"}, Value());
+  trial.sources = file.sources;
   trial.sections = {AnswerSection(analysis, numbers),        RecordSection(file, analysis),
                     KnownToneSection(analysis.known_tone),   VibrationSection(analysis, numbers),
                     BudgetSection(analysis, numbers),        ToneSection(numbers),
@@ -514,38 +523,10 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   return trial;
 }
 
-void AddSources(std::vector<trial::DataSource> sources, Section& section) {
-  if (sources.empty()) section.Add({"data_source"}, Value());
-  section.sources = std::move(sources);
-}
-
 Section ClosingSection(bool has_numbers) {
   Section section;
   section.Add({"uncertainty_excludes", has_numbers ? "in no uncertainty" : ""}, dsp::kNotInBudget);
   return section;
-}
-
-std::string_view LatencyVerdict(double latency_s) {
-  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
-  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
-  return "above 50 ms, where it is perceived";
-}
-
-std::string_view LatencyVerdict(const sim::SkinRise& rise) {
-  const std::string_view verdict = LatencyVerdict(rise.LatencyAtMostS());
-  if (verdict == LatencyVerdict(rise.latency_s - rise.uncertainty_s)) return verdict;
-  return "too uncertain to be held against 25 and 50 ms";
-}
-
-std::optional<double> LatencyBelowS(const sim::SkinRise& rise) {
-  return rise.TellsLatency() ? std::nullopt : std::optional(rise.LatencyAtMostS());
-}
-
-std::string LatencyText(const sim::SkinRise& rise) {
-  if (const auto below_s = LatencyBelowS(rise)) {
-    return fmt::format("below {:.3f} ms", std::ceil(*below_s * 1e6) / 1e3);
-  }
-  return fmt::format("{:.3f} ms, to {:.2g} ms", rise.latency_s * 1e3, rise.uncertainty_s * 1e3);
 }
 
 }  // namespace haptometer::tools

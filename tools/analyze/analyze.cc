@@ -122,7 +122,7 @@ Result<Job> JobOf(const AnalyzeWords& words) {
           .import = std::move(*import),
           .threads = ThreadsOf(words),
           .spectrum = std::move(*spectrum),
-          .outputs = {.all = words.all, .plot = words.plot, .report = words.report}};
+          .outputs = words.outputs};
   if (words.floor.empty()) return job;
   auto floor = ReadFloor(words.floor, job.question, job.import, job.threads);
   if (!floor) return std::unexpected(floor.error());
@@ -144,7 +144,8 @@ Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, 
     if (!written) return std::unexpected(written.error());
   }
   Section section = SweepSection(path, *answer, words.files.size() == 1);
-  AddSources(trial::SourcesOf(opened->rows->head().metadata, opened->report), section);
+  section.sources = trial::SourcesOf(opened->rows->head().metadata, opened->report);
+  if (section.sources.empty()) section.Add({"data_source"}, {});
   return section;
 }
 

@@ -13,7 +13,6 @@
 #include "base/error.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/report/html_page.h"
 
 namespace haptometer::tools {
 namespace {
@@ -39,12 +38,10 @@ Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
 }
 
 Result<void> CheckPictures(const AnalyzeWords& words) {
-  if (!words.plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(words.plot); !drawable) return drawable;
-    if (words.files.size() > 1) {
-      return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
-                   "give one file, or --report FILE.html for several");
-    }
+  if (auto good = document::CheckOutputs(words.outputs); !good) return good;
+  if (!words.outputs.plot.empty() && words.files.size() > 1) {
+    return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
+                 "give one file, or --report FILE.html for several");
   }
   // one file each: the next trial would take the place of the one before
   const std::array<std::pair<std::string_view, const std::string*>, 3> tables{
@@ -56,7 +53,8 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
     return Usage(std::string(option), fmt::format("is of one trial, not {}", words.files.size()),
                  "give one file");
   }
-  if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
+  const bool has_report = !words.outputs.report.empty();
+  if (words.sweep && (has_report || words.window != "auto" || !words.floor.empty())) {
     return Usage("--sweep", "goes without --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
   }
@@ -68,13 +66,13 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
         cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
     if (!writable) return writable;
   }
-  const bool has_spectrum = !words.spectrum.spectrum.empty() ||
-                            !words.spectrum.spectrogram.empty() || !words.report.empty();
+  const bool has_spectrum =
+      !words.spectrum.spectrum.empty() || !words.spectrum.spectrogram.empty() || has_report;
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
     return Usage("--resolution", "is of a spectrum or a sweep",
                  "say --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
   }
-  return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
+  return {};
 }
 
 Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
@@ -100,11 +98,11 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "Which part: the steady drive (auto, default), all that has settled, or 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
                 "A drive-off trial: its noise in the band is taken off in power");
-  options->Flag("--all", &words->all,
+  options->Flag("--all", &words->outputs.all,
                 "Print everything that is known, with the uncertainty budget");
-  options->Output("--plot", &words->plot, "FILE.svg|png|pdf",
+  options->Output("--plot", &words->outputs.plot, "FILE.svg|png|pdf",
                   "Draw the trial and what was used of it");
-  options->Output("--report", &words->report, "FILE.html",
+  options->Output("--report", &words->outputs.report, "FILE.html",
                   "One page with figures, numbers, assumptions and settings");
   options->Flag("--sweep", &words->sweep,
                 "The drive's frequency moves: amplitude over frequency, f0 and Q",
@@ -129,7 +127,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   auto asked = cli::BandQuestionOf(words.band);
   if (!asked) return std::unexpected(asked.error());
   dsp::BandQuestion question = std::move(*asked);
-  question.keep_filtered = !words.plot.empty() || !words.report.empty();
+  question.keep_filtered = words.outputs.HasFigures();
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());

@@ -11,6 +11,7 @@
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
+#include "tools/document/present.h"
 
 namespace haptometer::tools {
 
@@ -51,11 +52,9 @@ struct AnalyzeWords {
   std::string window = "auto";
   std::string floor;
   std::optional<Quantity> drive_frequency_hz;
-  bool all = false;
   bool sweep = false;
   std::string response;
-  std::string plot;
-  std::string report;
+  document::Outputs outputs;
   std::optional<std::int64_t> threads;
   SpectrumWords spectrum;
   cli::ImportWords import;

@@ -1,8 +1,8 @@
-#include "tools/cli/json.h"
-
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/document/render.h"
 
@@ -11,9 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// the value; a number that is not finite is null
 struct JsonVisitor {
   Json operator()(std::monostate) const { return nullptr; }
-  Json operator()(double number) const { return cli::NumberOrNull(number); }
+  Json operator()(double number) const { return std::isfinite(number) ? Json(number) : Json(); }
   Json operator()(const Range& range) const {
     return (*this)(std::vector{range.lower, range.upper});
   }
@@ -32,6 +33,14 @@ struct JsonVisitor {
 Json ValueJson(const Value& value, bool is_known) {
   if (!is_known || !value.IsKnown()) return nullptr;
   return std::visit(JsonVisitor{}, static_cast<const AnyValue&>(value));
+}
+
+Json TextOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+// Indented, with a line end. Names and paths may hold bytes that are no UTF-8; they become U+FFFD.
+// What is not printable stands as its \u escape, so a terminal shows the document as it is.
+std::string JsonText(const Json& json) {
+  return PrintableLines(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 Json JsonOfSection(const Section& section);
@@ -87,7 +96,7 @@ Json FindingJson(const Finding& finding) {
   return {{"kind", finding.kind},
           {"severity", NameOf(finding.severity)},
           {"text", finding.text},
-          {"subject", cli::TextOrNull(finding.subject)},
+          {"subject", TextOrNull(finding.subject)},
           {"numbers", numbers}};
 }
 
@@ -95,7 +104,7 @@ Json ProvenanceJson(const Provenance& provenance) {
   Json inputs = Json::array();
   for (const InputFile& input : provenance.inputs) {
     inputs.push_back(
-        {{"path", input.path}, {"bytes", input.bytes}, {"sha256", cli::TextOrNull(input.sha256)}});
+        {{"path", input.path}, {"bytes", input.bytes}, {"sha256", TextOrNull(input.sha256)}});
   }
   return {{"version", provenance.version},
           {"command", provenance.command},
@@ -134,10 +143,10 @@ std::string JsonOf(const Document& document) {
     }
   }
   json["provenance"] = ProvenanceJson(document.provenance);
-  return cli::JsonText(json);
+  return JsonText(json);
 }
 
-std::string JsonOf(const Section& section) { return cli::JsonText(ObjectOf(section)); }
+std::string JsonOf(const Section& section) { return JsonText(ObjectOf(section)); }
 
 std::string CsvOf(const Section& table, const Provenance& provenance) {
   std::string csv = CommentOf(provenance, "# ");
