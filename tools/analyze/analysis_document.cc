@@ -476,11 +476,8 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
     document::AddFindings(section, file.analysis->findings);
   } else if (file.error) {
     reasons.push_back(file.error->Text());
-    section.findings.push_back({.kind = "error",
-                                .severity = Severity::kRefusal,
-                                .text = reasons.front(),
-                                .subject = "",
-                                .numbers = {}});
+    section.findings.push_back(
+        {.kind = "error", .severity = Severity::kRefusal, .text = reasons.front(), .subject = ""});
   }
   document::AddFindings(section, file.findings);
   section.Add({"reasons"}, std::move(reasons));
@@ -510,7 +507,7 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
                 .figures = file.figures};
   trial.Add({"file"}, file.path);
   trial.Add({"answered"}, analysis.answered);
-  trial.Add({"source"}, file.source.empty() ? Value() : Value(file.source));
+  trial.Add({"source"}, document::TextOrNotKnown(file.source));
   if (file.sources.empty()) trial.Add({"data_source"}, Value());
   trial.sources = file.sources;
   trial.sections = {AnswerSection(analysis, numbers),        RecordSection(file, analysis),

@@ -120,7 +120,7 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   if (!spectrum) return std::unexpected(spectrum.error());
   Job job{.question = std::move(*question),
           .import = std::move(*import),
-          .threads = ThreadsOf(words),
+          .threads = cli::ThreadsOf(words.threads, kMostThreads),
           .spectrum = std::move(*spectrum),
           .outputs = words.outputs};
   if (words.floor.empty()) return job;

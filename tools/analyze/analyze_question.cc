@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,6 @@
 
 namespace haptometer::tools {
 namespace {
-
-constexpr std::int64_t kMostThreads = 64;
 
 // "1s:3s": from a time up to a time
 Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
@@ -133,11 +130,6 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
     return std::unexpected(window.error());
   }
   return question;
-}
-
-int ThreadsOf(const AnalyzeWords& words) {
-  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
 }
 
 namespace {

@@ -62,11 +62,10 @@ struct AnalyzeWords {
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words);
 
+inline constexpr std::int64_t kMostThreads = 64;
+
 /// What is asked of each record; its floor is not read yet. Errors (Cause::kUsage): a band or
 /// window that is none, a picture that cannot be drawn at its place.
 [[nodiscard]] Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words);
-
-/// Threads as asked for, otherwise as many as there are cores.
-[[nodiscard]] int ThreadsOf(const AnalyzeWords& words);
 
 }  // namespace haptometer::tools

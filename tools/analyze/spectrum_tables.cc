@@ -104,7 +104,7 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
                   spectrum.grid.segments),
       "frequency / Hz",
       question.amplitude ? "amplitude / um" : "density / um^2/Hz",
-      {{"", plot::Lines(plot::kBlue), {}, {}}},
+      {{"", plot::Lines(plot::kBlue)}},
       plot::LogAxes::kBoth};
   std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;

@@ -43,7 +43,7 @@ double CurveAt(const dsp::Resonance& fit, double frequency_hz) {
 // one value of each point over frequency
 plot::Series SeriesOf(const dsp::SweepAnswer& answer, std::string title, plot::Style style,
                       const std::function<double(const dsp::SweepPoint&)>& value) {
-  plot::Series series{std::move(title), style, {}, {}};
+  plot::Series series{std::move(title), style};
   series.x.reserve(answer.points.size());
   series.y.reserve(answer.points.size());
   for (const dsp::SweepPoint& point : answer.points) {
@@ -93,8 +93,8 @@ std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
 void AddEstimate(Section& section, const Key& key, const Key& interval_key, double value,
                  const dsp::Interval& interval) {
   Item& item = section.Add(key, value, (interval.upper - interval.lower) / 4);
-  item.interval = {interval.lower, interval.upper};
-  section.Add(interval_key, document::Range{interval.lower, interval.upper});
+  item.interval = interval;
+  section.Add(interval_key, interval);
 }
 
 Section ResonanceSection(const dsp::SweepAnswer& answer) {
@@ -150,7 +150,7 @@ Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bo
   trial.Add({"file"}, path);
   trial.Add({"answered"}, answer.answered);
   trial.Add({"reasons"}, document::RefusalsOf(answer.findings));
-  trial.Add({"drive_channel"}, answer.drive.empty() ? Value() : Value(answer.drive));
+  trial.Add({"drive_channel"}, document::TextOrNotKnown(answer.drive));
   trial.Add({"amplitude_unit"}, answer.amplitude_unit);
   trial.Add({"window_s"}, is_measured
                               ? Value(document::Range{answer.window.begin_s, answer.window.end_s})

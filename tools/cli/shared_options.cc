@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <thread>
 
 #include "base/quantity.h"
 #include "trial/import/import_options.h"
@@ -128,6 +129,11 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   options.channel = words.channel;
   if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);
   return options;
+}
+
+int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(asked.value_or(std::min(cores, most)));
 }
 
 Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::string>& words,

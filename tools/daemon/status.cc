@@ -133,10 +133,8 @@ document::Document StatusDocument(const DaemonStatus& status) {
   for (const SensorStatus& sensor : status.sensors) {
     sensors.sections.push_back(SensorSection(sensor));
     if (sensor.last_error.empty()) continue;
-    root.findings.push_back({.kind = "last-error",
-                             .text = "last error: " + sensor.last_error,
-                             .subject = sensor.name,
-                             .numbers = {}});
+    root.findings.push_back(
+        {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
   }
   root.sections = {std::move(sensors)};
   return document;
@@ -144,8 +142,7 @@ document::Document StatusDocument(const DaemonStatus& status) {
 
 std::string StatusJson(const DaemonStatus& status) {
   document::Document document = StatusDocument(status);
-  document.provenance = {
-      .version = HAPTOMETER_VERSION, .command = {}, .utc = status.utc, .inputs = {}};
+  document.provenance = {.version = HAPTOMETER_VERSION, .utc = status.utc};
   return document::JsonOf(document);
 }
 

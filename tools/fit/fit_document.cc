@@ -131,8 +131,7 @@ void AddLeftOut(Section& section, const std::vector<Error>& errors) {
     section.findings.push_back({.kind = "left-out",
                                 .severity = Severity::kRefusal,
                                 .text = Error{error.cause, {}, error.what, error.remedy}.Text(),
-                                .subject = error.where,
-                                .numbers = {}});
+                                .subject = error.where});
   }
 }
 

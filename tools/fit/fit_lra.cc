@@ -141,10 +141,7 @@ int RunFitLra(int argc, const char* const* argv) {
   if (!input) return cli::ReportError(kVerb, input.error());
 
   const FitLraAnswer answer = Answer(std::move(*input), wanted);
-  int status = 0;
-  for (const Error& error : answer.input.left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
+  int status = cli::ReportErrors(kVerb, answer.input.left_out);
   files.outputs.json = options.json();
   if (!answer.fit && !IsShownEmpty(files.outputs)) return status;
   document::Document document = FitLraDocument(answer, files.outputs.HasFigures());

@@ -260,14 +260,6 @@ Section RecordSection(const fit::FittedRecord& record) {
   return section;
 }
 
-Section RecordsSection(const DropTestFit& fit) {
-  Section records{.name = "records", .shape = Section::Shape::kArray, .detail = Detail::kAll};
-  for (const fit::FittedRecord& record : fit.records) {
-    records.sections.push_back(RecordSection(record));
-  }
-  return records;
-}
-
 Section SearchSection(const DropTestFit& fit) {
   Section search{.heading = "search", .detail = Detail::kAll};
   search.Add({"converged", "converged"}, fit.converged);
@@ -350,14 +342,16 @@ document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures) 
   document::Document document{.verb = "fit-lra", .title = TitleOf(answer)};
   Section& root = document.root;
   root.sources = input.sources;
-  root.sections = {ConstantsSection(fit.stiffness, fit.damping, fit.force_constant),
-                   ResonanceSection(fit),
-                   MassSection(fit),
-                   BudgetSection(fit),
-                   CorrelationSection(fit),
-                   RecordsSection(fit),
-                   InputsSection(fit.influences),
-                   SearchSection(fit)};
+  root.sections = {
+      ConstantsSection(fit.stiffness, fit.damping, fit.force_constant),
+      ResonanceSection(fit),
+      MassSection(fit),
+      BudgetSection(fit),
+      CorrelationSection(fit),
+      ListOf({.name = "records", .shape = Section::Shape::kArray, .detail = Detail::kAll},
+             fit.records, RecordSection),
+      InputsSection(fit.influences),
+      SearchSection(fit)};
   if (has_figures) {
     root.figures = answer.fit ? FitLraFigures(fit, input.records, input.left_out_drops)
                               : UnfittedFigures(input.left_out_drops);

@@ -13,9 +13,9 @@ namespace haptometer::tools {
 /// Everything that fit-skin answers.
 struct FitSkinAnswer {
   std::string actuator;  ///< its name
-  std::vector<fit::SkinFit> contacts;
-  fit::SkinAreas areas;
-  std::vector<Error> left_out;  ///< tables and contacts that cannot be fitted
+  std::vector<fit::SkinFit> contacts{};
+  fit::SkinAreas areas{};
+  std::vector<Error> left_out{};  ///< tables and contacts that cannot be fitted
 };
 
 /// The answer as a document (docs/reference/fit-skin.md): the skin under each contact, and over the

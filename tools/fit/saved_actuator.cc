@@ -210,10 +210,8 @@ Result<void> SaveActuator(const FitFiles& files, const Result<StatedActuator>& a
                           std::string_view verb, int argc, const char* const* argv) {
   if (files.save.empty()) return {};
   if (!actuator) return std::unexpected(actuator.error());
-  std::vector<std::string> command{"haptometer", std::string(verb)};
-  command.insert(command.end(), argv + 1, argv + argc);
   return cli::WriteOutput(files.save, cli::kActuatorOutput, files.overwrite,
-                          TextOf(*actuator, document::CollectProvenance(command)));
+                          TextOf(*actuator, document::ProvenanceOf(verb, argc, argv)));
 }
 
 }  // namespace haptometer::tools

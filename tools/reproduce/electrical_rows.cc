@@ -78,26 +78,23 @@ std::string Both(std::string_view what, double cone, double adapter, std::string
                      unit);
 }
 
-sim::SteadyState DirectState(const ThesisModel& model) {
-  return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2));
-}
-
-sim::SteadyState AdapterState(const ThesisModel& model) {
-  return sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2));
-}
-
 // the numbers of the rows below, each for itself: the text mixes two contacts
 std::vector<RowMeasure> TerminalMeasures() {
-  return {{"current", [](const ThesisModel& m) { return DirectState(m).current_rms_a; }},
-          {"power", [](const ThesisModel& m) { return DirectState(m).power_w; }},
-          {"phase", [](const ThesisModel& m) { return std::abs(DirectState(m).phase_rad); }},
-          {"current-reduction",
-           [](const ThesisModel& m) {
-             return 1 - AdapterState(m).current_rms_a / DirectState(m).current_rms_a;
-           }},
-          {"power-reduction", [](const ThesisModel& m) {
-             return 1 - AdapterState(m).power_w / DirectState(m).power_w;
-           }}};
+  using Number = double sim::SteadyState::*;
+  const auto direct = [](const ThesisModel& model, Number number) {
+    return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).*number;
+  };
+  const auto saved = [=](const ThesisModel& model, Number number) {
+    return 1 -
+           sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2)).*number / direct(model, number);
+  };
+  constexpr Number kCurrent = &sim::SteadyState::current_rms_a, kPower = &sim::SteadyState::power_w;
+  return {{"current", [=](const ThesisModel& m) { return direct(m, kCurrent); }},
+          {"power", [=](const ThesisModel& m) { return direct(m, kPower); }},
+          {"phase",
+           [=](const ThesisModel& m) { return std::abs(direct(m, &sim::SteadyState::phase_rad)); }},
+          {"current-reduction", [=](const ThesisModel& m) { return saved(m, kCurrent); }},
+          {"power-reduction", [=](const ThesisModel& m) { return saved(m, kPower); }}};
 }
 
 }  // namespace
@@ -277,10 +274,11 @@ std::vector<RowMeasure> PrototypeMeasures() {
 }  // namespace
 
 std::vector<ThesisRow> PrototypeRows(const ThesisModel& model) {
-  std::vector<ThesisRow> rows{MatchingGainRow(model)};
-  for (const auto& more : {WeightRows(model), BuiltRows(model), PowerRows(), AssumedRows(model)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
+  auto rows = Joined({{MatchingGainRow(model)},
+                      WeightRows(model),
+                      BuiltRows(model),
+                      PowerRows(),
+                      AssumedRows(model)});
   ExplainByRounding(model, PrototypeMeasures(), &rows);
   return rows;
 }

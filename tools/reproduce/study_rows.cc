@@ -132,14 +132,12 @@ std::vector<ThesisRow> LinearityRows(const GeneratedStudy& study) {
 }  // namespace
 
 std::vector<ThesisRow> StudyRows(const GeneratedStudy& study) {
-  std::vector<ThesisRow> rows{FactorRow("factor-ia1", ContrastOf(study, "ia1")),
-                              FactorRow("factor-ia2", ContrastOf(study, "ia2")), FactorPRow(study),
-                              ReductionRow("matching-ia1", MatchOf(study, "ia1")),
-                              ReductionRow("matching-ia2", MatchOf(study, "ia2"))};
-  for (const auto& more : {LevelRows(study), LinearityRows(study)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  return rows;
+  return Joined({{FactorRow("factor-ia1", ContrastOf(study, "ia1")),
+                  FactorRow("factor-ia2", ContrastOf(study, "ia2")), FactorPRow(study),
+                  ReductionRow("matching-ia1", MatchOf(study, "ia1")),
+                  ReductionRow("matching-ia2", MatchOf(study, "ia2"))},
+                 LevelRows(study),
+                 LinearityRows(study)});
 }
 
 namespace {
@@ -181,13 +179,9 @@ Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
   StudyResult study;
   study.source = "generated trials";
   study.table = MakeStudyTable(AnalyzeTrials(*files, study.question, {}), Conditions());
-  study.planned = true;
-  auto contrasts = CompareConditions(study.table, Planned());
-  if (!contrasts) return std::unexpected(contrasts.error());
-  study.contrasts = *std::move(contrasts);
-  study.missing = FindMissing(study.table);
-  study.outlying = FindOutlying(study.table);
-  study.further = DescribeFurther(study.table);
+  if (auto compared = study.Compare(Planned()); !compared) {
+    return std::unexpected(compared.error());
+  }
   return study;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -289,6 +290,12 @@ std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,
     causes.push_back({.text = text, .gives = row.measure(moved), .kind = CauseKind::kRounding});
   }
   return causes;
+}
+
+std::vector<ThesisRow> Joined(std::vector<std::vector<ThesisRow>> parts) {
+  std::vector<ThesisRow> rows;
+  for (auto& part : parts) std::ranges::move(part, std::back_inserter(rows));
+  return rows;
 }
 
 void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& measures,

@@ -116,7 +116,7 @@ bool IsTableOfResults(const std::string& path) {
 }
 
 TrialFile Labelled(const std::string& path, const std::string& pattern) {
-  TrialFile file{.path = path, .labels = {}, .error = {}};
+  TrialFile file{.path = path};
   if (pattern.empty()) return file;
   if (auto labels = LabelsOf(path, pattern)) {
     file.labels = *std::move(labels);
@@ -187,8 +187,7 @@ Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
   files.reserve(paths.size());
   for (const std::string& path : paths) {
     const bool is_table = IsTableOfResults(path);
-    files.push_back(is_table ? TrialFile{.path = path, .labels = {}, .error = {}, .is_table = true}
-                             : Labelled(path, pattern));
+    files.push_back(is_table ? TrialFile{.path = path, .is_table = true} : Labelled(path, pattern));
   }
   if (std::ranges::all_of(files, &TrialFile::is_table)) {
     return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");

@@ -148,7 +148,7 @@ dsp::OneSample TestSubjects(const LogRatios& logs) {
 }
 
 MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
-  MatchedCondition condition{.name = name, .levels = {}, .overall = {}, .start_log_ratio = {}};
+  MatchedCondition condition{.name = name};
   const LogRatios logs = LogRatiosOf(levels);
   for (MatchedRatio& level : LevelsOf(logs)) {
     const double reference_v = *level.reference_v;
@@ -164,8 +164,7 @@ MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
 MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& settings) {
   const LogRatios logs = Differences(LogRatiosOf(settings.of.at(planned.treatment)),
                                      LogRatiosOf(settings.of.at(planned.control)));
-  MatchedContrast contrast{
-      .planned = planned, .left_out = {}, .levels = LevelsOf(logs), .overall = {}};
+  MatchedContrast contrast{.planned = planned, .levels = LevelsOf(logs)};
   if (!logs.empty()) contrast.overall = {{}, TestSubjects(logs)};
   for (const std::string& subject : settings.subjects) {
     const auto has = [&](const auto& level) { return level.second.contains(subject); };

@@ -30,21 +30,9 @@ inline constexpr const char* kContrastsName = "contrasts";
 /// "1 trial", "2 trials".
 [[nodiscard]] std::string Counted(std::size_t count, std::string_view noun);
 
-/// `section` with what `to_section` makes of each element of the list; a table unless it says so.
-template <typename List, typename ToSection>
-document::Section ListOf(document::Section section, const List& list, const ToSection& to_section) {
-  using Shape = document::Section::Shape;
-  if (section.shape == Shape::kObject) section.shape = Shape::kTable;
-  for (const auto& element : list) section.sections.push_back(to_section(element));
-  return section;
-}
-
 /// Adds a number that text shows to the decimal place of `resolution`.
 void AddRounded(document::Section& section, const document::Key& key, document::Value value,
                 double resolution);
-
-/// A text, not known where it is empty.
-[[nodiscard]] document::Value TextOrUnknown(const std::string& text);
 
 /// s / sqrt(n), the standard uncertainty of the mean; nothing of fewer than 2 values.
 [[nodiscard]] std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample);

@@ -184,4 +184,15 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
   return further;
 }
 
+Result<void> StudyResult::Compare(const std::vector<PlannedContrast>& wanted) {
+  planned = !wanted.empty();
+  auto compared = CompareConditions(table, planned ? wanted : AllAgainstTheFirst(table.conditions));
+  if (!compared) return std::unexpected(compared.error());
+  contrasts = *std::move(compared);
+  missing = FindMissing(table);
+  outlying = FindOutlying(table);
+  further = DescribeFurther(table);
+  return {};
+}
+
 }  // namespace haptometer::tools

@@ -71,6 +71,10 @@ struct StudyResult {
   std::vector<Outlying> outlying;
   FurtherStatistics further;
 
+  /// Works out all that follows from the table; without a planned contrast every condition is
+  /// compared with the first. Errors: as CompareConditions.
+  [[nodiscard]] Result<void> Compare(const std::vector<PlannedContrast>& wanted);
+
   /// How many answered trials `is_so` holds of.
   template <typename Predicate>
   [[nodiscard]] std::size_t CountAnswered(const Predicate& is_so) const {

@@ -4,38 +4,29 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/quantity.h"
+#include "base/text.h"
 #include "sim/scene/scene_file.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr std::uint64_t kMostPoints = 1'000'000'000;
-constexpr std::int64_t kMostThreads = 1024;
 constexpr std::int64_t kMostSeed = (1LL << 62) - 1;
 constexpr std::uint64_t kMostShards = 1'000'000;
-
-std::optional<std::uint64_t> WholeNumber(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 Result<Shard> ReadShard(const std::string& text) {
   if (text.empty()) return Shard{};
   const std::string_view word = text;
   const std::size_t slash = std::min(word.find('/'), word.size() - 1);
-  const std::uint64_t number = WholeNumber(word.substr(0, slash)).value_or(0);
-  const std::uint64_t count = WholeNumber(word.substr(slash + 1)).value_or(0);
+  const std::uint64_t number = NumberFrom<std::uint64_t>(word.substr(0, slash)).value_or(0);
+  const std::uint64_t count = NumberFrom<std::uint64_t>(word.substr(slash + 1)).value_or(0);
   if (number < 1 || number > count || count > kMostShards) {
     return Usage("--shard", fmt::format("'{}' is not I/N", text),
                  "write 1/4 to 4/4 for the four parts of a sweep");
@@ -106,7 +97,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Output("-o,--output", &words.output, "FILE.csv", "The table, a row for each point");
   options.Flag("--resume", &words.resume, "Go on with the table where a run was ended");
   options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
-  options.Count("--threads", &words.threads, 1, kMostThreads,
+  options.Count("--threads", &words.threads, 1, kMostSweepThreads,
                 "Default: as many as there are cores; no number depends on it");
   options.Text("--shard", &words.shard, "I/N", "Only every N-th point, from the I-th on");
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
@@ -148,11 +139,6 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   if (words.output.empty())
     return Usage("-o", "is missing", "say where the table goes: -o whole.csv");
   return tables;
-}
-
-int ThreadsOf(const SweepWords& words) {
-  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
 }
 
 namespace {
@@ -214,13 +200,6 @@ Result<double> ReadNumber(const std::string& word, Dimension dimension, const st
   return quantity->value;
 }
 
-std::optional<std::int64_t> SignedWholeNumber(std::string_view text) {
-  std::int64_t value = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 // one value of a list
 Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
                                   const std::string& where) {
@@ -230,7 +209,7 @@ Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
     return Usage(where, "has a value that is empty or not printable", "write it as KEY=A,B,C");
   }
   if (dimension == Dimension::kNone) {
-    if (const auto whole = SignedWholeNumber(word))
+    if (const auto whole = NumberFrom<std::int64_t>(word))
       return sim::PlainValue(fmt::format("{}", *whole));
     if (word == "true" || word == "false") return sim::PlainValue(word);
     if (!ParseQuantity(word, dimension, where)) return sim::TextValue(word);
@@ -258,7 +237,7 @@ Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre r
     return Usage(where, "is not BEGIN:END:COUNT",
                  "write it like 100Hz:400Hz:301, or give --samples");
   }
-  const auto count = SignedWholeNumber(parts[2]);
+  const auto count = NumberFrom<std::int64_t>(parts[2]);
   if (!count || *count < 2 || *count > kMostValues) {
     return Usage(where, fmt::format("'{}' is no count of values", parts[2]),
                  "give 2 or more, both ends among them");

@@ -212,12 +212,10 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
   HAPTOMETER_CHECK(record.rows > 0, "no rows to draw");
   const double factor = channel.unit == "m" ? 1e6 : 1;
   const double mean = MeanOf(channel);
-  plot::Series line{.title = "", .style = plot::Lines(plot::kBlue), .x = {}, .y = {}};
+  plot::Series line{.title = "", .style = plot::Lines(plot::kBlue)};
   plot::Series bad{
       .title = "",
-      .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2},
-      .x = {},
-      .y = {}};
+      .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2}};
   double lowest = 0;
   for (const trial::Stretch& stretch : record.stretches) {
     // a row that is not there breaks the line between two stretches
