@@ -1,11 +1,10 @@
-#include "tools/analyze/analysis_document.h"
-
 #include <fmt/core.h>
 
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "tools/analyze/analyze.h"
 #include "tools/document/findings_dsp.h"
 
 namespace haptometer::tools {

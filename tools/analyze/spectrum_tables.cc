@@ -1,5 +1,3 @@
-#include "tools/analyze/spectrum_tables.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "dsp/spectrum/welch.h"
+#include "tools/analyze/analyze.h"
 #include "tools/cli/output_file.h"
 
 namespace haptometer::tools {

@@ -1,5 +1,3 @@
-#include "tools/analyze/sweep_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/analyze/analyze.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/render.h"
 

@@ -99,11 +99,7 @@ Section ConstantsOf(const fit::AdapterFit& fit) {
 
 Section ResonanceOf(const fit::AdapterFit& fit) {
   Section section;
-  AddFitted(section,
-            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
-            fit.natural_frequency);
-  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddResonance(section, fit.natural_frequency, fit.quality_factor);
   return section;
 }
 

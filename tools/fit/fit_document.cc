@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.h"
+
 namespace haptometer::tools {
 
 using trial::DataSource;
@@ -51,6 +53,14 @@ std::string AmountText(double value, double standard_uncertainty, std::string_vi
   return fmt::format("{}{}{}",
                      document::NumberText(value * factor, standard_uncertainty * factor, 0),
                      spoken.empty() ? "" : " ", spoken);
+}
+
+void AddResonance(Section& section, const FittedValue& frequency, const FittedValue& quality) {
+  AddFitted(section,
+            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
+            frequency);
+  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
+            quality);
 }
 
 Section InputsSection(const std::vector<fit::InputInfluence>& influences) {

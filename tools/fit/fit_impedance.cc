@@ -11,10 +11,9 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_fit.h"
-#include "tools/fit/actuator_options.h"
+#include "tools/fit/actuator.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
-#include "tools/fit/saved_actuator.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
 
@@ -87,11 +86,7 @@ Section RatiosSection(const ImpedanceFit& fit) {
 
 Section CircuitSection(const ImpedanceFit& fit) {
   Section section;
-  AddFitted(section,
-            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
-            fit.natural_frequency);
-  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddResonance(section, fit.natural_frequency, fit.quality_factor);
   AddFitted(section, {"resistance", "resistance R", document::kOhm, Form::kEstimate},
             fit.resistance);
   AddFitted(section, {"inductance", "inductance L", document::kHenry, Form::kEstimate},

@@ -14,10 +14,9 @@
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
+#include "tools/fit/actuator.h"
 #include "tools/fit/drop_records.h"
 #include "tools/fit/fit_document.h"
-#include "tools/fit/fit_lra_document.h"
-#include "tools/fit/saved_actuator.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

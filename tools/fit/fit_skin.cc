@@ -20,7 +20,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
 #include "tools/fit/fit_document.h"
-#include "tools/fit/fit_skin_document.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
 

@@ -1,5 +1,3 @@
-#include "tools/fit/fit_skin_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "tools/document/findings_fit.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
+#include "tools/fit/fit_skin.h"
 
 namespace haptometer::tools {
 namespace {

@@ -13,7 +13,7 @@
 #include "tools/reproduce/thesis_numbers.h"
 #include "tools/study/linearity.h"
 #include "tools/study/matching.h"
-#include "tools/study/study_result.h"
+#include "tools/study/study_table.h"
 #include "tools/study/text_table.h"
 #include "trial/byte_io.h"
 

@@ -1,5 +1,3 @@
-#include "tools/simulate/waveforms.h"
-
 #include <fmt/core.h>
 #include <fmt/format.h>
 

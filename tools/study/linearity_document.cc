@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {

@@ -1,11 +1,10 @@
-#include "tools/study/statistics_items.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
+#include "tools/study/study_document.h"
 
 namespace haptometer::tools {
 namespace {

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "tools/document/render.h"
-#include "tools/study/statistics_items.h"
 
 namespace haptometer::tools {
 namespace {

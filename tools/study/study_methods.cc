@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 
-#include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
 // The paragraph for the paper.

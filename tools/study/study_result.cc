@@ -1,5 +1,3 @@
-#include "tools/study/study_result.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,6 +6,7 @@
 #include "dsp/statistics/paired_tests.h"
 #include "dsp/statistics/regression.h"
 #include "dsp/statistics/repeated_measures.h"
+#include "tools/study/study_table.h"
 
 namespace haptometer::tools {
 namespace {

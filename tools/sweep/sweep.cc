@@ -13,7 +13,6 @@
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
-#include "tools/sweep/sweep_picture.h"
 #include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
 #include "tools/sweep/table_file.h"

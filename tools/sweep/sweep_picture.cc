@@ -1,5 +1,3 @@
-#include "tools/sweep/sweep_picture.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/sweep/sweep.h"
 
 namespace haptometer::tools {
 namespace {

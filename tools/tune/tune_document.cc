@@ -1,5 +1,3 @@
-#include "tools/tune/tune_document.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include "sim/tuning/latency_limit.h"
 #include "tools/document/keys.h"
 #include "tools/simulate/simulate_document.h"
+#include "tools/tune/tune.h"
 
 namespace haptometer::tools {
 namespace {
