@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/output_file.h"
@@ -235,9 +236,7 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
     const auto found =
         std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
     if (found == header.channels.end()) {
-      std::vector<std::string> names;
-      names.reserve(header.channels.size());
-      for (const trial::ChannelFormat& channel : header.channels) names.push_back(channel.name);
+      const auto names = Mapped(header.channels, &trial::ChannelFormat::name);
       return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
                    fmt::format("the sensor has {}", fmt::join(names, ", ")));
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
 
@@ -141,13 +142,6 @@ constexpr std::array<std::pair<std::string_view, dsp::WindowShape>, 5> kWindows{
      {"blackman-harris", dsp::WindowShape::kBlackmanHarris},
      {"flat-top", dsp::WindowShape::kFlatTop}}};
 
-std::vector<std::string> WindowNames() {
-  std::vector<std::string> names;
-  names.reserve(kWindows.size());
-  for (const auto& [name, shape] : kWindows) names.emplace_back(name);
-  return names;
-}
-
 // a CSV or a picture can be written there
 Result<void> CheckPlace(const std::string& path, const cli::OutputKind& table, bool overwrite) {
   if (path.empty()) return {};
@@ -171,7 +165,8 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
   options->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
                   "Of the spectra (default: 1 Hz, or eight segments in a short window)",
                   cli::Shown::kHelpAll);
-  options->Choice("--spectrum-window", &words->window, WindowNames(),
+  options->Choice("--spectrum-window", &words->window,
+                  Mapped<std::string>(kWindows, &decltype(kWindows)::value_type::first),
                   "Of each segment; the output states its noise bandwidth", cli::Shown::kHelpAll);
   options->Number("--overlap", &words->overlap, Dimension::kNone,
                   "Share of a segment that the next one repeats, 0 to 0.95 (default: 0.5)",

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <thread>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
 #include "trial/import/import_options.h"
 
@@ -65,13 +66,6 @@ Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
 
 namespace {
 
-std::vector<std::string> FormatNames() {
-  std::vector<std::string> names;
-  names.reserve(trial::TableFormats().size());
-  for (const trial::TableFormatFacts& facts : trial::TableFormats()) names.emplace_back(facts.name);
-  return names;
-}
-
 Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, const char* example) {
   if (!scale) return std::optional<double>{};
   if (scale->value == 0) return Usage("--scale", "must not be 0", example);
@@ -98,7 +92,8 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
                     Shown::kHelpAll);
   }
   if (!has_format) {
-    options->Choice("--format", &words->format, FormatNames(),
+    options->Choice("--format", &words->format,
+                    Mapped<std::string>(trial::TableFormats(), &trial::TableFormatFacts::name),
                     "Layout of a foreign table, in place of the one that its first lines state",
                     Shown::kHelpAll);
   }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <variant>
 
+#include "base/mapped.h"
 #include "base/toml.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/sensor_options.h"
@@ -209,12 +210,7 @@ SensorOptions ReadSensorKeys(TomlTable& table) {
   return options;
 }
 
-std::vector<std::string_view> SensorKeyNames() {
-  std::vector<std::string_view> names;
-  names.reserve(kKeys.size());
-  for (const Key& key : kKeys) names.push_back(key.name);
-  return names;
-}
+std::vector<std::string_view> SensorKeyNames() { return Mapped(kKeys, &Key::name); }
 
 namespace {
 

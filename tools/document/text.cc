@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "tools/document/render.h"
 
 namespace haptometer::document {
@@ -236,10 +237,8 @@ std::string FindingText(const Finding& finding, std::string_view heading) {
 }
 
 std::string SourcesText(const std::vector<DataSource>& sources) {
-  std::vector<std::string_view> names;
-  names.reserve(sources.size());
-  for (const DataSource source : sources) names.push_back(NameOf(source));
-  return fmt::format("{}", fmt::join(names, ", "));
+  const auto name = [](DataSource source) { return NameOf(source); };
+  return fmt::format("{}", fmt::join(Mapped(sources, name), ", "));
 }
 
 std::string TextOf(const Section& section, Detail detail) {

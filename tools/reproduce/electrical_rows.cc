@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/mapped.h"
 #include "fit/drop_test/drop_test_model.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/scene_mode.h"
@@ -62,15 +63,12 @@ double RunPower(const sim::Scene& scene, double duration_s) {
 template <typename Measure>
 std::vector<CandidateCause> WholeRuns(const sim::Scene& adapter, const sim::Scene& direct,
                                       const Measure& measure) {
-  std::vector<CandidateCause> causes;
-  causes.reserve(kRunsS.size());
-  for (const double duration_s : kRunsS) {
-    causes.push_back(
-        {.text = fmt::format("averages over a whole run of {:g} s from rest", duration_s),
-         .gives = 1 - measure(adapter, duration_s) / measure(direct, duration_s),
-         .kind = duration_s == kTunedRunS ? CauseKind::kTuned : CauseKind::kReading});
-  }
-  return causes;
+  return Mapped(kRunsS, [&](double duration_s) {
+    return CandidateCause{
+        .text = fmt::format("averages over a whole run of {:g} s from rest", duration_s),
+        .gives = 1 - measure(adapter, duration_s) / measure(direct, duration_s),
+        .kind = duration_s == kTunedRunS ? CauseKind::kTuned : CauseKind::kReading};
+  });
 }
 
 std::string Both(std::string_view what, double cone, double adapter, std::string_view unit) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/mapped.h"
 #include "sim/linear/motor_source.h"
 #include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
@@ -30,10 +31,7 @@ std::vector<double> Even(double low, double high, int steps) {
 template <typename Function>
 plot::Series Curve(std::string title, plot::Colour colour, const std::vector<double>& x,
                    const Function& function) {
-  plot::Series series{std::move(title), plot::Lines(colour), x};
-  series.y.reserve(x.size());
-  for (const double place : x) series.y.push_back(function(place));
-  return series;
+  return {std::move(title), plot::Lines(colour), x, Mapped(x, function)};
 }
 
 // closed, and ended by a break

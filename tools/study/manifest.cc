@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "base/toml.h"
 #include "tools/cli/csv_cell.h"
@@ -43,9 +44,8 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.order = table->Integer("order");
   manifest.corner = table->Choice("corner", {"whole", "each"}).value_or("");
   manifest.floor = table->Text("floor").value_or("");
-  const std::vector<TomlTable*> groups = table->Tables("trials");
-  manifest.groups.reserve(groups.size());
-  for (TomlTable* group : groups) manifest.groups.push_back(ReadGroup(*group));
+  manifest.groups =
+      Mapped(table->Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
   const auto contrasts = table->TextLists("contrasts");
   manifest.contrasts.reserve(contrasts.size());
   for (const auto& pair : contrasts) {

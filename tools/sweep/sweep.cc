@@ -1,11 +1,13 @@
 #include "tools/sweep/sweep.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"
@@ -160,14 +162,12 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   BestWish wish;
   wish.least = word.ends_with(kLeast);
   wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
-  std::vector<std::string> names;
-  for (const AnswerColumn& column : AnswerColumns()) names.push_back(column.name);
+  const std::vector<std::string> names = Mapped(AnswerColumns(), &AnswerColumn::name);
   if (std::ranges::find(names, wish.column) != names.end()) return wish;
   const std::string nearest = Nearest(wish.column, names);
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   return Usage("--best", fmt::format("'{}' is no column of the answers", wish.column),
-               nearest.empty() ? "use one of " + all : fmt::format("did you mean {}?", nearest));
+               nearest.empty() ? fmt::format("use one of {}", fmt::join(names, ", "))
+                               : fmt::format("did you mean {}?", nearest));
 }
 
 Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {

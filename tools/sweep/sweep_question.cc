@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
 #include "base/text.h"
 #include "sim/scene/scene_file.h"
@@ -114,9 +115,7 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
   if (!shard) return std::unexpected(shard.error());
   auto points = ReadPoints(words);
   if (!points) return std::unexpected(points.error());
-  std::vector<std::string> keys;
-  keys.reserve(points->axes().size());
-  for (const sim::SweepAxis& axis : points->axes()) keys.push_back(axis.key);
+  const std::vector<std::string> keys = Mapped(points->axes(), &sim::SweepAxis::key);
   auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
   if (!scene) {
     Error error = scene.error();
@@ -361,14 +360,8 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
   for (std::size_t axis = 0; axis < points.axes().size(); ++axis) {
     values.push_back(ValuesToCheck(points, axis));
   }
-  std::vector<sim::SweepValue> first;
-  std::vector<sim::SweepValue> last;
-  first.reserve(values.size());
-  last.reserve(values.size());
-  for (const auto& of_axis : values) {
-    first.push_back(of_axis.front());
-    last.push_back(of_axis.back());
-  }
+  const auto first = Mapped(values, [](const auto& of_axis) { return of_axis.front(); });
+  const auto last = Mapped(values, [](const auto& of_axis) { return of_axis.back(); });
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
     for (const sim::SweepValue& value : values[axis]) {
       auto beside_first = first;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
@@ -60,10 +61,7 @@ int RunTrial(int argc, const char* const* argv) {
     PrintHelp();
     return argc > 1 ? 0 : 2;
   }
-  std::vector<std::string> names;
-  names.reserve(std::size(kWords));
-  for (const Word& each : kWords) names.emplace_back(each.name);
-  const std::string nearest = Nearest(name, names);
+  const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
   return cli::ReportError("trial",
                           {Cause::kUsage, std::string(name), "is not something trial can do",
                            nearest.empty() ? "see haptometer trial --help"
