@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -23,6 +25,8 @@
 #include "tools/simulate/simulated_trial.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_table.h"
+#include "tools/study/text_table.h"
+#include "trial/byte_io.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
 
@@ -142,6 +146,238 @@ std::vector<ThesisRow> StudyRows(const GeneratedStudy& study) {
 
 namespace {
 
+// Eight subjects, three trials a condition, as in the thesis (3.1.1, p. 24).
+constexpr int kGeneratedSubjects = 8;
+constexpr int kGeneratedRepeats = 3;
+
+// Normal deviates whose mean is exactly 0: the truth is then that of these very subjects.
+std::vector<double> CentredDeviates(std::mt19937_64& random, int count, double standard_deviation) {
+  std::normal_distribution<double> normal(0, standard_deviation);
+  std::vector<double> deviates(static_cast<std::size_t>(count));
+  for (double& deviate : deviates) deviate = normal(random);
+  const double mean = std::reduce(deviates.begin(), deviates.end()) / count;
+  for (double& deviate : deviates) deviate -= mean;
+  return deviates;
+}
+
+// A condition of a generated matching test: matched over reference voltage at each level, the
+// geometric mean over the subjects.
+struct GeneratedMatch {
+  std::string condition;
+  std::map<double, double> ratio_at_v;
+};
+
+constexpr double kSettingsBetweenSubjects = 0.10;
+constexpr double kBetweenSettings = 0.03;
+constexpr double kStartBias = 1.05;
+
+// The settings of eight subjects, at each level one started high and one low, as the table that
+// `study matching` reads. The logarithm of a setting's ratio is the truth's plus the subject's own
+// at that level (standard deviation 0.10, centred), ln 1.05 more or less by its start, and the
+// setting's (0.03).
+TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> between_settings(0, kBetweenSettings);
+  TextTable table;
+  table.name = "generated settings";
+  const auto add = [&](const std::string& column, std::string cell) {
+    table.columns[column].push_back(std::move(cell));
+  };
+  for (const GeneratedMatch& match : matches) {
+    for (const auto& [level_v, ratio] : match.ratio_at_v) {
+      const auto own = CentredDeviates(random, kGeneratedSubjects, kSettingsBetweenSubjects);
+      for (std::size_t s = 0; s < own.size(); ++s) {
+        for (const bool high : {true, false}) {
+          const double bias = (high ? 1 : -1) * std::log(kStartBias);
+          const double log = std::log(ratio) + own[s] + bias + between_settings(random);
+          add("reference_v", fmt::format("{:g}", level_v));
+          add("condition", match.condition);
+          add("subject", fmt::format("s{}", s + 1));
+          add("matched_v", fmt::format("{:.3f}", level_v * std::exp(log)));
+          add("started", high ? "high" : "low");
+          table.lines.push_back(table.lines.size() + 1);
+        }
+      }
+    }
+  }
+  return table;
+}
+
+constexpr double kDurationS = 1;
+constexpr std::array kLevelsV{0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0};
+constexpr std::array kSkinFactors{0.8, 1.2};
+
+Result<double> RmsWithFloor(const sim::Scene& scene) {
+  dsp::BandQuestion question;
+  question.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question);
+  if (!analysis) return std::unexpected(analysis.error());
+  if (!analysis->answered || !analysis->numbers) {
+    const std::string refusal = document::RefusalOf(analysis->findings);
+    return CannotAnswer(fmt::format("{:g} V", scene.drive.amplitude_v),
+                        refusal.empty() ? "has no RMS" : refusal);
+  }
+  const dsp::RmsEstimate& rms = analysis->numbers->rms;
+  return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
+}
+
+// Readings of a drive sweep from 0 V to 5 V in steps of half a volt, from 1 V on, on the prototype
+// IA#1 (Figure 3.5): each is a simulated second under a 10 kHz sensor, analysed in the band. Two
+// subjects, whose skins are a fifth softer and stiffer than the model's.
+// Errors: as dsp::AnalyzeBand; Cause::kCannotAnswer where it does not answer.
+Result<std::vector<DriveReading>> GenerateSweep(const ThesisModel& model) {
+  std::vector<DriveReading> readings;
+  readings.reserve(kSkinFactors.size() * kLevelsV.size());
+  std::uint64_t seed = 0;
+  for (const double factor : kSkinFactors) {
+    sim::Scene scene = Prototype(model, kIa1AreaM2);
+    scene.skin.stiffness_n_per_m *= factor;
+    scene.skin.damping_n_s_per_m *= factor;
+    scene.sensor = sim::Sensor{.head = trial::Stream10kHz(), .rate_hz = 1e4};
+    for (const double level_v : kLevelsV) {
+      scene.drive.amplitude_v = level_v;
+      scene.sensor->seed = ++seed;
+      const auto rms_m = RmsWithFloor(scene);
+      if (!rms_m) return std::unexpected(rms_m.error());
+      readings.push_back({.subject = factor < 1 ? "soft" : "stiff",
+                          .condition = "ia1",
+                          .drive_v = level_v,
+                          .rms_m = *rms_m});
+    }
+  }
+  return readings;
+}
+
+// A condition of a generated study, and the truth that its trials are made with.
+struct GeneratedCondition {
+  std::string name;
+  double rms_m = 0;  // geometric mean over the subjects of the RMS in the band
+};
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kRateHz = 2000;
+constexpr std::size_t kRows = 2400;
+constexpr double kTrialsBetweenSubjects = 0.25;
+constexpr double kWithinCondition = 0.12;
+constexpr double kBetweenTrials = 0.05;
+
+struct TrialTruth {
+  double rms_m = 0;
+  double frequency_hz = 0;
+  std::uint64_t seed = 0;
+};
+
+// tone, tremor, distance and drift; phases and sizes are drawn
+trial::Displacement MotionOf(const TrialTruth& truth) {
+  std::mt19937_64 random(truth.seed);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  const double phase = between(0, kTwoPi), tremor_phase = between(0, kTwoPi);
+  const double tremor_hz = between(8, 11), tremor_m = between(20e-6, 40e-6);
+  const double offset_m = between(1e-3, 3e-3), drift_m_per_s = between(-30e-6, 30e-6);
+  const double amplitude_m = std::numbers::sqrt2 * truth.rms_m;
+  return [=, frequency_hz = truth.frequency_hz](double t_s) {
+    return offset_m + drift_m_per_s * t_s +
+           amplitude_m * std::sin(kTwoPi * frequency_hz * t_s + phase) +
+           tremor_m * std::sin(kTwoPi * tremor_hz * t_s + tremor_phase);
+  };
+}
+
+trial::Record RecordOf(const TrialTruth& truth) {
+  const trial::SensorHead head{.name = "generated",
+                               .sampling_s = 1 / kRateHz,
+                               .averages = 1,
+                               .resolution_m = 1e-7,
+                               .noise_rms_m = 0.5e-6,
+                               .range_min_m = -10e-3,
+                               .range_max_m = 10e-3};
+  const trial::Displacement motion = MotionOf(truth);
+  trial::Channel channel{.name = "displacement",
+                         .role = trial::ChannelRole::kDisplacement,
+                         .unit = "m",
+                         .values = {},
+                         .statuses = {},
+                         .range_min = head.range_min_m,
+                         .range_max = head.range_max_m,
+                         .resolution = head.resolution_m};
+  channel.values.reserve(kRows);
+  channel.statuses.reserve(kRows);
+  for (std::size_t row = 0; row < kRows; ++row) {
+    const auto reading = trial::ReadingAt(head, motion, static_cast<std::int64_t>(row), truth.seed);
+    channel.values.push_back(reading.value_m);
+    channel.statuses.push_back(reading.status);
+  }
+  trial::Record record;
+  record.rows = kRows;
+  record.channels.push_back(std::move(channel));
+  record.stretches.push_back({.first_row = 0, .rows = kRows, .start_s = 0, .rate_hz = kRateHz});
+  record.metadata.source = "simulated: generated with a known truth, not measured";
+  record.metadata.sensor = "sensor model";
+  record.metadata.head = head.name;
+  record.metadata.sampling_s = head.sampling_s;
+  record.metadata.averages = head.averages;
+  record.metadata.hold = "sample";
+  record.metadata.nominal_rate_hz = kRateHz;
+  record.metadata.drive_frequency_hz = truth.frequency_hz;
+  return record;
+}
+
+// A new file at `path` that is not worth waiting for the disk: Sync() hands the bytes to the
+// system only. For trials that go with the run that made them; a hundred syncs cost seconds.
+class PassingFile : public trial::ByteSink {
+ public:
+  explicit PassingFile(const std::string& path)
+      : path_(path), file_(std::fopen(path.c_str(), "wbx"), &std::fclose) {}
+
+  Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
+    if (!file_) return Failed(path_, "could not be made", "is there room for temporary files?");
+    const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file_.get());
+    if (written == 0) return Failed(path_, "could not be written", "is there room?");
+    return written;
+  }
+
+  Result<void> Sync() override {
+    if (file_ && std::fflush(file_.get()) == 0) return {};
+    return Failed(path_, "could not be written", "is there room for temporary files?");
+  }
+
+ private:
+  std::string path_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+// Writes a trial.bin for each subject, condition and repeat into `folder`, labelled. A trial is
+// 1.2 s at 2 kHz of a tone at `frequency_hz` with tremor (8-11 Hz, 20-40 um), 1-3 mm of distance
+// with drift, and a sensor head's noise (0.5 um) and steps (0.1 um).
+//
+// The logarithm of a trial's RMS is that of its condition plus a subject's share (standard
+// deviation 0.25), the subject's own in that condition (0.12), both centred, and the trial's
+// (0.05). Errors: as WriteSimulatedTrialIn.
+Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, double frequency_hz,
+                            std::uint64_t seed, const std::filesystem::path& folder) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> between_trials(0, kBetweenTrials);
+  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
+  for (const GeneratedCondition& condition : conditions) {
+    const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
+    for (std::size_t s = 0; s < subjects.size(); ++s) {
+      for (int repeat = 1; repeat <= kGeneratedRepeats; ++repeat) {
+        const double log = subjects[s] + own[s] + between_trials(random);
+        trial::Record record = RecordOf({condition.rms_m * std::exp(log), frequency_hz, random()});
+        record.metadata.labels = {{"subject", std::to_string(s + 1)},
+                                  {"condition", condition.name},
+                                  {"repeat", std::to_string(repeat)}};
+        const std::string path =
+            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
+        auto written = WriteSimulatedTrialIn(std::make_unique<PassingFile>(path), path, record);
+        if (!written) return written;
+      }
+    }
+  }
+  return {};
+}
+
 constexpr std::uint64_t kTrialsSeed = 20130101;
 constexpr std::uint64_t kSettingsSeed = 20130102;
 
@@ -215,223 +451,6 @@ Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model) {
   if (!sweep) return std::unexpected(sweep.error());
   return GeneratedStudy{*std::move(trials), *std::move(matching),
                         AnalyzeLinearity(*sweep, std::nullopt)};
-}
-
-namespace {
-
-constexpr double kSettingsBetweenSubjects = 0.10;
-constexpr double kBetweenSettings = 0.03;
-constexpr double kStartBias = 1.05;
-
-}  // namespace
-
-TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> between_settings(0, kBetweenSettings);
-  TextTable table;
-  table.name = "generated settings";
-  const auto add = [&](const std::string& column, std::string cell) {
-    table.columns[column].push_back(std::move(cell));
-  };
-  for (const GeneratedMatch& match : matches) {
-    for (const auto& [level_v, ratio] : match.ratio_at_v) {
-      const auto own = CentredDeviates(random, kGeneratedSubjects, kSettingsBetweenSubjects);
-      for (std::size_t s = 0; s < own.size(); ++s) {
-        for (const bool high : {true, false}) {
-          const double bias = (high ? 1 : -1) * std::log(kStartBias);
-          const double log = std::log(ratio) + own[s] + bias + between_settings(random);
-          add("reference_v", fmt::format("{:g}", level_v));
-          add("condition", match.condition);
-          add("subject", fmt::format("s{}", s + 1));
-          add("matched_v", fmt::format("{:.3f}", level_v * std::exp(log)));
-          add("started", high ? "high" : "low");
-          table.lines.push_back(table.lines.size() + 1);
-        }
-      }
-    }
-  }
-  return table;
-}
-
-namespace {
-
-constexpr double kDurationS = 1;
-constexpr std::array kLevelsV{0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0};
-constexpr std::array kSkinFactors{0.8, 1.2};
-
-Result<double> RmsWithFloor(const sim::Scene& scene) {
-  dsp::BandQuestion question;
-  question.keep_filtered = false;
-  const auto analysis = dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question);
-  if (!analysis) return std::unexpected(analysis.error());
-  if (!analysis->answered || !analysis->numbers) {
-    const std::string refusal = document::RefusalOf(analysis->findings);
-    return CannotAnswer(fmt::format("{:g} V", scene.drive.amplitude_v),
-                        refusal.empty() ? "has no RMS" : refusal);
-  }
-  const dsp::RmsEstimate& rms = analysis->numbers->rms;
-  return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
-}
-
-}  // namespace
-
-Result<std::vector<DriveReading>> GenerateSweep(const ThesisModel& model) {
-  std::vector<DriveReading> readings;
-  readings.reserve(kSkinFactors.size() * kLevelsV.size());
-  std::uint64_t seed = 0;
-  for (const double factor : kSkinFactors) {
-    sim::Scene scene = Prototype(model, kIa1AreaM2);
-    scene.skin.stiffness_n_per_m *= factor;
-    scene.skin.damping_n_s_per_m *= factor;
-    scene.sensor = sim::Sensor{.head = trial::Stream10kHz(), .rate_hz = 1e4};
-    for (const double level_v : kLevelsV) {
-      scene.drive.amplitude_v = level_v;
-      scene.sensor->seed = ++seed;
-      const auto rms_m = RmsWithFloor(scene);
-      if (!rms_m) return std::unexpected(rms_m.error());
-      readings.push_back({.subject = factor < 1 ? "soft" : "stiff",
-                          .condition = "ia1",
-                          .drive_v = level_v,
-                          .rms_m = *rms_m});
-    }
-  }
-  return readings;
-}
-
-namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kRateHz = 2000;
-constexpr std::size_t kRows = 2400;
-constexpr double kTrialsBetweenSubjects = 0.25;
-constexpr double kWithinCondition = 0.12;
-constexpr double kBetweenTrials = 0.05;
-
-struct TrialTruth {
-  double rms_m = 0;
-  double frequency_hz = 0;
-  std::uint64_t seed = 0;
-};
-
-// tone, tremor, distance and drift; phases and sizes are drawn
-trial::Displacement MotionOf(const TrialTruth& truth) {
-  std::mt19937_64 random(truth.seed);
-  const auto between = [&](double low, double high) {
-    return std::uniform_real_distribution(low, high)(random);
-  };
-  const double phase = between(0, kTwoPi), tremor_phase = between(0, kTwoPi);
-  const double tremor_hz = between(8, 11), tremor_m = between(20e-6, 40e-6);
-  const double offset_m = between(1e-3, 3e-3), drift_m_per_s = between(-30e-6, 30e-6);
-  const double amplitude_m = std::numbers::sqrt2 * truth.rms_m;
-  return [=, frequency_hz = truth.frequency_hz](double t_s) {
-    return offset_m + drift_m_per_s * t_s +
-           amplitude_m * std::sin(kTwoPi * frequency_hz * t_s + phase) +
-           tremor_m * std::sin(kTwoPi * tremor_hz * t_s + tremor_phase);
-  };
-}
-
-trial::Record RecordOf(const TrialTruth& truth) {
-  const trial::SensorHead head{.name = "generated",
-                               .sampling_s = 1 / kRateHz,
-                               .averages = 1,
-                               .resolution_m = 1e-7,
-                               .noise_rms_m = 0.5e-6,
-                               .range_min_m = -10e-3,
-                               .range_max_m = 10e-3};
-  const trial::Displacement motion = MotionOf(truth);
-  trial::Channel channel{.name = "displacement",
-                         .role = trial::ChannelRole::kDisplacement,
-                         .unit = "m",
-                         .values = {},
-                         .statuses = {},
-                         .range_min = head.range_min_m,
-                         .range_max = head.range_max_m,
-                         .resolution = head.resolution_m};
-  channel.values.reserve(kRows);
-  channel.statuses.reserve(kRows);
-  for (std::size_t row = 0; row < kRows; ++row) {
-    const auto reading = trial::ReadingAt(head, motion, static_cast<std::int64_t>(row), truth.seed);
-    channel.values.push_back(reading.value_m);
-    channel.statuses.push_back(reading.status);
-  }
-  trial::Record record;
-  record.rows = kRows;
-  record.channels.push_back(std::move(channel));
-  record.stretches.push_back({.first_row = 0, .rows = kRows, .start_s = 0, .rate_hz = kRateHz});
-  record.metadata.source = "simulated: generated with a known truth, not measured";
-  record.metadata.sensor = "sensor model";
-  record.metadata.head = head.name;
-  record.metadata.sampling_s = head.sampling_s;
-  record.metadata.averages = head.averages;
-  record.metadata.hold = "sample";
-  record.metadata.nominal_rate_hz = kRateHz;
-  record.metadata.drive_frequency_hz = truth.frequency_hz;
-  return record;
-}
-
-}  // namespace
-
-std::vector<double> CentredDeviates(std::mt19937_64& random, int count, double standard_deviation) {
-  std::normal_distribution<double> normal(0, standard_deviation);
-  std::vector<double> deviates(static_cast<std::size_t>(count));
-  for (double& deviate : deviates) deviate = normal(random);
-  const double mean = std::reduce(deviates.begin(), deviates.end()) / count;
-  for (double& deviate : deviates) deviate -= mean;
-  return deviates;
-}
-
-Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, double frequency_hz,
-                            std::uint64_t seed, const std::filesystem::path& folder) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> between_trials(0, kBetweenTrials);
-  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
-  for (const GeneratedCondition& condition : conditions) {
-    const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
-    for (std::size_t s = 0; s < subjects.size(); ++s) {
-      for (int repeat = 1; repeat <= kGeneratedRepeats; ++repeat) {
-        const double log = subjects[s] + own[s] + between_trials(random);
-        trial::Record record = RecordOf({condition.rms_m * std::exp(log), frequency_hz, random()});
-        record.metadata.labels = {{"subject", std::to_string(s + 1)},
-                                  {"condition", condition.name},
-                                  {"repeat", std::to_string(repeat)}};
-        const std::string path =
-            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
-        auto written = WriteSimulatedTrialIn(MakePassingFile(path), path, record);
-        if (!written) return written;
-      }
-    }
-  }
-  return {};
-}
-
-namespace {
-
-class PassingFile : public trial::ByteSink {
- public:
-  explicit PassingFile(const std::string& path)
-      : path_(path), file_(std::fopen(path.c_str(), "wbx"), &std::fclose) {}
-
-  Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
-    if (!file_) return Failed(path_, "could not be made", "is there room for temporary files?");
-    const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file_.get());
-    if (written == 0) return Failed(path_, "could not be written", "is there room?");
-    return written;
-  }
-
-  Result<void> Sync() override {
-    if (file_ && std::fflush(file_.get()) == 0) return {};
-    return Failed(path_, "could not be written", "is there room for temporary files?");
-  }
-
- private:
-  std::string path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
-
-}  // namespace
-
-std::unique_ptr<trial::ByteSink> MakePassingFile(const std::string& path) {
-  return std::make_unique<PassingFile>(path);
 }
 
 namespace fs = std::filesystem;
