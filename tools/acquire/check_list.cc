@@ -331,15 +331,8 @@ CheckItem CheckLatency(const Context& c) {
 }  // namespace
 
 std::string_view Name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kFix:
-      return "fix";
-    case Verdict::kUnknown:
-      return "unknown";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> kNames{"ok", "fix", "unknown"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 std::vector<ToneGain> AveragingGains(const trial::Metadata& metadata, const dsp::BandPass& band) {

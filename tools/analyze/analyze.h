@@ -34,7 +34,7 @@ struct AnalyzedFile {
   std::string source;                      ///< metadata.source; empty: the file does not say
   std::vector<trial::DataSource> sources;  ///< of its data
   double step_m = 0;                       ///< of the displacement's source; 0: not known
-  trial::Findings findings;                ///< what is lost of it and what was assumed in reading it
+  trial::Findings findings;  ///< what is lost of it and what was assumed in reading it
   std::vector<document::Figure> figures;
 };
 

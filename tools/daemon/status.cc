@@ -29,9 +29,9 @@ using document::Section;
 using document::TextOrNotKnown;
 using nlohmann::ordered_json;
 
-constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForDevice,
-                             LoopState::kRecording,      LoopState::kAway,
-                             LoopState::kWaitingForDisk, LoopState::kStopped};
+// in the order of LoopState
+constexpr std::array<std::string_view, 6> kStateNames{"starting", "waiting for device", "recording",
+                                                      "away",     "waiting for disk",   "stopped"};
 
 // the names are those of the answer on the socket too, which ParseStatus() reads
 constexpr Key kConfig{"config"};
@@ -85,12 +85,12 @@ std::optional<double> Number(const ordered_json& object, const Key& key) {
 
 std::optional<SensorStatus> FromJson(const ordered_json& object) {
   const std::string state = Text(object, kState);
-  const auto found = std::ranges::find_if(kStates, [&](LoopState s) { return Name(s) == state; });
-  if (!object.is_object() || found == kStates.end()) return std::nullopt;
+  const auto* const found = std::ranges::find(kStateNames, state);
+  if (!object.is_object() || found == kStateNames.end()) return std::nullopt;
   return SensorStatus{.name = Text(object, kName),
                       .port = Text(object, kPort),
                       .sensor = Text(object, kSensorKey),
-                      .state = *found,
+                      .state = static_cast<LoopState>(found - kStateNames.begin()),
                       .since_utc = Text(object, kSince),
                       .file = Text(object, kFileKey),
                       .readings = Count(object, kReadingsKey),
@@ -105,23 +105,7 @@ std::optional<SensorStatus> FromJson(const ordered_json& object) {
 
 }  // namespace
 
-std::string_view Name(LoopState state) {
-  switch (state) {
-    case LoopState::kStarting:
-      return "starting";
-    case LoopState::kWaitingForDevice:
-      return "waiting for device";
-    case LoopState::kRecording:
-      return "recording";
-    case LoopState::kAway:
-      return "away";
-    case LoopState::kWaitingForDisk:
-      return "waiting for disk";
-    case LoopState::kStopped:
-      return "stopped";
-  }
-  return "";
-}
+std::string_view Name(LoopState state) { return kStateNames.at(static_cast<std::size_t>(state)); }
 
 document::Document StatusDocument(const DaemonStatus& status) {
   document::Document document{.verb = "acquire",

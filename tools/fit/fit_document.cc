@@ -10,7 +10,6 @@
 
 namespace haptometer::tools {
 
-using trial::DataSource;
 using document::Form;
 using document::Item;
 using document::Key;
@@ -18,6 +17,7 @@ using document::Section;
 using document::SpokenUnit;
 using document::Unit;
 using fit::FittedValue;
+using trial::DataSource;
 
 Item& AddFitted(Section& section, const Key& key, const FittedValue& value) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -147,8 +147,7 @@ void AddLeftOut(Section& section, const std::vector<Error>& errors) {
 
 void NoteReading(const trial::Recording& recording, const std::string& path,
                  trial::Findings& findings, std::vector<DataSource>& sources) {
-  for (const DataSource source :
-       trial::SourcesOf(recording.record.metadata, recording.report)) {
+  for (const DataSource source : trial::SourcesOf(recording.record.metadata, recording.report)) {
     if (std::ranges::count(sources, source) == 0) sources.push_back(source);
   }
   for (trial::Finding found : recording.report.AllFindings().list()) {

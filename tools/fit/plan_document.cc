@@ -174,7 +174,7 @@ Section RingingSection(const fit::ExpectedRinging& ringing) {
 
 Section DropsSection(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
-  const auto of = [&card](double fit::LoadChoice::* member) {
+  const auto of = [&card](double fit::LoadChoice::*member) {
     return card.load ? std::optional((*card.load).*member) : std::nullopt;
   };
   Section section{.heading = "load and drops"};

@@ -383,7 +383,7 @@ Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words) {
   struct Row {
     std::string_view symbol;
     Dimension dimension;
-    std::optional<double> ConstantGuesses::* member;
+    std::optional<double> ConstantGuesses::*member;
   };
   constexpr std::array kRows{
       Row{"Q", Dimension::kNone, &ConstantGuesses::quality_factor},

@@ -33,12 +33,12 @@ struct SweepSummary {
   TableHeader header;
   BestWish wish;
   std::uint64_t rows = 0;
-  std::uint64_t answered = 0;   ///< rows with at least one number
-  std::uint64_t compared = 0;   ///< rows with a number in the wished column
-  std::string first_remark{};   ///< of a row that is not answered, with its point
+  std::uint64_t answered = 0;     ///< rows with at least one number
+  std::uint64_t compared = 0;     ///< rows with a number in the wished column
+  std::string first_remark{};     ///< of a row that is not answered, with its point
   std::optional<BestRow> best{};  ///< the first of equals; nothing where the column is empty
-  std::uint64_t mended = 0;     ///< rows that did not match their checksums
-  std::string plot{};           ///< path; empty: none
+  std::uint64_t mended = 0;       ///< rows that did not match their checksums
+  std::string plot{};             ///< path; empty: none
 };
 
 /// Reads the table again, row by row. Errors: as TableReader.
