@@ -129,10 +129,9 @@ Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const Sensor
   auto labels = cli::ReadKeyValues(wanted.labels, "--label");
   if (!labels) return std::unexpected(labels.error());
   plan.labels = std::move(*labels);
-  if (auto planned = PlanEnd(wanted, now, plan); !planned) return std::unexpected(planned.error());
-  if (auto planned = PlanTrigger(wanted, plan); !planned) return std::unexpected(planned.error());
-  if (auto planned = PlanReconnection(wanted, sensor, plan); !planned) {
-    return std::unexpected(planned.error());
+  for (const auto& planned : {PlanEnd(wanted, now, plan), PlanTrigger(wanted, plan),
+                              PlanReconnection(wanted, sensor, plan)}) {
+    if (!planned) return std::unexpected(planned.error());
   }
   if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
     return Usage("--tare", "a replay has the zero of its recording", "leave it out");

@@ -121,13 +121,10 @@ Result<DaemonConfig> Read(TomlTable table) {
     config.sensors.push_back(ReadSensor(*sensor, labels));
   }
   if (auto done = table.Finish(); !done) return std::unexpected(done.error());
-  if (auto checked =
-          CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file");
-      !checked) {
-    return std::unexpected(checked.error());
-  }
-  if (auto checked = CheckSensors(config, table.where()); !checked) {
-    return std::unexpected(checked.error());
+  for (const auto& checked :
+       {CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file"),
+        CheckSensors(config, table.where())}) {
+    if (!checked) return std::unexpected(checked.error());
   }
   return config;
 }
