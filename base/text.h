@@ -1,6 +1,8 @@
 #pragma once
 
+#include <charconv>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,17 @@ namespace haptometer {
 /// empty when there is none or all are further away than half of the word.
 [[nodiscard]] std::string Nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
+
+/// The number that `text` is from end to end, as std::from_chars reads it; nothing of any other
+/// text.
+template <typename Number>
+[[nodiscard]] std::optional<Number> NumberFrom(std::string_view text) {
+  Number number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, failure] = std::from_chars(text.data(), end, number);
+  if (failure != std::errc{} || stop != end) return std::nullopt;
+  return number;
+}
 
 /// Text of files, devices, names and command lines, as it may be shown.
 ///

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/terminal.h"
 #include "tools/verbs.h"
@@ -72,10 +73,7 @@ void PrintHelp() {
 }
 
 Error UnknownVerb(std::string_view word) {
-  std::vector<std::string> names;
-  names.reserve(kVerbs.size());
-  for (const Verb& verb : kVerbs) names.emplace_back(verb.name);
-  const std::string nearest = Nearest(word, names);
+  const std::string nearest = Nearest(word, Mapped<std::string>(kVerbs, &Verb::name));
   return {Cause::kUsage, std::string(word), "is not a verb",
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
 }

@@ -54,8 +54,7 @@ Cascade::RunFunction Cascade::RunOf(int order) {
   return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
     constexpr std::array<RunFunction, kHighestOrder> kByOrder{&Cascade::Run<kIndex + 1>...};
     return kByOrder.at(static_cast<std::size_t>(order - 1));
-  }
-  (std::make_integer_sequence<int, kHighestOrder>());
+  }(std::make_integer_sequence<int, kHighestOrder>());
 }
 
 void Cascade::Process(std::span<const double> in, std::span<double> out) {

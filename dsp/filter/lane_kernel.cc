@@ -156,8 +156,7 @@ template <typename Run>
 void WithOrder(const FilterDesign& design, const Run& run) {
   [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
     (void)((design.order == kIndex + 1 && (run.template operator()<kIndex + 1>(), true)) || ...);
-  }
-  (std::make_integer_sequence<int, kHighestOrder>());
+  }(std::make_integer_sequence<int, kHighestOrder>());
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,

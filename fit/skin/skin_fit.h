@@ -56,9 +56,9 @@ struct SkinPoint {
   double displacement_m = 0;  ///< amplitude at the contact
   double drive = 0;           ///< amplitude, A or V
   /// Of the displacement (towards the skin positive) against the drive; absent: not measured.
-  std::optional<double> phase_rad;
+  std::optional<double> phase_rad{};
   /// Standard uncertainty of the displacement; absent: not stated.
-  std::optional<double> displacement_standard_uncertainty_m;
+  std::optional<double> displacement_standard_uncertainty_m{};
 };
 
 /// A sweep under one contact.

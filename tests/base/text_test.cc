@@ -106,5 +106,15 @@ TEST(Printable, AnErrorIsOneLineOfPrintableText) {
   EXPECT_EQ(error.Text(), "a\\nb.csv: cell '\\x1b]0;title\\x07' is not a number; see\\r\\xff");
 }
 
+TEST(NumberFrom, IsTheWholeText) {
+  EXPECT_EQ(NumberFrom<double>("-1.5e-3"), -1.5e-3);
+  EXPECT_EQ(NumberFrom<int>("17"), 17);
+  for (const char* text : {"", " 1", "1 ", "1x", "+1", "x", "1e999"}) {
+    EXPECT_FALSE(NumberFrom<double>(text)) << text;
+  }
+  EXPECT_FALSE(NumberFrom<int>("1.5"));
+  EXPECT_FALSE(NumberFrom<unsigned>("-1"));
+}
+
 }  // namespace
 }  // namespace haptometer

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/analyze/sweep_document.h"
+#include "tools/analyze/analyze.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {

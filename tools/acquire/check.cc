@@ -180,9 +180,9 @@ document::Document CheckDocument(const trial::TrialHeader& header, const CheckFi
   Section band{.name = document::kBand.name};
   band.Add(document::kLowerHz, question.band.lower_hz);
   band.Add(document::kUpperHz, question.band.upper_hz);
-  Section list{.name = "items", .shape = Section::Shape::kArray};
-  for (const CheckItem& item : items) list.sections.push_back(ItemSection(item));
-  root.sections = {std::move(band), std::move(list), NumbersSection(findings, question.band),
+  root.sections = {std::move(band),
+                   ListOf({.name = "items", .shape = Section::Shape::kArray}, items, ItemSection),
+                   NumbersSection(findings, question.band),
                    GainsSection(AveragingGains(header.metadata, question.band))};
   return document;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -13,6 +12,7 @@
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/port_list.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/table_cells.h"
@@ -108,12 +108,9 @@ struct Context {
   [[nodiscard]] std::optional<int> Field(const std::string& key) const {
     const auto found = header.metadata.fields.find(key);
     if (found == header.metadata.fields.end()) return std::nullopt;
-    const std::string& text = found->second;
-    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-    int code = 0;
-    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), code);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return code;
+    std::string_view text = found->second;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    return NumberFrom<int>(text);
   }
 };
 
@@ -332,15 +329,8 @@ CheckItem CheckLatency(const Context& c) {
 }  // namespace
 
 std::string_view Name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kFix:
-      return "fix";
-    case Verdict::kUnknown:
-      return "unknown";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> kNames{"ok", "fix", "unknown"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 std::vector<ToneGain> AveragingGains(const trial::Metadata& metadata, const dsp::BandPass& band) {

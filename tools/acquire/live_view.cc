@@ -140,7 +140,7 @@ std::string LiveView::Plot() {
   const bool is_length = meter_.unit() == "m";
   const double factor = is_length ? kMmPerM : 1;
   // up and down between the extremes of each slot: a vibration fills its band
-  plot::Series extremes{.title = "", .x = {}, .y = {}};
+  plot::Series extremes;
   for (const LiveExtremes& slot : meter_.Extremes()) {
     for (const double value : {slot.least, slot.greatest}) {
       extremes.x.push_back(slot.time_s);

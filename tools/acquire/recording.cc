@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/output_file.h"
@@ -131,10 +132,9 @@ Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const Sensor
   auto labels = cli::ReadKeyValues(wanted.labels, "--label");
   if (!labels) return std::unexpected(labels.error());
   plan.labels = std::move(*labels);
-  if (auto planned = PlanEnd(wanted, now, plan); !planned) return std::unexpected(planned.error());
-  if (auto planned = PlanTrigger(wanted, plan); !planned) return std::unexpected(planned.error());
-  if (auto planned = PlanReconnection(wanted, sensor, plan); !planned) {
-    return std::unexpected(planned.error());
+  for (const auto& planned : {PlanEnd(wanted, now, plan), PlanTrigger(wanted, plan),
+                              PlanReconnection(wanted, sensor, plan)}) {
+    if (!planned) return std::unexpected(planned.error());
   }
   if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
     return Usage("--tare", "a replay has the zero of its recording", "leave it out");
@@ -238,9 +238,7 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
     const auto found =
         std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
     if (found == header.channels.end()) {
-      std::vector<std::string> names;
-      names.reserve(header.channels.size());
-      for (const trial::ChannelFormat& channel : header.channels) names.push_back(channel.name);
+      const auto names = Mapped(header.channels, &trial::ChannelFormat::name);
       return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
                    fmt::format("the sensor has {}", fmt::join(names, ", ")));
     }

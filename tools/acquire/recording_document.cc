@@ -190,9 +190,8 @@ document::Document PortsDocument(const std::vector<PortInfo>& ports) {
       .title = ports.empty()
                    ? "no serial port is there: plug the sensor's adapter in"
                    : fmt::format("{} serial port{}", ports.size(), ports.size() == 1 ? "" : "s")};
-  Section list{.name = "ports", .shape = Section::Shape::kArray};
-  for (const PortInfo& port : ports) list.sections.push_back(PortSection(port));
-  document.root.sections = {std::move(list)};
+  document.root.sections = {
+      ListOf({.name = "ports", .shape = Section::Shape::kArray}, ports, PortSection)};
   return document;
 }
 
@@ -276,11 +275,8 @@ document::Document SensorsDocument(const CapabilityQuestion& question) {
   root.Add({"band_hz"}, document::Range{question.lower_hz, question.upper_hz});
   root.Add({"wanted_resolution_m"}, question.resolution_m);
   root.Add({"record_s"}, question.record_s);
-  Section list{.name = document::kSensors.name, .shape = Section::Shape::kArray};
-  for (const Capability& capability : Judge(acquire::KnownSensors(), question)) {
-    list.sections.push_back(CapabilitySection(capability));
-  }
-  root.sections = {std::move(list)};
+  root.sections = {ListOf({.name = document::kSensors.name, .shape = Section::Shape::kArray},
+                          Judge(acquire::KnownSensors(), question), CapabilitySection)};
   return document;
 }
 

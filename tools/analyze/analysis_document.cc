@@ -1,11 +1,10 @@
-#include "tools/analyze/analysis_document.h"
-
 #include <fmt/core.h>
 
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "tools/analyze/analyze.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 
@@ -143,6 +142,14 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
       is_number && !analysis.answered);
   section.Add({"tone_amplitude_at_least_m", "amplitude of the tone at least", document::kMetre},
               If(numbers.tone && !is_number, tone.amplitude_lower_m));
+}
+
+// What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on
+// it is perceived.
+std::string_view LatencyVerdict(double latency_s) {
+  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
+  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
+  return "above 50 ms, where it is perceived";
 }
 
 Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
@@ -469,11 +476,8 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
     document::AddFindings(section, file.analysis->findings);
   } else if (file.error) {
     reasons.push_back(file.error->Text());
-    section.findings.push_back({.kind = "error",
-                                .severity = Severity::kRefusal,
-                                .text = reasons.front(),
-                                .subject = "",
-                                .numbers = {}});
+    section.findings.push_back(
+        {.kind = "error", .severity = Severity::kRefusal, .text = reasons.front(), .subject = ""});
   }
   document::AddFindings(section, file.findings);
   section.Add(document::kReasons, std::move(reasons));
@@ -503,8 +507,9 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
                 .figures = file.figures};
   trial.Add(document::kFile, file.path);
   trial.Add(document::kAnswered, analysis.answered);
-  trial.Add({document::kSource.name}, file.source.empty() ? Value() : Value(file.source));
-  AddSources(file.sources, trial);
+  trial.Add({document::kSource.name}, document::TextOrNotKnown(file.source));
+  if (file.sources.empty()) trial.Add(document::kDataSources, Value());
+  trial.sources = file.sources;
   trial.sections = {AnswerSection(analysis, numbers),        RecordSection(file, analysis),
                     KnownToneSection(analysis.known_tone),   VibrationSection(analysis, numbers),
                     BudgetSection(analysis, numbers),        ToneSection(numbers),
@@ -515,39 +520,11 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   return trial;
 }
 
-void AddSources(std::vector<trial::DataSource> sources, Section& section) {
-  if (sources.empty()) section.Add(document::kDataSources, Value());
-  section.sources = std::move(sources);
-}
-
 Section ClosingSection(bool has_numbers) {
   Section section;
   section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""},
               "the sensor's calibration and linearity");
   return section;
-}
-
-std::string_view LatencyVerdict(double latency_s) {
-  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cause errors";
-  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it causes errors; below 50 ms";
-  return "above 50 ms, where it is perceived";
-}
-
-std::string_view LatencyVerdict(const sim::SkinRise& rise) {
-  const std::string_view verdict = LatencyVerdict(rise.LatencyAtMostS());
-  if (verdict == LatencyVerdict(rise.latency_s - rise.uncertainty_s)) return verdict;
-  return "too uncertain to be compared with 25 and 50 ms";
-}
-
-std::optional<double> LatencyBelowS(const sim::SkinRise& rise) {
-  return rise.TellsLatency() ? std::nullopt : std::optional(rise.LatencyAtMostS());
-}
-
-std::string LatencyText(const sim::SkinRise& rise) {
-  if (const auto below_s = LatencyBelowS(rise)) {
-    return fmt::format("below {:.3f} ms", std::ceil(*below_s * 1e6) / 1e3);
-  }
-  return fmt::format("{:.3f} ms, to {:.2g} ms", rise.latency_s * 1e3, rise.uncertainty_s * 1e3);
 }
 
 }  // namespace haptometer::tools

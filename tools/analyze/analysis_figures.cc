@@ -1,5 +1,3 @@
-#include "tools/analyze/analysis_figures.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string_view>
 
 #include "dsp/analysis/analyzed_channel.h"
+#include "tools/analyze/analyze.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {

@@ -11,11 +11,7 @@
 #include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
-#include "tools/analyze/analysis_document.h"
-#include "tools/analyze/analysis_figures.h"
 #include "tools/analyze/analyze_question.h"
-#include "tools/analyze/spectrum_tables.h"
-#include "tools/analyze/sweep_document.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
@@ -122,9 +118,9 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   if (!spectrum) return std::unexpected(spectrum.error());
   Job job{.question = std::move(*question),
           .import = std::move(*import),
-          .threads = ThreadsOf(words),
+          .threads = cli::ThreadsOf(words.threads, kMostThreads),
           .spectrum = std::move(*spectrum),
-          .outputs = {.all = words.all, .plot = words.plot, .report = words.report}};
+          .outputs = words.outputs};
   if (words.floor.empty()) return job;
   auto floor = ReadFloor(words.floor, job.question, job.import, job.threads);
   if (!floor) return std::unexpected(floor.error());
@@ -146,7 +142,8 @@ Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, 
     if (!written) return std::unexpected(written.error());
   }
   Section section = SweepSection(path, *answer, words.files.size() == 1);
-  AddSources(trial::SourcesOf(opened->rows->head().metadata, opened->report), section);
+  section.sources = trial::SourcesOf(opened->rows->head().metadata, opened->report);
+  if (section.sources.empty()) section.Add({"data_source"}, {});
   return section;
 }
 

@@ -7,8 +7,13 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_question.h"
+#include "dsp/analysis/sweep_analysis.h"
+#include "dsp/analysis/window_samples.h"
+#include "tools/analyze/analyze_question.h"
 #include "tools/document/document.h"
+#include "tools/plot/gnuplot.h"
 #include "trial/import/import_options.h"
+#include "trial/row_source.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::tools {
@@ -29,8 +34,51 @@ struct AnalyzedFile {
   std::string source;                      ///< metadata.source; empty: the file does not say
   std::vector<trial::DataSource> sources;  ///< of its data
   double step_m = 0;                       ///< of the displacement's source; 0: not known
-  trial::Findings findings;                ///< what is lost of it and what was assumed in reading it
+  trial::Findings findings;  ///< what is lost of it and what was assumed in reading it
   std::vector<document::Figure> figures;
 };
+
+/// The document of `count` trials before any is analysed; the first of them is `first`.
+[[nodiscard]] document::Document AnalysisDocument(const std::string& first, std::size_t count);
+
+/// What is known of one trial (docs/reference/analyze.md). Where the question is not answered, RMS
+/// and amplitude are not known, and what was worked out all the same stands under
+/// `band_rms_estimate_m` and `tone_amplitude_estimate_m`. `is_alone`: the document has no other.
+[[nodiscard]] document::Section TrialSection(const AnalyzedFile& file, bool is_alone);
+
+/// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
+[[nodiscard]] document::Section ClosingSection(bool has_numbers);
+
+/// Distance over time, the filtered signal, and ten periods of it; grey is what no number is of.
+/// `analysis` was made of `rows` with keep_filtered. Memory: about 40 B a row.
+/// Errors: as RowSource::Read.
+[[nodiscard]] Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
+                                                              const dsp::BandAnalysis& analysis);
+
+/// Samples of a window at most that go into a spectrum: 2^24.
+inline constexpr std::size_t kMostInSpectrum = std::size_t{1} << 24U;
+
+/// Writes what `question` asks for. A CSV begins with `comment`, lines that begin with "# ", and
+/// with `# key = value` lines that state window, noise bandwidth, overlap, segments and degrees of
+/// freedom.
+/// Errors: a window shorter than a segment (Cause::kCannotAnswer), a place that cannot be written.
+[[nodiscard]] Result<void> WriteSpectra(const dsp::WindowSamples& window,
+                                        const SpectrumQuestion& question,
+                                        const std::string& comment);
+
+/// The density of the window as a drawing, both axes logarithmic. Errors: as WriteSpectra.
+[[nodiscard]] Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,
+                                                const SpectrumQuestion& question);
+
+/// What is known of one trial of `analyze --sweep` (docs/reference/analyze.md). Its figure is
+/// amplitude over frequency with the fitted curve, and with a drive channel phase and coherence;
+/// none where there are no points. `is_alone`: the document has no other trial.
+[[nodiscard]] document::Section SweepSection(const std::string& path,
+                                             const dsp::SweepAnswer& answer, bool is_alone);
+
+/// The points as a table of frequency_hz, amplitude_m_per_v (or _m_per_a, _m), phase_rad and
+/// coherence, below the provenance and `# key = value` lines.
+[[nodiscard]] std::string SweepCsv(const dsp::SweepAnswer& answer,
+                                   const document::Provenance& provenance);
 
 }  // namespace haptometer::tools

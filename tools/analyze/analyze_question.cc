@@ -6,19 +6,16 @@
 #include <array>
 #include <filesystem>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/report/html_page.h"
 
 namespace haptometer::tools {
 namespace {
-
-constexpr std::int64_t kMostThreads = 64;
 
 // "1s:3s": from a time up to a time
 Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
@@ -39,12 +36,10 @@ Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
 }
 
 Result<void> CheckPictures(const AnalyzeWords& words) {
-  if (!words.plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(words.plot); !drawable) return drawable;
-    if (words.files.size() > 1) {
-      return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
-                   "give one file, or --report FILE.html for several");
-    }
+  if (auto good = document::CheckOutputs(words.outputs); !good) return good;
+  if (!words.outputs.plot.empty() && words.files.size() > 1) {
+    return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
+                 "give one file, or --report FILE.html for several");
   }
   // one file each: the next trial would take the place of the one before
   const std::array<std::pair<std::string_view, const std::string*>, 3> tables{
@@ -57,7 +52,8 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
                  fmt::format("applies to one trial, not to {}", words.files.size()),
                  "give one file");
   }
-  if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
+  const bool has_report = !words.outputs.report.empty();
+  if (words.sweep && (has_report || words.window != "auto" || !words.floor.empty())) {
     return Usage("--sweep", "cannot be combined with --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
   }
@@ -69,13 +65,13 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
         cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
     if (!writable) return writable;
   }
-  const bool has_spectrum = !words.spectrum.spectrum.empty() ||
-                            !words.spectrum.spectrogram.empty() || !words.report.empty();
+  const bool has_spectrum =
+      !words.spectrum.spectrum.empty() || !words.spectrum.spectrogram.empty() || has_report;
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
     return Usage("--resolution", "applies to a spectrum or a sweep only",
                  "give --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
   }
-  return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
+  return {};
 }
 
 Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
@@ -102,10 +98,10 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "(all), or an interval such as 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
                 "Drive-off trial whose noise in the band is subtracted (mean square)");
-  options->Flag("--all", &words->all, "Print all numbers, with the uncertainty budget");
-  options->Output("--plot", &words->plot, "FILE.svg|png|pdf",
+  options->Flag("--all", &words->outputs.all, "Print all numbers, with the uncertainty budget");
+  options->Output("--plot", &words->outputs.plot, "FILE.svg|png|pdf",
                   "Draw the trial and the part that is used");
-  options->Output("--report", &words->report, "FILE.html",
+  options->Output("--report", &words->outputs.report, "FILE.html",
                   "Write one page with figures, numbers, assumptions and settings");
   options->Flag("--sweep", &words->sweep,
                 "Analyse a drive of changing frequency: amplitude over frequency, f0 and Q",
@@ -131,17 +127,12 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   auto asked = cli::BandQuestionOf(words.band);
   if (!asked) return std::unexpected(asked.error());
   dsp::BandQuestion question = std::move(*asked);
-  question.keep_filtered = !words.plot.empty() || !words.report.empty();
+  question.keep_filtered = words.outputs.HasFigures();
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());
   }
   return question;
-}
-
-int ThreadsOf(const AnalyzeWords& words) {
-  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
 }
 
 namespace {
@@ -152,13 +143,6 @@ constexpr std::array<std::pair<std::string_view, dsp::WindowShape>, 5> kWindows{
      {"hamming", dsp::WindowShape::kHamming},
      {"blackman-harris", dsp::WindowShape::kBlackmanHarris},
      {"flat-top", dsp::WindowShape::kFlatTop}}};
-
-std::vector<std::string> WindowNames() {
-  std::vector<std::string> names;
-  names.reserve(kWindows.size());
-  for (const auto& [name, shape] : kWindows) names.emplace_back(name);
-  return names;
-}
 
 // a CSV or a picture can be written there
 Result<void> CheckPlace(const std::string& path, const cli::OutputKind& table, bool overwrite) {
@@ -185,7 +169,8 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
       ->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
                "Resolution of the spectra", cli::Shown::kHelpAll)
       .Default("1 Hz, or eight segments in a short window");
-  options->Choice("--spectrum-window", &words->window, WindowNames(),
+  options->Choice("--spectrum-window", &words->window,
+                  Mapped<std::string>(kWindows, &decltype(kWindows)::value_type::first),
                   "Window function of each segment; the output states its noise bandwidth",
                   cli::Shown::kHelpAll);
   options

@@ -11,6 +11,7 @@
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
+#include "tools/document/present.h"
 
 namespace haptometer::tools {
 
@@ -51,11 +52,9 @@ struct AnalyzeWords {
   std::string window = "auto";
   std::string floor;
   std::optional<Quantity> drive_frequency_hz;
-  bool all = false;
   bool sweep = false;
   std::string response;
-  std::string plot;
-  std::string report;
+  document::Outputs outputs;
   std::optional<std::int64_t> threads;
   SpectrumWords spectrum;
   cli::ImportWords import;
@@ -63,11 +62,10 @@ struct AnalyzeWords {
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words);
 
+inline constexpr std::int64_t kMostThreads = 64;
+
 /// What is asked of each record; its floor is not read yet. Errors (Cause::kUsage): a band or
 /// window that is none, a picture that cannot be drawn at its place.
 [[nodiscard]] Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words);
-
-/// Threads as asked for, otherwise as many as there are cores.
-[[nodiscard]] int ThreadsOf(const AnalyzeWords& words);
 
 }  // namespace haptometer::tools

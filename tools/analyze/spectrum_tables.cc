@@ -1,5 +1,3 @@
-#include "tools/analyze/spectrum_tables.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string_view>
 
 #include "dsp/spectrum/welch.h"
+#include "tools/analyze/analyze.h"
 #include "tools/cli/output_file.h"
 #include "tools/document/keys.h"
 
@@ -108,7 +107,7 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
                   spectrum.grid.segments),
       "frequency / Hz",
       question.amplitude ? "amplitude / um" : "density / um^2/Hz",
-      {{"", plot::Lines(plot::kBlue), {}, {}}},
+      {{"", plot::Lines(plot::kBlue)}},
       plot::LogAxes::kBoth};
   std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;

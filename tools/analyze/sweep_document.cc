@@ -1,5 +1,3 @@
-#include "tools/analyze/sweep_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/analyze/analyze.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 #include "tools/document/render.h"
@@ -43,7 +42,7 @@ double CurveAt(const dsp::Resonance& fit, double frequency_hz) {
 // one value of each point over frequency
 plot::Series SeriesOf(const dsp::SweepAnswer& answer, std::string title, plot::Style style,
                       const std::function<double(const dsp::SweepPoint&)>& value) {
-  plot::Series series{std::move(title), style, {}, {}};
+  plot::Series series{std::move(title), style};
   series.x.reserve(answer.points.size());
   series.y.reserve(answer.points.size());
   for (const dsp::SweepPoint& point : answer.points) {
@@ -93,8 +92,8 @@ std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
 void AddEstimate(Section& section, const Key& key, const Key& interval_key, double value,
                  const dsp::Interval& interval) {
   Item& item = section.Add(key, value, (interval.upper - interval.lower) / 4);
-  item.interval = {interval.lower, interval.upper};
-  section.Add(interval_key, document::Range{interval.lower, interval.upper});
+  item.interval = interval;
+  section.Add(interval_key, interval);
 }
 
 Section ResonanceSection(const dsp::SweepAnswer& answer) {
@@ -150,7 +149,7 @@ Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bo
   trial.Add(document::kFile, path);
   trial.Add(document::kAnswered, answer.answered);
   trial.Add(document::kReasons, document::RefusalsOf(answer.findings));
-  trial.Add({"drive_channel"}, answer.drive.empty() ? Value() : Value(answer.drive));
+  trial.Add({"drive_channel"}, document::TextOrNotKnown(answer.drive));
   trial.Add({"amplitude_unit"}, answer.amplitude_unit);
   trial.Add(
       {document::kWindowS.name},

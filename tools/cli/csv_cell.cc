@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 #include "base/text.h"
 
@@ -13,11 +12,7 @@ constexpr std::string_view kBlanks = " \t\r";
 
 bool IsNumber(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  double number = 0;
-  const char* const begin = text.data();
-  const char* const end = begin + text.size();
-  const auto [stop, failure] = std::from_chars(begin, end, number);
-  return failure == std::errc{} && stop == end;
+  return NumberFrom<double>(text).has_value();
 }
 
 // whether `text` begins like a formula behind its apostrophes

@@ -43,22 +43,21 @@ std::string_view NameOf(Option::Kind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-Value KnownText(std::string_view text) { return text.empty() ? Value() : Value(text); }
-
 Section SectionOf(const Option& option) {
   const bool is_number =
       option.kind == Option::Kind::kNumber || option.kind == Option::Kind::kRange;
   Section section;
   section.Add(document::kName, option.name);
   section.Add(document::kKind, NameOf(option.kind));
-  section.Add({"placeholder"}, KnownText(option.placeholder));
-  section.Add(document::kUnit, is_number ? KnownText(SiUnit(option.dimension)) : Value());
+  section.Add({"placeholder"}, document::TextOrNotKnown(option.placeholder));
+  section.Add(document::kUnit,
+              is_number ? document::TextOrNotKnown(SiUnit(option.dimension)) : Value());
   section.Add({"least"}, option.bounds.least);
   section.Add({"most"}, option.bounds.most);
   section.Add({"above"}, option.bounds.is_above);
   section.Add({"below"}, option.bounds.is_below);
   section.Add({"choices"}, option.choices);
-  section.Add({"default"}, KnownText(option.default_text));
+  section.Add({"default"}, document::TextOrNotKnown(option.default_text));
   section.Add({"rare"}, option.is_rare);
   section.Add(document::kText, option.text);
   return section;

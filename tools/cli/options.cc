@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -36,15 +35,6 @@ struct Exclusion {
   std::vector<std::string> others;
   std::string why;
 };
-
-// a whole number, all of the text
-std::optional<std::int64_t> WholeNumber(const std::string& text) {
-  std::int64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, value);
-  if (failure != std::errc{} || stop != end) return std::nullopt;
-  return value;
-}
 
 std::string Joined(const std::vector<std::string>& words, std::string_view separator) {
   std::string text;
@@ -315,7 +305,7 @@ Option& Options::AddCount(std::string_view name, std::function<void(std::int64_t
   option.bounds = Within(static_cast<double>(least), static_cast<double>(most));
   const auto read = [name = option.name, keep = std::move(keep), least,
                      most](const std::string& text) {
-    const auto number = WholeNumber(text);
+    const auto number = NumberFrom<std::int64_t>(text);
     if (!number || *number < least || *number > most) {
       throw Refused{{Cause::kUsage, name,
                      fmt::format("'{}' is not a whole number from {} to {}", text, least, most),

@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -20,6 +19,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/text.h"
 #include "trial/byte_io.h"
 
 namespace haptometer::cli {
@@ -53,10 +53,7 @@ std::optional<int> DescriptorOf(std::string_view path) {
   if (path == "/dev/stderr") return STDERR_FILENO;
   for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
     if (!path.starts_with(folder)) continue;
-    int number = -1;
-    const char* const end = path.data() + path.size();
-    const auto [stop, failure] = std::from_chars(path.data() + folder.size(), end, number);
-    if (failure == std::errc{} && stop == end) return number;
+    if (const auto number = NumberFrom<int>(path.substr(folder.size()))) return number;
   }
   return std::nullopt;
 }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <thread>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
 #include "trial/import/import_options.h"
 
@@ -64,13 +66,6 @@ Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
 
 namespace {
 
-std::vector<std::string> FormatNames() {
-  std::vector<std::string> names;
-  names.reserve(trial::TableFormats().size());
-  for (const trial::TableFormatFacts& facts : trial::TableFormats()) names.emplace_back(facts.name);
-  return names;
-}
-
 Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, const char* example) {
   if (!scale) return std::optional<double>{};
   if (scale->value == 0) return Usage("--scale", "must not be 0", example);
@@ -97,7 +92,8 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
                     Shown::kHelpAll);
   }
   if (!has_format) {
-    options->Choice("--format", &words->format, FormatNames(),
+    options->Choice("--format", &words->format,
+                    Mapped<std::string>(trial::TableFormats(), &trial::TableFormatFacts::name),
                     "Layout of a foreign table, in place of the one that its first lines state",
                     Shown::kHelpAll);
   }
@@ -128,6 +124,11 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   options.channel = words.channel;
   if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);
   return options;
+}
+
+int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(asked.value_or(std::min(cores, most)));
 }
 
 Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::string>& words,

@@ -62,6 +62,9 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled:
 /// columns, a format that is not known.
 [[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words);
 
+/// Threads as asked for, otherwise as many as there are cores, `most` at most.
+[[nodiscard]] int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most);
+
 /// "subject=3" and its like, split at the first '='; the last word on a key counts.
 ///
 /// Errors (Cause::kUsage), naming `option`: a word without '=' or without a key.

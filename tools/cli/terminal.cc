@@ -59,6 +59,12 @@ int WorseStatus(int a, int b) {
   return rank(b) > rank(a) ? b : a;
 }
 
+int ReportErrors(std::string_view verb, const std::vector<Error>& errors) {
+  int status = 0;
+  for (const Error& error : errors) status = WorseStatus(status, ReportError(verb, error));
+  return status;
+}
+
 void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
 
 void HoldStandardStreams() {

@@ -21,6 +21,9 @@ namespace haptometer::cli {
 /// wrongly) before 3 (not answered) before 0. Any other status, an interruption, comes before all.
 [[nodiscard]] int WorseStatus(int a, int b);
 
+/// Reports each error. Returns the worst of their statuses, 0 of none.
+[[nodiscard]] int ReportErrors(std::string_view verb, const std::vector<Error>& errors);
+
 /// Keeps the numbers of standard input, output and error from files that are opened later, where a
 /// caller closed them: written to, they fail.
 void HoldStandardStreams();

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <variant>
 
+#include "base/mapped.h"
 #include "base/toml.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/sensor_options.h"
@@ -120,13 +121,10 @@ Result<DaemonConfig> Read(TomlTable table) {
     config.sensors.push_back(ReadSensor(*sensor, labels));
   }
   if (auto done = table.Finish(); !done) return std::unexpected(done.error());
-  if (auto checked =
-          CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file");
-      !checked) {
-    return std::unexpected(checked.error());
-  }
-  if (auto checked = CheckSensors(config, table.where()); !checked) {
-    return std::unexpected(checked.error());
+  for (const auto& checked :
+       {CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file"),
+        CheckSensors(config, table.where())}) {
+    if (!checked) return std::unexpected(checked.error());
   }
   return config;
 }
@@ -209,12 +207,7 @@ SensorOptions ReadSensorKeys(TomlTable& table) {
   return options;
 }
 
-std::vector<std::string_view> SensorKeyNames() {
-  std::vector<std::string_view> names;
-  names.reserve(kKeys.size());
-  for (const SensorKey& key : kKeys) names.push_back(key.name);
-  return names;
-}
+std::vector<std::string_view> SensorKeyNames() { return Mapped(kKeys, &SensorKey::name); }
 
 namespace {
 

@@ -30,9 +30,9 @@ using document::Section;
 using document::TextOrNotKnown;
 using nlohmann::ordered_json;
 
-constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForDevice,
-                             LoopState::kRecording,      LoopState::kAway,
-                             LoopState::kWaitingForDisk, LoopState::kStopped};
+// in the order of LoopState
+constexpr std::array<std::string_view, 6> kStateNames{"starting", "waiting for device", "recording",
+                                                      "away",     "waiting for disk",   "stopped"};
 
 // the names are those of the answer on the socket too, which ParseStatus() reads
 constexpr Key kConfig{"config"};
@@ -82,12 +82,12 @@ std::optional<double> Number(const ordered_json& object, const Key& key) {
 
 std::optional<SensorStatus> FromJson(const ordered_json& object) {
   const std::string state = Text(object, kState);
-  const auto found = std::ranges::find_if(kStates, [&](LoopState s) { return Name(s) == state; });
-  if (!object.is_object() || found == kStates.end()) return std::nullopt;
+  const auto* const found = std::ranges::find(kStateNames, state);
+  if (!object.is_object() || found == kStateNames.end()) return std::nullopt;
   return SensorStatus{.name = Text(object, document::kName),
                       .port = Text(object, document::kPort),
                       .sensor = Text(object, document::kSensor),
-                      .state = *found,
+                      .state = static_cast<LoopState>(found - kStateNames.begin()),
                       .since_utc = Text(object, kSince),
                       .file = Text(object, document::kFile),
                       .readings = Count(object, document::kReadings),
@@ -102,23 +102,7 @@ std::optional<SensorStatus> FromJson(const ordered_json& object) {
 
 }  // namespace
 
-std::string_view Name(LoopState state) {
-  switch (state) {
-    case LoopState::kStarting:
-      return "starting";
-    case LoopState::kWaitingForDevice:
-      return "waiting for device";
-    case LoopState::kRecording:
-      return "recording";
-    case LoopState::kAway:
-      return "away";
-    case LoopState::kWaitingForDisk:
-      return "waiting for disk";
-    case LoopState::kStopped:
-      return "stopped";
-  }
-  return "";
-}
+std::string_view Name(LoopState state) { return kStateNames.at(static_cast<std::size_t>(state)); }
 
 document::Document StatusDocument(const DaemonStatus& status) {
   document::Document document{.verb = "acquire",
@@ -130,10 +114,8 @@ document::Document StatusDocument(const DaemonStatus& status) {
   for (const SensorStatus& sensor : status.sensors) {
     sensors.sections.push_back(SensorSection(sensor));
     if (sensor.last_error.empty()) continue;
-    root.findings.push_back({.kind = "last-error",
-                             .text = "last error: " + sensor.last_error,
-                             .subject = sensor.name,
-                             .numbers = {}});
+    root.findings.push_back(
+        {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
   }
   root.sections = {std::move(sensors)};
   return document;
@@ -141,8 +123,7 @@ document::Document StatusDocument(const DaemonStatus& status) {
 
 std::string StatusJson(const DaemonStatus& status) {
   document::Document document = StatusDocument(status);
-  document.provenance = {
-      .version = HAPTOMETER_VERSION, .command = {}, .utc = status.utc, .inputs = {}};
+  document.provenance = {.version = HAPTOMETER_VERSION, .utc = status.utc};
   return document::JsonOf(document);
 }
 

@@ -13,6 +13,7 @@
 #include "acquire/findings.h"
 #include "base/finding.h"
 #include "dsp/findings.h"
+#include "dsp/statistics/distributions.h"
 #include "sim/findings.h"
 #include "tools/document/number_text.h"
 #include "tools/document/provenance.h"
@@ -45,11 +46,7 @@ struct Key {
   [[nodiscard]] constexpr Key As(Form other) const { return {name, label, unit, other}; }
 };
 
-/// Two ends: of a window, an interval, a band.
-struct Range {
-  double lower = 0;
-  double upper = 0;
-};
+using Range = dsp::Interval;  ///< two ends: of a window, an interval, a band
 
 using AnyValue =
     std::variant<std::monostate, bool, std::int64_t, double, std::string, Range,
@@ -75,14 +72,20 @@ struct Value : AnyValue {
 };
 
 /// The text; not known where it is empty.
-[[nodiscard]] inline Value TextOrNotKnown(std::string text) {
-  return text.empty() ? Value() : Value(std::move(text));
+[[nodiscard]] inline Value TextOrNotKnown(std::string_view text) {
+  return text.empty() ? Value() : Value(text);
+}
+
+/// A member of what is known; not known of nothing.
+template <typename T, typename Member>
+[[nodiscard]] Value MemberOf(const std::optional<T>& known, Member T::* member) {
+  return known ? Value((*known).*member) : Value();
 }
 
 /// A value with all that is known of it, in the value's SI unit.
 struct Item {
-  std::string name;
-  std::string label;
+  std::string name{};
+  std::string label{};
   Unit unit = kNone;
   Form form = Form::kNumber;
   Value value{};
@@ -108,9 +111,9 @@ struct Figure {
 struct Finding {
   std::string_view kind;  ///< "few-readings"
   Severity severity = Severity::kNote;
-  std::string text;     ///< one sentence without a full stop
-  std::string subject;  ///< file, channel, record; empty: the whole
-  std::vector<FindingNumber> numbers;
+  std::string text{};     ///< one sentence without a full stop
+  std::string subject{};  ///< file, channel, record; empty: the whole
+  std::vector<FindingNumber> numbers{};
 };
 
 /// A part of a document, shown in the order of its members.
@@ -140,9 +143,17 @@ struct Section {
   Item& Add(const Key& key, Value value, std::optional<double> standard_uncertainty = {});
 };
 
+/// `section`, a table unless it says so, with what `to_section` makes of each element of the list.
+template <typename List, typename ToSection>
+[[nodiscard]] Section ListOf(Section section, const List& list, const ToSection& to_section) {
+  if (section.shape == Section::Shape::kObject) section.shape = Section::Shape::kTable;
+  for (const auto& element : list) section.sections.push_back(to_section(element));
+  return section;
+}
+
 struct Document {
   std::string verb;         ///< "analyze"
-  std::string title;        ///< the first line, and the page's title
+  std::string title{};      ///< the first line, and the page's title
   Provenance provenance{};  ///< filled by Present()
   Section root{};
 };

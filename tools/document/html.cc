@@ -2,13 +2,110 @@
 
 #include <utility>
 
+#include "base/error.h"
+#include "base/text.h"
 #include "tools/document/render.h"
-#include "tools/report/html_page.h"
 
 namespace haptometer::document {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
+
+// one column that a narrow screen and A4 both hold; on paper no figure or row is cut in two
+constexpr std::string_view kStyle = R"(
+body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #222; max-width: 60rem;
+       margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: 0; overflow-wrap: anywhere; }
+h2 { font-size: 1.2rem; margin-top: 2rem; border-bottom: 1px solid #ccc; }
+p.subtitle { color: #555; margin-top: .2rem; overflow-wrap: anywhere; }
+p.warning { border-left: .3rem solid #d55e00; background: #fdf3ec; padding: .5rem 1rem; }
+h3 { font-size: 1rem; margin: 1.5rem 0 .3rem; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .25rem .75rem .25rem 0;
+         border-bottom: 1px solid #e4e4e4; overflow-wrap: anywhere; }
+thead th { border-bottom: 2px solid #888; }
+tbody th { font-weight: normal; color: #555; width: 11rem; }
+figure { margin: 1.5rem 0; }
+figure svg { width: 100%; height: auto; }
+figcaption { color: #555; font-size: .9rem; }
+@media print {
+  body { margin: 0; max-width: none; font-size: 10pt; }
+  figure, tr, p.warning { break-inside: avoid; }
+  h2, h3 { break-after: avoid; }
+}
+)";
+
+// `text`, printable, with the characters that mean something to HTML written out
+std::string Escaped(std::string_view text) {
+  std::string escaped;
+  for (const char c : PrintableLines(text)) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+// a drawing without what only a file of its own begins with
+std::string_view SvgElement(std::string_view svg) {
+  const std::size_t begin = svg.find("<svg");
+  return begin == std::string_view::npos ? svg : svg.substr(begin);
+}
+
+// The body of a page while it grows. It needs nothing from elsewhere, and all text is escaped here.
+struct HtmlWriter {
+  std::string body{};
+  int figures = 0;
+
+  // `tag` with its attributes: "p class=\"warning\""
+  void Add(std::string_view tag, std::string_view text) {
+    body += fmt::format("<{}>{}</{}>\n", tag, Escaped(text), tag.substr(0, tag.find(' ')));
+  }
+
+  // a row's first cell is its heading; `header` may be empty
+  void AddRows(const std::vector<std::string>& header, const Rows& rows) {
+    if (header.empty() && rows.empty()) return;
+    body += "<table>\n";
+    if (!header.empty()) {
+      body += "<thead><tr>";
+      for (const std::string& cell : header) {
+        body += fmt::format("<th scope=\"col\">{}</th>", Escaped(cell));
+      }
+      body += "</tr></thead>\n";
+    }
+    body += "<tbody>\n";
+    for (const std::vector<std::string>& row : rows) {
+      body += fmt::format("<tr><th scope=\"row\">{}</th>", Escaped(row.front()));
+      for (std::size_t i = 1; i < row.size(); ++i) {
+        body += fmt::format("<td>{}</td>", Escaped(row[i]));
+      }
+      body += "</tr>\n";
+    }
+    body += "</tbody>\n</table>\n";
+  }
+
+  Result<void> AddFigure(const Figure& figure) {
+    const auto svg = plot::DrawSvg(figure.panels);
+    if (!svg) return std::unexpected(svg.error());
+    body += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
+                        SvgElement(*svg), ++figures, Escaped(figure.caption));
+    return {};
+  }
+
+  // a line of one table for each, because each row of the table may have one
+  void AddBelow(const Section& table);
+  void AddTable(const Section& table);
+  // `level`: 0 of the document's own parts
+  Result<void> AddSection(const Section& section, int level);
+};
 
 // label and value of each item
 void AddItemRows(const Section& section, Rows& rows) {
@@ -18,15 +115,7 @@ void AddItemRows(const Section& section, Rows& rows) {
   }
 }
 
-void AddItems(const Section& section, report::HtmlPage& page) {
-  Rows rows;
-  if (!section.sources.empty()) rows.push_back({"data", SourcesText(section.sources)});
-  AddItemRows(section, rows);
-  if (!rows.empty()) page.Table({}, rows);
-}
-
-// a line of one table for each, because each row of the table may have one
-void AddBelow(const Section& table, report::HtmlPage& page) {
+void HtmlWriter::AddBelow(const Section& table) {
   Rows rows;
   for (const Section* below : SectionsBelow(table)) {
     Rows items;
@@ -37,43 +126,43 @@ void AddBelow(const Section& table, report::HtmlPage& page) {
     }
     if (!text.empty()) rows.push_back({below->heading, std::move(text)});
   }
-  if (!rows.empty()) page.Table({}, rows);
+  AddRows({}, rows);
 }
 
-void AddTable(const Section& table, report::HtmlPage& page) {
+void HtmlWriter::AddTable(const Section& table) {
   const std::vector<Column> columns = ColumnsOf(table);
+  if (columns.empty()) return;
   std::vector<std::string> head;
   Rows rows(table.sections.size());
   for (const Column& column : columns) {
     head.push_back(column.heading);
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].push_back(column.cells[k]);
   }
-  if (!columns.empty()) page.Table(head, rows);
+  AddRows(head, rows);
 }
 
-// `level`: 0 of the document's own parts
-Result<void> AddSection(const Section& section, int level, report::HtmlPage& page) {
+Result<void> HtmlWriter::AddSection(const Section& section, int level) {
   if (!IsShown(section)) return {};
-  if (!section.heading.empty()) {
-    level == 0 ? page.Section(section.heading) : page.Subsection(section.heading);
-    ++level;
-  }
+  if (!section.heading.empty()) Add(level++ == 0 ? "h2" : "h3", section.heading);
   // refusals and doubts stand out
   for (const Finding& finding : section.findings) {
-    const std::string text = FindingText(finding, section.heading);
-    finding.severity == Severity::kNote ? page.Paragraph(text) : page.Warning(text);
+    Add(finding.severity == Severity::kNote ? "p" : "p class=\"warning\"",
+        FindingText(finding, section.heading));
   }
-  AddItems(section, page);
+  Rows items;
+  if (!section.sources.empty()) items.push_back({"data", SourcesText(section.sources)});
+  AddItemRows(section, items);
+  AddRows({}, items);
   for (const Figure& figure : section.figures) {
-    if (auto drawn = page.Figure(figure.caption, figure.panels); !drawn) return drawn;
+    if (auto drawn = AddFigure(figure); !drawn) return drawn;
   }
   if (section.shape == Section::Shape::kTable) {
-    AddTable(section, page);
-    AddBelow(section, page);
+    AddTable(section);
+    AddBelow(section);
     return {};
   }
   for (const Section& inner : section.sections) {
-    if (auto added = AddSection(inner, level, page); !added) return added;
+    if (auto added = AddSection(inner, level); !added) return added;
   }
   return {};
 }
@@ -82,9 +171,11 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
 
 Result<std::string> HtmlOf(const Document& document) {
   const Provenance& provenance = document.provenance;
-  report::HtmlPage page(document.title, fmt::format("haptometer {}, {}: {}", provenance.version,
-                                                    provenance.utc, provenance.command));
-  if (auto added = AddSection(document.root, 0, page); !added) {
+  HtmlWriter page;
+  page.Add("h1", document.title);
+  page.Add("p class=\"subtitle\"", fmt::format("haptometer {}, {}: {}", provenance.version,
+                                               provenance.utc, provenance.command));
+  if (auto added = page.AddSection(document.root, 0); !added) {
     return std::unexpected(added.error());
   }
   Rows inputs;
@@ -92,10 +183,14 @@ Result<std::string> HtmlOf(const Document& document) {
     inputs.push_back({input.path, fmt::format("{}", input.bytes), input.sha256});
   }
   if (!inputs.empty()) {
-    page.Section("Inputs");
-    page.Table({"file", "bytes", "SHA-256"}, inputs);
+    page.Add("h2", "Inputs");
+    page.AddRows({"file", "bytes", "SHA-256"}, inputs);
   }
-  return page.Html();
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      Escaped(document.title), kStyle, page.body);
 }
 
 }  // namespace haptometer::document

@@ -1,8 +1,8 @@
-#include "tools/cli/json.h"
-
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/document/keys.h"
 #include "tools/document/render.h"
@@ -12,9 +12,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// the value; a number that is not finite is null
 struct JsonVisitor {
   Json operator()(std::monostate) const { return nullptr; }
-  Json operator()(double number) const { return cli::NumberOrNull(number); }
+  Json operator()(double number) const { return std::isfinite(number) ? Json(number) : Json(); }
   Json operator()(const Range& range) const {
     return (*this)(std::vector{range.lower, range.upper});
   }
@@ -33,6 +34,14 @@ struct JsonVisitor {
 Json ValueJson(const Value& value, bool is_known) {
   if (!is_known || !value.IsKnown()) return nullptr;
   return std::visit(JsonVisitor{}, static_cast<const AnyValue&>(value));
+}
+
+Json TextOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+// Indented, with a line end. Names and paths may hold bytes that are no UTF-8; they become U+FFFD.
+// What is not printable stands as its \u escape, so a terminal shows the document as it is.
+std::string JsonText(const Json& json) {
+  return PrintableLines(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 Json JsonOfSection(const Section& section);
@@ -88,16 +97,15 @@ Json FindingJson(const Finding& finding) {
   return {{kKind.name, finding.kind},
           {"severity", NameOf(finding.severity)},
           {kText.name, finding.text},
-          {kSubject.name, cli::TextOrNull(finding.subject)},
+          {kSubject.name, TextOrNull(finding.subject)},
           {"numbers", numbers}};
 }
 
 Json ProvenanceJson(const Provenance& provenance) {
   Json inputs = Json::array();
   for (const InputFile& input : provenance.inputs) {
-    inputs.push_back({{"path", input.path},
-                      {kBytes.name, input.bytes},
-                      {"sha256", cli::TextOrNull(input.sha256)}});
+    inputs.push_back(
+        {{"path", input.path}, {kBytes.name, input.bytes}, {"sha256", TextOrNull(input.sha256)}});
   }
   return {{"version", provenance.version},
           {kCommand.name, provenance.command},
@@ -136,10 +144,10 @@ std::string JsonOf(const Document& document) {
     }
   }
   json["provenance"] = ProvenanceJson(document.provenance);
-  return cli::JsonText(json);
+  return JsonText(json);
 }
 
-std::string JsonOf(const Section& section) { return cli::JsonText(ObjectOf(section)); }
+std::string JsonOf(const Section& section) { return JsonText(ObjectOf(section)); }
 
 std::string CsvOf(const Section& table, const Provenance& provenance) {
   std::string csv = CommentOf(provenance, "# ");

@@ -1,6 +1,7 @@
 #include "tools/document/present.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -9,7 +10,6 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/render.h"
-#include "tools/report/html_page.h"
 
 namespace haptometer::document {
 namespace {
@@ -65,7 +65,11 @@ Result<void> CheckOutputs(const Outputs& outputs) {
   if (!outputs.plot.empty()) {
     if (auto good = plot::CheckPlotPath(outputs.plot); !good) return good;
   }
-  return outputs.report.empty() ? Result<void>{} : report::CheckReportPath(outputs.report);
+  if (outputs.report.empty()) return {};
+  if (std::filesystem::path(outputs.report).extension() != ".html") {
+    return Usage(outputs.report, "is to be a report, which is a page", "give it the ending .html");
+  }
+  return cli::CheckOutput(outputs.report, cli::kPageOutput, false);
 }
 
 Provenance ProvenanceOf(std::string_view verb, int argc, const char* const* argv) {

@@ -21,7 +21,7 @@ struct Outputs {
 };
 
 /// Whether the picture and the page can be written; to be asked before long work. Errors: as
-/// plot::CheckPlotPath and report::CheckReportPath.
+/// plot::CheckPlotPath and cli::CheckOutput; Cause::kUsage where the page does not end in .html.
 [[nodiscard]] Result<void> CheckOutputs(const Outputs& outputs);
 
 /// The provenance of what a verb answers now. `argv` is the verb's own: its first word is not

@@ -51,10 +51,8 @@ InputFile InputOf(const NotedInput& noted) {
 }  // namespace
 
 Provenance CollectProvenance(const std::vector<std::string>& command) {
-  Provenance provenance{.version = HAPTOMETER_VERSION,
-                        .command = cli::CommandLine(command),
-                        .utc = UtcNow(),
-                        .inputs = {}};
+  Provenance provenance{
+      .version = HAPTOMETER_VERSION, .command = cli::CommandLine(command), .utc = UtcNow()};
   for (const NotedInput& noted : NotedInputs()) provenance.inputs.push_back(InputOf(noted));
   return provenance;
 }

@@ -20,10 +20,10 @@ struct InputFile {
 
 /// How a result came about.
 struct Provenance {
-  std::string version;
-  std::string command;  ///< as a shell takes it (tools/cli/terminal.h)
-  std::string utc;      ///< when the result was written, "2026-11-23T05:06:07Z"
-  std::vector<InputFile> inputs;
+  std::string version{};
+  std::string command{};  ///< as a shell takes it (tools/cli/terminal.h)
+  std::string utc{};      ///< when the result was written, "2026-11-23T05:06:07Z"
+  std::vector<InputFile> inputs{};
 };
 
 /// The provenance of what this process answers now: the inputs are those of base/input_file.h, in

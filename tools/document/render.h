@@ -44,7 +44,7 @@ namespace haptometer::document {
 struct Column {
   std::string heading;
   bool is_text = false;  ///< no cell is a number
-  std::vector<std::string> cells;
+  std::vector<std::string> cells{};
 };
 
 /// One for each labelled item of a row and of the sections within it without a heading, of which

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "tools/document/render.h"
 
 namespace haptometer::document {
@@ -64,7 +65,7 @@ std::string CellText(const Item& item, const SpokenUnit& unit) {
 void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
   for (const Item& item : section.items) {
     if (item.label.empty()) continue;
-    cells.push_back(is_known ? item : Item{.name = {}, .label = item.label, .unit = item.unit});
+    cells.push_back(is_known ? item : Item{.label = item.label, .unit = item.unit});
   }
   for (const Section& inner : section.sections) {
     if (inner.heading.empty()) AddCells(inner, is_known && inner.is_known, cells);
@@ -84,7 +85,7 @@ Column ColumnOf(const std::vector<Item>& items) {
   double size = 0;
   for (const Item& item : items) size = std::max(size, SizeOf(item));
   const bool is_one = AreInOneUnit(items);
-  Column column{.heading = items.front().label, .is_text = true, .cells = {}};
+  Column column{.heading = items.front().label, .is_text = true};
   const std::string_view heading_unit = is_one ? items.front().unit.For(size).symbol : "";
   if (!heading_unit.empty()) column.heading += fmt::format(" / {}", heading_unit);
   for (const Item& item : items) {
@@ -236,10 +237,8 @@ std::string FindingText(const Finding& finding, std::string_view heading) {
 }
 
 std::string SourcesText(const std::vector<DataSource>& sources) {
-  std::vector<std::string_view> names;
-  names.reserve(sources.size());
-  for (const DataSource source : sources) names.push_back(NameOf(source));
-  return fmt::format("{}", fmt::join(names, ", "));
+  const auto name = [](DataSource source) { return NameOf(source); };
+  return fmt::format("{}", fmt::join(Mapped(sources, name), ", "));
 }
 
 std::string TextOf(const Section& section, Detail detail) {

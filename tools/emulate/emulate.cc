@@ -33,18 +33,6 @@
 
 namespace haptometer::tools {
 
-/// An emulated device, and what to say of it once it is ready.
-struct ModbusEmulation {
-  std::unique_ptr<acquire::emulator::Device> device;
-  std::string remark;
-};
-
-/// The Modbus sensor of `profile` (a built-in name or a file) before what `head` sees, whose
-/// settings are replaced by the profile's. Errors: those of the profile.
-[[nodiscard]] Result<ModbusEmulation> EmulateModbus(const std::string& profile, bool over_tcp,
-                                                    acquire::emulator::MovingHead head,
-                                                    const acquire::emulator::FaultPlan& faults);
-
 namespace {
 
 namespace emulator = acquire::emulator;
@@ -307,11 +295,26 @@ Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
   return Played{std::make_unique<emulator::StreamHead>(std::move(setup)), std::move(remark)};
 }
 
+// the head's settings are replaced by the profile's
 Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
-  auto made = EmulateModbus(wanted.profile, !wanted.tcp.empty(), std::move(head), faults);
-  if (!made) return std::unexpected(made.error());
-  return Played{std::move(made->device), std::move(made->remark)};
+  const bool over_tcp = !wanted.tcp.empty();
+  auto found = acquire::FindProfile(wanted.profile);
+  if (!found) return std::unexpected(found.error());
+  emulator::ModbusUnitSetup setup;
+  setup.profile = std::move(*found);
+  setup.framing = over_tcp ? acquire::ModbusFraming::kTcp : acquire::ModbusFraming::kRtu;
+  setup.head = std::move(head);
+  setup.head.head = emulator::HeadOf(setup.profile);
+  setup.faults = faults;
+  std::string remark = fmt::format(
+      "{} as Modbus slave {}, {:g} mm from what moves, sampled every {:g} ms", setup.profile.name,
+      setup.profile.wire.slave, 1e3 * setup.standoff_m, 1e3 * setup.head.head.sampling_s);
+  if (!over_tcp) {
+    remark += fmt::format("; at {} baud at most {:.1f} readings/s", setup.profile.wire.baud,
+                          1 / SecondsFromNs(acquire::RtuPeriodNs(setup.profile)));
+  }
+  return Played{std::make_unique<emulator::ModbusUnit>(std::move(setup)), std::move(remark)};
 }
 
 Result<Played> MakeDevice(const Wanted& wanted) {
@@ -389,28 +392,6 @@ int RunEmulate(int argc, const char* const* argv) {
   cli::CatchInterrupts();
   if (auto done = Emulate(wanted); !done) return cli::ReportError(kVerb, done.error());
   return cli::InterruptedStatus(0);
-}
-
-Result<ModbusEmulation> EmulateModbus(const std::string& profile, bool over_tcp,
-                                      acquire::emulator::MovingHead head,
-                                      const acquire::emulator::FaultPlan& faults) {
-  auto found = acquire::FindProfile(profile);
-  if (!found) return std::unexpected(found.error());
-  acquire::emulator::ModbusUnitSetup setup;
-  setup.profile = std::move(*found);
-  setup.framing = over_tcp ? acquire::ModbusFraming::kTcp : acquire::ModbusFraming::kRtu;
-  setup.head = std::move(head);
-  setup.head.head = acquire::emulator::HeadOf(setup.profile);
-  setup.faults = faults;
-  std::string remark = fmt::format(
-      "{} as Modbus slave {}, {:g} mm from what moves, sampled every {:g} ms", setup.profile.name,
-      setup.profile.wire.slave, 1e3 * setup.standoff_m, 1e3 * setup.head.head.sampling_s);
-  if (!over_tcp) {
-    remark += fmt::format("; at {} baud at most {:.1f} readings/s", setup.profile.wire.baud,
-                          1 / SecondsFromNs(acquire::RtuPeriodNs(setup.profile)));
-  }
-  return ModbusEmulation{std::make_unique<acquire::emulator::ModbusUnit>(std::move(setup)),
-                         std::move(remark)};
 }
 
 namespace {

@@ -8,10 +8,12 @@
 #include "base/error.h"
 #include "base/finding.h"
 #include "base/quantity.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/impulse_record.h"
 #include "fit/drop_test/prepared_record.h"
+#include "tools/document/document.h"
 #include "tools/document/provenance.h"
-#include "tools/fit/actuator_options.h"
+#include "tools/fit/actuator.h"
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {
@@ -99,5 +101,21 @@ struct DropsFile {
 
 /// The same out of text; `path` is the file's name for errors and for what lies beside it.
 [[nodiscard]] Result<DropsFile> ReadDropsText(std::string_view text, const std::string& path);
+
+/// Everything that fit-lra answers.
+struct FitLraAnswer {
+  FitLraInput input;
+  std::optional<fit::DropTestFit> fit{};  ///< absent: no record could be fitted
+  fit::Findings doubts{};                 ///< what is unlike an actuator
+  std::vector<std::string> required{};    ///< "Km": constants without which there is no answer
+};
+
+/// What the findings of statements say.
+[[nodiscard]] document::Sentence SentenceOf(StatementFinding kind);
+
+/// The answer as a document (docs/reference/fit-lra.md): the constants, the budget of their
+/// uncertainties, records, given numbers, and what was found; where nothing could be fitted, the
+/// same keys without values. Its figures, where they are asked for, are those of FitLraFigures.
+[[nodiscard]] document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures);
 
 }  // namespace haptometer::tools

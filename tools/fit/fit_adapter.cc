@@ -103,8 +103,7 @@ Section ConstantsOf(const fit::AdapterFit& fit) {
 
 Section ResonanceOf(const fit::AdapterFit& fit) {
   Section section;
-  AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
-  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
+  AddResonance(section, fit.natural_frequency, fit.quality_factor);
   return section;
 }
 
@@ -152,17 +151,16 @@ Section TapOf(const fit::FittedTap& tap) {
 
 document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& mass_kg,
                                    const Taps& taps) {
-  document::Document document{.verb = std::string(kVerb), .title = {}};
+  document::Document document{.verb = std::string(kVerb)};
   document.title = fit.taps.empty() ? "Constants of an adapter: no tap could be fitted"
                    : fit.taps.size() == 1
                        ? fmt::format("Constants of an adapter from {}", fit.taps[0].name)
                        : fmt::format("Constants of an adapter from {} taps", fit.taps.size());
   Section& root = document.root;
   root.sources = taps.sources;
-  Section list{.name = "taps", .shape = Section::Shape::kArray, .detail = Detail::kAll};
-  for (const fit::FittedTap& tap : fit.taps) list.sections.push_back(TapOf(tap));
   root.sections = {ConstantsOf(fit), ResonanceOf(fit), MassOf(fit, mass_kg), BirgeOf(fit),
-                   std::move(list)};
+                   ListOf({.name = "taps", .shape = Section::Shape::kArray, .detail = Detail::kAll},
+                          fit.taps, TapOf)};
   AddLeftOut(root, taps.left_out);
   document::AddFindings(root, fit.findings);
   document::AddFindings(root, taps.reading);
@@ -205,10 +203,7 @@ int RunFitAdapter(int argc, const char* const* argv) {
 
   Taps taps = ReadTaps(files, *import);
   const fit::AdapterFit fit = FitTaps(taps, *mass_kg);
-  int status = 0;
-  for (const Error& error : taps.left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
+  const int status = cli::ReportErrors(kVerb, taps.left_out);
   if (fit.taps.empty() && !IsShownEmpty(outputs)) return status;
   return cli::WorseStatus(
       status, document::Present(AdapterDocument(fit, *mass_kg, taps), outputs, argc, argv));

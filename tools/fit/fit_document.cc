@@ -56,6 +56,11 @@ std::string AmountText(double value, double standard_uncertainty, std::string_vi
                      spoken.empty() ? "" : " ", spoken);
 }
 
+void AddResonance(Section& section, const FittedValue& frequency, const FittedValue& quality) {
+  AddFitted(section, document::kNaturalFrequency, frequency);
+  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), quality);
+}
+
 Section InputsSection(const std::vector<fit::InputInfluence>& influences) {
   Section table{.name = document::kInputs.name,
                 .heading = "given, and the change in percent by 1 % of it (rebound: of 1 + e)",
@@ -134,8 +139,7 @@ void AddLeftOut(Section& section, const std::vector<Error>& errors) {
     section.findings.push_back({.kind = "left-out",
                                 .severity = Severity::kRefusal,
                                 .text = Error{error.cause, {}, error.what, error.remedy}.Text(),
-                                .subject = error.where,
-                                .numbers = {}});
+                                .subject = error.where});
   }
 }
 

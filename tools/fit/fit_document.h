@@ -33,6 +33,10 @@ document::Item& AddFitted(document::Section& section, const document::Key& key,
 [[nodiscard]] std::string AmountText(double value, double standard_uncertainty,
                                      std::string_view symbol);
 
+/// `natural_frequency` and `quality_factor`.
+void AddResonance(document::Section& section, const fit::FittedValue& frequency,
+                  const fit::FittedValue& quality);
+
 /// `inputs`: the given numbers, and by how many percent 1 % of each moves Kv, Bv and Km.
 [[nodiscard]] document::Section InputsSection(const std::vector<fit::InputInfluence>& influences);
 

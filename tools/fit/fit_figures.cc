@@ -61,7 +61,7 @@ plot::Series Curve(const ImpulseRecord& record, Rows rows, std::string title, pl
     x[n] = TimeMs(record, rows.first + n);
     y[n] = value(rows.first + n);
   }
-  plot::Series series{std::move(title), style, {}, {}};
+  plot::Series series{std::move(title), style};
   plot::AppendEnvelope(x, y, kSlices, &series.x, &series.y);
   return series;
 }
@@ -165,7 +165,7 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
 // a density on logarithmic axes: its means over cells of equal width there, which hold one line at
 // the low end and many at the high one. The line at 0 has no place on such an axis
 plot::Series InCells(std::string title, plot::Colour colour, const dsp::PowerSpectrum& spectrum) {
-  plot::Series series{std::move(title), plot::Lines(colour), {}, {}};
+  plot::Series series{std::move(title), plot::Lines(colour)};
   const auto cell_of = [](std::size_t line) {
     return std::floor(kCellsADecade * std::log10(static_cast<double>(line)));
   };
@@ -280,8 +280,7 @@ std::string PoleTitle(const FittedRecord& fitted, std::size_t records) {
 
 // the pole of `fitted` with its region, and where the searches of all that share it began
 plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord>& records) {
-  plot::Series starts{
-      "start", plot::Style{plot::Mark::kPoints, plot::kOrange, 2, 1, 0.8, 2}, {}, {}};
+  plot::Series starts{"start", plot::Style{plot::Mark::kPoints, plot::kOrange, 2, 1, 0.8, 2}};
   for (const FittedRecord& record : records) {
     if (!record.pole.determined || !ShareAPole(record, fitted)) continue;
     const double decay = record.start.decay_per_s;
@@ -289,7 +288,7 @@ plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord
     starts.x.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
     starts.y.push_back(decay);
   }
-  plot::Series ellipse{"95 % region", plot::Lines(plot::kBlue), {}, {}};
+  plot::Series ellipse{"95 % region", plot::Lines(plot::kBlue)};
   for (const fit::PolePlace& place : fit::EllipseOf(fitted.pole, kEllipsePoints)) {
     ellipse.x.push_back(place.frequency_hz);
     ellipse.y.push_back(place.decay_per_s);

@@ -12,10 +12,9 @@
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_fit.h"
 #include "tools/document/keys.h"
-#include "tools/fit/actuator_options.h"
+#include "tools/fit/actuator.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
-#include "tools/fit/saved_actuator.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
 
@@ -87,8 +86,7 @@ Section RatiosSection(const ImpedanceFit& fit) {
 
 Section CircuitSection(const ImpedanceFit& fit) {
   Section section;
-  AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
-  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
+  AddResonance(section, fit.natural_frequency, fit.quality_factor);
   AddFitted(section, {"resistance", "resistance R", document::kOhm, Form::kEstimate},
             fit.resistance);
   AddFitted(section, {"inductance", "inductance L", document::kHenry, Form::kEstimate},

@@ -14,10 +14,9 @@
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
+#include "tools/fit/actuator.h"
 #include "tools/fit/drop_records.h"
 #include "tools/fit/fit_document.h"
-#include "tools/fit/fit_lra_document.h"
-#include "tools/fit/saved_actuator.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -142,10 +141,7 @@ int RunFitLra(int argc, const char* const* argv) {
   if (!input) return cli::ReportError(kVerb, input.error());
 
   const FitLraAnswer answer = Answer(std::move(*input), wanted);
-  int status = 0;
-  for (const Error& error : answer.input.left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
+  int status = cli::ReportErrors(kVerb, answer.input.left_out);
   files.outputs.json = options.json();
   if (!answer.fit && !IsShownEmpty(files.outputs)) return status;
   document::Document document = FitLraDocument(answer, files.outputs.HasFigures());

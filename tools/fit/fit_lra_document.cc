@@ -1,5 +1,3 @@
-#include "tools/fit/fit_lra_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "tools/document/findings_fit.h"
 #include "tools/document/keys.h"
+#include "tools/fit/drop_records.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 
@@ -255,14 +254,6 @@ Section RecordSection(const fit::FittedRecord& record) {
   return section;
 }
 
-Section RecordsSection(const DropTestFit& fit) {
-  Section records{.name = "records", .shape = Section::Shape::kArray, .detail = Detail::kAll};
-  for (const fit::FittedRecord& record : fit.records) {
-    records.sections.push_back(RecordSection(record));
-  }
-  return records;
-}
-
 Section SearchSection(const DropTestFit& fit) {
   Section search{.heading = "search", .detail = Detail::kAll};
   search.Add(document::kConverged, fit.converged);
@@ -345,14 +336,16 @@ document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures) 
   document::Document document{.verb = "fit-lra", .title = TitleOf(answer)};
   Section& root = document.root;
   root.sources = input.sources;
-  root.sections = {ConstantsSection(fit.stiffness, fit.damping, fit.force_constant),
-                   ResonanceSection(fit),
-                   MassSection(fit),
-                   BudgetSection(fit),
-                   CorrelationSection(fit),
-                   RecordsSection(fit),
-                   InputsSection(fit.influences),
-                   SearchSection(fit)};
+  root.sections = {
+      ConstantsSection(fit.stiffness, fit.damping, fit.force_constant),
+      ResonanceSection(fit),
+      MassSection(fit),
+      BudgetSection(fit),
+      CorrelationSection(fit),
+      ListOf({.name = "records", .shape = Section::Shape::kArray, .detail = Detail::kAll},
+             fit.records, RecordSection),
+      InputsSection(fit.influences),
+      SearchSection(fit)};
   if (has_figures) {
     root.figures = answer.fit ? FitLraFigures(fit, input.records, input.left_out_drops)
                               : UnfittedFigures(input.left_out_drops);

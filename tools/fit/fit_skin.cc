@@ -21,7 +21,6 @@
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/fit/fit_document.h"
-#include "tools/fit/fit_skin_document.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
 
@@ -229,9 +228,7 @@ Result<void> CheckVariedKeys(const TextTable& table) {
 fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertainty_factor) {
   fit::SkinPoint point{.frequency_hz = columns.frequencies_hz[row],
                        .displacement_m = columns.displacements_m[row],
-                       .drive = columns.drives[row],
-                       .phase_rad = {},
-                       .displacement_standard_uncertainty_m = {}};
+                       .drive = columns.drives[row]};
   if (columns.phases_deg) point.phase_rad = (*columns.phases_deg)[row] * std::numbers::pi / 180;
   if (columns.uncertainties_m) {
     point.displacement_standard_uncertainty_m =
@@ -242,10 +239,7 @@ fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertain
 
 // what cannot be used is left out, the rest is answered
 FitSkinAnswer Answer(Sweeps sweeps, const sim::StatedActuator& actuator) {
-  FitSkinAnswer answer{.actuator = actuator.name,
-                       .contacts = {},
-                       .areas = {},
-                       .left_out = std::move(sweeps.left_out)};
+  FitSkinAnswer answer{.actuator = actuator.name, .left_out = std::move(sweeps.left_out)};
   for (const fit::SkinSweep& sweep : sweeps.list) {
     auto contact = fit::FitSkin(sweep, actuator);
     if (contact) {
@@ -316,10 +310,7 @@ int RunFitSkin(int argc, const char* const* argv) {
   if (!sweeps) return cli::ReportError(kVerb, sweeps.error());
 
   const FitSkinAnswer answer = Answer(std::move(*sweeps), *actuator);
-  int status = 0;
-  for (const Error& error : answer.left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
+  const int status = cli::ReportErrors(kVerb, answer.left_out);
   if (answer.contacts.empty() && !IsShownEmpty(outputs)) return status;
   if (answer.contacts.empty()) outputs.plot.clear();
   return cli::WorseStatus(status, document::Present(FitSkinDocument(answer), outputs, argc, argv));

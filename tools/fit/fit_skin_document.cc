@@ -1,5 +1,3 @@
-#include "tools/fit/fit_skin_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
+#include "tools/fit/fit_skin.h"
 
 namespace haptometer::tools {
 namespace {
@@ -180,15 +179,9 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
   std::ranges::sort(contacts, {}, [](const SkinFit& c) { return *c.area_m2; });
   plot::Series points{
       .title = "contacts (95 %)",
-      .style = {.mark = plot::Mark::kErrorBars, .colour = plot::kOrange, .size = 0.6},
-      .x = {},
-      .y = {},
-      .y_error = {}};
+      .style = {.mark = plot::Mark::kErrorBars, .colour = plot::kOrange, .size = 0.6}};
   plot::Series line{.title = fmt::format("area^{:.3f}", dependence.law.exponent),
-                    .style = plot::Lines(plot::kBlue),
-                    .x = {},
-                    .y = {},
-                    .y_error = {}};
+                    .style = plot::Lines(plot::kBlue)};
   for (const auto& contact : contacts) {
     const double mm2 = 1e6 * *contact.area_m2;
     points.x.push_back(mm2);
@@ -224,13 +217,11 @@ document::Document FitSkinDocument(const FitSkinAnswer& answer) {
                               .title = fmt::format("Skin under the actuator {}", answer.actuator)};
   Section& root = document.root;
   root.Add({"actuator"}, answer.actuator);
-  Section contacts{.name = "contacts", .shape = Section::Shape::kArray};
-  for (const SkinFit& contact : answer.contacts) {
-    contacts.sections.push_back(ContactSection(contact));
-  }
   Section law{.name = "area_law"};
   law.sections = {LawSection("Ks", answer.areas.stiffness), LawSection("Bs", answer.areas.damping)};
-  root.sections = {std::move(contacts), std::move(law)};
+  root.sections = {ListOf({.name = "contacts", .shape = Section::Shape::kArray}, answer.contacts,
+                          ContactSection),
+                   std::move(law)};
   root.figures = FiguresOf(answer);
   AddLeftOut(root, answer.left_out);
   document::AddFindings(root, FindingsOf(answer));

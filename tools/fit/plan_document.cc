@@ -1,5 +1,3 @@
-#include "tools/fit/plan_document.h"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -11,6 +9,7 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
+#include "tools/fit/plan_drop_test.h"
 
 namespace haptometer::tools {
 namespace {

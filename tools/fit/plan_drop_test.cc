@@ -15,7 +15,6 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
-#include "tools/fit/plan_document.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -10,7 +10,8 @@
 #include "base/finding.h"
 #include "base/quantity.h"
 #include "fit/drop_test/experiment_plan.h"
-#include "tools/fit/actuator_options.h"
+#include "tools/document/document.h"
+#include "tools/fit/actuator.h"
 
 namespace haptometer::tools {
 
@@ -104,5 +105,11 @@ struct TestCard {
 ///
 /// Errors (Cause::kUsage): a word of --want or --guess that says nothing, a value out of range.
 [[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words);
+
+/// What the card's findings say.
+[[nodiscard]] document::Sentence SentenceOf(PlanFinding kind);
+
+/// The card as a document (docs/reference/plan-drop-test.md), to be printed and taken to the bench.
+[[nodiscard]] document::Document PlanDocument(const TestCard& card);
 
 }  // namespace haptometer::tools

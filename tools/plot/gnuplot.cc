@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -76,17 +77,9 @@ void AddDataBlock(std::size_t panel, std::size_t number, const Series& series, S
 }
 
 Words LogWords(LogAxes axes) {
-  switch (axes) {
-    case LogAxes::kNone:
-      return "unset logscale";
-    case LogAxes::kX:
-      return "unset logscale; set logscale x";
-    case LogAxes::kY:
-      return "unset logscale; set logscale y";
-    case LogAxes::kBoth:
-      return "set logscale xy";
-  }
-  HAPTOMETER_CHECK(false, "axes {}", static_cast<int>(axes));
+  constexpr std::array<Words, 4> kWords{"unset logscale", "unset logscale; set logscale x",
+                                        "unset logscale; set logscale y", "set logscale xy"};
+  return kWords.at(static_cast<std::size_t>(axes));
 }
 
 // points beside the frame, not on it
@@ -159,19 +152,9 @@ void AddAxes(const Panel& panel, Script* script) {
 }
 
 Words MarkWords(Mark mark) {
-  switch (mark) {
-    case Mark::kLines:
-      return "lines";
-    case Mark::kPoints:
-      return "points";
-    case Mark::kLinesPoints:
-      return "linespoints";
-    case Mark::kBoxes:
-      return "boxes fill solid 0.35";
-    case Mark::kErrorBars:
-      return "yerrorbars";
-  }
-  HAPTOMETER_CHECK(false, "mark {}", static_cast<int>(mark));
+  constexpr std::array<Words, 5> kWords{"lines", "points", "linespoints", "boxes fill solid 0.35",
+                                        "yerrorbars"};
+  return kWords.at(static_cast<std::size_t>(mark));
 }
 
 void AddStyle(const Style& style, Script* script) {

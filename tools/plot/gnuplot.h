@@ -48,10 +48,10 @@ struct Style {
 
 /// One curve. A NaN in `y` breaks the line.
 struct Series {
-  std::string title;  ///< in the key; empty: not listed
+  std::string title{};  ///< in the key; empty: not listed
   Style style = {};
-  std::vector<double> x;  ///< (n), ascending where there are more than 4000
-  std::vector<double> y;  ///< (n)
+  std::vector<double> x{};  ///< (n), ascending where there are more than 4000
+  std::vector<double> y{};  ///< (n)
   /// (n), half the length of each point's error bar, for Mark::kErrorBars; empty: none
   std::vector<double> y_error = {};
 };
@@ -67,10 +67,10 @@ enum class LogAxes : std::uint8_t { kNone, kX, kY, kBoth };
 
 /// One pair of axes.
 struct Panel {
-  std::string title;
-  std::string x_label;  ///< with its unit: "time / s"
-  std::string y_label;
-  std::vector<Series> series;
+  std::string title{};
+  std::string x_label{};  ///< with its unit: "time / s"
+  std::string y_label{};
+  std::vector<Series> series{};
   LogAxes log_axes = LogAxes::kNone;
   /// The axis reaches further by 0.7 of the least distance of two.
   std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
@@ -91,15 +91,15 @@ struct Panel {
 
 /// A quantity over two axes, shown by colour.
 struct Map {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  std::string value_label;
+  std::string title{};
+  std::string x_label{};
+  std::string y_label{};
+  std::string value_label{};
   double x_start = 0;
   double x_step = 1;
   double y_start = 0;
   double y_step = 1;
-  std::vector<std::vector<double>> values;  ///< (columns along x, rows along y)
+  std::vector<std::vector<double>> values{};  ///< (columns along x, rows along y)
 };
 
 /// Draws `map` as DrawPanels does; of more than 1000 columns or rows the greatest of each run is

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/mapped.h"
 #include "fit/drop_test/drop_test_model.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/scene_mode.h"
@@ -62,15 +63,12 @@ double RunPower(const sim::Scene& scene, double duration_s) {
 template <typename Measure>
 std::vector<CandidateCause> WholeRuns(const sim::Scene& adapter, const sim::Scene& direct,
                                       const Measure& measure) {
-  std::vector<CandidateCause> causes;
-  causes.reserve(kRunsS.size());
-  for (const double duration_s : kRunsS) {
-    causes.push_back(
-        {.text = fmt::format("averages over a whole run of {:g} s from rest", duration_s),
-         .gives = 1 - measure(adapter, duration_s) / measure(direct, duration_s),
-         .kind = duration_s == kTunedRunS ? CauseKind::kTuned : CauseKind::kReading});
-  }
-  return causes;
+  return Mapped(kRunsS, [&](double duration_s) {
+    return CandidateCause{
+        .text = fmt::format("averages over a whole run of {:g} s from rest", duration_s),
+        .gives = 1 - measure(adapter, duration_s) / measure(direct, duration_s),
+        .kind = duration_s == kTunedRunS ? CauseKind::kTuned : CauseKind::kReading};
+  });
 }
 
 std::string Both(std::string_view what, double cone, double adapter, std::string_view unit) {
@@ -78,26 +76,23 @@ std::string Both(std::string_view what, double cone, double adapter, std::string
                      unit);
 }
 
-sim::SteadyState DirectState(const ThesisModel& model) {
-  return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2));
-}
-
-sim::SteadyState AdapterState(const ThesisModel& model) {
-  return sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2));
-}
-
 // the numbers of the rows below, each for itself: the text mixes two contacts
 std::vector<RowMeasure> TerminalMeasures() {
-  return {{"current", [](const ThesisModel& m) { return DirectState(m).current_rms_a; }},
-          {"power", [](const ThesisModel& m) { return DirectState(m).power_w; }},
-          {"phase", [](const ThesisModel& m) { return std::abs(DirectState(m).phase_rad); }},
-          {"current-reduction",
-           [](const ThesisModel& m) {
-             return 1 - AdapterState(m).current_rms_a / DirectState(m).current_rms_a;
-           }},
-          {"power-reduction", [](const ThesisModel& m) {
-             return 1 - AdapterState(m).power_w / DirectState(m).power_w;
-           }}};
+  using Number = double sim::SteadyState::*;
+  const auto direct = [](const ThesisModel& model, Number number) {
+    return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).*number;
+  };
+  const auto saved = [=](const ThesisModel& model, Number number) {
+    return 1 -
+           sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2)).*number / direct(model, number);
+  };
+  constexpr Number kCurrent = &sim::SteadyState::current_rms_a, kPower = &sim::SteadyState::power_w;
+  return {{"current", [=](const ThesisModel& m) { return direct(m, kCurrent); }},
+          {"power", [=](const ThesisModel& m) { return direct(m, kPower); }},
+          {"phase",
+           [=](const ThesisModel& m) { return std::abs(direct(m, &sim::SteadyState::phase_rad)); }},
+          {"current-reduction", [=](const ThesisModel& m) { return saved(m, kCurrent); }},
+          {"power-reduction", [=](const ThesisModel& m) { return saved(m, kPower); }}};
 }
 
 }  // namespace
@@ -277,10 +272,11 @@ std::vector<RowMeasure> PrototypeMeasures() {
 }  // namespace
 
 std::vector<ThesisRow> PrototypeRows(const ThesisModel& model) {
-  std::vector<ThesisRow> rows{MatchingGainRow(model)};
-  for (const auto& more : {WeightRows(model), BuiltRows(model), PowerRows(), AssumedRows(model)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
+  auto rows = Joined({{MatchingGainRow(model)},
+                      WeightRows(model),
+                      BuiltRows(model),
+                      PowerRows(),
+                      AssumedRows(model)});
   ExplainByRounding(model, PrototypeMeasures(), &rows);
   return rows;
 }

@@ -268,11 +268,7 @@ std::vector<ThesisRow> SensitivityRows(const sim::Scene& scene) {
 
 std::vector<ThesisRow> FrequencyRows(const ThesisModel& model) {
   const sim::Scene scene = WithAdapter(model, kIa2AreaM2);
-  std::vector<ThesisRow> rows{ResonanceRow(scene)};
-  for (const auto& more : {ImpedanceRows(scene), SensitivityRows(scene)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  return rows;
+  return Joined({{ResonanceRow(scene)}, ImpedanceRows(scene), SensitivityRows(scene)});
 }
 
 // Figure 2.3: displacement over time from rest.

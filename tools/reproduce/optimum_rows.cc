@@ -131,11 +131,8 @@ std::vector<ThesisRow> OptimumRows(const ThesisModel& model) {
   const sim::TuningProblem problem = SearchOf(model);
   const double printed_rms_m =
       sim::SolveSteadyState(WithAdapter(model, problem.bounds.contact_area_m2.lower)).skin_rms_m;
-  std::vector<ThesisRow> rows = GridRows(problem, printed_rms_m);
-  for (const auto& more : {ContinuousRows(problem, printed_rms_m), FurtherRows(problem)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  return rows;
+  return Joined({GridRows(problem, printed_rms_m), ContinuousRows(problem, printed_rms_m),
+                 FurtherRows(problem)});
 }
 
 // Figures 2.6 and 2.7: receptors reached, and the stimulus.
@@ -143,12 +140,6 @@ namespace {
 
 constexpr double kLeastRadiusM = 1e-3;  // of the contactors (p. 12)
 constexpr double kMostRadiusM = 7.5e-3;
-
-sim::ReceptorField Field(sim::ReceptorGrid grid) {
-  sim::ReceptorField field;
-  field.grid = grid;
-  return field;
-}
 
 double AdapterStimulus(const ThesisModel& model, const sim::ReceptorField& field, double radius_m) {
   const sim::Scene scene = WithAdapter(model, sim::ContactArea(radius_m));
@@ -163,7 +154,7 @@ struct Largest {
 // Between its steps the count stands still and the RMS falls as the contact grows, so the largest
 // is at a step or at the least radius; 1e-12 beyond the step, where it counts.
 Largest LargestStimulus(const ThesisModel& model, sim::ReceptorGrid grid) {
-  const sim::ReceptorField field = Field(grid);
+  const sim::ReceptorField field{.grid = grid};
   std::vector<double> radii{kLeastRadiusM};
   for (const double step_m : sim::SteppingRadii(field)) {
     const double radius_m = step_m * (1 + 1e-12);
@@ -192,7 +183,7 @@ std::string LargestRemark(const Largest& cell, const Largest& edge) {
 std::vector<CandidateCause> StimulusCauses(const ThesisModel& model, const Largest& edge) {
   ThesisModel table = model;
   table.skin_range = sim::SkinRange::kTable;
-  const double all = AllReceptors(Field(sim::ReceptorGrid::kCellCentred));
+  const double all = AllReceptors(sim::ReceptorField{.grid = sim::ReceptorGrid::kCellCentred});
   const auto at_64 = [&](const ThesisModel& of) {
     return all * sim::SolveSteadyState(WithAdapter(of, kIa1AreaM2)).skin_rms_m;
   };
@@ -214,7 +205,9 @@ CandidateCause PrintedDirect() {
 }
 
 // when no further receptor is reached
-double AllFrom(sim::ReceptorGrid grid) { return sim::SteppingRadii(Field(grid)).back(); }
+double AllFrom(sim::ReceptorGrid grid) {
+  return sim::SteppingRadii(sim::ReceptorField{.grid = grid}).back();
+}
 
 }  // namespace
 

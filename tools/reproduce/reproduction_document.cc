@@ -21,13 +21,6 @@ constexpr double kHalf = 0.5;
 // of a deviation
 constexpr double kLeastShare = 1e-4;
 
-Value KnownText(std::string_view text) { return text.empty() ? Value() : Value(text); }
-
-Value RangeOf(const std::optional<dsp::Interval>& interval) {
-  if (!interval) return {};
-  return document::Range{interval->lower, interval->upper};
-}
-
 // said in the unit that the thesis prints
 Unit UnitOf(const ThesisUnit& unit) { return {"", unit.si_name, {{{1 / unit.si, unit.name}}}}; }
 
@@ -91,7 +84,7 @@ Findings<ReproduceFinding> FindingsOf(std::size_t circular) {
 // a remark, and candidate causes with what each gives; stands below the row's table
 Section ReasonsSection(std::string heading, const std::string& remark) {
   Section reasons{.heading = std::move(heading), .detail = Detail::kAll};
-  reasons.Add({"remark", "remark"}, KnownText(remark));
+  reasons.Add({"remark", "remark"}, document::TextOrNotKnown(remark));
   return reasons;
 }
 
@@ -108,7 +101,7 @@ Section CandidatesSection(const ThesisRow& row) {
         number.unit.name.empty() ? "" : " ", number.unit.name, hits ? ", as printed" : "");
     section.Add(document::kKind, Name(cause.kind));
     section.Add({"gives"}, cause.gives);
-    section.Add({"from_rounded_interval"}, RangeOf(cause.from_rounded));
+    section.Add({"from_rounded_interval"}, cause.from_rounded);
     section.Add({"as_printed"}, hits);
   }
   return list;
@@ -124,7 +117,7 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add(document::kKey, row.key);
   section.Add({"group"}, number.group);
   section.Add({document::kWhat.name, "quantity"}, number.what);
-  section.Add({"where", "in the thesis"}, KnownText(number.where));
+  section.Add({"where", "in the thesis"}, document::TextOrNotKnown(number.where));
   section.Add({"relation", "relation"}, Name(number.relation));
   // zeros behind the point are printed too; before it a digit is as it stands, whatever it is true
   // to
@@ -133,8 +126,7 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add({"printed_half_step"}, step > 0 ? Value(step / 2) : Value());
   section.Add(document::kUnit, number.unit.si_name);
   section.Add({"ours", "computed", unit}, row.ours).resolution = kFurtherDigit * step;
-  section.Add({"ours_interval_95", "95 %", unit}, RangeOf(row.interval)).resolution =
-      kFurtherDigit * step;
+  section.Add({"ours_interval_95", "95 %", unit}, row.interval).resolution = kFurtherDigit * step;
   section.Add({"deviation", "deviation", document::kShare}, DeviationOf(row)).resolution =
       kLeastShare;
   section.Add({document::kVerdict.name, "verdict"}, Name(VerdictOf(row)));
@@ -196,7 +188,7 @@ Section ChainRowSection(const ChainRow& row) {
   section.Add({"truth", "truth", row.unit}, row.truth).resolution = kDigits * row.truth.value_or(0);
   document::Item& answer = section.Add({"answer", "answer", row.unit, document::Form::kInterval},
                                        row.answer, row.standard_uncertainty);
-  if (row.interval) answer.interval = document::Range{row.interval->lower, row.interval->upper};
+  answer.interval = row.interval;
   const bool is_compared = row.truth && row.answer;
   section
       .Add({"", "deviation", document::kShare},
@@ -209,12 +201,9 @@ Section ChainRowSection(const ChainRow& row) {
 }
 
 Section ChainSection(const std::optional<std::vector<ChainRow>>& rows) {
-  Section chain{.name = "chain",
-                .heading = "Scene, sensor, record, analysis",
-                .shape = Section::Shape::kTable,
-                .is_known = rows.has_value()};
-  if (!rows) return chain;
-  for (const ChainRow& row : *rows) chain.sections.push_back(ChainRowSection(row));
+  if (!rows) return {.name = "chain", .is_known = false};
+  Section chain = ListOf({.name = "chain", .heading = "Scene, sensor, record, analysis"}, *rows,
+                         ChainRowSection);
   chain.Add({"", "rows that hold"}, std::ranges::count_if(*rows, &ChainRow::holds));
   return chain;
 }

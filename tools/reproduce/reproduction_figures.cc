@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/mapped.h"
 #include "sim/linear/motor_source.h"
 #include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
@@ -30,16 +31,7 @@ std::vector<double> Even(double low, double high, int steps) {
 template <typename Function>
 plot::Series Curve(std::string title, plot::Colour colour, const std::vector<double>& x,
                    const Function& function) {
-  plot::Series series{std::move(title), plot::Lines(colour), x, {}};
-  series.y.reserve(x.size());
-  for (const double place : x) series.y.push_back(function(place));
-  return series;
-}
-
-sim::ReceptorField Field(sim::ReceptorGrid grid) {
-  sim::ReceptorField field;
-  field.grid = grid;
-  return field;
+  return {std::move(title), plot::Lines(colour), x, Mapped(x, function)};
 }
 
 // closed, and ended by a break
@@ -56,10 +48,10 @@ void AppendCircle(const sim::ReceptorPosition& centre, double radius_m, plot::Se
 
 plot::Panel FieldsPanel(sim::ReceptorGrid grid, std::string_view name) {
   constexpr double kContactorM = 2e-3;
-  const sim::ReceptorField field = Field(grid);
-  plot::Series reached{"reached", plot::Lines(plot::kOrange), {}, {}};
-  plot::Series others{"not reached", plot::Lines(plot::kGrey), {}, {}};
-  plot::Series contactor{"contactor, radius 2 mm", plot::Lines(plot::kBlue, 2), {}, {}};
+  const sim::ReceptorField field{.grid = grid};
+  plot::Series reached{"reached", plot::Lines(plot::kOrange)};
+  plot::Series others{"not reached", plot::Lines(plot::kGrey)};
+  plot::Series contactor{"contactor, radius 2 mm", plot::Lines(plot::kBlue, 2)};
   for (const sim::ReceptorPosition& receptor : sim::ReceptorPositions(field)) {
     const double distance_m = std::hypot(receptor.x_m, receptor.y_m);
     const bool touched = distance_m <= kContactorM + field.field_radius_m;
@@ -133,8 +125,8 @@ ThesisFigure SensitivityFigure(const ThesisModel& model) {
 }
 
 plot::Series Count(std::string title, plot::Colour colour, sim::ReceptorGrid grid) {
-  const sim::ReceptorField field = Field(grid);
-  plot::Series series{std::move(title), plot::Lines(colour), {}, {}};
+  const sim::ReceptorField field{.grid = grid};
+  plot::Series series{std::move(title), plot::Lines(colour)};
   for (const double radius_m : Even(1e-3, 7.5e-3, 1300)) {
     series.x.push_back(sim::ContactArea(radius_m) / (kMm * kMm));
     series.y.push_back(sim::StimulatedReceptors(field, radius_m));
@@ -158,7 +150,9 @@ ThesisFigure StimulusFigure(const ThesisModel& model) {
   const auto stimulus = [&](const auto& scene_of, sim::ReceptorGrid grid, double radius_mm) {
     const double radius_m = radius_mm * kMm;
     const sim::Scene scene = scene_of(model, sim::ContactArea(radius_m));
-    return sim::SkinStimulus(Field(grid), radius_m, sim::SolveSteadyState(scene).skin_rms_m) / kMm;
+    return sim::SkinStimulus(sim::ReceptorField{.grid = grid}, radius_m,
+                             sim::SolveSteadyState(scene).skin_rms_m) /
+           kMm;
   };
   const auto curve = [&](std::string title, plot::Colour colour, const auto& scene_of,
                          sim::ReceptorGrid grid) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -23,6 +25,8 @@
 #include "tools/simulate/simulated_trial.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_table.h"
+#include "tools/study/text_table.h"
+#include "trial/byte_io.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
 
@@ -132,105 +136,45 @@ std::vector<ThesisRow> LinearityRows(const GeneratedStudy& study) {
 }  // namespace
 
 std::vector<ThesisRow> StudyRows(const GeneratedStudy& study) {
-  std::vector<ThesisRow> rows{FactorRow("factor-ia1", ContrastOf(study, "ia1")),
-                              FactorRow("factor-ia2", ContrastOf(study, "ia2")), FactorPRow(study),
-                              ReductionRow("matching-ia1", MatchOf(study, "ia1")),
-                              ReductionRow("matching-ia2", MatchOf(study, "ia2"))};
-  for (const auto& more : {LevelRows(study), LinearityRows(study)}) {
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  return rows;
+  return Joined({{FactorRow("factor-ia1", ContrastOf(study, "ia1")),
+                  FactorRow("factor-ia2", ContrastOf(study, "ia2")), FactorPRow(study),
+                  ReductionRow("matching-ia1", MatchOf(study, "ia1")),
+                  ReductionRow("matching-ia2", MatchOf(study, "ia2"))},
+                 LevelRows(study),
+                 LinearityRows(study)});
 }
 
 namespace {
 
-constexpr std::uint64_t kTrialsSeed = 20130101;
-constexpr std::uint64_t kSettingsSeed = 20130102;
+// Eight subjects, three trials a condition, as in the thesis (3.1.1, p. 24).
+constexpr int kGeneratedSubjects = 8;
+constexpr int kGeneratedRepeats = 3;
 
-const std::vector<std::string>& Conditions() {
-  static const std::vector<std::string> conditions{"stock", "ia1", "cone", "ia2"};
-  return conditions;
+// Normal deviates whose mean is exactly 0: the truth is then that of these very subjects.
+std::vector<double> CentredDeviates(std::mt19937_64& random, int count, double standard_deviation) {
+  std::normal_distribution<double> normal(0, standard_deviation);
+  std::vector<double> deviates(static_cast<std::size_t>(count));
+  for (double& deviate : deviates) deviate = normal(random);
+  const double mean = std::reduce(deviates.begin(), deviates.end()) / count;
+  for (double& deviate : deviates) deviate -= mean;
+  return deviates;
 }
 
-const std::vector<PlannedContrast>& Planned() {
-  static const std::vector<PlannedContrast> planned{{"ia1", "stock"}, {"ia2", "cone"}};
-  return planned;
-}
-
-double Rms(const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; }
-
-std::vector<GeneratedCondition> TrialTruths(const ThesisModel& model) {
-  const double stock_m = Rms(WithoutAdapter(model, kCaseAreaM2));
-  const double cone_m = Rms(WithoutAdapter(model, kSmallControlAreaM2));
-  return {{"stock", stock_m},
-          {"ia1", stock_m * ThesisNumberOf("factor-ia1").value},
-          {"cone", cone_m},
-          {"ia2", cone_m * ThesisNumberOf("factor-ia2").value}};
-}
-
-Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
-  const auto folder = TemporaryFolder::Make();
-  if (!folder) return std::unexpected(folder.error());
-  if (auto made =
-          GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed, folder->path());
-      !made) {
-    return std::unexpected(made.error());
-  }
-  const auto files = FilesInFolder(folder->path(), {});
-  if (!files) return std::unexpected(files.error());
-  StudyResult study;
-  study.source = "generated trials";
-  study.table = MakeStudyTable(AnalyzeTrials(*files, study.question, {}), Conditions());
-  study.planned = true;
-  auto contrasts = CompareConditions(study.table, Planned());
-  if (!contrasts) return std::unexpected(contrasts.error());
-  study.contrasts = *std::move(contrasts);
-  study.missing = FindMissing(study.table);
-  study.outlying = FindOutlying(study.table);
-  study.further = DescribeFurther(study.table);
-  return study;
-}
-
-// equal at 1 V; from 2 V on so much lower that the mean of all five is `mean`
-GeneratedMatch MatchTruth(const std::string& condition, double mean) {
-  constexpr double kLevels = 5;
-  GeneratedMatch match{condition, {{1, 1}}};
-  for (const double level_v : {2, 3, 4, 5}) {
-    match.ratio_at_v[level_v] = std::pow(mean, kLevels / (kLevels - 1));
-  }
-  return match;
-}
-
-Result<MatchingResult> AnalyzeSettings() {
-  const auto lower = [](std::string_view key) { return 1 - SiValue(ThesisNumberOf(key)); };
-  const TextTable settings =
-      GenerateSettings({MatchTruth("stock", 1), MatchTruth("ia1", lower("matching-ia1")),
-                        MatchTruth("cone", 1), MatchTruth("ia2", lower("matching-ia2"))},
-                       kSettingsSeed);
-  return AnalyzeMatching(settings, Planned());
-}
-
-}  // namespace
-
-Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model) {
-  auto trials = AnalyzeGenerated(model);
-  if (!trials) return std::unexpected(trials.error());
-  auto matching = AnalyzeSettings();
-  if (!matching) return std::unexpected(matching.error());
-  const auto sweep = GenerateSweep(model);
-  if (!sweep) return std::unexpected(sweep.error());
-  return GeneratedStudy{*std::move(trials), *std::move(matching),
-                        AnalyzeLinearity(*sweep, std::nullopt)};
-}
-
-namespace {
+// A condition of a generated matching test: matched over reference voltage at each level, the
+// geometric mean over the subjects.
+struct GeneratedMatch {
+  std::string condition;
+  std::map<double, double> ratio_at_v;
+};
 
 constexpr double kSettingsBetweenSubjects = 0.10;
 constexpr double kBetweenSettings = 0.03;
 constexpr double kStartBias = 1.05;
 
-}  // namespace
-
+// The settings of eight subjects, at each level one started high and one low, as the table that
+// `study matching` reads. The logarithm of a setting's ratio is the truth's plus the subject's own
+// at that level (standard deviation 0.10, centred), ln 1.05 more or less by its start, and the
+// setting's (0.03).
 TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> between_settings(0, kBetweenSettings);
@@ -259,8 +203,6 @@ TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint
   return table;
 }
 
-namespace {
-
 constexpr double kDurationS = 1;
 constexpr std::array kLevelsV{0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0};
 constexpr std::array kSkinFactors{0.8, 1.2};
@@ -279,8 +221,10 @@ Result<double> RmsWithFloor(const sim::Scene& scene) {
   return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
 }
 
-}  // namespace
-
+// Readings of a drive sweep from 0 V to 5 V in steps of half a volt, from 1 V on, on the prototype
+// IA#1 (Figure 3.5): each is a simulated second under a 10 kHz sensor, analysed in the band. Two
+// subjects, whose skins are a fifth softer and stiffer than the model's.
+// Errors: as dsp::AnalyzeBand; Cause::kCannotAnswer where it does not answer.
 Result<std::vector<DriveReading>> GenerateSweep(const ThesisModel& model) {
   std::vector<DriveReading> readings;
   readings.reserve(kSkinFactors.size() * kLevelsV.size());
@@ -304,7 +248,11 @@ Result<std::vector<DriveReading>> GenerateSweep(const ThesisModel& model) {
   return readings;
 }
 
-namespace {
+// A condition of a generated study, and the truth that its trials are made with.
+struct GeneratedCondition {
+  std::string name;
+  double rms_m = 0;  // geometric mean over the subjects of the RMS in the band
+};
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kRateHz = 2000;
@@ -375,43 +323,8 @@ trial::Record RecordOf(const TrialTruth& truth) {
   return record;
 }
 
-}  // namespace
-
-std::vector<double> CentredDeviates(std::mt19937_64& random, int count, double standard_deviation) {
-  std::normal_distribution<double> normal(0, standard_deviation);
-  std::vector<double> deviates(static_cast<std::size_t>(count));
-  for (double& deviate : deviates) deviate = normal(random);
-  const double mean = std::reduce(deviates.begin(), deviates.end()) / count;
-  for (double& deviate : deviates) deviate -= mean;
-  return deviates;
-}
-
-Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, double frequency_hz,
-                            std::uint64_t seed, const std::filesystem::path& folder) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> between_trials(0, kBetweenTrials);
-  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
-  for (const GeneratedCondition& condition : conditions) {
-    const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
-    for (std::size_t s = 0; s < subjects.size(); ++s) {
-      for (int repeat = 1; repeat <= kGeneratedRepeats; ++repeat) {
-        const double log = subjects[s] + own[s] + between_trials(random);
-        trial::Record record = RecordOf({condition.rms_m * std::exp(log), frequency_hz, random()});
-        record.metadata.labels = {{"subject", std::to_string(s + 1)},
-                                  {"condition", condition.name},
-                                  {"repeat", std::to_string(repeat)}};
-        const std::string path =
-            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
-        auto written = WriteSimulatedTrialIn(MakePassingFile(path), path, record);
-        if (!written) return written;
-      }
-    }
-  }
-  return {};
-}
-
-namespace {
-
+// A new file at `path` that is not worth waiting for the disk: Sync() hands the bytes to the
+// system only. For trials that go with the run that made them; a hundred syncs cost seconds.
 class PassingFile : public trial::ByteSink {
  public:
   explicit PassingFile(const std::string& path)
@@ -434,10 +347,110 @@ class PassingFile : public trial::ByteSink {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
+// Writes a trial.bin for each subject, condition and repeat into `folder`, labelled. A trial is
+// 1.2 s at 2 kHz of a tone at `frequency_hz` with tremor (8-11 Hz, 20-40 um), 1-3 mm of distance
+// with drift, and a sensor head's noise (0.5 um) and steps (0.1 um).
+//
+// The logarithm of a trial's RMS is that of its condition plus a subject's share (standard
+// deviation 0.25), the subject's own in that condition (0.12), both centred, and the trial's
+// (0.05). Errors: as WriteSimulatedTrialIn.
+Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, double frequency_hz,
+                            std::uint64_t seed, const std::filesystem::path& folder) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> between_trials(0, kBetweenTrials);
+  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
+  for (const GeneratedCondition& condition : conditions) {
+    const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
+    for (std::size_t s = 0; s < subjects.size(); ++s) {
+      for (int repeat = 1; repeat <= kGeneratedRepeats; ++repeat) {
+        const double log = subjects[s] + own[s] + between_trials(random);
+        trial::Record record = RecordOf({condition.rms_m * std::exp(log), frequency_hz, random()});
+        record.metadata.labels = {{"subject", std::to_string(s + 1)},
+                                  {"condition", condition.name},
+                                  {"repeat", std::to_string(repeat)}};
+        const std::string path =
+            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
+        auto written = WriteSimulatedTrialIn(std::make_unique<PassingFile>(path), path, record);
+        if (!written) return written;
+      }
+    }
+  }
+  return {};
+}
+
+constexpr std::uint64_t kTrialsSeed = 20130101;
+constexpr std::uint64_t kSettingsSeed = 20130102;
+
+const std::vector<std::string>& Conditions() {
+  static const std::vector<std::string> conditions{"stock", "ia1", "cone", "ia2"};
+  return conditions;
+}
+
+const std::vector<PlannedContrast>& Planned() {
+  static const std::vector<PlannedContrast> planned{{"ia1", "stock"}, {"ia2", "cone"}};
+  return planned;
+}
+
+double Rms(const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; }
+
+std::vector<GeneratedCondition> TrialTruths(const ThesisModel& model) {
+  const double stock_m = Rms(WithoutAdapter(model, kCaseAreaM2));
+  const double cone_m = Rms(WithoutAdapter(model, kSmallControlAreaM2));
+  return {{"stock", stock_m},
+          {"ia1", stock_m * ThesisNumberOf("factor-ia1").value},
+          {"cone", cone_m},
+          {"ia2", cone_m * ThesisNumberOf("factor-ia2").value}};
+}
+
+Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
+  const auto folder = TemporaryFolder::Make();
+  if (!folder) return std::unexpected(folder.error());
+  if (auto made =
+          GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed, folder->path());
+      !made) {
+    return std::unexpected(made.error());
+  }
+  const auto files = FilesInFolder(folder->path(), {});
+  if (!files) return std::unexpected(files.error());
+  StudyResult study;
+  study.source = "generated trials";
+  study.table = MakeStudyTable(AnalyzeTrials(*files, study.question, {}), Conditions());
+  if (auto compared = study.Compare(Planned()); !compared) {
+    return std::unexpected(compared.error());
+  }
+  return study;
+}
+
+// equal at 1 V; from 2 V on so much lower that the mean of all five is `mean`
+GeneratedMatch MatchTruth(const std::string& condition, double mean) {
+  constexpr double kLevels = 5;
+  GeneratedMatch match{condition, {{1, 1}}};
+  for (const double level_v : {2, 3, 4, 5}) {
+    match.ratio_at_v[level_v] = std::pow(mean, kLevels / (kLevels - 1));
+  }
+  return match;
+}
+
+Result<MatchingResult> AnalyzeSettings() {
+  const auto lower = [](std::string_view key) { return 1 - SiValue(ThesisNumberOf(key)); };
+  const TextTable settings =
+      GenerateSettings({MatchTruth("stock", 1), MatchTruth("ia1", lower("matching-ia1")),
+                        MatchTruth("cone", 1), MatchTruth("ia2", lower("matching-ia2"))},
+                       kSettingsSeed);
+  return AnalyzeMatching(settings, Planned());
+}
+
 }  // namespace
 
-std::unique_ptr<trial::ByteSink> MakePassingFile(const std::string& path) {
-  return std::make_unique<PassingFile>(path);
+Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model) {
+  auto trials = AnalyzeGenerated(model);
+  if (!trials) return std::unexpected(trials.error());
+  auto matching = AnalyzeSettings();
+  if (!matching) return std::unexpected(matching.error());
+  const auto sweep = GenerateSweep(model);
+  if (!sweep) return std::unexpected(sweep.error());
+  return GeneratedStudy{*std::move(trials), *std::move(matching),
+                        AnalyzeLinearity(*sweep, std::nullopt)};
 }
 
 namespace fs = std::filesystem;

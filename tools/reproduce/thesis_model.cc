@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <string>
 
+#include "base/mapped.h"
 #include "sim/sensor_model.h"
 
 namespace haptometer::tools {
@@ -139,10 +141,7 @@ double DistanceOf(const ThesisNumber& number, double value) {
 std::vector<double> ValuesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
                              const Place& place) {
   const ThesisModel moved = ModelAt(model, place);
-  std::vector<double> values;
-  values.reserve(rows.size());
-  for (const RowMeasure& row : rows) values.push_back(row.measure(moved));
-  return values;
+  return Mapped(rows, [&](const RowMeasure& row) { return row.measure(moved); });
 }
 
 std::vector<double> DistancesOf(std::span<const RowMeasure> rows,
@@ -283,12 +282,15 @@ std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,
       fmt::format("inputs that round to the printed ones{}: {}",
                   rows.size() > 1 ? fmt::format(", one set for {} rows", rows.size()) : "",
                   TextOf(model, place));
-  std::vector<CandidateCause> causes;
-  causes.reserve(rows.size());
-  for (const RowMeasure& row : rows) {
-    causes.push_back({.text = text, .gives = row.measure(moved), .kind = CauseKind::kRounding});
-  }
-  return causes;
+  return Mapped(rows, [&](const RowMeasure& row) {
+    return CandidateCause{.text = text, .gives = row.measure(moved), .kind = CauseKind::kRounding};
+  });
+}
+
+std::vector<ThesisRow> Joined(std::vector<std::vector<ThesisRow>> parts) {
+  std::vector<ThesisRow> rows;
+  for (auto& part : parts) std::ranges::move(part, std::back_inserter(rows));
+  return rows;
 }
 
 void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& measures,

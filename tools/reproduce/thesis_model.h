@@ -79,6 +79,9 @@ struct ThesisModel {
 /// says of chapter 3.
 [[nodiscard]] std::vector<ThesisRow> PrototypeRows(const ThesisModel& model);
 
+/// All rows, those of each part behind the ones before.
+[[nodiscard]] std::vector<ThesisRow> Joined(std::vector<std::vector<ThesisRow>> parts);
+
 /// A row's number as a function of the model.
 struct RowMeasure {
   std::string_view key;  ///< of its ThesisNumber

@@ -48,131 +48,131 @@ constexpr std::string_view kAssumed = "What the model takes for granted";
 constexpr std::string_view kBeyond = "Future work";
 
 constexpr auto kNumbers = std::to_array<ThesisNumber>({
-    {"rms-direct", kDisplacement, "Table 2.3, p. 12", "LRA direct, 78.5 mm2", kEquals, 0.0438,
-     0.00005, kMm},
-    {"rms-cone", kDisplacement, "Table 2.3, p. 12", "LRA with cone, 1 mm2", kEquals, 0.0455,
-     0.00005, kMm},
-    {"rms-adapter", kDisplacement, "Table 2.3, p. 12", "LRA with adapter, 1 mm2", kEquals, 0.1917,
-     0.00005, kMm},
-    {"ratio-adapter-direct", kDisplacement, "2.2.2, p. 14", "adapter over direct", kEquals, 4.4,
-     0.05, kOne},
+    {"rms-direct", kDisplacement, "Table 2.3, p. 12", "LRA direct, 78.5 mm2", kEquals, kMm, 0.0438,
+     0.00005},
+    {"rms-cone", kDisplacement, "Table 2.3, p. 12", "LRA with cone, 1 mm2", kEquals, kMm, 0.0455,
+     0.00005},
+    {"rms-adapter", kDisplacement, "Table 2.3, p. 12", "LRA with adapter, 1 mm2", kEquals, kMm,
+     0.1917, 0.00005},
+    {"ratio-adapter-direct", kDisplacement, "2.2.2, p. 14", "adapter over direct", kEquals, kOne,
+     4.4, 0.05},
 
-    {"current", kInput, "2.2.1, p. 13", "RMS current", kEquals, 130, 0.5, kMa},
-    {"power", kInput, "2.2.1, p. 13", "power", kEquals, 457, 0.5, kMw},
-    {"phase", kInput, "2.2.1, p. 13", "phase between voltage and current", kEquals, 0.1, 0.05,
-     kDegree},
+    {"current", kInput, "2.2.1, p. 13", "RMS current", kEquals, kMa, 130, 0.5},
+    {"power", kInput, "2.2.1, p. 13", "power", kEquals, kMw, 457, 0.5},
+    {"phase", kInput, "2.2.1, p. 13", "phase between voltage and current", kEquals, kDegree, 0.1,
+     0.05},
 
-    {"current-reduction", kSaving, "2.2.2, p. 14", "RMS current less than direct", kEquals, 15, 0.5,
-     kPercent},
-    {"power-reduction", kSaving, "2.2.2, p. 14", "power less than direct", kEquals, 15, 0.5,
-     kPercent},
+    {"current-reduction", kSaving, "2.2.2, p. 14", "RMS current less than direct", kEquals,
+     kPercent, 15, 0.5},
+    {"power-reduction", kSaving, "2.2.2, p. 14", "power less than direct", kEquals, kPercent, 15,
+     0.5},
 
-    {"grid-motor-side-mass", kGrid, "Table 2.4, p. 15", "Ma1", kEquals, 0.25, 0.005, kGram},
-    {"grid-skin-side-mass", kGrid, "Table 2.4, p. 15", "Ma2", kEquals, 4.35, 0.005, kGram},
-    {"grid-stiffness", kGrid, "Table 2.4, p. 15", "Ka", kEquals, 8200, 50, kNPerM},
-    {"grid-damping", kGrid, "Table 2.4, p. 15", "Ba", kEquals, 0.01, 0.005, kNsPerM},
-    {"grid-contact-area", kGrid, "Table 2.4, p. 15", "A", kEquals, 1.0, 0.05, kMm2},
-    {"grid-rms", kGrid, "Table 2.3, p. 12", "RMS there", kEquals, 0.1917, 0.00005, kMm},
+    {"grid-motor-side-mass", kGrid, "Table 2.4, p. 15", "Ma1", kEquals, kGram, 0.25, 0.005},
+    {"grid-skin-side-mass", kGrid, "Table 2.4, p. 15", "Ma2", kEquals, kGram, 4.35, 0.005},
+    {"grid-stiffness", kGrid, "Table 2.4, p. 15", "Ka", kEquals, kNPerM, 8200, 50},
+    {"grid-damping", kGrid, "Table 2.4, p. 15", "Ba", kEquals, kNsPerM, 0.01, 0.005},
+    {"grid-contact-area", kGrid, "Table 2.4, p. 15", "A", kEquals, kMm2, 1.0, 0.05},
+    {"grid-rms", kGrid, "Table 2.3, p. 12", "RMS there", kEquals, kMm, 0.1917, 0.00005},
 
-    {"optimum-motor-side-mass", kContinuous, "Table 2.4, p. 15", "Ma1", kEquals, 0.25, 0.005,
-     kGram},
-    {"optimum-skin-side-mass", kContinuous, "Table 2.4, p. 15", "Ma2", kEquals, 4.35, 0.005, kGram},
-    {"optimum-stiffness", kContinuous, "Table 2.4, p. 15", "Ka", kEquals, 8200, 50, kNPerM},
-    {"optimum-damping", kContinuous, "Table 2.4, p. 15", "Ba", kEquals, 0.01, 0.005, kNsPerM},
-    {"optimum-contact-area", kContinuous, "Table 2.4, p. 15", "A", kEquals, 1.0, 0.05, kMm2},
-    {"optimum-rms", kContinuous, "", "RMS there", kNotPrinted, 0, 0, kMm},
+    {"optimum-motor-side-mass", kContinuous, "Table 2.4, p. 15", "Ma1", kEquals, kGram, 0.25,
+     0.005},
+    {"optimum-skin-side-mass", kContinuous, "Table 2.4, p. 15", "Ma2", kEquals, kGram, 4.35, 0.005},
+    {"optimum-stiffness", kContinuous, "Table 2.4, p. 15", "Ka", kEquals, kNPerM, 8200, 50},
+    {"optimum-damping", kContinuous, "Table 2.4, p. 15", "Ba", kEquals, kNsPerM, 0.01, 0.005},
+    {"optimum-contact-area", kContinuous, "Table 2.4, p. 15", "A", kEquals, kMm2, 1.0, 0.05},
+    {"optimum-rms", kContinuous, "", "RMS there", kNotPrinted, kMm},
     {"optimum-upper-bound", kContinuous, "", "no adapter within the ranges gives more", kNotPrinted,
-     0, 0, kMm},
+     kMm},
 
     {"resonant-frequency", kResonance, "Table 2.4, p. 15", "frequency of the largest amplitude",
-     kEquals, 218, 0.5, kHz},
+     kEquals, kHz, 218, 0.5},
 
     {"rise-ratio", kRise, "Fig. 2.3, p. 15", "time to 90 %, adapter over direct: \"much longer\"",
-     kAbove, 1, 0, kOne},
+     kAbove, kOne, 1},
     {"amplitude-ratio", kRise, "Fig. 2.3, p. 15", "amplitude, adapter over direct: \"four times\"",
-     kEquals, 4, 0.5, kOne},
+     kEquals, kOne, 4, 0.5},
     {"start-ratio", kRise, "2.3, p. 20", "time to 25 um, adapter over direct: never behind", kBelow,
-     1, 0, kOne},
+     kOne, 1},
     {"latency-adapter", kRise, "1, p. 4 and 2.3, p. 20", "adapter at 90 %, below what is perceived",
-     kBelow, 50, 0, kMs},
-    {"start-direct", kRise, "", "direct at 25 um", kNotPrinted, 0, 0, kMs},
-    {"start-cone", kRise, "", "cone at 25 um", kNotPrinted, 0, 0, kMs},
-    {"start-adapter", kRise, "", "adapter at 25 um", kNotPrinted, 0, 0, kMs},
+     kBelow, kMs, 50},
+    {"start-direct", kRise, "", "direct at 25 um", kNotPrinted, kMs},
+    {"start-cone", kRise, "", "cone at 25 um", kNotPrinted, kMs},
+    {"start-adapter", kRise, "", "adapter at 25 um", kNotPrinted, kMs},
 
     {"impedance-match", kImpedance, "2.2.2, p. 14", "frequency at which both are equal", kEquals,
-     220, 5, kHz},
+     kHz, 220, 5},
     {"impedance-dip", kImpedance, "Fig. 2.4, p. 16", "frequency of the dip: \"operating\"", kEquals,
-     225, 5, kHz},
-    {"impedance-ratio", kImpedance, "", "LRA with adapter over skin at the drive", kNotPrinted, 0,
-     0, kOne},
+     kHz, 225, 5},
+    {"impedance-ratio", kImpedance, "", "LRA with adapter over skin at the drive", kNotPrinted,
+     kOne},
 
-    {"sensitivity-Ma1", kSensitivity, "2.2.2, p. 14", "Ma1: \"less than 2 percent\"", kBelow, 2, 0,
-     kPercent},
-    {"sensitivity-Ma2", kSensitivity, "2.2.2, p. 14", "Ma2: \"large\"", kAbove, 2, 0, kPercent},
-    {"sensitivity-Ka", kSensitivity, "2.2.2, p. 14", "Ka: \"large\"", kAbove, 2, 0, kPercent},
-    {"sensitivity-Ba", kSensitivity, "2.2.2, p. 14", "Ba: \"less than 2 percent\"", kBelow, 2, 0,
-     kPercent},
-    {"sensitivity-Ks", kSensitivity, "2.2.2, p. 14", "Ks: \"less than 2 percent\"", kBelow, 2, 0,
-     kPercent},
-    {"sensitivity-Bs", kSensitivity, "2.2.2, p. 14", "Bs: \"large\"", kAbove, 2, 0, kPercent},
+    {"sensitivity-Ma1", kSensitivity, "2.2.2, p. 14", "Ma1: \"less than 2 percent\"", kBelow,
+     kPercent, 2},
+    {"sensitivity-Ma2", kSensitivity, "2.2.2, p. 14", "Ma2: \"large\"", kAbove, kPercent, 2},
+    {"sensitivity-Ka", kSensitivity, "2.2.2, p. 14", "Ka: \"large\"", kAbove, kPercent, 2},
+    {"sensitivity-Ba", kSensitivity, "2.2.2, p. 14", "Ba: \"less than 2 percent\"", kBelow,
+     kPercent, 2},
+    {"sensitivity-Ks", kSensitivity, "2.2.2, p. 14", "Ks: \"less than 2 percent\"", kBelow,
+     kPercent, 2},
+    {"sensitivity-Bs", kSensitivity, "2.2.2, p. 14", "Bs: \"large\"", kAbove, kPercent, 2},
 
-    {"receptors", kReceptors, "Fig. 2.6, p. 18", "most", kEquals, 49, 0.5, kOne},
+    {"receptors", kReceptors, "Fig. 2.6, p. 18", "most", kEquals, kOne, 49, 0.5},
     {"all-receptors-cell", kReceptors, "", "all from this radius on, cell-centred grid",
-     kNotPrinted, 0, 0, kMm},
+     kNotPrinted, kMm},
     {"all-receptors-edge", kReceptors, "", "all from this radius on, grid edge to edge",
-     kNotPrinted, 0, 0, kMm},
+     kNotPrinted, kMm},
 
-    {"stimulus-adapter", kStimuli, "2.2.3, p. 14", "largest with adapter", kEquals, 4.90, 0.005,
-     kStimulus},
-    {"stimulus-direct", kStimuli, "2.2.3, p. 18", "without adapter", kEquals, 2.15, 0.005,
-     kStimulus},
-    {"stimulus-ratio", kStimuli, "3.3, p. 29", "with over without", kEquals, 2.28, 0.005, kOne},
+    {"stimulus-adapter", kStimuli, "2.2.3, p. 14", "largest with adapter", kEquals, kStimulus, 4.90,
+     0.005},
+    {"stimulus-direct", kStimuli, "2.2.3, p. 18", "without adapter", kEquals, kStimulus, 2.15,
+     0.005},
+    {"stimulus-ratio", kStimuli, "3.3, p. 29", "with over without", kEquals, kOne, 2.28, 0.005},
 
-    {"weight", kSag, "3.1.1, p. 24", "weight of 7.5 g", kEquals, 0.06, 0.005, kNewton},
-    {"sag", kSag, "3.1.1, p. 24", "static displacement", kEquals, 0.75, 0.005, kMm},
+    {"weight", kSag, "3.1.1, p. 24", "weight of 7.5 g", kEquals, kNewton, 0.06, 0.005},
+    {"sag", kSag, "3.1.1, p. 24", "static displacement", kEquals, kMm, 0.75, 0.005},
 
-    {"factor-ia1", kFactors, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, 3.26, 0.005, kOne},
-    {"factor-ia2", kFactors, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, 4.25, 0.005,
-     kOne},
-    {"factor-p", kFactors, "3.1.2, p. 24", "larger p of the two paired t tests", kBelow, 0.001, 0,
-     kOne},
+    {"factor-ia1", kFactors, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, kOne, 3.26, 0.005},
+    {"factor-ia2", kFactors, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, kOne, 4.25,
+     0.005},
+    {"factor-p", kFactors, "3.1.2, p. 24", "larger p of the two paired t tests", kBelow, kOne,
+     0.001},
 
-    {"built-ia1", kBuilt, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, 3.26, 0.005, kOne},
-    {"built-ia2", kBuilt, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, 4.25, 0.005, kOne},
+    {"built-ia1", kBuilt, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, kOne, 3.26, 0.005},
+    {"built-ia2", kBuilt, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, kOne, 4.25, 0.005},
 
-    {"matching-ia1", kMatching, "3.2.2, p. 28", "IA#1, voltage lower by", kEquals, 35, 0.5,
-     kPercent},
-    {"matching-ia2", kMatching, "3.2.2, p. 28", "IA#2, voltage lower by", kEquals, 32, 0.5,
-     kPercent},
-    {"matching-p-at-1v", kMatching, "3.2.2, p. 28", "at 1 V: smaller p of the two", kAbove, 0.05, 0,
-     kOne},
-    {"matching-p-from-2v", kMatching, "3.2.2, p. 28", "from 2 V on: largest p of all", kBelow, 0.05,
-     0, kOne},
+    {"matching-ia1", kMatching, "3.2.2, p. 28", "IA#1, voltage lower by", kEquals, kPercent, 35,
+     0.5},
+    {"matching-ia2", kMatching, "3.2.2, p. 28", "IA#2, voltage lower by", kEquals, kPercent, 32,
+     0.5},
+    {"matching-p-at-1v", kMatching, "3.2.2, p. 28", "at 1 V: smaller p of the two", kAbove, kOne,
+     0.05},
+    {"matching-p-from-2v", kMatching, "3.2.2, p. 28", "from 2 V on: largest p of all", kBelow, kOne,
+     0.05},
     {"matching-p-controls", kMatching, "3.2.2, p. 28", "controls: smaller p of the two", kAbove,
-     0.05, 0, kOne},
+     kOne, 0.05},
     {"gain-at-175hz", kMatching, "3.2.1, p. 26", "gain of the adapter at 175 Hz, where this ran",
-     kAbove, 1, 0, kOne},
+     kAbove, kOne, 1},
 
-    {"power-saving", kPower, "3.3, p. 29", "power saved at 66 % of the voltage", kEquals, 55, 0.5,
-     kPercent},
+    {"power-saving", kPower, "3.3, p. 29", "power saved at 66 % of the voltage", kEquals, kPercent,
+     55, 0.5},
     {"power-possible", kPower, "3.3, p. 29", "power saved by four times the displacement", kEquals,
-     75, 0.5, kPercent},
+     kPercent, 75, 0.5},
 
     {"linearity-curvature-p", kLinearity, "Fig. 3.5, p. 28", "p of the readings' curvature", kAbove,
-     0.05, 0, kOne},
+     kOne, 0.05},
     {"linearity-r-squared", kLinearity, "Fig. 3.5, p. 28", "R^2 of the line: \"linear\"", kAbove,
-     0.99, 0, kOne},
+     kOne, 0.99},
 
     {"mover-travel-adapter", kAssumed, "", "travel of the moving mass with adapter, +-",
-     kNotPrinted, 0, 0, kMm},
-    {"mover-travel-direct", kAssumed, "", "the same without", kNotPrinted, 0, 0, kMm},
+     kNotPrinted, kMm},
+    {"mover-travel-direct", kAssumed, "", "the same without", kNotPrinted, kMm},
     {"contact-force", kAssumed, "3.1.1, p. 23", "force on the skin, +-, within the weight", kBelow,
-     0.06, 0, kNewton},
-    {"contact-loss-rms", kAssumed, "", "RMS where the contact may break", kNotPrinted, 0, 0, kMm},
+     kNewton, 0.06},
+    {"contact-loss-rms", kAssumed, "", "RMS where the contact may break", kNotPrinted, kMm},
 
-    {"most-skin-power", kBeyond, "4.1, p. 31", "most power into the skin", kNotPrinted, 0, 0, kMw},
-    {"most-rms-per-watt", kBeyond, "4.1, p. 31", "RMS where it is largest per watt", kNotPrinted, 0,
-     0, kUm},
+    {"most-skin-power", kBeyond, "4.1, p. 31", "most power into the skin", kNotPrinted, kMw},
+    {"most-rms-per-watt", kBeyond, "4.1, p. 31", "RMS where it is largest per watt", kNotPrinted,
+     kUm},
 });
 
 }  // namespace
@@ -198,43 +198,19 @@ bool Overlaps(const ThesisNumber& number, const dsp::Interval& interval) {
 }  // namespace
 
 std::string_view Name(RowVerdict verdict) {
-  switch (verdict) {
-    case RowVerdict::kReproduced:
-      return "reproduced";
-    case RowVerdict::kExplained:
-      return "explained";
-    case RowVerdict::kDisagrees:
-      return "disagrees";
-    case RowVerdict::kNotPrinted:
-      return "not printed";
-  }
-  return "disagrees";
+  constexpr std::array<std::string_view, 4> kNames{"reproduced", "explained", "disagrees",
+                                                   "not printed"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 std::string_view Name(CauseKind kind) {
-  switch (kind) {
-    case CauseKind::kReading:
-      return "reading";
-    case CauseKind::kTuned:
-      return "tuned";
-    case CauseKind::kRounding:
-      return "rounding";
-  }
-  return "reading";
+  constexpr std::array<std::string_view, 3> kNames{"reading", "tuned", "rounding"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::string_view Name(Relation relation) {
-  switch (relation) {
-    case Relation::kEquals:
-      return "equals";
-    case Relation::kBelow:
-      return "below";
-    case Relation::kAbove:
-      return "above";
-    case Relation::kNotPrinted:
-      return "not printed";
-  }
-  return "not printed";
+  constexpr std::array<std::string_view, 4> kNames{"equals", "below", "above", "not printed"};
+  return kNames.at(static_cast<std::size_t>(relation));
 }
 
 bool IsAsPrinted(const ThesisNumber& number, double value) {

@@ -19,7 +19,6 @@
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_document.h"
 #include "tools/simulate/simulated_trial.h"
-#include "tools/simulate/waveforms.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -450,13 +450,9 @@ Section MethodSection(const SimulateAnswer& answer) {
   Section section;
   section.Add({"method", "method"}, Method(answer.solved));
   section.Add(kErrorEstimate, error).resolution = error / 10;
-  const auto add = [&section](const Key& key, const std::string& path) {
-    using Text = std::optional<std::string>;
-    section.Add(key, path.empty() ? Text() : Text(path));
-  };
-  add({"trial", "trial"}, answer.trial_path);
-  add({"waveforms", "waveforms"}, answer.waveforms_path);
-  add(document::kPlot, answer.plot_path);
+  section.Add({"trial", "trial"}, document::TextOrNotKnown(answer.trial_path));
+  section.Add({"waveforms", "waveforms"}, document::TextOrNotKnown(answer.waveforms_path));
+  section.Add(document::kPlot, document::TextOrNotKnown(answer.plot_path));
   return section;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "sim/linear/steady_state.h"
 #include "sim/scene/scene_file.h"
@@ -20,10 +21,7 @@ namespace haptometer::tools {
 namespace {
 
 std::vector<trial::ChannelFormat> FormatsOf(const trial::Record& record) {
-  std::vector<trial::ChannelFormat> formats;
-  formats.reserve(record.channels.size());
-  for (const trial::Channel& channel : record.channels) formats.push_back(FormatOf(channel));
-  return formats;
+  return Mapped(record.channels, FormatOf);
 }
 
 trial::TrialHeader SimulatedHeaderOf(const trial::Record& record) {

@@ -1,5 +1,3 @@
-#include "tools/simulate/waveforms.h"
-
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -180,7 +178,7 @@ constexpr double kShownPart = 0.125;  // of the rate
 // rows `first` on, in units of `unit`
 plot::Series Curve(std::string title, plot::Colour colour, const Eigen::VectorXd& values,
                    double unit, Eigen::Index first, double rate_hz) {
-  plot::Series series{.title = std::move(title), .style = plot::Lines(colour), .x = {}, .y = {}};
+  plot::Series series{.title = std::move(title), .style = plot::Lines(colour)};
   for (Eigen::Index row = first; row < values.size(); ++row) {
     series.x.push_back(static_cast<double>(row) / rate_hz);
     series.y.push_back(values(row) / unit);
@@ -214,7 +212,7 @@ Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
   if (!spectrum) return std::unexpected(spectrum.error());
   const std::vector<double> amplitudes_m = dsp::AmplitudeSpectrum(*spectrum);
   const double least_m = kLeastShown * std::ranges::max(amplitudes_m);
-  plot::Series series{.title = {}, .style = plot::Lines(plot::kBlue), .x = {}, .y = {}};
+  plot::Series series{.style = plot::Lines(plot::kBlue)};
   for (std::size_t k = 1; k < amplitudes_m.size(); ++k) {
     const double frequency_hz = static_cast<double>(k) * spectrum->grid.resolution_hz;
     if (frequency_hz > kShownPart * waves.rate_hz) break;

@@ -71,7 +71,7 @@ DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
   std::vector<TrialFile> trials;
   for (const std::string& path : files) {
     if (!IsSweepTable(path)) {
-      trials.push_back({.path = path, .labels = {}, .error = {}});
+      trials.push_back({.path = path});
     } else if (auto read = TakeTable(path, taken); !read) {
       taken.errors.push_back(read.error());
     } else {

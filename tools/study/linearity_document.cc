@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "tools/document/keys.h"
-#include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {
@@ -14,8 +13,11 @@ namespace {
 using document::Form;
 using document::Item;
 using document::Key;
+using document::ListOf;
+using document::MemberOf;
 using document::Range;
 using document::Section;
+using document::TextOrNotKnown;
 using document::Value;
 
 constexpr double kUm = 1e-6;  // in metres
@@ -38,7 +40,7 @@ std::string NameOf(const DriveLine& line) {
 Item& AddFitted(Section& section, const Key& key, double value, const dsp::Interval& interval,
                 double df) {
   Item& item = section.Add(key, value, StandardUncertaintyOf(interval, df));
-  item.interval = Range{interval.lower, interval.upper};
+  item.interval = interval;
   return item;
 }
 
@@ -98,8 +100,8 @@ StudyFindings FindingsOf(const DriveLine& line) {
 
 Section LineSection(const DriveLine& line) {
   Section section{.heading = NameOf(line)};
-  section.Add({document::kSubject.name}, TextOrUnknown(line.subject));
-  section.Add({kCondition.name}, TextOrUnknown(line.condition));
+  section.Add({document::kSubject.name}, TextOrNotKnown(line.subject));
+  section.Add({kCondition.name}, TextOrNotKnown(line.condition));
   section.Add(document::kReadings, line.rms_m.size());
   section.Add({"below_floor"}, line.below_floor);
   section.Add({"floor_m", "noise correction", document::kMetre}, line.floor_m).note =
@@ -115,12 +117,12 @@ Section SlopeSection(const SlopeOverSubjects& over) {
   const auto bend = over.curvature_m_per_v2.value_or(dsp::OneSample{});
   Section section{.heading = fmt::format("{}{}mean over subjects", over.condition,
                                          over.condition.empty() ? "" : ", ")};
-  section.Add({kCondition.name}, TextOrUnknown(over.condition));
+  section.Add({kCondition.name}, TextOrNotKnown(over.condition));
   section.Add(kSubjects, over.slope_m_per_v.n);
   AddMean(section, kSlope, over.slope_m_per_v);
   Item& curvature = AddMean(section, kCurvature, bend);
   if (bend.test) curvature.note = fmt::format("p = {:.3g}", bend.test->p);
-  section.Add(kCurvatureP, bend.test ? Value(bend.test->p) : Value());
+  section.Add(kCurvatureP, MemberOf(bend.test, &dsp::StudentTest::p));
   return section;
 }
 
@@ -154,13 +156,13 @@ std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
   std::size_t number = 0;
   for (const DriveLine& line : result.lines) {
     const plot::Colour colour = kColours[number++ % std::size(kColours)];
-    plot::Series points{NameOf(line), plot::Points(colour, 0.7), line.drive_v, {}, {}};
+    plot::Series points{NameOf(line), plot::Points(colour, 0.7), line.drive_v};
     for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
     panel.series.push_back(std::move(points));
     if (!line.line) continue;
     const double high = *std::ranges::max_element(line.drive_v);
     const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
-    panel.series.push_back({"", plot::Lines(colour), {0, high}, {at(0), at(high)}, {}});
+    panel.series.push_back({"", plot::Lines(colour), {0, high}, {at(0), at(high)}});
   }
   return {panel};
 }

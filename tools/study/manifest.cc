@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "base/toml.h"
 #include "tools/cli/csv_cell.h"
@@ -44,9 +45,8 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.order = table->Integer("order");
   manifest.corner = table->Choice("corner", {"whole", "each"}).value_or("");
   manifest.floor = table->Text("floor").value_or("");
-  const std::vector<TomlTable*> groups = table->Tables("trials");
-  manifest.groups.reserve(groups.size());
-  for (TomlTable* group : groups) manifest.groups.push_back(ReadGroup(*group));
+  manifest.groups =
+      Mapped(table->Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
   const auto contrasts = table->TextLists("contrasts");
   manifest.contrasts.reserve(contrasts.size());
   for (const auto& pair : contrasts) {
@@ -117,7 +117,7 @@ bool IsTableOfResults(const std::string& path) {
 }
 
 TrialFile Labelled(const std::string& path, const std::string& pattern) {
-  TrialFile file{.path = path, .labels = {}, .error = {}};
+  TrialFile file{.path = path};
   if (pattern.empty()) return file;
   if (auto labels = LabelsOf(path, pattern)) {
     file.labels = *std::move(labels);
@@ -188,8 +188,7 @@ Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
   files.reserve(paths.size());
   for (const std::string& path : paths) {
     const bool is_table = IsTableOfResults(path);
-    files.push_back(is_table ? TrialFile{.path = path, .labels = {}, .error = {}, .is_table = true}
-                             : Labelled(path, pattern));
+    files.push_back(is_table ? TrialFile{.path = path, .is_table = true} : Labelled(path, pattern));
   }
   if (std::ranges::all_of(files, &TrialFile::is_table)) {
     return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");

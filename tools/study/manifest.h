@@ -61,8 +61,8 @@ struct Manifest {
 /// `labels` has none.
 struct TrialFile {
   std::string path;
-  std::map<std::string, std::string> labels;  ///< of subject, condition, repeat
-  std::optional<Error> error;                 ///< its name does not fit the pattern
+  std::map<std::string, std::string> labels{};  ///< of subject, condition, repeat
+  std::optional<Error> error{};                 ///< its name does not fit the pattern
   /// A table of results among recordings (FilesInFolder), to be ignored: no trial.
   bool is_table = false;
 };

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/paired_tests.h"
@@ -107,10 +108,7 @@ LogRatios Differences(const LogRatios& treatment, const LogRatios& control) {
 // value(ln of the ratio) of each subject of a level
 template <typename Function>
 dsp::OneSample TestLevel(const std::map<std::string, double>& subjects, const Function& value) {
-  std::vector<double> values;
-  values.reserve(subjects.size());
-  for (const auto& [subject, log] : subjects) values.push_back(value(log));
-  return dsp::TestMean(values);
+  return dsp::TestMean(Mapped(subjects, [&](const auto& of) { return value(of.second); }));
 }
 
 void CorrectByHolm(const std::vector<MatchedRatio*>& ratios) {
@@ -141,14 +139,12 @@ dsp::OneSample TestSubjects(const LogRatios& logs) {
   for (const auto& [level, subjects] : logs) {
     for (const auto& [subject, log] : subjects) by_subject[subject].push_back(log);
   }
-  std::vector<double> means;
-  means.reserve(by_subject.size());
-  for (const auto& [subject, of_levels] : by_subject) means.push_back(dsp::Mean(of_levels));
+  const auto means = Mapped(by_subject, [](const auto& of) { return dsp::Mean(of.second); });
   return means.empty() ? dsp::OneSample{} : dsp::TestMean(means);
 }
 
 MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
-  MatchedCondition condition{.name = name, .levels = {}, .overall = {}, .start_log_ratio = {}};
+  MatchedCondition condition{.name = name};
   const LogRatios logs = LogRatiosOf(levels);
   for (MatchedRatio& level : LevelsOf(logs)) {
     const double reference_v = *level.reference_v;
@@ -164,8 +160,7 @@ MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
 MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& settings) {
   const LogRatios logs = Differences(LogRatiosOf(settings.of.at(planned.treatment)),
                                      LogRatiosOf(settings.of.at(planned.control)));
-  MatchedContrast contrast{
-      .planned = planned, .left_out = {}, .levels = LevelsOf(logs), .overall = {}};
+  MatchedContrast contrast{.planned = planned, .levels = LevelsOf(logs)};
   if (!logs.empty()) contrast.overall = {{}, TestSubjects(logs)};
   for (const std::string& subject : settings.subjects) {
     const auto has = [&](const auto& level) { return level.second.contains(subject); };

@@ -33,18 +33,19 @@ struct MatchedLevel {
 /// One condition of a matching experiment.
 struct MatchedCondition {
   std::string name;
-  std::vector<MatchedLevel> levels;               ///< ascending
-  MatchedRatio overall;                           ///< of the subjects' means over their levels
-  std::optional<dsp::OneSample> start_log_ratio;  ///< ln(started high / started low), over subjects
+  std::vector<MatchedLevel> levels{};  ///< ascending
+  MatchedRatio overall{};              ///< of the subjects' means over their levels
+  std::optional<dsp::OneSample>
+      start_log_ratio{};  ///< ln(started high / started low), over subjects
 };
 
 /// One condition's matched voltages over another's, subject by subject, at the same references.
 struct MatchedContrast {
   PlannedContrast planned;
-  std::vector<std::string> left_out;  ///< subjects with no level in both
-  std::vector<MatchedRatio> levels;   ///< those that both have, ascending
+  std::vector<std::string> left_out{};  ///< subjects with no level in both
+  std::vector<MatchedRatio> levels{};   ///< those that both have, ascending
   std::optional<MatchedRatio>
-      overall;  ///< of the subjects' means over the levels they have in both
+      overall{};  ///< of the subjects' means over the levels they have in both
 };
 
 /// A subject at a level of a condition, of whom a setting is missing.

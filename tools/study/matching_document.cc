@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "tools/document/keys.h"
-#include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {
@@ -13,6 +12,8 @@ using document::Detail;
 using document::Form;
 using document::Item;
 using document::Key;
+using document::ListOf;
+using document::MemberOf;
 using document::Range;
 using document::Section;
 using document::Value;
@@ -94,7 +95,7 @@ Section StartSection(const std::optional<dsp::OneSample>& log_ratio) {
   Key key = kRatio;
   key.label = "started high / low";
   AddRatio(section, key, known);
-  section.Add(kP, known.test ? Value(known.test->p) : Value());
+  section.Add(kP, MemberOf(known.test, &dsp::StudentTest::p));
   return section;
 }
 
@@ -165,10 +166,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     plot::Panel panel;
     const bool is_first = panels.empty();  // the one with a key
     plot::Series points{is_first ? "mean and standard deviation over subjects" : "",
-                        plot::Style{.mark = plot::Mark::kErrorBars, .colour = plot::kBlue},
-                        {},
-                        {},
-                        {}};
+                        plot::Style{.mark = plot::Mark::kErrorBars, .colour = plot::kBlue}};
     for (const MatchedLevel& level : condition.levels) {
       const double reference_v = *level.ratio.reference_v;
       points.x.push_back(reference_v);
@@ -181,7 +179,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     panel.y_label = "matched / V";
     panel.y_from_zero = true;
     panel.series.push_back(
-        {is_first ? "equal" : "", plot::Lines(plot::kGrey, 1, 2), points.x, points.x, {}});
+        {is_first ? "equal" : "", plot::Lines(plot::kGrey, 1, 2), points.x, points.x});
     panel.series.push_back(std::move(points));
     panels.push_back(std::move(panel));
   }

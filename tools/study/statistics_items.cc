@@ -1,32 +1,27 @@
-#include "tools/study/statistics_items.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
+#include "tools/study/study_document.h"
 
 namespace haptometer::tools {
 namespace {
 
 using document::Item;
 using document::Key;
+using document::MemberOf;
 using document::Range;
 using document::Section;
 using document::Value;
 
-std::optional<Range> RangeOf(const dsp::OneSample& sample) {
-  if (!sample.test) return std::nullopt;
-  return Range{sample.test->mean.lower, sample.test->mean.upper};
-}
-
 // the numbers for JSON, and what a line says of them
 std::string TestText(Section& section, const std::optional<dsp::StudentTest>& test) {
   const dsp::StudentTest known = test.value_or(dsp::StudentTest{});
-  section.Add({"t"}, test ? Value(known.t) : Value());
-  section.Add({"df"}, test ? Value(known.df) : Value());
-  section.Add(kP, test ? Value(known.p) : Value());
+  section.Add({"t"}, MemberOf(test, &dsp::StudentTest::t));
+  section.Add({"df"}, MemberOf(test, &dsp::StudentTest::df));
+  section.Add(kP, MemberOf(test, &dsp::StudentTest::p));
   return fmt::format("t({:g}) = {:.4g}, p = {:.3g}", known.df, known.t, known.p);
 }
 
@@ -39,8 +34,6 @@ std::string Counted(std::size_t count, std::string_view noun) {
 void AddRounded(Section& section, const Key& key, Value value, double resolution) {
   section.Add(key, std::move(value)).resolution = resolution;
 }
-
-Value TextOrUnknown(const std::string& text) { return text.empty() ? Value() : Value(text); }
 
 std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample) {
   if (!sample.standard_deviation) return std::nullopt;
@@ -69,7 +62,7 @@ void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
 Item& AddMean(Section& section, const Key& key, const dsp::OneSample& sample) {
   Item& item =
       section.Add(key, sample.n > 0 ? Value(sample.mean) : Value(), StandardUncertaintyOf(sample));
-  item.interval = RangeOf(sample);
+  if (sample.test) item.interval = sample.test->mean;
   return item;
 }
 

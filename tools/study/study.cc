@@ -200,24 +200,16 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   study.ignored = task.ignored;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
-  study.planned = !task.manifest.contrasts.empty();
-  auto contrasts =
-      CompareConditions(study.table, study.planned ? task.manifest.contrasts
-                                                   : AllAgainstTheFirst(study.table.conditions));
-  if (!contrasts) return std::unexpected(contrasts.error());
-  study.contrasts = *std::move(contrasts);
-  study.missing = FindMissing(study.table);
-  study.outlying = FindOutlying(study.table);
-  study.further = DescribeFurther(study.table);
+  if (auto compared = study.Compare(task.manifest.contrasts); !compared) {
+    return std::unexpected(compared.error());
+  }
   return study;
 }
 
 Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc,
                         const char* const* argv) {
   if (wanted.table.empty() && wanted.wide.empty() && wanted.methods.empty()) return {};
-  std::vector<std::string> command{"haptometer", std::string(kVerb)};
-  command.insert(command.end(), argv + 1, argv + argc);
-  const document::Provenance provenance = document::CollectProvenance(command);
+  const document::Provenance provenance = document::ProvenanceOf(kVerb, argc, argv);
   const auto write = [&](const std::string& path, const cli::OutputKind& kind, auto&& text) {
     return path.empty() ? Result<void>{} : cli::WriteOutput(path, kind, wanted.overwrite, text());
   };
@@ -412,10 +404,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   const auto import = cli::ImportOf(words);
   if (!import) return cli::ReportError(kLinearity, import.error());
   const DriveReadings taken = ReadDriveReadings(files, *question, *import);
-  int status = 0;
-  for (const Error& error : taken.errors) {
-    status = cli::WorseStatus(status, cli::ReportError(kLinearity, error));
-  }
+  const int status = cli::ReportErrors(kLinearity, taken.errors);
   if (taken.readings.empty()) return status;
   LinearityResult result =
       AnalyzeLinearity(taken.readings, floor_m ? std::optional(floor_m->value) : std::nullopt);

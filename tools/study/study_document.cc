@@ -9,7 +9,6 @@
 
 #include "tools/document/keys.h"
 #include "tools/document/render.h"
-#include "tools/study/statistics_items.h"
 
 namespace haptometer::tools {
 namespace {
@@ -17,8 +16,11 @@ namespace {
 using document::Detail;
 using document::Item;
 using document::Key;
+using document::ListOf;
+using document::MemberOf;
 using document::Range;
 using document::Section;
+using document::TextOrNotKnown;
 using document::Value;
 
 // keys of more than one place
@@ -27,15 +29,6 @@ constexpr Key kAnswered{document::kAnswered.name, "with a value"};
 constexpr Key kBandRms{document::kBandRms.name, "band RMS", document::kMetre,
                        document::Form::kUncertain};
 constexpr Key kOutlying{"outlying"};
-
-template <typename T>
-Value MemberOf(const std::optional<T>& known, double T::* member) {
-  return known ? Value((*known).*member) : Value();
-}
-
-Value RangeOf(const std::optional<dsp::Interval>& interval) {
-  return interval ? Value(Range{interval->lower, interval->upper}) : Value();
-}
 
 // --- findings ---
 
@@ -115,7 +108,7 @@ Section ConditionRow(const ConditionSummary& condition) {
              resolution);
   row.Add({"morey_half_width_m"}, condition.morey_m);
   row.Add({"icc"}, MemberOf(repeats, &dsp::Reliability::icc));
-  row.Add({"icc_interval_95"}, repeats ? RangeOf(repeats->interval) : Value());
+  row.Add({"icc_interval_95"}, MemberOf(repeats, &dsp::Reliability::interval));
   row.Add({"within_cell_variation"},
           repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value());
   return row;
@@ -129,7 +122,7 @@ Section RepeatsRow(const ConditionSummary& condition) {
   AddRounded(row, {"", "error bar within subjects (Morey)", document::kMetre}, condition.morey_m,
              ResolutionBy(condition.morey_m));
   AddRounded(row, {"", "ICC(1,1)"}, MemberOf(repeats, &dsp::Reliability::icc), 1e-3);
-  AddRounded(row, {"", "95 %"}, repeats ? RangeOf(repeats->interval) : Value(), 1e-3);
+  AddRounded(row, {"", "95 %"}, MemberOf(repeats, &dsp::Reliability::interval), 1e-3);
   row.Add({"", "variation within cells", document::kShare},
           repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value())
       .resolution = 1e-4;
@@ -162,8 +155,7 @@ Section FurtherSection(const Contrast& contrast) {
   }
   AddRounded(section, {"ratio_of_means", "ratio of means"},
              MemberOf(means, &dsp::RatioOfMeans::ratio), resolution);
-  AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, RangeOf(fieller),
-             resolution);
+  AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller, resolution);
   Item& unbounded = section.Add({"ratio_of_means_unbounded"}, Value());
   if (means) unbounded.value = !means->interval;
   return section;
@@ -190,7 +182,7 @@ Section ContrastSection(const Contrast& contrast) {
              MemberOf(effect, &dsp::EffectSize::hedges_g), resolution);
   AddRounded(section, {"d_z", "effect size d_z"}, MemberOf(effect, &dsp::EffectSize::d_z),
              resolution);
-  Item& interval = section.Add({"effect_interval_95", "95 %"}, RangeOf(population));
+  Item& interval = section.Add({"effect_interval_95", "95 %"}, population);
   interval.resolution = resolution;
   interval.note = "of the population's mean difference / sd";
   section.sections.push_back(FurtherSection(contrast));
@@ -266,16 +258,16 @@ std::vector<std::string> DeviationsOf(const StudyTrial& trial) {
 
 // whose it is
 void AddPlace(const StudyTrial& trial, Section& row) {
-  row.Add(document::kSubject, TextOrUnknown(trial.subject));
-  row.Add(kCondition, TextOrUnknown(trial.condition));
-  row.Add(kRepeat, TextOrUnknown(trial.repeat));
+  row.Add(document::kSubject, TextOrNotKnown(trial.subject));
+  row.Add(kCondition, TextOrNotKnown(trial.condition));
+  row.Add(kRepeat, TextOrNotKnown(trial.repeat));
 }
 
 Section TrialRow(const StudyTrial& trial) {
   Section row{.sources = trial.sources};
   row.Add(Key{document::kFile.name, "file"}, trial.file);
   AddPlace(trial, row);
-  row.Add({"", "data"}, TextOrUnknown(document::SourcesText(trial.sources)));
+  row.Add({"", "data"}, TextOrNotKnown(document::SourcesText(trial.sources)));
   row.Add(kAnswered, trial.answered);
   row.Add(document::kReasons, ReasonsOf(trial));
   row.Add({"deviations", "findings"}, DeviationsOf(trial));
@@ -296,7 +288,7 @@ Section OutlyingRow(const Outlying& outlying) {
   Section row;
   row.Add({document::kSubject.name}, outlying.subject);
   row.Add({kCondition.name}, outlying.condition);
-  row.Add(document::kFile, TextOrUnknown(outlying.file));
+  row.Add(document::kFile, TextOrNotKnown(outlying.file));
   row.Add({"times"}, outlying.times);
   row.Add({"robust_standard_deviations"}, outlying.score);
   return row;
@@ -442,7 +434,7 @@ void AppendCondition(const StudyResult& study, std::size_t condition, double x,
                             {mean_um},
                             {*sd / kUm}});
   }
-  plot::Series points{"", plot::Points(plot::kOrange, 0.5), {}, {}, {}};
+  plot::Series points{"", plot::Points(plot::kOrange, 0.5)};
   const auto& cells = study.table.cells;
   for (std::size_t s = 0; s < cells.size(); ++s) {
     const auto mean_m = cells[s][condition].mean_m();

@@ -1,13 +1,18 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "dsp/statistics/moments.h"
 #include "tools/document/document.h"
+#include "tools/document/keys.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/linearity.h"
 #include "tools/study/matching.h"
-#include "tools/study/study_result.h"
+#include "tools/study/study_findings.h"
+#include "tools/study/study_table.h"
 
 /// What `study`, `study matching` and `study linearity` show (docs/reference/study.md).
 namespace haptometer::tools {
@@ -42,5 +47,56 @@ namespace haptometer::tools {
 [[nodiscard]] std::vector<plot::Panel> MatchingPanels(const MatchingResult& result);
 /// RMS against drive with the fitted lines, one panel.
 [[nodiscard]] std::vector<plot::Panel> LinearityPanels(const LinearityResult& result);
+
+// How the numbers of statistics stand in these documents, and the keys that they share.
+inline constexpr document::Key kCondition{"condition", "condition"};
+inline constexpr document::Key kTreatment{"treatment"};
+inline constexpr document::Key kControl{"control"};
+inline constexpr document::Key kUnitOfAnalysis{"unit_of_analysis"};
+inline constexpr document::Key kContrastsPlanned{"contrasts_planned"};
+inline constexpr document::Key kLeftOutSubjects{"left_out_subjects", "without subject"};
+inline constexpr document::Key kSubjects{"subjects", "subjects"};
+inline constexpr document::Key kN{"n", "subjects"};
+inline constexpr document::Key kP{"p"};
+inline constexpr document::Key kRatio{"ratio", "ratio", document::kNone, document::Form::kInterval};
+inline constexpr document::Key kConditions{"conditions"};
+inline constexpr document::Key kContrasts{"contrasts"};
+
+/// "1 trial", "2 trials".
+[[nodiscard]] std::string Counted(std::size_t count, std::string_view noun);
+
+/// Adds a number that text shows to the decimal place of `resolution`.
+void AddRounded(document::Section& section, const document::Key& key, document::Value value,
+                double resolution);
+
+/// s / sqrt(n), the standard uncertainty of the mean; nothing of fewer than 2 values.
+[[nodiscard]] std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample);
+
+/// That of which `interval` is Student's interval with `df` degrees of freedom.
+[[nodiscard]] double StandardUncertaintyOf(const dsp::Interval& interval, double df);
+
+/// The decimal place to which a number beside one of this standard uncertainty is shown: that of
+/// the second digit. 0 (no limit) where it is not known.
+[[nodiscard]] double ResolutionBy(std::optional<double> standard_uncertainty);
+
+/// Refuses a test that `sample` has not, as it is of too few subjects or without spread.
+void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
+                    StudyFindings& findings);
+
+/// A mean with its standard uncertainty and interval; not known of no values.
+document::Item& AddMean(document::Section& section, const document::Key& key,
+                        const dsp::OneSample& sample);
+
+/// exp(mean) of logarithms; the standard uncertainty in the first order, the interval's ends as
+/// they are.
+document::Item& AddRatio(document::Section& section, const document::Key& key,
+                         const dsp::OneSample& logarithms);
+
+/// t, df and p for JSON, and all three in a line: "t(7) = 8.66, p = 0.0131". `p_holm`: p after
+/// Holm's correction, of one of several tests.
+void AddTest(document::Section& section, std::string_view label,
+             const std::optional<dsp::StudentTest>& test);
+void AddTest(document::Section& section, std::string_view label,
+             const std::optional<dsp::StudentTest>& test, const std::optional<double>& p_holm);
 
 }  // namespace haptometer::tools

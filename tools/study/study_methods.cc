@@ -6,7 +6,7 @@
 #include <iterator>
 #include <map>
 
-#include "tools/study/statistics_items.h"
+#include "base/mapped.h"
 #include "tools/study/study_document.h"
 
 // The paragraph for the paper.
@@ -98,9 +98,8 @@ std::string SubjectsText(const StudyResult& study, std::size_t all) {
 
 std::string ContrastsText(const StudyResult& study) {
   if (study.contrasts.empty()) return {};
-  std::vector<std::string> names;
-  names.reserve(study.contrasts.size());
-  for (const Contrast& contrast : study.contrasts) names.push_back(NameOf(contrast.planned));
+  const auto names =
+      Mapped(study.contrasts, [](const Contrast& contrast) { return NameOf(contrast.planned); });
   const bool is_one = names.size() == 1;
   return fmt::format(
       "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "

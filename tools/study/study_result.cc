@@ -1,5 +1,3 @@
-#include "tools/study/study_result.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,6 +6,7 @@
 #include "dsp/statistics/paired_tests.h"
 #include "dsp/statistics/regression.h"
 #include "dsp/statistics/repeated_measures.h"
+#include "tools/study/study_table.h"
 
 namespace haptometer::tools {
 namespace {
@@ -182,6 +181,17 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
   }
   further.trend = TrendOf(table);
   return further;
+}
+
+Result<void> StudyResult::Compare(const std::vector<PlannedContrast>& wanted) {
+  planned = !wanted.empty();
+  auto compared = CompareConditions(table, planned ? wanted : AllAgainstTheFirst(table.conditions));
+  if (!compared) return std::unexpected(compared.error());
+  contrasts = *std::move(compared);
+  missing = FindMissing(table);
+  outlying = FindOutlying(table);
+  further = DescribeFurther(table);
+  return {};
 }
 
 }  // namespace haptometer::tools

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/jobs.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "dsp/analysis/floor_remarks.h"
 #include "dsp/statistics/moments.h"
@@ -94,6 +95,10 @@ void FillCells(StudyTable& table) {
   }
 }
 
+std::vector<double> Logs(const std::vector<double>& values) {
+  return Mapped(values, [](double x) { return std::log(x); });
+}
+
 }  // namespace
 
 std::optional<double> Cell::mean_m() const {
@@ -102,9 +107,7 @@ std::optional<double> Cell::mean_m() const {
 
 std::optional<double> Cell::mean_log() const {
   if (rms_m.empty()) return std::nullopt;
-  std::vector<double> logs(rms_m.size());
-  std::ranges::transform(rms_m, logs.begin(), [](double x) { return std::log(x); });
-  return dsp::Mean(logs);
+  return dsp::Mean(Logs(rms_m));
 }
 
 std::optional<std::size_t> StudyTable::Condition(const std::string& name) const {
@@ -114,10 +117,7 @@ std::optional<std::size_t> StudyTable::Condition(const std::string& name) const 
 }
 
 std::vector<double> StudyTable::Logs(std::size_t subject, std::size_t condition) const {
-  const Cell& cell = cells[subject][condition];
-  std::vector<double> logs(cell.rms_m.size());
-  std::ranges::transform(cell.rms_m, logs.begin(), [](double x) { return std::log(x); });
-  return logs;
+  return tools::Logs(cells[subject][condition].rms_m);
 }
 
 dsp::CompleteTable StudyTable::Complete(std::optional<double> (Cell::*mean)() const,
@@ -274,10 +274,8 @@ double RelativeUncertainty(const StudyTrial& trial) {
 }
 
 double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
-  std::vector<double> all(cell.trials.size());
-  std::ranges::transform(cell.trials, all.begin(),
-                         [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); });
-  return dsp::Median(std::move(all));
+  return dsp::Median(
+      Mapped(cell.trials, [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); }));
 }
 
 void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {

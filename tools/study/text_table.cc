@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
@@ -109,9 +108,8 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
   const std::vector<std::string>& cells = table.columns.at(column);
   std::vector<double> numbers(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const char* end = cells[i].data() + cells[i].size();
-    const auto [stop, failure] = std::from_chars(cells[i].data(), end, numbers[i]);
-    if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
+    numbers[i] = NumberFrom<double>(cells[i]).value_or(std::nan(""));
+    if (!std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
                           fmt::format("{} '{}' is not a number", column, cells[i]),
                           "correct that cell");

@@ -1,20 +1,21 @@
 #include "tools/sweep/sweep.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
-#include "tools/sweep/sweep_picture.h"
 #include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
 #include "tools/sweep/table_file.h"
@@ -69,7 +70,8 @@ Result<Made> Compute(const SweepWords& words) {
                            : TableFile::Begin(words.output, header, words.overwrite);
   if (!file) return std::unexpected(file.error());
   cli::CatchInterrupts();
-  const auto made = MakeRows(*question, ThreadsOf(words), *file, words.output);
+  const auto made =
+      MakeRows(*question, cli::ThreadsOf(words.threads, kMostSweepThreads), *file, words.output);
   if (!made) return std::unexpected(made.error());
   const std::uint64_t rows = question->shard.RowsOf(question->points.size());
   if (*made == rows) return Made{.mended = file->mended_rows()};
@@ -128,17 +130,8 @@ using document::Section;
 
 constexpr std::string_view kLeast = ":least";
 
-// a cell that is a number from end to end
-std::optional<double> NumberOf(const std::string& cell) {
-  double number = 0;
-  const char* end = cell.data() + cell.size();
-  const auto [stop, failure] = std::from_chars(cell.data(), end, number);
-  if (failure != std::errc{} || stop != end) return std::nullopt;
-  return number;
-}
-
 void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
-  const auto value = NumberOf(cells[column]);
+  const auto value = NumberFrom<double>(cells[column]);
   if (!value) return;
   ++summary.compared;
   const bool is_better = !summary.best || (summary.wish.least ? *value < summary.best->value
@@ -170,25 +163,18 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   BestWish wish;
   wish.least = word.ends_with(kLeast);
   wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
-  std::vector<std::string> names;
-  for (const AnswerColumn& column : AnswerColumns()) names.push_back(column.name);
+  const std::vector<std::string> names = Mapped(AnswerColumns(), &AnswerColumn::name);
   if (std::ranges::find(names, wish.column) != names.end()) return wish;
   const std::string nearest = Nearest(wish.column, names);
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   return Usage("--best", fmt::format("'{}' is not a column of the answers", wish.column),
-               nearest.empty() ? "use one of " + all : fmt::format("did you mean {}?", nearest));
+               nearest.empty() ? fmt::format("use one of {}", fmt::join(names, ", "))
+                               : fmt::format("did you mean {}?", nearest));
 }
 
 Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   auto reader = TableReader::Open(table);
   if (!reader) return std::unexpected(reader.error());
-  SweepSummary summary{.table = table,
-                       .header = reader->header(),
-                       .wish = wish,
-                       .first_remark = {},
-                       .best = {},
-                       .plot = {}};
+  SweepSummary summary{.table = table, .header = reader->header(), .wish = wish};
   const std::vector<std::string>& columns = summary.header.columns;
   const auto found = std::ranges::find(columns, wish.column);
   if (found == columns.end()) {
@@ -258,7 +244,7 @@ Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
 
 // numbers in the unit that their name ends with
 document::Value CellValue(const std::string& cell) {
-  const auto number = NumberOf(cell);
+  const auto number = NumberFrom<double>(cell);
   return number ? document::Value(*number) : document::Value(cell);
 }
 
@@ -286,21 +272,18 @@ Section BestSection(const SweepSummary& summary) {
 
 document::Document SweepDocument(const SweepSummary& summary) {
   const TableHeader& header = summary.header;
-  const auto known = [](const std::string& text) {
-    return text.empty() ? document::Value() : document::Value(text);
-  };
   document::Document document{.verb = std::string(kVerb), .title = Printable(summary.table)};
   Section& root = document.root;
   root.sources = {document::DataSource::kSimulated};
   root.Add({"table"}, summary.table);
   root.Add(document::kPoints, header.points);
-  root.Add({"shard", "shard"}, known(header.shard));
+  root.Add({"shard", "shard"}, document::TextOrNotKnown(header.shard));
   root.Add({document::kRows.name, header.shard.empty() ? "" : "rows"}, summary.rows);
   root.Add({document::kAnswered.name, "answered"}, summary.answered);
   const auto first = header.columns.begin() + 1;
   root.Add({"varied"},
            std::vector<std::string>(first, first + static_cast<std::ptrdiff_t>(header.varied)));
-  root.Add(document::kPlot, known(summary.plot));
+  root.Add(document::kPlot, document::TextOrNotKnown(summary.plot));
   root.sections.push_back(BestSection(summary));
   document::AddFindings(root, FindingsOf(summary));
   return document;

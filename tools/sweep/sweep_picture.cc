@@ -1,18 +1,17 @@
-#include "tools/sweep/sweep_picture.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/sweep/sweep.h"
 
 namespace haptometer::tools {
 namespace {
@@ -24,12 +23,7 @@ constexpr std::array<plot::Colour, kMostCurves> kColours{
     plot::kBlue,   plot::kOrange,  plot::kGreen, plot::kPurple,
     plot::kYellow, plot::kSkyBlue, plot::kBlack, plot::kGrey};
 
-double NumberOr(const std::string& cell, double otherwise) {
-  double number = 0;
-  const char* end = cell.data() + cell.size();
-  const auto [stop, failure] = std::from_chars(cell.data(), end, number);
-  return failure == std::errc{} && stop == end ? number : otherwise;
-}
+double NumberOrNaN(const std::string& cell) { return NumberFrom<double>(cell).value_or(kNaN); }
 
 // A varied key's column: its values in the order of their first appearance, and each row's.
 struct KeyColumn {
@@ -46,14 +40,14 @@ struct KeyColumn {
   }
   [[nodiscard]] bool AreNumbers() const {
     return std::ranges::all_of(
-        texts, [](const std::string& text) { return std::isfinite(NumberOr(text, kNaN)); });
+        texts, [](const std::string& text) { return std::isfinite(NumberOrNaN(text)); });
   }
   // where a value lies on the axis: texts lie in a row
   [[nodiscard]] std::vector<double> Positions() const {
     const bool are_numbers = AreNumbers();
     std::vector<double> positions(texts.size());
     for (std::size_t k = 0; k < texts.size(); ++k) {
-      positions[k] = are_numbers ? NumberOr(texts[k], kNaN) : static_cast<double>(k);
+      positions[k] = are_numbers ? NumberOrNaN(texts[k]) : static_cast<double>(k);
     }
     return positions;
   }
@@ -61,14 +55,14 @@ struct KeyColumn {
 
 struct SweepColumns {
   bool is_sampled = false;
-  std::string column;
-  std::vector<KeyColumn> keys;
-  std::vector<double> values;  // NaN: not answered
+  std::string column{};
+  std::vector<KeyColumn> keys{};
+  std::vector<double> values{};  // NaN: not answered
 };
 
 SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
   const TableHeader& header = reader.header();
-  SweepColumns columns{.column = column, .keys = {}, .values = {}};
+  SweepColumns columns{.column = column};
   for (std::size_t k = 0; k < header.varied; ++k) {
     KeyColumn key;
     key.name = header.columns[k + 1];
@@ -86,13 +80,13 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
     const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() != header.columns.size() || place >= cells.size()) continue;
     for (std::size_t k = 0; k < header.varied; ++k) columns.keys[k].Take(cells[k + 1]);
-    columns.values.push_back(NumberOr(cells[place], kNaN));
+    columns.values.push_back(NumberOrNaN(cells[place]));
   }
   return columns;
 }
 
 plot::Panel PanelOver(const KeyColumn& key, const std::string& column) {
-  plot::Panel panel{.title = {}, .x_label = key.name, .y_label = column, .series = {}};
+  plot::Panel panel{.x_label = key.name, .y_label = column};
   panel.log_axes = key.is_logarithmic ? plot::LogAxes::kX : plot::LogAxes::kNone;
   if (key.AreNumbers()) return panel;
   for (std::size_t k = 0; k < key.texts.size(); ++k) {
@@ -156,15 +150,13 @@ plot::Map MapOf(const SweepColumns& columns) {
   const KeyColumn& up = columns.keys[1];
   const std::vector<double> x = across.Positions();
   const std::vector<double> y = up.Positions();
-  plot::Map map{.title = {},
-                .x_label = across.name,
+  plot::Map map{.x_label = across.name,
                 .y_label = up.name,
                 .value_label = columns.column,
                 .x_start = x[0],
                 .x_step = x[1] - x[0],
                 .y_start = y[0],
-                .y_step = y[1] - y[0],
-                .values = {}};
+                .y_step = y[1] - y[0]};
   map.values.assign(x.size(), std::vector<double>(y.size(), kNaN));
   for (std::size_t row = 0; row < columns.values.size(); ++row) {
     map.values[across.of_row[row]][up.of_row[row]] = columns.values[row];

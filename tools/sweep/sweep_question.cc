@@ -4,38 +4,30 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/mapped.h"
 #include "base/quantity.h"
+#include "base/text.h"
 #include "sim/scene/scene_file.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr std::uint64_t kMostPoints = 1'000'000'000;
-constexpr std::int64_t kMostThreads = 1024;
 constexpr std::int64_t kMostSeed = (1LL << 62) - 1;
 constexpr std::uint64_t kMostShards = 1'000'000;
-
-std::optional<std::uint64_t> WholeNumber(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 Result<Shard> ReadShard(const std::string& text) {
   if (text.empty()) return Shard{};
   const std::string_view word = text;
   const std::size_t slash = std::min(word.find('/'), word.size() - 1);
-  const std::uint64_t number = WholeNumber(word.substr(0, slash)).value_or(0);
-  const std::uint64_t count = WholeNumber(word.substr(slash + 1)).value_or(0);
+  const std::uint64_t number = NumberFrom<std::uint64_t>(word.substr(0, slash)).value_or(0);
+  const std::uint64_t count = NumberFrom<std::uint64_t>(word.substr(slash + 1)).value_or(0);
   if (number < 1 || number > count || count > kMostShards) {
     return Usage("--shard", fmt::format("'{}' is not I/N", text),
                  "write 1/4 to 4/4 for the four parts of a sweep");
@@ -107,7 +99,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Flag("--resume", &words.resume, "Continue the table of an interrupted run");
   options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
   options
-      .Count("--threads", &words.threads, 1, kMostThreads,
+      .Count("--threads", &words.threads, 1, kMostSweepThreads,
              "Number of threads; no result depends on it")
       .Default("the number of cores");
   options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
@@ -125,9 +117,7 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
   if (!shard) return std::unexpected(shard.error());
   auto points = ReadPoints(words);
   if (!points) return std::unexpected(points.error());
-  std::vector<std::string> keys;
-  keys.reserve(points->axes().size());
-  for (const sim::SweepAxis& axis : points->axes()) keys.push_back(axis.key);
+  const std::vector<std::string> keys = Mapped(points->axes(), &sim::SweepAxis::key);
   auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
   if (!scene) {
     Error error = scene.error();
@@ -149,11 +139,6 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   }
   if (words.output.empty()) return Usage("-o", "is missing", "name the table: -o whole.csv");
   return tables;
-}
-
-int ThreadsOf(const SweepWords& words) {
-  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
 }
 
 namespace {
@@ -215,13 +200,6 @@ Result<double> ReadNumber(const std::string& word, Dimension dimension, const st
   return quantity->value;
 }
 
-std::optional<std::int64_t> SignedWholeNumber(std::string_view text) {
-  std::int64_t value = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 // one value of a list
 Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
                                   const std::string& where) {
@@ -231,7 +209,7 @@ Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
     return Usage(where, "has a value that is empty or not printable", "write it as KEY=A,B,C");
   }
   if (dimension == Dimension::kNone) {
-    if (const auto whole = SignedWholeNumber(word))
+    if (const auto whole = NumberFrom<std::int64_t>(word))
       return sim::PlainValue(fmt::format("{}", *whole));
     if (word == "true" || word == "false") return sim::PlainValue(word);
     if (!ParseQuantity(word, dimension, where)) return sim::TextValue(word);
@@ -259,7 +237,7 @@ Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre r
     return Usage(where, "is not BEGIN:END:COUNT",
                  "write it like 100Hz:400Hz:301, or give --samples");
   }
-  const auto count = SignedWholeNumber(parts[2]);
+  const auto count = NumberFrom<std::int64_t>(parts[2]);
   if (!count || *count < 2 || *count > kMostValues) {
     return Usage(where, fmt::format("'{}' is not a count of values", parts[2]),
                  "give 2 or more, both ends among them");
@@ -383,14 +361,8 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
   for (std::size_t axis = 0; axis < points.axes().size(); ++axis) {
     values.push_back(ValuesToCheck(points, axis));
   }
-  std::vector<sim::SweepValue> first;
-  std::vector<sim::SweepValue> last;
-  first.reserve(values.size());
-  last.reserve(values.size());
-  for (const auto& of_axis : values) {
-    first.push_back(of_axis.front());
-    last.push_back(of_axis.back());
-  }
+  const auto first = Mapped(values, [](const auto& of_axis) { return of_axis.front(); });
+  const auto last = Mapped(values, [](const auto& of_axis) { return of_axis.back(); });
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
     for (const sim::SweepValue& value : values[axis]) {
       auto beside_first = first;

@@ -32,6 +32,8 @@ struct SweepQuestion {
   Shard shard;
 };
 
+inline constexpr std::int64_t kMostSweepThreads = 1024;
+
 /// What the command line of sweep says.
 struct SweepWords {
   std::vector<std::string> scenes;
@@ -58,9 +60,6 @@ void Declare(cli::Options& options, SweepWords& words);
 
 /// The tables to merge. Errors (Cause::kUsage): none, or an option that merging does not have.
 [[nodiscard]] Result<std::vector<std::string>> ReadMerge(const SweepWords& words);
-
-/// As asked for, else one a core.
-[[nodiscard]] int ThreadsOf(const SweepWords& words);
 
 /// Whether ranges are a grid or are sampled.
 enum class RangesAre : std::uint8_t { kGrid, kSampled };

@@ -15,6 +15,7 @@
 
 #include "base/clock.h"
 #include "base/jobs.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/document/keys.h"
@@ -69,10 +70,7 @@ std::string TableHeader::Text() const {
   std::string text = fmt::format("{}\n", fmt::join(question, "\n"));
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
   text += provenance;
-  std::vector<std::string> cells;
-  cells.reserve(columns.size());
-  for (const std::string& column : columns) cells.push_back(cli::CellOf(column));
-  return text + fmt::format("{}\n", fmt::join(cells, ","));
+  return text + fmt::format("{}\n", fmt::join(Mapped(columns, cli::CellOf), ","));
 }
 
 TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& provenance) {

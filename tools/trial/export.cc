@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -81,19 +82,9 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
 }
 
 const cli::OutputKind& KindOf(Format format) {
-  switch (format) {
-    case Format::kCsv:
-      return cli::kRowsOutput;
-    case Format::kHdf5:
-      return cli::kHdf5Output;
-    case Format::kNpy:
-      return cli::kNpyOutput;
-    case Format::kWav:
-      return cli::kWavOutput;
-    case Format::kMat:
-      return cli::kMatOutput;
-  }
-  HAPTOMETER_CHECK(false, "format {}", static_cast<int>(format));
+  constexpr std::array kKinds{&cli::kRowsOutput, &cli::kHdf5Output, &cli::kNpyOutput,
+                              &cli::kWavOutput, &cli::kMatOutput};
+  return *kKinds.at(static_cast<std::size_t>(format));
 }
 
 // what goes out as one run of bytes

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
@@ -60,10 +61,7 @@ int RunTrial(int argc, const char* const* argv) {
     PrintHelp();
     return argc > 1 ? 0 : 2;
   }
-  std::vector<std::string> names;
-  names.reserve(std::size(kWords));
-  for (const Word& each : kWords) names.emplace_back(each.name);
-  const std::string nearest = Nearest(name, names);
+  const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
   return cli::ReportError("trial",
                           {Cause::kUsage, std::string(name), "is not something trial can do",
                            nearest.empty() ? "see haptometer trial --help"
@@ -214,12 +212,10 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
   HAPTOMETER_CHECK(record.rows > 0, "no rows to draw");
   const double factor = channel.unit == "m" ? 1e6 : 1;
   const double mean = MeanOf(channel);
-  plot::Series line{.title = "", .style = plot::Lines(plot::kBlue), .x = {}, .y = {}};
+  plot::Series line{.title = "", .style = plot::Lines(plot::kBlue)};
   plot::Series bad{
       .title = "",
-      .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2},
-      .x = {},
-      .y = {}};
+      .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2}};
   double lowest = 0;
   for (const trial::Stretch& stretch : record.stretches) {
     // a row that is not there breaks the line between two stretches

@@ -1,3 +1,5 @@
+#include "tools/tune/tune.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,8 +10,6 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
-#include "tools/tune/tune_document.h"
-#include "tools/tune/tune_question.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,5 +1,3 @@
-#include "tools/tune/tune_document.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include "sim/tuning/latency_limit.h"
 #include "tools/document/keys.h"
 #include "tools/simulate/simulate_document.h"
+#include "tools/tune/tune.h"
 
 namespace haptometer::tools {
 namespace {
@@ -328,8 +327,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
     if (number == kArea && answer.question.problem.fixed_skin) continue;
     plot::Series curve{.title = kNumbers[number].name,
                        .style = plot::Lines(kNumbers[number].colour, 1.5),
-                       .x = Factors(),
-                       .y = {}};
+                       .x = Factors()};
     for (const double factor : curve.x) {
       sim::AdapterPoint point = answer.optimum.point;
       PartOf(point, number) *= factor;
@@ -347,8 +345,7 @@ plot::Series Rebalanced(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   plot::Series curve{.title = "spring, the skin side's mass optimised again",
                      .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
-                     .x = Factors(),
-                     .y = {}};
+                     .x = Factors()};
   for (const double factor : curve.x) {
     const sim::SpringCost cost = sim::CostOfSpring(
         question.objective, question.problem, question.receptors, answer.optimum.point, factor);
@@ -397,8 +394,7 @@ plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source
 
 plot::Panel RidgePanel(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  plot::Series ridge{
-      .title = "the best with that mass", .style = plot::Lines(plot::kBlue, 1.5), .x = {}, .y = {}};
+  plot::Series ridge{.title = "the best with that mass", .style = plot::Lines(plot::kBlue, 1.5)};
   for (const sim::RidgePoint& point :
        sim::RidgeOf(question.objective, question.problem, question.receptors, kRidgeMasses)) {
     ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);

@@ -1,5 +1,3 @@
-#include "tools/tune/tune_question.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "base/text.h"
 #include "sim/scene/scene_file.h"
 #include "tools/simulate/simulate_document.h"
+#include "tools/tune/tune.h"
 
 namespace haptometer::tools {
 namespace {

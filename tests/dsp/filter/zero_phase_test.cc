@@ -305,8 +305,7 @@ TEST(ZeroPhaseBlocks, AReadThatFailsEndsTheBlock) {
   };
   std::vector<ZeroPhaseBlocks::PieceStates> states(blocks.pieces());
   ZeroPhaseBlocks::Scratch scratch;
-  EXPECT_FALSE(blocks.FilterPieces(
-      0, broken, [](auto...) {}, states, scratch));
+  EXPECT_FALSE(blocks.FilterPieces(0, broken, [](auto...) {}, states, scratch));
 }
 
 TEST(ZeroPhaseBlocks, SilenceLeavesNoSubnormalNumbers) {

@@ -123,6 +123,9 @@ TEST_F(PresentDocument, WritesThePictureAndThePage) {
   }
   shown.outputs.plot = "/no/such/folder/present.svg";
   EXPECT_FALSE(CheckOutputs(shown.outputs));
+  for (const char* page : {"report.pdf", "/no/such/directory/report.html"}) {
+    EXPECT_FALSE(CheckOutputs({.plot = {}, .report = page})) << page;
+  }
   const tools::Outcome failed = tools::Captured(Show, "sample", {});
   EXPECT_EQ(failed.status, 2);
   EXPECT_THAT(failed.err, HasSubstr("haptometer sample: /no/such/folder"));

@@ -254,5 +254,31 @@ TEST(HtmlOf, ADocumentIsAPageWithEverything) {
   EXPECT_THAT(*html, Not(HasSubstr("Onset")));
 }
 
+TEST(HtmlOf, WhatMeansSomethingToHtmlOrIsNotPrintableIsWrittenOut) {
+  Document document{.verb = "sample", .title = "a<b latin\xe9\x1b.bin"};
+  document.provenance.command = "x & \"y\" \xc3\xa9 \xc3";
+  document.root.Add({"key", "<i>"}, "&amp;");
+  document.root.findings.push_back(
+      {.kind = "note", .text = "<script>alert(1)</script>", .subject = {}, .numbers = {}});
+  const auto html = HtmlOf(document);
+  ASSERT_TRUE(html);
+  EXPECT_THAT(*html, HasSubstr("<title>a&lt;b latin\\xe9\\x1b.bin</title>"));
+  EXPECT_THAT(*html, HasSubstr("x &amp; &quot;y&quot; \xc3\xa9 \\xc3</p>"));
+  EXPECT_THAT(*html, Not(HasSubstr("<script>")));
+  EXPECT_THAT(*html, HasSubstr("<th scope=\"row\">&lt;i&gt;</th><td>&amp;amp;</td>"));
+}
+
+TEST(HtmlOf, NumbersItsFiguresAndNeedsNothingFromElsewhere) {
+  Document document{.verb = "sample", .title = "two"};
+  const plot::Panel ramp{"a ramp", "time / s", "distance / um", {{"", {}, {0, 1}, {0, 1}}}};
+  document.root.figures = {{"first", {ramp}}, {"second", {ramp}}};
+  const auto html = HtmlOf(document);
+  ASSERT_TRUE(html);
+  EXPECT_THAT(*html, HasSubstr("Figure 1. first"));
+  EXPECT_THAT(*html, HasSubstr("Figure 2. second"));
+  EXPECT_THAT(*html, Not(HasSubstr("src=")));
+  EXPECT_THAT(*html, Not(HasSubstr("<?xml")));
+}
+
 }  // namespace
 }  // namespace haptometer::document
