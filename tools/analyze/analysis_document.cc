@@ -148,7 +148,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
 // it is perceived.
 std::string_view LatencyVerdict(double latency_s) {
   if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
-  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
+  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it causes errors; below 50 ms";
   return "above 50 ms, where it is perceived";
 }
 

@@ -15,6 +15,7 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -143,7 +144,7 @@ Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, 
   }
   Section section = SweepSection(path, *answer, words.files.size() == 1);
   section.sources = trial::SourcesOf(opened->rows->head().metadata, opened->report);
-  if (section.sources.empty()) section.Add({"data_source"}, {});
+  if (section.sources.empty()) section.Add(document::kDataSources, {});
   return section;
 }
 

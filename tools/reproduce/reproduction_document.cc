@@ -201,9 +201,10 @@ Section ChainRowSection(const ChainRow& row) {
 }
 
 Section ChainSection(const std::optional<std::vector<ChainRow>>& rows) {
-  if (!rows) return {.name = "chain", .is_known = false};
-  Section chain = ListOf({.name = "chain", .heading = "Scene, sensor, record, analysis"}, *rows,
-                         ChainRowSection);
+  Section chain{.name = "chain", .heading = "Scene, sensor, record, analysis"};
+  chain.is_known = rows.has_value();
+  if (!rows) return chain;
+  chain = ListOf(std::move(chain), *rows, ChainRowSection);
   chain.Add({"", "rows that hold"}, std::ranges::count_if(*rows, &ChainRow::holds));
   return chain;
 }
