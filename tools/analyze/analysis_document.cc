@@ -147,7 +147,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
 // What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on
 // it is perceived.
 std::string_view LatencyVerdict(double latency_s) {
-  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
+  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cause errors";
   if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it causes errors; below 50 ms";
   return "above 50 ms, where it is perceived";
 }

@@ -184,7 +184,7 @@ Result<std::string> HtmlOf(const Document& document) {
   }
   if (!inputs.empty()) {
     page.Add("h2", "Inputs");
-    page.AddRows({"input", "bytes", "SHA-256"}, inputs);
+    page.AddRows({"input file", "bytes", "SHA-256"}, inputs);
   }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
