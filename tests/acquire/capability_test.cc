@@ -89,7 +89,7 @@ TEST(KnownSensors, SayWhatTheirManualsAllow) {
   EXPECT_REL(Of("IL-030 through a DL-RS1A, 9600").sensor.rate_hz, 48.4, 1e-3, "three digits");
   EXPECT_REL(Of("IL-030 through a DL-RS1A, 38400").sensor.rate_hz, 122.4, 1e-3, "four digits");
   EXPECT_REL(Of("IL-030 through a DL-EN1").sensor.rate_hz, 128.2, 1e-3, "four digits");
-  EXPECT_EQ(Of("lines of 9 characters sent without request,  921600").sensor.rate_hz, 10'240);
+  EXPECT_EQ(Of("lines of 9 characters sent without request, 921600 baud").sensor.rate_hz, 10'240);
   // 15 characters at 115200 baud
   EXPECT_REL(Of("LK-G").sensor.rate_hz, 768, 1e-5, "rounded to nanoseconds");
 }
@@ -98,10 +98,10 @@ TEST(KnownSensors, WhoAnswers20To500Hz) {
   EXPECT_TRUE(Of("IL-030, analog output and a DAQ, 0.33 ms, 1 average").can_answer);
   EXPECT_FALSE(Of("IL-030, analog output and a DAQ, 0.33 ms, 4").can_answer);
   EXPECT_FALSE(Of("IL-030, analog output and a DAQ, 1 ms, 16").can_answer);
-  EXPECT_TRUE(Of("lines of 9 characters sent without request,  921600").can_answer);
+  EXPECT_TRUE(Of("lines of 9 characters sent without request, 921600 baud").can_answer);
   EXPECT_TRUE(
-      Of("lines of 9 characters sent without request,  115200").can_answer);  // 1280 exactly
-  EXPECT_FALSE(Of("lines of 9 characters sent without request,  9600").can_answer);
+      Of("lines of 9 characters sent without request, 115200 baud").can_answer);  // 1280 exactly
+  EXPECT_FALSE(Of("lines of 9 characters sent without request, 9600 baud").can_answer);
   EXPECT_FALSE(Of("LK-G").can_answer);
   for (const int baud : {2400, 4800, 9600, 19200, 38400}) {
     EXPECT_FALSE(Of("IL-030 through a DL-RS1A, " + std::to_string(baud)).can_answer);

@@ -164,7 +164,8 @@ TEST_F(AnalyzeVerb, FindingsNameTheTrialOfSeveral) {
              "the tone's frequency");
   const std::string text = Analyze({path, path}).out;
   EXPECT_THAT(text, HasSubstr("vibration of 2 trials\n  " + path + "\n    data: imported\n"));
-  EXPECT_THAT(text, HasSubstr("\n    note: the first ")) << "the heading has the name";
+  EXPECT_THAT(text, HasSubstr("\n    note: filter transients excluded: "))
+      << "the heading has the name";
 }
 
 TEST_F(AnalyzeVerb, AllNamesFilterBudgetAndSensor) {

@@ -168,7 +168,7 @@ TEST_F(FitLraRecords, RobustLeavesSparksOut) {
   const Outcome outcome = FitLra({path, "--moving-mass", "1.4g", "--robust", "--all"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("are outlying"));
-  EXPECT_THAT(outcome.out, HasSubstr("(Huber)"));
+  EXPECT_THAT(outcome.out, HasSubstr("(Huber loss)"));
 }
 
 TEST_F(FitLraRecords, EveryOscilloscopesFixtureIsAnsweredOrRefused) {

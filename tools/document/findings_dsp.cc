@@ -91,7 +91,7 @@ constexpr auto kRows = std::to_array<Row>({
     {kReadingsTooFarApart,
      {"readings-too-far-apart",
       "its readings at non-uniform times are too far apart for motion at {upper_hz}: "
-      "{readings_per_s}: "
+      "{readings_per_s SI} readings/s: "
       "choose a lower band, or record with a clocked source"}},
     {kRegularGrid,
      {"regular-grid",

@@ -135,14 +135,14 @@ TEST(HardRecords, NumbersWhoseSquaresOverflowAreRefused) {
         AnalyzeBand(RecordOf(Samples(kRateHz, 30'000, 0, {{amplitude_m, 100}}), kRateHz), {});
     ASSERT_FALSE(analysis);
     EXPECT_EQ(analysis.error().cause, Cause::kCannotAnswer);
-    EXPECT_THAT(analysis.error().what, ::testing::HasSubstr("no displacement"));
+    EXPECT_THAT(analysis.error().what, ::testing::HasSubstr("not a displacement"));
   }
 }
 
 TEST(HardRecords, OneImpossibleReadingIsRefusedToo) {
   std::vector<double> values = Samples(kRateHz, 30'000, 0.03, {{1e-6, 100}});
   values[12'345] = -std::numeric_limits<double>::max();
-  EXPECT_THAT(Refusal(values), ::testing::HasSubstr("no displacement"));
+  EXPECT_THAT(Refusal(values), ::testing::HasSubstr("not a displacement"));
 }
 
 }  // namespace

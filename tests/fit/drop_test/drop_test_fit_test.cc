@@ -384,7 +384,7 @@ TEST(DropTestFit, UnfitRecordsAreNamed) {
   EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("dB more energy than the noise"));
   drop = {};
   drop.step_s = 1e-3;
-  EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("samples a period"));
+  EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("samples per period"));
   auto constant = MakeRecord({});
   constant.voltage_v.assign(1000, 0.25);
   EXPECT_THAT(error_of(constant), HasSubstr("no ring-down"));

@@ -166,7 +166,7 @@ TEST(ForeignTable, TimesAndHeaderThatContradictEachOtherAreRefusedUntilTheRateIs
             "right one as <rate>");
   EXPECT_REL(Parsed(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-12, "header");
   EXPECT_REL(Parsed(text, {.rate_hz = 1.0}).stretches.at(0).rate_hz, 1, 1e-12, "times");
-  EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("<rate> says 7 Hz"));
+  EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("<rate> gives 7 Hz"));
   EXPECT_THAT(ErrorOf("Sample Interval,1e-3\nSample Rate,1e6\nCH1 (V)\n1\n2\n"),
               HasSubstr("states two sample intervals: 0.001 s by 'Sample Interval' and 1e-06 s"));
 }

@@ -232,7 +232,7 @@ TEST(ScopeCsv, LabviewFilesWithAndWithoutAHeader) {
   const auto nothing_said = ReadRecording(PathOf("labview_bare.lvm"));
   ASSERT_FALSE(nothing_said);
   EXPECT_THAT(nothing_said.error().Text(),
-              HasSubstr("holds one column, without a name and without times; say <rate>"));
+              HasSubstr("holds one column, without a name and without times; give <rate>"));
 }
 
 TEST(ScopeCsv, AToolsTableWithARowNumber) {
