@@ -25,6 +25,7 @@ double SmallestRms(const NoiseInBand& noise, double relative) {
   HAPTOMETER_CHECK(relative > 0, "relative = {}", relative);
   // variances of two mean squares of noise, in units of that over the record
   const double noise_parts = 1 + noise.record_s / noise.noise_record_s;
+  // positive root q = rms^2 / noise^2 of relative^2 = (1 + T/Tn + 2 q) / (4 B T q^2)
   const double s = 4 * noise.bandwidth_hz * noise.record_s * relative * relative;
   const double q = (1 + std::sqrt(1 + noise_parts * s)) / s;
   return noise.rms_m * std::sqrt(q);
@@ -37,6 +38,7 @@ constexpr double kLeastGain = std::numbers::sqrt2 / 2;
 // a rate that is enough by the arithmetic is not refused for its rounding
 constexpr double kRounding = 1e-9;
 
+// gain of the averaging, a moving mean of `averages` raw samples, at a frequency
 double GainAt(const SensorAbility& sensor, double frequency_hz) {
   if (sensor.averages == 1 || frequency_hz == 0) return 1;
   return trial::AveragingGain(frequency_hz, sensor.sampling_s, sensor.averages);
@@ -48,9 +50,11 @@ void AddNoise(const CapabilityQuestion& question, Capability* capability) {
   const double half_rate_hz = 0.5 * sensor.rate_hz;
   const double bandwidth_hz = std::min(question.upper_hz, half_rate_hz) - question.lower_hz;
   if (!sensor.noise_rms_m || bandwidth_hz <= 0) return;
+  // band RMS = RMS * sqrt(bandwidth / (rate / 2))
   const double rms_m = *sensor.noise_rms_m * std::sqrt(bandwidth_hz / half_rate_hz);
   capability->noise_in_band_m = rms_m;
   if (!(rms_m > 0)) return;
+  // the noise record is assumed as long as the record itself
   const NoiseInBand noise{.rms_m = rms_m,
                           .bandwidth_hz = bandwidth_hz,
                           .record_s = question.record_s,
@@ -62,6 +66,7 @@ void AddNoise(const CapabilityQuestion& question, Capability* capability) {
 // why it cannot answer; nothing where it can
 std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQuestion& question) {
   const SensorAbility& sensor = capability.sensor;
+  // highest_hz = rate / 2.56
   if (capability.highest_hz < question.upper_hz * (1 - kRounding)) {
     return Finding{.kind = FindingKind::kRateTooLow,
                    .numbers = {{"rate_hz", sensor.rate_hz},
@@ -84,6 +89,7 @@ std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQu
   return std::nullopt;
 }
 
+// the finding where nothing prevents an answer, with the smallest RMS where the noise is known
 Finding Praise(const Capability& capability, const CapabilityQuestion& question) {
   Finding reason{.kind = FindingKind::kCanAnswer,
                  .numbers = {{"rate_hz", capability.sensor.rate_hz},
@@ -103,6 +109,7 @@ Capability Judge(const SensorAbility& sensor, const CapabilityQuestion& question
                    question.lower_hz, question.upper_hz);
   HAPTOMETER_CHECK(sensor.rate_hz > 0, "{}: rate_hz = {}", sensor.name, sensor.rate_hz);
   Capability capability{.sensor = sensor};
+  // what the sensor can measure, then whether that is sufficient
   capability.highest_hz = HighestObservableHz(sensor.rate_hz);
   capability.gain_lower = GainAt(sensor, question.lower_hz);
   capability.gain_upper = GainAt(sensor, question.upper_hz);
@@ -118,6 +125,7 @@ std::vector<Capability> Judge(const std::vector<SensorAbility>& sensors,
   std::vector<Capability> capabilities;
   capabilities.reserve(sensors.size());
   for (const SensorAbility& sensor : sensors) capabilities.push_back(Judge(sensor, question));
+  // sensors that can answer first, then by highest observable frequency
   std::ranges::sort(capabilities, [](const Capability& a, const Capability& b) {
     return std::tuple(!a.can_answer, -a.highest_hz, a.sensor.name) <
            std::tuple(!b.can_answer, -b.highest_hz, b.sensor.name);
@@ -133,6 +141,7 @@ SensorAbility Il030(double sampling_s, int averages) {
   return {.sampling_s = sampling_s,
           .averages = averages,
           .resolution_m = head.resolution_m,
+          // a mean of n samples of white noise: standard deviation / sqrt(n)
           .noise_rms_m = head.noise_rms_m / std::sqrt(averages),
           .range_min_m = head.range_min_m,
           .range_max_m = head.range_max_m};
@@ -150,6 +159,7 @@ SensorAbility DlRs1a(int baud) {
   SensorAbility sensor = FactoryIl030();
   sensor.name = fmt::format("IL-030 through a DL-RS1A, {} baud", baud);
   sensor.settings = {{"sensor", "keyence-il"}, {"baud", std::to_string(baud)}};
+  // new readings come at the slower of poll and refresh of the unit's buffer
   sensor.rate_hz = 1 / SecondsFromNs(std::max(poll_ns, refresh_ns));
   sensor.limit = poll_ns > refresh_ns ? RateLimit::kWire : RateLimit::kUnitRefresh;
   return sensor;

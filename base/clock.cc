@@ -7,6 +7,7 @@
 
 namespace haptometer {
 
+// rounded to the nearest ns
 MonotonicNs NsFromSeconds(double seconds) {
   return std::llround(seconds * static_cast<double>(kNsPerS));
 }
@@ -17,6 +18,7 @@ double SecondsFromNs(MonotonicNs ns) {
 
 MonotonicNs SystemClock::Now() {
   timespec now{};
+  // not changed by corrections of the time of day
   clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * kNsPerS + now.tv_nsec;
 }
@@ -25,6 +27,7 @@ void SystemClock::SleepUntil(MonotonicNs time) {
   timespec until{};
   until.tv_sec = time / kNsPerS;
   until.tv_nsec = time % kNsPerS;
+  // absolute time: an interruption does not lengthen the sleep
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
 
@@ -33,6 +36,7 @@ std::string UtcNow() {
   clock_gettime(CLOCK_REALTIME, &now);
   tm utc{};
   gmtime_r(&now.tv_sec, &utc);
+  // ISO 8601, UTC, in ms
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
                      utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
                      now.tv_nsec / 1'000'000);

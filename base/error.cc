@@ -15,6 +15,7 @@ const char* BelowRoot(const char* file) {
   std::string_view rest = file;
   constexpr std::string_view kRoot = HAPTOMETER_SOURCES;
   if (rest.starts_with(kRoot)) rest.remove_prefix(kRoot.size());
+  // relative paths of a build directory begin with ../
   while (rest.starts_with("../")) rest.remove_prefix(3);
   return rest.data();
 }
@@ -37,6 +38,7 @@ std::string Error::Text() const {
   return Printable(text);
 }
 
+// documented exit statuses: 1 failed, 2 wrong usage, 3 no answer
 int ExitStatus(Cause cause) {
   switch (cause) {
     case Cause::kFailed:

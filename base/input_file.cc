@@ -12,12 +12,13 @@
 namespace haptometer {
 namespace {
 
-// the files that the command reads
+// files that the command has read, so that no output overwrites one of them
 struct InputList {
   std::mutex mutex;
   std::vector<NotedInput> files;
 
   [[nodiscard]] auto Find(const struct stat& status) const {
+    // device and inode: the same file under any name
     return std::ranges::find_if(files, [&](const NotedInput& file) {
       return file.status.st_dev == status.st_dev && file.status.st_ino == status.st_ino;
     });
@@ -34,6 +35,7 @@ InputList& Noted() {
 
 void NoteInput(const std::string& path) {
   struct stat status{};
+  // only regular files can be overwritten
   if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
   const std::scoped_lock lock(Noted().mutex);
   if (!Noted().Has(status)) Noted().files.push_back({path, status});
@@ -66,6 +68,7 @@ void ForgetInputs() {
 Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_bytes) {
   namespace fs = std::filesystem;
   std::error_code failure;
+  // std::ifstream does not distinguish these two errors
   const fs::file_status status = fs::status(path, failure);
   if (status.type() == fs::file_type::not_found) {
     return CannotAnswer(path, "no such file", "check the path");

@@ -20,6 +20,7 @@ class FirstError {
  public:
   void Take(std::size_t job, Error error) {
     const std::scoped_lock lock(mutex_);
+    // the first error by job number, not by time: the result does not depend on the threads
     if (error_ && job_ < job) return;
     job_ = job;
     error_ = std::move(error);
@@ -41,6 +42,7 @@ class Turns {
   // waits for the turn of `job`; false where an earlier one has failed
   [[nodiscard]] bool Await(std::size_t job) {
     std::unique_lock lock(mutex_);
+    // a failed earlier job would never pass its turn on
     changed_.wait(lock, [&] { return next_ == job || failed_ < job; });
     return next_ == job;
   }
@@ -54,6 +56,7 @@ class Turns {
   void Fail(std::size_t job) {
     {
       const std::scoped_lock lock(mutex_);
+      // jobs before the failed one still finish
       failed_ = std::min(failed_, job);
     }
     changed_.notify_all();
@@ -74,14 +77,17 @@ Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker(
   FirstError first_error;
   const auto work = [&] {
     const Worker worker = make_worker();
+    // each thread takes the next free number; earlier jobs have begun before later ones
     for (std::size_t job = next++; job < count; job = next++) {
       auto done = worker(job);
       if (done) continue;
       first_error.Take(job, std::move(done.error()));
+      // no further job begins
       next = count;
     }
   };
   {
+    // this thread works too; no more threads than jobs
     const std::size_t helpers_wanted =
         std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(count, 1)) - 1;
     std::vector<std::jthread> helpers;
@@ -89,6 +95,7 @@ Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker(
     for (std::size_t k = 0; k < helpers_wanted; ++k) helpers.emplace_back(work);
     work();
   }
+  // all helpers have ended: jthread joins at the end of its block
   return first_error.result();
 }
 
@@ -108,6 +115,7 @@ Result<void> RunJobsInOrder(std::size_t count, int threads,
         turns.Fail(job);
         return std::unexpected(std::move(finish.error()));
       }
+      // work runs in parallel, finishing one after the other in the order of the jobs
       if (!turns.Await(job)) return {};
       if (*finish) (*finish)();
       turns.Pass();
@@ -118,6 +126,7 @@ Result<void> RunJobsInOrder(std::size_t count, int threads,
 
 namespace {
 
+// per thread: a watcher receives only the work of its own thread
 thread_local const Watcher* current_watcher = nullptr;
 
 }  // namespace

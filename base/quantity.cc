@@ -12,6 +12,7 @@
 namespace haptometer {
 namespace {
 
+// Name and example for messages; bare numbers count as SI where they may.
 struct DimensionRow {
   Dimension dimension;
   std::string_view name;
@@ -21,6 +22,7 @@ struct DimensionRow {
 };
 
 using enum Dimension;
+// limits far outside of any device: numbers beyond them are typing errors, and could overflow
 constexpr std::array<DimensionRow, 12> kDimensions{{
     {kNone, "a plain number", "0.3", true, {1e-30, 1e30}},
     {kLength, "a length", "10mm", false, {1e-15, 1e6}},
@@ -58,6 +60,7 @@ constexpr std::array<std::array<Unit, 6>, 12> kUnits{{
     {{{"N/A", 1}}},
 }};
 
+// both tables are in the order of Dimension
 const std::array<Unit, 6>& UnitsOf(Dimension dimension) {
   return kUnits[static_cast<std::size_t>(dimension)];
 }
@@ -104,6 +107,7 @@ int ExponentAt(std::string_view written, std::size_t mark) {
 
 // a decimal number at the front of `text`
 std::optional<Number> LeadingNumber(std::string_view text) {
+  // from_chars() accepts no '+'
   const std::size_t sign = !text.empty() && text[0] == '+' ? 1 : 0;
   Number number;
   const char* begin = text.data() + sign;
@@ -114,6 +118,7 @@ std::optional<Number> LeadingNumber(std::string_view text) {
   const std::size_t mark = std::min(digits.find_first_of("eE"), digits.size());
   const std::size_t dot = std::min(digits.find('.'), mark);
   const int places = dot < mark ? static_cast<int>(mark - dot - 1) : 0;
+  // 10^(exponent - decimal places): weight of the last digit written
   number.last_digit = std::pow(10.0, ExponentAt(digits, mark) - places);
   return number;
 }
@@ -145,6 +150,7 @@ std::string_view Trimmed(std::string_view text) {
 // the unit behind a number in SI, or why there is none
 Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std::string_view number,
                           std::string_view where) {
+  // a unit that is given must be one of the dimension
   if (!symbol.empty()) {
     if (const auto factor = FactorOf(row, symbol)) return *factor;
     const std::string units = UnitList(row);
@@ -152,6 +158,7 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
                  units.empty() ? "write the number alone" : "use one of " + units);
   }
   if (row.may_be_bare) return 1.0;
+  // length, mass and inductance need a unit; the usual one is proposed
   const std::string_view customary = row.dimension == Dimension::kLength ? "mm"
                                      : row.dimension == Dimension::kMass ? "g"
                                                                          : "uH";
@@ -163,6 +170,7 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
 // `value` times a factor whose inverse is a whole number where it is below 1. What would underflow
 // to 0 stays as small as it is written: that is no 0, and beyond what is possible.
 double Times(double value, double factor) {
+  // division by the exact inverse: one rounding, where 1e-3 itself is already rounded
   const double product = factor < 1 ? value / std::round(1 / factor) : value * factor;
   return product == 0 ? value : product;
 }
@@ -170,12 +178,14 @@ double Times(double value, double factor) {
 // The number at the front of `text` times a unit's factor. A power of ten moves the decimal point,
 // so that 0.4 mm is the double next to 0.0004, as if that had been written.
 double InSi(std::string_view text, const Number& number, double factor) {
+  // the factor as a power of ten, where it is one within 1e-12
   const int shift = static_cast<int>(std::lround(std::log10(factor)));
   const bool moves_the_point = std::abs(std::pow(10.0, shift) / factor - 1) < 1e-12;
   if (shift == 0 || !moves_the_point) return Times(number.value, factor);
   const std::size_t sign = text.starts_with('+') ? 1 : 0;
   const std::string_view written = text.substr(sign, number.length - sign);
   const std::size_t mark = std::min(written.find_first_of("eE"), written.size());
+  // the exponent is changed in the text, and the decimal number is rounded once
   const std::string shifted =
       fmt::format("{}e{}", written.substr(0, mark), ExponentAt(written, mark) + shift);
   double value = 0;
@@ -186,6 +196,7 @@ double InSi(std::string_view text, const Number& number, double factor) {
 
 bool IsPossible(double value, const DimensionRow& row) {
   const double size = std::abs(value);
+  // 0, a possible magnitude, or an infinite resistance (open circuit)
   return size == 0 || (size >= row.possible.least && size <= row.possible.largest) ||
          (row.dimension == Dimension::kResistance && value > 0 && std::isinf(value));
 }
@@ -221,6 +232,7 @@ std::string_view SiUnit(Dimension dimension) { return UnitsOf(dimension)[0].symb
 Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::string_view where) {
   const DimensionRow& row = RowOf(dimension);
   const std::string text = Normalised(raw);
+  // open circuit
   if (dimension == Dimension::kResistance && (text == "inf" || text == "open")) {
     return Quantity{std::numeric_limits<double>::infinity(), 0};
   }
@@ -231,10 +243,12 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
 
   // 1.40(3)g: the bracket counts in units of the last digit
   if (!rest.empty() && rest[0] == '(') {
+    // digits in the bracket, directly behind the number
     const auto bracket = LeadingNumber(rest.substr(1));
     if (!bracket || bracket->length + 1 >= rest.size() || rest[bracket->length + 1] != ')') {
       return NotANumber(raw, row, where);
     }
+    // "1.40(3)": 3 units of the last digit; "1.40(0.03)": the value itself
     const bool counts_digits = rest.substr(1, bracket->length).find('.') == std::string_view::npos;
     uncertainty = bracket->value * (counts_digits ? number->last_digit : 1.0);
     rest.remove_prefix(bracket->length + 2);
@@ -246,9 +260,11 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
   if (plus_minus != std::string_view::npos) {
     const std::string_view right = Trimmed(rest.substr(plus_minus + 2));
     const auto deviation = LeadingNumber(right);
+    // one statement of the uncertainty only
     if (!deviation || uncertainty != 0) return NotANumber(raw, row, where);
     const std::string_view right_symbol = Trimmed(right.substr(deviation->length));
     if (symbol.empty()) symbol = right_symbol;
+    // the uncertainty may have a unit of its own
     HAPTOMETER_LET(const auto factor, UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
                                                  right.substr(0, deviation->length), where));
     uncertainty = InSi(right, *deviation, factor);
@@ -256,6 +272,7 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     HAPTOMETER_LET(const auto left, UnitFactor(row, symbol, text.substr(0, number->length), where));
     return Possible({InSi(text, *number, left), uncertainty}, raw, row, where);
   }
+  // no "+-": one unit for number and bracket
   HAPTOMETER_LET(const auto factor,
                  UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where));
   if (uncertainty < 0) return NotANumber(raw, row, where);

@@ -14,8 +14,10 @@ namespace {
 // one row of the dynamic programme at a time
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
+  // row[j]: distance of the empty text to the first j characters of b
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
+    // entry (i, j), from which a substitution starts
     std::size_t diagonal = std::exchange(row[0], i + 1);
     for (std::size_t j = 0; j < b.size(); ++j) {
       const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
@@ -30,6 +32,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 
 std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
   std::string nearest;
+  // at most half of the letters may differ; of equals the first is chosen
   std::size_t least = word.size() / 2 + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = EditDistance(word, candidate);
@@ -47,12 +50,14 @@ unsigned Byte(char c) { return static_cast<unsigned char>(c); }
 
 // the code point of the character of `bytes` bytes that `text` begins with
 std::uint32_t CodePoint(std::string_view text, std::size_t bytes) {
+  // value bits in the first byte of a character of 1 to 4 bytes (UTF-8, RFC 3629)
   constexpr std::uint32_t kBitsOfFirst[] = {0, 0x7f, 0x1f, 0x0f, 0x07};
   std::uint32_t code = Byte(text[0]) & kBitsOfFirst[bytes];
   for (std::size_t i = 1; i < bytes; ++i) code = code << 6U | (Byte(text[i]) & 0x3fU);
   return code;
 }
 
+// all but C0 and C1 controls, line and paragraph separators, bidirectional marks, noncharacters
 bool IsPrintable(std::uint32_t code) {
   const auto within = [code](std::uint32_t first, std::uint32_t last) {
     return code >= first && code <= last;
@@ -82,6 +87,7 @@ std::string Escaped(std::string_view text, std::string_view kept) {
   shown.reserve(text.size());
   while (!text.empty()) {
     const std::size_t bytes = Utf8CharacterBytes(text);
+    // a byte that is no UTF-8 is shown as \xNN
     if (bytes == 0) {
       fmt::format_to(std::back_inserter(shown), "\\x{:02x}", Byte(text[0]));
       text.remove_prefix(1);
@@ -100,9 +106,11 @@ std::string Escaped(std::string_view text, std::string_view kept) {
 
 }  // namespace
 
+// length in bytes of the first character; 0 where it is no valid UTF-8
 std::size_t Utf8CharacterBytes(std::string_view text) {
   if (text.empty()) return 0;
   const unsigned first = Byte(text[0]);
+  // 0x80 to 0xc1 begin no character: continuation bytes and overlong forms
   const std::size_t bytes = first < 0x80   ? 1
                             : first < 0xc2 ? 0
                             : first < 0xe0 ? 2
@@ -113,7 +121,7 @@ std::size_t Utf8CharacterBytes(std::string_view text) {
   for (std::size_t i = 1; i < bytes; ++i) {
     if ((Byte(text[i]) & 0xc0U) != 0x80) return 0;
   }
-  // longer than needed, surrogates, beyond the last code point
+  // overlong forms, surrogates (U+D800 to U+DFFF), above U+10FFFF
   const unsigned second = bytes > 2 ? Byte(text[1]) : 0x80;
   const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
                         (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);

@@ -23,6 +23,7 @@ std::size_t StringLength(std::string_view text) {
   const bool has_escapes = quote == '"';
   const bool is_multi_line = text.size() > 2 && text[1] == quote && text[2] == quote;
   std::size_t at = is_multi_line ? 3 : 1;
+  // a backslash escapes the next character in "..." strings; '...' strings have no escapes
   while (at < text.size()) {
     if (has_escapes && text[at] == '\\') {
       at += 2;
@@ -47,7 +48,9 @@ class ShapeReader {
   // takes one character in; whether the text is still within its bounds
   bool Take(char c) {
     if (c == '[' || c == '{') ++open_;
+    // opening brackets count; a surplus closing one is left to the parser
     if (c == ']' || c == '}') open_ = std::max(open_ - 1, 0);
+    // points between two separators: parts of a key, or the point of one number
     if (c == '.') {
       ++parts_;
     } else if (std::string_view("\n=,[]{}").contains(c)) {
@@ -73,6 +76,7 @@ Result<void> CheckTomlShape(std::string_view text, std::string_view where) {
   ShapeReader shape;
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
+    // brackets and points in strings and comments do not count
     if (c == '"' || c == '\'') {
       at += StringLength(text.substr(at));
       continue;
@@ -82,6 +86,7 @@ Result<void> CheckTomlShape(std::string_view text, std::string_view where) {
       continue;
     }
     if (!shape.Take(c)) {
+      // lines count from 1
       const auto line =
           1 + std::count(text.begin(), text.begin() + static_cast<std::int64_t>(at), '\n');
       return CannotAnswer(fmt::format("{}:{}", where, line),
@@ -95,6 +100,7 @@ Result<void> CheckTomlShape(std::string_view text, std::string_view where) {
   return {};
 }
 
+// What one table reads: its content, the keys that were requested, and the first error.
 struct TomlTable::State {
   toml::table root;                    // only in the file's own table
   const toml::table* table = nullptr;  // what this table reads
@@ -105,10 +111,12 @@ struct TomlTable::State {
   std::optional<Error> first_error;
   bool lacks_a_key = false;  // that is the first error
 
+  // a key counts as requested even where it is absent: Finish() names the others
   const toml::node* Find(std::string_view key) const {
     asked.emplace(key);
     return table->get(key);
   }
+  // the same sub-table for each request, so that its keys and errors are kept in one place
   TomlTable& Child(const std::string& place, const toml::table& content) {
     auto found = children.find(place);
     if (found == children.end()) {
@@ -126,6 +134,7 @@ struct TomlTable::State {
     if (line == 0 || &node == &root) return where;
     return fmt::format("{}:{}{}", file, line, std::string_view(where).substr(file.size()));
   }
+  // keeps the first error; one of a value replaces that of a missing key
   void Keep(Error error) {
     if (first_error && !lacks_a_key) return;
     first_error = std::move(error);
@@ -134,6 +143,7 @@ struct TomlTable::State {
   void Fail(std::string_view key, std::string what, std::string remedy = {}) {
     const toml::node* node = table->get(key);
     const std::string place = PlaceOf(node == nullptr ? *table : *node);
+    // the first missing key is sufficient
     if (node == nullptr && first_error) return;
     Keep({Cause::kUsage, fmt::format("{}: {}", place, key), std::move(what), std::move(remedy)});
     lacks_a_key = node == nullptr;
@@ -150,6 +160,7 @@ struct TomlTable::State {
 namespace {
 
 Result<toml::table> Parsed(std::string_view text, std::string_view where) {
+  // bounds the nesting before the parser, which calls itself for each level
   HAPTOMETER_TRY(CheckTomlShape(text, where));
   try {
     return toml::parse(text, where);
@@ -160,7 +171,7 @@ Result<toml::table> Parsed(std::string_view text, std::string_view where) {
   }
 }
 
-// what to say of a key that nobody asked for
+// remedy for a key that no reader requests
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
   const std::string nearest = Nearest(key, {known.begin(), known.end()});
   if (!nearest.empty()) return fmt::format("did you mean {}?", nearest);
@@ -194,6 +205,7 @@ Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
+  // on the heap: `table` points into `root`, and a TomlTable may be moved
   auto state = std::make_unique<State>();
   HAPTOMETER_LET(state->root, Parsed(text, where));
   state->table = &state->root;
@@ -220,6 +232,7 @@ TomlTable* TomlTable::Table(std::string_view key) {
     state_->Fail(key, "is not a table", fmt::format("write [{}]", key));
     return nullptr;
   }
+  // its errors are reported by Finish() of the root
   return &state_->Child(fmt::format("[{}]", key), *table);
 }
 
@@ -227,6 +240,7 @@ std::vector<TomlTable*> TomlTable::Tables(std::string_view key) {
   std::vector<TomlTable*> tables;
   const toml::node* node = state_->Find(key);
   if (node == nullptr) return tables;
+  // every element must be a table; tables count from 1 in messages
   const toml::array* list = node->as_array();
   const bool are_tables = list != nullptr && std::ranges::all_of(*list, [](const toml::node& n) {
                             return n.is_table();
@@ -248,6 +262,7 @@ std::map<std::string, std::string> TomlTable::Texts(std::string_view key) {
   if (table == nullptr) return texts;
   for (const auto& [name, node] : *table->state_->table) {
     auto text = table->Text(name.str());
+    // the key is the user's text too, and is stored
     if (text && table->state_->MayHold(name.str(), name.str())) {
       texts.emplace(name.str(), std::move(*text));
     }
@@ -265,6 +280,7 @@ Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::
     return Usage(std::string(where), "is not a number",
                  "write an SI number or a string with a unit");
   }
+  // a resistance may be infinite: an open circuit
   const bool may_be_infinite = dimension == Dimension::kResistance && *number > 0;
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
     return Usage(std::string(where), "is not a finite number", "write an SI number");
@@ -282,6 +298,7 @@ Quantity TomlTable::RequireQuantity(std::string_view key, Dimension dimension) {
                  unit.empty() ? "add it" : fmt::format("add it, in {} or with a unit", unit));
     return {};
   }
+  // "FILE:LINE: [TABLE]: KEY" for messages
   auto quantity =
       ReadQuantity(*node, dimension, fmt::format("{}: {}", state_->PlaceOf(*node), key));
   if (!quantity) {
@@ -381,6 +398,7 @@ std::vector<std::vector<std::string>> TomlTable::TextLists(std::string_view key)
     for (const toml::node& inner : *outer) {
       auto texts = TextsOf(inner);
       is_list = is_list && texts.has_value();
+      // an element that is no list of texts makes the whole value wrong
       lists.push_back(std::move(texts).value_or(std::vector<std::string>{}));
       for (const std::string& text : lists.back()) {
         if (!state_->MayHold(key, text)) return {};
@@ -395,6 +413,7 @@ std::vector<std::vector<std::string>> TomlTable::TextLists(std::string_view key)
 std::optional<std::string> TomlTable::Choice(std::string_view key,
                                              const std::vector<std::string>& choices) {
   auto text = Text(key);
+  // absent: nothing; a wrong type has been refused by Text()
   if (!text || std::ranges::find(choices, *text) != choices.end()) return text;
   state_->Fail(key, fmt::format("\"{}\" is not known", *text), "use one of " + Joined(choices));
   return std::nullopt;
@@ -405,7 +424,7 @@ void TomlTable::Refuse(std::string_view key, std::string what, std::string remed
 }
 
 Result<void> TomlTable::Finish() const {
-  // a wrong value may leave keys unasked for; an unknown key explains a missing one
+  // a wrong value may leave keys unread; an unknown key explains a missing one
   if (state_->first_error && !state_->lacks_a_key) return std::unexpected(*state_->first_error);
   for (const auto& [key, node] : *state_->table) {
     if (!state_->asked.contains(key.str())) {
@@ -414,6 +433,7 @@ Result<void> TomlTable::Finish() const {
     }
   }
   if (state_->first_error) return std::unexpected(*state_->first_error);
+  // a table's own error comes before those below it
   for (const auto& [key, child] : state_->children) {
     HAPTOMETER_TRY(child.Finish());
   }
@@ -447,6 +467,7 @@ Result<void> OpenKey(toml::table& root, const std::string& key, const std::strin
   if (std::ranges::any_of(parts, &std::string::empty)) {
     return Usage(key, "is not a key", "write it as table.key, such as drive.frequency_hz");
   }
+  // tables on the way are made where they are absent
   toml::table* table = &root;
   for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
     table->insert(parts[k], toml::table{});  // not where there is something
@@ -461,6 +482,7 @@ Result<void> OpenKey(toml::table& root, const std::string& key, const std::strin
   return {};
 }
 
+// no two keys are equal, and none lies within another
 Result<void> RefuseOverlaps(const std::vector<std::string>& keys) {
   for (std::size_t i = 0; i < keys.size(); ++i) {
     for (std::size_t j = 0; j < keys.size(); ++j) {
@@ -497,11 +519,13 @@ Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::s
                                              const std::vector<std::string>& keys) {
   HAPTOMETER_LET(toml::table root, Parsed(text, where));
   HAPTOMETER_TRY(RefuseOverlaps(keys));
+  // a mark that occurs nowhere in the text
   std::string stem = "open_place_";
   while (text.find(stem) != std::string_view::npos) stem += '_';
   for (std::size_t k = 0; k < keys.size(); ++k) {
     HAPTOMETER_TRY(OpenKey(root, keys[k], Mark(stem, k)));
   }
+  // the library writes the document with the marks, so numbers keep every bit
   std::ostringstream stream;
   stream << root;
   const std::string document = stream.str();
@@ -511,12 +535,14 @@ Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::s
   made.texts_ = TextsBelow(root);
   std::erase_if(made.texts_, [&](const std::string& word) { return word.starts_with(stem); });
   std::size_t from = 0;
+  // cut at each mark "STEM<k>_": its opening quote is at `at` - 1, its closing one behind '_'
   std::string* piece = &made.before_;
   for (std::size_t at = document.find(stem); at != std::string::npos;
        at = document.find(stem, from)) {
     *piece = document.substr(from, at - 1 - from);
     const std::size_t number = at + stem.size();
     const std::size_t end = document.find('_', number);
+    // places are in the order of the document, which may differ from the order of the keys
     made.places_.push_back({std::stoul(document.substr(number, end - number)), {}});
     piece = &made.places_.back().behind;
     from = end + 2;
@@ -530,6 +556,7 @@ Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::s
 std::string TomlTemplate::Fill(std::span<const std::string> literals) const {
   HAPTOMETER_CHECK(literals.size() == places_.size(), "{} literals of {} places", literals.size(),
                    places_.size());
+  // exact length first: one allocation
   std::size_t length = before_.size();
   for (const Place& place : places_) length += literals[place.key].size() + place.behind.size();
   std::string filled;
@@ -547,6 +574,7 @@ std::string TomlString(std::string_view text) {
   for (const char c : text) {
     const auto code = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') quoted += '\\';
+    // control characters must be escaped in a TOML string; the others stay as UTF-8
     if (code < 0x20 || code == 0x7f) {
       fmt::format_to(std::back_inserter(quoted), "\\u{:04X}", static_cast<unsigned>(code));
     } else {

@@ -13,7 +13,7 @@ namespace {
 using Position = Eigen::Index;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// below this share of the largest singular value a direction has none
+// a singular value below this share of the largest counts as 0
 constexpr double kZeroShare = 1e-9;
 // a direction is unseen when one standard deviation along it is more than a factor e of a parameter
 constexpr double kMostLogarithm = 1.0;
@@ -43,6 +43,7 @@ RowMajor LogarithmicBasis(const RowMajor& directions, const std::vector<bool>& i
   for (Position k = 0; k < directions.cols(); ++k) {
     if (!is_logarithm[static_cast<std::size_t>(k)]) logarithms.col(k).setZero();
   }
+  // rotated until their logarithms' parts are orthogonal, then divided by the lengths of these
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(logarithms, Eigen::ComputeFullU);
   const Eigen::VectorXd& lengths = svd.singularValues();
   RowMajor basis = svd.matrixU().transpose() * directions;
@@ -60,6 +61,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
   HAPTOMETER_CHECK(is_free.size() == jacobian.columns && is_logarithm.size() == jacobian.columns,
                    "{} columns, {} and {} flags", jacobian.columns, is_free.size(),
                    is_logarithm.size());
+  // the triangle of the free columns, without residuals: same singular values as J
   const auto columns = FreeColumns(is_free);
   const std::vector<std::size_t> used(columns.begin(), columns.end());
   const std::vector<double> nothing(jacobian.rows, 0.0);
@@ -67,7 +69,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
   const Position size = std::ssize(columns) + 1;
   Eigen::MatrixXd scaled =
       Eigen::Map<const RowMajor>(rows.data(), size, size).topLeftCorner(size - 1, size - 1);
-  // unit columns; one that alone is unseen becomes empty, lest its rounding drown the others
+  // unit columns; one that alone is unseen becomes empty: its rounding would mask the others
   Eigen::VectorXd lengths = scaled.colwise().norm();
   for (Position k = 0; k < lengths.size(); ++k) {
     const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
@@ -89,6 +91,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
       const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(j)]);
       if (is_logarithm[column]) most = std::max(most, std::abs(directions(j, k)));
     }
+    // seen: a singular value above 0, and a standard deviation along it within a factor e
     const bool is_seen = values[k] > kZeroShare * values[0] && most <= kMostLogarithm * values[k];
     (is_seen ? seen : unseen).push_back(k);
   }
@@ -115,6 +118,7 @@ double Blur(const Identifiability& identifiability, const std::vector<double>& w
   double square = 0;
   const std::size_t columns = identifiability.columns;
   for (std::size_t d = 0; d * columns < identifiability.null_directions.size(); ++d) {
+    // the sum's change along one undetermined direction
     double along = 0;
     for (std::size_t k = 0; k < columns; ++k) {
       along += weights[k] * identifiability.null_directions[d * columns + k];
@@ -143,6 +147,7 @@ std::vector<double> Correlations(const Identifiability& identifiability) {
   std::vector<double> correlations(columns * columns, 0.0);
   for (std::size_t i = 0; i < columns; ++i) {
     for (std::size_t k = 0; k < columns; ++k) {
+      // 0 for a parameter that was held or is not determined
       const double scale = std::sqrt(covariance[i * columns + i] * covariance[k * columns + k]);
       if (scale > 0) correlations[i * columns + k] = covariance[i * columns + k] / scale;
     }
@@ -150,6 +155,7 @@ std::vector<double> Correlations(const Identifiability& identifiability) {
   return correlations;
 }
 
+// -(J'J)^+ J' change
 std::vector<double> Response(const Identifiability& identifiability, const Jacobian& jacobian,
                              const std::vector<double>& residual_change) {
   const Eigen::Map<const Eigen::VectorXd> change(residual_change.data(),

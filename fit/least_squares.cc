@@ -19,14 +19,18 @@ namespace {
 using Position = Eigen::Index;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// rows that one QR takes in
 constexpr Position kStretch = 128;
 
+// The triangle R of a QR decomposition of [J r], taken in by blocks of rows: R'R = [J r]'[J r].
+// Columns in which a block is 0 do not take part, so that records cost only their own columns.
 class Reduction {
  public:
   Reduction(const LinearRows& rows, const std::vector<std::size_t>& used)
       : whole_(rows.derivatives.data(), std::ssize(rows.residuals),
                static_cast<Position>(rows.columns)),
         residuals_(rows.residuals.data(), std::ssize(rows.residuals)),
+        // in reverse: each record's own columns first, so that they do not mix with the others'
         columns_(used.rbegin(), used.rend()),
         triangle_(Eigen::MatrixXd::Zero(count() + 1, count() + 1)) {
     for (Position row = 0; row < residuals_.size(); row += kStretch) {
@@ -36,6 +40,7 @@ class Reduction {
 
   [[nodiscard]] std::vector<double> reduced() const {
     RowMajor reduced(count() + 1, count() + 1);
+    // back in the order of `used`
     reduced.leftCols(count()) = triangle_.leftCols(count()).rowwise().reverse();
     reduced.col(count()) = triangle_.col(count());
     return {reduced.data(), reduced.data() + reduced.size()};
@@ -50,7 +55,8 @@ class Reduction {
         .segment(row, taken);
   }
 
-  // the triangle's columns that rows and what they meet in the triangle are not 0 in
+  // columns that a block of rows changes: those in which it is not 0, and those that its
+  // elimination fills because the triangle's rows are not 0 there
   [[nodiscard]] std::vector<Position> Touched(Position row, Position taken) const {
     std::vector<Position> touched;
     std::vector<bool> meets(columns_.size(), false);
@@ -66,6 +72,7 @@ class Reduction {
     return touched;
   }
 
+  // QR of the triangle's rows of the touched columns with the new rows below: R replaces these rows
   void TakeIn(Position row, Position taken) {
     const auto touched = Touched(row, taken);
     const Position width = std::ssize(touched);
@@ -84,6 +91,7 @@ class Reduction {
     for (Position k = 0; k < width; ++k) {
       const Position to = touched[static_cast<std::size_t>(k)];
       triangle_.row(to).setZero();
+      // as yet fewer rows than columns: the rest of the triangle stays 0
       if (k >= kept + taken) continue;
       for (Position further = k; further < width; ++further) {
         triangle_(to, touched[static_cast<std::size_t>(further)]) = work(k, further);
@@ -173,6 +181,7 @@ class Block : public ceres::CostFunction {
     const Position size = problem_.count() + 1;
     problem_.MoveTo(Eigen::Map<const Eigen::VectorXd>(points[0], problem_.count()));
     Eigen::Map<Eigen::VectorXd> out(residuals, size);
+    // without slopes only the cost counts: abs(r) in one residual
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       out.setZero();
       out[size - 1] = problem_.Length();
@@ -189,7 +198,7 @@ class Block : public ceres::CostFunction {
   FreeProblem& problem_;
 };
 
-// Ceres writes on stderr by glog, whatever its options say, where a problem is not defined or a
+// Ceres writes on stderr by glog, regardless of its options, where a problem is not defined or a
 // step fails. That is reported as SolverReport; what ends the process is still written.
 void SilenceSolver() {
   static const bool silenced = [] {
@@ -219,7 +228,7 @@ struct NewtonStep {
   double length = 0;  // of the change of the residuals
 };
 
-// in units of the columns' lengths
+// -J^+ r with columns of unit length
 NewtonStep StepFrom(const Eigen::MatrixXd& reduced) {
   const Position count = reduced.cols() - 1;
   Eigen::MatrixXd scaled = reduced.leftCols(count);
@@ -244,11 +253,13 @@ void Polish(FreeProblem& problem) {
   Eigen::MatrixXd reduced;
   for (int k = 0; k < kMostSteps && problem.Reduce(&reduced); ++k) {
     const NewtonStep step = StepFrom(reduced);
+    // no longer shorter by a tenth: rounding, or slow convergence
     if (!(step.length < 0.9 * previous) || step.length == 0) break;
     best = tried;
     previous = step.length;
     tried += step.change;
     problem.MoveTo(tried);
+    // a step that increases the cost is not kept
     if (!(problem.Length() <= length * std::sqrt(1 + kFlat))) break;
     if (step.length > kNoChange * length) continue;
     best = tried;

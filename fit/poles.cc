@@ -15,8 +15,10 @@ namespace haptometer::fit {
 namespace {
 
 constexpr std::size_t kLeastSamples = 16;
+// block means that the pencil uses; their Hankel matrix has a third as many columns
 constexpr std::size_t kMostPencilSamples = 240;
 constexpr double kSamplesPerPeriod = 8;
+// Q of the start values where the pencil fails
 constexpr double kFallbackQuality = 30;
 
 // means of consecutive blocks, the first kMostPencilSamples of them
@@ -45,6 +47,7 @@ Eigen::MatrixX2d LeadingVectors(const Eigen::MatrixXd& matrix) {
     const Eigen::MatrixXd image = matrix * basis;
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(image, Eigen::ComputeThinU | Eigen::ComputeThinV);
     const Eigen::MatrixX2d leading = basis * svd.matrixV().leftCols(2);
+    // converged: the new vectors lie in the span of the previous two
     if ((leading - before * (before.transpose() * leading)).norm() < kSettled) return leading;
     before = leading;
     basis = matrix.transpose() * image;
@@ -55,11 +58,13 @@ Eigen::MatrixX2d LeadingVectors(const Eigen::MatrixXd& matrix) {
 
 // the 2 x 2 matrix whose eigenvalues advance the two poles by one sample
 Eigen::Matrix2d Advance(const Eigen::VectorXd& samples) {
+  // pencil parameter L = N/3: (N - L) x (L + 1) Hankel matrix
   const Eigen::Index pencil = samples.size() / 3;
   Eigen::MatrixXd hankel(samples.size() - pencil, pencil + 1);
   for (Eigen::Index column = 0; column <= pencil; ++column) {
     hankel.col(column) = samples.segment(column, hankel.rows());
   }
+  // shift invariance: rows 2 to L + 1 of the signal's vectors are rows 1 to L times the matrix
   const Eigen::MatrixX2d signal = LeadingVectors(hankel);
   return signal.topRows(pencil).colPivHouseholderQr().solve(signal.bottomRows(pencil));
 }
@@ -67,6 +72,7 @@ Eigen::Matrix2d Advance(const Eigen::VectorXd& samples) {
 // from the powers' polynomial z^2 - trace z + determinant to that of the poles
 std::optional<PolePair> PolesOf(double trace, double determinant, double step_s) {
   if (!(determinant > 0 && determinant < 1)) return std::nullopt;
+  // z1 z2 = e^(-2 d dt), z1 + z2 = 2 e^(-d dt) cos(w dt)
   const double decay = -0.5 * std::log(determinant) / step_s;
   const double cosine = 0.5 * trace / std::sqrt(determinant);
   if (cosine <= -1) return std::nullopt;
@@ -108,6 +114,7 @@ std::optional<double> StrongestFrequency(const std::vector<double>& values, doub
 std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double step_s) {
   const auto frequency_hz = StrongestFrequency(values, step_s);
   if (!frequency_hz) return std::nullopt;
+  // blocks of an eighth of a period, at least 100 in the record
   const double period_samples = 1 / (*frequency_hz * step_s);
   const auto wanted = static_cast<std::size_t>(period_samples / kSamplesPerPeriod);
   const std::size_t block =
@@ -116,12 +123,14 @@ std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double 
   const auto poles =
       PolesOf(advance.trace(), advance.determinant(), static_cast<double>(block) * step_s);
   if (poles && !Strayed(*poles, *frequency_hz)) return poles;
+  // the strongest line with a usual Q
   const double angular = 2 * std::numbers::pi * *frequency_hz;
   return PolePair{angular / (2 * kFallbackQuality), angular * angular};
 }
 
 std::vector<PolePlace> EllipseOf(const UncertainPole& pole, std::size_t points) {
   HAPTOMETER_CHECK(pole.determined && points >= 3, "{} points of a pole", points);
+  // 95 % of two Gaussian variables together: r^2 = -2 ln(0.05)
   const double radius = std::sqrt(-2 * std::log(0.05));
   // Cholesky's factor of the covariance; rounding may leave it a hair indefinite
   const auto& [along, across] = pole.covariance;

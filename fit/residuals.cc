@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kLeastLines = 8;
 constexpr double kOneInAHundred = 2.33;  // deviations of a Gaussian
 
-// the transform of few values is planned longer than its lines are summed up one by one
+// up to so many terms, single lines cost less than the plan of a transform
 constexpr double kMostTerms = 3e5;
 
 // |X[k]|^2 of one line, by Horner's rule
@@ -30,6 +30,7 @@ double PowerOfLine(std::span<const double> values, std::size_t line) {
   const double sine = std::sin(angle);
   double real = 0;
   double imaginary = 0;
+  // X[k] = sum of x[n] e^(-j angle n): turn the sum by -angle, add the next value
   for (const double value : std::views::reverse(values)) {
     const double turned = real * cosine + imaginary * sine + value;
     imaginary = imaginary * cosine - real * sine;
@@ -74,6 +75,7 @@ MeanPowers PowersByLine(const std::vector<double>& values, std::size_t first, st
   const auto count = static_cast<double>(values.size());
   const bool is_even = values.size() % 2 == 0;
   const double highest = is_even ? alternating * alternating : 0;  // has no mirror image
+  // sum of abs(X[k])^2 for 0 < k <= N/2: (N sum x^2 - X[0]^2 + X[N/2]^2)/2, X[N/2] for even N
   powers.whole = (count * squares - sum * sum + highest) / 2 / std::floor(count / 2);
   return powers;
 }
@@ -83,6 +85,7 @@ MeanPowers PowersByLine(const std::vector<double>& values, std::size_t first, st
 ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
                           double resonance_hz) {
   if (residuals.size() < 2 * kLeastLines) return {};
+  // lines are 1/(N dt) apart; the band is 0.5 to 1.5 times the resonance
   const double lines_per_hz = static_cast<double>(residuals.size()) * step_s;
   const auto first = static_cast<std::size_t>(std::ceil(0.5 * resonance_hz * lines_per_hz));
   const auto end = static_cast<std::size_t>(1.5 * resonance_hz * lines_per_hz) + 1;
@@ -94,6 +97,7 @@ ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
   if (!(powers.whole > 0)) return {};
   ResidualDensity density;
   density.ratio = powers.band / powers.whole;
+  // of a mean of exponentially distributed line powers
   const double deviation = 1 / std::sqrt(static_cast<double>(end - first));
   density.is_coloured = density.ratio > 1 + kOneInAHundred * deviation;
   return density;
@@ -120,10 +124,12 @@ ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t p
     magnitudes.push_back(std::abs(residuals[n]));
     square += residuals[n] * residuals[n];
     if (magnitudes[n] > magnitudes[farthest]) farthest = n;
+    // the last of one kind is not followed by the first of the next
     const bool has_next = (n + 1) % points != 0;
     if (has_next) product += residuals[n] * residuals[n + 1];
   }
   if (!(square > 0)) return look;
+  // r1 sqrt(n), r1 the correlation of neighbours: 1 standard deviation for white residuals
   look.serial_correlation = product / square * std::sqrt(static_cast<double>(residuals.size()));
   look.farthest = farthest % points;
   const double largest = magnitudes[farthest];
@@ -136,6 +142,7 @@ ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t p
 
 void DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz,
                     Findings& findings) {
+  // limits: see residuals.h
   constexpr double kRounding = 1e-9;
   constexpr double kSurely = 3.5;
   constexpr double kFar = 8;
@@ -151,6 +158,7 @@ namespace {
 
 constexpr double kMedianOfNormal = 0.674489750196082;  // of |t|
 
+// Huber's weight min(1, c/abs(t))
 double Weight(double t) {
   const double size = std::abs(t);
   return size > kHuberBend ? kHuberBend / size : 1;
@@ -184,6 +192,7 @@ double HuberVariance(std::span<const double> scaled_residuals, std::size_t param
   }
   const auto count = static_cast<double>(scaled_residuals.size());
   const double degrees = std::max(count - static_cast<double>(parameters), 1.0);
+  // mean of psi': the share of the residuals within the bend
   const double share = std::max(within, 1.0) / count;
   return weights / count * pull_squares / degrees / (share * share);
 }
@@ -198,6 +207,7 @@ constexpr double kSettled = 1e-6;
 constexpr double kSmallestNoise = 1e-13;
 constexpr double kLeastDegrees = 0.5;
 
+// residuals and slopes over their group's noise
 LeastSquares Weighted(const LeastSquares& problem, const NoiseGroups& groups,
                       const std::vector<double>& noise) {
   return {problem.residuals, problem.parameters,
@@ -213,7 +223,7 @@ LeastSquares Weighted(const LeastSquares& problem, const NoiseGroups& groups,
           }};
 }
 
-// what each residual pays for the parameters
+// leverages: diagonal of J (J'J)^+ J', the degrees of freedom that a residual loses
 Eigen::VectorXd Leverages(const Jacobian& jacobian, const Identifiability& seen) {
   const auto columns = static_cast<Eigen::Index>(jacobian.columns);
   const Eigen::Map<const RowMajor> slopes(jacobian.values.data(),
@@ -222,6 +232,7 @@ Eigen::VectorXd Leverages(const Jacobian& jacobian, const Identifiability& seen)
   return (slopes * covariance).cwiseProduct(slopes).rowwise().sum();
 }
 
+// RMS of all residuals: the noise that every group begins with
 double CommonNoise(const LeastSquares& problem, const std::vector<double>& point) {
   std::vector<double> residuals(problem.residuals);
   HAPTOMETER_CHECK(problem.evaluate(point, residuals, {}), "no residuals at the start of {}",
@@ -231,7 +242,7 @@ double CommonNoise(const LeastSquares& problem, const std::vector<double>& point
   return std::sqrt(square / static_cast<double>(residuals.size()));
 }
 
-// the groups' noise by the residuals, which are in units of the present one; whether it settled
+// the groups' noise by the residuals, which are in units of the present one; whether it converged
 bool Update(const NoiseGroups& groups, GroupedSolution* solution) {
   const Eigen::VectorXd leverages = Leverages(solution->jacobian, solution->seen);
   std::vector<double> squares(groups.least_noise.size(), 0.0);
@@ -244,6 +255,7 @@ bool Update(const NoiseGroups& groups, GroupedSolution* solution) {
   bool settled = true;
   for (std::size_t g = 0; g < squares.size(); ++g) {
     if (solution->degrees[g] < kLeastDegrees) continue;
+    // s_g^2 = sum r^2/(n_g - sum h)
     const double factor = std::sqrt(squares[g] / solution->degrees[g]);
     const double next =
         std::max({solution->noise[g] * factor, groups.least_noise[g], kSmallestNoise});

@@ -7,10 +7,12 @@ namespace haptometer::fit {
 
 FittedValue FromLogarithm(double logarithm, double statistical_variance, double input_variance,
                           std::string unit) {
+  // relative statistical standard uncertainty below which a constant is determined (uncertainty.md)
   constexpr double kMostShare = 0.25;
   FittedValue fitted;
   fitted.unit = std::move(unit);
   fitted.value = std::exp(logarithm);
+  // u(value) = value u(ln value); type A and B add in squares
   fitted.standard_uncertainty = fitted.value * std::sqrt(statistical_variance);
   fitted.combined_standard_uncertainty =
       fitted.value * std::sqrt(statistical_variance + input_variance);

@@ -15,7 +15,7 @@ namespace haptometer::sim {
 
 namespace {
 
-// stops and contact are told apart by the names of their events
+// stops and contact are distinguished by the names of their events
 bool Happened(const SceneRun& run, std::initializer_list<std::string_view> names) {
   return std::ranges::any_of(run.events, [&](const EventCount& event) {
     return std::ranges::find(names, event.name) != names.end();
@@ -48,9 +48,10 @@ class Decision {
 
   std::expected<EffectChoice, Finding> Decide() {
     choice_.on = all_;
+    // the reference of all comparisons: everything that is on or "auto"
     PlayedScene everything = Play(all_);
     if (!everything.answered) return std::unexpected(*everything.refusal);
-    // an exact motion is known as well as it can be, averages to their standard uncertainty
+    // an exact motion's error cannot be reduced further, that of averages is their uncertainty
     const double asked = everything.run.solver ? scene_.tolerance
                                                : std::max(scene_.tolerance, kLargestPredictedError);
     if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
@@ -58,11 +59,12 @@ class Decision {
     }
     everything_ = everything.run;
     Take(std::move(everything));
+    // first what is proved without a further run, then comparisons by runs
     LeaveOutWhatIsNeverReached();
     LeaveOutGravity();
     LeaveOutByComparison();
     choice_.change = Deviation(scene_.quantity, choice_.run, everything_);
-    // what was left out may change what was not asked about as well
+    // omitted effects may change other quantities than the one asked for
     const double left_out = LargestDeviation(choice_.run, everything_);
     if (left_out > 0) choice_.run.error_estimate += left_out + everything_.error_estimate;
     choice_.runs = runs_;
@@ -89,8 +91,8 @@ class Decision {
     VerdictOf(effect).ground = ground;
   }
 
-  // Where the motion is limited or bent by more than one effect there may be more than one to
-  // settle to, and what the transient reached chose among them.
+  // Where several effects limit the motion or make it nonlinear, more than one steady motion may
+  // exist, of which the transient selected one.
   bool MaySettleElsewhere() const {
     if (scene_.duration_s && StartOf(scene_) != Start::kSteady) return false;
     if (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]) return true;
@@ -101,6 +103,7 @@ class Decision {
   void LeaveOutWhatIsNeverReached() {
     for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss}) {
       if (!Asked(effect)) continue;
+      // a mover that rests on a stop is held by it without an event
       const bool rests = effect == Effect::kTravelStops && RestsOnStop(WithEffects(scene_, all_));
       if (rests || MaySettleElsewhere() || Reached(effect, everything_)) {
         VerdictOf(effect).ground = Ground::kCompared;
@@ -122,13 +125,14 @@ class Decision {
                                                  {"least_tolerance", 2 * run.error_estimate}});
   }
 
-  // without gravity a stop that stays in the scene might be reached, and a spring is softer
+  // without gravity a remaining stop might be reached, and a stiffening spring is softer
   void LeaveOutGravity() {
     if (!Asked(Effect::kGravity)) return;
     bool felt = false;
     for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss, Effect::kStiffening}) {
       felt = felt || choice_.on[PlaceOf(effect)];
     }
+    // nothing depends on where the bodies rest: gravity shifts the motion only
     if (!felt) LeaveOut(Effect::kGravity, Ground::kSuperposed);
   }
 
@@ -139,6 +143,7 @@ class Decision {
       const auto effect = static_cast<Effect>(k);
       if (Asked(effect) && choice_.on[k]) open.push_back(effect);
     }
+    // each effect off alone, to find its change
     for (const Effect effect : open) {
       EffectVerdict& verdict = VerdictOf(effect);
       verdict.ground = Ground::kCompared;
@@ -147,6 +152,7 @@ class Decision {
       verdict.change = DeviationOf(played);
       at_most[PlaceOf(effect)] = DeviationAtMost(played);
     }
+    // least change first; each is tested again together with those omitted before
     std::ranges::sort(open, {}, [&](Effect effect) { return at_most[PlaceOf(effect)]; });
     for (const Effect effect : open) {
       if (at_most[PlaceOf(effect)] <= scene_.tolerance) TryWithout(effect);
@@ -161,11 +167,11 @@ class Decision {
     Take(std::move(played));
   }
 
-  // what is not known deviates from everything
+  // a run without an answer deviates without bound
   double DeviationOf(const PlayedScene& played) const {
     return played.answered ? Deviation(scene_.quantity, played.run, everything_) : HUGE_VAL;
   }
-  // with what both runs may be wrong by
+  // with the errors of both runs, on the safe side
   double DeviationAtMost(const PlayedScene& played) const {
     return DeviationOf(played) + played.run.error_estimate + everything_.error_estimate;
   }
@@ -181,11 +187,12 @@ class Decision {
 
 namespace {
 
-// What the end of a run is like, and the run again over a window of whole periods of its own where
-// ten of the drive are none.
+// Whether the end of a run repeats, and the run again over a window of whole periods of its own
+// where ten periods of the drive are not.
 void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double temperature_rise_k,
                PlayedScene& played) {
   constexpr int kTenPeriods = 10;
+  // a linear motion repeats after one period of the sine: nothing to find
   const bool limited = !played.run.events.empty() || !scene.IsLinear();
   const double lasts = *scene.scene.duration_s * scene.scene.drive.frequency_hz;
   if (!limited || scene.scene.drive.kind != DriveKind::kSine || lasts < kTenPeriods) return;
@@ -198,6 +205,7 @@ void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double tempera
   }
   const int k = *played.end->drive_periods;
   if (kTenPeriods % k == 0) return;
+  // the largest multiple of k periods that the run contains
   const int most = static_cast<int>(std::min(lasts * (1 + 1e-12), 1e6)) / k * k;
   scene.window_periods = std::min((kTenPeriods + k - 1) / k * k, most);
   const double error = played.run.error_estimate;
@@ -210,6 +218,7 @@ void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double tempera
 PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);
   PlayedScene played;
+  // a preload that is too small, or a skin that carries nothing
   if (!CanRest(effective)) {
     played.refusal = Refused(FindingKind::kNothingHolds);
     return played;

@@ -16,14 +16,18 @@ namespace haptometer::sim {
 
 namespace {
 
+// least rate, outputs per period of an own frequency, its limit (sim/effective_scene.h)
 constexpr double kLeastRateHz = 1000;
 constexpr double kOutputsPerRinging = 16;
 constexpr double kHighestOwnHz = 1e5;
+// outputs of a run that are all kept
 constexpr double kMostKeptSteps = 1e7;
+// amplitude ratio at the end of a ring-down
 constexpr double kRungDown = 1e-3;
 // a pole that decays less than this part of the fastest one is rounding
 constexpr double kNoDecay = 1e-13;
 
+// highest abs(Im p) / 2 pi of the poles, or the finger's highest tone, Hz
 double HighestOwnHz(const Scene& scene) {
   double highest_hz = 0;
   for (const auto& pole : Poles(AssembleModel(scene))) {
@@ -33,7 +37,7 @@ double HighestOwnHz(const Scene& scene) {
   return std::min(highest_hz, kHighestOwnHz);
 }
 
-// of a drive that is held in equal pieces; 0 of others
+// rate of the pieces of a drive that is held in equal ones; 0 of others
 double PiecesHz(const Drive& drive) {
   if (drive.kind == DriveKind::kSamples) return drive.samples->rate_hz;
   return drive.kind == DriveKind::kChirp ? CubicsOf(drive) / drive.duration_s : 0;
@@ -44,6 +48,7 @@ double PiecesHz(const Drive& drive) {
 double OutputRateHz(const Scene& scene) {
   const Drive& drive = scene.drive;
   if (drive.kind == DriveKind::kSine) {
+    // whole multiples of 64 f, so that each period ends at an output
     const double period_hz = kOutputsPerPeriod * drive.frequency_hz;
     if (!scene.duration_s) return period_hz;
     const double ringing_hz = kOutputsPerRinging * HighestOwnHz(scene);
@@ -52,6 +57,7 @@ double OutputRateHz(const Scene& scene) {
   const double highest_hz = std::max(HighestFrequencyHz(drive), HighestOwnHz(scene));
   const double rate_hz = std::max(kLeastRateHz, kOutputsPerPeriod * highest_hz);
   const double pieces_hz = PiecesHz(drive);
+  // pieces that end at outputs need no split steps; the allowance is for a ratio that is whole
   return pieces_hz > 0 ? pieces_hz * std::ceil(rate_hz / pieces_hz * (1 - 1e-12)) : rate_hz;
 }
 
@@ -67,7 +73,9 @@ std::optional<double> RingDownS(const Scene& scene) {
   const std::vector<std::complex<double>> poles = Poles(AssembleModel(scene));
   double slowest_per_s = HUGE_VAL;
   for (const auto& pole : poles) slowest_per_s = std::min(slowest_per_s, -pole.real());
+  // undamped to rounding: it never ends
   if (!(slowest_per_s > kNoDecay * std::abs(poles.back()))) return std::nullopt;
+  // ln(1000) / min abs(Re p), s
   return -std::log(kRungDown) / slowest_per_s;
 }
 
@@ -93,6 +101,7 @@ double Weight(const Scene& scene) {
 }
 
 EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
+  // every choice of effects has the outputs of the stated scene, so that runs can be compared
   EffectiveScene effective{.scene = scene, .piecewise = {}, .outputs_rate_hz = OutputRateHz(scene)};
   const Effects& effects = scene.effects;
   if (!on[PlaceOf(Effect::kInductance)]) effective.scene.actuator.inductance_h = 0;
@@ -111,12 +120,14 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
   if (on[PlaceOf(Effect::kTravelStops)]) {
     HAPTOMETER_CHECK(effects.travel_stops.has_value(), "no stops");
     TravelStops& stops = effective.piecewise.stops.emplace(*effects.travel_stops);
+    // positions count from static equilibrium, which is sag_m nearer to the upper stop
     stops.gap_up_m -= sag_m;
     stops.gap_down_m += sag_m;
   }
   if (on[PlaceOf(Effect::kContactLoss)]) {
     HAPTOMETER_CHECK(effects.contact_loss.has_value(), "no preload");
     ContactLoss& loss = effective.piecewise.contact_loss.emplace(*effects.contact_loss);
+    // the weight and the mover's preload press in addition
     loss.preload_n += PressOnSkin(scene, gravity);
   }
   return effective;
@@ -124,12 +135,13 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
 
 namespace {
 
-// How deep the pad is pressed that holds the mover at `gap_m` < 0 from equilibrium: its k p against
-// the spring's force there. Newton falls on it from the side on which the spring stiffens least.
+// Penetration in m of the pad that holds the mover at `gap_m` < 0 from equilibrium: k p is equal
+// to the spring's force there. Newton's method begins where the spring stiffens least.
 double DepthAtRest(const EffectiveScene& scene, const TravelStops& stops, int side, double gap_m) {
   constexpr int kMostSteps = 100;
   const double Kv = scene.scene.actuator.stiffness_n_per_m;
   const StiffeningSpring spring = scene.smooth.spring.value_or(StiffeningSpring{});
+  // the linear spring's penetration, k p = -Kv (gap + p)
   double depth_m = -Kv * gap_m / (stops.stiffness_n_per_m + Kv);
   for (int k = 0; k < kMostSteps; ++k) {
     const double travel_m = side * (gap_m + depth_m);
@@ -142,7 +154,7 @@ double DepthAtRest(const EffectiveScene& scene, const TravelStops& stops, int si
   return depth_m;
 }
 
-// a start in mode 0 that lies at a stop, in the mode in which that stop holds it
+// a start in mode 0 at a stop, mapped to the mode in which that stop holds it
 PiecewiseStart HeldAt(const EffectiveScene& scene, int side, PiecewiseStart start) {
   const TravelStops& stops = *scene.piecewise.stops;
   const double gap_m = side > 0 ? stops.gap_up_m : stops.gap_down_m;
@@ -154,6 +166,7 @@ PiecewiseStart HeldAt(const EffectiveScene& scene, int side, PiecewiseStart star
   start.x(LinearModel::kMover) = start.x(LinearModel::kCase) + side * gap_m;
   start.x = (way->map * start.x + way->shift).eval();
   start.mode = way->mode;
+  // a compliant stop carries the force at a penetration above 0
   if (!stops.rigid()) start.x(LinearModel::kMover) = DepthAtRest(scene, stops, side, gap_m);
   return start;
 }
@@ -181,7 +194,7 @@ bool CanRest(const EffectiveScene& scene) {
 
 namespace {
 
-// `travel_m` and `skin_force_n` either way around their constant parts
+// amplitudes of travel and skin force around their constant parts, in both directions
 struct Reach {
   double travel_m = 0, mean_travel_m = 0;
   double skin_force_n = 0, mean_skin_force_n = 0;
@@ -189,16 +202,19 @@ struct Reach {
 
 bool IsFree(const EffectiveScene& scene, const Reach& reach, double error) {
   const auto& [stops, loss] = scene.piecewise;
+  // the error is taken from the room, on the safe side
   const double room = 1 - error;
   const double up_m = reach.travel_m + reach.mean_travel_m;
   const double down_m = reach.travel_m - reach.mean_travel_m;
   const bool clear = !stops || (up_m < room * stops->gap_up_m && down_m < room * stops->gap_down_m);
+  // contact holds while F0 + mean - amplitude > 0
   const bool touches =
       !loss || reach.skin_force_n - reach.mean_skin_force_n < room * loss->preload_n;
   return scene.IsLinear() && clear && touches;
 }
 
 template <typename Steady>
+// the peaks include the constant parts
 Reach ReachOf(const Steady& steady) {
   return {.travel_m = steady.mover_peak_m - std::abs(steady.mean_travel_m),
           .mean_travel_m = steady.mean_travel_m,

@@ -14,8 +14,10 @@ namespace haptometer::sim {
 
 namespace {
 
+// relative error of an exact motion over a period
 constexpr double kExactError = 1e-13;
 constexpr int kOutputsPerPeriod = 64;
+// scale of a coordinate that nothing moves, so that no quotient is 0 / 0
 constexpr double kUnmoved = 1e-9;
 
 // a last state that is always 1
@@ -76,9 +78,9 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
   }
   const SmoothMode mode(system_, point.mode, Excitation(drive_).Piece(0), false);
   Eigen::VectorXd scale = mode.ScaleFrom(y).cwiseMax(y.cwiseAbs());
-  // what the coil comes to in the end, not within a period
+  // the coil's stationary rise, as its time constant may be a million periods
   if (system_.heating) scale(n) = std::max(scale(n), mode.LastRise(scale));
-  // what nothing moves
+  // coordinates that nothing moves
   scale = (scale.array() > 0).select(scale, kUnmoved);
   return PointOf(point.mode, scale.head(n), system_.heating ? scale(n) : 0).x;
 }
@@ -91,6 +93,7 @@ std::expected<PeriodStep, FindingKind> PeriodMap::Play(Motion& motion, int perio
     if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
     return PointOf(motion.mode(), motion.x(), theta_k);
   };
+  // peaks at the outputs only, not between them
   Eigen::VectorXd largest = motion.Positions().cwiseAbs();
   for (int i = 1; i <= periods * outputs; ++i) {
     motion.Next();
@@ -104,6 +107,7 @@ std::expected<PeriodStep, FindingKind> PeriodMap::Play(Motion& motion, int perio
   const std::vector<double> squares = motion.SquareIntegrals();
   const auto n = static_cast<Eigen::Index>(squares.size()) - 1;
   const EnergyLedger ledger = motion.Ledger();
+  // integrals over the time played become means
   step.means =
       PeriodMeans{.mean_squares = Eigen::Map<const Eigen::VectorXd>(squares.data(), n) / duration_s,
                   .travel_mean_square = squares.back() / duration_s,
@@ -116,6 +120,7 @@ std::expected<PeriodStep, FindingKind> PeriodMap::Play(Motion& motion, int perio
 
 std::expected<PeriodStep, FindingKind> PeriodMap::After(const PeriodPoint& point, int periods,
                                                         bool with_means, const Visit& visit) const {
+  // means need the peaks within a period, the map alone the ends of periods
   const int outputs = with_means ? kOutputsPerPeriod : 1;
   const double rate_hz = outputs * drive_.frequency_hz;
   if (!settings_) {
@@ -123,6 +128,7 @@ std::expected<PeriodStep, FindingKind> PeriodMap::After(const PeriodPoint& point
       PiecewiseMotion motion(system_.linear, drive_, StartOf(point), rate_hz, true);
       return Play(motion, periods, outputs, true, visit);
     }
+    // matrices are kept between calls
     if (exact_ == nullptr) {
       exact_ = std::make_unique<PiecewiseMotion>(system_.linear, drive_, StartOf(point), rate_hz);
     } else {

@@ -21,23 +21,27 @@ namespace haptometer::sim {
 namespace {
 
 constexpr int kMostHalvings = 8;
-// over the map's error: a step that need not be taken, and a residual that is a fixed point's
+// over the map's error: Newton's steps below kDone are not taken, residuals below kFixed are those
+// of a fixed point
 constexpr double kDone = 3;
 constexpr double kFixed = 1e3;
-// over each state's largest value: within this two motions may be the same
+// over each state's largest value: two motions closer than this may be the same
 constexpr double kSame = 1e-5;
-// of each state's largest value: apart from this nothing recurs, within that the transient is over
+// of each state's largest value: nothing recurs above kNear, the transient is over within kThere
 constexpr double kNear = 0.2;
 constexpr double kThere = 1e-7;
-// what the linear map must foretell of a step for the rest of the transient to be known
+// largest error of the linear map over the decay in a period, for the rest to count as known
 constexpr double kForetold = 0.3;
+// the coil's temperature, which may take 1e6 periods, is led to its value in so many steps
 constexpr int kWarmingSteps = 8;
 constexpr int kPeriodsPerWarmingStep = 64;
+// exponent over 32 x 32 = 1024 periods, averages over 32 x 128 = 4096 (sim/periodic_motion.h)
 constexpr int kBatches = 32;
 constexpr int kPairPeriodsPerBatch = 32;
 constexpr int kMeanPeriodsPerBatch = 128;
 constexpr double kSure = 4;  // standard uncertainties
 
+// largest magnitude among states over their scale, dimensionless
 double Size(const Eigen::VectorXd& scaled) { return scaled.cwiseAbs().maxCoeff(); }
 
 // The map, whose work a search counts; beyond its limit nothing is known of any point.
@@ -71,6 +75,7 @@ class CountedMap {
 // How far two states are apart, over the scale; without the coil's temperature.
 double Apart(const CountedMap& map, const PeriodPoint& a, const PeriodPoint& b,
              const Eigen::VectorXd& scale) {
+  // coordinates of different modes do not compare
   if (a.mode != b.mode) return std::numeric_limits<double>::infinity();
   const Eigen::Index n = a.x.size() - (map.heats() ? 1 : 0);
   return Size((a.x - b.x).cwiseQuotient(scale).head(n));
@@ -89,8 +94,8 @@ class Shooting {
     double error = 0;
   };
 
-  // after Newton's steps; nothing if they lead nowhere. They end where they become small, not where
-  // the residual does: what decays slowly moves little in a period.
+  // after Newton's steps; nothing if they do not converge. They end where the step is small, not
+  // where the residual is: a slowly decaying state moves little in a period
   std::optional<End> From(PeriodPoint point, int newton_steps) {
     std::optional<Eigen::VectorXd> residual = Residual(point);
     if (!residual) return {};
@@ -108,6 +113,7 @@ class Shooting {
 
   // dP^k/dx in units of the scale, one period after the other
   std::optional<Eigen::MatrixXd> Jacobian(const PeriodPoint& point, double larger = 1) {
+    // the orbit's points at phase 0 of the drive, one per period
     std::vector<PeriodPoint> points{point};
     if (!map_.After(point, periods_, false, [&](const PeriodPoint& p) { points.push_back(p); })) {
       return {};
@@ -115,10 +121,12 @@ class Shooting {
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(point.x.size(), point.x.size());
     Eigen::VectorXd scale = scale_;
     for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      // a closed orbit ends in the scale in which it began, so that M has true eigenvalues
       const bool closes = k + 2 == points.size() && points[k + 1].mode == point.mode;
       const Eigen::VectorXd next = closes ? scale_ : map_.ScaleOf(points[k + 1]);
       const auto one = JacobianOfOne(points[k], points[k + 1], scale, next, larger);
       if (!one) return {};
+      // chain rule along the orbit: M = M_k ... M_2 M_1
       jacobian = (*one * jacobian).eval();
       scale = next;
     }
@@ -138,6 +146,7 @@ class Shooting {
                                                const Eigen::VectorXd& scale,
                                                const Eigen::VectorXd& scale_after, double larger) {
     constexpr int kMostTries = 3;
+    // the cube root balances the truncation, step^2, and the map's error over the step
     double step = larger * std::cbrt(map_.error());
     for (int i = 0; i < kMostTries; ++i, step /= 8) {
       Eigen::MatrixXd jacobian(to.x.size(), from.x.size());
@@ -147,6 +156,7 @@ class Shooting {
         moved[0].x(k) -= step * scale(k);
         moved[1].x(k) += step * scale(k);
         const std::optional<PeriodPoint> below = After(moved[0], 1), above = After(moved[1], 1);
+        // a difference across two modes is no derivative: try again with an eighth of the step
         if (!below || !above || below->mode != to.mode || above->mode != to.mode) break;
         jacobian.col(k) = (above->x - below->x).cwiseQuotient(scale_after) / (2 * step);
       }
@@ -168,19 +178,20 @@ class Shooting {
     return (end->x - point.x).cwiseQuotient(scale_);
   }
 
-  // how far the fixed point is: what is left of Newton's step, whatever its signs
+  // bound of the distance to the fixed point, abs((I - M)^-1) abs(residual)
   static double LeftOf(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual) {
     const Eigen::Index n = jacobian.rows();
     const Eigen::MatrixXd inverse = (Eigen::MatrixXd::Identity(n, n) - jacobian).inverse();
     return (inverse.cwiseAbs() * residual.cwiseAbs()).maxCoeff();
   }
 
-  // As much of a step as makes the next one, by the same Jacobian, clearly smaller (Deuflhard's
-  // natural test: residuals of slow and fast states do not compare); false: none does, or there is
-  // no way left to go.
+  // Takes the largest halved part of Newton's step for which the next step by the same Jacobian is
+  // clearly smaller (Deuflhard's natural test: residuals of slow and fast states do not compare);
+  // false if there is none, or if the step is within the map's error.
   bool TakeStep(const Eigen::MatrixXd& jacobian, PeriodPoint& point, Eigen::VectorXd& residual) {
     const Eigen::Index n = point.x.size();
     const Eigen::PartialPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(n, n) - jacobian);
+    // (I - M) step = P^k(x) - x
     const Eigen::VectorXd step = lu.solve(residual);
     if (!(Size(step) > kDone * map_.error())) return false;
     double part = 1;
@@ -188,6 +199,7 @@ class Shooting {
       PeriodPoint moved = point;
       moved.x += part * step.cwiseProduct(scale_);
       const std::optional<Eigen::VectorXd> left = Residual(moved);
+      // a part p of the step must reduce the next one at least to 1 - p/2
       if (!left || !(Size(lu.solve(*left)) < (1 - part / 2) * Size(step))) continue;
       point = std::move(moved);
       residual = *left;
@@ -206,12 +218,13 @@ Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
   return values;
 }
 
+// largest magnitude of a Floquet multiplier
 double Largest(const Eigen::MatrixXd& jacobian) {
   return jacobian.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-// Whether deviations die out, for certain: differences are wrong by about their step's square, and
-// where that does not decide, by what another step makes of them.
+// Whether deviations decay beyond doubt: the error of the differences is about their step's square,
+// map_error^(2/3); nearer to 1 it is measured by differences of three times the step.
 bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
   const double largest = Largest(end.jacobian);
   if (largest < 1 - 10 * std::pow(map_error, 2.0 / 3)) return true;
@@ -220,7 +233,7 @@ bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
   return again && largest < 1 - 10 * std::abs(Largest(*again) - largest);
 }
 
-// A periodic motion with what its stability was told from.
+// A periodic motion with the Jacobian and the scale that its stability was determined from.
 struct Shot {
   PeriodicMotion motion;
   Eigen::MatrixXd jacobian;  // empty: none
@@ -238,8 +251,8 @@ Shot ShotOf(const Shooting::End& end, int periods, bool stable, const Eigen::Vec
               .scale = scale};
 }
 
-// The stable motion of a shorter period of which a motion is a repetition. Where it hardly repeats
-// itself sooner, by a multiplier near -1, the point lies beside it by more than the residual.
+// The stable motion of a shorter period of which a motion is a repetition. With a multiplier near
+// -1 its point may differ from the longer motion's by more than the residual.
 std::optional<Shot> ShortestOf(CountedMap& map, const Shooting::End& end, int periods,
                                const Eigen::VectorXd& scale, int newton_steps) {
   for (int part = 1; part < periods; ++part) {
@@ -248,6 +261,7 @@ std::optional<Shot> ShortestOf(CountedMap& map, const Shooting::End& end, int pe
     const std::optional<double> apart = shooting.ReturnsWithin(end.point, part);
     if (!apart || *apart > kSame) continue;
     const std::optional<Shooting::End> shorter = shooting.From(end.point, newton_steps);
+    // it must be the same motion, and not another fixed point nearby
     if (!shorter || Apart(map, shorter->point, end.point, scale) > kSame) continue;
     if (IsStable(shooting, *shorter, map.error())) return ShotOf(*shorter, part, true, scale);
   }
@@ -271,11 +285,13 @@ class Search {
 
   PeriodicSearch From(const PeriodPoint& start) {
     Remember(start);
+    // the transient's length is doubled until a motion is found or a limit is reached
     for (int until = settings_.transient_periods;; until *= 2) {
       if (!Advance(until - transient_)) break;
       if (Look() || stall_) break;
       if (2 * until > settings_.most_periods || map_.IsSpent()) break;
     }
+    // no repetition seen: chaos, quasi-periodic motion or a longer period
     if (!search_.found && !stall_ && !map_.IsSpent()) JudgeWhatIsLeft();
     if (!search_.found && !search_.chaotic) search_.refusal = Refusal();
     return std::move(search_);
@@ -289,7 +305,7 @@ class Search {
     if (points_.size() > kMostDrivePeriods + 1) points_.pop_front();
   }
 
-  // goes on with the transient; false: it stalls or the work is spent
+  // continues the transient; false: it stalls or the work is spent
   bool Advance(int periods) {
     constexpr int kPeriodsAtOnce = 64;
     for (int left = periods; left > 0; left -= kPeriodsAtOnce) {
@@ -304,9 +320,10 @@ class Search {
     return true;
   }
 
-  // the periods after which the state seems to come back, the likeliest first
+  // the periods after which the state seems to recur, the most probable first
   std::vector<int> Recurrences() {
     const Eigen::VectorXd scale = map_.ScaleOf(Now());
+    // distance of the present point from that k periods earlier, k = 1 to 32
     std::vector<double> apart;
     for (std::size_t k = 1; k < points_.size(); ++k) {
       apart.push_back(Apart(map_, Now(), points_[points_.size() - 1 - k], scale));
@@ -314,6 +331,7 @@ class Search {
     nearest_ =
         apart.empty() ? std::numeric_limits<double>::infinity() : *std::ranges::min_element(apart);
     std::vector<int> periods;
+    // the smallest k within 3 times the least distance, then the smallest within 30 times
     for (const double within : {3.0, 30.0}) {
       const auto first = std::ranges::find_if(apart, [&](double a) {
         return a <= kNear && a <= within * std::max(nearest_, kFixed * map_.error());
@@ -325,12 +343,14 @@ class Search {
     return periods;
   }
 
-  // Looks for a periodic motion where the transient is; true: found.
+  // Searches for a periodic motion near the transient's last point; true: found.
   bool Look() {
     for (const int periods : Recurrences()) {
       std::optional<Shot> shot = Shoot(map_, Now(), periods, settings_.newton_steps);
+      // a repetition to the map's error counts even without a derivative (graze, change of mode)
       if (!shot && nearest_ <= kFixed * map_.error()) shot = AsItRecurs(periods);
       if (!shot || !shot->motion.stable) continue;
+      // a stable motion that the transient does not reach is no answer
       if (!Settles(*shot)) return false;
       return Take(std::move(*shot));
     }
@@ -350,6 +370,7 @@ class Search {
   }
 
   bool Take(Shot shot) {
+    // once more over the whole period, for the means
     auto whole = map_.After(shot.motion.point, shot.motion.drive_periods, true);
     if (!whole) return false;
     shot.motion.means = std::move(*whole->means);
@@ -357,10 +378,11 @@ class Search {
     return true;
   }
 
-  // Whether the transient comes to the motion.
+  // Whether the transient reaches the motion.
   bool Settles(Shot& shot) {
     constexpr int kPeriodsBetween = 64;
     const int k = shot.motion.drive_periods;
+    // the temperature is led to its value, the other states must reach theirs
     if (map_.heats() && !Warm(shot.motion)) return false;
     double apart = Apart(map_, Now(), shot.motion.point, shot.scale);
     for (int setbacks = 0; transient_ < 2 * settings_.most_periods;) {
@@ -368,13 +390,15 @@ class Search {
       const double before = apart;
       if (!Advance(k * std::max(1, kPeriodsBetween / k))) return false;
       apart = Apart(map_, Now(), shot.motion.point, shot.scale);
+      // slow decay: the rest of it is known from the linear map
       if (apart > before / 2 && IsForetold(shot, apart)) return true;
+      // two increases of the distance are allowed, the third is a divergence
       if (!(apart < before) && ++setbacks > 2) return false;
     }
     return false;
   }
 
-  // leads the coil's temperature to the motion's; true also where it is there by itself
+  // leads the coil's temperature to the motion's in equal steps, each with periods to decay
   bool Warm(const PeriodicMotion& motion) {
     const Eigen::Index theta = motion.point.x.size() - 1;
     const int k = motion.drive_periods;
@@ -388,8 +412,8 @@ class Search {
     return true;
   }
 
-  // whether the linear map tells what the next periods leave of the deviation, to far less than
-  // they take of it
+  // whether the linear map predicts the deviation after the next periods, with an error far below
+  // the decay in them
   bool IsForetold(const Shot& shot, double apart) {
     if (shot.jacobian.size() == 0 || Now().mode != shot.motion.point.mode) return false;
     const auto after = map_.After(Now(), shot.motion.drive_periods);
@@ -397,21 +421,24 @@ class Search {
     const auto deviation = [&](const PeriodPoint& point) -> Eigen::VectorXd {
       return (point.x - shot.motion.point.x).cwiseQuotient(shot.scale);
     };
+    // d(n + 1) - M d(n), zero for a linear map; d is the deviation from the motion over the scale
     const double missed = Size(deviation(after->point) - shot.jacobian * deviation(Now()));
+    // the decay by the slowest multiplier
     const double taken = (1 - std::abs(shot.motion.multipliers(0))) * apart;
     return missed <= kForetold * taken + kFixed * map_.error();
   }
 
   // --------------------------------------------------------------------------------- no repetition
 
-  // the exponent, a last look, and averages where it is positive
+  // the exponent, a last search, and averages where the exponent is positive
   void JudgeWhatIsLeft() {
     if (!MeasureExponent()) return;
+    // the exponent has prolonged the transient by 1024 periods, so a motion may now recur
     if (Look() || map_.IsSpent()) return;
     if (exponent_ > kSure * exponent_uncertainty_) Average();
   }
 
-  // Benettin's pair of motions, batch by batch
+  // Benettin's pair of motions, batch by batch: mean of ln(growth of their distance) per period
   bool MeasureExponent() {
     const double apart = std::sqrt(map_.error());
     std::vector<double> batches;
@@ -423,9 +450,11 @@ class Search {
         const Eigen::VectorXd scale = map_.ScaleOf(Now());
         if (way.size() != scale.size()) way = Eigen::VectorXd::Constant(scale.size(), apart);
         PeriodPoint beside = Now();
+        // the neighbour is set back to the initial distance before each period
         beside.x += way.normalized().cwiseProduct(scale) * apart;
         const auto other = map_.After(beside, 1);
         if (!other || !Advance(1)) return false;
+        // in different modes the pair has no distance: the period does not count
         if (other->point.mode != Now().mode) continue;
         way = (other->point.x - Now().x).cwiseQuotient(map_.ScaleOf(Now()));
         sum += std::log(way.norm() / apart);
@@ -447,12 +476,13 @@ class Search {
     double mean = 0, square = 0;
     for (const double value : batches) mean += value / count;
     for (const double value : batches) square += (value - mean) * (value - mean);
+    // s / sqrt(n), s the standard deviation of the batches
     return {mean, std::sqrt(square / (count - 1) / count)};
   }
 
-  // Whether batches are alike. One that holds most of their variance saw something rare, of which
-  // the others say nothing: then neither the mean nor its uncertainty is known. (Of 32 normal ones
-  // the largest holds some fifth; more than half once in 1e5.)
+  // Whether batches are alike. If one holds most of their variance, it contains something rare that
+  // the others lack: then neither the mean nor its uncertainty is known. (Of 32 normal ones the
+  // largest holds about a fifth; more than half once in 1e5.)
   static bool AreAlike(const std::vector<double>& batches, double mean) {
     constexpr double kMostOfOne = 0.5;
     double sum = 0, largest = 0;
@@ -472,6 +502,7 @@ class Search {
                           .periods = kBatches * kMeanPeriodsPerBatch,
                           .means = {},
                           .standard_uncertainties = {}};
+    // means over each batch, along one continued motion
     for (int batch = 0; batch < kBatches; ++batch) {
       const auto step = map_.After(Now(), kMeanPeriodsPerBatch, true);
       if (!step) return;
@@ -479,6 +510,7 @@ class Search {
       batches.push_back(*step->means);
     }
     bool are_alike = true;
+    // mean of one quantity over the batches, with its standard uncertainty
     const auto fill = [&](auto&& field) {
       std::vector<double> values;
       values.reserve(batches.size());
@@ -488,6 +520,7 @@ class Search {
       field(chaotic.means) = mean;
       field(chaotic.standard_uncertainties) = uncertainty;
     };
+    // for their size; fill() replaces the values
     chaotic.means.mean_squares = batches[0].mean_squares;
     chaotic.standard_uncertainties.mean_squares = batches[0].mean_squares;
     for (Eigen::Index k = 0; k < batches[0].mean_squares.size(); ++k) {
@@ -502,6 +535,7 @@ class Search {
 
   Finding Refusal() const {
     if (stall_) return {Severity::kRefusal, *stall_, {{"periods", transient_}}};
+    // what was observed and the work it took, for the message
     Finding none{Severity::kRefusal,
                  FindingKind::kNoPeriodicMotion,
                  {{"most_periods", kMostDrivePeriods},
@@ -544,6 +578,7 @@ std::optional<PeriodicMotion> RefinePeriodicMotion(const PeriodMap& map,
   CountedMap counted(map, settings.most_steps, search);
   std::optional<Shot> shot =
       Shoot(counted, motion.point, motion.drive_periods, settings.newton_steps);
+  // a shorter period or lost stability is another motion
   if (!shot || !shot->motion.stable || shot->motion.drive_periods != motion.drive_periods)
     return {};
   auto whole = counted.After(shot->motion.point, motion.drive_periods, true);

@@ -24,7 +24,7 @@ namespace haptometer::sim {
 
 namespace {
 
-// outputs from one look at the error to the next: before anything happened, and then
+// outputs between two evaluations of the error: before the first event, and after it
 constexpr std::uint64_t kQuietOutputs = 64;
 constexpr std::uint64_t kBusyOutputs = 4;
 // of integrals of squares and of power, relative (measured: a few 1e-15)
@@ -64,14 +64,16 @@ RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
   const double steps = duration_s * grid.outputs.rate_hz;
   HAPTOMETER_CHECK(duration_s > 0 && steps <= kMostOutputs, "{} s at {} Hz", duration_s,
                    grid.outputs.rate_hz);
-  // a whole number of steps but for rounding: no odd one at the beginning
+  // a whole number of steps, apart from rounding: no partial step at the beginning
   const double nearest = std::round(steps);
   const bool whole = nearest >= 1 && std::abs(steps - nearest) <= 1e-12 * nearest;
   const double count = whole ? nearest : std::ceil(steps);
   grid.count = static_cast<std::size_t>(count);
+  // else output 0 lies before t = 0, so that the last output is the end of the run
   if (!whole) grid.outputs.origin_s = std::min(0.0, duration_s - count / grid.outputs.rate_hz);
-  // of another drive than a sine all is looked at
+  // the window of any other drive is the whole run
   if (scene.drive.kind != DriveKind::kSine) return grid;
+  // the window is the last window_periods of the sine, in whole outputs
   grid.outputs_a_period =
       static_cast<std::size_t>(std::llround(grid.outputs.rate_hz / scene.drive.frequency_hz));
   const auto window = static_cast<std::size_t>(
@@ -80,7 +82,7 @@ RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
   return grid;
 }
 
-// the squares of skin and case beside the energies, and the peaks
+// requests the integrals of xs^2 and xa^2, and the ranges of travel and contact force
 void AskForNumbers(const EffectiveScene& scene, PiecewiseLinearSystem& system) {
   const LinearModel model = AssembleModel(scene.scene);
   const Eigen::Index n = model.states();
@@ -89,11 +91,12 @@ void AskForNumbers(const EffectiveScene& scene, PiecewiseLinearSystem& system) {
                          Eigen::RowVectorXd::Unit(n, LinearModel::kCase)};
 }
 
+// energy into the coil's resistance, J
 double CoilOf(const EnergyLedger& ledger) {
   return ledger.dissipated_j[static_cast<std::size_t>(SceneElement::kCoil)];
 }
 
-// the integral of i^2, where the resistance holds out of what the coil dissipates
+// the integral of i^2 dt in A^2 s; with a constant resistance from the coil's dissipated energy
 double CurrentSquares(const PiecewiseMotion& motion, double resistance_ohm) {
   return CoilOf(motion.Ledger()) / resistance_ohm;
 }
@@ -101,12 +104,13 @@ double CurrentSquares(const SmoothMotion& motion, double /*resistance_ohm*/) {
   return motion.CurrentSquareIntegral();
 }
 
+// the coil's rise in K at the end and at most; an exact motion has no heating
 double RiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
 double RiseOf(const SmoothMotion& motion) { return motion.temperature_rise_k(); }
 double PeakRiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
 double PeakRiseOf(const SmoothMotion& motion) { return motion.temperature_peak_k(); }
 
-// Bounds of a number's error at the outputs that were looked at.
+// Bounds of a number's error at the outputs where it was evaluated.
 struct ErrorOfNumber {
   double squares = 0;
   double largest = 0;
@@ -129,6 +133,7 @@ struct Errors {
   ErrorOfNumber skin, motor, travel, current;
   double volt_squares = 0;
 
+  // the running peak and the last error stay: the relative error refers to the whole run
   void BeginWindow() {
     for (ErrorOfNumber* number : {&skin, &motor, &travel, &current}) {
       *number = {.last = number->last, .peak = number->peak};
@@ -150,6 +155,7 @@ class Playing {
     run_.outputs_rate_hz = grid_.outputs.rate_hz;
     run_.end_s = duration_s;
     run_.begin_s = grid_.window_begin == 0 ? 0 : TimeOf(grid_.window_begin);
+    // the window's outputs, both ends included
     run_.skin_m.resize(static_cast<Eigen::Index>(grid_.count - grid_.window_begin + 1));
   }
 
@@ -158,6 +164,7 @@ class Playing {
     const std::size_t most_events = kMostEvents + kMostEventsPerOutput * grid_.count;
     while (motion_.index() < grid_.count && !motion_.stalled_at_s()) {
       motion_.Next();
+      // bodies that rattle far faster than the drive would take too long
       if (motion_.events().size() > most_events) return GiveUp();
       if (motion_.index() % kReportOutputs == 0) {
         ReportWork("playing the run",
@@ -177,7 +184,7 @@ class Playing {
     return grid_.outputs.origin_s + static_cast<double>(output) / grid_.outputs.rate_hz;
   }
 
-  // what came before the window, or before its end
+  // the ranges since the last call: before the window at its begin, within it at the end
   void TakePeaks() {
     const std::vector<ValueRange>& ranges = motion_.Ranges();
     const double peak_m = ranges[kWatchedTravel].LargestMagnitude();
@@ -188,9 +195,11 @@ class Playing {
   }
 
   void BeginWindow() {
+    // peaks of the transient first, then ranges and sums begin again
     TakePeaks();
     motion_.ForgetRanges();
     errors_.BeginWindow();
+    // integrals up to the window's begin; the window's are differences to these
     const std::vector<double> squares = motion_.SquareIntegrals();
     skin_before_ = squares[0];
     case_before_ = squares[1];
@@ -199,6 +208,7 @@ class Playing {
     if (grid_.window_begin == 0) TakeSkin();
   }
 
+  // the state at each of the last ends of whole periods, counted back from the end of the run
   void TakeMark() {
     const std::size_t left = grid_.count - motion_.index();
     if (grid_.outputs_a_period == 0 || left % grid_.outputs_a_period != 0) return;
@@ -212,7 +222,7 @@ class Playing {
         motion_.Positions()(model_.skin());
   }
 
-  // what the exact motion's error comes to, every few outputs
+  // bounds of an exact motion's errors, at some outputs only because each costs matrix products
   void TakeErrors() {
     if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
       const std::uint64_t every = motion_.events().empty() ? kQuietOutputs : kBusyOutputs;
@@ -224,11 +234,13 @@ class Playing {
       };
       const Eigen::RowVectorXd mover = unit(LinearModel::kMover), motor = unit(LinearModel::kCase);
       const double volt = motion_.Inputs()(kVoltage);
+      // xs, xa, xv - xa and i
       errors_.skin.Take(motion_.ErrorOf(unit(model_.skin())), x(model_.skin()));
       errors_.motor.Take(motion_.ErrorOf(motor), x(LinearModel::kCase));
       errors_.travel.Take(motion_.ErrorOf(mover - motor), (mover - motor).dot(x));
       errors_.current.Take(motion_.ErrorOfCurrent(), motion_.CurrentA());
       errors_.volt_squares += volt * volt;
+      // the first output at which skin, travel or current are no longer known to the tolerance
       const double relative = std::max(
           {errors_.skin.Relative(), errors_.travel.Relative(), errors_.current.Relative()});
       if (!run_.known_until_s && relative > scene_.scene.tolerance) {
@@ -237,15 +249,16 @@ class Playing {
     }
   }
 
-  // relative, of all numbers of an exact motion
+  // bound of the relative error of all numbers of an exact motion
   double ErrorEstimate(const std::vector<double>& squares) const {
     const auto part = [](double error, double value) {
       return error == 0 ? 0 : error / std::abs(value);
     };
-    // a window's integral is a difference of two
+    // a window's integral is a difference of two, which amplifies their rounding
     const auto integral = [&](double before, double after) {
       return after > before ? kIntegralRounding * after / (after - before) : 0;
     };
+    // RMS voltage times the current's RMS error bounds the error of the power, W
     const double volt =
         std::sqrt(errors_.volt_squares / std::max(static_cast<double>(errors_.current.count), 1.0));
     const double power_w = volt * (errors_.current.Rms() + kIntegralRounding * run_.current_rms_a);
@@ -255,12 +268,14 @@ class Playing {
                   part(errors_.current.Rms(), run_.current_rms_a), part(power_w, run_.power_w),
                   part(errors_.travel.largest, run_.mover_peak_m),
                   part(errors_.skin.largest, run_.skin_m.cwiseAbs().maxCoeff())});
+    // error of a chirp's cubics, V; 0 for other drives
     const double amplitude_v = scene_.scene.drive.amplitude_v;
     const double held_v =
         Excitation(scene_.scene.drive, scene_.scene.finger.tones).voltage_error_v();
     return largest + part(held_v, amplitude_v) + kExactRounding;
   }
 
+  // a run with too many events ends at the last one
   SceneRun GiveUp() {
     run_.stalled_at_s = motion_.events().back().time_s;
     run_.stall_reason = FindingKind::kTooManyEvents;
@@ -276,11 +291,13 @@ class Playing {
     run_.ledger = motion_.Ledger();
     const double length_s = run_.end_s - run_.begin_s;
     const std::vector<double> squares = motion_.SquareIntegrals();
+    // rounding may put an integral of 0 below 0
     const auto rms = [&](double integral) { return std::sqrt(std::max(0.0, integral) / length_s); };
     run_.skin_rms_m = rms(squares[0] - skin_before_);
     run_.case_rms_m = rms(squares[1] - case_before_);
     run_.current_rms_a =
         rms(CurrentSquares(motion_, scene_.scene.actuator.resistance_ohm) - current_before_);
+    // mean power: energy from the source over the window's length, W
     run_.power_w = (run_.ledger.input_j - input_before_j_) / length_s;
     CountEvents();
     if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
@@ -310,17 +327,20 @@ class Playing {
   double skin_before_ = 0, case_before_ = 0, current_before_ = 0, input_before_j_ = 0;
 };
 
-// Whether events can be looked for in reasonable time: an interval that is judged is no longer than
-// GuardBound::LongestHorizon, and motions that decay or swing far faster than the drive need many.
+// Whether events can be located in reasonable time: a judged interval is no longer than
+// GuardBound::LongestHorizon, and motions that decay or oscillate far faster than the drive need
+// many.
 bool CanLookForEvents(const PiecewiseLinearSystem& system, const RunGrid& grid) {
   if (system.transitions.empty()) return true;
   const double step_s = 1 / grid.outputs.rate_hz;
   double most = 0, first = 0;
   for (const Mode& mode : system.modes) {
+    // judged intervals in one output step
     const double intervals = step_s / GuardBound::LongestHorizon(mode.a);
     most = std::max(most, intervals);
     if (&mode == &system.modes.front()) first = intervals;
   }
+  // every mode within one output step, and the mode of the start over the whole run
   return most <= kMostIntervalsPerOutput &&
          first * static_cast<double>(grid.count) <= PiecewiseMotion::MostSteps(grid.count);
 }
@@ -330,6 +350,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   PiecewiseLinearSystem system = AssemblePiecewise(bodies, scene.piecewise);
   AskForNumbers(scene, system);
   const RunGrid grid = GridOf(scene, duration_s);
+  // refused before the run instead of a stall after the limit of steps
   if (!CanLookForEvents(system, grid)) {
     SceneRun run;
     run.stalled_at_s = 0;
@@ -342,6 +363,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   return Playing(scene, duration_s, std::move(motion)).Play();
 }
 
+// runs with smaller and smaller tolerance until their difference is within scene.tolerance
 SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const PiecewiseStart& start,
                     double temperature_rise_k) {
   const auto play = [&](double tolerance) {
@@ -349,7 +371,7 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
   };
   SolverLadder ladder(scene.scene.tolerance);
   SceneRun coarse = play(ladder.before());
-  // with less tolerance it takes more
+  // a smaller tolerance takes more steps
   if (coarse.stall_reason == FindingKind::kTooManySteps) return coarse;
   OdeWork work = coarse.work;
   for (;; ladder.Refine()) {
@@ -358,12 +380,13 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
     run.error_estimate = ErrorOf(run, coarse);
     run.work = work;
     if (run.stalled_at_s || ladder.EndsWith(run.error_estimate)) return run;
-    // of a chaotic motion no tolerance makes more
+    // of a chaotic motion no tolerance reduces the error
     if (run.error_estimate > kWorthIt * coarse.error_estimate) return run;
     coarse = std::move(run);
   }
 }
 
+// relative deviation; 0 for equal numbers, also for two zeros
 double Relative(double value, double reference) {
   if (value == reference) return 0;
   return std::abs(value - reference) / std::abs(reference);
@@ -388,7 +411,7 @@ double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& re
     case AskedQuantity::kSkinWaveform:
       break;
   }
-  // windows of whole periods are as long as the motions that they are of
+  // motions of different periods have windows of different lengths, which do not compare
   if (run.skin_m.size() != reference.skin_m.size()) return std::numeric_limits<double>::infinity();
   const double peak_m = reference.skin_m.cwiseAbs().maxCoeff();
   const double apart_m = (run.skin_m - reference.skin_m).cwiseAbs().maxCoeff();
@@ -408,15 +431,17 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse) {
   if (run.stalled_at_s || coarse.stalled_at_s || !run.IsFinite() || !coarse.IsFinite()) {
     return std::numeric_limits<double>::infinity();
   }
-  // the solver took no less: their difference is none, whatever either is wrong by
+  // the same tolerance gives the same run: the difference shows nothing of its error
   const double finer = coarse.solver_tolerance / run.solver_tolerance;
   if (finer <= 1) return coarse.error_estimate;
+  // the largest deviation over quantities, waveform, power and peaks
   double largest = 0;
   for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
     largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
   }
   largest = std::max(largest, LargestDeviation(coarse, run));
   const double rounding = kSolverRounding + kStepRounding * static_cast<double>(run.work.steps);
+  // an n times smaller tolerance leaves at most kLeftOver / n of the deviation (measured)
   return largest * kLeftOver / finer + rounding;
 }
 
@@ -451,6 +476,7 @@ SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseSt
   run.solver = played.method();
   run.solver_tolerance = played.tolerance();
   run.work = played.work();
+  // a single run gives no estimate; ErrorOf() needs two
   run.error_estimate = std::numeric_limits<double>::infinity();
   return run;
 }

@@ -31,14 +31,14 @@
 
 namespace haptometer::sim {
 
-/// The displacement of `target` under a scene's effects, at any time, as it is asked for: exact, or
+/// The displacement of `target` under a scene's effects at any requested time: exact, or
 /// by SmoothMotion with the first tolerance of ode_solver.h where smooth effects are on.
 ///
 /// The motion is played in the outputs of sim/effective_scene.h and interpolated by quintics: 2e-11
 /// of its amplitude where it is smooth, h^2/8 times the jump of acceleration within an output step
-/// that holds an event. Before t = 0 it stands at its first value. Questions should come in
-/// ascending order, give or take 4096 outputs; an earlier one plays the motion anew. NaN after a
-/// stall. Threads may share it: they wait for each other.
+/// that holds an event. Before t = 0 it has its first value. Times should be requested in ascending
+/// order, within 4096 outputs; an earlier one plays the motion again from t = 0. NaN after a stall.
+/// Threads may share it: they wait for each other.
 ///
 /// `start` is the state at t = 0, `temperature_rise_k` the coil's.
 [[nodiscard]] trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart start,
@@ -46,10 +46,12 @@ namespace haptometer::sim {
 
 trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
   EffectSet on;
+  // "auto" counts as on: the sensor measures the motion with all effects
   for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
     on[k] = stated.effects.wishes[k] != Wish::kOff;
   }
   const EffectiveScene effective = WithEffects(stated, on);
+  // a closed form exists for a linear scene without limits under a sine alone
   const bool is_sine = effective.scene.drive.kind == DriveKind::kSine;
   const bool limited = effective.piecewise.stops || effective.piecewise.contact_loss;
   const bool is_plain = effective.scene.drive.offset_v == 0 && !effective.scene.initial.Any();
@@ -68,7 +70,7 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
         SolveSteadyState(model, scene.drive, scene.skin).phasors(state);
     return [amplitude_m = std::abs(phasor), phase_rad = std::arg(phasor),
             frequency_hz = scene.drive.frequency_hz](double t_s) {
-      // whole cycles leave before the sine sees the rest, so that it does not grow coarse with time
+      // whole cycles are subtracted in 64 bits, so that the phase keeps its digits at large times
       const long double cycles =
           static_cast<long double>(frequency_hz) * static_cast<long double>(t_s);
       const auto part = static_cast<double>(cycles - std::nearbyint(cycles));
@@ -125,6 +127,7 @@ std::int64_t SamplesPerReading(const Sensor& sensor) {
 trial::Record SimulateRecord(const Scene& scene, double duration_s) {
   HAPTOMETER_CHECK(scene.sensor.has_value(), "the scene has no sensor");
   const Sensor& sensor = *scene.sensor;
+  // the allowance keeps the last reading of a duration of whole readings in spite of rounding
   const auto rows = static_cast<std::size_t>(std::floor(duration_s * sensor.rate_hz * (1 + 1e-12)));
   HAPTOMETER_CHECK(rows >= 1, "{} s at {} Hz", duration_s, sensor.rate_hz);
   const std::int64_t stride = SamplesPerReading(sensor);
@@ -140,6 +143,7 @@ trial::Record SimulateRecord(const Scene& scene, double duration_s) {
   for (std::size_t row = 0; row < rows; ++row) {
     const trial::HeadReading reading =
         trial::ReadingAt(sensor.head, motion, static_cast<std::int64_t>(row) * stride, sensor.seed);
+    // a status without a value, as out of range, is NaN in the record
     const bool measured = trial::IsMeasurement(reading.status);
     channel.values.push_back(measured ? reading.value_m : std::numeric_limits<double>::quiet_NaN());
     channel.statuses.push_back(reading.status);
@@ -158,7 +162,7 @@ namespace {
 
 constexpr std::size_t kKeptOutputs = 4096;
 
-// plays as far as it is asked to and remembers the last outputs
+// plays the motion up to the requested time and keeps the last kKeptOutputs outputs
 template <typename Motion>
 class Player {
  public:
@@ -175,7 +179,9 @@ class Player {
     const std::scoped_lock lock(mutex_);
     const double outputs = std::max(0.0, t_s) * rate_hz_;
     const auto before = static_cast<std::size_t>(outputs);
+    // earlier than the outputs kept: again from t = 0
     if (before < first_) Begin();
+    // the time lies between outputs `before` and `before + 1`
     while (first_ + jets_.size() < before + 2 && !motion_->stalled_at_s()) Next();
     if (first_ + jets_.size() < before + 2) return std::numeric_limits<double>::quiet_NaN();
     const MotionJet& begin = jets_[before - first_];

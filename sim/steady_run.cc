@@ -17,6 +17,7 @@ namespace haptometer::sim {
 
 namespace {
 
+// periods of the drive that a steady motion is played for, at least
 constexpr int kPlayedPeriods = 8;
 // a state's largest value over what is reported of it
 constexpr double kRmsOverLargest = 10;
@@ -30,7 +31,7 @@ double PlayedS(const EffectiveScene& scene, int drive_periods = 1) {
   return PeriodsPlayed(drive_periods) / scene.scene.drive.frequency_hz;
 }
 
-// the linear steady motion may lie beyond a stop
+// the start from rest, because the linear steady motion may lie beyond a stop
 PiecewiseStart AtRest(const EffectiveScene& scene) {
   EffectiveScene resting = scene;
   resting.scene.start = Start::kRest;
@@ -43,6 +44,7 @@ SteadyRun NoRun(FindingKind why, std::vector<FindingNumber> numbers = {}) {
   return none;
 }
 
+// the linear steady motion without limits, from its own state at t = 0
 SteadyRun PlayLinear(const EffectiveScene& scene) {
   SteadyRun steady;
   EffectiveScene linear = scene;
@@ -53,14 +55,15 @@ SteadyRun PlayLinear(const EffectiveScene& scene) {
   return steady;
 }
 
-// Whether the transient from rest stays clear of stops and keeps contact until it has died out, so
-// that it comes to the linear steady motion.
+// Whether the transient from rest stays clear of stops and keeps contact until it has decayed, so
+// that it leads to the linear steady motion.
 bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady) {
   constexpr int kMostPeriods = 4096;
   constexpr double kDiedOut = 1e-6;
   PiecewiseLinearSystem system = AssemblePiecewise(scene.scene, scene.piecewise);
   if (system.transitions.empty()) return true;
   const double frequency_hz = scene.scene.drive.frequency_hz;
+  // one output per period: states are compared at phase 0 of the drive
   PiecewiseMotion motion(std::move(system), scene.scene.drive, AtRest(scene), frequency_hz);
   const Eigen::VectorXd scale = (steady.array() == 0).select(1.0, steady.cwiseAbs());
   const auto apart = [&] {
@@ -75,6 +78,7 @@ bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady)
   return true;
 }
 
+// drive and tremor superposed; refused at an undamped resonance or where a limit may be reached
 SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   SteadyRun steady;
   const SteadyTones motion = Superpose(scene.scene);
@@ -86,6 +90,7 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   linear.piecewise = {};
   steady.start.x = motion.start;
   SceneRun run = RunScene(linear, PlayedS(scene), steady.start);
+  // values over all time replace those of the run's few periods, as the tremor has another period
   run.skin_rms_m = motion.skin_rms_m;
   run.case_rms_m = motion.case_rms_m;
   run.current_rms_a = motion.current_rms_a;
@@ -95,7 +100,7 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   return steady;
 }
 
-// The run of a chaotic motion, which goes on from where the search left it.
+// The run of a chaotic motion, continued from the end of the search.
 void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const PiecewiseStart& start,
                  SteadyRun& steady) {
   ChaoticMotion& chaotic = *search.chaotic;
@@ -108,6 +113,7 @@ void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const Piece
   const LinearModel model = AssembleModel(scene.scene);
   const Eigen::Index skin = model.skin();
   run.error_estimate = 0;
+  // rms = sqrt(mean square), so u(rms) / rms = u(mean square) / (2 mean square)
   const auto take = [&](double mean, double uncertainty, double& rms) {
     rms = std::sqrt(mean);
     if (mean > 0) run.error_estimate = std::max(run.error_estimate, uncertainty / (2 * mean));
@@ -115,6 +121,7 @@ void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const Piece
   take(means.mean_squares(skin), uncertain.mean_squares(skin), run.skin_rms_m);
   take(means.mean_squares(LinearModel::kCase), uncertain.mean_squares(LinearModel::kCase),
        run.case_rms_m);
+  // the coil's power gives the current only where the resistance is constant
   const double R = scene.scene.actuator.resistance_ohm;
   if (!scene.smooth.heating) take(means.coil_w / R, uncertain.coil_w / R, run.current_rms_a);
   run.power_w = means.power_w;
@@ -123,8 +130,8 @@ void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const Piece
   steady.chaotic = std::move(search.chaotic);
 }
 
-// Of a periodic motion that was played for a few periods: rounding adds up over as many as it takes
-// deviations to die out, and the point that it began at may lie beside it.
+// Of a periodic motion that was played for a few periods: rounding accumulates over as many periods
+// as deviations need to decay (1 / (1 - largest multiplier)), and the initial point has an error.
 double ErrorForEver(double error_of_run, const PeriodicMotion& motion) {
   const double stays = motion.multipliers.size() > 0 ? std::abs(motion.multipliers(0)) : 0;
   return error_of_run / (1 - stays) + kRmsOverLargest * motion.error;
@@ -133,6 +140,7 @@ double ErrorForEver(double error_of_run, const PeriodicMotion& motion) {
 SteadyRun PlayLimited(const EffectiveScene& scene) {
   SteadyRun steady;
   const PeriodMap map(AssemblePiecewise(scene.scene, scene.piecewise), scene.scene.drive);
+  // from rest, because the transient selects the attractor
   const PiecewiseStart start = AtRest(scene);
   PeriodicSearch search = FindPeriodicMotion(map, map.PointOf(start.mode, start.x));
   steady.refusal = search.refusal;
@@ -145,6 +153,7 @@ SteadyRun PlayLimited(const EffectiveScene& scene) {
   const int periods = search.found->drive_periods;
   steady.start = map.StartOf(search.found->point);
   EffectiveScene whole = scene;
+  // whole periods of the motion, so that means do not depend on the phase
   whole.window_periods = PeriodsPlayed(periods);
   steady.run = RunScene(whole, PlayedS(scene, periods), steady.start);
   steady.run->error_estimate = ErrorForEver(steady.run->error_estimate, *search.found);
@@ -152,13 +161,14 @@ SteadyRun PlayLimited(const EffectiveScene& scene) {
   return steady;
 }
 
-// The motion that a smooth scene settles to, at one tolerance after the other.
+// The steady motion of a smooth scene, at one tolerance after the other.
 class SmoothSearch {
  public:
   explicit SmoothSearch(const EffectiveScene& scene)
       : scene_(scene), system_(AssembleSmooth(scene.scene, scene.piecewise, scene.smooth)) {}
 
   SteadyRun Find() {
+    // the search runs at the coarse tolerance; finer ones refine its motion by Newton's method
     SolverLadder ladder(scene_.scene.tolerance);
     const PiecewiseStart rest = AtRest(scene_);
     const PeriodMap map = MapOf(ladder.before());
@@ -168,7 +178,7 @@ class SmoothSearch {
       SteadyRun fine = Refined(MapOf(ladder.tolerance()), *coarse.periodic, ladder.tolerance());
       if (!fine.run) return fine;
       work += fine.run->work;
-      // what is left of Newton's step may be the same in both
+      // the remainder of Newton's step may be equal in both motions and cancel in their difference
       const double left = fine.periodic ? kRmsOverLargest * fine.periodic->error : 0;
       fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run) + left;
       fine.run->work = work;
@@ -179,7 +189,7 @@ class SmoothSearch {
   }
 
  private:
-  // The tolerance of a search is 1e-8 at most, whatever the answer's is: it compares states of
+  // The tolerance of a search is 1e-8 at most, also for a coarser answer: it compares states of
   // different periods, and Newton's method divides differences of them.
   PeriodMap MapOf(double tolerance) const {
     constexpr double kMost = 1e-8;
@@ -234,6 +244,7 @@ class SmoothSearch {
 
 SteadyRun PlaySmooth(const EffectiveScene& scene) {
   if (!scene.scene.finger.tones.empty()) return NoRun(FindingKind::kTremorWithBentSprings);
+  // a coil that loses no heat has no steady temperature
   if (scene.smooth.heating && std::isinf(scene.smooth.heating->thermal_resistance_k_per_w)) {
     return NoRun(FindingKind::kNoHeatLeaves);
   }
@@ -245,13 +256,14 @@ SteadyRun PlaySmooth(const EffectiveScene& scene) {
 std::optional<int> PeriodAtEnd(const SceneRun& run) {
   constexpr double kRecurs = 1e-4;  // of the largest of each position in what was marked
   if (run.marks.size() < 3) return std::nullopt;
+  // the largest of each position over the marks; 1 for one that never moves
   Eigen::VectorXd largest = run.marks[0].positions.cwiseAbs();
   for (const PeriodMark& mark : run.marks) largest = largest.cwiseMax(mark.positions.cwiseAbs());
   largest = (largest.array() > 0).select(largest, 1.0);
   const std::size_t last = run.marks.size() - 1;
   for (std::size_t k = 1; k <= kMostDrivePeriods && 2 * k <= last; ++k) {
     double apart = 0;
-    // all over the last k periods
+    // every one of the last k periods must end where the one k before ended
     for (std::size_t i = 0; i < k; ++i) {
       const Eigen::VectorXd difference =
           run.marks[last - i].positions - run.marks[last - i - k].positions;
@@ -274,17 +286,20 @@ std::optional<double> WindowUncertainty(const SceneRun& run, int window_periods)
   double mean = 0, square = 0;
   for (const double value : rms) mean += value / static_cast<double>(rms.size());
   for (const double value : rms) square += (value - mean) * (value - mean);
+  // relative standard deviation of the RMS from window to window
   return mean > 0 ? std::sqrt(square / static_cast<double>(rms.size() - 1)) / mean : 0;
 }
 
 SteadyRun PlaySteady(const EffectiveScene& scene) {
   if (!scene.IsLinear()) return PlaySmooth(scene);
   if (!scene.scene.finger.tones.empty()) return PlaySuperposed(scene);
+  // limits that the linear steady motion itself reaches
   if (!SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) return PlayLimited(scene);
-  // the transient may meet a limit and stay with it
+  // the transient may reach a limit and remain in another motion
   SteadyRun linear = PlayLinear(scene);
   if (TransientIsFree(scene, linear.start.x)) return linear;
   SteadyRun limited = PlayLimited(scene);
+  // a limited search that ends without events has found the linear motion
   return limited.run && limited.run->events.empty() ? linear : limited;
 }
 

@@ -22,7 +22,7 @@ namespace haptometer::sim {
 
 namespace {
 
-// Plays a motion and takes down what it shows.
+// Plays a motion and records its waveforms.
 template <typename Motion>
 class Recording {
  public:
@@ -32,6 +32,7 @@ class Recording {
         skin_place_(AssembleModel(scene.scene).skin()),
         finger_moves_(!scene.scene.finger.tones.empty()),
         resting_n_(RestingForceN(scene)),
+        // the allowance keeps the last row of a duration of whole steps
         rows_(static_cast<Eigen::Index>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1),
         motion_(motion) {
     waves_.rate_hz = rate_hz;
@@ -42,6 +43,7 @@ class Recording {
     Take(0);
     Eigen::Index row = 1;
     while (row < rows_) {
+      // rows without events at once, else one output
       if (const Eigen::Index taken = TakeUnwatched(row); taken > 0) {
         row += taken;
         continue;
@@ -51,6 +53,7 @@ class Recording {
       Take(row++);
     }
     waves_.stalled_at_s = motion_.stalled_at_s();
+    // the least force between rows too, N
     if (!motion_.Ranges().empty()) {
       waves_.force_least_n = resting_n_ + motion_.Ranges()[kWatchedForce].least;
     }
@@ -77,11 +80,12 @@ class Recording {
   void Take(Eigen::Index row) {
     Put(row, motion_.Positions(), motion_.Inputs(), motion_.CurrentA());
     if (InFlight()) waves_.force_n(row) = 0;
+    // events since the row before
     waves_.events(row) = static_cast<double>(motion_.events().size() - events_seen_);
     events_seen_ = motion_.events().size();
   }
 
-  // as many rows as a motion without events has at once; how many
+  // as many rows as a motion without events computes at once; returns their number
   Eigen::Index TakeUnwatched(Eigen::Index row) {
     if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
       const Mode& mode = motion_.system().modes[motion_.mode()];
@@ -110,6 +114,7 @@ class Recording {
     waves_.skin_m(row) = x[skin_place_];
     waves_.skin_m_per_s(row) = x[skin_place_ + 1];
     if (finger_moves_) waves_.finger_m(row) = inputs[kFinger];
+    // F = resting force + Ks (xs - xg) + Bs (vs - vg)
     waves_.force_n(row) = resting_n_ +
                           skin_.stiffness_n_per_m * (x[skin_place_] - inputs[kFinger]) +
                           skin_.damping_n_s_per_m * (x[skin_place_ + 1] - inputs[kFingerRate]);
@@ -129,6 +134,7 @@ class Recording {
 }  // namespace
 
 double RestingForceN(const EffectiveScene& scene) {
+  // the effective preload includes what presses at rest
   if (scene.piecewise.contact_loss) return scene.piecewise.contact_loss->preload_n;
   const Effects& effects = scene.scene.effects;
   const double press_n = PressOnSkin(scene.scene, effects[Effect::kGravity] != Wish::kOff);
@@ -139,6 +145,7 @@ Beginning BeginningOf(const EffectiveScene& scene) {
   const Scene& body = scene.scene;
   const auto& [stops, loss] = scene.piecewise;
   const bool is_plain = !stops && !loss && scene.IsLinear() && body.finger.tones.empty();
+  // a linear scene without limits has its state at t = 0 in closed form
   if (is_plain) return {.start = PiecewiseStartOf(body)};
   if (StartOf(body) == Start::kSteady && body.drive.kind == DriveKind::kSine) {
     SteadyRun settled = PlaySteady(scene);
@@ -146,6 +153,7 @@ Beginning BeginningOf(const EffectiveScene& scene) {
       return {.start = std::move(settled.start), .temperature_rise_k = settled.temperature_rise_k};
     }
   }
+  // no steady motion or no sine: from rest
   EffectiveScene resting = scene;
   resting.scene.start = Start::kRest;
   return {.start = StartIn(resting)};

@@ -1,5 +1,5 @@
-// The program: finds the verb and hands over. It answers to `haptometer VERB ...`, and to the
-// verb's own name where it is called by it (acquire, analyze, fit-lra).
+// The program: finds the verb and runs it. It is called as `haptometer VERB ...`, or by the
+// verb's own name (acquire, analyze, fit-lra).
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-// in the order of the work: record, look, answer; then what needs no hardware
+// in the order of the work: record, inspect, analyse; then verbs without hardware
 constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "Record a sensor's readings into a trial", RunAcquire},
     {"trial", "Show, label, plot and export recordings", RunTrial},
@@ -47,7 +47,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"emulate", "Play a scene or a trial as an emulated sensor", RunEmulate},
 });
 
-// verbs with a part of their own, which has options of its own
+// verbs that consist of parts, each with options of its own
 struct Part {
   std::string_view verb;
   const char* name;
@@ -58,6 +58,7 @@ constexpr auto kParts = std::to_array<Part>({{"trial", "info"},
                                              {"trial", "export"},
                                              {"study", "matching"},
                                              {"study", "linearity"}});
+// a verb without options of its own
 constexpr std::string_view kOnlyParts = "trial";
 
 const Verb* Find(std::string_view name) {
@@ -101,8 +102,10 @@ int DescribeOptions() {
 
 int Run(int argc, const char* const* argv) {
   const std::string_view path = argv[0];
+  // a link named after a verb starts that verb
   if (const Verb* own = Find(path.substr(path.rfind('/') + 1))) return own->run(argc, argv);
   const std::string_view word = argc > 1 ? argv[1] : "--help";
+  // help on request has status 0; without a word it is a usage error
   if (word == "--help" || word == "-h" || word == "help") {
     PrintHelp();
     return argc > 1 ? 0 : 2;
@@ -124,8 +127,8 @@ int main(int argc, char** argv) {
   haptometer::cli::HoldStandardStreams();
   // a limit on files (ulimit -f) is an error of the write, as a full disk is
   std::signal(SIGXFSZ, SIG_IGN);
-  // nothing of ours throws; this is for the last resort of a library, such as memory running out,
-  // and for fmt, whose print ends a verb where standard output fails
+  // No code of this program throws. Exceptions come from libraries (memory exhausted) and from fmt,
+  // whose print fails where standard output fails.
   try {
     return StatusWithOutput(haptometer::tools::Run(argc, argv));
   } catch (const std::exception& error) {

@@ -39,11 +39,13 @@ std::array<std::byte, kBlockHeadBytes> EncodeBlockHead(const BlockHead& head) {
   StoreLittleEndian(head.first_row, &bytes[kFirstRowAt]);
   StoreLittleEndian(head.first_index, &bytes[kFirstIndexAt]);
   StoreLittleEndian(head.payload_crc, &bytes[kPayloadCrcAt]);
+  // CRC over the 44 bytes before it
   StoreLittleEndian(Crc32(std::span(bytes).first<kHeadCrcAt>()), &bytes[kHeadCrcAt]);
   return bytes;
 }
 
 std::optional<BlockHead> DecodeBlockHead(std::span<const std::byte> bytes) {
+  // a head is valid if it is whole and both magic and CRC are right
   if (bytes.size() < kBlockHeadBytes) return std::nullopt;
   if (std::memcmp(bytes.data(), kBlockMagic.data(), kBlockMagic.size()) != 0) return std::nullopt;
   const auto stored_crc = LoadLittleEndian<std::uint32_t>(&bytes[kHeadCrcAt]);
@@ -56,6 +58,7 @@ std::optional<BlockHead> DecodeBlockHead(std::span<const std::byte> bytes) {
   head.first_row = LoadLittleEndian<std::uint64_t>(&bytes[kFirstRowAt]);
   head.first_index = LoadLittleEndian<std::int64_t>(&bytes[kFirstIndexAt]);
   head.payload_crc = LoadLittleEndian<std::uint32_t>(&bytes[kPayloadCrcAt]);
+  // at most 2^24 bytes (docs/reference/formats.md), so that no larger payload is allocated
   if (head.payload_bytes > kMaxPayloadBytes) return std::nullopt;
   return head;
 }
@@ -68,6 +71,7 @@ Result<void> WriteAll(ByteSink* sink, std::span<const std::byte> bytes) {
   return {};
 }
 
+// a block is whole in the file or not there at all
 Result<void> WriteBlock(ByteSink* sink, BlockHead head, std::span<const std::byte> payload) {
   HAPTOMETER_CHECK(payload.size() <= kMaxPayloadBytes, "payload of {} bytes", payload.size());
   head.payload_bytes = static_cast<std::uint32_t>(payload.size());
@@ -82,6 +86,7 @@ Result<void> WriteBlock(ByteSink* sink, BlockHead head, std::span<const std::byt
   return done;
 }
 
+// offsets in a packed row: time (0, 8 or 16 bytes), raw values, one status byte a channel
 RowLayout LayoutOf(const TrialHeader& header) {
   RowLayout layout;
   if (header.timing == Timing::kArrival) layout.time_bytes = 8;
@@ -99,8 +104,10 @@ RowLayout LayoutOf(const TrialHeader& header) {
 
 namespace {
 
+// bytes that are searched for a magic at once
 constexpr std::size_t kSearchBytes = 1U << 16;
 
+// rows that a block adds to the recording's count
 std::uint64_t RowsOf(const BlockHead& head) {
   return head.kind == BlockKind::kRows ? head.rows : 0;
 }
@@ -113,17 +120,20 @@ BlockScanner::BlockScanner(const ByteSource* source, std::uint64_t offset)
 Result<std::optional<FoundBlock>> BlockScanner::Next(std::vector<std::byte>* payload) {
   while (offset_ < source_->size()) {
     HAPTOMETER_LET(const auto head, HeadAt(offset_));
+    // no sound head here: bytes up to the next sound one are lost
     if (!head) {
       HAPTOMETER_TRY(SkipToNextHead());
       continue;
     }
     HAPTOMETER_LET(const auto sound, LoadPayload(*head, payload));
+    // the head is right and the payload is not: only this block is lost
     if (!sound) {
       HAPTOMETER_TRY(SkipBlock(*head));
       continue;
     }
     const FoundBlock block{*head, offset_};
     offset_ += kBlockHeadBytes + head->payload_bytes;
+    // a sequence number or row that does not increase: the block does not belong here
     if (!Follows(block.head)) {
       Reject(block, FindingKind::kBlockOutOfOrder);
       continue;
@@ -160,6 +170,7 @@ Result<std::uint64_t> BlockScanner::FindHead(std::uint64_t from) {
       at = std::search(at, seen.end(), magic.begin(), magic.end());
       if (at == seen.end()) break;
       const std::uint64_t place = from + static_cast<std::uint64_t>(at - seen.begin());
+      // payloads may contain the magic by chance: only a sound head counts
       HAPTOMETER_LET(const auto head, HeadAt(place));
       if (head) return place;
       ++at;
@@ -172,7 +183,9 @@ Result<std::uint64_t> BlockScanner::FindHead(std::uint64_t from) {
 }
 
 Result<bool> BlockScanner::LoadPayload(const BlockHead& head, std::vector<std::byte>* payload) {
+  // the file ends within the payload
   if (source_->size() - offset_ < kBlockHeadBytes + head.payload_bytes) return false;
+  // rows whose CRC was checked before (Trust) need no reading here
   if (head.kind == BlockKind::kRows &&
       offset_ + kBlockHeadBytes + head.payload_bytes <= trusted_end_) {
     payload->clear();
@@ -183,8 +196,8 @@ Result<bool> BlockScanner::LoadPayload(const BlockHead& head, std::vector<std::b
   return got == payload->size() && Crc32(*payload) == head.payload_crc;
 }
 
-// a damaged payload ends where its head says if a block or the file's end is there; otherwise it
-// was cut and something appended to it
+// a damaged payload ends where its head states if a block or the file's end is there; otherwise it
+// was cut and another block appended to it
 Result<std::uint64_t> BlockScanner::EndOfDamaged(const BlockHead& head) {
   const std::uint64_t end = offset_ + kBlockHeadBytes + head.payload_bytes;
   if (end == source_->size()) return end;
@@ -197,7 +210,7 @@ Result<void> BlockScanner::SkipBlock(const BlockHead& head) {
   HAPTOMETER_LET(const auto end, EndOfDamaged(head));
   const bool is_cut =
       end == source_->size() && end - offset_ < kBlockHeadBytes + head.payload_bytes;
-  // its head is sound, so what it held is known
+  // its head is sound, so the rows that it held are known
   if (Follows(head)) Settle({head, offset_});
   losses_.push_back({.offset = offset_,
                      .bytes = end - offset_,
@@ -211,7 +224,9 @@ Result<void> BlockScanner::SkipBlock(const BlockHead& head) {
 
 Result<void> BlockScanner::SkipToNextHead() {
   HAPTOMETER_LET(const auto next, FindHead(offset_ + 1));
+  // the last bytes are shorter than a head: the file ends in one
   const bool is_cut = next == source_->size() && next - offset_ < kBlockHeadBytes;
+  // damage in several places without a sound head between them is one loss
   if (open_loss_) {
     losses_[*open_loss_].bytes = next - losses_[*open_loss_].offset;
   } else {
@@ -220,6 +235,7 @@ Result<void> BlockScanner::SkipToNextHead() {
                        .kind = is_cut ? FindingKind::kEndsInBlock : FindingKind::kDamagedFromBlock,
                        .block = next_sequence_,
                        .first_row = next_row_,
+                       // the next sound head gives the number of rows
                        .rows = std::nullopt});
     open_loss_ = losses_.size() - 1;
   }
@@ -227,14 +243,16 @@ Result<void> BlockScanner::SkipToNextHead() {
   return {};
 }
 
+// sequence numbers increase; so do rows, except for events that another program appended
 bool BlockScanner::Follows(const BlockHead& head) const {
   if (head.sequence < next_sequence_) return false;
   return head.kind == BlockKind::kLaterEvent || head.first_row >= next_row_;
 }
 
-// what lay between the last sound head and this one
+// completes the loss between the last sound head and this one, and sets what may follow
 void BlockScanner::Settle(const FoundBlock& block) {
   const BlockHead& head = block.head;
+  // a jump of the sequence number without damaged bytes: blocks are missing altogether
   if (!open_loss_ && head.sequence > next_sequence_) {
     losses_.push_back({.offset = block.offset,
                        .bytes = 0,
@@ -244,11 +262,13 @@ void BlockScanner::Settle(const FoundBlock& block) {
                        .rows = std::nullopt});
     open_loss_ = losses_.size() - 1;
   }
+  // a later event has the rows that its writer could read, so it gives no number of lost rows
   if (open_loss_ && head.kind != BlockKind::kLaterEvent) {
     Loss& loss = losses_[*open_loss_];
     loss.kind = loss.bytes > 0 ? FindingKind::kBlocksDamaged : FindingKind::kBlocksMissing;
     loss.block = next_sequence_;
     if (head.sequence > next_sequence_ + 1) loss.last_block = head.sequence - 1;
+    // rows lost = first row here - next row expected
     loss.rows = head.first_row - next_row_;
   }
   open_loss_.reset();
@@ -275,7 +295,7 @@ Result<std::vector<Payload>> FindPayloads(const ByteSource& source, std::uint64_
     HAPTOMETER_LET(const auto got, source.ReadAt(offset, bytes));
     const auto head = DecodeBlockHead(std::span(bytes).first(got));
     if (!head || source.size() - offset < kBlockHeadBytes + head->payload_bytes) return payloads;
-    // a list whose length only the file knows
+    // the length of the list is in the file alone
     payloads.push_back({offset + kBlockHeadBytes, head->payload_bytes, head->payload_crc});
     offset += kBlockHeadBytes + head->payload_bytes;
   }
@@ -291,6 +311,7 @@ Result<bool> IsSound(const ByteSource& source, const Payload& payload,
 
 }  // namespace
 
+// CRCs in jobs of 32 blocks by several threads; the answer is the first damaged block of all
 Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset, int threads) {
   HAPTOMETER_LET(const auto payloads, FindPayloads(source, offset));
   std::size_t sound = payloads.size();  // the first that is damaged
@@ -301,6 +322,7 @@ Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset,
       const std::size_t end = std::min((job + 1) * kBlocksPerJob, payloads.size());
       for (std::size_t k = job * kBlocksPerJob; k < end; ++k) {
         HAPTOMETER_LET(const auto is_sound, IsSound(source, payloads[k], buffer));
+        // a job ends at its first damaged block; the least over all jobs counts
         if (is_sound) continue;
         const std::scoped_lock lock(mutex);
         sound = std::min(sound, k);
@@ -310,6 +332,7 @@ Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset,
     };
   });
   if (!checked) return std::unexpected(checked.error());
+  // sound up to the head of the first damaged block
   if (sound < payloads.size()) return payloads[sound].offset - kBlockHeadBytes;
   if (payloads.empty()) return offset;
   return payloads.back().offset + payloads.back().bytes;

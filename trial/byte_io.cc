@@ -24,6 +24,7 @@ class FileSink final : public ByteSink {
  public:
   FileSink(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {
     struct stat status{};
+    // only a regular file can be cut, moved or appended to; a pipe has no size
     is_regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
     size_ = kept_ = is_regular_ ? status.st_size : 0;
   }
@@ -32,12 +33,14 @@ class FileSink final : public ByteSink {
   FileSink& operator=(const FileSink&) = delete;
 
   Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
+    // another program may have cut or deleted the file since the last write
     HAPTOMETER_TRY(CheckWhole());
     // a signal (Ctrl-C) may interrupt a write before its first byte
     ssize_t written = -1;
     do {
       written = write(descriptor_, bytes.data(), bytes.size());
     } while (written < 0 && errno == EINTR);
+    // a write of 0 bytes without an error is a full disk
     if (written <= 0) return Failed("", std::strerror(written < 0 ? errno : ENOSPC));
     size_ += written;
     return static_cast<std::size_t>(written);
@@ -53,19 +56,21 @@ class FileSink final : public ByteSink {
   void Keep() override { kept_ = size_; }
 
   void CutToKept() override {
-    // never longer than it is: that would be a hole
+    // never longer than it is: that would insert zeros
     struct stat status{};
     if (!is_regular_ || fstat(descriptor_, &status) != 0 || status.st_size <= kept_) return;
     if (ftruncate(descriptor_, kept_) == 0) size_ = kept_;
   }
 
   std::string MovedTo() const override {
+    // the open file and the file at the path are the same if inode and device are
     struct stat ours{};
     struct stat there{};
     if (!is_regular_ || fstat(descriptor_, &ours) != 0) return {};
     const bool is_there = stat(path_.c_str(), &there) == 0 && there.st_ino == ours.st_ino &&
                           there.st_dev == ours.st_dev;
     if (is_there) return {};
+    // Linux has the present path of an open file in /proc
     std::error_code error;
     const auto now =
         std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", descriptor_), error);
@@ -77,6 +82,7 @@ class FileSink final : public ByteSink {
   Result<void> CheckWhole() {
     struct stat status{};
     if (!is_regular_ || fstat(descriptor_, &status) != 0) return {};
+    // no name refers to the file any longer: what is written is lost when it is closed
     if (status.st_nlink == 0) {
       return Failed("", "another program deleted or replaced the file",
                     "nothing of it is kept: record it again");
@@ -94,19 +100,20 @@ class FileSink final : public ByteSink {
   int descriptor_;
   std::string path_;
   bool is_regular_ = false;
-  off_t size_ = 0;  ///< of the file, when it was last looked at or written
+  off_t size_ = 0;  ///< of the file, when it was last examined or written
   off_t kept_ = 0;  ///< of it, what is whole
 };
 
 // keeps other writers out; the lock ends with the descriptor, also when the process is killed
 Result<std::unique_ptr<ByteSink>> Locked(int descriptor, const std::string& path,
                                          bool is_emptied = false) {
+  // an advisory lock, which every writer of this program requests
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(descriptor);
     return Failed(path, "is being recorded by another program",
                   "wait for it to finish, or name another file");
   }
-  // emptied only once it is ours
+  // emptied only under the lock, so that a running recording is not destroyed
   if (is_emptied && ftruncate(descriptor, 0) != 0 && errno != EINVAL) {
     const int reason = errno;
     close(descriptor);
@@ -116,12 +123,13 @@ Result<std::unique_ptr<ByteSink>> Locked(int descriptor, const std::string& path
   return std::make_unique<FileSink>(descriptor, path);
 }
 
+// appending writes go to the file's end, even if another program appended meanwhile
 constexpr int kAppendFlags = O_WRONLY | O_APPEND | O_CLOEXEC;
 
 }  // namespace
 
 Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path, IfExists if_exists) {
-  // made exclusively first, so that nothing is lost between a look and the opening
+  // made exclusively first, so that no file appears between a check and the opening
   const int made = open(path.c_str(), kAppendFlags | O_CREAT | O_EXCL, 0666);
   if (made >= 0) return Locked(made, path);
   if (errno != EEXIST) {
@@ -168,6 +176,7 @@ class FileSource final : public ByteSource {
         return CannotAnswer(path_, std::string("cannot be read: ") + std::strerror(errno),
                             "check the disk");
       }
+      // the file's end: shorter than requested, no error
       if (got == 0) break;
       done += static_cast<std::size_t>(got);
     }
@@ -207,6 +216,7 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
     return CannotAnswer(path, std::strerror(errno), "check its permissions");
   }
   struct stat status{};
+  // the descriptor is closed on each refusal
   auto refuse = [&](const char* what, const char* remedy) {
     close(descriptor);
     return CannotAnswer(path, what, remedy);
@@ -225,11 +235,13 @@ std::unique_ptr<ByteSource> MakeMemorySource(std::string bytes) {
 
 namespace {
 
+// CRC by carry-less multiplication: four lanes of 16 bytes are in flight at once
 constexpr std::size_t kLane = 16;
 constexpr std::size_t kLanes = 4;
+// start and final value of the CRC, all ones
 constexpr std::uint32_t kOnes = 0xffff'ffff;
 
-// goes on from `crc`, that of the bytes before
+// continues from `crc`, that of the bytes before
 std::uint32_t ByZlib(std::uint32_t crc, std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(
       crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
@@ -239,16 +251,17 @@ std::uint32_t ByZlib(std::uint32_t crc, std::span<const std::byte> bytes) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
 }
 
-// `lane` moved on by as many bits as `powers` say, plus `next`
+// `lane` advanced by as many bits as `powers` state, plus `next` (in GF(2), a XOR)
 [[gnu::target("pclmul,sse4.1")]] inline __m128i Folded(__m128i lane, __m128i powers, __m128i next) {
   const __m128i low = _mm_clmulepi64_si128(lane, powers, 0x00);
   const __m128i high = _mm_clmulepi64_si128(lane, powers, 0x11);
   return _mm_xor_si128(_mm_xor_si128(low, high), next);
 }
 
-// x^n modulo the polynomial, bits reflected and shifted by one: x^(n + 32) and x^(n - 32) move the
-// halves of a lane on by n bits
+// x^n modulo the polynomial, bits reflected and shifted by one: x^(n + 32) and x^(n - 32) advance
+// the halves of a lane by n bits
 constexpr std::int64_t Power(int n) {
+  // 0xedb88320: the polynomial of CRC-32 with its bits reflected; one step multiplies by x
   std::uint32_t power = 0x8000'0000;
   for (int k = 0; k < n; ++k) power = (power >> 1U) ^ ((power & 1U) != 0 ? 0xedb8'8320 : 0);
   return static_cast<std::int64_t>(power) << 1U;
@@ -259,10 +272,12 @@ static_assert(Power(512 + 32) == 0x1'5444'2bd4 && Power(512 - 32) == 0x1'c6e4'15
 // 64 bytes and more, begun from `start`
 [[gnu::target("pclmul,sse4.1")]] std::uint32_t ByFolding(std::uint32_t start,
                                                          std::span<const std::byte> bytes) {
+  // 512 bits: the distance of a lane's next block; 128 bits: the distance of two lanes
   const __m128i by_512 = _mm_set_epi64x(Power(512 - 32), Power(512 + 32));
   const __m128i by_128 = _mm_set_epi64x(Power(128 - 32), Power(128 + 32));
   __m128i lanes[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) lanes[k] = Load(&bytes[k * kLane]);
+  // the CRC of what came before is added to the first 32 bits
   lanes[0] = _mm_xor_si128(lanes[0], _mm_cvtsi32_si128(static_cast<int>(start)));
   bytes = bytes.subspan(kLanes * kLane);
   for (; bytes.size() >= kLanes * kLane; bytes = bytes.subspan(kLanes * kLane)) {
@@ -270,6 +285,7 @@ static_assert(Power(512 + 32) == 0x1'5444'2bd4 && Power(512 - 32) == 0x1'c6e4'15
       lanes[k] = Folded(lanes[k], by_512, Load(&bytes[k * kLane]));
     }
   }
+  // the four lanes become one of 128 bits with the same remainder
   __m128i folded = lanes[0];
   for (std::size_t k = 1; k < kLanes; ++k) folded = Folded(folded, by_128, lanes[k]);
   std::array<std::byte, kLane> rest;
@@ -278,6 +294,7 @@ static_assert(Power(512 + 32) == 0x1'5444'2bd4 && Power(512 - 32) == 0x1'c6e4'15
   return ByZlib(ByZlib(kOnes, rest), bytes);
 }
 
+// AVX-512: each lane is 64 bytes, so that the lanes are 2048 bits apart
 constexpr std::size_t kWideLane = 64;
 
 [[gnu::target("vpclmulqdq,avx512f")]] inline __m512i LoadWide(const std::byte* bytes) {
@@ -303,6 +320,7 @@ constexpr std::size_t kWideLane = 64;
       lanes[k] = _mm512_xor_si512(_mm512_xor_si512(low, high), next);
     }
   }
+  // the 256 remaining bytes have the same CRC as all before: they are folded as above
   std::array<std::byte, kLanes * kWideLane> rest;
   for (std::size_t k = 0; k < kLanes; ++k) _mm512_storeu_si512(&rest[k * kWideLane], lanes[k]);
   return ByZlib(ByFolding(0, rest), bytes);
@@ -311,6 +329,7 @@ constexpr std::size_t kWideLane = 64;
 }  // namespace
 
 std::uint32_t Crc32(std::span<const std::byte> bytes) {
+  // the processor is checked once; the widest method that it supports and the length allows is used
   static const bool folds_widely =
       __builtin_cpu_supports("vpclmulqdq") != 0 && __builtin_cpu_supports("avx512f") != 0;
   static const bool folds =

@@ -24,6 +24,7 @@ constexpr KeyUnit kMetre{"m", "displacement", Dimension::kLength};
 constexpr KeyUnit kVolt{"v", "voltage", Dimension::kVoltage};
 constexpr KeyUnit kAmpere{"a", "current", Dimension::kCurrent};
 
+// the unit in which a channel of this role is calibrated; nullptr where it has none
 const KeyUnit* UnitOf(ChannelRole role) {
   switch (role) {
     case ChannelRole::kDisplacement:
@@ -45,11 +46,13 @@ struct Point {
   double value = 0;
 };
 
+// keys are named after quantities: input voltage_v, value displacement_m
 std::optional<Point> ReadPoint(TomlTable& table, std::string_view key, const KeyUnit& in,
                                const KeyUnit& out) {
   TomlTable* point = table.Table(key);
   if (point == nullptr) return std::nullopt;
   const std::string value_key = fmt::format("{}_{}", out.quantity, out.letter);
+  // input and value of one unit need different keys
   const std::string input_key = in.letter == out.letter
                                     ? fmt::format("input_{}", in.letter)
                                     : fmt::format("{}_{}", in.quantity, in.letter);
@@ -71,6 +74,7 @@ void ReadLine(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
       table.Refuse(scale ? scale_key : offset_key, "is given twice",
                    "give the two points, or scale and offset");
     }
+    // scale = (y2 - y1) / (x2 - x1), offset = y1 - scale * x1
     calibration->scale = (second->value - first->value) / (second->input - first->input);
     calibration->offset = first->value - calibration->scale * first->input;
     if (!std::isfinite(calibration->scale) || calibration->scale == 0) {
@@ -91,6 +95,7 @@ void ReadLine(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
   if (calibration->scale == 0) table.Refuse(scale_key, "must not be 0", "check it");
 }
 
+// limits in the input unit; absent: infinite
 void ReadLimits(TomlTable& table, const KeyUnit& in, RawLimits* limits) {
   const auto read = [&](std::string_view name, double* limit) {
     *limit = table.Number(fmt::format("{}_{}", name, in.letter), in.dimension).value_or(*limit);
@@ -107,6 +112,7 @@ void ReadLimits(TomlTable& table, const KeyUnit& in, RawLimits* limits) {
   }
 }
 
+// counts of a converter: input = count * input_per_count + input_at_zero_count
 void ReadCounts(TomlTable& table, const KeyUnit& in, ChannelCalibration* calibration) {
   const std::string per_count = fmt::format("{}_per_count", in.letter);
   calibration->input_per_count = table.Number(per_count, in.dimension);
@@ -126,6 +132,7 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
                  "calibrate displacement, voltage and current channels");
     return calibration;
   }
+  // the DAQ measures volts unless the file states a current
   const auto input = table.Choice("input", {"voltage", "current"});
   const KeyUnit& in = input == "current" ? kAmpere : kVolt;
   calibration.input_unit = input == "current" ? "A" : "V";
@@ -141,6 +148,7 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   return calibration;
 }
 
+// only tables of the channels are read; Finish refuses all other keys
 Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelFormat> channels) {
   Calibration calibration;
   calibration.name = table.Text("name").value_or("");
@@ -158,11 +166,12 @@ Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelForm
     return Usage(table.where(), "calibrates none of the channels " + names,
                  "give it a table [displacement]");
   }
+  // a calibration without a name has that of its file
   if (calibration.name.empty()) calibration.name = table.where();
   return calibration;
 }
 
-// " -10 to 10 V", with what is unbounded left out
+// "; DAQ -10 to 10 V", with infinite bounds omitted
 std::string Bounds(std::string_view what, double low, double high, std::string_view unit) {
   if (std::isinf(low) && std::isinf(high)) return {};
   if (std::isinf(low)) return fmt::format("; {} up to {} {}", what, high, unit);
@@ -174,6 +183,7 @@ std::string Bounds(std::string_view what, double low, double high, std::string_v
 
 SampleStatus StatusOf(const RawLimits& limits, double number) {
   if (!std::isfinite(number)) return SampleStatus::kInvalid;
+  // the rail first: a clipped value may also lie beyond what the sensor puts out
   if (number <= limits.rail_min || number >= limits.rail_max) return SampleStatus::kClipped;
   if (number < limits.bad_below || number > limits.bad_above) return SampleStatus::kInvalid;
   return SampleStatus::kOk;
@@ -198,19 +208,22 @@ RawLimits Calibrate(const ChannelCalibration& calibration, double input_per_raw,
   channel->scale = input_per_raw * calibration.scale;
   channel->offset = input_at_zero_raw * calibration.scale + calibration.offset;
 
-  // the ends of what can be measured, unless the sensor's own are known
+  // the ends of what can be measured, unless the sensor's own are stated
   const RawLimits& limits = calibration.limits;
   const auto value = [&](double input) { return input * calibration.scale + calibration.offset; };
   const double at_low = value(std::max(limits.rail_min, limits.bad_below));
   const double at_high = value(std::min(limits.rail_max, limits.bad_above));
+  // a falling line (negative scale) exchanges the ends
   channel->range_min = calibration.range_min.value_or(std::min(at_low, at_high));
   channel->range_max = calibration.range_max.value_or(std::max(at_low, at_high));
 
+  // limits in raw units: raw = (input - at_zero) / per_raw
   const auto raw = [&](double input) { return (input - input_at_zero_raw) / input_per_raw; };
   RawLimits raw_limits{.rail_min = raw(limits.rail_min),
                        .rail_max = raw(limits.rail_max),
                        .bad_below = raw(limits.bad_below),
                        .bad_above = raw(limits.bad_above)};
+  // the highest count is one step below the rail; the resolution is one count
   if (channel->encoding == Encoding::kI32) {
     raw_limits.rail_max -= 1;
     channel->resolution = std::abs(channel->scale);
@@ -224,6 +237,7 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
   if (!calibration.notes.empty()) fields["calibration.notes"] = calibration.notes;
   for (const auto& [name, channel] : calibration.channels) {
     const RawLimits& limits = channel.limits;
+    // one sentence per channel, so that a trial documents its own calibration
     fields["calibration." + name] = fmt::format(
         "{} = {} per {} x input + {}{}{}", name, channel.scale, channel.input_unit, channel.offset,
         Bounds("measures", limits.bad_below, limits.bad_above, channel.input_unit),

@@ -31,6 +31,7 @@ const Channel* Record::Find(ChannelRole role) const {
 double TimeOf(const Record& record, std::size_t row) {
   HAPTOMETER_CHECK(row < record.rows && !record.stretches.empty(), "row {} of {}", row,
                    record.rows);
+  // t = start_s + (row - first_row) / rate_hz of the last segment that begins at or before the row
   const auto after = std::ranges::upper_bound(record.stretches, row, {}, &Stretch::first_row);
   const Stretch& stretch = *std::prev(after);
   return stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;

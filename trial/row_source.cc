@@ -7,6 +7,7 @@
 namespace haptometer::trial {
 namespace {
 
+// everything but values and statuses; raw times only where they are the readings' own
 Record HeadOf(const Record& record) {
   Record head;
   head.rows = record.rows;
@@ -29,6 +30,7 @@ Record HeadOf(const Record& record) {
 
 }  // namespace
 
+// one channel after the other, since a source is read by channel
 Result<Record> ReadAllRows(const RowSource& source) {
   Record record = source.head();
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
@@ -42,6 +44,7 @@ Result<Record> ReadAllRows(const RowSource& source) {
 
 RecordRows::RecordRows(const Record& record) : record_(record), head_(HeadOf(record)) {}
 
+// copies a range of rows; the spans are within the record by contract
 Result<void> RecordRows::Read(std::size_t channel, std::size_t first, std::span<double> values,
                               std::span<SampleStatus> statuses) const {
   HAPTOMETER_CHECK(channel < record_.channels.size() && values.size() == statuses.size() &&

@@ -66,11 +66,12 @@ std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> star
   return pieces;
 }
 
-// rows a second; infinite where all came at one moment
+// rows per second; infinite where all rows have one time
 double RateOf(double period_ns) {
   return period_ns > 0 ? kNsPerSecond / period_ns : std::numeric_limits<double>::infinity();
 }
 
+// times in ns after the first row
 std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
   std::vector<double> times;
   times.reserve(time_ns.size());
@@ -83,6 +84,7 @@ std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
 }  // namespace
 
 void UniformGrid::Append(std::int64_t first_index, std::size_t rows) {
+  // a jump of the index means lost rows: a new segment begins at first_index / rate
   if (stretches_.empty() || first_index != next_index_) {
     stretches_.push_back({.first_row = rows_,
                           .rows = 0,
@@ -97,15 +99,18 @@ void UniformGrid::Append(std::int64_t first_index, std::size_t rows) {
 
 namespace {
 
+// minima of the delays are formed over 0.1 s, or over 16 rows of a slow source
 constexpr double kWindowNs = 0.1 * kNsPerSecond;
 constexpr std::size_t kLeastWindowRows = 16;
 constexpr std::size_t kLeastCounts = 3;    // windows that show a rate
 constexpr std::size_t kWindowsBehind = 5;  // what a rise is measured against
 constexpr std::size_t kWindowsAhead = 10;  // a rise must outlast these, or all up to the end
 constexpr std::size_t kLeastWindowsAhead = 2;
-constexpr std::size_t kWindowsForARate = 10;  // shorter stretches take the common rate
+constexpr std::size_t kWindowsForARate = 10;  // shorter segments take the common rate
+// a longer silence that no later rows make up for is a gap, wherever it is
 constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
 constexpr double kCatchingUp = 0.75;  // of the time that the rows took at the source
+// a rise exceeds this many standard deviations of the window minima
 constexpr double kScatters = 3;
 constexpr double kSigmaPerMad = 1.4826;    // of a normal distribution
 constexpr double kSigmaOfMedian = 1.2533;  // sqrt(pi / 2), against that of the mean
@@ -132,6 +137,7 @@ struct Window {
   double level_ns = 0;
 };
 
+// median of the intervals between neighbouring rows, ns
 double MedianInterval(const Rows& rows) {
   return Median(Differences(std::vector<double>(rows.times.begin(), rows.times.end()), 1));
 }
@@ -144,21 +150,24 @@ std::optional<double> PeriodByCounts(const Rows& rows) {
   const auto [first, last] = std::ranges::minmax(rows.times);
   const double span_ns = last - first;
   if (span_ns <= 0) return std::nullopt;
+  // a window lasts 0.1 s, or 16 mean intervals of a slow source
   const double mean_ns = span_ns / AsDouble(rows.size());
   const double window_ns = std::max(kWindowNs, AsDouble(kLeastWindowRows) * mean_ns);
   std::vector<double> counts(static_cast<std::size_t>(span_ns / window_ns) + 1);
   for (const double time_ns : rows.times) {
     ++counts[static_cast<std::size_t>((time_ns - first) / window_ns)];
   }
+  // counts of windows whose neighbours hold rows too: no stall, no rows that catch up
   std::vector<double> usual;
   for (std::size_t k = 1; k + 1 < counts.size(); ++k) {
     if (counts[k - 1] > 0 && counts[k] > 0 && counts[k + 1] > 0) usual.push_back(counts[k]);
   }
   if (usual.size() < kLeastCounts) return std::nullopt;
+  // period = window length / median count
   return window_ns / Median(std::move(usual));
 }
 
-// rows in a window: enough to last 0.1 s at the source, so that each sees several bursts
+// rows in a window: enough to last 0.1 s at the source, so that each spans several bursts
 std::size_t WindowRows(const Rows& rows, double period_ns) {
   std::size_t count = kLeastWindowRows;
   while (rows.size() / count >= 8 && AsDouble(count) * period_ns < kWindowNs) count *= 2;
@@ -166,8 +175,8 @@ std::size_t WindowRows(const Rows& rows, double period_ns) {
 }
 
 // The windows of `count` rows, the last one with the remaining rows, without those whose rows came
-// much faster than the source sends: after a stall they tell nothing but that they are late. All
-// where no other is left.
+// much faster than the source sends: after a stall they only show that they are late. All where no
+// other is left.
 std::vector<Window> WindowsOf(const Rows& rows, double period_ns, std::size_t count) {
   std::vector<Window> all;
   std::vector<Window> in_time;
@@ -175,10 +184,12 @@ std::vector<Window> WindowsOf(const Rows& rows, double period_ns, std::size_t co
   for (std::size_t k = 0; k < windows; ++k) {
     const std::size_t first = k * count;
     const std::size_t end = k + 1 == windows ? rows.size() : first + count;
+    // delays are never negative, so the least level is the best estimate of the undelayed time
     Window window{first, end, rows.Level(first, period_ns)};
     for (std::size_t j = first; j < end; ++j) {
       window.level_ns = std::min(window.level_ns, rows.Level(j, period_ns));
     }
+    // rows that took less than 0.75 of their time at the source catch up after a stall
     const double took_ns = rows.times[end - 1] - rows.times[first];
     const double sent_ns = (rows.places[end - 1] - rows.places[first]) * period_ns;
     all.push_back(window);
@@ -221,13 +232,16 @@ std::vector<double> Slopes(const Rows& rows, const std::vector<Window>& windows,
 // neighbours do not.
 double RisePerPlace(const Rows& rows, const std::vector<Window>& windows, std::size_t lag,
                     double period_ns, std::size_t window_rows) {
+  // first estimate: the median slope over `lag` windows; second: between neighbouring windows
   const double over_lag = Median(Slopes(rows, windows, lag));
   std::vector<double> steps = Slopes(rows, windows, 1);
   if (steps.empty()) return over_lag;
   const double step = Median(steps);
+  // standard uncertainty of the median step: 1.2533 * 1.4826 * MAD / sqrt(n)
   for (double& deviation : steps) deviation = std::abs(deviation - step);
   const double uncertainty =
       kSigmaOfMedian * kSigmaPerMad * Median(steps) / std::sqrt(AsDouble(steps.size()));
+  // losses explain a difference above half a period over the lag and above 5 uncertainties
   const bool holds_losses = (over_lag - step) * AsDouble(lag * window_rows) > 0.5 * period_ns &&
                             over_lag - step > 5 * uncertainty;
   return holds_losses ? step : over_lag;
@@ -239,6 +253,7 @@ double RisePerPlace(const Rows& rows, const std::vector<Window>& windows, std::s
 // nearly right.
 double RobustPeriod(const Rows& rows, double period_ns, std::size_t window_rows) {
   if (rows.size() <= window_rows) return MedianInterval(rows);
+  // first estimate: time per place over whole windows, by the median
   std::vector<double> periods;
   for (const Window& window : WindowsOf(rows, period_ns, window_rows)) {
     const std::size_t end = window.first + window_rows;
@@ -246,8 +261,9 @@ double RobustPeriod(const Rows& rows, double period_ns, std::size_t window_rows)
     periods.push_back((rows.times[end] - rows.times[window.first]) /
                       (rows.places[end] - rows.places[window.first]));
   }
-  // a pause in one of few windows would be taken for the source's pace
+  // a pause in one of few windows would otherwise be treated as the source's period
   if (periods.size() >= kLeastCounts || period_ns <= 0) period_ns = Median(std::move(periods));
+  // correction by the slope of the minima over one window, then over three
   for (const std::size_t count : {1U, 3U}) {
     const auto windows = RunningLeast(WindowsOf(rows, period_ns, window_rows), count);
     const std::size_t lag = std::clamp<std::size_t>(windows.size() / 5, 1, 10);
@@ -267,6 +283,7 @@ Line LowerLine(const Rows& rows, double period_ns, const std::vector<Window>& wi
       const double x = rows.places[j] - rows.places[0];
       const double y = rows.Level(j, period_ns);
       sum_x += x;
+      // the last corner is no corner if it lies on or above the line to the new point
       while (hull.size() >= 2) {
         const auto [x1, y1] = hull[hull.size() - 2];
         const auto [x2, y2] = hull.back();
@@ -276,11 +293,14 @@ Line LowerLine(const Rows& rows, double period_ns, const std::vector<Window>& wi
       hull.emplace_back(x, y);
     }
   }
+  // the sum of the distances is least on the hull's edge over the mean place (Moon et al. 1999)
   const double mean_x = sum_x / AsDouble(RowsIn(windows));
   const auto right = std::ranges::find_if(hull, [&](const auto& p) { return p.first >= mean_x; });
+  // a single place has no edge: the given period is retained
   if (right == hull.begin()) return {right->second, period_ns};
   const auto [x1, y1] = *std::prev(right);
   const auto [x2, y2] = *right;
+  // the edge's slope corrects the period; the line is extended to the first place
   const double slope = (y2 - y1) / (x2 - x1);
   return {y1 - slope * x1, period_ns + slope};
 }
@@ -289,6 +309,7 @@ Line LowerLine(const Rows& rows, double period_ns, const std::vector<Window>& wi
 // the loss; from there to the first row on the new line it is the one with the largest interval.
 std::size_t PlaceOfRise(const Rows& rows, double period_ns, const Window& before,
                         const Window& after, double after_ns) {
+  // a row is on a line if its level is within half a period of it
   const double slack_ns = 0.5 * period_ns;
   std::size_t last_old = before.first;
   for (std::size_t j = before.first; j < after.first; ++j) {
@@ -302,6 +323,7 @@ std::size_t PlaceOfRise(const Rows& rows, double period_ns, const Window& before
   return best;
 }
 
+// least level of the windows [from, from + count), ns
 double LeastOf(const std::vector<Window>& windows, std::size_t from, std::size_t count) {
   const auto first = windows.begin() + static_cast<std::ptrdiff_t>(from);
   return std::ranges::min_element(first, first + static_cast<std::ptrdiff_t>(count), {},
@@ -312,18 +334,22 @@ double LeastOf(const std::vector<Window>& windows, std::size_t from, std::size_t
 // rows at which the lower envelope rises and stays up: lines were lost before them
 std::vector<std::size_t> Rises(const Rows& rows, double period_ns, std::size_t window_rows) {
   const std::vector<Window> windows = WindowsOf(rows, period_ns, window_rows);
+  // scatter of the minima: 1.4826 * median of the differences between neighbours
   std::vector<double> sizes;
   for (std::size_t k = 1; k < windows.size(); ++k) {
     sizes.push_back(std::abs(windows[k].level_ns - windows[k - 1].level_ns));
   }
   const double scatter_ns = kSigmaPerMad * Median(std::move(sizes));
+  // a rise exceeds half a period and three times the scatter
   const double least_rise_ns = std::max(0.5 * period_ns, kScatters * scatter_ns);
+  // the level behind window k: it stays up only if all of the next ten windows do
   auto ahead_ns = [&](std::size_t k) {
     return LeastOf(windows, k, std::min(kWindowsAhead, windows.size() - k));
   };
   std::vector<std::size_t> rises;
   std::size_t begin = 0;
   for (std::size_t k = 1; k + kLeastWindowsAhead <= windows.size(); ++k) {
+    // the level before window k: at most five windows back, none of them before the last rise
     const std::size_t behind = std::min(kWindowsBehind, k - begin);
     if (ahead_ns(k) - LeastOf(windows, k - behind, behind) <= least_rise_ns) continue;
     // a loss within a window may raise it in part and the next one in full: one rise
@@ -344,12 +370,15 @@ std::vector<std::size_t> Rises(const Rows& rows, double period_ns, std::size_t w
 // rows known to be missing explain. What is still coming in faster than the source sends when the
 // rows end may make up for it.
 bool StaysLate(const Rows& rows, double period_ns, std::size_t i, double excess_ns) {
+  // least lateness, against the row before the silence, of the rows of the next 2 * excess_ns
   double after_ns = excess_ns;
   std::size_t j = i;
   for (; j < rows.size() && AsDouble(j - i) * period_ns < 2 * excess_ns; ++j) {
     after_ns = std::min(after_ns, rows.Level(j, period_ns) - rows.Level(i - 1, period_ns));
   }
+  // half of the delay is made up for: a stall of the host, no loss
   if (after_ns <= 0.5 * excess_ns) return false;
+  // the rows end early: the last ones may still be catching up
   const double took_ns = rows.times[j - 1] - rows.times[i];
   const double sent_ns = (rows.places[j - 1] - rows.places[i]) * period_ns;
   return j < rows.size() || took_ns >= kCatchingUp * sent_ns;
@@ -358,6 +387,7 @@ bool StaysLate(const Rows& rows, double period_ns, std::size_t i, double excess_
 // rows after a pause that is too long for a stall and is not made up for
 std::vector<std::size_t> Pauses(const Rows& rows, double period_ns) {
   std::vector<std::size_t> pauses;
+  // a pause exceeds 0.25 s and eight periods
   const double least_ns = std::max(kSurelyAPauseNs, 8 * period_ns);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const double excess_ns = rows.Level(i, period_ns) - rows.Level(i - 1, period_ns);
@@ -395,15 +425,18 @@ struct Cut {
 };
 
 Cut CutAtLosses(const Rows& rows, const std::vector<std::size_t>& breaks, bool is_numbered) {
+  // rough period by counts per window, then a robust one by medians
   const double first_ns = PeriodByCounts(rows).value_or(MedianInterval(rows));
   const std::size_t window_rows = WindowRows(rows, first_ns);
   double period_ns = RobustPeriod(rows, first_ns, window_rows);
+  // known losses and pauses cut the recording with certainty
   const auto known = PiecesBetween(rows.size(), breaks);
   std::vector<Piece> pieces = PiecesBetween(
       rows.size(),
       StartsIn(rows, known, [&](const Rows& part) { return Pauses(part, period_ns); }));
   // twice, because many losses blur the period that they are looked for with
   const std::vector<Piece> sure = pieces;
+  // a source that numbers its rows reports all losses: no search for rises
   for (int turn = 0; turn < (is_numbered ? 0 : 2); ++turn) {
     pieces = PiecesBetween(rows.size(), StartsIn(rows, sure, [&](const Rows& part) {
                              return Rises(part, period_ns, window_rows);
@@ -411,35 +444,40 @@ Cut CutAtLosses(const Rows& rows, const std::vector<std::size_t>& breaks, bool i
     const Piece& longest = Longest(rows, pieces, period_ns, window_rows);
     period_ns = RobustPeriod(rows.Of(longest), period_ns, window_rows);
   }
+  // final period: the line below the longest piece
   const Piece longest = Longest(rows, pieces, period_ns, window_rows);
   const auto windows = WindowsOf(rows.Of(longest), period_ns, window_rows);
   period_ns = LowerLine(rows.Of(longest), period_ns, windows).period_ns;
   return {std::move(pieces), period_ns, RowsIn(windows), window_rows};
 }
 
-// one period for pieces too short to tell their own: the longest piece's, else the nominal one
+// one period for pieces too short to determine their own: the longest piece's, else the nominal one
 std::optional<double> CommonPeriod(const Cut& cut, std::optional<double> nominal_rate_hz) {
   if (cut.longest_rows >= 2 * cut.window_rows) return cut.period_ns;
   if (nominal_rate_hz && *nominal_rate_hz > 0) return kNsPerSecond / *nominal_rate_hz;
   return std::nullopt;
 }
 
+// the line of one piece; with its own period only where it holds ten windows or more
 Line FitPiece(const Rows& part, const Cut& cut, std::optional<double> common_period_ns) {
   const auto windows = WindowsOf(part, common_period_ns.value_or(cut.period_ns), cut.window_rows);
   if (RowsIn(windows) < kWindowsForARate * cut.window_rows && common_period_ns) {
     // the period is given, so only the least delay is looked for
     return {LeastOf(windows, 0, windows.size()), *common_period_ns};
   }
+  // without a common period the levels are the times themselves
   return LowerLine(part, common_period_ns.value_or(0), windows);
 }
 
 // scatter of the window minima about the line; by the median, so that a stall does not count
 double Scatter(const Rows& part, const Line& line, std::size_t window_rows) {
+  // fewer than two windows give one minimum, hence a scatter of 0
   const std::size_t count = part.size() < 2 * window_rows ? part.size() : window_rows;
   std::vector<double> levels;
   for (const Window& window : WindowsOf(part, line.period_ns, count)) {
     levels.push_back(window.level_ns);
   }
+  // 1.4826 * MAD about the median
   const double middle = Median(levels);
   for (double& level : levels) level = std::abs(level - middle);
   return kSigmaPerMad * Median(std::move(levels));
@@ -466,7 +504,7 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
   const std::vector<double> places = PlacesOf(times.size(), missing);
   const Rows rows{times, places};
   std::vector<std::size_t> breaks;  // behind which a new line begins
-  std::vector<std::size_t> missed;  // behind which the same one goes on
+  std::vector<std::size_t> missed;  // behind which the same one continues
   for (const MissingRows& at : missing) (at.count ? missed : breaks).push_back(at.row);
   const Cut cut = CutAtLosses(rows, breaks, is_numbered);
   const auto common_period_ns = CommonPeriod(cut, nominal_rate_hz);
@@ -475,11 +513,13 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
     const Rows part = rows.Of(piece);
     const Line line = FitPiece(part, cut, common_period_ns);
     const double uncertainty_s = Scatter(part, line, cut.window_rows) / kNsPerSecond;
+    // losses of known number divide segments, but both sides lie on one line
     std::vector<std::size_t> starts;
     for (const std::size_t row : missed) {
       if (row > piece.first && row < piece.end) starts.push_back(row - piece.first);
     }
     for (const Piece& run : PiecesBetween(piece.rows(), starts)) {
+      // time since the recording's start = first row + line + places lost before this segment
       const double start_ns = static_cast<double>(time_ns.front()) + line.start_ns +
                               (part.places[run.first] - part.places[0]) * line.period_ns;
       stretches.push_back({.first_row = piece.first + run.first,
@@ -495,6 +535,7 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
 namespace {
 
 // the least-squares line of a piece; its own slope where it has rows enough
+// rows centred on their mean: period = sum(x t) / sum(x^2)
 Line MeanLine(Times part, std::optional<double> common_period_ns) {
   const double mean_x = 0.5 * AsDouble(part.size() - 1);
   double mean_t = 0;
@@ -506,6 +547,7 @@ Line MeanLine(Times part, std::optional<double> common_period_ns) {
     xt += x * (part[j] - mean_t);
     xx += x * x;
   }
+  // two rows do not determine a period against the uncertainty of their times
   const bool is_short = part.size() < 3;
   const double own_ns = xx > 0 ? xt / xx : 0;
   const double period_ns = is_short ? common_period_ns.value_or(own_ns) : own_ns;
@@ -517,6 +559,7 @@ double PolledUncertaintyNs(Times part, Times waits, const Line& line) {
   double squares = 0;
   for (std::size_t j = 0; j < part.size(); ++j) {
     const double residual = part[j] - line.start_ns - AsDouble(j) * line.period_ns;
+    // the reading is anywhere within its wait: variance wait^2 / 12 (uniform distribution)
     squares += residual * residual + waits[j] * waits[j] / 12;
   }
   return std::sqrt(squares / AsDouble(part.size()));
@@ -531,19 +574,21 @@ std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
   HAPTOMETER_CHECK(request_ns.size() == reply_ns.size(), "{} requests, {} replies",
                    request_ns.size(), reply_ns.size());
   if (request_ns.empty()) return {};
+  // time of a polled reading: the middle of request and reply
   std::vector<double> middles = SinceFirst(request_ns);
   std::vector<double> waits;
   for (std::size_t j = 0; j < middles.size(); ++j) {
     waits.push_back(static_cast<double>(reply_ns[j]) - static_cast<double>(request_ns[j]));
     middles[j] += 0.5 * waits[j];
   }
-  // a pause between two polls begins a stretch, as a break does
+  // a pause between two polls begins a segment, as a break does
   const std::vector<double> intervals = Differences(middles, 1);
   const double median_ns = Median(intervals);
   std::vector<std::size_t> starts(breaks.begin(), breaks.end());
   for (std::size_t j = 0; j < intervals.size(); ++j) {
     if (intervals[j] > 8 * median_ns) starts.push_back(j + 1);
   }
+  // period for short segments: the median interval, else the nominal one
   std::optional<double> common_period_ns;
   if (nominal_rate_hz && *nominal_rate_hz > 0) common_period_ns = kNsPerSecond / *nominal_rate_hz;
   if (median_ns > 0) common_period_ns = median_ns;

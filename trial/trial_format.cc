@@ -45,6 +45,7 @@ ChannelFormat DisplacementCounts(std::string name, double step_m) {
           .resolution = step_m};
 }
 
+// rate_hz is that of the longest segment
 TrialHeader HeaderOf(const Record& record) {
   TrialHeader header{.timing = record.timing, .metadata = record.metadata};
   if (!record.stretches.empty()) {
@@ -61,6 +62,7 @@ TrialHeader HeaderOf(const Record& record) {
   return header;
 }
 
+// raw number before scale and offset; 4-byte encodings are in the low 32 bits
 double RawValue::Number(Encoding encoding) const {
   const auto low = static_cast<std::uint32_t>(bits_);
   switch (encoding) {
@@ -78,6 +80,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// JSON on one line; bytes that are no UTF-8 are replaced, so that writing cannot fail
 std::string Dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -85,6 +88,7 @@ std::string Dumped(const Json& json) {
 // unknown, unbounded and infinite are null
 Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+// unknown is null
 template <typename T>
 Json ValueOrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -105,8 +109,8 @@ std::optional<T> GetOptional(const Json& json, const char* key) {
   return found->get<T>();
 }
 
-// The texts of a file, which anybody may have written, made printable here, so that nothing behind
-// this place meets a control character.
+// The texts of a file are made printable here, because any program may have written them: the code
+// behind this place meets no control character.
 std::string Text(const Json& json, const char* key) {
   return Printable(Get<std::string>(json, key, ""));
 }
@@ -135,6 +139,7 @@ std::optional<Enum> GetEnum(const Json& json, const char* key, std::size_t count
   return std::nullopt;
 }
 
+// the keys are those of docs/reference/formats.md
 Json ToJson(const ChannelFormat& channel) {
   return {{"name", channel.name},
           {"role", Name(channel.role)},
@@ -147,6 +152,7 @@ Json ToJson(const ChannelFormat& channel) {
           {"resolution", channel.resolution}};
 }
 
+// nothing where role or encoding is unknown, or where scale or offset is no finite number
 std::optional<ChannelFormat> ChannelFrom(const Json& json) {
   ChannelFormat channel;
   const auto role = GetEnum<ChannelRole>(json, "role", 5);
@@ -158,9 +164,11 @@ std::optional<ChannelFormat> ChannelFrom(const Json& json) {
   channel.unit = Text(json, "unit");
   channel.scale = Get(json, "scale", 1.0);
   channel.offset = Get(json, "offset", 0.0);
+  // absent or null: unbounded
   channel.range_min = Get(json, "range_min", channel.range_min);
   channel.range_max = Get(json, "range_max", channel.range_max);
   channel.resolution = Get(json, "resolution", 0.0);
+  // an infinite scale would make all values infinite or NaN
   if (!std::isfinite(channel.scale) || !std::isfinite(channel.offset)) return std::nullopt;
   return channel;
 }
@@ -205,12 +213,14 @@ Metadata MetadataFrom(const Json& json) {
           .notes = TextList(json, "notes")};
 }
 
+// nothing where a value is unusable; absent channels or a wrong type throw
 std::optional<TrialHeader> HeaderFrom(const Json& json) {
   TrialHeader header;
   const auto timing = GetEnum<Timing>(json, "timing", 3);
   if (!timing) return std::nullopt;
   header.timing = *timing;
   header.rate_hz = Get(json, "rate_hz", 0.0);
+  // a grid needs a rate; the other timings have a time in each row
   const bool rate_is_usable = std::isfinite(header.rate_hz) && header.rate_hz > 0;
   if (header.timing == Timing::kUniform && !rate_is_usable) return std::nullopt;
   for (const Json& channel_json : json.at("channels")) {
@@ -218,6 +228,7 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
     if (!channel) return std::nullopt;
     header.channels.push_back(*channel);
   }
+  // the limit guards against a damaged or hostile file
   if (header.channels.empty() || header.channels.size() > kMaxChannels) return std::nullopt;
   header.metadata = MetadataFrom(json);
   return header;
@@ -232,6 +243,7 @@ Result<void> CheckTexts(const std::string& what, const std::map<std::string, std
   return {};
 }
 
+// an infinite rate (all rows at one time) is null
 Json ToJson(const Stretch& stretch) {
   return {{"first_row", stretch.first_row},
           {"rows", stretch.rows},
@@ -255,11 +267,13 @@ Event EventFrom(const Json& json) {
   event.text = Text(json, "text");
   event.labels = Texts(json, "labels");
   if (json.contains("stretch")) event.stretch = StretchFrom(json.at("stretch"));
+  // an absent `missing` is no loss; a null one is a loss of unknown size
   if (json.contains("missing")) event.missing = GetOptional<std::uint64_t>(json, "missing");
   const auto kind = GetEnum<EventKind>(json, "event", 5);
   if (kind) {
     event.kind = *kind;
   } else {
+    // an event of a later version becomes a remark that names its kind
     event.text = Printable(json.at("event").get<std::string>()) + ": " + event.text;
   }
   return event;
@@ -267,6 +281,7 @@ Event EventFrom(const Json& json) {
 
 }  // namespace
 
+// refuses texts that are not printable before they are in a file
 Result<void> CheckTexts(const TrialHeader& header) {
   for (std::size_t i = 0; i < header.channels.size(); ++i) {
     const std::string channel = "channel " + std::to_string(i + 1);
@@ -292,6 +307,7 @@ Result<void> CheckTexts(const Event& event) {
 std::string HeaderToJson(const TrialHeader& header) {
   Json json{{"format", "haptometer trial"},
             {"timing", Name(header.timing)},
+            // only a grid has a rate of its own
             {"rate_hz", header.timing == Timing::kUniform ? Json(header.rate_hz) : Json(nullptr)},
             {"channels", Json::array()}};
   for (const ChannelFormat& channel : header.channels) json["channels"].push_back(ToJson(channel));
@@ -299,6 +315,7 @@ std::string HeaderToJson(const TrialHeader& header) {
   return Dumped(json);
 }
 
+// any error in the text, including a wrong type, gives nothing
 std::optional<TrialHeader> HeaderFromJson(std::string_view json) {
   try {
     return HeaderFrom(Json::parse(json));
@@ -327,6 +344,7 @@ std::optional<Event> EventFromJson(std::string_view json) {
 
 std::string TotalsToJson(const TrialTotals& totals) {
   Json statuses = Json::object();
+  // number of samples by status, over all channels
   for (std::size_t i = 0; i < kSampleStatusCount; ++i) {
     statuses[std::string(Name(static_cast<SampleStatus>(i)))] = totals.statuses[i];
   }

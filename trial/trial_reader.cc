@@ -22,14 +22,14 @@ namespace {
 // a place on the grid beyond this has no exact time
 constexpr std::int64_t kMaxIndex = 1LL << 53;
 
-// bytes that were meant to be our signature: the letters are there, whatever happened around them
+// bytes that were written as a signature: its letters are there, what surrounds them is changed
 bool IsNearSignature(std::span<const std::byte> start) {
   constexpr std::string_view kLetters = "haptrial";
   const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
   return text.size() > kLetters.size() && text.substr(1, kLetters.size()) == kLetters;
 }
 
-// whether the bytes are a sound signature of whatever version
+// whether the bytes are a sound signature of any version
 bool IsSignature(std::span<const std::byte> start) {
   constexpr std::size_t kVersionAt = 13;
   if (start.size() < kSignature.size()) return false;
@@ -39,6 +39,7 @@ bool IsSignature(std::span<const std::byte> start) {
          start.back() == std::byte{0} && version + complement == 0xff;
 }
 
+// success, with or without the loss of the signature, or why the file cannot be read
 Result<void> CheckSignature(const ByteSource& source, const std::string& name,
                             std::vector<Loss>* losses) {
   std::array<std::byte, kSignature.size() + kBlockHeadBytes> bytes{};
@@ -46,12 +47,13 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
   const std::span start = std::span(bytes).first(std::min(got, kSignature.size()));
   if (IsSignature(start)) {
     if (std::memcmp(start.data(), kSignature.data(), kSignature.size()) == 0) return {};
+    // sound, but of another version: newer, not damaged
     return CannotAnswer(name,
                         fmt::format("is a trial of format version {}, this program reads {}",
                                     std::to_integer<int>(start[13]), kFormatVersion),
                         "update haptometer");
   }
-  // a damaged signature costs nothing if the first block behind it is sound
+  // a damaged signature loses no rows if the first block behind it is sound
   const std::span rest = std::span(bytes).first(got).subspan(start.size());
   if (DecodeBlockHead(rest)) {
     losses->push_back({.offset = 0,
@@ -80,6 +82,7 @@ std::optional<DataSource> StatedSource(std::string_view source) {
        {"simulated", DataSource::kSimulated},
        {"imported", DataSource::kImported},
        {"piped in", DataSource::kImported}}};
+  // a replay has the source of the recording that it repeats
   if (source.starts_with("replay of ")) {
     for (std::size_t at = source.find(" ("); at != std::string_view::npos;
          at = source.find(" (", at + 1)) {
@@ -106,6 +109,7 @@ std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& re
   if (const auto stated = StatedSource(metadata.source)) {
     sources.push_back(*stated);
   } else if (report.kind != FileKind::kTrial && metadata.source.empty()) {
+    // a foreign file that states no source is an import
     sources.push_back(DataSource::kImported);
   }
   if (report.IsInterrupted()) sources.push_back(DataSource::kInterrupted);
@@ -124,10 +128,12 @@ Finding FindingOfLoss(const Loss& loss) {
   };
   if (loss.block) add(loss.last_block ? "first_block" : "block", *loss.block);
   if (loss.last_block) add("last_block", *loss.last_block);
+  // blocks that are missing altogether occupy no bytes
   if (loss.bytes > 0) {
     add("from_byte", loss.offset);
     add("to_byte", loss.offset + loss.bytes - 1);
   }
+  // without a sound block behind the loss the number of lost rows is unknown
   if (!loss.rows) {
     add("after_row", loss.first_row);
   } else if (*loss.rows == 1) {
@@ -165,6 +171,7 @@ const std::byte* Chunk::RowAt(std::size_t row) const {
   return payload_.data() + row * layout_->row_bytes;
 }
 
+// a row is its time (0, 8 or 16 bytes), one raw value a channel, one status byte a channel
 std::int64_t Chunk::TimeNs(std::size_t row) const {
   return layout_->time_bytes == 0 ? 0 : LoadLittleEndian<std::int64_t>(RowAt(row));
 }
@@ -189,6 +196,7 @@ double Chunk::ValueAt(std::size_t row, std::size_t channel) const {
   const Sample sample = At(row, channel);
   if (!IsMeasurement(sample.status)) return std::numeric_limits<double>::quiet_NaN();
   const ChannelFormat& format = header_->channels[channel];
+  // value = raw * scale + offset, in the channel's unit
   return sample.raw.Number(format.encoding) * format.scale + format.offset;
 }
 
@@ -205,6 +213,7 @@ struct TrialReader::State {
 
   // the header is the first sound block; there are two copies
   Result<void> FindHeader() {
+    // a header that is not the first sound block would leave rows without a meaning
     HAPTOMETER_LET(const auto block, scanner->Next(&chunk.payload_));
     if (block && block->head.kind == BlockKind::kHeader) {
       if (auto found = HeaderFromJson(PayloadText())) {
@@ -229,12 +238,15 @@ struct TrialReader::State {
   bool TakeRows(const FoundBlock& block) {
     const BlockHead& head = block.head;
     const bool is_uniform = header.timing == Timing::kUniform;
+    // places of a uniform grid increase; beyond 2^53 a place has no exact time
     const bool index_fits =
         !is_uniform || (head.first_index >= next_index && head.first_index <= kMaxIndex);
+    // a sound payload holds whole rows of the size that the header gives
     const std::uint64_t bytes = std::uint64_t{head.rows} * layout.row_bytes;
     if (head.rows == 0 || bytes != head.payload_bytes || !index_fits) return false;
     chunk.rows_ = head.rows;
     chunk.first_row_ = head.first_row;
+    // without a grid the writer's row number is the place
     chunk.first_index_ = is_uniform ? head.first_index : static_cast<std::int64_t>(head.first_row);
     chunk.offset_ = block.offset + kBlockHeadBytes;
     if (is_uniform) next_index = head.first_index + head.rows;
@@ -251,6 +263,7 @@ struct TrialReader::State {
         if (event) {
           report.events.push_back(std::move(*event));
         } else {
+          // sound bytes whose text is no event are a loss of this block alone
           scanner->Reject(block, FindingKind::kBlockNoEvent);
         }
         return;
@@ -265,6 +278,7 @@ struct TrialReader::State {
   }
 
   void CompleteReport() {
+    // losses in the order of the file: signature first
     report.losses = first_losses;
     const std::vector<Loss>& found = scanner->losses();
     report.losses.insert(report.losses.end(), found.begin(), found.end());
@@ -288,6 +302,7 @@ Result<TrialReader> TrialReader::OpenFrom(std::unique_ptr<ByteSource> source, st
   HAPTOMETER_TRY(CheckSignature(*source, name, &state->first_losses));
   state->source = std::move(source);
   state->name = std::move(name);
+  // blocks begin directly behind the signature, also behind a damaged one
   state->scanner.emplace(state->source.get(), kSignature.size());
   state->report.file_bytes = state->source->size();
   HAPTOMETER_TRY(state->FindHeader());
@@ -304,6 +319,7 @@ Result<const Chunk*> TrialReader::Next() {
       state.CompleteReport();
       return nullptr;
     }
+    // events and the closing block are taken over on the way to the next rows
     if (block->head.kind != BlockKind::kRows) {
       state.Take(*block);
       continue;
@@ -316,6 +332,7 @@ Result<const Chunk*> TrialReader::Next() {
 Result<void> TrialReader::CheckRows(int threads) {
   BlockScanner& scanner = *state_->scanner;
   HAPTOMETER_LET(const auto end, SoundUntil(*state_->source, scanner.offset(), threads));
+  // payloads up to `end` have right CRCs, so the scanner need not read them again
   scanner.Trust(end);
   return {};
 }
@@ -327,6 +344,7 @@ std::unique_ptr<ByteSource> TrialReader::TakeSource() && { return std::move(stat
 Metadata MetadataOf(const TrialHeader& header, const ReadReport& report) {
   Metadata metadata = header.metadata;
   for (const Event& event : report.events) {
+    // labels given later override earlier ones
     for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
   }
   return metadata;
@@ -343,6 +361,7 @@ struct Gathered {
   std::uint64_t next_row = 0;       // as counted by the writer
 };
 
+// values in SI units, NaN where the status is no measurement
 void AppendValues(const Chunk& chunk, Record* record) {
   for (std::size_t c = 0; c < record->channels.size(); ++c) {
     Channel& channel = record->channels[c];
@@ -354,6 +373,7 @@ void AppendValues(const Chunk& chunk, Record* record) {
 }
 
 void AppendTimes(const Chunk& chunk, Timing timing, Gathered* gathered) {
+  // a jump of the writer's row number: blocks between the two are lost
   if (chunk.first_row() != gathered->next_row) gathered->breaks.push_back(gathered->time_ns.size());
   gathered->next_row = chunk.first_row() + chunk.rows();
   for (std::size_t row = 0; row < chunk.rows(); ++row) {
@@ -369,6 +389,7 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
   for (const Event& event : report.events) {
     if (event.kind != EventKind::kTimeBase || !event.stretch) continue;
     const Stretch& stretch = *event.stretch;
+    // segments follow each other without a gap or an overlap
     const bool is_usable = stretch.first_row == next_row && stretch.rows > 0 &&
                            stretch.rows <= report.rows - next_row &&
                            std::isfinite(stretch.start_s) && stretch.rate_hz > 0;
@@ -376,15 +397,17 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
     stretches.push_back(stretch);
     next_row += stretch.rows;
   }
+  // where rows were lost since the recording, its fit does not apply
   if (!report.losses.empty() || stretches.empty() || next_row != report.rows) return std::nullopt;
   return stretches;
 }
 
-// where rows are missing: damaged in the file, or as the recorder knew
+// where rows are missing: blocks lost in the file, or losses that the recorder noted
 std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& report) {
   std::vector<MissingRows> missing;
   missing.reserve(gathered.breaks.size());
   for (const std::size_t row : gathered.breaks) missing.push_back({row, std::nullopt});
+  // event.row counts the rows that were written, so it applies only where all were read
   if (report.losses.empty()) {
     for (const Event& event : report.events) {
       if (!event.BeginsStretch() || event.row >= report.rows) continue;
@@ -404,6 +427,7 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
     record->stretches = gathered.grid.stretches();
     return;
   }
+  // raw time: of arrival, or the middle of request and reply
   record->raw_times_s.reserve(record->rows);
   for (std::size_t row = 0; row < record->rows; ++row) {
     const double time_s = SecondsFromNs(gathered.time_ns[row]);
@@ -411,10 +435,12 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
     const double reply_s = is_polled ? SecondsFromNs(gathered.reply_ns[row]) : time_s;
     record->raw_times_s.push_back(0.5 * (time_s + reply_s));
   }
+  // the recorder's fit overrides a new one
   if (auto stored = StoredTimeBase(report)) {
     record->stretches = std::move(*stored);
     return;
   }
+  // no usable fit in the file: a new one from the raw times
   const std::vector<MissingRows> missing = Missing(gathered, report);
   const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
   if (header.timing == Timing::kPolled) {
@@ -425,12 +451,13 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
         FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks);
     return;
   }
-  // where a damaged block is missing, so may be an event that tells of a loss
+  // a lost block may have held the event of a loss: then the list of losses is not complete
   const bool is_numbered =
       report.losses.empty() && header.metadata.fields.contains(std::string(kLineNumbersField));
   record->stretches = FitArrivalTimes(gathered.time_ns, nominal_rate_hz, missing, is_numbered);
 }
 
+// the whole file in memory: values, statuses, time base, metadata and report
 Result<Recording> Gather(TrialReader* reader) {
   const TrialHeader& header = reader->header();
   Recording recording{.record = {}, .report = {}};
@@ -450,6 +477,7 @@ Result<Recording> Gather(TrialReader* reader) {
     }
     record.rows += chunk->rows();
   }
+  // the report is complete only behind the last block
   recording.report = reader->report();
   SetTimes(header, std::move(gathered), recording.report, &record);
   record.metadata = MetadataOf(header, recording.report);

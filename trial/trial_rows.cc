@@ -31,14 +31,14 @@ struct RowColumn {
 
   /// Values (NaN where there is no measurement) and statuses of the first rows at `rows`, as many
   /// as either span has. A status of a later version is kInvalid. Rows of up to eight bytes are
-  /// decoded eight at a time where the processor knows AVX2, to the same values.
+  /// decoded eight at a time where the processor has AVX2, to the same values.
   void Decode(std::span<const std::byte> rows, std::span<double> values,
               std::span<SampleStatus> statuses) const;
 };
 
 namespace {
 
-// bytes that are decoded in one go: they stay in the processor's nearer cache
+// bytes that are decoded at once, so that they remain in the processor's cache
 constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
 
 }  // namespace
@@ -54,6 +54,7 @@ Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::stri
                                                    int threads) {
   HAPTOMETER_CHECK(CanRead(reader.header()), "timing {}", trial::Name(reader.header().timing));
   std::unique_ptr<TrialRows> rows(new TrialRows(reader.header(), std::move(name)));
+  // all payloads are checked once; the rows are not retained, only where each block is
   HAPTOMETER_TRY(reader.CheckRows(threads));
   UniformGrid grid(reader.header().rate_hz);
   for (;;) {
@@ -63,6 +64,7 @@ Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::stri
     grid.Append(chunk->first_index(), chunk->rows());
     rows->head_.rows += chunk->rows();
   }
+  // the report is complete behind the last block
   rows->report_ = reader.report();
   rows->head_.stretches = grid.stretches();
   rows->head_.metadata = MetadataOf(reader.header(), rows->report_);
@@ -76,9 +78,11 @@ Result<void> TrialRows::Read(std::size_t channel, std::size_t first, std::span<d
                        first <= head_.rows && values.size() <= head_.rows - first,
                    "channel {}, rows {} + {} of {}", channel, first, values.size(), head_.rows);
   const std::size_t row_bytes = LayoutOf(header_).row_bytes;
+  // the block behind the one that holds row `first`
   auto block = std::ranges::upper_bound(blocks_, first, {}, &Rows::first);
   while (!values.empty()) {
     const Rows& rows = *(block - 1);
+    // rows of this block from `first` on; the next block continues
     const std::size_t end = block == blocks_.end() ? head_.rows : block->first;
     const std::size_t count = std::min(values.size(), end - first);
     const std::uint64_t offset = rows.offset + (first - rows.first) * row_bytes;
@@ -91,6 +95,7 @@ Result<void> TrialRows::Read(std::size_t channel, std::size_t first, std::span<d
   return {};
 }
 
+// rows of one block are contiguous, so a piece is one range of bytes
 Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
                                   std::span<double> values,
                                   std::span<SampleStatus> statuses) const {
@@ -103,7 +108,7 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
                          format.scale,
                          format.offset};
   const std::size_t rows_at_once = std::max(std::size_t{1}, kPieceBytes / layout.row_bytes);
-  // for overwriting: clearing it would cost as much as decoding it
+  // without initialisation, which would take as long as the decoding
   const std::size_t most_bytes = std::min(rows_at_once, values.size()) * layout.row_bytes;
   const auto bytes = std::make_unique_for_overwrite<std::byte[]>(most_bytes);
   while (!values.empty()) {
@@ -111,6 +116,7 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
     const std::span<std::byte> piece =
         std::span(bytes.get(), most_bytes).first(count * layout.row_bytes);
     HAPTOMETER_LET(const auto got, source_->ReadAt(offset, piece));
+    // checked when the file was opened, so it is shorter now
     if (got < piece.size()) {
       return Failed(name_, "was cut shorter while it was read", "leave it alone meanwhile");
     }
@@ -124,8 +130,10 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
 
 namespace {
 
+// DecodeOk tests statuses by OR, which requires kOk to be 0
 static_assert(static_cast<int>(SampleStatus::kOk) == 0);
 
+// row by row, with any statuses; values in SI units, NaN where the status is no measurement
 template <typename Raw>
 void DecodeCarefully(const std::byte* row, const RowColumn& column, std::span<double> values,
                      std::span<SampleStatus> statuses) {
@@ -141,10 +149,11 @@ void DecodeCarefully(const std::byte* row, const RowColumn& column, std::span<do
   }
 }
 
-// the same where every status is kOk, as nearly always, without a branch for each row; whether it
-// was so
+// the same where every status is kOk, as almost always, without a branch for each row; returns
+// whether this was so
 template <typename Raw>
 bool DecodeOk(const std::byte* row, const RowColumn& column, std::span<double> values) {
+  // OR of all status bytes
   std::byte seen{};
   for (double& value : values) {
     seen |= row[column.status_at];
@@ -155,28 +164,32 @@ bool DecodeOk(const std::byte* row, const RowColumn& column, std::span<double> v
   return seen == std::byte{};
 }
 
+// bytes of one load; eight rows are four loads of two rows each
 constexpr std::size_t kLoadBytes = 16;
 constexpr std::size_t kRowsAtOnce = 8;  // two in each load
 
-// of two loads side by side: the bytes that become the values of rows 0, 1, 4, 5 or 2, 3, 6, 7 in
-// their places, and those that hold a status
+// For two loads side by side: the bytes that become the values of rows 0, 1, 4, 5 or 2, 3, 6, 7 in
+// their places, and those that hold a status.
 struct Shuffles {
   alignas(32) std::array<std::uint8_t, 2 * kLoadBytes> outer{};
   alignas(32) std::array<std::uint8_t, 2 * kLoadBytes> inner{};
   alignas(32) std::array<std::uint8_t, 2 * kLoadBytes> status{};
 
   explicit Shuffles(const RowColumn& column) {
+    // an index with the highest bit set gives a zero byte
     constexpr std::uint8_t kZero = 0x80;
     outer.fill(kZero);
     inner.fill(kZero);
     for (std::size_t row = 0; row < 2; ++row) {
       for (const std::size_t load : {std::size_t{0}, kLoadBytes}) {
         const std::size_t begin = row * column.row_bytes;
+        // four bytes of the raw value, to their place in the lower or upper half of the load
         for (std::size_t k = 0; k < 4; ++k) {
           const auto from = static_cast<std::uint8_t>(begin + column.value_at + k);
           outer[load + 4 * row + k] = from;
           inner[load + 8 + 4 * row + k] = from;
         }
+        // mask of the status byte
         status[load + begin + column.status_at] = 0xff;
       }
     }
@@ -194,6 +207,7 @@ struct Shuffles {
       _mm_loadu_si128(reinterpret_cast<const __m128i*>(high)), 1);
 }
 
+// four raw values as doubles, which is exact for i32 and f32
 template <typename Raw>
 [[gnu::target("avx2")]] inline __m256d FourDoubles(__m128i raw) {
   if constexpr (std::is_same_v<Raw, float>) {
@@ -216,14 +230,18 @@ template <typename Raw>
   const std::size_t two = 2 * column.row_bytes;
   const std::byte* at = rows.data();
   const std::byte* const end = at + rows.size();
+  // the last load begins at row 6 of the eight and is 16 bytes long
   while (values.size() >= kRowsAtOnce && end - at >= static_cast<std::ptrdiff_t>(3 * two + 16)) {
     const __m256i first = LoadPair(at, at + 2 * two);
     const __m256i second = LoadPair(at + two, at + 3 * two);
+    // all bytes are collected; the mask selects the statuses at the end
     seen = _mm256_or_si256(seen, _mm256_or_si256(first, second));
+    // eight raw values in the order of the rows
     const __m256i raw =
         _mm256_or_si256(_mm256_shuffle_epi8(first, outer), _mm256_shuffle_epi8(second, inner));
     const __m256d low = FourDoubles<Raw>(_mm256_castsi256_si128(raw));
     const __m256d high = FourDoubles<Raw>(_mm256_extracti128_si256(raw, 1));
+    // value = raw * scale + offset, multiplied and added separately as in DecodeOk
     _mm256_storeu_pd(values.data(), _mm256_add_pd(_mm256_mul_pd(low, scale), offset));
     _mm256_storeu_pd(values.data() + 4, _mm256_add_pd(_mm256_mul_pd(high, scale), offset));
     values = values.subspan(kRowsAtOnce);
@@ -232,12 +250,14 @@ template <typename Raw>
   return _mm256_testz_si256(seen, LoadBytes(shuffles.status)) != 0;
 }
 
+// eights, then single rows; all rows again with care where a status is not kOk
 template <typename Raw>
 void DecodeAll(std::span<const std::byte> rows, const RowColumn& column, std::span<double> values,
                std::span<SampleStatus> statuses) {
   std::span<double> rest = values;
   bool ok = true;
   if constexpr (sizeof(Raw) == 4) {
+    // two rows fit in a load of 16 bytes
     if (2 * column.row_bytes <= kLoadBytes && __builtin_cpu_supports("avx2") != 0) {
       ok = DecodeEights<Raw>(rows, column, rest);
     }

@@ -17,9 +17,10 @@
 namespace haptometer::trial {
 namespace {
 
-// a block is written when it holds this much: a damaged one then costs little
+// a block is written when it holds this much; a damaged one then loses few rows
 constexpr std::size_t kBlockBytes = 1U << 16;
 
+// conditions that the program must fulfil, not the user
 void CheckHeader(const TrialHeader& header) {
   HAPTOMETER_CHECK(!header.channels.empty() && header.channels.size() <= kMaxChannels,
                    "{} channels", header.channels.size());
@@ -54,6 +55,7 @@ struct TrialWriter::State {
   bool finished = false;
   std::optional<Error> error;  // the first one; sticky
 
+  // the first error stays: rows that are kept are counted in it
   Result<void> Broken(const Error& cause) {
     std::string remedy = cause.remedy;
     if (remedy.empty()) {
@@ -64,6 +66,7 @@ struct TrialWriter::State {
     return std::unexpected(*error);
   }
 
+  // one block of JSON: header, event or totals
   Result<void> WriteText(BlockKind kind, const std::string& json) {
     const BlockHead head{.kind = kind,
                          .sequence = sequence++,
@@ -75,10 +78,12 @@ struct TrialWriter::State {
     return {};
   }
 
+  // the place on the grid, or the row number without a grid
   [[nodiscard]] std::int64_t PlaceOfNextRow() const {
     return header.timing == Timing::kUniform ? next_index : static_cast<std::int64_t>(totals.rows);
   }
 
+  // the rows that wait as one block; only then they count as kept
   Result<void> WriteRows() {
     if (rows_waiting == 0) return {};
     const BlockHead head{.kind = BlockKind::kRows,
@@ -95,6 +100,7 @@ struct TrialWriter::State {
 
   Result<void> Flush() {
     HAPTOMETER_TRY(WriteRows());
+    // before the sync, whose duration is part of the interval
     last_flush_ns = clock->Now();
     if (auto done = sink->Sync(); !done) return Broken(done.error());
     return {};
@@ -106,7 +112,7 @@ struct TrialWriter::State {
     return Flush();
   }
 
-  // where the row begins that is written next
+  // address of the next row, whose times are stored
   std::byte* Place(const Row& row) {
     std::byte* place = rows.data() + rows_waiting * layout.row_bytes;
     if (layout.time_bytes >= 8) StoreLittleEndian(row.time_ns, place);
@@ -114,6 +120,7 @@ struct TrialWriter::State {
     return place;
   }
 
+  // copies a row into the block that waits: raw bits, then status bytes
   void Store(const Row& row) {
     std::byte* place = Place(row);
     for (std::size_t channel = 0; channel < row.samples.size(); ++channel) {
@@ -152,17 +159,19 @@ Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::s
   state->header = std::move(header);
   state->options = options;
   state->clock = &clock;
+  // at least one row, even if it is larger than a block should be
   state->rows_per_block = std::max<std::size_t>(1, kBlockBytes / state->layout.row_bytes);
   state->rows.resize(state->rows_per_block * state->layout.row_bytes);
   const auto signature = std::as_bytes(std::span(kSignature));
   if (auto done = WriteAll(state->sink.get(), signature); !done) {
     return std::unexpected(state->Broken(done.error()).error());
   }
-  // twice, because without it no row can be read
+  // twice, because no row can be read without it
   const std::string json = HeaderToJson(state->header);
   for (int copy = 0; copy < 2; ++copy) {
     HAPTOMETER_TRY(state->WriteText(BlockKind::kHeader, json));
   }
+  // the header is on the disk before the first row comes
   HAPTOMETER_TRY(state->Flush());
   return TrialWriter(std::move(state));
 }
@@ -174,6 +183,7 @@ Result<void> TrialWriter::Append(const Row& row) {
                    "{} samples for {} channels, finished: {}", row.samples.size(),
                    state.header.channels.size(), state.finished);
   const bool is_uniform = state.header.timing == Timing::kUniform;
+  // without a grid the row number is the place
   const std::int64_t index = is_uniform ? row.index : static_cast<std::int64_t>(state.totals.rows);
   HAPTOMETER_CHECK(index >= state.next_index, "index {} after {}", index, state.next_index - 1);
   // rows of one block follow each other on the grid
@@ -193,6 +203,7 @@ Result<void> TrialWriter::AddEvent(Event event) {
   State& state = *state_;
   if (state.error) return std::unexpected(*state.error);
   HAPTOMETER_CHECK(!state.finished, "event after the end");
+  // rows that came before the event are written before it
   event.row = state.totals.rows;
   HAPTOMETER_TRY(state.WriteRows());
   return state.WriteText(BlockKind::kEvent, EventToJson(event));
@@ -212,6 +223,7 @@ Result<TrialTotals> TrialWriter::Finish() {
   State& state = *state_;
   if (state.error) return std::unexpected(*state.error);
   HAPTOMETER_CHECK(!state.finished, "finished twice");
+  // order: rows, totals, sync; a file without totals is incomplete
   HAPTOMETER_TRY(state.WriteRows());
   HAPTOMETER_TRY(state.WriteText(BlockKind::kClose, TotalsToJson(state.totals)));
   HAPTOMETER_TRY(state.Flush());
@@ -229,14 +241,16 @@ Result<void> AppendEvent(const std::string& path, Event event) {
   // a file that is no trial is refused before it is opened for writing
   HAPTOMETER_LET(auto reader, TrialReader::Open(path));
   HAPTOMETER_LET(auto sink, OpenFileSinkAtEnd(path));
-  // again under the lock: the first one may have seen less
+  // again under the lock, because the recorder may have written in between
   HAPTOMETER_LET(reader, TrialReader::Open(path));
+  // to the end, for the next sequence number and row
   for (;;) {
     HAPTOMETER_LET(const auto chunk, reader.Next());
     if (chunk == nullptr) break;
   }
   const ReadReport& report = reader.report();
   event.row = report.next_row;
+  // its own kind, because its first row is the count that this reader had
   const BlockHead head{.kind = BlockKind::kLaterEvent,
                        .sequence = report.next_sequence,
                        .first_row = report.next_row,

@@ -13,10 +13,12 @@ MonotonicNs SerialLine::Send(MonotonicNs ready) {
     burst_bytes_ = 0;
   }
   ++burst_bytes_;
+  // time of the whole burst, so that rounding of one character's time does not add up
   burst_end_ = burst_start_ + WireTimeNs(burst_bytes_, baud_, bits_per_character_);
   return burst_end_;
 }
 
+// sample k is taken at k * sampling_s
 MonotonicNs MovingHead::SampleTime(std::int64_t number) const {
   return std::llround(static_cast<double>(number) * head.sampling_s * static_cast<double>(kNsPerS));
 }
@@ -29,6 +31,7 @@ std::int64_t MovingHead::LastSample(MonotonicNs now) const {
   return number;
 }
 
+// value and status of the head at sample k, with its noise from `seed`
 trial::HeadReading MovingHead::Reading(std::int64_t number) const {
   return trial::ReadingAt(head, displacement, number, seed);
 }
@@ -52,7 +55,7 @@ void AskedUnit::Receive(std::string_view bytes, MonotonicNs now) {
   for (const char byte : bytes) {
     if (incoming_.size() < kReceiveBuffer) incoming_.push_back({byte, now});
   }
-  RunTo(now);  // the first byte enters the wire, so that NextDue() knows its arrival
+  RunTo(now);  // the first byte enters the wire: NextDue() needs its arrival
 }
 
 void AskedUnit::Advance(MonotonicNs now, std::string& out) {
@@ -61,6 +64,7 @@ void AskedUnit::Advance(MonotonicNs now, std::string& out) {
   crossed_.clear();
 }
 
+// when the state changes next; nothing while no byte is on its way
 std::optional<MonotonicNs> AskedUnit::NextDue() const {
   switch (phase_) {
     case Phase::kListening:
@@ -75,6 +79,7 @@ std::optional<MonotonicNs> AskedUnit::NextDue() const {
 
 bool AskedUnit::TakeHangUp() { return std::exchange(hang_up_, false); }
 
+// all steps that are due by `now`, each at its own time
 void AskedUnit::RunTo(MonotonicNs now) {
   bool again = true;
   while (again) {
@@ -103,6 +108,7 @@ MonotonicNs AskedUnit::NextArrival() {
 
 bool AskedUnit::Listen(MonotonicNs now) {
   if (incoming_.empty()) return false;
+  // bytes cross the wire one after the other at the baud rate
   const MonotonicNs arrival = NextArrival();
   if (arrival > now) return false;
   const char byte = incoming_.front().byte;
@@ -113,10 +119,12 @@ bool AskedUnit::Listen(MonotonicNs now) {
 }
 
 void AskedUnit::TakeByte(char byte, MonotonicNs arrival) {
+  // the LF of CR LF ends no second line; empty lines have no answer
   const bool ends_delimiter = byte == '\n' && line_feed_may_follow_;
   line_feed_may_follow_ = byte == '\r';
   if (ends_delimiter) return;
   if (byte != '\r') {
+    // an overlong line is cut, and has a refusal as its answer
     overlong_ = overlong_ || line_.size() == longest_line_;
     if (!overlong_) line_ += byte;
   } else if (!line_.empty()) {
@@ -125,6 +133,7 @@ void AskedUnit::TakeByte(char byte, MonotonicNs arrival) {
 }
 
 void AskedUnit::BeginProcessing(MonotonicNs arrival) {
+  // an answer leaves when its processing time, and the delay of a fault, have passed
   processed_at_ = arrival + ProcessingNs(line_);
   const Fault* fault = faults_.At(answers_ + 1);
   if (fault != nullptr) processed_at_ += fault->delay_ns;
@@ -150,12 +159,14 @@ bool AskedUnit::Process(MonotonicNs now) {
 }
 
 void AskedUnit::PrepareAnswer() {
+  // faults count answers from 1
   ++answers_;
   const Fault* fault = faults_.At(answers_);
+  // state of the unit at the end of processing
   answer_ = overlong_ ? AnswerToOverlong(line_) : AnswerTo(line_, processed_at_, fault);
   pause_ns_ = 0;
   if (fault != nullptr) Strike(*fault);
-  // what was held back goes first
+  // an answer that was held back is sent before this one
   const bool holds_back = fault != nullptr && fault->holds_back && held_back_.empty();
   if (holds_back) {
     held_back_ = std::exchange(answer_, {});
@@ -165,6 +176,7 @@ void AskedUnit::PrepareAnswer() {
   line_.clear();
   overlong_ = false;
   sent_ = 0;
+  // requests that arrive while the unit is busy enter the wire from here on
   ready_ = free_since_ = processed_at_;
   phase_ = answer_.empty() ? Phase::kListening : Phase::kAnswering;
   if (!answer_.empty()) next_departure_ = unit_to_host_.Send(ready_);
@@ -175,6 +187,7 @@ void AskedUnit::Strike(const Fault& fault) {
   hang_up_ = fault.hangs_up;
   answer_ = hang_up_ ? "" : Damaged(std::move(answer_), fault.damage, answers_);
   pause_ns_ = fault.pause_ns;
+  // a pause of the fault begins in the middle of the answer
   pause_before_ = answer_.size() / 2;
 }
 
@@ -182,6 +195,7 @@ bool AskedUnit::Answer(MonotonicNs now) {
   if (next_departure_ > now) return false;
   crossed_ += answer_[sent_++];
   if (sent_ < answer_.size()) {
+    // bytes behind the pause are ready later
     if (sent_ == pause_before_) ready_ += std::exchange(pause_ns_, 0);
     next_departure_ = unit_to_host_.Send(ready_);
   } else {

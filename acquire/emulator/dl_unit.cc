@@ -21,6 +21,7 @@ const std::map<int, int> kHighestCodes{
     {dl_rs1a::kBank, 3}, {dl_rs1a::kSamplingCycle, 4},   {dl_rs1a::kAveraging, 14},
     {dl_rs1a::kHold, 5}, {dl_rs1a::kZeroShiftMemory, 1}, {dl_rs1a::kHighPassCutoff, 9}};
 
+// data of the head by its name; IL-030 for heads outside of the IL series
 const dl_rs1a::Head& TypeOf(const std::string& name) {
   const dl_rs1a::Head* type = dl_rs1a::FindHead(name);
   return type != nullptr ? *type : *dl_rs1a::FindHead("IL-030");
@@ -46,19 +47,23 @@ Result<void> ValidateIlHead(const trial::SensorHead& head) {
 
 IlAmplifier::IlAmplifier(MovingHead head, bool is_main)
     : head_(std::move(head)), type_(TypeOf(head_.head.name)), is_main_(is_main) {
+  // all settings start at code 0; sampling and averages from the head
   for (const auto& [number, highest] : kHighestCodes) codes_[number] = 0;
   codes_[dl_rs1a::kSamplingCycle] = dl_rs1a::SamplingCode(head_.head.sampling_s).value_or(0);
   codes_[dl_rs1a::kAveraging] = dl_rs1a::AveragingCode(head_.head.averages).value_or(0);
 }
 
 Value IlAmplifier::ReadingAt(MonotonicNs sampled, MonotonicNs now) const {
+  // invalid (-99.998) until two response times after a change of a setting
   if (now < settled_at_) return {.decimals = type_.decimals, .status = SampleStatus::kInvalid};
   const trial::HeadReading reading = head_.Reading(head_.LastSample(sampled));
+  // counts = round(value in mm * 10^decimals), less the zero shift
   const double steps_per_m = 1e3 * PowerOfTen(type_.decimals);
   const auto counts = static_cast<std::int32_t>(std::lround(steps_per_m * reading.value_m));
   return {.counts = counts - zero_counts_, .decimals = type_.decimals, .status = reading.status};
 }
 
+// bit 0 HIGH, bit 1 LOW, bit 3 alarm, else bit 2 GO
 int IlAmplifier::Outputs(const Value& value) {
   switch (value.status) {
     case SampleStatus::kOver:
@@ -73,6 +78,7 @@ int IlAmplifier::Outputs(const Value& value) {
 }
 
 std::optional<IlDatum> IlAmplifier::Read(int number, const Value& present) const {
+  // a setting: the code that was last written
   if (const auto code = codes_.find(number); code != codes_.end()) {
     return NumberDatum(code->second, 1);
   }
@@ -87,9 +93,11 @@ std::optional<IlDatum> IlAmplifier::Read(int number, const Value& present) const
     case dl_rs1a::kPeak:  // peak and bottom do not exist in sample hold
     case dl_rs1a::kBottom:
       return ValueDatum({.decimals = type_.decimals, .status = SampleStatus::kInvalid});
+    // 1: the zero shift succeeded
     case dl_rs1a::kZeroShiftResult:
       return NumberDatum(1, 1);
     case dl_rs1a::kProductCode:
+      // 4022 main amplifier, 4023 expansion
       return NumberDatum(is_main_ ? 4022 : 4023, 4);
     case dl_rs1a::kConnectedHead:
       return NumberDatum(type_.code, 1);
@@ -107,6 +115,7 @@ IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
     return IlWriteOutcome::kDone;
   }
   const auto highest = kHighestCodes.find(number);
+  // no setting: read-only where the number can be read
   if (highest == kHighestCodes.end()) {
     return Read(number, {}) ? IlWriteOutcome::kReadOnly : IlWriteOutcome::kNoSuchNumber;
   }
@@ -115,18 +124,22 @@ IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
   // "default" is 1 ms; the filters average nothing here
   head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
   head_.head.averages = dl_rs1a::Averages(codes_[dl_rs1a::kAveraging]).value_or(1);
+  // the moving average starts again after a change of these
   const bool unsettles = number == dl_rs1a::kSamplingCycle || number == dl_rs1a::kAveraging ||
                          number == dl_rs1a::kHold;
   if (unsettles) {
+    // two response times: 2 * sampling cycle * averages
     settled_at_ = now + NsFromSeconds(2 * head_.head.sampling_s * head_.head.averages);
   }
   return IlWriteOutcome::kDone;
 }
 
 void IlAmplifier::ShiftZero(int number, int code, MonotonicNs now) {
+  // the shift acts at the edge from 0 to 1, not at the level
   const bool is_edge = requests_[number] == 0 && code == 1;
   requests_[number] = code;
   if (!is_edge) return;
+  // the present value becomes 0; a reset restores the head's own zero
   zero_counts_ = number == dl_rs1a::kZeroShift ? zero_counts_ + ReadingAt(now, now).counts : 0;
 }
 
@@ -134,11 +147,13 @@ namespace {
 
 using dl::Command;
 
+// the value with the status that a fault injects
 Value Struck(Value value, const Fault* fault) {
   if (fault != nullptr && fault->status != SampleStatus::kOk) value.status = fault->status;
   return value;
 }
 
+// a reply with the number of another amplifier
 bool AnswersForAnother(const Fault* fault) { return fault != nullptr && fault->wrong_id; }
 
 }  // namespace
@@ -150,10 +165,12 @@ DlUnit::DlUnit(const DlModel& model, int baud, std::vector<MovingHead> heads, Dl
       times_(times),
       is_writable_(is_writable) {
   HAPTOMETER_CHECK(!heads.empty() && heads.size() <= dl::kMostUnits, "{} heads", heads.size());
+  // the first head belongs to the main amplifier
   for (MovingHead& head : heads) amplifiers_.emplace_back(std::move(head), amplifiers_.empty());
 }
 
 MonotonicNs DlUnit::ProcessingNs(std::string_view line) const {
+  // processing time T by command; SR, SW and FR address one amplifier directly
   const std::string_view command = line.substr(0, 2);
   if (command == "AW") return times_.to_all_ns;
   return command == "SR" || command == "SW" || command == "FR" ? times_.direct_ns
@@ -167,6 +184,7 @@ std::string DlUnit::AnswerToOverlong(std::string_view line) const {
 std::string DlUnit::AnswerTo(std::string_view line, MonotonicNs now, const Fault* fault) {
   const dl::ParsedRequest parsed = dl::ParseRequest(model_.spelling, line);
   const std::string_view command = line.substr(0, 2);
+  // an injected refusal precedes the reading of the request
   if (fault != nullptr && fault->refuses) {
     const int number = faults().error_number.value_or(model_.faulty);
     return dl::FormatErrorReply(model_.spelling, {command, number});
@@ -193,6 +211,7 @@ std::string DlUnit::Refuse(Command command, int number) const {
   return dl::FormatErrorReply(model_.spelling, {dl::Name(command), number});
 }
 
+// index of the amplifier with this identification number
 std::optional<std::size_t> DlUnit::PlaceOf(int unit) const {
   const int place = unit - model_.first_unit;
   if (place < 0 || place >= static_cast<int>(amplifiers_.size())) return std::nullopt;
@@ -200,6 +219,7 @@ std::optional<std::size_t> DlUnit::PlaceOf(int unit) const {
 }
 
 std::string DlUnit::AnswerValues(Command command, MonotonicNs now, const Fault* fault) const {
+  // last refill of the buffer, at a whole multiple of the refresh time
   const MonotonicNs refreshed = now - now % times_.refresh_ns;
   std::vector<Value> values;
   std::vector<int> outputs;
@@ -207,6 +227,7 @@ std::string DlUnit::AnswerValues(Command command, MonotonicNs now, const Fault* 
     values.push_back(Struck(amplifier.ReadingAt(refreshed, now), fault));
     outputs.push_back(IlAmplifier::Outputs(values.back()));
   }
+  // the fault gives one value too many, as of another amplifier
   if (AnswersForAnother(fault)) {
     values.push_back(values.back());
     outputs.push_back(outputs.back());
@@ -220,9 +241,11 @@ std::string DlUnit::AnswerData(const dl::Request& request, MonotonicNs now,
   const auto place = PlaceOf(request.unit);
   if (!place) return Refuse(request.command, model_.no_such_unit);
   const IlAmplifier& amplifier = amplifiers_[*place];
+  // SR bypasses the buffer: last complete reading of the head
   const auto datum = amplifier.Read(request.number, Struck(amplifier.ReadingAt(now, now), fault));
   if (!datum) return Refuse(request.command, model_.no_such_number);
   std::string data = datum->text;
+  // values and numbers in the spelling of the unit, texts as they are
   if (datum->kind == IlDatum::Kind::kValue) data = model_.format_data_value(datum->value);
   if (datum->kind == IlDatum::Kind::kNumber) {
     data = model_.format_number(datum->number, datum->digits);
@@ -236,6 +259,7 @@ std::string DlUnit::AnswerDecimals(const dl::Request& request, const Fault* faul
   if (!place) return Refuse(request.command, model_.no_such_unit);
   const auto datum = amplifiers_[*place].Read(request.number, {});
   if (!datum) return Refuse(request.command, model_.no_such_number);
+  // FR: digits behind the point; 0 for a number that is no measured value
   const bool is_value = datum->kind == IlDatum::Kind::kValue;
   return dl::FormatDataReply(
       request.command, request.unit + (AnswersForAnother(fault) ? 1 : 0), request.number,
@@ -243,12 +267,15 @@ std::string DlUnit::AnswerDecimals(const dl::Request& request, const Fault* faul
 }
 
 std::string DlUnit::AnswerWrite(const dl::Request& request, MonotonicNs now) {
+  // AW addresses all amplifiers, SW one
   const bool to_all = request.command == Command::kAw;
   const auto place = to_all ? std::optional<std::size_t>(0) : PlaceOf(request.unit);
+  // the unit refuses in this order: lock, amplifier, code, data number
   if (!is_writable_) return Refuse(request.command, model_.write_locked);
   if (!place) return Refuse(request.command, model_.no_such_unit);
   const auto code = dl::NumberOf(request.data);
   if (!code) return Refuse(request.command, model_.out_of_range);
+  // AW ends at the first refusal; amplifiers before it keep the new code
   const std::size_t end = to_all ? amplifiers_.size() : *place + 1;
   for (std::size_t i = *place; i < end; ++i) {
     switch (amplifiers_[i].Write(request.number, *code, now)) {
@@ -286,6 +313,7 @@ const DlModel& Rs1aModel() {
   return kModel;
 }
 
+// head of the main amplifier (00) first, then 01, 02, ...
 std::vector<MovingHead> AllHeads(const DlRs1aSetup& setup) {
   std::vector<MovingHead> heads{setup.head};
   heads.insert(heads.end(), setup.expansions.begin(), setup.expansions.end());
@@ -299,6 +327,7 @@ Result<void> Validate(const DlRs1aSetup& setup) {
     return Usage("<baud>", fmt::format("a DL-RS1A has no {} baud", setup.baud),
                  fmt::format("give one of {}", fmt::join(dl_rs1a::kBauds, ", ")));
   }
+  // one main amplifier, so 14 expansions
   if (setup.expansions.size() >= dl_rs1a::kMostUnits) {
     return Usage("<amplifiers>", "a DL-RS1A has no more than 15", "give 1 to 15");
   }
@@ -322,6 +351,7 @@ namespace {
 
 constexpr int kBaud = 125'000'000;  // 100 Mbit/s as characters of 10 bits
 
+// error numbers and spelling of the DL-EN1; numbers have a fixed width there
 const DlModel& En1Model() {
   static const DlModel kModel{
       .spelling = dl_en1::Spelling(),

@@ -24,8 +24,10 @@
 namespace haptometer::acquire::emulator {
 namespace {
 
+// without a host the master is always ready: interval at which a host is searched
 constexpr MonotonicNs kHostPollNs = 2'000'000;
 
+// the emulator's side of a pseudo-terminal, and the path of the host's side
 struct Terminal {
   OwnedDescriptor master{-1};
   std::string path;
@@ -47,7 +49,7 @@ Result<Terminal> OpenTerminal() {
   if (ptsname_r(master, path.data(), path.size()) != 0) return NoTerminal("ptsname");
   terminal.path = path.data();
 
-  // the settings outlive this descriptor; its closing makes the master report that nobody is there
+  // settings outlive this descriptor; closing it makes the master report that no host is connected
   const OwnedDescriptor host(open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (host.get() < 0) return NoTerminal("tcgetattr");
   if (!MakeRaw(host.get())) return NoTerminal("tcsetattr");
@@ -61,6 +63,7 @@ std::string LinkTarget(const std::string& link) {
   return code ? "" : target.string();
 }
 
+// the error of symlink() or rename(), from errno
 std::unexpected<Error> NotLinked(const std::string& link) {
   return Failed(link, std::string("cannot be linked: ") + std::strerror(errno),
                 "does its directory exist, and may you write there?");
@@ -77,6 +80,7 @@ Result<std::string> LinkBeside(const std::string& target, const std::string& lin
   return NotLinked(link);
 }
 
+// A pseudo-terminal as the serial port of the emulated unit.
 class PtyEndpoint final : public Endpoint {
  public:
   PtyEndpoint(Terminal terminal, std::string link)
@@ -84,20 +88,24 @@ class PtyEndpoint final : public Endpoint {
   PtyEndpoint(const PtyEndpoint&) = delete;
   PtyEndpoint& operator=(const PtyEndpoint&) = delete;
   ~PtyEndpoint() override {
-    // somebody else may have put a link of theirs there in the meantime
+    // another program may have put its own link there in the meantime
     if (!link_.empty() && LinkTarget(link_) == terminal_.path) unlink(link_.c_str());
   }
 
   // The new link replaces an old one in one step, so that a host never finds none.
   Result<void> MakeLink() {
+    // no link is requested, or the name is free
     if (link_.empty() || symlink(terminal_.path.c_str(), link_.c_str()) == 0) return {};
     if (errno != EEXIST) return NotLinked(link_);
+    // other files are never replaced
     if (!LinkTarget(link_).starts_with("/dev/pts/")) {
       return Failed(link_, "exists and is not a link to a terminal",
                     "remove it or give another name");
     }
+    // link beside it, then rename(): the change is atomic
     HAPTOMETER_LET(const auto fresh, LinkBeside(terminal_.path, link_));
     if (rename(fresh.c_str(), link_.c_str()) == 0) return {};
+    // the errno of rename() is the one to report
     const int failure = errno;
     unlink(fresh.c_str());
     errno = failure;
@@ -114,14 +122,16 @@ class PtyEndpoint final : public Endpoint {
     const timespec at_once{};
     ppoll(&master, host_there_ ? 1 : 0, &longest, nullptr);
     if (!host_there_) ppoll(&master, 1, &at_once, nullptr);
+    // POLLHUP on the master: no process holds the host's side open
     const bool was_there = std::exchange(host_there_, (master.revents & POLLHUP) == 0);
-    // what the last host left unread is not for the next one, who may have asked already: only what
-    // goes to the host is dropped
+    // bytes that the last host did not read are discarded; requests of the next host, which may be
+    // here already, are not: only the direction to the host is flushed
     if (was_there && !host_there_) tcflush(terminal_.master.get(), TCOFLUSH);
     return host_there_;
   }
 
   [[nodiscard]] bool Read(std::string& bytes) override {
+    // read errors are those of an absent host: Wait() reports it
     std::array<char, 4096> buffer{};
     const ssize_t count = read(terminal_.master.get(), buffer.data(), buffer.size());
     if (count > 0) bytes.append(buffer.data(), static_cast<std::size_t>(count));
@@ -129,6 +139,7 @@ class PtyEndpoint final : public Endpoint {
   }
 
   [[nodiscard]] std::size_t Write(std::string_view bytes) override {
+    // a full buffer accepts nothing now; the caller tries again
     const ssize_t count = write(terminal_.master.get(), bytes.data(), bytes.size());
     return count > 0 ? static_cast<std::size_t>(count) : 0;
   }
@@ -160,6 +171,7 @@ namespace {
 
 constexpr int kSendBuffer = 32 * 1024;  // the kernel doubles it: as much as a pseudo-terminal holds
 
+// HOST:PORT as two names; port 0 takes any free one
 Result<NetworkName> Split(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
@@ -179,7 +191,7 @@ std::string BoundName(int socket) {
   socklen_t size = sizeof address;
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> port{};
-  // the socket interface wants its addresses under the general type
+  // the socket interface requires addresses under the general type
   auto* general = reinterpret_cast<sockaddr*>(&address);
   if (getsockname(socket, general, &size) != 0 ||
       getnameinfo(general, size, host.data(), host.size(), port.data(), port.size(),
@@ -187,9 +199,11 @@ std::string BoundName(int socket) {
     return {};
   }
   const std::string text = host.data();
+  // IPv6 addresses in brackets
   return (text.contains(':') ? "[" + text + "]" : text) + ":" + port.data();
 }
 
+// A TCP port that serves one host at a time.
 class TcpEndpoint final : public Endpoint {
  public:
   explicit TcpEndpoint(OwnedDescriptor listener)
@@ -209,11 +223,13 @@ class TcpEndpoint final : public Endpoint {
     std::array<char, 4096> buffer{};
     const ssize_t count = recv(host_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
     if (count > 0) bytes.append(buffer.data(), static_cast<std::size_t>(count));
+    // 0 bytes: the host closed; other errors than "nothing there" end the connection too
     if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) host_ = OwnedDescriptor(-1);
     return HasHost();
   }
 
   [[nodiscard]] std::size_t Write(std::string_view bytes) override {
+    // MSG_NOSIGNAL: a host that is gone gives an error, not SIGPIPE
     const ssize_t count =
         send(host_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     return count > 0 ? static_cast<std::size_t>(count) : 0;
@@ -247,6 +263,7 @@ OwnedDescriptor Listener(const addrinfo& address) {
       socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (listener.get() < 0) return listener;
   const int on = 1;
+  // the port can be bound again at once after the program has ended
   setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (bind(listener.get(), address.ai_addr, address.ai_addrlen) != 0 ||
       listen(listener.get(), 1) != 0) {
@@ -259,6 +276,7 @@ OwnedDescriptor Listener(const addrinfo& address) {
 
 Result<std::unique_ptr<Endpoint>> ListenTcp(const std::string& address) {
   HAPTOMETER_LET(const auto parts, Split(address));
+  // addresses on which a server can listen, port as a number
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
@@ -269,6 +287,7 @@ Result<std::unique_ptr<Endpoint>> ListenTcp(const std::string& address) {
                  "give 127.0.0.1:0, for example");
   }
   OwnedDescriptor listener = Listener(*found);
+  // freeaddrinfo() may change errno
   const int reason = errno;
   freeaddrinfo(found);
   if (listener.get() < 0) {

@@ -10,7 +10,7 @@
 namespace haptometer::acquire::emulator {
 namespace {
 
-// The makers give an answer up for lost after a second; a host that knows its unit does earlier.
+// By the makers a reply comes within 1 s; a host that has measured the unit waits less.
 constexpr std::array kFaults = {
     Fault{.name = "silent", .summary = "no answer", .damage = Damage::kMissing},
     Fault{.name = "slow", .summary = "the answer comes after 0.4 s", .delay_ns = kNsPerS * 2 / 5},
@@ -69,6 +69,7 @@ struct Named {
   std::optional<int> error_number{};
 };
 
+// a number behind "error-" is the error number of the reply
 Named ReadName(std::string_view text) {
   constexpr std::string_view kNumbered = "error-";
   const auto number =
@@ -81,11 +82,13 @@ Named ReadName(std::string_view text) {
 
 std::span<const Fault> Faults() { return kFaults; }
 
+// faults that have an effect only on replies to requests
 bool NeedsAQuestion(const Fault& fault) {
   return fault.refuses || fault.delay_ns > 0 || fault.pause_ns > 0 || fault.holds_back ||
          fault.wrong_id;
 }
 
+// each `every`-th answer, counted from 1
 const Fault* FaultPlan::At(std::int64_t number) const {
   return fault != nullptr && number % every == 0 ? fault : nullptr;
 }
@@ -104,6 +107,7 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
   }
   if (colon == std::string_view::npos) return plan;
 
+  // NAME:EVERY
   const std::string_view every = text.substr(colon + 1);
   const auto [stop, code] = std::from_chars(every.begin(), every.end(), plan.every);
   if (code != std::errc() || stop != every.end() || plan.every < 1) {
@@ -125,12 +129,14 @@ std::string Damaged(std::string answer, Damage damage, std::int64_t number) {
       answer.clear();
       break;
     case Damage::kTruncated:
+      // half of the text, with no line end
       answer.resize(BodySize(answer) / 2);
       break;
     case Damage::kGarbled: {
       // bytes with the top bit set appear in no answer and end no line
       auto state = static_cast<std::uint32_t>(number);
       for (std::size_t i = 0; i < BodySize(answer); ++i) {
+        // linear congruential generator (Numerical Recipes): the same noise in each run
         state = state * 1664525U + 1013904223U;
         answer[i] = static_cast<char>(0x80U | (state >> 24U));
       }

@@ -13,10 +13,12 @@
 namespace haptometer::acquire::emulator {
 namespace {
 
+// bytes are given in batches of about 1 ms
 constexpr MonotonicNs kBatchNs = 1'000'000;
 // what serial ports offer, for the advice only
 constexpr std::array kCommonBauds = {9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
 
+// whether lines of this length fit between two samples; 1e-12 allows for rounding
 bool Fits(std::size_t bytes, int baud, double sampling_s) {
   return static_cast<double>(bytes) * kBitsPerCharacter <= sampling_s * baud * (1 + 1e-12);
 }
@@ -24,6 +26,7 @@ bool Fits(std::size_t bytes, int baud, double sampling_s) {
 // "use <baud> 921600 or <sampling> 782us": the slowest common rate and the shortest period that fit
 std::string Advice(const StreamSetup& setup) {
   const std::size_t bytes = LineBytes(setup.format);
+  // shortest period in whole microseconds at the given baud rate
   const auto period_us = static_cast<std::int64_t>(
       std::ceil(1e6 / MostLinesPerSecond(setup.format, setup.baud) - 1e-6));
   std::string advice = fmt::format("<sampling> {}us", period_us);
@@ -39,6 +42,7 @@ std::string Advice(const StreamSetup& setup) {
 
 Result<void> Validate(const StreamSetup& setup) {
   const Fault* fault = setup.faults.fault;
+  // a stream has no requests, so faults of replies have no effect
   if (fault != nullptr && NeedsAQuestion(*fault)) {
     return Usage(
         "<fault>",
@@ -61,18 +65,21 @@ StreamHead::StreamHead(StreamSetup setup) : setup_(std::move(setup)), wire_(setu
 }
 
 void StreamHead::Receive(std::string_view bytes, MonotonicNs /*now*/) {
+  // the answer to the identity request goes before the next line
   is_asked_ = is_asked_ || bytes.find(kIdentityRequest.front()) != std::string_view::npos;
 }
 
 void StreamHead::Advance(MonotonicNs now, std::string& out) {
   advanced_to_ = now;
   while (true) {
+    // between two lines: the next one begins when its sample is taken
     if (sent_ == line_.size()) {
       if (setup_.head.SampleTime(next_) > now) return;
       PrepareLine();
     } else {
       if (departure_ > now) return;
       out += line_[sent_++];
+      // bytes leave one after the other at the baud rate
       if (sent_ < line_.size()) departure_ = wire_.Send(setup_.head.SampleTime(next_ - 1));
     }
   }
@@ -81,8 +88,10 @@ void StreamHead::Advance(MonotonicNs now, std::string& out) {
 void StreamHead::PrepareLine() {
   const std::int64_t number = next_++;
   const trial::HeadReading reading = setup_.head.Reading(number);
+  // faults count lines from 1
   const Fault* fault = setup_.faults.At(number + 1);
 
+  // counts of the last decimal, as the line carries them
   Value value{.counts = static_cast<std::int32_t>(
                   std::lround(reading.value_m / MetresPerCount(setup_.format))),
               .decimals = setup_.format.decimals,
@@ -93,6 +102,7 @@ void StreamHead::PrepareLine() {
   if (std::exchange(is_asked_, false)) {
     line_ = fmt::format("{}{}{}", kEmulatedIdentity, Bytes(setup_.format.delimiter), line_);
   }
+  // a hang-up replaces the line
   if (fault != nullptr && fault->hangs_up) {
     hang_up_ = true;
     line_.clear();
@@ -103,6 +113,7 @@ void StreamHead::PrepareLine() {
 
 std::optional<MonotonicNs> StreamHead::NextDue() const {
   const MonotonicNs due = sent_ < line_.size() ? departure_ : setup_.head.SampleTime(next_);
+  // not before the last batch is 1 ms old
   return std::max(due, advanced_to_ + kBatchNs);
 }
 

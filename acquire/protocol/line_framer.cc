@@ -11,6 +11,7 @@ std::string_view Bytes(Delimiter delimiter) {
 }
 
 LineFramer::LineFramer(Delimiter delimiter, std::size_t longest)
+    // lines of CR LF end at the LF, and the CR before it is removed
     : end_character_(delimiter == Delimiter::kCr ? '\r' : '\n'), longest_(longest) {
   HAPTOMETER_CHECK(longest > 0, "longest = {}", longest);
 }
@@ -23,6 +24,7 @@ void LineFramer::Feed(std::string_view bytes) {
   buffer_.append(bytes);
 }
 
+// discards an unfinished line; returns its bytes
 std::size_t LineFramer::Reset() {
   const std::size_t forgotten = buffer_.size() - line_begin_;
   if (forgotten == 0) return 0;  // between two lines: a LF may still belong to the last one
@@ -65,9 +67,11 @@ void LineFramer::DropOverlongStart() {
 Frame LineFramer::Finish(std::size_t end) {
   std::string_view text = std::string_view(buffer_).substr(line_begin_, end - line_begin_);
   line_begin_ = searched_ = end + 1;
+  // the LF of a CR LF may come with the next bytes
   skip_line_feed_ = end_character_ == '\r';
   Frame frame{Framing::kValid, text, buffer_.size() - line_begin_};
   if (end_character_ == '\n' && frame.text.ends_with('\r')) frame.text.remove_suffix(1);
+  // an overlong line is reported without its text; its bytes count as discarded
   if (overlong_ || frame.text.size() > longest_) {
     discarded_bytes_ += text.size() + 1;
     overlong_ = false;

@@ -13,20 +13,26 @@
 namespace haptometer::acquire {
 namespace {
 
+// Modbus TCP header: transaction (2), protocol (2), length (2), unit (1)
 constexpr std::size_t kMbapBytes = 7;
+// serial line specification: slave (1), PDU (253), CRC (2)
 constexpr std::size_t kLongestRtu = 256;
+// PDU of 253 bytes less the function code
 constexpr std::size_t kMostData = 252;
+// set in the function code of an exception response
 constexpr std::uint8_t kExceptionBit = 0x80;
 
 std::uint8_t ByteAt(std::string_view bytes, std::size_t index) {
   return static_cast<std::uint8_t>(bytes[index]);
 }
 
+// words are big-endian on the wire
 void AppendWord(std::uint16_t word, std::string& out) {
   out += static_cast<char>(word >> 8U);
   out += static_cast<char>(word & 0xFFU);
 }
 
+// slave, function, data, CRC; the CRC is sent low byte first
 ParsedAdu ParseRtu(std::string_view bytes) {
   if (bytes.size() < 4 || bytes.size() > kLongestRtu) return {.state = AduState::kBadLength};
   const std::string_view body = bytes.substr(0, bytes.size() - 2);
@@ -42,11 +48,13 @@ ParsedAdu ParseRtu(std::string_view bytes) {
           .bytes = bytes.size()};
 }
 
+// MBAP header, function, data; the length field counts from the unit identifier on
 ParsedAdu ParseTcp(std::string_view bytes) {
   if (bytes.size() < kMbapBytes + 1) return {.state = AduState::kNeedMore};
   const std::uint16_t protocol = RegisterAt(bytes, 1);
   const std::size_t length = RegisterAt(bytes, 2);  // from the unit on
   const std::size_t whole = kMbapBytes - 1 + length;
+  // protocol 0 is Modbus; the shortest message is unit and function
   if (protocol != 0 || length < 2 || whole > kLongestModbusAdu) {
     return {.state = AduState::kBadLength};
   }
@@ -81,6 +89,7 @@ std::string_view ModbusExceptionText(int code) {
              : kTexts[0];
 }
 
+// CRC-16/MODBUS: polynomial 0x8005 reflected, start value 0xFFFF, least significant bit first
 std::uint16_t ModbusCrc(std::string_view bytes) {
   constexpr std::uint32_t kReflectedPolynomial = 0xA001;
   std::uint32_t crc = 0xFFFF;
@@ -98,20 +107,24 @@ std::string_view Name(Parity parity) {
   return kNames.Of(parity);
 }
 
+// start bit, 8 data bits, parity bit, stop bits
 int BitsPerCharacter(const ModbusWire& wire) {
   return 9 + (wire.parity == Parity::kNone ? 0 : 1) + wire.stop_bits;
 }
 
 MonotonicNs SilentIntervalNs(const ModbusWire& wire) {
   HAPTOMETER_CHECK(wire.baud > 0, "baud = {}", wire.baud);
+  // above 19200 baud the specification fixes t3.5 = 1.75 ms
   constexpr MonotonicNs kAbove19200Ns = 1'750'000;
   if (wire.baud > 19200) return kAbove19200Ns;
+  // 3.5 characters: 3.5 * bits / baud
   return 7 * MonotonicNs{BitsPerCharacter(wire)} * kNsPerS / (2 * MonotonicNs{wire.baud});
 }
 
 void AppendAdu(ModbusFraming framing, const ModbusAdu& adu, std::string& out) {
   HAPTOMETER_CHECK(adu.data.size() <= kMostData, "{} bytes", adu.data.size());
   const std::size_t begin = out.size();
+  // transaction, protocol 0, length of unit, function and data
   if (framing == ModbusFraming::kTcp) {
     AppendWord(adu.transaction, out);
     AppendWord(0, out);
@@ -120,6 +133,7 @@ void AppendAdu(ModbusFraming framing, const ModbusAdu& adu, std::string& out) {
   out += static_cast<char>(adu.unit);
   out += static_cast<char>(adu.function);
   out += adu.data;
+  // CRC over slave, function and data
   if (framing == ModbusFraming::kRtu) {
     const std::uint16_t crc = ModbusCrc(std::string_view(out).substr(begin));
     out += static_cast<char>(crc & 0xFFU);
@@ -143,6 +157,7 @@ void AppendReadRequest(ModbusFraming framing, const ReadRequest& request, std::s
             out);
 }
 
+// RTU: slave, PDU, CRC (2); TCP: MBAP header, PDU
 std::size_t ReplyBytes(ModbusFraming framing, std::size_t count) {
   const std::size_t pdu = 2 + 2 * count;  // function, byte count, registers
   return framing == ModbusFraming::kRtu ? 1 + pdu + 2 : kMbapBytes + pdu;
@@ -159,10 +174,11 @@ ReadReply ParseReadReply(ModbusFraming framing, const ReadRequest& request,
                          std::string_view bytes) {
   const ParsedAdu parsed = ParseAdu(framing, bytes);
   if (parsed.state == AduState::kBadCrc) return Faulty(ModbusFault::kCrc);
+  // one frame, complete and without further bytes
   if (parsed.state != AduState::kWhole || parsed.bytes != bytes.size()) {
     return Faulty(ModbusFault::kLength);
   }
-  // whose it is, before what it says
+  // first whose reply it is, then its content
   const ModbusAdu& adu = parsed.adu;
   if (framing == ModbusFraming::kTcp && adu.transaction != request.transaction) {
     return Faulty(ModbusFault::kTransaction);
@@ -174,6 +190,7 @@ ReadReply ParseReadReply(ModbusFraming framing, const ReadRequest& request,
     return {.fault = ModbusFault::kNone, .exception = ByteAt(adu.data, 0)};
   }
   if (adu.function != request.function) return Faulty(ModbusFault::kFunction);
+  // byte count, then two bytes per register
   const std::size_t asked = 2 * std::size_t{request.count};
   if (adu.data.size() != 1 + asked || ByteAt(adu.data, 0) != asked) {
     return Faulty(ModbusFault::kLength);
@@ -181,6 +198,7 @@ ReadReply ParseReadReply(ModbusFraming framing, const ReadRequest& request,
   return {.fault = ModbusFault::kNone, .exception = 0, .registers = adu.data.substr(1)};
 }
 
+// big-endian 16-bit register
 std::uint16_t RegisterAt(std::string_view registers, std::size_t index) {
   return static_cast<std::uint16_t>((ByteAt(registers, 2 * index) << 8U) |
                                     ByteAt(registers, 2 * index + 1));
@@ -191,6 +209,7 @@ namespace {
 constexpr Names<RegisterType, 5> kTypeNames{{"u16", "i16", "u32", "i32", "f32"}};
 constexpr Names<WordOrder, 4> kOrderNames{{"ABCD", "CDAB", "BADC", "DCBA"}};
 
+// letters are the bytes of the number, A the most significant, in the order of the wire
 bool SwapsBytes(WordOrder order) { return order == WordOrder::kBadc || order == WordOrder::kDcba; }
 bool LowWordFirst(WordOrder order) {
   return order == WordOrder::kCdab || order == WordOrder::kDcba;
@@ -198,6 +217,7 @@ bool LowWordFirst(WordOrder order) {
 
 std::uint16_t Swapped(std::uint16_t word) { return static_cast<std::uint16_t>(std::rotl(word, 8)); }
 
+// rounded to the nearest integer, as bits; nothing beyond the integer's range
 template <typename Integer>
 std::optional<std::uint32_t> RoundedBits(double number) {
   const double rounded = std::nearbyint(number);
@@ -229,6 +249,7 @@ std::uint32_t BitsFrom(std::span<const std::uint16_t> registers, RegisterType ty
   HAPTOMETER_CHECK(registers.size() == RegistersOf(type), "{} registers", registers.size());
   std::array<std::uint16_t, 2> words{};
   std::ranges::copy(registers, words.begin());
+  // bytes within each register first, then the order of the registers
   if (SwapsBytes(order)) std::ranges::transform(words, words.begin(), Swapped);
   if (registers.size() == 1) return words[0];
   if (LowWordFirst(order)) std::swap(words[0], words[1]);
@@ -263,6 +284,7 @@ double NumberOf(std::uint32_t bits, RegisterType type) {
   return bits;
 }
 
+// inverse of NumberOf(); nothing where the number does not fit
 std::optional<std::uint32_t> BitsOf(double number, RegisterType type) {
   switch (type) {
     case RegisterType::kU16:

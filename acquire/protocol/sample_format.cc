@@ -23,6 +23,7 @@ constexpr Names<SampleFormat, 4> kNames{{"f64", "f32", "i16", "text"}};
 // a number with its blanks: "-1.7976931348623157e+308" and as much room again
 constexpr std::size_t kLongestCell = 48;
 
+// bytes of one binary number; 0 for text
 std::size_t BytesOf(SampleFormat format) {
   switch (format) {
     case SampleFormat::kF64:
@@ -37,6 +38,7 @@ std::size_t BytesOf(SampleFormat format) {
   return 0;
 }
 
+// a number from bytes at any alignment
 template <typename T>
 T Load(const char* bytes) {
   T value;
@@ -44,6 +46,7 @@ T Load(const char* bytes) {
   return value;
 }
 
+// raw number as sent, with its status by the limits of the channel
 Sample BinarySample(SampleFormat format, const char* bytes, const trial::RawLimits& limits) {
   if (format == SampleFormat::kF64) {
     const auto value = Load<double>(bytes);
@@ -57,12 +60,14 @@ Sample BinarySample(SampleFormat format, const char* bytes, const trial::RawLimi
   return {RawValue::Counts(value), StatusOf(limits, value)};
 }
 
+// characters that may separate two numbers
 bool IsMark(char c) { return c == ',' || c == ';' || c == ' ' || c == '\t'; }
 
 // takes the first number off `line`, with what separates it from the next; an empty cell stays
 std::string_view TakeCell(std::string_view& line) {
   const std::string_view cell = {line.begin(), std::ranges::find_if(line, IsMark)};
   line.remove_prefix(cell.size());
+  // blanks around a comma or semicolon belong to the separator
   line = trial::Trimmed(line);
   if (!line.empty() && (line[0] == ',' || line[0] == ';')) {
     line.remove_prefix(1);
@@ -86,6 +91,7 @@ trial::Encoding EncodingOf(SampleFormat format) {
   return format == SampleFormat::kF32 ? trial::Encoding::kF32 : trial::Encoding::kF64;
 }
 
+// a line that is longer than its numbers can be is damaged
 SampleParser::SampleParser(SampleFormat format, std::vector<trial::RawLimits> limits)
     : format_(format),
       limits_(std::move(limits)),
@@ -99,6 +105,7 @@ void SampleParser::Feed(std::string_view bytes) {
     framer_.Feed(bytes);
     return;
   }
+  // rows that were taken leave the buffer, a begun row remains
   buffer_.erase(0, row_begin_);
   row_begin_ = 0;
   buffer_.append(bytes);
@@ -112,6 +119,7 @@ RowState SampleParser::Next(std::span<Sample> row) {
 
 RowState SampleParser::NextBinary(std::span<Sample> row) {
   const std::size_t bytes = BytesOf(format_);
+  // rows are complete or wait for more bytes: binary data have no marks to find a row again
   if (buffer_.size() - row_begin_ < bytes * row.size()) return RowState::kNeedMore;
   for (std::size_t channel = 0; channel < row.size(); ++channel) {
     row[channel] = BinarySample(format_, buffer_.data() + row_begin_, limits_[channel]);
@@ -126,9 +134,11 @@ RowState SampleParser::NextLine(std::span<Sample> row) {
     if (frame.framing == Framing::kNeedMore) return RowState::kNeedMore;
     line_ = trial::Trimmed(frame.text);
     const bool is_line = frame.framing == Framing::kValid;
+    // empty lines are no rows
     if (is_line && line_.empty()) continue;
     if (is_line && ReadLine(line_, row)) return RowState::kRow;
     discarded_bytes_ += frame.text.size();
+    // a damaged row keeps its place: all channels bad_frame
     std::ranges::fill(row, Sample{RawValue(), SampleStatus::kBadFrame});
     return RowState::kBadRow;
   }
@@ -140,6 +150,7 @@ bool SampleParser::ReadLine(std::string_view line, std::span<Sample> row) const 
     if (!number) return false;
     row[channel] = {RawValue::F64(*number), StatusOf(limits_[channel], *number)};
   }
+  // numbers behind the last channel make the row invalid
   return line.empty();
 }
 

@@ -21,6 +21,7 @@ std::size_t CounterWidth(const StreamFormat& format) {
   return format.counter_digits > 0 ? static_cast<std::size_t>(format.counter_digits) + 1 : 0;
 }
 
+// digits and point, without the sign
 std::size_t NumberWidth(const StreamFormat& format) {
   const std::size_t point = format.decimals > 0 ? 1 : 0;
   return static_cast<std::size_t>(format.whole_digits) + static_cast<std::size_t>(format.decimals) +
@@ -29,6 +30,7 @@ std::size_t NumberWidth(const StreamFormat& format) {
 
 // "+00.0000": sign, whole digits, point, decimals
 Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
+  // a picture: each 0 stands for a digit, a leading + for an obligatory sign
   const bool is_signed = picture.starts_with('+');
   const std::string_view number = picture.substr(is_signed ? 1 : 0);
   const std::size_t point = number.find('.');
@@ -37,6 +39,7 @@ Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
       point == std::string_view::npos ? std::string_view{} : number.substr(point + 1);
   const bool has_zeros =
       ConsistsOf(whole, '0') && (point == std::string_view::npos || ConsistsOf(decimals, '0'));
+  // at most 9 digits together: the counts are 32 bits
   if (!has_zeros || whole.size() + decimals.size() > kMostDigits) {
     return Usage("<format>",
                  fmt::format("\"{}\" is not a picture of a number of 1 to 9 digits", picture),
@@ -50,6 +53,7 @@ Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
 
 // "000,+00.0000": a line counter, where there is one, and the number
 Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
+  // the first separator ends the counter; without one, the picture is the number alone
   const std::size_t mark = pictures.find_first_of(kSeparators);
   if (mark == std::string_view::npos) return ReadPicture(pictures, format);
   const std::string_view counter = pictures.substr(0, mark);
@@ -65,6 +69,7 @@ Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
 
 // "mm" is one millimetre, "0.1um" a tenth of a micrometre
 Result<double> ReadUnit(std::string_view unit) {
+  // "mm" is completed to "1mm"
   const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
   const std::string text = (has_number ? "" : "1") + std::string(unit);
   HAPTOMETER_LET(const Quantity quantity, ParseQuantity(text, Dimension::kLength, "<format>"));
@@ -82,6 +87,7 @@ Result<Delimiter> ReadDelimiter(std::string_view word) {
 }  // namespace
 
 Result<StreamFormat> ParseStreamFormat(std::string_view text) {
+  // from the right: the picture itself may hold a comma behind the counter
   const std::size_t second = text.rfind(',');
   const std::size_t first = second == std::string_view::npos || second == 0
                                 ? std::string_view::npos
@@ -107,14 +113,17 @@ std::size_t LineBytes(const StreamFormat& format) {
   return LineWidth(format) + Bytes(format.delimiter).size();
 }
 
+// one count is one unit of the last decimal, in m
 double MetresPerCount(const StreamFormat& format) {
   return format.unit_m / PowerOfTen(format.decimals);
 }
 
+// all digits 9
 std::int32_t MostCounts(const StreamFormat& format) {
   return PowerOfTen(format.whole_digits + format.decimals) - 1;
 }
 
+// rate = baud / (bytes per line * bits per character)
 double MostLinesPerSecond(const StreamFormat& format, int baud) {
   HAPTOMETER_CHECK(baud > 0, "baud = {}", baud);
   return static_cast<double>(baud) /
@@ -122,6 +131,7 @@ double MostLinesPerSecond(const StreamFormat& format, int baud) {
 }
 
 std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_view line) {
+  // lines have a fixed width: any other length is a damaged line
   if (line.size() != LineWidth(format)) return std::nullopt;
   // the counter
   if (format.counter_digits > 0) {
@@ -131,6 +141,7 @@ std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_vie
     }
     line.remove_prefix(digits + 1);
   }
+  // X or - in all places: no valid value
   if (ConsistsOf(line, 'X') || ConsistsOf(line, '-')) {
     return Value{kNoCounts, format.decimals, trial::SampleStatus::kInvalid};
   }
@@ -141,6 +152,7 @@ std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_vie
     if (sign != '+' && sign != '-') return std::nullopt;
     line.remove_prefix(1);
   }
+  // F in all digits: beyond the range, the sign states which side
   if (ConsistsOf(line, 'F')) {
     return Value{kNoCounts, format.decimals,
                  sign == '-' ? trial::SampleStatus::kUnder : trial::SampleStatus::kOver};
@@ -156,6 +168,7 @@ std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_vie
   return Value{sign == '-' ? -*size : *size, format.decimals, trial::SampleStatus::kOk};
 }
 
+// number of the line, modulo CounterTurn()
 std::int32_t LineCount(const StreamFormat& format, std::string_view line) {
   const auto digits = static_cast<std::size_t>(format.counter_digits);
   const std::optional<std::int32_t> count = ParseDigits(line.substr(0, digits));
@@ -171,6 +184,7 @@ std::string FormatValue(const StreamFormat& format, const Value& value) {
   const bool is_signed = format.sign == SignRule::kAlways;
   const bool is_number = trial::IsMeasurement(value.status);
   const std::int32_t most = MostCounts(format);
+  // without a sign, negative numbers cannot be sent
   const std::int32_t least = is_signed ? -most : 0;
   // letters where there is no number to send, or none that fits
   const bool over =
@@ -197,6 +211,7 @@ std::string FormatValue(const StreamFormat& format, const Value& value) {
 
 std::string FormatStreamLine(const StreamFormat& format, const Value& value, std::int64_t number) {
   if (format.counter_digits == 0) return FormatValue(format, value);
+  // the counter starts again at 0 after all digits are 9
   return fmt::format("{:0{}}{}{}", number % CounterTurn(format), format.counter_digits,
                      format.separator, FormatValue(format, value));
 }

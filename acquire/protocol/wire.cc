@@ -8,9 +8,11 @@ namespace haptometer::acquire {
 
 MonotonicNs WireTimeNs(std::size_t bytes, int baud, int bits_per_character) {
   HAPTOMETER_CHECK(baud > 0, "baud = {}", baud);
+  // t = bytes * bits per character / baud
   return static_cast<MonotonicNs>(bytes) * bits_per_character * kNsPerS / baud;
 }
 
+// the factor 2.56 leaves room for the slope of an anti-alias filter
 double HighestObservableHz(double rate_hz) { return rate_hz / kReadingsPerPeriod; }
 
 bool ConsistsOf(std::string_view text, char character) {
@@ -18,6 +20,7 @@ bool ConsistsOf(std::string_view text, char character) {
 }
 
 std::optional<std::int32_t> ParseDigits(std::string_view text) {
+  // nine digits fit in 32 bits
   if (text.empty() || text.size() > 9) return std::nullopt;
   std::int32_t value = 0;
   for (const char character : text) {

@@ -17,11 +17,12 @@ namespace haptometer::acquire {
 namespace {
 
 constexpr MonotonicNs kProgressEveryNs = kNsPerS / 2;
+// after a loss, rows are accepted again when 1/8 of the ring is free
 constexpr std::size_t kResumeFraction = 8;
 
 // --- the writing thread ---
 
-// everything that waits, each event in its place
+// writes all rows and events that wait, each event at its place among the rows
 Result<void> WriteWaiting(RowRing& ring, RowSink& sink) {
   while (true) {
     // the row first: an event that was added before it is then there
@@ -36,6 +37,7 @@ Result<void> WriteWaiting(RowRing& ring, RowSink& sink) {
   }
 }
 
+// until the ring is closed and empty, or the disk fails
 Result<void> WriteRows(RowRing& ring, RowSink& sink) {
   while (ring.Wait()) {
     HAPTOMETER_TRY(WriteWaiting(ring, sink));
@@ -50,6 +52,7 @@ enum class Ending : std::uint8_t { kDone, kStopped, kConnectionLost, kWriterGave
 
 using Missing = std::optional<std::optional<std::uint64_t>>;  // as in trial::Event
 
+// Reads the sensor up to an end, and passes rows and events to the ring.
 class Reader {
  public:
   Reader(Sensor& sensor, RowRing& ring, Clock& clock, const std::atomic<bool>& stop,
@@ -97,8 +100,8 @@ class Reader {
   Reading reading_;
   MonotonicNs shot_start_ns_ = 0;    ///< since the beginning: 0, or the trigger
   std::uint64_t shot_readings_ = 0;  ///< from there on
-  std::uint64_t lost_here_ = 0;      ///< rows without room that the trial does not know of yet
-  std::uint64_t missing_here_ = 0;   ///< and those that the sensor says were lost before them
+  std::uint64_t lost_here_ = 0;      ///< rows without room that the trial does not hold yet
+  std::uint64_t missing_here_ = 0;   ///< and those that the sensor reports as lost before them
   MonotonicNs away_since_ns_ = 0;
   MonotonicNs progress_ns_ = 0;
 };
@@ -117,6 +120,7 @@ void Reader::NoteLost() {
   if (lost_here_ == 0) return;
   Say(trial::EventKind::kGap,
       fmt::format("{} readings were lost here: the disk was slower than the sensor", lost_here_),
+      // one gap for all of them: rows without room, and rows that the sensor itself lost
       std::optional(lost_here_ + std::exchange(missing_here_, 0)));
   tally_.Lose(std::exchange(lost_here_, 0));
 }
@@ -132,6 +136,7 @@ void Reader::WaitForRoom() const {
 void Reader::Keep(const Reading& reading) {
   WaitForRoom();
   // after a loss there is some room first: a gap a row would cost more than the rows
+  // 1 row in normal operation, 1/8 of the ring after a loss
   const std::size_t needed = lost_here_ == 0 ? 1 : 1 + ring_.capacity() / kResumeFraction;
   if (ring_.room() < std::min(needed, ring_.capacity())) {
     ++lost_here_;
@@ -139,6 +144,7 @@ void Reader::Keep(const Reading& reading) {
     return;
   }
   NoteLost();
+  // the gap comes before the row, at its place in the trial
   if (reading.lost_before > 0) {
     Say(trial::EventKind::kGap,
         fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before),
@@ -151,16 +157,19 @@ void Reader::Keep(const Reading& reading) {
 
 void Reader::Fire(MonotonicNs time_ns) {
   tally_.Fire();
+  // without a number: how many rows are missing since the last shot is not known
   Say(trial::EventKind::kRemark,
       fmt::format("trigger {} {} rows from here: {}", tally_.Summary().triggers, before_.kept(),
                   watch_.Text()),
       std::optional<std::uint64_t>());
+  // rows before the trigger first, in the order of time
   before_.Drain([this](const Reading& earlier) { Keep(earlier); });
   shot_start_ns_ = time_ns;
   shot_readings_ = 0;
   phase_ = Phase::kRecording;
 }
 
+// ends by duration since the trigger (or the beginning), or by number of readings
 bool Reader::EndsShot(MonotonicNs time_ns) const {
   return (limits_.duration_ns && time_ns - shot_start_ns_ >= *limits_.duration_ns) ||
          (limits_.readings && shot_readings_ >= *limits_.readings);
@@ -173,17 +182,19 @@ bool Reader::NextShot() {
   return true;
 }
 
-// one reading of the sensor; false when it is the first behind the end
+// one reading of the sensor; false for the first one behind the end
 bool Reader::Take(MonotonicNs time_ns) {
   tally_.See();
   if (hooks_.reading) hooks_.reading(reading_);
+  // the end of a shot follows from the reading's own time, not from the clock
   if (phase_ == Phase::kRecording && EndsShot(time_ns) && !NextShot()) return false;
   if (phase_ == Phase::kHoldOff && time_ns - shot_start_ns_ >= limits_.trigger->hold_off_ns) {
     phase_ = Phase::kArmed;
   }
-  // an edge needs the value before it, so the watch sees every reading
+  // an edge needs the value before it, so the watch receives every reading
   const bool fires = limits_.trigger && watch_.Fires(reading_);
   if (phase_ == Phase::kArmed && fires) Fire(time_ns);
+  // outside of a shot a reading is a possible pre-sample of the next trigger
   if (phase_ != Phase::kRecording) {
     before_.Keep(reading_);
     return true;
@@ -213,6 +224,7 @@ std::optional<Ending> Reader::Step() {
     case Outcome::kGone:
       return Ending::kConnectionLost;
     case Outcome::kAway:
+      // the interruption counts as one gap
       away_since_ns_ = clock_.Now();
       tally_.Leave();
       Say(trial::EventKind::kRemark, "the connection was lost");
@@ -234,6 +246,7 @@ void Reader::ShowProgress() {
   hooks_.progress(tally_.Summary());
 }
 
+// one step per reading or slice; the stop is tested before each
 Ending Reader::Run() {
   progress_ns_ = clock_.Now();
   Ending ending = Ending::kStopped;
@@ -248,11 +261,13 @@ Ending Reader::Run() {
     }
     ShowProgress();
   }
+  // an error of the disk takes precedence over the other endings
   if (ring_.given_up()) ending = Ending::kWriterGaveUp;
+  // interrupted: the recording ends now, not at the last row
   if (ending == Ending::kStopped) tally_.End(clock_.Now() - origin_ns_);
   NoteLost();
   if (ending == Ending::kConnectionLost) {
-    // a device that was away and given up was told of when it went
+    // a device that was disconnected and then abandoned has its remark already
     const bool is_told = tally_.Summary().is_away;
     Say(trial::EventKind::kRemark,
         is_told ? "waiting for the device ended" : "the connection was lost");
@@ -260,7 +275,7 @@ Ending Reader::Run() {
   return ending;
 }
 
-// what the sensor finds by now, in words
+// the sensor's findings so far, as sentences
 std::vector<std::string> Sentences(const Sensor& sensor, const RecordingHooks& hooks) {
   std::vector<std::string> sentences;
   if (!hooks.say) return sentences;
@@ -278,6 +293,7 @@ std::uint64_t RecordingSummary::repeated() const {
   return statuses[static_cast<std::size_t>(trial::SampleStatus::kRepeated)];
 }
 
+// readings that are neither ok nor repeated
 std::uint64_t RecordingSummary::bad() const {
   return readings - repeated() - statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)];
 }
@@ -286,16 +302,19 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
                                 const std::atomic<bool>& stop, const RecordingLimits& limits,
                                 const RecordingHooks& hooks) {
   RowRing ring(limits.most_waiting_bytes, sensor.header().channels.size());
+  // the disk has its own thread: a slow write must not delay a poll
   Result<void> written;
   std::thread writing([&] {
     written = WriteRows(ring, sink);
     if (!written) ring.GiveUp();
   });
+  // findings before the first row, so that only new ones are added at the end
   const std::vector<std::string> said = Sentences(sensor, hooks);
   Reader reader(sensor, ring, clock, stop, limits, hooks);
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
+  // without a stated end, a stop is the regular ending
   summary.interrupted = ending == Ending::kStopped && HasEnd(limits);
   if (summary.interrupted) {
     ring.PushEvent(
@@ -306,6 +325,7 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
     if (std::ranges::find(said, text) != said.end()) continue;
     ring.PushEvent({.kind = trial::EventKind::kRemark, .text = std::move(text)});
   }
+  // the thread writes what is left, and ends
   ring.Close();
   writing.join();
   if (!written) return std::unexpected(written.error());

@@ -6,6 +6,7 @@
 namespace haptometer::acquire {
 
 void IntervalStatistics::Add(MonotonicNs time_ns) {
+  // the first reading has no interval
   if (!has_time_) {
     has_time_ = true;
     last_ns_ = time_ns;
@@ -15,16 +16,19 @@ void IntervalStatistics::Add(MonotonicNs time_ns) {
   total_ns_ += time_ns - last_ns_;
   last_ns_ = time_ns;
   ++intervals_;
+  // Welford: mean m and sum of squared deviations S of the intervals, in one pass
   const double deviation_s = interval_s - mean_s_;
   mean_s_ += deviation_s / static_cast<double>(intervals_);
   squares_s2_ += deviation_s * (interval_s - mean_s_);
 }
 
+// rate = intervals / total time
 std::optional<double> IntervalStatistics::RateHz() const {
   if (total_ns_ <= 0) return std::nullopt;
   return static_cast<double>(intervals_) / SecondsFromNs(total_ns_);
 }
 
+// standard deviation of the intervals, s = sqrt(S / (n - 1))
 std::optional<double> IntervalStatistics::DeviationSeconds() const {
   if (intervals_ < 2) return std::nullopt;
   return std::sqrt(squares_s2_ / static_cast<double>(intervals_ - 1));
@@ -32,18 +36,23 @@ std::optional<double> IntervalStatistics::DeviationSeconds() const {
 
 namespace {
 
+// an interval above 8 usual ones is a gap
 constexpr double kUsualIntervals = 8;
+// arrival times: only a silence above 50 ms, and above 8 usual intervals, can be a gap
 constexpr double kShortestSilenceNs = 50e6;
+// arrival times: 0.5 s after a silence, the number of rows shows whether some are missing
 constexpr MonotonicNs kVerdictAfterNs = 500'000'000;
 
 }  // namespace
 
+// mean of the intervals without gaps, in ns
 double GapCounter::UsualIntervalNs() const {
   return static_cast<double>(usual_sum_ns_) /
          static_cast<double>(std::max<std::uint64_t>(usual_count_, 1));
 }
 
 void GapCounter::Add(const Reading& reading) {
+  // uniform rows are numbered: a step of more than 1 is a gap
   if (timing_ == trial::Timing::kUniform) {
     if (has_last_ && reading.index != last_index_ + 1) ++gaps_;
     last_index_ = reading.index;
@@ -56,8 +65,10 @@ void GapCounter::Add(const Reading& reading) {
 
 void GapCounter::AddInterval(MonotonicNs time_ns) {
   const MonotonicNs interval_ns = time_ns - last_ns_;
+  // compared with the usual interval before this one is added
   const bool is_long =
       usual_count_ > 0 && static_cast<double>(interval_ns) > kUsualIntervals * UsualIntervalNs();
+  // polled: one gap from the first long interval to the first usual one
   if (timing_ == trial::Timing::kPolled && is_long) {
     if (!in_gap_) ++gaps_;
     in_gap_ = true;
@@ -66,6 +77,7 @@ void GapCounter::AddInterval(MonotonicNs time_ns) {
   in_gap_ = false;
   usual_sum_ns_ += interval_ns;
   ++usual_count_;
+  // arrivals without line numbers: delayed rows come in a burst after a silence, lost ones do not
   if (timing_ == trial::Timing::kArrival && !is_numbered_) WatchSilence(time_ns, is_long);
 }
 
@@ -77,10 +89,12 @@ void GapCounter::WatchSilence(MonotonicNs time_ns, bool is_long) {
     silence_begin_ns_ = last_ns_;
     silence_ns_ = interval_ns;
     rows_since_ = 1;
+    // the usual interval without this silence
     usual_before_ns_ =
         static_cast<double>(usual_sum_ns_ - interval_ns) / static_cast<double>(usual_count_ - 1);
     return;
   }
+  // rows since the silence began: delayed rows increase them to the expected number
   ++rows_since_;
   if (time_ns - silence_begin_ns_ - silence_ns_ < kVerdictAfterNs) return;
   silence_open_ = false;
@@ -92,11 +106,14 @@ void GapCounter::WatchSilence(MonotonicNs time_ns, bool is_long) {
 }
 
 bool GapCounter::SilenceWasGap(MonotonicNs now_ns) const {
+  // rows expected since the silence began, at the usual interval
   const double expected = static_cast<double>(now_ns - silence_begin_ns_) / usual_before_ns_;
   const double missing = expected - static_cast<double>(rows_since_);
+  // a gap where at least half of the rows of the silence are missing
   return missing >= 0.5 * static_cast<double>(silence_ns_) / usual_before_ns_;
 }
 
+// a known gap, a shot or a reconnection begins here: no interval across it
 void GapCounter::Restart() {
   gaps_ = gaps();
   silence_open_ = false;
@@ -104,6 +121,7 @@ void GapCounter::Restart() {
   has_last_ = false;
 }
 
+// the silence from the last row to the end may be a gap too
 void GapCounter::End(MonotonicNs time_ns) {
   if (timing_ == trial::Timing::kUniform || !has_last_ || usual_count_ == 0) return;
   const auto silence_ns = static_cast<double>(time_ns - last_ns_);
@@ -124,6 +142,7 @@ Tally::Tally(const Sensor& sensor, MonotonicNs origin_ns)
       gaps_(timing_,
             sensor.header().metadata.fields.contains(std::string(trial::kLineNumbersField))) {}
 
+// uniform: index / rate; else the time of the reading, from the beginning
 MonotonicNs Tally::SinceBegin(const Reading& reading) const {
   if (timing_ != trial::Timing::kUniform) return reading.time_ns - origin_ns_;
   return NsFromSeconds(static_cast<double>(reading.index) / rate_hz_);
@@ -132,12 +151,13 @@ MonotonicNs Tally::SinceBegin(const Reading& reading) const {
 void Tally::Add(const Reading& reading) {
   ++summary_.readings;
   ++summary_.statuses[static_cast<std::size_t>(RowStatus(reading))];
+  // rows with at least one measured value
   if (std::ranges::any_of(reading.samples, trial::IsMeasurement, &trial::Sample::status)) {
     ++summary_.measured;
   }
   const MonotonicNs time_ns = SinceBegin(reading);
   summary_.elapsed_s = SecondsFromNs(time_ns);
-  // what the sensor counts itself needs no guess from the interval
+  // a gap that the sensor itself counts needs no estimate from the interval
   if (reading.lost_before > 0) {
     ++known_gaps_;
     Restart();
@@ -151,6 +171,7 @@ void Tally::Restart() {
   intervals_.Restart();
 }
 
+// rows without room in the ring: one gap
 void Tally::Lose(std::uint64_t rows) {
   summary_.lost += rows;
   ++known_gaps_;
@@ -174,6 +195,7 @@ void Tally::Fire() {
 }
 
 void Tally::End(MonotonicNs since_begin_ns) {
+  // an absent device has its gap already
   if (!summary_.is_away) gaps_.End(origin_ns_ + since_begin_ns);
 }
 

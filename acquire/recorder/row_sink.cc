@@ -31,10 +31,12 @@ Result<std::unique_ptr<TrialRotation>> TrialRotation::Begin(NamePart name,
 Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   trial::TrialHeader header = header_;
   ++part_;
+  // fields that only a continuation has: its start in the recording, and the part before
   header.metadata.fields["part"] = std::to_string(part_);
   if (first != nullptr) {
     const bool is_uniform = header.timing == trial::Timing::kUniform;
     start_index_ = first->index;
+    // start in ns since the beginning of the recording
     start_ns_ = is_uniform ? NsFromSeconds(static_cast<double>(first->index) / header.rate_hz)
                            : first->time_ns;
     header.metadata.fields["part_start_s"] = fmt::format("{:.9f}", SecondsFromNs(start_ns_));
@@ -46,13 +48,16 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   HAPTOMETER_LET(auto writer,
                  trial::TrialWriter::Create(file, std::move(header), options_, clock_));
   writer_ = std::move(writer);
+  // file() is called from other threads
   const std::lock_guard lock(file_mutex_);
   file_ = file;
   return {};
 }
 
 bool TrialRotation::IsDue(const trial::Row& row) {
+  // a part has at least one row
   if (rows_ == 0) return false;
+  // a split on request, then by size, then by duration
   if (is_asked_.exchange(false)) return true;
   if (limits_.bytes && (rows_ + 1) * row_bytes_ > *limits_.bytes) return true;
   if (!limits_.duration_ns) return false;
@@ -64,10 +69,12 @@ bool TrialRotation::IsDue(const trial::Row& row) {
 }
 
 Result<void> TrialRotation::Append(const trial::Row& row) {
+  // the old part is complete before the new one begins
   if (IsDue(row)) {
     HAPTOMETER_TRY(Finish());
     HAPTOMETER_TRY(BeginPart(&row));
   }
+  // times and indices count from the beginning of the part
   trial::Row here = row;
   here.index -= start_index_;
   here.time_ns -= start_ns_;

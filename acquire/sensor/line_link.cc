@@ -20,11 +20,12 @@ LinkLine LineLink::Read(MonotonicNs deadline) {
               .chunk_ns = chunk_ns_,
               .bytes_behind = frame.bytes_behind};
     }
-    // bytes that form no line may come for ever
+    // bytes that form no line may come without end: past the deadline one chunk is the last
     if (is_last_look) return {.state = LinkState::kNothing, .text = {}};
     const ReadOutcome outcome = transport_->Read(chunk_, deadline);
     if (outcome.state == ReadState::kGone) return {.state = LinkState::kGone, .text = {}};
     if (outcome.state == ReadState::kTimeout) return {.state = LinkState::kNothing, .text = {}};
+    // arrival of the chunk; the time of a line follows from the bytes behind it
     chunk_ns_ = clock_.Now();
     is_last_look = chunk_ns_ >= deadline;
     framer_.Feed(std::string_view(chunk_.data(), outcome.bytes));
@@ -33,7 +34,7 @@ LinkLine LineLink::Read(MonotonicNs deadline) {
 
 std::size_t LineLink::Flush() {
   std::size_t thrown_away = framer_.Reset();
-  // a device that never stops sending must not keep us here: its buffers hold less than this
+  // a device that sends without end must not prolong the flush: its buffers hold less than this
   constexpr int kMostChunks = 64;
   for (int i = 0; i < kMostChunks; ++i) {
     const ReadOutcome outcome = transport_->Read(chunk_, clock_.Now());
@@ -48,6 +49,7 @@ std::string LineLink::Source(bool is_emulated) const {
   constexpr std::string_view kDevice = "device: ";
   std::string source = transport_->Source();
   if (!is_emulated) return source;
+  // the source of an emulator must not be mistaken for a device
   if (source.starts_with(kDevice)) source.erase(0, kDevice.size());
   return "emulated device: " + source;
 }

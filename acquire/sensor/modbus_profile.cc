@@ -23,6 +23,7 @@ constexpr std::array kBauds{110,     300,     600,     1200,    2400,    4800,  
                             1000000, 1152000, 1500000, 2000000, 2500000, 3000000, 3500000, 4000000};
 
 constexpr MonotonicNs kLongestWaitNs = 60 * kNsPerS;
+// a register address has 16 bits on the wire
 constexpr int kMostAddresses = 65536;
 
 // whether `count` registers from `address` are among those that one request reads
@@ -36,13 +37,16 @@ bool CanBeAsked(const SensorProfile& profile, int address, int count) {
          address - profile.address_base + count <= kMostAddresses;
 }
 
+// "KEY: WHAT" of the first impossible value, "" where there is none
 std::string WrongWire(const SensorProfile& profile) {
+  // libmodbus would set 9600 baud for any other rate, without an error
   if (std::ranges::find(kBauds, profile.wire.baud) == kBauds.end()) {
     return fmt::format("baud: {} cannot be set; have {}", profile.wire.baud,
                        fmt::join(kBauds, ", "));
   }
   if (profile.wire.stop_bits != 1 && profile.wire.stop_bits != 2)
     return "stop_bits: must be 1 or 2";
+  // unit identifiers 0 and 255 address the device itself; serial slaves are 1 to 247
   const bool whole_device = profile.transport == ModbusFraming::kTcp &&
                             (profile.wire.slave == 0 || profile.wire.slave == 255);
   if (!whole_device && (profile.wire.slave < 1 || profile.wire.slave > 247)) {
@@ -52,6 +56,7 @@ std::string WrongWire(const SensorProfile& profile) {
   if (std::ranges::any_of(waits, [](MonotonicNs ns) { return ns <= 0 || ns > kLongestWaitNs; })) {
     return "response_timeout_s: waits must be above 0 and at most 60 s";
   }
+  // a reply after response_timeout is late; after longest_reply none comes
   if (profile.longest_reply_ns < profile.response_timeout_ns) {
     return "longest_reply_s: must not be below response_timeout_s";
   }
@@ -62,11 +67,13 @@ std::string WrongWire(const SensorProfile& profile) {
 }
 
 std::string WrongRequest(const SensorProfile& profile) {
+  // 03: read holding registers; 04: read input registers
   if (profile.function != 3 && profile.function != 4) return "function: must be 3 or 4";
   if (profile.address_base != 0 && profile.address_base != 1) return "address_base: must be 0 or 1";
   if (!CanBeAsked(profile, profile.address, profile.count)) {
     return "count: 1 to 125 registers can be read, within address_base to address_base + 65535";
   }
+  // a check after a lost reply must have another length than a reading
   if (profile.check_address.has_value() != profile.check_count.has_value()) {
     return "check_address: needs check_count, and check_count needs it";
   }
@@ -93,6 +100,7 @@ std::string WrongValue(const SensorProfile& profile) {
   if (profile.scale_address && !CanBeAsked(profile, *profile.scale_address, 1)) {
     return "scale_address: there is no such register";
   }
+  // a register has 16 bits
   const bool narrow = registers == 1;
   if (std::ranges::any_of(profile.invalid_bits,
                           [&](std::uint32_t bits) { return narrow && bits > 0xFFFF; })) {
@@ -105,6 +113,7 @@ std::string WrongValue(const SensorProfile& profile) {
   return {};
 }
 
+// status and timestamp must come in the same reply as the value
 std::string WrongCompanions(const SensorProfile& profile) {
   if (profile.status_address && !IsRead(profile, *profile.status_address, 1)) {
     return "[status] address: must lie within the registers that are read";
@@ -134,6 +143,7 @@ std::string WhatIsWrong(const SensorProfile& profile) {
 std::span<const int> ModbusBauds() { return kBauds; }
 
 Result<SensorProfile> FindProfile(const std::string& name_or_file) {
+  // a built-in name is preferred to a file of the same name
   std::vector<std::string> names;
   for (const SensorProfile& profile : BuiltInProfiles()) {
     if (profile.name == name_or_file) return profile;
@@ -141,6 +151,7 @@ Result<SensorProfile> FindProfile(const std::string& name_or_file) {
   }
   std::error_code error;
   if (std::filesystem::exists(name_or_file, error)) return ReadProfileFile(name_or_file);
+  // neither: the nearest built-in name, or all of them
   const std::string nearest = Nearest(name_or_file, names);
   return Usage(
       "<profile>", fmt::format("'{}' is neither a built-in profile nor a file", name_or_file),
@@ -152,6 +163,7 @@ ReadRequest ReadingRequest(const SensorProfile& profile) {
   return {.transaction = 0,
           .unit = static_cast<std::uint8_t>(profile.wire.slave),
           .function = static_cast<std::uint8_t>(profile.function),
+          // addresses on the wire count from 0
           .address = static_cast<std::uint16_t>(profile.address - profile.address_base),
           .count = static_cast<std::uint16_t>(profile.count)};
 }
@@ -169,6 +181,7 @@ ReadRequest CheckRequest(const SensorProfile& profile) {
 }
 
 MonotonicNs RtuExchangeNs(const SensorProfile& profile) {
+  // slave, function, address (2), count (2), CRC (2)
   constexpr std::size_t kRequestBytes = 8;
   const std::size_t characters =
       kRequestBytes + ReplyBytes(ModbusFraming::kRtu, static_cast<std::size_t>(profile.count));
@@ -177,9 +190,11 @@ MonotonicNs RtuExchangeNs(const SensorProfile& profile) {
 
 MonotonicNs RtuPeriodNs(const SensorProfile& profile) {
   const MonotonicNs silent_ns = SilentIntervalNs(profile.wire);
+  // t(request) + t(reply) + t3.5 + max(t3.5, least gap)
   return RtuExchangeNs(profile) + silent_ns + std::max(silent_ns, profile.least_gap_ns);
 }
 
+// 1/s, the smaller of wire and sensor
 double HighestRateHz(const SensorProfile& profile) {
   const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile));
   return std::min(wire_hz, profile.fastest_rate_hz.value_or(wire_hz));
@@ -188,6 +203,7 @@ double HighestRateHz(const SensorProfile& profile) {
 Findings FindWireRate(const SensorProfile& profile) {
   constexpr double kMostRtuRateHz = 1 / 3.5e-3;  // two silent intervals of 1.75 ms at any baud rate
   Findings found;
+  // RTU: the period on the wire; the sensor may be slower
   const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile));
   const double sensor_hz = profile.fastest_rate_hz.value_or(wire_hz);
   if (profile.transport == ModbusFraming::kRtu) {
@@ -200,6 +216,7 @@ Findings FindWireRate(const SensorProfile& profile) {
                              {"observable_hz", HighestObservableHz(HighestRateHz(profile))}}};
     if (sensor_hz < wire_hz) rate.numbers.emplace_back("new_rate_hz", sensor_hz);
     found.Add(std::move(rate));
+    // no RTU line reaches the rate that the 20-500 Hz band needs
     found.Note(FindingKind::kRegistersTooSlow,
                {{"rate_hz", kMostRtuRateHz}, {"needed_hz", kNeededRateHz}});
   } else if (profile.fastest_rate_hz) {
@@ -223,6 +240,7 @@ void ReadInt(TomlTable& table, std::string_view key, int& value) {
   value = static_cast<int>(*number);
 }
 
+// the key is absent: the value remains empty
 void ReadInt(TomlTable& table, std::string_view key, std::optional<int>& value) {
   int number = 0;
   if (!table.Has(key)) return;
@@ -230,6 +248,7 @@ void ReadInt(TomlTable& table, std::string_view key, std::optional<int>& value) 
   value = number;
 }
 
+// s in the file, ns in the profile
 void ReadTime(TomlTable& table, std::string_view key, MonotonicNs& ns) {
   const auto seconds = table.Number(key, Dimension::kTime);
   if (!seconds) return;
@@ -237,6 +256,7 @@ void ReadTime(TomlTable& table, std::string_view key, MonotonicNs& ns) {
   ns = NsFromSeconds(*seconds);
 }
 
+// an absent key keeps the default of SensorProfile
 void ReadWire(TomlTable& table, SensorProfile& profile) {
   const auto transport = table.Choice("transport", {"rtu", "tcp"});
   if (transport == "tcp") profile.transport = ModbusFraming::kTcp;
@@ -261,6 +281,7 @@ void ReadRequestKeys(TomlTable& table, SensorProfile& profile) {
   profile.is_exact = table.Flag("exact").value_or(false);
   ReadInt(table, "check_address", profile.check_address);
   ReadInt(table, "check_count", profile.check_count);
+  // first register of the request, unless [value] has another
   profile.value_address = profile.address;
 }
 
@@ -274,6 +295,7 @@ void ReadValue(TomlTable& table, SensorProfile& profile) {
   if (!unit && !table.Has("unit")) {
     table.Refuse("unit", "is missing", "add the unit of the numbers: m, cm, mm, um or nm");
   }
+  // unit_m: metres per unit
   if (unit) profile.unit_m = ParseQuantity("1" + *unit, Dimension::kLength, "unit")->value;
   profile.scale = table.Number("scale", Dimension::kNone).value_or(profile.scale);
   profile.offset = table.Number("offset", Dimension::kNone).value_or(profile.offset);
@@ -289,6 +311,7 @@ void ReadInvalid(TomlTable& table, SensorProfile& profile) {
     if (number < least || number > most) {
       return table.Refuse("raw", "does not fit the value's type");
     }
+    // two's complement; one register keeps the low 16 bits
     const auto bits = static_cast<std::uint32_t>(number);
     profile.invalid_bits.push_back(narrow ? bits & 0xFFFFU : bits);
   }
@@ -298,6 +321,7 @@ void ReadInvalid(TomlTable& table, SensorProfile& profile) {
 
 void ReadStatus(TomlTable& table, SensorProfile& profile) {
   int mask = 0;
+  // register 0, unless the table has another
   profile.status_address = 0;
   ReadInt(table, "address", profile.status_address);
   ReadInt(table, "mask", mask);
@@ -323,6 +347,7 @@ void ReadAbilities(TomlTable& table, SensorProfile& profile) {
 }
 
 void ReadTables(TomlTable& root, SensorProfile& profile) {
+  // a table that every profile needs
   const auto required = [&](std::string_view key) {
     TomlTable* table = root.Table(key);
     if (table == nullptr && !root.Has(key)) root.Refuse(key, "is missing", "add the table");
@@ -347,6 +372,7 @@ Result<SensorProfile> ReadProfile(TomlTable root) {
   profile.advice = root.Text("advice").value_or("");
   ReadTables(root, profile);
   HAPTOMETER_TRY(root.Finish());
+  // each key is valid on its own; now the values in relation to each other
   if (const std::string wrong = WhatIsWrong(profile); !wrong.empty()) {
     return Usage(root.where(), wrong, "docs/reference/sensors.md describes the keys");
   }
@@ -365,7 +391,7 @@ Result<SensorProfile> ReadProfileText(std::string_view text, std::string where) 
   return ReadProfile(std::move(root));
 }
 
-// What the makers' manuals say, and no more: a figure that was not at hand is left out.
+// Values of the makers' manuals only: a figure that was not at hand is omitted.
 namespace {
 
 // A partly read block is refused ("number of registers must correspond"); 202 with two registers is
@@ -393,7 +419,7 @@ SensorProfile BaumerOm20() {
 }
 
 // One firmware family. D is 16384 at the end of the range S, which stands in register 5 in mm.
-// Whether the printed numbers count from 0 or 1 the manual does not settle.
+// The manual does not state whether its printed numbers count from 0 or 1.
 SensorProfile Triangulator(std::string name, std::string maker, std::string model,
                            std::string manual) {
   SensorProfile profile{.name = std::move(name),
@@ -437,6 +463,7 @@ SensorProfile BenewakeTf() {
   return profile;
 }
 
+// Distance in mm, one unsigned register.
 SensorProfile Wt53r() {
   SensorProfile profile{.name = "wt53r",
                         .maker = "WIT-motion, DFRobot",

@@ -23,6 +23,7 @@ using trial::SampleStatus;
 // What the registers of a Modbus sensor mean by its profile. `registers` are those of one reading,
 // as many as profile.count, two bytes each.
 
+// how a trial stores the numbers of a register type without loss
 trial::Encoding EncodingOf(RegisterType type) {
   switch (type) {
     case RegisterType::kF32:
@@ -34,6 +35,7 @@ trial::Encoding EncodingOf(RegisterType type) {
   }
 }
 
+// the bits of a reading as the trial's raw number, before scale and offset
 trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
   switch (EncodingOf(type)) {
     case trial::Encoding::kF32:
@@ -46,10 +48,12 @@ trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
   return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
 }
 
+// place of a register in the reply, 0 for the first
 std::size_t Offset(const SensorProfile& profile, int address) {
   return static_cast<std::size_t>(address - profile.address);
 }
 
+// order of the checks: status register, listed bit patterns, limits of the number as sent
 SampleStatus StatusOf(const SensorProfile& profile, std::string_view registers,
                       std::uint32_t bits) {
   if (profile.status_address) {
@@ -76,16 +80,19 @@ trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_sca
   channel.role = trial::ChannelRole::kDisplacement;
   channel.unit = "m";
   channel.encoding = EncodingOf(profile.type);
+  // displacement in m = (number * scale + offset) * unit_m
   channel.scale = profile.scale * register_scale * profile.unit_m;
   channel.offset = profile.offset * profile.unit_m;
+  // a whole number changes in steps of one count; for f32 the profile alone states a resolution
   const bool is_whole = profile.type != RegisterType::kF32;
   channel.resolution = profile.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
-  // the ends, whichever way the scale goes
+  // ends of the range in m; `otherwise` where the profile states no limit
   const auto end_m = [&](const std::optional<double>& number, double otherwise) {
     return number ? *number * channel.scale + channel.offset : otherwise;
   };
   const double least_m = end_m(profile.least_number, channel.range_min);
   const double most_m = end_m(profile.most_number, channel.range_max);
+  // a negative scale exchanges the two ends: no range is stated then
   if (channel.scale > 0) {
     channel.range_min = profile.range_min_m.value_or(least_m);
     channel.range_max = profile.range_max_m.value_or(most_m);
@@ -93,17 +100,18 @@ trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_sca
   return channel;
 }
 
-// the number as sent, with what profile and status register say of it
+// the number as sent, with its status by the profile and the status register
 trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers) {
   std::array<std::uint16_t, 2> words{};
   const std::size_t count = RegistersOf(profile.type);
   const std::size_t first = Offset(profile, profile.value_address);
+  // 16-bit words in the order of the wire; type and word order join them
   for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
   const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile.type, profile.order);
   return {RawOf(bits, profile.type), StatusOf(profile, registers, bits)};
 }
 
-// what stands in for a number where none came
+// the number of a row without a reading: NaN, or kNoCounts where the channel holds counts
 trial::RawValue NoValue(RegisterType type) {
   switch (EncodingOf(type)) {
     case trial::Encoding::kF32:
@@ -130,6 +138,7 @@ std::string InWords(const ModbusErrors& errors) {
     if (count == 0) return;
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
   };
+  // damaged and missing replies first, then exceptions by their code
   for (std::size_t fault = 0; fault < kModbusFaultCount; ++fault) {
     add(errors.faults[fault], std::string(Name(static_cast<ModbusFault>(fault))));
   }
@@ -144,12 +153,13 @@ std::string InWords(const ModbusErrors& errors) {
 namespace {
 
 constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
+// TCP: a peer that is one reply behind does not recover, so the connection counts as lost then
 constexpr int kMostBadRows = 8;
 
-// a sound one with registers, as many as were asked for
+// a sound reply with as many registers as the request asks for
 bool IsReplyTo(const ReadRequest& request, const ModbusReply& reply) {
   if (reply.arrival != ModbusArrival::kFrame) return false;
-  // lengths are told apart on RTU alone
+  // only RTU needs it: its frames carry no identifier, so the length distinguishes replies
   const ReadReply parsed = ParseReadReply(ModbusFraming::kRtu, request, reply.bytes);
   return parsed.fault == ModbusFault::kNone && parsed.exception == 0;
 }
@@ -163,6 +173,7 @@ ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, 
       clock_(clock) {
   frame_.reserve(kLongestModbusAdu);
   held_registers_.reserve(kLongestModbusAdu);
+  // lower limit of a reply time: both frames at the baud rate of the wire
   if (is_rtu()) exchanges_ = ResponseDeadline(RtuExchangeNs(profile_));
   timestamp_.reserve(kLongestModbusAdu);
 }
@@ -170,11 +181,12 @@ ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, 
 // --- the wire ---
 
 bool ModbusSensor::Send(ReadRequest request, Phase next) {
-  // whatever is there now answers nothing that is still asked; over TCP its identifier says so, and
-  // a call is saved while all is well
+  // bytes that wait now belong to no open request; TCP omits the call while all rows are sound,
+  // since the transaction identifier excludes old replies
   if (is_rtu() || bad_rows_ > 0) {
     const std::size_t flushed = link_->Flush();
     discarded_bytes_ += flushed;
+    // a whole reply while nothing is outstanding is a second one to a request already answered
     const bool is_answered = phase_ == Phase::kFree && next == Phase::kWaiting;
     const bool is_reply = flushed >= ReplyBytes(link_->framing(), request.count);
     if (is_rtu() && is_answered && is_reply && replies_.taken > 0) ++replies_.surplus;
@@ -191,6 +203,7 @@ bool ModbusSensor::Send(ReadRequest request, Phase next) {
 
 ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
   const ModbusReply reply = link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  // RTU: silent interval of 3.5 characters after a frame, or the sensor's own gap if longer
   if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
     const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
     free_from_ns_ = clock_.Now() + std::max(silent_ns, profile_.least_gap_ns);
@@ -203,6 +216,7 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
   if (reply.arrival == ModbusArrival::kFrame) {
     parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
   }
+  // one reply counts once: as a fault or as an exception
   if (parsed.fault != ModbusFault::kNone) ++errors_.faults[static_cast<std::size_t>(parsed.fault)];
   if (parsed.exception != 0) ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
   return parsed;
@@ -215,12 +229,13 @@ MonotonicNs ModbusSensor::Begin() {
   next_poll_ns_ = settle_since_ns_ = now;
   is_held_ = false;
   if (phase_ == Phase::kWaiting && !is_rtu()) {
-    phase_ = Phase::kFree;  // its identifier will tell
+    phase_ = Phase::kFree;  // the identifier distinguishes its reply
   } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
     // what was asked before stays outstanding, but its row is none of this recording
     phase_ = has_checks_ ? Phase::kDraining : Phase::kSettling;
     drain_until_ns_ = request_ns_ + profile_.longest_reply_ns;
   } else if (phase_ == Phase::kFree && std::exchange(start_was_silent_, false) && is_rtu()) {
+    // a late reply to Start() must not become the first row
     phase_ = Phase::kSettling;
     drain_until_ns_ = now + profile_.longest_reply_ns;
   }
@@ -247,7 +262,9 @@ Outcome ModbusSensor::Next(Reading& reading) {
 
 // sends the request when its time has come
 Outcome ModbusSensor::AskForReading() {
+  // the silent interval has passed, and the poll is due
   const MonotonicNs due_ns = std::max(free_from_ns_, next_poll_ns_);
+  // one slice at most, so that the caller can stop the recording
   const MonotonicNs latest_ns = clock_.Now() + kSliceNs;
   if (due_ns > clock_.Now()) clock_.SleepUntil(std::min(due_ns, latest_ns));
   if (clock_.Now() < due_ns) return Outcome::kNothing;
@@ -261,6 +278,7 @@ Outcome ModbusSensor::AskForReading() {
 }
 
 Outcome ModbusSensor::Wait(Reading& reading) {
+  // a reply that is held waits for a usual exchange; otherwise the maker's timeout
   const MonotonicNs deadline =
       request_ns_ + (is_held_ ? exchanges_.UsualNs() : profile_.response_timeout_ns);
   const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
@@ -295,7 +313,7 @@ Outcome ModbusSensor::Wait(Reading& reading) {
 
 Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
   if (reply.fault == ModbusFault::kTransaction) {
-    // an older request's reply; ours may still come
+    // a reply to an older request; the right one may still come
     discarded_bytes_ += ReplyBytes(ModbusFraming::kTcp, request_.count);
     other_transaction_ = true;
     return Outcome::kNothing;
@@ -309,10 +327,12 @@ Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
   }
   const MonotonicNs now = clock_.Now();
   const trial::Sample sample = DecodeReading(profile_, reply.registers);
+  // held: sooner than the wire or the fastest exchanges allow; the right reply may follow
   if (std::exchange(is_held_, now - request_ns_ < exchanges_.EarliestNs())) {
     ++replies_.surplus;
     discarded_bytes_ += ReplyBytes(link_->framing(), request_.count);
   }
+  // the earlier held reply, if any, was surplus; the latest one is the candidate
   if (!is_held_) return Accept(sample, reply.registers, now, reading);
   held_sample_ = sample;
   held_registers_.assign(reply.registers);
@@ -323,6 +343,7 @@ Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
 Outcome ModbusSensor::Accept(trial::Sample sample, std::string_view registers, MonotonicNs reply_ns,
                              Reading& reading) {
   const MonotonicNs exchange_ns = reply_ns - request_ns_;
+  // sooner than both frames on the wire: the reply may be one of an earlier request
   if (exchange_ns < exchanges_.wire_ns()) ++replies_.too_soon;
   ++replies_.taken;
   if (is_rtu()) exchanges_.Note(exchange_ns);
@@ -332,16 +353,19 @@ Outcome ModbusSensor::Accept(trial::Sample sample, std::string_view registers, M
   return given;
 }
 
-// A row without a reading. What may still come of it is waited for before the next question, but
-// over TCP a missing reply can be told from the next by its identifier.
+// A row without a reading. What may still come of it is waited for before the next request, but
+// over TCP the identifier distinguishes a late reply from the next one.
 Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
   const bool is_late = fault == ModbusFault::kTimeout;
   if (!is_rtu() && ++bad_rows_ > kMostBadRows) return Outcome::kGone;
+  // late only where nothing came: a reply to another request is a bad frame
   const SampleStatus status =
       is_late && !other_transaction_ ? SampleStatus::kLate : SampleStatus::kBadFrame;
+  // a late reply comes within longest_reply_ns; after damage a silent wire is sufficient
   const bool wait_long = is_late || (is_rtu() && !has_checks_);
   const MonotonicNs until_ns =
       wait_long ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
+  // with checks, replies of two lengths alternate; without them, only time separates replies
   Phase next = has_checks_ ? Phase::kDraining : Phase::kSettling;
   if (!is_rtu() && is_late) next = Phase::kFree;
   return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
@@ -349,12 +373,13 @@ Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
 
 Outcome ModbusSensor::Drain(Reading& reading) {
   const MonotonicNs now = clock_.Now();
-  // a wire that never falls silent gives bad rows, not nothing for ever
+  // a wire that never becomes silent gives bad rows, not an endless wait
   if (now - settle_since_ns_ > profile_.longest_reply_ns + kNsPerS) {
     request_ns_ = now;
     return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kBadFrame}, phase_,
                    now + kQuietNs);
   }
+  // the wait is over: poll again, or send the next of the two steps
   if (now >= drain_until_ns_) {
     if (phase_ == Phase::kSettling) {
       phase_ = Phase::kFree;
@@ -367,8 +392,10 @@ Outcome ModbusSensor::Drain(Reading& reading) {
   const ModbusReply reply = Receive(std::min(drain_until_ns_, now + kSliceNs));
   if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
   if (reply.arrival == ModbusArrival::kNothing) return Outcome::kNothing;
+  // every reply in this phase is an old one
   discarded_bytes_ += reply.bytes.size();
   if (phase_ == Phase::kSettling) {
+    // each frame starts the silent time again
     drain_until_ns_ = std::max(drain_until_ns_, clock_.Now() + kQuietNs);
   } else {
     // the late reply may be the one that a step would wait for
@@ -384,12 +411,14 @@ Outcome ModbusSensor::WaitForStep(Reading& reading) {
   const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
   if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
   discarded_bytes_ += reply.bytes.size();
+  // a reading's reply is followed by a check; the check's reply ends the resynchronisation
   if (IsReplyTo(request_, reply)) {
     const bool is_over = std::exchange(next_step_is_check_, !next_step_is_check_);
     phase_ = is_over ? Phase::kFree : Phase::kDraining;
     drain_until_ns_ = free_from_ns_;
     return Outcome::kNothing;
   }
+  // an exception to the reading step is a row of its own: the step is still open
   if (reply.arrival == ModbusArrival::kFrame && !next_step_is_check_) {
     const ReadReply refused = ParseReadReply(link_->framing(), request_, reply.bytes);
     if (refused.exception != 0) {
@@ -399,6 +428,7 @@ Outcome ModbusSensor::WaitForStep(Reading& reading) {
     }
   }
   if (clock_.Now() < deadline) return Outcome::kNothing;
+  // no reply to the step: a late row, and the step is sent again
   ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
   return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate}, Phase::kDraining,
                  free_from_ns_);
@@ -411,6 +441,7 @@ void ModbusSensor::MarkRepeated(std::string_view registers, Reading& reading) {
   if (!profile_.timestamp_address) return;
   const std::string_view stamp = TimestampOf(profile_, registers);
   trial::Sample& sample = reading.samples.front();
+  // unchanged timestamp registers: no new measurement since the last poll
   if (stamp == timestamp_ && sample.status == SampleStatus::kOk) {
     sample.status = SampleStatus::kRepeated;
   }
@@ -432,10 +463,12 @@ Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next
 // What comes before the recording: the first answers, the header, the findings.
 namespace {
 
+// for the scale register and the first reading
 constexpr int kTries = 3;
 
 }  // namespace
 
+// first sound reply within `tries` requests, else the last fault
 Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
                                          const std::atomic<bool>& stop) {
   ReadReply answer{.fault = ModbusFault::kTimeout};
@@ -456,8 +489,10 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
       if (reply.arrival == ModbusArrival::kNothing) continue;
       answer = Parse(reply);
       if (answer.fault == ModbusFault::kNone) return answer;
+      // a damaged reply: the right one may follow before the deadline
       discarded_bytes_ += reply.bytes.size();
     }
+    // a reply to this try may come during the next one, or after Start()
     start_was_silent_ = true;
   }
   return answer;
@@ -496,6 +531,7 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
 
 Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
   double register_scale = 1;
+  // the register, for example the measuring range in mm, multiplies the scale of the profile
   if (profile_.scale_address) {
     ReadRequest request = ReadingRequest(profile_);
     request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
@@ -509,19 +545,22 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
           profile_.advice.empty() ? "check the <profile>" : profile_.advice);
     }
   }
+  // no trial is made unless one reading succeeds
   HAPTOMETER_TRY(Ask(ReadingRequest(profile_), stop));
   MakeHeader(register_scale);
   return LearnCheck(stop);
 }
 
-// TCP needs no checks: there replies are told apart by their identifiers
+// TCP needs no checks: the transaction identifiers distinguish replies
 Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
   if (!is_rtu()) return {};
   const bool was_silent = std::exchange(start_was_silent_, false);
   HAPTOMETER_LET(const auto answer, Exchange(CheckRequest(profile_), 1, stop));
+  // exceptions to both requests have one length, so only registers are an answer
   has_checks_ = answer.fault == ModbusFault::kNone && answer.exception == 0;
-  // registers of a check are behind everything older
+  // replies come in order: registers of the check follow all older replies
   start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
+  // errors before the recording do not count
   errors_ = {};
   return {};
 }
@@ -530,6 +569,7 @@ void ModbusSensor::MakeHeader(double register_scale) {
   header_.timing = trial::Timing::kPolled;
   header_.channels = {ChannelOf(profile_, register_scale)};
   Describe(header_.metadata);
+  // without a timestamp, a repetition is inferred from the sensor's own period
   if (!profile_.timestamp_address && profile_.fastest_rate_hz) {
     repeats_.emplace(NsFromSeconds(1.0 / *profile_.fastest_rate_hz));
   }
@@ -540,6 +580,7 @@ void ModbusSensor::Describe(trial::Metadata& metadata) const {
   metadata.source = link_->Source();
   AddLatencyTimer(link_->LatencyTimer(), metadata);
   metadata.head = profile_.model.empty() ? profile_.name : profile_.maker + " " + profile_.model;
+  // nominal rate in Hz: least of sensor, wire and requested rate
   double highest_hz = profile_.fastest_rate_hz.value_or(std::numeric_limits<double>::infinity());
   if (is_rtu()) highest_hz = HighestRateHz(profile_);
   highest_hz = std::min(highest_hz, rate_hz_.value_or(highest_hz));

@@ -26,6 +26,7 @@ struct Word {
   std::string unit;
 };
 
+// NAME[:UNIT], separated by commas; no name twice
 Result<std::vector<Word>> ReadWords(std::string_view text) {
   std::vector<Word> words;
   while (true) {
@@ -54,6 +55,7 @@ Result<std::vector<Word>> ReadWords(std::string_view text) {
 
 // what a CSV's column of that name and unit is
 Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& unit) {
+  // the unit is read as from a CSV heading, "displacement_mm"; its first column is a time
   const std::string cell = unit.empty() ? name : fmt::format("{}_{}", name, unit);
   const auto columns = trial::ReadCsvColumns({"time_s", cell}, std::string(kOption));
   if (columns && columns->back().kind == trial::CsvColumnKind::kValue) return columns->back();
@@ -62,7 +64,7 @@ Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& un
                std::string(kExample));
 }
 
-// the role by which the name begins, whatever the unit
+// the role by which the name begins, for any unit
 ChannelRole RoleOf(const std::string& name) {
   for (const ChannelRole role : {ChannelRole::kDisplacement, ChannelRole::kVoltage,
                                  ChannelRole::kCurrent, ChannelRole::kTrigger}) {
@@ -72,6 +74,7 @@ ChannelRole RoleOf(const std::string& name) {
   return ChannelRole::kOther;
 }
 
+// SI unit of the role; "" where it has none
 std::string UnitOf(ChannelRole role) {
   if (role == ChannelRole::kDisplacement) return "m";
   if (role == ChannelRole::kVoltage) return "V";
@@ -84,6 +87,7 @@ bool IsQuantity(ChannelRole role) { return !UnitOf(role).empty(); }
 Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format) {
   trial::ChannelFormat channel;
   channel.encoding = EncodingOf(format);
+  // a count has a size only by its calibration; a trigger needs none
   if (format == SampleFormat::kI16) {
     channel.name = word.name;
     channel.role = RoleOf(word.name);
@@ -96,6 +100,7 @@ Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format)
   channel.name = column.name;
   channel.role = column.role;
   channel.unit = column.unit;
+  // SI unit per number, from the unit that is stated
   channel.scale = column.factor;
   return channel;
 }
@@ -104,7 +109,9 @@ Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format)
 Result<trial::RawLimits> CalibrateChannel(const Word& word,
                                           const trial::ChannelCalibration& calibration,
                                           trial::ChannelFormat* channel) {
+  // unit after the calibration: SI
   channel->unit = UnitOf(channel->role);
+  // counts: volts or amperes per count, from the calibration
   if (channel->encoding == trial::Encoding::kI32) {
     if (!calibration.input_per_count) {
       return Usage("<calibration>",
@@ -115,6 +122,7 @@ Result<trial::RawLimits> CalibrateChannel(const Word& word,
     return Calibrate(calibration, *calibration.input_per_count, calibration.input_at_zero_count,
                      channel);
   }
+  // numbers: volts or amperes per number, from the unit that is stated
   double input_per_raw = 1;
   if (!word.unit.empty()) {
     const auto column = ColumnOf(calibration.input_unit == "A" ? "current" : "voltage", word.unit);
@@ -141,7 +149,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
     }
   }
 
-  // the calibration is asked for these names and roles
+  // the calibration file is read for these names and roles
   trial::Calibration calibration;
   if (!calibration_path.empty()) {
     std::vector<trial::ChannelFormat> names;
@@ -154,6 +162,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
 
   PipeChannels channels;
   if (!calibration_path.empty()) channels.fields = CalibrationFields(calibration);
+  // a channel of the calibration, else one that comes in its own unit
   for (const Word& word : words) {
     trial::ChannelFormat channel{.name = word.name, .role = RoleOf(word.name)};
     channel.encoding = EncodingOf(format);
@@ -175,6 +184,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
 namespace {
 
 constexpr MonotonicNs kSliceNs = 100'000'000;
+// how long the program that writes may take to its first row
 constexpr MonotonicNs kPatienceNs = 60 * kNsPerS;
 constexpr std::size_t kChunkBytes = 65'536;
 // a heading is longer than this nowhere
@@ -207,6 +217,7 @@ Result<void> PipeSensor::Start(const std::atomic<bool>& stop) {
   return {};
 }
 
+// skips heading lines up to the first row, within bounds of time, lines and bytes
 Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
   const MonotonicNs deadline = clock_.Now() + kPatienceNs;
   while (clock_.Now() < deadline && heading_lines_ <= kMostHeadingLines &&
@@ -217,9 +228,11 @@ Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
     const RowState state = Read(std::min(deadline, clock_.Now() + kSliceNs));
     has_row_ = state == RowState::kRow;
     if (has_row_) {
+      // bytes of the heading are not counted as damage
       heading_bytes_ = parser_.discarded_bytes();
       return {};
     }
+    // the last heading line is shown where no row follows
     if (state == RowState::kBadRow) {
       ++heading_lines_;
       heading_ = Printable(parser_.line().substr(0, kMostShown));
@@ -254,6 +267,7 @@ void PipeSensor::Describe() {
   header_.metadata.source = fmt::format("{}, {}", transport_->Source(), FormName(setup_));
   header_.metadata.nominal_rate_hz = setup_.rate_hz;
   header_.metadata.fields = setup_.channels.fields;
+  // the rate is the user's statement: the pipe carries no times
   found_.Note(FindingKind::kStatedRate, {{"rate_hz", setup_.rate_hz},
                                          {"observable_hz", HighestObservableHz(setup_.rate_hz)},
                                          {"half_rate_hz", 0.5 * setup_.rate_hz}});
@@ -263,6 +277,7 @@ void PipeSensor::Describe() {
 }
 
 RowState PipeSensor::Read(MonotonicNs deadline) {
+  // rows that are already in the parser come before new bytes
   const RowState state = parser_.Next(row_);
   if (state != RowState::kNeedMore || has_ended_) return state;
   const ReadOutcome outcome = transport_->Read(chunk_, deadline);
@@ -274,11 +289,13 @@ RowState PipeSensor::Read(MonotonicNs deadline) {
 }
 
 MonotonicNs PipeSensor::Begin() {
+  // times are index / rate, from 0 at each beginning
   next_index_ = 0;
   return clock_.Now();
 }
 
 Outcome PipeSensor::Next(Reading& reading) {
+  // the row that Start() has read is the first
   if (!std::exchange(has_row_, false) && Read(clock_.Now() + kSliceNs) == RowState::kNeedMore) {
     return has_ended_ ? Outcome::kEnd : Outcome::kNothing;
   }
@@ -288,6 +305,7 @@ Outcome PipeSensor::Next(Reading& reading) {
 }
 
 std::uint64_t PipeSensor::discarded_bytes() const {
+  // a part of a row at the end is damage too
   return parser_.discarded_bytes() - heading_bytes_ + (has_ended_ ? parser_.waiting_bytes() : 0);
 }
 

@@ -11,6 +11,7 @@
 namespace haptometer::acquire {
 namespace {
 
+// equal raw bits and statuses in all channels
 bool SameContent(const std::vector<trial::Sample>& a, const std::vector<trial::Sample>& b) {
   return std::ranges::equal(a, b, [](const trial::Sample& x, const trial::Sample& y) {
     return x.raw.bits() == y.raw.bits() && x.status == y.status;
@@ -21,16 +22,19 @@ bool SameContent(const std::vector<trial::Sample>& a, const std::vector<trial::S
 
 void RepeatMarker::Mark(Reading& reading) {
   const bool is_equal = SameContent(content_, reading.samples);
+  // new: another content, or the buffer has been refilled since it was first read
   if (!is_equal || reading.time_ns - first_seen_ns_ >= refresh_ns_) {
     content_ = reading.samples;
     first_seen_ns_ = reading.time_ns;
     return;
   }
+  // the same refresh period: it may be the same buffer content; bad statuses remain
   for (trial::Sample& sample : reading.samples) {
     if (sample.status == trial::SampleStatus::kOk) sample.status = trial::SampleStatus::kRepeated;
   }
 }
 
+// ring of the last 64 exchange times
 void ResponseDeadline::Note(MonotonicNs exchange_ns) {
   exchanges_ns_[noted_++ % exchanges_ns_.size()] = exchange_ns;
 }
@@ -38,16 +42,20 @@ void ResponseDeadline::Note(MonotonicNs exchange_ns) {
 MonotonicNs ResponseDeadline::WaitNs() const {
   constexpr MonotonicNs kFactor = 4;
   if (noted_ < exchanges_ns_.size()) return kLongestNs;  // too few to know the slow ones
+  // four times the slowest of the last 64 exchanges, within 50 ms and 1 s
   return std::clamp(kFactor * std::ranges::max(exchanges_ns_), kShortestNs, kLongestNs);
 }
 
 MonotonicNs ResponseDeadline::EarliestNs() const {
+  // until 64 exchanges are noted, only the wire time is a sure lower limit
   if (noted_ < exchanges_ns_.size()) return wire_ns_;
+  // 0.9 times the fastest of the last 64 exchanges, and not below the wire time
   return std::max(wire_ns_, std::ranges::min(exchanges_ns_) / 10 * 9);
 }
 
 MonotonicNs ResponseDeadline::UsualNs() const {
   if (noted_ < exchanges_ns_.size()) return wire_ns_;
+  // 1.5 times the median: the right reply follows one that came too soon within this time
   auto sorted_ns = exchanges_ns_;
   const auto middle = sorted_ns.begin() + sorted_ns.size() / 2;
   std::ranges::nth_element(sorted_ns, middle);
@@ -59,6 +67,7 @@ Findings DoubtfulReplies(const ReplyCounts& replies, MonotonicNs wire_ns) {
   if (replies.surplus > 0) {
     found.Doubt(FindingKind::kSurplusReplies, {{"replies", replies.surplus}});
   }
+  // rate_hz: highest rate at which request and reply fit on the wire
   if (replies.too_soon > 0) {
     const double wire_s = SecondsFromNs(wire_ns);
     found.Doubt(FindingKind::kRepliesTooSoon, {{"too_soon", replies.too_soon},
@@ -88,6 +97,7 @@ PolledLine::PolledLine(std::unique_ptr<Transport> transport, Clock& clock, Delim
 Result<bool> PolledLine::Exchange(std::string_view request,
                                   const std::function<bool(std::string_view line)>& take,
                                   const std::atomic<bool>& stop) {
+  // bytes before the request are no reply to it
   link_.Flush();
   HAPTOMETER_TRY(link_.transport().Write(request, clock_.Now() + kWriteTimeNs));
   const MonotonicNs deadline = clock_.Now() + ResponseDeadline::kLongestNs;
@@ -101,8 +111,10 @@ Result<bool> PolledLine::Exchange(std::string_view request,
     }
     if (line.state != LinkState::kLine) continue;
     if (take(line.text)) return true;
+    // a line of another kind: the reply may still follow
     link_.CountDiscarded(line.text.size());
   }
+  // a reply may still come: Begin() then waits for silence first
   start_was_silent_ = true;
   return false;
 }
@@ -113,6 +125,7 @@ MonotonicNs PolledLine::Begin(const LineDialect& dialect, PollPlan plan) {
   dialect_ = &dialect;
   plan_ = plan;
   repeats_ = RepeatMarker(plan.refresh_ns);
+  // exchange times of another wire or request do not apply
   if (deadline_.wire_ns() != plan.wire_ns) deadline_ = ResponseDeadline(plan.wire_ns);
   is_held_ = false;
   // what was asked before a second beginning may still be answered
@@ -137,6 +150,7 @@ Outcome PolledLine::Next(Reading& reading) {
 Outcome PolledLine::WaitForSlot() {
   if (!plan_.rate_hz) return Ask(dialect_->PollRequest(), Phase::kWaiting);
   const MonotonicNs now = clock_.Now();
+  // instant of the slot: begin + slot / rate
   const auto due_ns = [&] {
     return begin_ns_ + NsFromSeconds(static_cast<double>(slot_) / *plan_.rate_hz);
   };
@@ -147,6 +161,7 @@ Outcome PolledLine::WaitForSlot() {
     while (due_ns() < now) ++slot_;
     slot_is_used_ = false;
   }
+  // between two polls the line is read, so that a disconnection is noticed
   if (now < due_ns()) {
     const LinkLine line = link_.Read(std::min(due_ns(), now + kSliceNs));
     if (line.state == LinkState::kGone) return Outcome::kGone;
@@ -157,12 +172,13 @@ Outcome PolledLine::WaitForSlot() {
   return Ask(dialect_->PollRequest(), Phase::kWaiting);
 }
 
-// whole replies that are there though nothing is asked
+// whole replies that wait though no request is outstanding
 void PolledLine::DropAnswered() {
   constexpr int kMostLines = 64;  // of a device that never stops; the rest is flushed
   held_.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), {}});
   for (int i = 0; i < kMostLines; ++i) {
     const LinkLine line = link_.Read(clock_.Now());
+    // no further whole line waits
     if (line.state != LinkState::kLine && line.state != LinkState::kOverlong) return;
     if (dialect_->Read(line.text, held_.samples) == LineMeaning::kReading) ++replies_.surplus;
     link_.CountDiscarded(line.text.size());
@@ -170,7 +186,7 @@ void PolledLine::DropAnswered() {
 }
 
 Outcome PolledLine::Ask(std::string_view request, Phase next) {
-  // whatever is there now answers nothing that is still asked
+  // bytes that wait now belong to no open request
   if (phase_ == Phase::kFree) DropAnswered();
   link_.Flush();
   request_ns_ = clock_.Now();
@@ -180,6 +196,7 @@ Outcome PolledLine::Ask(std::string_view request, Phase next) {
 }
 
 Outcome PolledLine::Wait(Reading& reading) {
+  // a reply that is held waits for a usual exchange only
   const MonotonicNs deadline = request_ns_ + (is_held_ ? deadline_.UsualNs() : deadline_.WaitNs());
   const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
   switch (line.state) {
@@ -188,7 +205,7 @@ Outcome PolledLine::Wait(Reading& reading) {
     case LinkState::kLine:
       if (TakeLine(line.text, reading)) return Outcome::kReading;
       if (is_held_) return Outcome::kNothing;  // with another deadline
-      break;  // lines that nobody asked for do not prolong the wait
+      break;  // lines that no request asked for do not prolong the wait
     case LinkState::kOverlong:
       return GiveRow(reading, SampleStatus::kBadFrame, clock_.Now(), Phase::kQuieting);
     case LinkState::kNothing:
@@ -210,14 +227,16 @@ Outcome PolledLine::Wait(Reading& reading) {
 
 Outcome PolledLine::Settle(Reading& reading) {
   const MonotonicNs now = clock_.Now();
-  // a line that never falls silent gives a bad row a second, not nothing for ever
+  // a line that never becomes silent gives one bad row per second, not an endless wait
   if (now - settle_since_ns_ > ResponseDeadline::kLongestNs + kQuietNs) {
     request_ns_ = now;
     return GiveRow(reading, SampleStatus::kBadFrame, now, Phase::kQuieting);
   }
+  // draining: until a late reply can come no more; quieting: until 20 ms of silence
   const MonotonicNs until = phase_ == Phase::kDraining
                                 ? request_ns_ + ResponseDeadline::kLongestNs
                                 : std::max(quiet_since_ns_, link_.last_bytes_ns()) + kQuietNs;
+  // the line is free: a request of another kind, whose reply shows that the device is in step
   if (now >= until) return Ask(dialect_->StepRequest(), Phase::kStepping);
   const LinkLine line = link_.Read(std::min(until, now + kSliceNs));
   if (line.state == LinkState::kGone) return Outcome::kGone;
@@ -234,6 +253,7 @@ Outcome PolledLine::WaitForStep(Reading& reading) {
   const MonotonicNs deadline = request_ns_ + ResponseDeadline::kLongestNs;
   const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
   if (line.state == LinkState::kGone) return Outcome::kGone;
+  // the device answers in order, so all older replies have come
   if (line.state == LinkState::kLine && dialect_->AnswersStep(line.text)) {
     unanswered_steps_ = 0;
     phase_ = Phase::kFree;
@@ -250,6 +270,7 @@ Outcome PolledLine::WaitForStep(Reading& reading) {
 
 bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
   const MonotonicNs now = clock_.Now();
+  // no value until the dialect has read one
   reading.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), {}});
   switch (dialect_->Read(line, reading.samples)) {
     case LineMeaning::kOther:
@@ -267,6 +288,7 @@ bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
   }
   reading.time_ns = request_ns_;
   reading.reply_ns = now;
+  // held: sooner than the wire or the fastest exchanges allow; the right reply may follow
   if (std::exchange(is_held_, now - request_ns_ < deadline_.EarliestNs())) {
     ++replies_.surplus;
     link_.CountDiscarded(held_bytes_);
@@ -280,10 +302,12 @@ bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
 
 Outcome PolledLine::Accept(Reading& reading) {
   const MonotonicNs exchange_ns = reading.reply_ns - request_ns_;
+  // sooner than request and reply need on the wire
   if (exchange_ns < deadline_.wire_ns()) ++replies_.too_soon;
   ++replies_.taken;
   is_held_ = false;
   phase_ = Phase::kFree;
+  // the time of a good exchange moves the deadlines of the next ones
   deadline_.Note(exchange_ns);
   repeats_.Mark(reading);
   return Outcome::kReading;

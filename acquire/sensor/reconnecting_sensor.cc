@@ -8,6 +8,7 @@ namespace {
 
 constexpr MonotonicNs kSliceNs = 100'000'000;  // how long Next() waits at most
 
+// whether rows of both have the same meaning: timing, channels, encoding, scale
 bool SendsTheSame(const trial::TrialHeader& a, const trial::TrialHeader& b) {
   return a.timing == b.timing && a.rate_hz == b.rate_hz &&
          std::ranges::equal(a.channels, b.channels,
@@ -28,6 +29,7 @@ Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
   HAPTOMETER_LET(auto opened, open_());
   HAPTOMETER_TRY(opened->Start(stop));
   sensor_ = std::move(opened);
+  // the header of the recording remains that of the first connection
   header_ = sensor_->header();
   return {};
 }
@@ -44,17 +46,20 @@ Outcome ReconnectingSensor::Next(Reading& reading) {
   return Outcome::kAway;
 }
 
+// counters and findings of the lost sensor are kept
 void ReconnectingSensor::LetGo() {
   discarded_before_ += sensor_->discarded_bytes();
   last_found_ = sensor_->Found();
   sensor_.reset();
   away_since_ns_ = clock_.Now();
+  // pauses between attempts start again at their shortest
   pause_.Reset();
   next_try_ns_ = away_since_ns_ + pause_.Next();
 }
 
 Outcome ReconnectingSensor::TryAgain() {
   const MonotonicNs now = clock_.Now();
+  // the longest permitted absence is over
   if (longest_away_ns_ && now - away_since_ns_ >= *longest_away_ns_) return Outcome::kGone;
   if (now < next_try_ns_) {
     clock_.SleepUntil(std::min(next_try_ns_, now + kSliceNs));
@@ -62,6 +67,7 @@ Outcome ReconnectingSensor::TryAgain() {
   }
   auto opened = open_();
   Result<void> started = opened ? (*opened)->Start(*stop_) : std::unexpected(opened.error());
+  // another device at the port would give rows with another meaning
   if (started && !SendsTheSame((*opened)->header(), header_)) {
     started = CannotAnswer("", "what came back sends other channels", "plug in the same device");
   }

@@ -27,12 +27,15 @@ MonotonicNs PacedSensor::Begin() {
   return begin_ns_;
 }
 
+// time at which a row is given: its time in the recording, over `speed`, from this beginning
 MonotonicNs PacedSensor::DueNs() const {
   const trial::TrialHeader& header = inner_->header();
   double since_begin_s = 0;
   if (header.timing == trial::Timing::kUniform) {
+    // uniform rows: index / rate
     since_begin_s = static_cast<double>(held_.index) / header.rate_hz;
   } else {
+    // polled rows existed when their reply came
     const bool is_polled = header.timing == trial::Timing::kPolled;
     const MonotonicNs time_ns = is_polled ? held_.reply_ns : held_.time_ns;
     since_begin_s = SecondsFromNs(time_ns - inner_begin_ns_);
@@ -45,9 +48,11 @@ Outcome PacedSensor::Next(Reading& reading) {
     if (const Outcome outcome = inner_->Next(held_); outcome != Outcome::kReading) return outcome;
     is_held_ = true;
   }
+  // an infinite speed gives each row at once
   if (std::isfinite(speed_)) {
     const MonotonicNs due_ns = DueNs();
     const MonotonicNs now_ns = clock_.Now();
+    // one slice at most, so that the caller can stop
     if (due_ns > now_ns) clock_.SleepUntil(std::min(due_ns, now_ns + kSliceNs));
     if (clock_.Now() < due_ns) return Outcome::kNothing;
   }
@@ -61,7 +66,7 @@ Outcome PacedSensor::Next(Reading& reading) {
 
 namespace {
 
-// everything the file says beside its rows
+// report of the whole file: losses and labels may follow behind the rows
 Result<trial::ReadReport> ReadToTheEnd(const std::string& path) {
   HAPTOMETER_LET(auto reader, trial::TrialReader::Open(path));
   while (true) {
@@ -80,6 +85,7 @@ Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
   std::unique_ptr<Replay> replay(new Replay(std::move(reader)));
   // the header of the new trial: the old one, with the labels as last given
   trial::Metadata& metadata = replay->header_.metadata;
+  // later labels replace earlier ones
   for (const trial::Event& event : report.events) {
     for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
   }
@@ -104,6 +110,7 @@ Result<void> Replay::Start(const std::atomic<bool>& /*stop*/) { return {}; }
 
 Outcome Replay::Next(Reading& reading) {
   while (chunk_ == nullptr || row_ == chunk_->rows()) {
+    // a damaged rest of the file ends the replay as a lost connection
     const auto next = reader_.Next();
     if (!next) return Outcome::kGone;
     if (*next == nullptr) return Outcome::kEnd;

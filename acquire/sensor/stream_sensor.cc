@@ -15,6 +15,7 @@ namespace haptometer::acquire {
 
 std::int64_t LineCounter::LostBefore(std::int32_t number) {
   HAPTOMETER_CHECK(number >= 0 && number < turn_, "number {} of {}", number, turn_);
+  // damaged lines since the last number are lines that arrived, so they are not lost
   const std::int64_t damaged = std::exchange(damaged_, 0);
   const std::optional<std::int32_t> last = std::exchange(last_, number);
   if (!last) return 0;
@@ -29,7 +30,9 @@ namespace {
 using trial::SampleStatus;
 
 constexpr MonotonicNs kSliceNs = 100'000'000;
+// time for the first line after the port was opened
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
+// time for an emulator to identify itself, at the head of a line
 constexpr MonotonicNs kIdentityNs = 200'000'000;
 constexpr std::size_t kMostShown = 24;  // characters of a line that is no reading
 constexpr double kHeldByPortsS = 1;
@@ -46,6 +49,7 @@ StreamSensor::StreamSensor(std::unique_ptr<Transport> transport, StreamSetup set
       counter_(CounterTurn(setup.format)) {}
 
 Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
+  // bytes from before are discarded; the line that is on the wire now may be cut
   link_.Flush();
   AskWhetherEmulated();
   bool is_first = true;  // the first line may be cut
@@ -57,6 +61,7 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
       return Failed(link_.transport().name(),
                     "was not recorded: interrupted before the first reading");
     }
+    // one line in the expected format, and the emulator's time to answer has passed
     if (has_line && (is_emulated_ || clock_.Now() >= identity_deadline_ns_)) {
       MakeHeader();
       return {};
@@ -69,8 +74,10 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
     if (line.text == kEmulatedIdentity) {
       is_emulated_ = true;
     } else if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
+      // the first line is not judged: its beginning may be missing
       has_line = true;
     } else {
+      // a line of another format is shown in the error
       example = Printable(line.text.substr(0, kMostShown));
       link_.CountDiscarded(line.text.size());
     }
@@ -80,6 +87,7 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
 
 void StreamSensor::AskWhetherEmulated() {
   identity_deadline_ns_ = clock_.Now();
+  // a hardware port is never an emulator: nothing is written to it
   if (link_.transport().IsHardware()) return;
   identity_deadline_ns_ += kIdentityNs;
   // a peer that does not take the question is no emulator, and is not waited for
@@ -96,6 +104,7 @@ Error StreamSensor::NoLines(const std::string& example) const {
             "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR; a polled Keyence "
             "unit is <sensor> keyence-il, keyence-en1 or keyence-lkg"};
   }
+  // bytes without a delimiter: wrong baud rate or wrong delimiter
   if (discarded_bytes() > 0 || link_.waiting_bytes() > 0) {
     return {Cause::kCannotAnswer, name,
             fmt::format("bytes come at {} baud, but no line", setup_.baud),
@@ -109,6 +118,7 @@ Error StreamSensor::NoLines(const std::string& example) const {
 void StreamSensor::MakeHeader() {
   const StreamFormat& format = setup_.format;
   trial::ChannelFormat channel = trial::DisplacementCounts("displacement", MetresPerCount(format));
+  // the range is that of the number format: all digits 9
   channel.range_max = MostCounts(format) * channel.scale;
   channel.range_min = format.sign == SignRule::kAlways ? -channel.range_max : 0.0;
   header_.timing = trial::Timing::kArrival;
@@ -120,11 +130,13 @@ void StreamSensor::MakeHeader() {
     header_.metadata.fields[std::string(trial::kLineNumbersField)] =
         fmt::format("0 to {}", CounterTurn(format) - 1);
   }
+  // a line's time is that of its last byte: the reading is older by its wire time at least
   header_.metadata.fields[std::string(kLatencyField)] =
       fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }
 
 Findings StreamSensor::Found() const {
+  // limit of the wire in lines per second
   const double most_hz = MostLinesPerSecond(setup_.format, setup_.baud);
   const double band_hz = HighestObservableHz(most_hz);
   Findings found;
@@ -138,6 +150,7 @@ Findings StreamSensor::Found() const {
   if (setup_.format.counter_digits > 0) {
     found.Note(FindingKind::kLinesNumbered, {{"last", CounterTurn(setup_.format) - 1}});
   }
+  // the lines that came must have fitted on the wire since the beginning; more is a wrong baud rate
   // what the port held from before the beginning may come as well
   const double wire_s = SecondsFromNs(WireTimeNs(LineBytes(setup_.format), setup_.baud)) *
                         static_cast<double>(lines_);
@@ -152,6 +165,7 @@ Findings StreamSensor::Found() const {
 
 MonotonicNs StreamSensor::Begin() {
   counter_ = LineCounter(CounterTurn(setup_.format));
+  // a line whose beginning was flushed is incomplete
   drop_line_ = link_.Flush() > 0;
   discarded_before_ = link_.discarded_bytes();
   lines_ = 0;
@@ -163,11 +177,13 @@ Outcome StreamSensor::Next(Reading& reading) {
   const LinkLine line = link_.Read(clock_.Now() + kSliceNs);
   if (line.state == LinkState::kGone) return Outcome::kGone;
   if (line.state == LinkState::kNothing) return Outcome::kNothing;
+  // the rest of that line
   if (std::exchange(drop_line_, false)) return Outcome::kNothing;
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
   reading.lost_before = 0;
   if (value) ++lines_;
+  // a damaged line is a row without a value: its time and its place are kept
   if (!value) {
     link_.CountDiscarded(line.text.size());
     counter_.CountDamaged();
@@ -175,6 +191,7 @@ Outcome StreamSensor::Next(Reading& reading) {
     reading.lost_before = counter_.LostBefore(LineCount(setup_.format, line.text));
   }
   // the bytes behind this line kept the wire busy after it had arrived
+  // times do not decrease, though chunks of the port arrive with scatter
   last_ns_ = std::max(last_ns_, line.chunk_ns - WireTimeNs(line.bytes_behind, setup_.baud));
   reading.time_ns = last_ns_;
   reading.samples.assign(1, {trial::RawValue::Counts(value ? value->counts : kNoCounts),

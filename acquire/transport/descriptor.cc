@@ -34,6 +34,7 @@ Error BusyPort(const std::string& name) {
 
 }  // namespace
 
+// the other object closes the old descriptor at its end
 OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   return *this;
@@ -43,19 +44,23 @@ OwnedDescriptor::~OwnedDescriptor() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
+// a time that has passed becomes 0, not a wait without limit
 timespec TimespecOf(MonotonicNs ns) {
   ns = std::max<MonotonicNs>(ns, 0);
   return {.tv_sec = ns / kNsPerS, .tv_nsec = ns % kNsPerS};
 }
 
+// raw: no echo, no line editing, no conversion of CR and LF
 bool MakeRaw(int descriptor) {
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) return false;
   cfmakeraw(&settings);
+  // CLOCAL: modem lines are ignored
   settings.c_cflag |= CLOCAL | CREAD;
   return tcsetattr(descriptor, TCSANOW, &settings) == 0;
 }
 
+// the events that are pending, 0 at the deadline
 int WaitFor(int descriptor, int events, MonotonicNs deadline) {
   SystemClock clock;
   const timespec timeout = TimespecOf(deadline - clock.Now());
@@ -67,9 +72,10 @@ ReadOutcome ReadDescriptor(int descriptor, std::span<char> buffer, MonotonicNs d
   HAPTOMETER_CHECK(!buffer.empty(), "buffer of {} bytes", buffer.size());
   const int events = WaitFor(descriptor, POLLIN, deadline);
   if (events == 0) return {.state = ReadState::kTimeout, .bytes = 0};
-  // a hang-up is believed only after what came before it has been read
+  // a hang-up counts only after the bytes before it have been read
   const ssize_t taken = read(descriptor, buffer.data(), buffer.size());
   if (taken > 0) return {.state = ReadState::kBytes, .bytes = static_cast<std::size_t>(taken)};
+  // no bytes yet; end of file or another error means that the port is gone
   const bool nothing_yet = taken < 0 && (errno == EAGAIN || errno == EINTR);
   const bool hung_up = (events & (POLLHUP | POLLERR | POLLNVAL)) != 0;
   return {.state = nothing_yet && !hung_up ? ReadState::kTimeout : ReadState::kGone, .bytes = 0};
@@ -78,6 +84,7 @@ ReadOutcome ReadDescriptor(int descriptor, std::span<char> buffer, MonotonicNs d
 Result<void> WriteDescriptor(int descriptor, std::string_view bytes, MonotonicNs deadline,
                              const std::string& name) {
   SystemClock clock;
+  // a full buffer accepts a part; the rest follows when it is writable again
   while (!bytes.empty()) {
     const ssize_t taken = write(descriptor, bytes.data(), bytes.size());
     if (taken > 0) {
@@ -96,12 +103,14 @@ Result<void> WriteDescriptor(int descriptor, std::string_view bytes, MonotonicNs
   return {};
 }
 
+// an advisory lock between programs that use flock(); it ends with the descriptor
 Result<void> LockPort(int descriptor, const std::string& name) {
   if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return {};
   if (errno == EWOULDBLOCK) return std::unexpected(BusyPort(name));
   return Failed(name, fmt::format("cannot be locked: {}", Reason(errno)));
 }
 
+// ASYNC_LOW_LATENCY: FTDI adapters then answer within 1 ms and not 16 ms
 bool AskForLowLatency(int descriptor) {
   serial_struct settings{};
   if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return false;
@@ -132,6 +141,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// whether /proc/PID/fd holds a link to the device
 bool HasOpen(const fs::path& process, const fs::path& device) {
   std::error_code error;
   for (auto entry = fs::directory_iterator(process / "fd", error);
@@ -145,11 +155,13 @@ bool HasOpen(const fs::path& process, const fs::path& device) {
 }  // namespace
 
 std::string PortHolder(const std::string& path) {
+  // links of /dev/serial/by-id lead to the kernel's name
   std::error_code error;
   const fs::path device = fs::canonical(path, error);
   if (error) return {};
   for (auto entry = fs::directory_iterator("/proc", error);
        !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    // processes are the numeric names in /proc; other users' are not readable: they are not found
     const std::string process = entry->path().filename();
     const bool is_other =
         std::ranges::all_of(process, [](char c) { return c >= '0' && c <= '9'; }) &&

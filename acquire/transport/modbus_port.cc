@@ -36,10 +36,12 @@ struct CloseAndFree {
 };
 using Context = std::unique_ptr<modbus_t, CloseAndFree>;
 
+// libmodbus: EMBBADCRC for the CRC; other errors are wrong lengths
 ModbusFault FaultOf(int error_number) {
   return error_number == EMBBADCRC ? ModbusFault::kCrc : ModbusFault::kLength;
 }
 
+// Modbus over libmodbus: it finds the ends of replies and checks the CRC.
 class ModbusPort final : public ModbusLink {
  public:
   ModbusPort(Context context, OwnedDescriptor lock, std::string name, std::string source,
@@ -53,42 +55,49 @@ class ModbusPort final : public ModbusLink {
         latency_ns_(latency_ns) {}
   ModbusPort(const ModbusPort&) = delete;
   ModbusPort& operator=(const ModbusPort&) = delete;
+  // other programs may open the port again
   ~ModbusPort() override { ioctl(descriptor_, TIOCNXCL); }
 
   bool Send(std::string_view frame) override {
+    // of the request before: a new reply grows from 0
     seen_bytes_ = 0;
     return WriteDescriptor(descriptor_, frame, clock_.Now() + kWriteTimeNs, name_).has_value();
   }
 
+  // waits for the first byte, then for the rest of the reply at the baud rate of the wire
   ModbusReply Receive(std::size_t expected_bytes, MonotonicNs deadline) override {
     const int events = WaitFor(descriptor_, POLLIN, deadline);
     if (events == 0) return {.arrival = ModbusArrival::kNothing};
     // TCP brings whole replies; libmodbus finds a closed connection by itself
     if (framing() == ModbusFraming::kTcp) return Take(kGraceNs);
     const int waiting = WaitingBytes();
+    // readable without bytes: the port is gone
     if (waiting <= 0) return {.arrival = ModbusArrival::kGone};
     // a reply whose rest is still on the wire at the deadline stays in the port, unless it has
     // stopped growing since the last look
     const auto missing =
         std::max<std::int64_t>(static_cast<std::int64_t>(expected_bytes) - waiting, 0);
+    // time that the missing bytes need on the wire
     const MonotonicNs rest_ns = missing * byte_ns_;
     const bool has_grown = waiting != std::exchange(seen_bytes_, waiting);
     if (has_grown && clock_.Now() + rest_ns > deadline) {
       clock_.SleepUntil(deadline);
       return {.arrival = ModbusArrival::kNothing};
     }
+    // until the rest has crossed the wire, but not behind the deadline; plus the adapter's delay
     return Take(std::min(rest_ns, std::max<MonotonicNs>(deadline - clock_.Now(), 0)) + kGraceNs);
   }
 
   std::size_t Flush() override {
     seen_bytes_ = 0;
-    // libmodbus does not count what it throws away on a serial port, and would read a socket that
-    // never falls silent for ever
+    // libmodbus does not count what it discards on a serial port, and would read a socket that
+    // never becomes silent without limit of time
     const int waiting = std::max(WaitingBytes(), 0);
     if (framing() == ModbusFraming::kRtu) {
       if (waiting > 0) tcflush(descriptor_, TCIOFLUSH);
       return static_cast<std::size_t>(waiting);
     }
+    // TCP: only the bytes that wait now, so that the loop ends
     std::array<char, 4096> dropped{};
     std::size_t flushed = 0;
     while (flushed < static_cast<std::size_t>(waiting)) {
@@ -116,6 +125,7 @@ class ModbusPort final : public ModbusLink {
   // the reply that has begun to come in, within `longest_ns`
   ModbusReply Take(MonotonicNs longest_ns) {
     seen_bytes_ = 0;
+    // libmodbus takes seconds and microseconds
     const auto longest_us = static_cast<std::uint32_t>(longest_ns / 1000);
     modbus_set_response_timeout(context_.get(), longest_us / 1'000'000, longest_us % 1'000'000);
     const int bytes = modbus_receive_confirmation(context_.get(), buffer_.data());
@@ -124,8 +134,9 @@ class ModbusPort final : public ModbusLink {
               .bytes = {reinterpret_cast<const char*>(buffer_.data()),
                         static_cast<std::size_t>(bytes)}};
     }
-    // libmodbus leaves RTU frames of other slaves out
+    // libmodbus ignores RTU frames of other slaves
     if (bytes == 0) return {.arrival = ModbusArrival::kDamaged, .fault = ModbusFault::kUnit};
+    // errors of the frame; all others are errors of the connection
     const bool is_about_frame =
         errno == ETIMEDOUT || errno == EMBBADCRC || errno == EMBBADDATA || errno == EINTR;
     if (!is_about_frame) return {.arrival = ModbusArrival::kGone};
@@ -146,6 +157,7 @@ class ModbusPort final : public ModbusLink {
 
 Result<void> SetUp(modbus_t* context, const ModbusWire& wire, const std::string& name) {
   if (context == nullptr) return Failed(name, fmt::format("no Modbus: {}", modbus_strerror(errno)));
+  // libmodbus reports errors and does not reconnect: ModbusSensor decides what follows
   modbus_set_error_recovery(context, MODBUS_ERROR_RECOVERY_NONE);
   modbus_set_response_timeout(context, kConnectTimeoutS, 0);
   modbus_set_byte_timeout(context, 0, 0);  // the response timeout is for the whole reply
@@ -176,6 +188,7 @@ Result<std::unique_ptr<ModbusLink>> OpenTcp(const std::string& name, const Modbu
       fmt::format("Modbus TCP {} (what is behind it is not known)", name), 0);
 }
 
+// letter of libmodbus: N, E or O
 char ParityLetter(Parity parity) {
   constexpr std::string_view kLetters = "NEO";
   return kLetters[static_cast<std::size_t>(parity)];
@@ -183,11 +196,12 @@ char ParityLetter(Parity parity) {
 
 Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const ModbusWire& wire,
                                             bool is_virtual) {
-  // taken for us alone before its settings change, so that another user is not disturbed
+  // exclusive use before its settings change, so that another user is not disturbed
   OwnedDescriptor lock(open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
   HAPTOMETER_TRY(LockPort(lock.get(), name));
 
+  // a pseudo-terminal has neither parity nor a second stop bit
   const char parity = is_virtual ? 'N' : ParityLetter(wire.parity);
   Context context(
       modbus_new_rtu(name.c_str(), wire.baud, parity, 8, is_virtual ? 1 : wire.stop_bits));
@@ -199,16 +213,18 @@ Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const Modbu
   if (!is_virtual) {
     const int descriptor = modbus_get_socket(context.get());
     ioctl(descriptor, TIOCEXCL);
-    // the timer after the setting; the kernel knows it by the port's own name, not by a link's
+    // timer after the setting; the kernel lists it by the port's own name, not by that of a link
     const bool is_low = AskForLowLatency(descriptor);
     std::error_code error;
     latency_ns = LatencyTimerNs(std::filesystem::canonical(name, error).string());
     source = fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud,
                          parity, wire.stop_bits, LatencyWords(latency_ns, is_low));
   }
+  // time of one character in ns; above 0 it marks RTU
   const MonotonicNs byte_ns = WireTimeNs(1, wire.baud, BitsPerCharacter(wire));
   auto port = std::make_unique<ModbusPort>(std::move(context), std::move(lock), name,
                                            std::move(source), byte_ns, latency_ns);
+  // bytes of an earlier user
   port->Flush();
   return port;
 }
@@ -221,6 +237,7 @@ Result<std::unique_ptr<ModbusLink>> OpenModbusPort(const std::string& name,
   std::error_code error;
   const bool is_host = !name.empty() && name.find_first_of(":/") == std::string::npos &&
                        !std::filesystem::exists(name, error);
+  // 502 is the registered port of Modbus TCP
   if (is_host) return OpenTcp(name + ":502", wire);
   HAPTOMETER_LET(const auto kind, KindOfPort(name));
   if (kind == PortKind::kNetwork) return OpenTcp(name, wire);

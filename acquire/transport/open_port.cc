@@ -48,7 +48,7 @@ class DescriptorPort : public Transport {
   std::string source_;
 };
 
-// 8N1 without flow control
+// 8 data bits, no parity, 1 stop bit, no flow control; old bytes are discarded
 sp_return Configure(sp_port* port, int baud) {
   for (const sp_return done :
        {sp_set_baudrate(port, baud), sp_set_bits(port, 8), sp_set_parity(port, SP_PARITY_NONE),
@@ -61,7 +61,7 @@ sp_return Configure(sp_port* port, int baud) {
 
 // libserialport's port, closed and freed with it
 struct SerialHandle {
-  OwnedDescriptor lock{-1};  // held before libserialport opens the port, and as long as we have it
+  OwnedDescriptor lock{-1};  // held from before libserialport opens the port until the end
   sp_port* port = nullptr;
   bool is_open = false;
   int descriptor = -1;  // of the open port
@@ -70,12 +70,14 @@ struct SerialHandle {
   SerialHandle(const SerialHandle&) = delete;
   SerialHandle& operator=(const SerialHandle&) = delete;
   ~SerialHandle() {
+    // exclusive use ends here, also where another descriptor is still open
     if (descriptor >= 0) ioctl(descriptor, TIOCNXCL);
     if (is_open) sp_close(port);
     sp_free_port(port);
   }
 };
 
+// a hardware port, with the latency timer of its USB adapter where it has one
 class SerialPort final : public DescriptorPort {
  public:
   SerialPort(std::unique_ptr<SerialHandle> handle, std::string name, std::string source,
@@ -108,11 +110,14 @@ class PlainPort : public DescriptorPort {
   OwnedDescriptor owned_;
 };
 
+// a pseudo-terminal: no baud rate, no latency timer
 Result<std::unique_ptr<Transport>> OpenTerminal(const std::string& path) {
+  // O_NONBLOCK: open() must not wait for a carrier
   OwnedDescriptor descriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(path, errno));
   HAPTOMETER_TRY(LockPort(descriptor.get(), path));
   if (!MakeRaw(descriptor.get())) return std::unexpected(PortDoesNotOpen(path, errno));
+  // bytes of an earlier user
   tcflush(descriptor.get(), TCIOFLUSH);
   return std::make_unique<PlainPort>(
       std::move(descriptor), path, fmt::format("virtual terminal {} (not a hardware port)", path));
@@ -121,6 +126,7 @@ Result<std::unique_ptr<Transport>> OpenTerminal(const std::string& path) {
 // 0 once connected, else the errno
 int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline) {
   if (connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) return 0;
+  // a connection that is not immediate ends with POLLOUT, or by the deadline
   if (errno != EINPROGRESS) return errno;
   SystemClock clock;
   pollfd watched{.fd = descriptor, .events = POLLOUT, .revents = 0};
@@ -130,6 +136,7 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
   const int ready = ppoll(&watched, 1, &timeout, nullptr);
   if (ready < 0) return errno;
   if (ready == 0) return ETIMEDOUT;
+  // POLLOUT reports success and failure alike; SO_ERROR distinguishes them
   int error_number = 0;
   socklen_t size = sizeof error_number;
   getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error_number, &size);
@@ -137,6 +144,7 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
 }
 
 Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::string& service) {
+  // for all addresses of the host together
   constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
   const std::string name = fmt::format("{}:{}", host, service);
   SystemClock clock;
@@ -160,6 +168,7 @@ Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::s
         socket(at->ai_family, at->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, at->ai_protocol));
     error_number = descriptor.get() < 0 ? errno : ConnectBefore(descriptor.get(), *at, deadline);
     if (error_number != 0) continue;
+    // a request is a few bytes: it is sent at once, without Nagle's delay
     const int on = 1;
     setsockopt(descriptor.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return std::make_unique<PlainPort>(
@@ -174,6 +183,7 @@ Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::s
 // "host:64000" and "[::1]:64000", but no path
 bool IsNetworkName(const std::string& name) {
   const std::size_t colon = name.rfind(':');
+  // a path with a colon, such as /dev/serial/by-path/..., is no network name
   if (colon == std::string::npos || colon == 0 || name.find('/') != std::string::npos) return false;
   const std::string port = name.substr(colon + 1);
   return !port.empty() && std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
@@ -195,7 +205,7 @@ Result<std::unique_ptr<Transport>> OpenSerialPort(const std::string& path, const
     return CannotAnswer(name, "is not a serial port",
                         "look for the sensor's port with: ls /dev/serial/by-id/");
   }
-  // take it for us alone before anything is set: sp_open() changes settings, also another user's
+  // exclusive use before any setting: sp_open() changes settings, also those of another user
   handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
   HAPTOMETER_TRY(LockPort(handle->lock.get(), name));
@@ -204,6 +214,7 @@ Result<std::unique_ptr<Transport>> OpenSerialPort(const std::string& path, const
   }
   handle->is_open = true;
   sp_get_port_handle(handle->port, &handle->descriptor);
+  // further open() calls of other programs fail with EBUSY
   ioctl(handle->descriptor, TIOCEXCL);
 
   // settings
@@ -211,6 +222,7 @@ Result<std::unique_ptr<Transport>> OpenSerialPort(const std::string& path, const
     return CannotAnswer(name, fmt::format("cannot be set to {} baud 8N1", baud),
                         "give a <baud> that the port and the sensor have");
   }
+  // an FTDI adapter keeps bytes for up to 16 ms by default; the timer is read after the setting
   const bool is_low = AskForLowLatency(handle->descriptor);
   const auto latency_ns = LatencyTimerNs(path);
   return std::make_unique<SerialPort>(std::move(handle), name,
@@ -222,11 +234,13 @@ Result<std::unique_ptr<Transport>> OpenSerialPort(const std::string& path, const
 NetworkName SplitNetworkName(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string host = name.substr(0, colon);
+  // [::1] without its brackets
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   return {std::move(host), name.substr(colon + 1)};
 }
 
 std::optional<int> TcpPort(std::string_view text) {
+  // 0 to 65535; nothing for other texts
   const std::optional<std::int32_t> port = ParseDigits(text);
   return port.value_or(0) <= kMostPort ? port : std::nullopt;
 }
@@ -234,6 +248,7 @@ std::optional<int> TcpPort(std::string_view text) {
 Result<PortKind> KindOfPort(const std::string& name) {
   if (IsNetworkName(name)) {
     const std::string port = SplitNetworkName(name).service;
+    // port 0 cannot be connected to
     if (TcpPort(port).value_or(0) > 0) return PortKind::kNetwork;
     return Usage(name, fmt::format("{} is not a TCP port", port),
                  fmt::format("give HOST:PORT with a port from 1 to {}", kMostPort));
@@ -243,6 +258,7 @@ Result<PortKind> KindOfPort(const std::string& name) {
   if (!S_ISCHR(status.st_mode)) {
     return CannotAnswer(name, "is not a port", "give a serial port such as /dev/ttyUSB0");
   }
+  // everything that is a character device and no pseudo-terminal is opened as a serial port
   return IsPseudoTerminal(status.st_rdev) ? PortKind::kVirtualTerminal : PortKind::kSerial;
 }
 
@@ -253,7 +269,7 @@ Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
     return Connect(parts.host, parts.service);
   }
   if (kind == PortKind::kVirtualTerminal) return OpenTerminal(name);
-  // libserialport knows ports by the kernel's names only, so links are followed first
+  // libserialport finds ports by the kernel's names only, so links are followed first
   const std::unique_ptr<char, decltype(&std::free)> path(realpath(name.c_str(), nullptr),
                                                          &std::free);
   return OpenSerialPort(path ? path.get() : name, name, baud);
@@ -261,11 +277,13 @@ Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
 
 namespace {
 
+// 1 MiB, the largest that Linux allows an unprivileged process by default (pipe(7))
 constexpr int kPipeBytes = 1 << 20;
 constexpr const char* kRemedy =
     "pipe samples into it, e.g. my_daq | acquire <sensor> pipe <rate> 10kHz <channels> "
     "displacement:m -o trial.bin";
 
+// a pipe is read only
 class InputPipe final : public PlainPort {
  public:
   using PlainPort::PlainPort;
@@ -280,15 +298,18 @@ Result<std::unique_ptr<Transport>> OpenInputPipe(const std::string& path) {
   const bool is_stdin = path.empty() || path == "-";
   const std::string name = is_stdin ? "standard input" : path;
   // a named pipe must not wait here for its writer
+  // a copy of descriptor 0, so that closing the port leaves standard input open
   OwnedDescriptor descriptor(is_stdin ? fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
                                       : open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (descriptor.get() < 0 && is_stdin) return CannotAnswer(name, "is closed", kRemedy);
   if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  // a keyboard gives no samples: the user forgot the pipe
   if (isatty(descriptor.get()) != 0) return CannotAnswer(name, "is a terminal", kRemedy);
   struct stat status{};
   if (fstat(descriptor.get(), &status) == 0 && S_ISDIR(status.st_mode)) {
     return CannotAnswer(name, "is a directory", kRemedy);
   }
+  // a longer pipe holds more rows while the disk is slow; a refusal leaves the default
   (void)fcntl(descriptor.get(), F_SETPIPE_SZ, kPipeBytes);
   return std::make_unique<InputPipe>(std::move(descriptor), name,
                                      fmt::format("piped in: {}", name));

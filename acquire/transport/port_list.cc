@@ -15,7 +15,7 @@ namespace {
 
 constexpr MonotonicNs kNsPerMs = 1'000'000;
 
-// below SYSFS, for a port that is called ttyUSB0
+// place of the latency timer below SYSFS, for a port that is called ttyUSB0
 std::string TimerPath(const std::string& path) {
   return fmt::format("/bus/usb-serial/devices/{}/latency_timer",
                      std::filesystem::path(path).filename().string());
@@ -33,6 +33,7 @@ std::optional<MonotonicNs> LatencyTimerNs(const std::string& path, const std::st
 }
 
 void AddLatencyTimer(std::optional<MonotonicNs> latency_ns, trial::Metadata& metadata) {
+  // in s, as all times of the metadata
   if (!latency_ns) return;
   metadata.fields[std::string(kLatencyTimerField)] =
       fmt::format("{:g}", SecondsFromNs(*latency_ns));
@@ -43,12 +44,14 @@ std::string LatencyWords(std::optional<MonotonicNs> latency_ns, bool is_low) {
   return is_low ? ", low latency" : "";
 }
 
+// polls per second: the adapter keeps each reply for the timer's time
 double PolledRateHz(MonotonicNs period_ns, MonotonicNs latency_ns) {
   return 1 / SecondsFromNs(period_ns + latency_ns);
 }
 
 Findings LatencyCostOf(const std::string& path, MonotonicNs latency_ns, MonotonicNs period_ns) {
   Findings found;
+  // a timer of 1 ms is no reason for a doubt
   if (latency_ns <= kNsPerMs) return found;
   found.Doubt(FindingKind::kLatencyTimer,
               {{"port", std::filesystem::path(path).filename().string()},
@@ -64,10 +67,11 @@ namespace fs = std::filesystem;
 
 std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
 
-// what libserialport knows of a port
+// properties of a port by libserialport
 PortInfo Describe(sp_port* port) {
   PortInfo info{.path = TextOf(sp_get_port_name(port)),
                 .description = TextOf(sp_get_port_description(port))};
+  // vendor, product and serial number exist only for USB
   if (sp_get_port_transport(port) != SP_TRANSPORT_USB) return info;
   int vendor = 0;
   int product = 0;
@@ -94,6 +98,7 @@ std::string LinkTo(const fs::path& directory, const fs::path& name) {
 
 void AddDeviceTree(const DeviceRoots& roots, PortInfo* port) {
   const fs::path name = fs::path(port->path).filename();
+  // a name that remains when the port's number changes
   port->by_id = LinkTo(fs::path(roots.devices) / "serial" / "by-id", name);
   std::error_code error;
   const fs::path driver =

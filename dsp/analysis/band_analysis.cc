@@ -43,7 +43,7 @@ Result<void> CheckQuestion(const BandQuestion& question) {
   return {};
 }
 
-// what one pass over all rows finds
+// segments and summary, from one pass over all rows
 struct Pass {
   Segments segments;
   RawSummary summary;
@@ -57,6 +57,7 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   FaultScanner scanner({displacement.range_min, displacement.range_max, displacement.resolution});
   auto segments = SplitIntoSegments(
       source, channel, question.band.upper_hz,
+      // threads scan blocks in any order; results are fed in the order of blocks
       [&](const RowBlock& block) -> Finish {
         return [&, block, summed = summarizer.LookAt(block), looked = scanner.Look(block)] {
           summarizer.Feed(block, summed);
@@ -69,7 +70,7 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   return Pass{std::move(*segments), summarizer.Finish()};
 }
 
-// whether any of it can be answered
+// errors of a record without any measurement, or with readings that are no displacement
 Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
                            const RecordFacts& facts) {
   if (head.rows == 0) return CannotAnswer("", "holds no readings", "record again");
@@ -87,7 +88,7 @@ Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
   return {};
 }
 
-// what the reader of the numbers must know of how they came about
+// notes on segments, excluded ends, interpolation and motion below the band
 void AddRemarks(const std::vector<BandSignal>& all, const BandSignal& used,
                 BandAnalysis* analysis) {
   const BandNumbers& numbers = *analysis->numbers;
@@ -113,7 +114,7 @@ void AddRemarks(const std::vector<BandSignal>& all, const BandSignal& used,
        {"leaked_m", below.leaked_rms_m}});
 }
 
-// the filtered signal beside the record's rows
+// the filtered signal on the record's rows, NaN outside of the segments
 Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis* analysis) {
   analysis->filtered_m.assign(analysis->record.rows, std::numeric_limits<double>::quiet_NaN());
   for (const BandSignal& signal : all) {
@@ -123,7 +124,7 @@ Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis* anal
   return {};
 }
 
-// filters, and measures the window where enough settles
+// filters, chooses the part and measures it, where enough of it is free of transients
 Result<void> AnswerBand(const Displacement& displacement, const Segments& segments,
                         const BandQuestion& question, BandAnalysis* analysis) {
   const auto all = FilterSettledEnough(displacement, segments, question, analysis);
@@ -132,6 +133,7 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto chosen = ChoosePart(displacement, segments, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
+    // readings that rarely change are no measurement of vibration
     const auto stuck = WhyStuck(displacement, **chosen, *analysis);
     if (!stuck) return std::unexpected(stuck.error());
     if (*stuck) {
@@ -147,14 +149,14 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
 }
 
-// of all rows, where they are evenly spaced
+// drift and tremor from all rows, where they are uniformly spaced
 std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSummary& summary) {
   if (head.stretches.size() != 1) return std::nullopt;
   const auto cell_rows = static_cast<double>(summary.cell_rows);
   return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
 }
 
-// the answer for rows as they are; `why_not`, where there is one, speaks against the band
+// the answer for rows as they are; `why_not`, if there is one, is a refusal of the band
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
                                  int threads, const std::optional<Finding>& why_not) {
   const trial::Record& head = source.head();
@@ -163,6 +165,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
 
   BandAnalysis analysis;
   analysis.band = question.band;
+  // one pass over the rows: segments, faults, summary; everything else reads parts again
   const auto pass = PassOver(source, *channel, question, threads, &analysis);
   if (!pass) return std::unexpected(pass.error());
   DescribeRecord(head, pass->segments, pass->summary, &analysis);
@@ -171,6 +174,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
   }
   RemarkFaults(head, &analysis);
   RemarkDoubts(head, pass->summary, &analysis);
+  // a record of one value has no vibration and no noise
   if (const auto stuck = WhyStuck(pass->summary)) {
     analysis.findings.Add(*stuck);
     return analysis;
@@ -179,12 +183,14 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
   std::optional<SlowMotion> slow_motion;
+  // motion below the band is answered also where the band is refused
   const auto done = RunBeside(
       threads, {[&]() -> Result<void> {
                   slow_motion = SlowMotionOf(head, pass->summary);
                   return {};
                 },
                 [&] {
+                  // a refused band still permits a fit at a known frequency
                   return analysis.findings.Refused()
                              ? FitKnownTone(displacement, question, &analysis)
                              : AnswerBand(displacement, pass->segments, question, &analysis);
@@ -194,7 +200,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
   return analysis;
 }
 
-// rows of a grid become those of the record's readings; says what the grid did
+// converts rows of the grid to those of the record's readings, and notes the grid's figures
 void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
   const auto reading = [&](std::size_t row) {
     return static_cast<std::size_t>(std::ranges::lower_bound(grid.rows, row) - grid.rows.begin());
@@ -214,6 +220,7 @@ void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
       motion->end = reading(motion->end);
     }
   }
+  // in place: a reading's row on the grid is never before its own number
   if (!analysis->filtered_m.empty()) {
     for (std::size_t k = 0; k < grid.rows.size(); ++k) {
       analysis->filtered_m[k] = analysis->filtered_m[grid.rows[k]];  // grid.rows[k] >= k
@@ -238,6 +245,7 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
 Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
                                  int threads) {
   if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
+  // non-uniform times are put on a grid first; without a grid the reason is part of the answer
   if (!source.head().times_are_known) return AnalyzeRows(source, question, threads, {});
   const auto grid = OnRegularGrid(source, question.band.upper_hz);
   if (!grid) return std::unexpected(grid.error());

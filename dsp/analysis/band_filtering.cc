@@ -13,12 +13,13 @@
 namespace haptometer::dsp {
 namespace {
 
+// lowest order that is tried where less than a window is free of transients
 constexpr int kLowestFallbackOrder = 2;
 // leaked power that changes an RMS by 1 %
 constexpr double kLeakedPowerLimit = 0.02;
-// a model is worth its while where less than this part of a segment settles without it
+// a model is tried where less than this part of a segment is free of transients without it
 constexpr double kModelBelow = 0.5;
-// and possible where the segment is in memory
+// and possible where the segment fits into memory
 constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
 
@@ -28,7 +29,8 @@ Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
   return values;
 }
 
-// `plain`, or the segment filtered beside a model where more of it settles so
+// the segment filtered as it is, or with a model of the motion below the band if more of it is then
+// free of transients
 Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& design,
                              const BandPass& band, int threads) {
   auto plain = BandSignal::Filter(samples, design, threads);
@@ -47,12 +49,12 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
 }
 
-// whether a window may lie in it: a record of thousands of scraps is refused at once
+// whether a window fits into it: a record of thousands of short segments is refused at once
 bool LongEnough(const Segment& segment, double lower_hz) {
   return static_cast<double>(segment.size) / segment.rate_hz >= kLeastWindowPeriods / lower_hz;
 }
 
-// every segment that is fast and long enough, filtered on its own
+// every segment with a sufficient rate and length, filtered on its own
 Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
                                           const Segments& segments, const BandPass& band) {
   std::vector<BandSignal> all;
@@ -70,7 +72,7 @@ Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
   return all;
 }
 
-// what `decimator` leaves of `size` samples from `first` on, read piece by piece
+// decimated samples of `size` samples from `first` on, read piece by piece
 Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t first,
                                       std::size_t size, const Decimator& decimator) {
   constexpr std::size_t kPiece = std::size_t{1} << 15U;
@@ -80,6 +82,7 @@ Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t
   std::vector<double> piece;
   while (slow.size() < decimator.SizeOf(size)) {
     const std::size_t count = std::min(at_once, decimator.SizeOf(size) - slow.size());
+    // a piece overlaps the next by the taps of the decimator
     piece.resize((count - 1) * decimator.factor() + decimator.taps());
     const auto read = samples.Read(first + slow.size() * decimator.factor(), piece);
     if (!read) return std::unexpected(read.error());
@@ -89,7 +92,7 @@ Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t
   return slow;
 }
 
-// whether what leaks from below the band is small enough to answer all the same
+// whether the leakage from below the band changes the RMS by at most 1 %
 Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
   const auto below = FindBelowBand(signal, lower_hz);
   if (!below) return std::unexpected(below.error());
@@ -101,10 +104,11 @@ Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
   return leaked_rms_m * leaked_rms_m <= kLeakedPowerLimit * *square_sum / count;
 }
 
-// why nothing is answered after filtering, and what would help
+// the refusal after filtering, with the duration that would suffice
 Finding TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
   const auto design = DesignBandPass(band, rate_hz);
   HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  // the transients at both ends of the filter as designed, decayed to 1e-12
   const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / rate_hz;
   const double least_s = kLeastWindowPeriods / band.lower_hz;
   Finding found{.severity = Severity::kRefusal,
@@ -128,9 +132,12 @@ const BandSignal& LongestSettled(const std::vector<BandSignal>& all) {
 }
 
 Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double lower_hz) {
+  // the middle of a long segment represents it
   const std::size_t size = std::min(signal.size(), kMostSearched);
+  // two periods are required by the search for a tone
   const double least_hz = 2 * signal.rate_hz() / static_cast<double>(size);
   if (least_hz >= lower_hz) return std::nullopt;
+  // a band far below the rate: decimated samples suffice
   const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(), lower_hz),
                             signal.rate_hz());
   const auto slow = Decimated(signal.samples(), (signal.size() - size) / 2, size, decimator);
@@ -138,6 +145,7 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
   const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow->size());
   const auto tone = StrongestTone(*slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
   if (!tone) return std::nullopt;
+  // the decimator's gain divided out, then |H|^2 of both passes for the leakage
   const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
   const double amplitude_m = tone->amplitude / decimator.GainAt(tone->frequency_hz);
   return BelowBand{tone->frequency_hz, amplitude_m, amplitude_m * gain / std::numbers::sqrt2,
@@ -152,6 +160,7 @@ Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displace
   const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, asked) : asked;
   double asked_settled_s = 0;
   bool leaks = false;
+  // a lower order has shorter transients but leaks more; only the required order may leak freely
   for (int order = asked; order >= lowest && !leaks; --order) {
     analysis->band.order = order;
     auto all = FilterAll(displacement, segments, analysis->band);

@@ -12,6 +12,7 @@
 namespace haptometer::dsp {
 namespace {
 
+// 24 bins on either side, the one next to the line excluded: 48 bins, 96 degrees of freedom
 constexpr std::size_t kBinsOnASide = 24;
 constexpr std::size_t kLeftOut = 1;
 
@@ -25,6 +26,7 @@ double NoisePower::degrees_of_freedom() const {
 double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper_hz) const {
   const auto center = static_cast<std::ptrdiff_t>(std::lround(frequency_hz / bin_hz));
   const auto least = static_cast<std::ptrdiff_t>(std::ceil(lower_hz / bin_hz));
+  // within the band only
   const auto most = std::min(static_cast<std::ptrdiff_t>(std::floor(upper_hz / bin_hz)),
                              static_cast<std::ptrdiff_t>(bins.size()) - 1);
   double sum = 0;
@@ -40,6 +42,7 @@ double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper
   return count > 0 ? sum / static_cast<double>(count) / bin_hz : 0;
 }
 
+// p[k] = 2 |X[k]|^2 / n^2 and variance = sum of p[k]^2 / 2 (Bendat and Piersol, section 8.2)
 BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double upper_hz) {
   HAPTOMETER_CHECK(samples.size() >= 2 && rate_hz > 0, "{} samples at {} Hz", samples.size(),
                    rate_hz);
@@ -58,6 +61,7 @@ BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double u
   return noise;
 }
 
+// weights are durations: mean = sum T m / sum T, variance = sum T^2 v / (sum T)^2
 NoisePower Pooled(std::span<const WeightedPower> windows) {
   NoisePower pooled;
   double duration_s = 0;

@@ -15,10 +15,11 @@
 namespace haptometer::dsp {
 namespace {
 
+// a cell is at most 1 ms, unless the record then has more than kMostCells
 constexpr double kLongestCellS = 1e-3;
 constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
-// a divisor of kTileSamples, so that no cell lies in two pieces
+// samples of a cell: a divisor of kTileSamples, so that no cell lies in two pieces
 std::size_t CellSamples(std::size_t size, double rate_hz) {
   std::size_t samples = 1;
   for (std::size_t next = 2; next <= kTileSamples; ++next) {
@@ -52,6 +53,7 @@ std::vector<double> GreatestInCells(std::span<const double> samples, std::size_t
   if (samples.empty()) return {};
   std::vector<double> greatest((offset + samples.size() + cell_samples - 1) / cell_samples);
   for (std::size_t k = 0; k < samples.size(); ++k) {
+    // cells keep the greatest magnitude; NaN, for which the comparison is false, is kept too
     double& cell = greatest[(offset + k) / cell_samples];
     // one that is no number stays
     if (!(std::abs(samples[k]) <= cell)) cell = std::abs(samples[k]);
@@ -92,7 +94,7 @@ Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
 }
 
 Result<void> BandSignal::FilterAll(int threads) {
-  // the ends first, then the blocks
+  // job 0 measures the dependence on the ends, the others filter a block each
   EndDependence dependence;
   const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
     // a worker may be copied, its buffers not
@@ -109,6 +111,7 @@ Result<void> BandSignal::FilterAll(int threads) {
   return filtered;
 }
 
+// samples before the filter, less the model of the motion below the band
 ReadSamples BandSignal::reading() const {
   return [this](std::size_t first, std::span<double> out) -> Result<void> {
     if (auto read = samples_.Read(first, out); !read) return read;
@@ -118,6 +121,7 @@ ReadSamples BandSignal::reading() const {
 }
 
 Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch) {
+  // the filtered model is added, so that the result is that of the whole signal
   return blocks_.FilterPieces(
       block, reading(),
       [this](std::size_t first, std::span<double> samples) {
@@ -136,7 +140,7 @@ void BandSignal::TakeCells(std::size_t first, std::span<const double> samples) {
   }
 }
 
-// by cells: the greatest dependence in each, and the RMS over whole ones
+// in cells: the greatest dependence in each, the RMS over whole ones
 void BandSignal::FindSettled(const EndDependence& dependence) {
   EndDependence of_cells{
       .first = GreatestInCells(dependence.first, 0, cell_samples_),
@@ -161,6 +165,7 @@ Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
   ZeroPhaseBlocks::Scratch scratch;
   std::vector<double> filtered;
   while (!out.empty()) {
+    // pieces are filtered again from their kept states: the same bytes, without a lead-in
     const std::size_t piece = first / ZeroPhaseBlocks::kPieceSamples;
     const SampleRange range = blocks_.PieceRange(piece);
     filtered.resize(range.count);
@@ -182,6 +187,7 @@ Result<BandCell> BandSignal::CutCell(std::size_t begin, std::size_t end) const {
   return CellOf(samples);
 }
 
+// whole cells from their sums, cut cells at both ends from their samples
 Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin <= end && end <= size(), "samples {} to {} of {}", begin, end, size());
   // the first and one past the last of the whole cells

@@ -20,10 +20,13 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
+// Legendre's P_0 .. P_3: a cubic drift
 constexpr std::size_t kDriftTerms = 4;
+// sines below the band that are modelled, and sines in the band that are fitted to find them
 constexpr int kMostLow = 3;
 constexpr int kMostInBand = 2;
 constexpr int kMostSteps = 12;
+// last change of a phase at the ends in rad
 constexpr double kAtRestRad = 1e-11;
 constexpr Eigen::Index kRowsAtOnce = 256;
 
@@ -38,7 +41,7 @@ std::array<double, kDriftTerms> Legendre(double tau) {
   return {1, tau, 0.5 * (3 * tau * tau - 1), 0.5 * tau * (5 * tau * tau - 3)};
 }
 
-// half the signal's length in seconds and its middle's index
+// places of samples: tau from -1 to 1 over the signal, angles from its middle
 struct Frame {
   double middle = 0;
   double rate_hz = 0;
@@ -51,6 +54,7 @@ struct Frame {
   }
 };
 
+// m(tau) = sum of drift[k] P_k(tau) + sum of (cosine cos(w t) + sine sin(w t))
 double ValueAt(const Frame& frame, const Parts& parts, std::size_t n) {
   const auto p = Legendre(frame.Tau(n));
   double value = 0;
@@ -86,7 +90,7 @@ void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double 
   }
 }
 
-// derivatives by the drift's terms, then by cosine, sine and w T/2 of each sine
+// derivatives of the model by the drift's terms, then by cosine, sine and w T/2 of each sine
 void FillRow(const Frame& frame, const Parts& parts, std::size_t n,
              Eigen::Ref<Eigen::VectorXd> row) {
   const double tau = frame.Tau(n);
@@ -108,6 +112,7 @@ struct Normal {
   Eigen::VectorXd right;
 };
 
+// J'J and J' residual of one step, kRowsAtOnce rows at a time
 Normal Linearise(const Frame& frame, const Parts& parts, std::span<const double> signal) {
   const auto columns = static_cast<Eigen::Index>(kDriftTerms + 3 * parts.sines.size());
   Normal normal{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns)};
@@ -127,8 +132,8 @@ Normal Linearise(const Frame& frame, const Parts& parts, std::span<const double>
   return normal;
 }
 
-// one step of Gauss and Newton, columns scaled to one length; the largest turn of a phase at the
-// ends, nothing where the parts cannot be told apart
+// one Gauss-Newton step with columns scaled to one length; gives the largest change of a phase at
+// the ends in rad, nothing where the parts are linearly dependent
 std::optional<double> Step(const Frame& frame, std::span<const double> signal, Parts& parts) {
   Normal normal = Linearise(frame, parts, signal);
   const Eigen::VectorXd scale =
@@ -147,12 +152,13 @@ std::optional<double> Step(const Frame& frame, std::span<const double> signal, P
     sine.cosine += change[column++];
     sine.sine += change[column++];
     turn = std::max(turn, std::abs(change[column]));
+    // w T/2 in rad to Hz
     sine.frequency_hz += change[column++] / (kTwoPi * half_s);
   }
   return turn;
 }
 
-// whether the parts came to rest near where they were
+// Gauss-Newton steps until they converge; false where a frequency leaves its start by 1 / duration
 bool Refine(const Frame& frame, std::span<const double> signal, Parts& parts) {
   const std::vector<Sine> start = parts.sines;
   const double most_hz = 0.5 * frame.rate_hz / frame.middle;  // 1 / duration
@@ -186,6 +192,7 @@ double BelowBandModel::Sine::amplitude() const { return std::hypot(cosine, sine)
 
 std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal, double rate_hz,
                                                   double lower_hz, double upper_hz) {
+  // decimated for the band's upper corner: sines in the band are fitted too
   const Decimator decimator(Decimator::FactorFor(signal.size(), rate_hz, upper_hz), rate_hz);
   if (decimator.factor() == 1) return FitAll(signal, rate_hz, lower_hz, upper_hz);
   const std::vector<double> slow = decimator.Decimate(signal);
@@ -194,12 +201,13 @@ std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal
   return model;
 }
 
-// From every n-th sample to all of them: sines without the decimator's gain and their phase from
-// the longer signal's middle, the same cubic over all of it.
+// From every n-th sample to all of them: sines without the decimator's gain, their phase from the
+// middle of the longer signal, and the cubic as the same function of time.
 void BelowBandModel::Refer(const Decimator& decimator, std::size_t size) {
   const auto every = static_cast<double>(decimator.factor());
   const double slow_half = 0.5 * static_cast<double>(size_ - 1);
   const double half = 0.5 * static_cast<double>(size - 1);
+  // where the middle of the decimated samples lies in the longer signal
   const double middle = slow_half * every + 0.5 * static_cast<double>(decimator.taps() - 1);
   for (Sine& sine : sines_) {
     const double gain = decimator.GainAt(sine.frequency_hz);
@@ -209,6 +217,7 @@ void BelowBandModel::Refer(const Decimator& decimator, std::size_t size) {
     sine.cosine = c * std::cos(turn) - s * std::sin(turn);
     sine.sine = c * std::sin(turn) + s * std::cos(turn);
   }
+  // a cubic is determined by its values at four places
   Eigen::Matrix4d terms;
   Eigen::Vector4d values;
   for (Eigen::Index k = 0; k < 4; ++k) {
@@ -233,12 +242,14 @@ std::optional<BelowBandModel> BelowBandModel::FitAll(std::span<const double> sig
                                                      double lower_hz, double upper_hz) {
   if (signal.size() < 8) return std::nullopt;
   const Frame frame{0.5 * static_cast<double>(signal.size() - 1), rate_hz};
+  // two periods over the signal at least: less is drift
   const double least_hz = 2 * rate_hz / static_cast<double>(signal.size());
   if (!(least_hz < lower_hz)) return std::nullopt;
   std::vector<double> centred(signal.begin(), signal.end());
   const double mean = Mean(signal);
   for (double& x : centred) x -= mean;
 
+  // drift alone first; then one sine after the other, each the strongest tone of the residual
   Parts parts;
   if (!Refine(frame, centred, parts)) return std::nullopt;
   int low = 0;
@@ -251,6 +262,7 @@ std::optional<BelowBandModel> BelowBandModel::FitAll(std::span<const double> sig
     parts = std::move(more);
     ++(tone->frequency_hz < lower_hz ? low : in_band);
   }
+  // sines in the band were fitted only to find weaker ones below it
   std::erase_if(parts.sines, [&](const Sine& sine) { return sine.frequency_hz >= lower_hz; });
   if (parts.sines.empty()) return std::nullopt;
   std::ranges::sort(parts.sines, std::ranges::greater{}, [](const Sine& sine) {
@@ -273,6 +285,7 @@ void BelowBandModel::Subtract(std::size_t first, std::span<double> samples) cons
   AddParts(frame, parts, first, -1, samples);
 }
 
+// a steady sine leaves both passes multiplied by |H|^2, the cubic as 0
 void BelowBandModel::AddFiltered(const FilterDesign& design, std::size_t first,
                                  std::span<double> filtered) const {
   HAPTOMETER_CHECK(first + filtered.size() <= size_, "{} + {} of {}", first, filtered.size(),

@@ -17,19 +17,19 @@
 namespace haptometer::dsp {
 namespace {
 
-// Where "measured" stands below, each mark of a tone was printed for all tones that pass the other
-// five, the best one of a record: in 1533 records without a drive (NoPartIsDriven, 16 repetitions)
-// and in 318 with one (UnsettledDrive, 1 repetition) whose voltage did not tell.
+// Where "measured" stands below, each property of a tone was printed for all tones that meet the
+// other five, the best one of a record: in 1533 records without a drive (NoPartIsDriven, 16
+// repetitions) and in 318 with one (UnsettledDrive, 1 repetition) whose voltage was not used.
 
 // the shortest tile in which a polynomial up to 0.75 of 20 Hz leaves most of the band (clear_hz),
-// and many times what a drive that cannot settle lasts
+// and many times what a drive that is too short to reach steady state lasts
 constexpr double kTileS = 0.6;
 constexpr double kLeastTilePeriods = 12;  // of the lower corner: the same, of other bands
 constexpr double kMostTilePeriods = 48;   // of the lower corner: degrees cost size x degree^2
 // of a tone in a window: with two a bump and its rebound are a tone
 constexpr double kLeastPeriods = 3;
-// and as far as it goes on; measured: 4.6 or more with a drive, without one 3.8 or less in three of
-// four (11 records, most of them bumps)
+// and as far as it continues; measured: 4.6 or more with a drive, without one 3.8 or less in three
+// of four (11 records, most of them bumps)
 constexpr double kLeastPeriodsOn = 3.5;
 constexpr std::size_t kMostStepsInTile = 4;
 constexpr std::size_t kMostWindowHalvings = 5;  // to 19 ms: what is shorter is a bump
@@ -45,8 +45,8 @@ constexpr double kMedianSquare = 0.455;  // of normally distributed noise of var
 // Of what power a tile has beside noise. Measured with a drive: 0.62 and more; without one 0.02 or
 // less in three of four, the others bumps.
 constexpr double kMostOf = 0.42;
-// of its amplitude in what has settled, as which a steady tone is taken out of a tile: if it seems
-// to have more there, a step or a drive of its frequency is fitted, and is better left as it is
+// part of its steady amplitude up to which a steady tone is subtracted from a tile: if it has more
+// there, a step or a drive of its frequency would be fitted too, and remains as it is
 constexpr double kMostOfSteady = 1.5;
 constexpr std::size_t kMostTiles = 64;  // a third of a second's work
 constexpr std::size_t kLoudTiles = 8;
@@ -68,7 +68,7 @@ struct Seen {
   }
 };
 
-// whether noise hardly ever gives such a fit in one of so many bins: with v pairs of independent
+// whether noise rarely gives such a fit in one of so many bins: with v pairs of independent
 // values about it, (1 + x / v)^-v for an amplitude of x in units of 2 u^2
 bool StandsOut(const SineFit& fit, double bins, double false_alarm) {
   const double v = 0.5 * fit.degrees_of_freedom;
@@ -76,6 +76,7 @@ bool StandsOut(const SineFit& fit, double bins, double false_alarm) {
   return bins * std::pow(1 + x / v, -v) < false_alarm;
 }
 
+// the strongest tone of at least three periods in a window, above what the polynomial removed
 std::optional<Seen> ToneIn(const RawTile& tile, std::size_t begin, std::size_t size,
                            const BandPass& band, double false_alarm) {
   const double duration_s = static_cast<double>(size) / tile.rate_hz();
@@ -90,7 +91,7 @@ std::optional<Seen> ToneIn(const RawTile& tile, std::size_t begin, std::size_t s
       duration_s};
 }
 
-// tones in the windows of a tile
+// tones in windows of a tile: whole, halves, quarters .. that overlap by half
 std::vector<Seen> TonesOf(const RawTile& tile, const BandPass& band, double false_alarm) {
   std::vector<Seen> tones;
   for (std::size_t halving = 0; halving <= kMostWindowHalvings; ++halving) {
@@ -103,10 +104,11 @@ std::vector<Seen> TonesOf(const RawTile& tile, const BandPass& band, double fals
   return tones;
 }
 
-// The same once steps are taken out that explain more than any tone does: a step leaves a tile a
-// swing at the lowest tones.
+// The same after steps are removed that explain more than any tone: a step less its polynomial is
+// an oscillation at the lowest frequencies.
 std::vector<Seen> TonesBesideSteps(RawTile& tile, const BandPass& band, double false_alarm) {
   std::vector<Seen> tones = TonesOf(tile, band, false_alarm);
+  // a step counts only with more energy than the strongest tone
   for (std::size_t step = 0; step < kMostStepsInTile && !tones.empty(); ++step) {
     const double most_m2 = std::ranges::max_element(tones, {}, &Seen::energy_m2)->energy_m2();
     if (!tile.TakeOutStep(most_m2)) break;
@@ -115,46 +117,49 @@ std::vector<Seen> TonesBesideSteps(RawTile& tile, const BandPass& band, double f
   return tones;
 }
 
-// what a tile's tones are compared with
+// samples free of transients with which a tile's tones are compared
 struct Settled {
   SettledGlances glances;
-  std::vector<SteadyTone> steady;  // taken out of the glances, and out of every tile
+  std::vector<SteadyTone> steady;  // subtracted from the reference windows and every tile
 };
 
-// whether a tone is more than noise of any colour gives where the record is most quiet
+// whether a tone exceeds the noise, of any spectrum, in the quietest part of the record
 bool IsAboveNoise(const SettledGlances& glances, const Seen& tone) {
   const double noise = glances.NoisePower(tone.frequency_hz);
   return tone.amplitude_m * tone.amplitude_m >
          kNoisePowers * noise * glances.duration_s() / tone.duration_s;
 }
 
-// whether a tone, known to 1 / duration, is what is left of one that goes on, but wanders
+// whether a tone, known to 1 / duration, is the remainder of a steady one that drifts
 bool IsLeftOf(const SteadyTone& gone, const Seen& tone) {
   const double away_hz = std::abs(tone.frequency_hz - gone.frequency_hz);
   return away_hz < SettledGlances::kWander * gone.frequency_hz + 1 / tone.duration_s &&
          gone.amplitude_m > SettledGlances::kElsewhere * tone.amplitude_m;
 }
 
-// whether a tone is in all of what has settled, as far as noise lets that be told
+// whether a tone is in all samples free of transients, as far as noise permits that decision
 bool GoesOn(const Settled& settled, const Seen& tone) {
   const auto left_of = [&](const SteadyTone& gone) { return IsLeftOf(gone, tone); };
   if (std::ranges::any_of(settled.steady, left_of)) return true;
   const double glance_s = settled.glances.duration_s();
+  // the noise's amplitude falls with the root of the duration
   const double noise_m = tone.uncertainty_m * std::sqrt(2 * tone.duration_s / glance_s);
   const double least_m = tone.amplitude_m - kNoiseDeviations * (tone.uncertainty_m + noise_m);
   return settled.glances.LeastAmplitude(tone.frequency_hz) >
          std::min(SettledGlances::kElsewhere * tone.amplitude_m, least_m);
 }
 
-// how far a tone goes on from its window, in a tile: where two periods of it hold half of it
+// how far a tone continues beyond its window, in a tile: where two periods of it hold half of it
 BriefTone Grown(const RawTile& tile, const Seen& tone) {
   const auto size = std::min(tile.values_m().size(),
                              static_cast<std::size_t>(2 * tile.rate_hz() / tone.frequency_hz) + 1);
+  // running sums give the amplitude of any block in two operations
   const ToneSums sums(tile.values_m(), tile.rate_hz(), tone.frequency_hz);
   const auto is_on = [&](std::size_t at) {
     return sums.SquaredAmplitudeOf(at, size) > 0.25 * tone.amplitude_m * tone.amplitude_m;
   };
   const std::size_t last = tile.values_m().size() - size;
+  // outwards from the middle of the window until a block has less than half of the amplitude
   const std::size_t middle = std::min(last, (tone.begin + tone.end - size) / 2);
   std::size_t begin = middle;
   while (begin > 0 && is_on(begin - 1)) --begin;
@@ -176,13 +181,14 @@ std::vector<std::size_t> TilesOf(std::size_t size, std::size_t tile) {
   return begins;
 }
 
-// the highest power over kLoudS in a tile of filtered samples
+// the highest energy over kLoudS in a tile of filtered samples
 double LoudnessOf(const BandSignal& signal, std::size_t begin, std::size_t size) {
   const std::size_t cell = signal.cell_samples();
   const auto cells = static_cast<std::size_t>(
       std::max(1.0, kLoudS * signal.rate_hz() / static_cast<double>(cell)));
   double loudest = 0;
   double sum = 0;
+  // a moving sum over `cells` cells
   for (std::size_t k = begin / cell; k < (begin + size) / cell; ++k) {
     sum += signal.cells()[k].square_sum;
     if (k >= begin / cell + cells) sum -= signal.cells()[k - cells].square_sum;
@@ -191,7 +197,7 @@ double LoudnessOf(const BandSignal& signal, std::size_t begin, std::size_t size)
   return loudest;
 }
 
-// of many tiles those that touch an unsettled end, and the loudest others
+// of many tiles those that reach into a part with transients, and the loudest others
 std::vector<std::size_t> FewTiles(const BandSignal& signal, std::vector<std::size_t> begins,
                                   std::size_t tile) {
   if (begins.size() <= kMostTiles) return begins;
@@ -211,20 +217,22 @@ std::vector<std::size_t> FewTiles(const BandSignal& signal, std::vector<std::siz
   return few;
 }
 
-// whether a tone is most of what a tile holds beside noise: what rings about a bump is not
+// whether a tone has most of a tile's power beside noise: ringing about a bump has not
 bool IsMostOf(const RawTile& tile, const BriefTone& tone) {
   std::vector<double> squares(tile.values_m().size());
   std::ranges::transform(tile.values_m(), squares.begin(), [](double x) { return x * x; });
   const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+  // noise from the median of squares: 0.455 of the variance
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
   std::ranges::nth_element(squares, middle);
   const double noise = *middle / kMedianSquare * static_cast<double>(squares.size());
+  // energy of the tone against kMostOf of all energy without noise
   return tone.rms_m * tone.rms_m * tone.window.duration_s() * tile.rate_hz() >
          kMostOf * (sum - noise);
 }
 
-// Whether its power swells in the middle as what a polynomial leaves of a bump does: the middle
-// third has more than what the outer two have together. A drive has half of that, measured: 0.42 to
+// Whether its power is concentrated in its middle, as that of a bump less its polynomial: the
+// middle third has more than the outer two together. A drive has half of that, measured: 0.42 to
 // 0.89 in 99 of 100.
 bool Swells(const RawTile& tile, const BriefTone& tone) {
   const auto third = static_cast<std::size_t>(tone.window.duration_s() * tile.rate_hz() / 3);
@@ -247,8 +255,8 @@ struct TilePlace {
   const TileShape* shape = nullptr;
 };
 
-// Whether a tone of a tile is in the filtered samples too, where there are any: what a polynomial
-// leaves of strong motion below the band at a tile's ends is not. A filter's own edges may be.
+// Whether a tone of a tile is in the filtered samples too, where there are any: what remains of
+// strong motion below the band at a tile's ends is not. A filter's own edges may be.
 // Measured: a drive has 0.95 and more of its amplitude there.
 Result<bool> IsFilteredToo(const TilePlace& place, const Seen& tone) {
   if (place.search->signal == nullptr) return true;
@@ -263,11 +271,12 @@ Result<bool> IsFilteredToo(const TilePlace& place, const Seen& tone) {
                       tone.amplitude_m;
 }
 
-// the tone of most energy in a tile that is on for a part of the record only
+// the tone of most energy in a tile that is on for a part of the record only; cheap tests first
 Result<std::optional<BriefTone>> BriefIn(const TilePlace& place, const Settled& settled,
                                          const BandPass& band, double false_alarm) {
   auto tile = RawTile::Read(place.search->samples, place.begin, *place.shape);
   if (!tile) return std::unexpected(tile.error());
+  // steady tones first, so that they cover no brief one
   for (const SteadyTone& tone : settled.steady) {
     tile->TakeOutTone(tone.frequency_hz, kMostOfSteady * tone.amplitude_m);
   }
@@ -291,7 +300,7 @@ struct Tiled {
   std::vector<std::size_t> begins;  // those that are searched
 };
 
-// none where they have too few samples
+// tiles to search in a segment; none where they have too few samples for the polynomial
 Tiled TiledOf(const BriefSearch& search, const BandPass& band) {
   const double rate_hz = search.samples.rate_hz();
   const double tile_s =
@@ -305,15 +314,17 @@ Tiled TiledOf(const BriefSearch& search, const BandPass& band) {
   return tiled;
 }
 
+// m2 s: mean square times duration
 double EnergyOf(const BriefTone& tone) {
   return tone.rms_m * tone.rms_m * tone.window.duration_s();
 }
 
-// the tone of most energy, for as long as it goes on in the tiles beside it
+// the tone of most energy, extended by the same tone in the tiles beside its own
 std::optional<BriefTone> Joined(const std::vector<BriefTone>& in_order) {
   if (in_order.empty()) return std::nullopt;
   const auto most = std::ranges::max_element(in_order, {}, EnergyOf);
   BriefTone joined = *most;
+  // the same frequency to 5 %, and windows that touch
   const auto joins = [&](const BriefTone& other) {
     if (std::abs(other.frequency_hz - most->frequency_hz) >
             SettledGlances::kWander * most->frequency_hz ||
@@ -342,6 +353,7 @@ Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> sear
   if (!steady) return std::unexpected(steady.error());
   Settled settled{std::move(*glances), std::move(*steady)};
   settled.glances.TakeOut(settled.steady);
+  // the false alarm of the record is shared by all windows of all tiles
   std::vector<Tiled> tiled;
   double tiles = 0;
   for (const BriefSearch& search : searches) {

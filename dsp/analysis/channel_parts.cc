@@ -18,7 +18,7 @@ constexpr double kOn = 0.1;                     // of the top's power
 constexpr double kLeastPeriods = 0.3;           // of the lower corner; see the header
 constexpr double kLeastTriggerPeriods = 4;
 
-// the power of one stretch
+// power of rows at one rate that follow each other
 struct StretchPower {
   std::vector<double> cells;
   std::vector<double> means;  // over one period about each cell
@@ -31,7 +31,7 @@ struct StretchPower {
   }
 };
 
-// over 2 reach + 1 cells about each, fewer at the ends
+// moving means over 2 reach + 1 cells, fewer at the ends
 std::vector<double> MovingMeans(const std::vector<double>& cells, std::size_t reach) {
   std::vector<double> sums(cells.size() + 1, 0.0);
   for (std::size_t k = 0; k < cells.size(); ++k) sums[k + 1] = sums[k] + cells[k];
@@ -44,7 +44,7 @@ std::vector<double> MovingMeans(const std::vector<double>& cells, std::size_t re
   return means;
 }
 
-// of every stretch; none of a channel that only the displacement can tell from a dead one
+// of all rows; none for a channel of a few steps, which may be a dead one
 Result<std::vector<StretchPower>> PowerOfAll(const trial::RowSource& source, std::size_t channel,
                                              double period_s) {
   const trial::Record& head = source.head();
@@ -82,6 +82,7 @@ struct Levels {
   double threshold = 0;
 };
 
+// off: the lower one of the medians over the record and over `used`; nothing without a clear top
 std::optional<Levels> LevelsOf(const std::vector<StretchPower>& all, const TimeWindow& used) {
   std::vector<double> means;
   std::vector<double> in_used;
@@ -106,7 +107,7 @@ struct Cells {
   std::size_t end = 0;
 };
 
-// the cells among [begin, end) whose powers exceed `level` by most, summed up (Kadane's search)
+// the cells among [begin, end) with the largest sum of (power - level), by Kadane's search
 Cells MostAbove(std::span<const double> cells, const Cells& among, double level) {
   Cells best{among.begin, among.begin};
   double most = 0;
@@ -118,6 +119,7 @@ Cells MostAbove(std::span<const double> cells, const Cells& among, double level)
       most = sum;
       best = {begin, k + 1};
     }
+    // a negative sum cannot begin the best range
     if (sum <= 0) {
       sum = 0;
       begin = k + 1;
@@ -126,7 +128,7 @@ Cells MostAbove(std::span<const double> cells, const Cells& among, double level)
   return best;
 }
 
-// where a stretch is on
+// windows in which the drive is on, of rows at one rate
 std::vector<TimeWindow> PartsOf(const StretchPower& power, const Levels& levels, double least_s) {
   std::vector<TimeWindow> parts;
   const double level = std::max(levels.threshold, kOn * levels.top);
@@ -135,10 +137,12 @@ std::vector<TimeWindow> PartsOf(const StretchPower& power, const Levels& levels,
     if (!is_on(power.means[k])) continue;
     std::size_t end = k;
     while (end < power.means.size() && is_on(power.means[end])) ++end;
+    // the moving mean blurs the ends by half a period: the true ends lie within that
     const Cells among{k > power.reach ? k - power.reach : 0,
                       std::min(power.cells.size(), end + power.reach)};
     k = end;
     const Cells on = MostAbove(power.cells, among, level);
+    // half of the cells must exceed the level: single spikes are no drive
     const auto loud = static_cast<std::size_t>(
         std::count_if(power.cells.begin() + static_cast<std::ptrdiff_t>(on.begin),
                       power.cells.begin() + static_cast<std::ptrdiff_t>(on.end),
@@ -165,6 +169,7 @@ Result<std::vector<TimeWindow>> FindChannelParts(const trial::RowSource& source,
   std::vector<TimeWindow> parts;
   for (const StretchPower& power : *all) {
     for (const TimeWindow& part : PartsOf(power, *levels, least_s)) {
+      // a drive that covers all of `used` was not missed
       if (part.begin_s <= used.begin_s && part.end_s >= used.end_s) {
         return std::vector<TimeWindow>{};
       }

@@ -14,7 +14,7 @@ constexpr std::size_t kBlock = std::size_t{1} << 16U;
 constexpr double kCoarseSteps = 2.000001;
 constexpr double kRounding = 1.000001;  // what the products of decimal digits are off by, and more
 
-// visits values of rows [first, first + size)
+// visits values of rows [first, first + size), block by block
 template <typename Visit>
 Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, std::size_t first,
                           std::size_t size, const Visit& visit) {
@@ -30,7 +30,7 @@ Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, s
   return {};
 }
 
-// what a channel's values say of its steps
+// range of a channel's values, and the least change from row to row
 struct Steps {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
@@ -49,6 +49,7 @@ struct Steps {
 
 }  // namespace
 
+// a voltage before a current before a trigger
 std::optional<std::size_t> DriveChannel(const trial::Record& head) {
   for (const trial::ChannelRole role :
        {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
@@ -63,6 +64,7 @@ Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t chann
                                std::size_t first, std::size_t rows, std::size_t cell_rows) {
   const trial::Channel& of = source.head().channels[channel];
   const bool is_trigger = of.role == trial::ChannelRole::kTrigger;
+  // a trigger's rest level is the least value over all rows, not only over those in question
   Steps steps;
   if (is_trigger) {
     const auto seen = ForEachValue(source, channel, 0, source.head().rows,
@@ -79,9 +81,11 @@ Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t chann
   });
   if (!seen) return std::unexpected(seen.error());
   if (is_trigger) return power;
+  // without a stated resolution the least change is taken as one step
   const double step = of.resolution > 0 ? of.resolution : steps.step;
   power.is_coarse = steps.most - steps.least <= kCoarseSteps * step;
   if (power.is_coarse) return power;
+  // one step about zero is noise of the last digit: the drive is exactly 0 there
   for (double& cell : power.mean_square) {
     if (cell <= kRounding * step * step) cell = 0;
   }

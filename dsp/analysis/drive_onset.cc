@@ -13,9 +13,12 @@
 namespace haptometer::dsp {
 namespace {
 
+// longest quiet and steady side about the onset
 constexpr double kLongestSideS = 1;
+// level of the drive at its begin, as a part of its steady maximum
 constexpr double kDriveLevel = 0.1;
 constexpr double kNoisesBelowDrive = 2;  // times the largest reading without drive
+// above this level noise covers the begin
 constexpr double kHighestDriveLevel = 0.5;
 
 // samples of a signal: quiet, the rise, steady
@@ -31,6 +34,7 @@ std::size_t SampleAt(const BandSignal& signal, double time_s) {
   return static_cast<std::size_t>(std::clamp(sample, 0.0, static_cast<double>(signal.size())));
 }
 
+// the last quiet part before the drive, the rise, the first second of the steady part
 std::optional<Around> AroundOnset(const ChosenPart& chosen) {
   const OnPart* on = chosen.part.drive.Longest();
   if (!chosen.part.from_drive || on == nullptr) return std::nullopt;
@@ -95,6 +99,7 @@ struct Beginning {
   double half_width = 0;
 };
 
+// the first sample beyond 10 % of the drive, or beyond twice its largest value at rest
 std::optional<Beginning> BeginningOf(const Drive& drive, const Around& around,
                                      double samples_a_period) {
   const std::size_t quiet = around.quiet_end - around.begin;
@@ -106,8 +111,9 @@ std::optional<Beginning> BeginningOf(const Drive& drive, const Around& around,
   if (!(limit > 0 && limit <= kHighestDriveLevel * level)) return std::nullopt;
   for (std::size_t k = quiet; k < steady; ++k) {
     if (!(std::abs(drive.values[k] - rest) > limit)) continue;
-    // a sine that begins at any phase may first have to go through zero
+    // a sine of unknown phase may begin at zero: asin(limit / level) / pi periods up to the limit
     const double turn = drive.turns ? std::asin(limit / level) / std::numbers::pi : 0;
+    // one sample and that time: the drive began within it
     const double width = 1 + turn * samples_a_period;
     return Beginning{static_cast<double>(k) - 0.5 * width, 0.5 * width};
   }
@@ -122,6 +128,7 @@ Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& sourc
   if (!around) return std::nullopt;
   const BandSignal& signal = *chosen.signal;
   const double rate_hz = signal.rate_hz();
+  // samples before the filter: the filter would ring ahead of the onset
   std::vector<double> samples(around->end - around->begin);
   if (auto read = signal.samples().Read(around->begin, samples); !read) {
     return std::unexpected(read.error());
@@ -148,6 +155,7 @@ Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& sourc
   const auto beginning = BeginningOf(**drive, *around, rate_hz / tone_hz);
   if (!beginning) return onset;
   onset.drive_s = begin_s + beginning->sample / rate_hz;
+  // rectangular distribution: half width / sqrt(3)
   onset.drive_uncertainty_s = beginning->half_width / rate_hz / std::numbers::sqrt3;
   onset.latency_s = onset.edge.time_s - *onset.drive_s;
   onset.latency_uncertainty_s =

@@ -16,17 +16,23 @@
 namespace haptometer::dsp {
 namespace {
 
+// partitioning costs blocks^2 / 2; longer records have longer blocks
 constexpr std::size_t kMostBlocks = 2048;
+// in power: a top below this many times the quiet level is no drive
 constexpr double kLeastLevelRatio = 1.3;
+// blocks that a level lasts at least to count as quiet, on or top
 constexpr std::size_t kLeastQuietBlocks = 2;
 constexpr std::size_t kLeastOnBlocks = 2;
 constexpr std::size_t kLeastTopBlocks = 4;
+// in power: levels up to this many times the quiet one are quiet
 constexpr double kQuietSlack = 1.25;
 // a tone below this part of its top amplitude pauses
 constexpr double kPause = 0.3;
 // squared amplitude of a level over the variance of its noise; e^-15 of noise alone is above
 constexpr double kLeastTonePower = 15;
+// the filter rings beside a drive; quiet parts keep this distance from it
 constexpr double kQuietGuardBlocks = 2.5;
+// steady: blocks within these deviations and part of the median power, and this change of amplitude
 constexpr double kDeviations = 4;
 constexpr double kPowerSlack = 0.01;
 constexpr double kLeastDrift = 0.05;
@@ -44,6 +50,7 @@ struct Blocks {
   }
 };
 
+// means of whole cells; a rest at the end that fills no block is not used
 Blocks BlocksOf(const PowerCourse& course, double block_s) {
   const auto cells = static_cast<std::size_t>(std::max(1.0, std::round(block_s / course.cell_s)));
   Blocks blocks;
@@ -58,6 +65,7 @@ Blocks BlocksOf(const PowerCourse& course, double block_s) {
   return blocks;
 }
 
+// one period of the lower corner, or longer where that would be more than kMostBlocks
 double BlockLength(const PowerCourse& course, const DriveSearch& search) {
   const double duration_s = static_cast<double>(course.mean_square.size()) * course.cell_s;
   return std::max(1 / search.lower_hz, duration_s / static_cast<double>(kMostBlocks));
@@ -89,6 +97,7 @@ std::vector<std::pair<std::size_t, std::size_t>> Partition(std::size_t n, const 
   for (std::size_t end = 1; end <= n; ++end) {
     best[end] = std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0; begin < end; ++begin) {
+      // best[end]: least cost of blocks [0, end); the last piece of it is [begin, end)
       const double total = best[begin] + penalty + cost(begin, end);
       if (total < best[end]) {
         best[end] = total;
@@ -114,6 +123,7 @@ std::vector<Level> LevelsOf(const std::vector<double>& power, double degrees) {
     return (sums[end] - sums[begin]) / static_cast<double>(end - begin);
   };
   std::vector<Level> levels;
+  // cost (nu/2) n ln(mean): the negative log likelihood of gamma-distributed powers
   const auto pieces = Partition(n, [&](std::size_t begin, std::size_t end) {
     return 0.5 * degrees * static_cast<double>(end - begin) * std::log(mean(begin, end) + least);
   });
@@ -133,11 +143,12 @@ std::vector<Level> LevelsOf(std::span<const std::complex<double>> tone) {
     squares[k + 1] = squares[k] + std::norm(tone[k]);
     if (k > 0) changes[k - 1] = std::norm(tone[k] - tone[k - 1]);
   }
-  // the square of a change is exponential with a mean of 4 variances; changes of a hundredth of the
-  // amplitude are none
+  // |change|^2 is exponential with a mean of 4 variances, its median ln 2 of that; changes of a
+  // hundredth of the amplitude count as noise
   const double variance =
       MedianOf(changes) / (4 * std::numbers::ln2) + 1e-4 * squares[n] / static_cast<double>(n);
   if (variance == 0) return {{0, n, 0}};
+  // cost sum |c - mean|^2 / (2 variance): the negative log likelihood in Gaussian noise
   const auto pieces = Partition(n, [&](std::size_t begin, std::size_t end) {
     const auto size = static_cast<double>(end - begin);
     return 0.5 / variance *
@@ -147,6 +158,7 @@ std::vector<Level> LevelsOf(std::span<const std::complex<double>> tone) {
   levels.reserve(pieces.size());
   for (const auto& [begin, end] : pieces) {
     const std::complex<double> mean = (sums[end] - sums[begin]) / static_cast<double>(end - begin);
+    // |mean|^2 n / (2 variance) is exponential with mean 1 for noise alone
     const bool is_noise =
         0.5 * std::norm(mean) * static_cast<double>(end - begin) < kLeastTonePower * variance;
     levels.push_back({begin, end, 0.5 * std::norm(mean), is_noise});
@@ -154,6 +166,7 @@ std::vector<Level> LevelsOf(std::span<const std::complex<double>> tone) {
   return levels;
 }
 
+// mean square of the lowest level that lasts kLeastQuietBlocks
 std::optional<double> QuietLevel(const std::vector<Level>& levels) {
   std::optional<double> quiet;
   for (const Level& level : levels) {
@@ -163,6 +176,7 @@ std::optional<double> QuietLevel(const std::vector<Level>& levels) {
   return quiet;
 }
 
+// mean square of the highest level that lasts kLeastTopBlocks and is not noise
 double TopLevel(const std::vector<Level>& levels) {
   double top = 0;
   for (const Level& level : levels) {
@@ -186,8 +200,9 @@ std::vector<Level> RunsAbove(const std::vector<Level>& levels, double threshold)
   return runs;
 }
 
-// narrows `run` to where the power stays at its own median
+// narrows `run` to the blocks whose power is near the median of the run
 Level Steadied(const std::vector<double>& power, Level run) {
+  // the first and the last block hold the edges of the drive
   if (run.size() > 2) {
     ++run.begin;
     --run.end;
@@ -197,6 +212,7 @@ Level Steadied(const std::vector<double>& power, Level run) {
   const double median = MedianOf(inside);
   std::vector<double> off(inside.size());
   std::ranges::transform(inside, off.begin(), [&](double p) { return std::abs(p - median); });
+  // 4 robust deviations, and 1 % of the power where there is almost no noise
   const double limit = kDeviations * kMadToDeviation * MedianOf(off) + kPowerSlack * median;
   const auto lies_off = [&](std::size_t k) { return std::abs(power[k] - median) > limit; };
   const std::size_t most = run.size() / 4;  // what is trimmed from either end
@@ -211,24 +227,26 @@ double MeanOf(const std::vector<double>& power, std::size_t begin, std::size_t e
   return sum / static_cast<double>(end - begin);
 }
 
-// the amplitude's change over the part, and whether it is more than noise
+// the amplitude's change over the part, and whether it is below 5 % or within the noise
 void MeasureDrift(const std::vector<double>& power, const Level& steady, OnPart& part) {
   part.is_steady = true;
   const std::size_t third = steady.size() / 3;
   if (third < 1) return;
   const double first = MeanOf(power, steady.begin, steady.begin + third);
   const double last = MeanOf(power, steady.end - third, steady.end);
+  // powers are squares: sqrt of their ratio is that of amplitudes
   part.drift = std::sqrt(last / first) - 1;
   double square_sum = 0;  // of the differences of neighbours: noise, but no trend
   for (std::size_t k = steady.begin + 1; k < steady.end; ++k) {
     square_sum += (power[k] - power[k - 1]) * (power[k] - power[k - 1]);
   }
+  // Var(difference of neighbours) = 2 Var(block); a mean over a third has Var(block) / third
   const double block_variance = 0.5 * square_sum / static_cast<double>(steady.size() - 1);
   const double noise = std::sqrt(2 * block_variance / static_cast<double>(third));
   part.is_steady = std::abs(part.drift) < kLeastDrift || std::abs(last - first) < 3 * noise;
 }
 
-// power in the middle third over that in the outer two
+// power in the middle third over that in the outer two: above 1 for the ringing of a filter
 double BulgeOf(const std::vector<double>& power, const Level& run) {
   const std::size_t third = run.size() / 3;
   if (third < 1) return 1;
@@ -248,7 +266,7 @@ OnPart PartOf(const Blocks& blocks, const std::vector<double>& response, const L
   return part;
 }
 
-// parts of the lowest level, away from what is on
+// parts of the lowest level, kQuietGuardBlocks from the parts that are on
 std::vector<TimeWindow> QuietParts(const Blocks& blocks, const std::vector<Level>& levels,
                                    double quiet_level) {
   std::vector<TimeWindow> parts;
@@ -274,7 +292,7 @@ DriveParts Unchanging(Finding why) {
   return {.course = DriveCourse::kUnchanging, .on = {}, .quiet = {}, .why = std::move(why)};
 }
 
-// parts from levels; `response` tells what is steady
+// parts from levels; `response` decides what is steady
 DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response,
                    const std::vector<Level>& levels, const Limits& limits, std::string_view what) {
   DriveParts parts;
@@ -299,6 +317,7 @@ DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response,
 }
 
 // by power
+// threshold: geometric mean of quiet and top level
 DriveParts PowerParts(const Blocks& blocks, const std::vector<double>& response, double degrees,
                       std::string_view what) {
   const std::vector<Level> levels = LevelsOf(blocks.mean_square, degrees);
@@ -307,7 +326,7 @@ DriveParts PowerParts(const Blocks& blocks, const std::vector<double>& response,
   if (!quiet || !(top > kLeastLevelRatio * *quiet)) {
     return Unchanging({.kind = FindingKind::kOneLevel, .numbers = {{"of", std::string(what)}}});
   }
-  // a drive that is exactly 0 has its threshold far below the top all the same
+  // lower limits of the quiet level keep threshold and ratio finite for a drive that is exactly 0
   const Limits limits{std::max(*quiet, 1e-9 * top), std::sqrt(std::max(*quiet, 1e-4 * top) * top),
                       std::sqrt(top / std::max(*quiet, 1e-12 * top))};
   return PartsOf(blocks, response, levels, limits, what);
@@ -340,6 +359,7 @@ DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
                    response.mean_square.size(), response.cell_s);
   HAPTOMETER_CHECK(drive.cell_s > 0 && search.lower_hz > 0, "cells of {} s, lower corner {} Hz",
                    drive.cell_s, search.lower_hz);
+  // blocks, levels and threshold from the drive; steady parts from the response in the same blocks
   const double block_s = BlockLength(drive, search);
   const Blocks blocks = BlocksOf(drive, block_s);
   if (blocks.mean_square.size() < kLeastTopBlocks + kLeastQuietBlocks) {
@@ -367,9 +387,11 @@ DriveParts FindDriveParts(std::span<const std::complex<double>> tone, const Powe
   const std::vector<Level> levels = LevelsOf(tone);
   const double top = TopLevel(levels);
   const std::optional<double> quiet = QuietLevel(levels);
+  // the tone pauses where its amplitude is below 0.3 of the top: in power 0.09
   if (!quiet || !(*quiet < kPause * kPause * top)) {
     return Unchanging({.kind = FindingKind::kToneNeverPauses});
   }
+  // on above half of the top amplitude, 0.25 in power
   const Limits limits{kPause * kPause * top / kQuietSlack, 0.25 * top,
                       std::sqrt(top / std::max(*quiet, 1e-12 * top))};
   return PartsOf(blocks, blocks.mean_square, levels, limits, "tone");

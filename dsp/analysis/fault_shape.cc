@@ -11,6 +11,7 @@ namespace {
 // e of a spike of `rows` rows (0: a step) of height 1 that begins at `at`, counted from the first
 // row
 CubicErrors ErrorOf(std::size_t at, std::size_t rows) {
+  // two rows more on either side, which the cubic reads
   std::array<double, kShapeRows + 4> x{};
   for (std::size_t k = at + 2; k < x.size(); ++k) x[k] = rows == 0 || k < at + 2 + rows ? 1 : 0;
   CubicErrors error{};
@@ -18,11 +19,13 @@ CubicErrors ErrorOf(std::size_t at, std::size_t rows) {
   return error;
 }
 
+// projection of errors on a shape: height and squares that remain
 struct Fit {
   double height = 0;
   double rest = 0;  // squares that are left
 };
 
+// height = (e, s) / (s, s), remainder = (e, e) - (e, s)^2 / (s, s)
 Fit Project(const CubicErrors& error, const CubicErrors& shape) {
   double product = 0;
   double norm = 0;
@@ -40,6 +43,7 @@ Fit Project(const CubicErrors& error, const CubicErrors& shape) {
 Fault BestFault(const CubicErrors& error) {
   Fault best;
   double least = std::numeric_limits<double>::infinity();
+  // 0 rows: a step; else a spike of that many rows
   for (std::size_t rows = 0; rows <= 3; ++rows) {
     for (std::size_t at = kShapeReach - 2; at <= kShapeReach + 2; ++at) {
       const Fit fit = Project(error, ErrorOf(at, rows));
@@ -52,6 +56,7 @@ Fault BestFault(const CubicErrors& error) {
   return best;
 }
 
+// a drive that begins is quiet on one side and moves on the other
 bool IsEdgeOfMotion(std::span<const double> values, std::size_t center, double height) {
   constexpr std::size_t kReach = 32;
   constexpr std::size_t kNear = 3;   // rows of the fault itself

@@ -12,21 +12,26 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// rows about a candidate and stride of rows in a block, over which medians of |e| are taken
 constexpr std::size_t kLocalReach = 32;
 constexpr std::size_t kMedianStride = 8;
+// 8 robust standard deviations; a median absolute deviation times 1.4826 is one of a normal
 constexpr double kDeviations = 8;
 constexpr double kMadToDeviation = 1.4826;
+// a spike or step exceeds 4 steps of the converter, the edges of a held or clipped run 2.5
 constexpr double kLeastSteps = 4;
 constexpr double kSteepSteps = 2.5;
+// rows of a held run, rows and number of runs at an extreme value
 constexpr std::size_t kLeastHeld = 4;
 constexpr std::size_t kLeastAtExtreme = 3;
 constexpr std::size_t kLeastExtremeRuns = 2;
+// expected number of held runs by chance in a record
 constexpr double kFalseHolds = 0.01;
 constexpr std::size_t kMostCandidates = 65'536;
-// rows that are plain or not as one
+// rows that are handled together if none of them needs a closer test
 constexpr std::size_t kPieceRows = 256;
 static_assert(kFaultBlockRows % kPieceRows == 0);
-// the first rows of a plain piece, which say how its runs begin
+// the first rows of a plain piece, which determine how its runs begin
 constexpr std::size_t kRunRows = 2;
 
 // where the block that begins at `begin` ends: the last one takes what no block begins with
@@ -35,7 +40,8 @@ std::size_t BlockEnd(std::size_t begin, std::size_t record_rows) {
   return begin + kFaultBlockRows;
 }
 
-// the largest |e| of rows [begin, end) that have two neighbours on either side
+// the largest |e| of rows [begin, end) that have two neighbours on either side; infinite where a
+// neighbour is not measured, so that the block is judged row by row
 double LargestError(const RowBlock& block, std::size_t begin, std::size_t end) {
   begin = std::max<std::size_t>(begin, 2);
   end = std::min(end, block.record_rows - std::min<std::size_t>(block.record_rows, 2));
@@ -70,6 +76,7 @@ FaultLook FaultScanner::Look(const RowBlock& block) const {
   for (std::size_t row = block.first_row; row < block.end_row; row += kPieceRows) {
     const std::size_t end = std::min(row + kPieceRows, block.end_row);
     const double* rows = block.held_values.data() + (row - block.held_first);
+    // a piece with unmeasured rows is marked by a triple and fed row by row
     const bool known = end - row > kRunRows && block.AllOkWithin(row, end);
     look.pieces.push_back(known ? kernel.repeats(rows, end - row) : RowRepeats{.triples = 1});
     if (scale_.resolution > 0) continue;
@@ -89,6 +96,7 @@ void FaultScanner::Add(const Fault& fault) {
   if (faults_.count[kind] <= kMostListed) faults_.list.push_back(fault);
 }
 
+// the resolution of the source, or the least change so far
 double FaultScanner::Step() const {
   if (scale_.resolution > 0) return scale_.resolution;
   return std::isfinite(least_change_) ? least_change_ : 0;
@@ -104,6 +112,7 @@ void FaultScanner::Feed(const RowBlock& block, const FaultLook& look) {
       block.held_end());
   const auto values = block.values();
   const auto statuses = block.statuses();
+  // piece by piece: plain ones in one step, others row by row
   for (std::size_t at = 0; at < values.size(); at += kPieceRows) {
     const std::size_t count = std::min(kPieceRows, values.size() - at);
     const std::size_t piece = at / kPieceRows;
@@ -111,6 +120,7 @@ void FaultScanner::Feed(const RowBlock& block, const FaultLook& look) {
                        FeedPlain(values.subspan(at, count), look.pieces[piece],
                                  look.least_changes.empty() ? 0 : look.least_changes[piece]);
     if (!plain) FeedRows(values.subspan(at, count), statuses.subspan(at, count));
+    // a block is judged once all of it is fed, and only if any error may exceed the limit
     const std::size_t begin = block.first_row + at / kFaultBlockRows * kFaultBlockRows;
     if (fed_ < std::min(begin + kFaultBlockRows, block.end_row) || scanned_ >= fed_) continue;
     const std::size_t end = BlockEnd(begin, block.record_rows);
@@ -128,6 +138,7 @@ void FaultScanner::FeedRow(double value, trial::SampleStatus status) {
   const bool measured = IsMeasured(value, status);
   FeedClipped(fed_, status == trial::SampleStatus::kClipped ||
                         (measured && (value <= scale_.range_min || value >= scale_.range_max)));
+  // a row without a measurement ends a run without a jump
   if (!measured) {
     EndRun(0);
   } else if (status != trial::SampleStatus::kRepeated) {
@@ -140,12 +151,14 @@ void FaultScanner::FeedRow(double value, trial::SampleStatus status) {
 // line, none is clipped; false, and nothing done, elsewhere.
 bool FaultScanner::FeedPlain(std::span<const double> values, const RowRepeats& repeats,
                              double least_change) {
+  // a run that continues from the piece before, or touches the range, is fed row by row
   const bool starts_equal = values[1] == values[0];
   const bool goes_on = run_.rows > 0 && starts_equal && values[0] == run_.value;
   if (!any_extreme_ || goes_on || repeats.least <= scale_.range_min ||
       repeats.most >= scale_.range_max) {
     return false;
   }
+  // the first two rows end the run before; the others form runs of one row or two
   FeedClipped(fed_, false);
   const std::size_t first_row = fed_;
   for (; fed_ < first_row + kRunRows; ++fed_) FeedRun(fed_, values[fed_ - first_row]);
@@ -157,6 +170,7 @@ bool FaultScanner::FeedPlain(std::span<const double> values, const RowRepeats& r
   longer_runs_ += repeats.equal + (starts_equal ? 1U : 0U) - (ends_equal ? 1U : 0U);
   if (repeats.least < extremes_[0].value) extremes_[0] = {repeats.least, {}};
   if (repeats.most > extremes_[1].value) extremes_[1] = {repeats.most, {}};
+  // the run that continues into the next piece
   const std::size_t begin = ends_equal ? last - 1 : last;
   run_ = {first_row + begin, ends_equal ? 2U : 1U, values[begin],
           std::abs(values[begin] - values[begin - 1])};
@@ -210,10 +224,11 @@ void FaultScanner::EndRun(double jump_after) {
     extremes_[1].value = run_.value;
     any_extreme_ = true;
   }
-  // where the resolution is not known, a step is known only once some changes were seen
+  // where the resolution is not known, a step is known only after some changes: early runs are kept
   const Fault run{FaultKind::kHeld, run_.first_row, run_.rows,
                   std::max(run_.jump_before, jump_after)};
   const bool candidate = fed_ < kFaultBlockRows || IsSteep(run);
+  // runs at the least and the greatest value are candidates of clipping
   if (run_.value <= extremes_[0].value) TakeExtreme(run, run_.value, false);
   if (run_.value >= extremes_[1].value) TakeExtreme(run, run_.value, true);
   if (candidate && run.rows >= kLeastHeld && held_.size() < kMostCandidates) held_.push_back(run);
@@ -229,7 +244,7 @@ void FaultScanner::TakeExtreme(const Fault& run, double value, bool highest) {
 
 void FaultScanner::FinishExtremes() {
   for (Extreme& extreme : extremes_) {
-    // at an end of the range they are listed already
+    // at an end of the range they are listed already; else two steep runs at least are clipping
     if (extreme.value <= scale_.range_min || extreme.value >= scale_.range_max) continue;
     std::erase_if(extreme.runs, [&](const Fault& run) { return !IsSteep(run); });
     if (extreme.runs.size() < kLeastExtremeRuns) continue;
@@ -239,7 +254,7 @@ void FaultScanner::FinishExtremes() {
 
 void FaultScanner::FinishHeld() {
   if (runs_ == 0) return;
-  // how long a run chance may give
+  // length L of a run by chance: rows p^(L - 1) = 0.01, p the share of runs longer than one row
   const double p = static_cast<double>(longer_runs_) / static_cast<double>(runs_);
   double length = static_cast<double>(kLeastHeld);
   if (p > 0 && p < 1) {
@@ -263,6 +278,7 @@ double FaultScanner::ErrorAt(std::size_t row) const {
 }
 
 double FaultScanner::BlockMedian(std::size_t begin, std::size_t end) const {
+  // median over every eighth row of a block
   std::vector<double> sample;
   sample.reserve((end - begin) / kMedianStride + 1);
   std::size_t turn = 0;  // no fixed phase: a tone may have a period of eight rows
@@ -274,6 +290,7 @@ double FaultScanner::BlockMedian(std::size_t begin, std::size_t end) const {
   return MedianOf(sample);
 }
 
+// median of |e| over 64 rows about `row`
 double FaultScanner::LocalMedian(std::size_t row) const {
   std::vector<double> near;
   near.reserve(2 * kLocalReach);
@@ -285,15 +302,17 @@ double FaultScanner::LocalMedian(std::size_t row) const {
   return MedianOf(near);
 }
 
-// looks for the shape about `row`; returns the first row after what it takes
+// fits the shapes about `row`; returns the first row after those that it uses
 std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   // the largest error of those that follow closely
   std::size_t center = row;
   for (std::size_t k = row; k < std::min(row + 5, window_first_ + off_.size()); ++k) {
     if (off_[k - window_first_] > off_[center - window_first_]) center = k;
   }
+  // the local median raises the limit within strong motion
   const double local = kDeviations * kMadToDeviation * LocalMedian(center);
   if (!(off_[center - window_first_] > std::max(limit, local))) return row + 1;
+  // errors about the centre; rows that are not held or not measured count as zero
   CubicErrors error{};
   for (std::size_t k = 0; k < kShapeRows; ++k) {
     const std::size_t at = center + k < kShapeReach ? 0 : center + k - kShapeReach;
@@ -302,11 +321,12 @@ std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   }
   Fault fault = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
+  // the begin of a drive has such errors too, but is followed by motion
   if (!IsEdgeOfMotion(window_, center - window_first_, fault.size)) Add(fault);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
 
-// takes the rows that rows [scanned_, end) are judged by
+// copies the rows that the judgement of rows [scanned_, end) needs, and their |e|
 void FaultScanner::Hold(const RowBlock& block, std::size_t end) {
   window_first_ = scanned_ - std::min(scanned_, kFaultMarginRows);
   const std::size_t window_end = std::min(end + kFaultMarginRows, block.record_rows);

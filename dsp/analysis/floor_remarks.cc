@@ -14,11 +14,13 @@ constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no be
 std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
   if (!numbers.floor || !(numbers.floor->rate_hz > 0)) return {};
   const NoiseFloor& floor = *numbers.floor;
+  // refusals of the drive-off trial are doubts of its use as a floor
   std::vector<Finding> doubts = floor.refusals;
   if (std::abs(floor.rate_hz - rate_hz) > kSameRate * rate_hz) {
     doubts.push_back({.kind = FindingKind::kFloorOfOtherRate,
                       .numbers = {{"floor_per_s", floor.rate_hz}, {"readings_per_s", rate_hz}}});
   }
+  // a tone in the floor: the drive was on, or a disturbance was there
   if (floor.tone_hz) {
     const bool is_same =
         numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
@@ -40,6 +42,7 @@ void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
     analysis->findings.Add(std::move(doubt));
   }
   const double floor_m = *numbers.rms.floor_m;
+  // floor above the signal: no number; floor not exceeded: an upper limit
   if (numbers.rms.floor_contradicts) {
     analysis->findings.Add(
         {.severity = Severity::kRefusal,

@@ -23,15 +23,15 @@ constexpr double kLargestStep = 0.25;  // of the span
 constexpr double kSmallSteps = 0.75;   // share of them
 constexpr double kScatter = 0.01;      // of the span: a step that is none
 constexpr std::size_t kLeastSteps = 5;
-// places that no repeated sweep passes in step
+// places at non-uniform distances, which no repeated sweep passes in step
 constexpr std::array kGlances{0.03, 0.21, 0.47, 0.68, 0.95};
 constexpr double kStays = 1.01;  // upper over lower tone of those
-constexpr double kOneWay = 0.8;  // share of steps that go on as the one before
+constexpr double kOneWay = 0.8;  // share of steps in the direction of the one before
 
-// how the tone of a block is found
+// blocks in which a tone is sought
 struct Blocks {
   std::size_t samples = 0;
-  std::size_t stride = 1;  // the signal is band-limited: every so manieth sample tells it
+  std::size_t stride = 1;  // the signal is band-limited: every so many samples are used
   std::size_t count = 0;
 };
 
@@ -46,7 +46,7 @@ Blocks BlocksOf(const BandSignal& signal, std::size_t size, const BandPass& band
   return blocks;
 }
 
-// frequencies of the tones that stand out of the blocks at these shares of the part, by time
+// frequencies of the tones in blocks at these shares of the part, in order of time
 Result<std::vector<double>> TonesAt(std::span<const double> shares, const BandSignal& signal,
                                     std::size_t begin, std::size_t size, const Blocks& blocks,
                                     const BandPass& band) {
@@ -59,6 +59,7 @@ Result<std::vector<double>> TonesAt(std::span<const double> shares, const BandSi
         begin + static_cast<std::size_t>(share * static_cast<double>(size - blocks.samples));
     if (auto read = signal.Read(at, samples); !read) return std::unexpected(read.error());
     kept.clear();
+    // fewer samples per block: the signal has no power above its band
     for (std::size_t n = 0; n < samples.size(); n += blocks.stride) kept.push_back(samples[n]);
     const auto tone =
         StrongestTone(kept, {signal.rate_hz() / static_cast<double>(blocks.stride), band.lower_hz,
@@ -76,14 +77,14 @@ std::vector<double> EvenShares(std::size_t count) {
   return shares;
 }
 
-// whether the tones at a few places are all there and one
+// whether all of the few places have a tone, within 1 % of each other
 bool StayAtAGlance(std::span<const double> tones) {
   if (tones.size() < kGlances.size()) return false;
   const auto [least, most] = std::ranges::minmax(tones);
   return most <= kStays * least;
 }
 
-// steps from block to block that are more than a tone's own scatter
+// steps from block to block larger than the scatter of a tone
 std::vector<double> StepsOf(std::span<const double> tones, double span) {
   std::vector<double> steps;
   steps.reserve(tones.size());
@@ -94,15 +95,17 @@ std::vector<double> StepsOf(std::span<const double> tones, double span) {
   return steps;
 }
 
-// whether they go on as a sweep does, and not as one tone, two or noise
+// whether the frequencies change as those of a sweep, not as those of one tone, two tones or noise
 bool Moves(std::span<const double> tones, double lowest, double highest) {
   if (highest < kLeastSpan * lowest) return false;
   const double span = highest - lowest;
+  // two tones have blocks near the ends of the span only
   const auto in_middle = std::ranges::count_if(
       tones, [&](double f) { return f > lowest + kMiddle * span && f < highest - kMiddle * span; });
   const std::vector<double> steps = StepsOf(tones, span);
   if (steps.size() < kLeastSteps) return false;
   std::size_t small = 0;
+  // a sweep has small steps, most of them in the direction of the one before
   std::size_t on_and_on = 0;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     if (std::abs(steps[k]) <= kLargestStep * span) ++small;
@@ -115,7 +118,7 @@ bool Moves(std::span<const double> tones, double lowest, double highest) {
          share(small, steps.size()) >= kSmallSteps && share(on_and_on, steps.size() - 1) >= kOneWay;
 }
 
-// the longest run of tones that go on by small steps: what a sweep leaves its band for is noise
+// the longest run of tones with small steps: outside of its band a sweep leaves noise only
 std::span<const double> LongestRun(std::span<const double> tones, double span) {
   std::size_t best = 0;
   std::size_t best_size = 0;
@@ -137,12 +140,14 @@ Result<std::optional<FrequencyMove>> FindFrequencyMove(const BandSignal& signal,
                                                        std::size_t end, const BandPass& band) {
   const Blocks blocks = BlocksOf(signal, end - begin, band);
   if (blocks.count < kLeastBlocks) return std::nullopt;
+  // five blocks suffice where the tone stays: a tenth of the cost of all
   const auto glances = TonesAt(kGlances, signal, begin, end - begin, blocks, band);
   if (!glances) return std::unexpected(glances.error());
   if (StayAtAGlance(*glances)) return std::nullopt;
   const auto tones = TonesAt(EvenShares(blocks.count), signal, begin, end - begin, blocks, band);
   if (!tones) return std::unexpected(tones.error());
   if (tones->size() < kLeastBlocks) return std::nullopt;
+  // 10th to 90th percentile: single outlying tones do not widen the span
   std::vector<double> sorted = *tones;
   std::ranges::sort(sorted);
   const double lowest = sorted[sorted.size() / 10];

@@ -21,20 +21,20 @@ constexpr double kLeastInside = 1.02;     // of the shortest window: cells cut a
 constexpr double kLeastPiecePeriods = 1;  // of the lower corner, of a piece that is searched
 constexpr std::size_t kMostPieces = 64;
 
-// seconds of a window that have settled in a signal
+// seconds of a window that are free of transients in a signal
 double SettledSecondsIn(const BandSignal& signal, const TimeWindow& window) {
   const auto [begin, end] = SettledWithin(signal, window);
   return static_cast<double>(end - begin) / signal.rate_hz();
 }
 
-// a drive in the signal in which most of it has settled
+// a drive, in the signal with most of it free of transients
 MissedDrive MissedIn(const std::vector<BandSignal>& all, const TimeWindow& on) {
   const BandSignal& signal = *std::ranges::max_element(
       all, {}, [&](const BandSignal& one) { return SettledSecondsIn(one, on); });
   return {&signal, on, false, {}};
 }
 
-// of the drive's parts by its channel the one of which most has settled, else the longest
+// of the drive's parts by its channel the one with most free of transients, else the longest
 Result<std::optional<MissedDrive>> MissedByChannel(const trial::RowSource& source,
                                                    const std::vector<BandSignal>& all,
                                                    const ChosenPart& chosen, const BandPass& band) {
@@ -43,6 +43,7 @@ Result<std::optional<MissedDrive>> MissedByChannel(const trial::RowSource& sourc
   const auto parts = FindChannelParts(source, band, used);
   if (!parts) return std::unexpected(parts.error());
   std::optional<MissedDrive> missed;
+  // order: seconds free of transients, then length
   const auto size = [](const MissedDrive& one) {
     return std::pair{SettledSecondsIn(*one.signal, one.on), one.on.duration_s()};
   };
@@ -57,7 +58,7 @@ Result<std::optional<MissedDrive>> MissedByChannel(const trial::RowSource& sourc
   return missed;
 }
 
-// the longest pieces of the record that are fast enough, be they filtered or too short for it
+// the longest pieces of the record with a sufficient rate, filtered or too short for it
 std::vector<BriefSearch> PiecesOf(const Displacement& displacement, const Segments& segments,
                                   const std::vector<BandSignal>& all, const BandPass& band) {
   std::vector<BriefSearch> pieces;
@@ -77,14 +78,15 @@ std::vector<BriefSearch> PiecesOf(const Displacement& displacement, const Segmen
   return pieces;
 }
 
-// Away from where the drive begins and ends. A channel tells that to a millisecond: of a short
-// drive as much is left as a window needs of what has settled, and more is left out behind its
-// begin, where the vibration rises.
+// Away from the drive's begin and end. A channel gives these to a millisecond: a short drive keeps
+// as much as a window needs of the part free of transients, and loses more behind its begin, where
+// the vibration rises.
 TimeWindow InsideOf(const MissedDrive& missed, double block_s) {
   const BandSignal& signal = *missed.signal;
   const TimeWindow& on = missed.on;
   const double least_s = kLeastInside * kLeastWindowPeriods * block_s;
   const double guard_s = (missed.from_channel ? kLeastGuard : 1) * block_s;
+  // the begin moves first, then the end, each by at least the guard and at most one block
   const double latest_s = std::min(on.end_s - guard_s, TimeOfSample(signal, signal.settled_end()));
   const double begin_s = on.begin_s + std::clamp(latest_s - least_s - on.begin_s, guard_s, block_s);
   const double earliest_s = std::max(begin_s, TimeOfSample(signal, signal.settled_begin()));
@@ -92,7 +94,7 @@ TimeWindow InsideOf(const MissedDrive& missed, double block_s) {
   return {begin_s, std::max(begin_s, end_s)};
 }
 
-// settled parts beside the drive, each as long as `least_s`
+// parts beside the drive that are free of transients, each at least `least_s` long
 std::vector<TimeWindow> QuietBeside(const MissedDrive& missed, double guard_s, double least_s) {
   const BandSignal& signal = *missed.signal;
   const TimeWindow before{TimeOfSample(signal, signal.settled_begin()),
@@ -111,6 +113,7 @@ Result<std::optional<MissedDrive>> FindMissedDrive(const Displacement& displacem
                                                    const Segments& segments,
                                                    const std::vector<BandSignal>& all,
                                                    const ChosenPart& chosen, const BandPass& band) {
+  // the channel decides before the displacement, whose search costs more
   auto by_channel = MissedByChannel(displacement.source, all, chosen, band);
   if (!by_channel || *by_channel) return by_channel;
   const std::vector<BriefSearch> pieces = PiecesOf(displacement, segments, all, band);
@@ -150,6 +153,7 @@ Finding WhyMissed(const MissedDrive& missed, const BandPass& band) {
   using enum FindingKind;
   const auto [begin, end] = SettledWithin(*missed.signal, missed.on);
   const double settled_s = SettledSecondsIn(*missed.signal, missed.on);
+  // a window, and the guards that InsideOf removes
   const double guards = missed.from_channel ? 2 * kLeastGuard : 2;
   const double least_s = (kLeastWindowPeriods + guards) / band.lower_hz;
   const bool is_short = missed.on.duration_s() < least_s;
@@ -159,6 +163,7 @@ Finding WhyMissed(const MissedDrive& missed, const BandPass& band) {
                                    : (is_short ? kVibrationTooShort : kVibrationNotSettled);
   found.numbers.emplace_back("settled_s", settled_s);
   if (is_short) found.numbers.emplace_back("needed_s", least_s);
+  // a window that can be given instead
   if (settled_s >= kLeastWindowPeriods / band.lower_hz) {
     found.numbers.emplace_back("window_from_s", TimeOfSample(*missed.signal, begin));
     found.numbers.emplace_back("window_to_s", TimeOfSample(*missed.signal, end));

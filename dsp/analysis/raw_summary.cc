@@ -13,6 +13,7 @@ namespace {
 constexpr double kCellsPerS = 250;
 constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
+// rows of a cell, from the highest rate in the record
 std::size_t CellRows(const trial::Record& head) {
   double rate_hz = 0;
   for (const trial::Stretch& stretch : head.stretches) rate_hz = std::max(rate_hz, stretch.rate_hz);
@@ -42,6 +43,7 @@ RawSummarizer::Look RawSummarizer::LookAt(const RowBlock& block) const {
   return look;
 }
 
+// cells that are measured as a whole are added at once, all other rows one by one
 void RawSummarizer::Feed(const RowBlock& block, const Look& look) {
   HAPTOMETER_CHECK(block.first_row == fed_, "row {} after {}", block.first_row, fed_);
   const std::size_t cell = summary_.cell_rows;
@@ -70,6 +72,7 @@ void RawSummarizer::FeedCell(double first, const RowSum& sum) {
   AddCell(first, sum.sum, summary_.cell_rows);
 }
 
+// lane by lane, so that a cell fed row by row has the same bytes as one fed at once
 void RawSummarizer::FeedRow(double value, trial::SampleStatus status) {
   const std::size_t lane = cell_filled_ % kRowLanes;
   if (IsMeasured(value, status)) {
@@ -90,6 +93,7 @@ void RawSummarizer::AddCell(double first, double sum, std::size_t measured) {
   summary_.cell_means.push_back(measured > 0 ? first + sum / count
                                              : std::numeric_limits<double>::quiet_NaN());
   if (measured == 0) return;
+  // deviations from the first reading of the record, by Neumaier's compensated sum
   const double term = (first - reference_) * count + sum;
   const double next = sum_ + term;
   lost_ += std::abs(sum_) >= std::abs(term) ? (sum_ - next) + term : (term - next) + sum_;

@@ -15,7 +15,7 @@ constexpr double kBelow = 0.75;        // of the lower corner: motion that a til
 constexpr double kMoreDegrees = 4;     // cube roots of the half waves' degree above that
 constexpr double kClearOf = 1.5;       // of the fastest motion that the polynomial takes
 constexpr std::size_t kValuesPerDegree = 4;
-constexpr double kLeastNorm = 0.05;  // of a step that is left: at the ends hardly any is
+constexpr double kLeastNorm = 0.05;  // of a step that is left: at the ends almost none is
 
 double RateOfValues(double rate_hz, const BandPass& band) {
   return rate_hz / static_cast<double>(SamplesAValue(rate_hz, band));
@@ -25,13 +25,14 @@ std::size_t ValuesOf(std::size_t samples, double rate_hz, const BandPass& band) 
   return samples / SamplesAValue(rate_hz, band);
 }
 
+// d = x + 4 x^(1/3), x = pi 0.75 lower T: such a polynomial holds motion up to 0.75 lower
 std::size_t DegreeOf(std::size_t samples, double rate_hz, const BandPass& band) {
   const double turns = kBelow * band.lower_hz * static_cast<double>(samples) / rate_hz;
   const double degree = std::numbers::pi * turns;
   return static_cast<std::size_t>(std::ceil(degree + kMoreDegrees * std::cbrt(degree)));
 }
 
-// means of `many` samples each, from the first
+// means of `many` samples each, about the first sample, so that the distance costs no digits
 std::vector<double> MeansOf(std::span<const double> raw, std::size_t many) {
   std::vector<double> means(raw.size() / many);
   for (std::size_t k = 0; k < means.size(); ++k) {
@@ -77,6 +78,7 @@ Result<RawTile> RawTile::Read(const SegmentSamples& samples, std::size_t begin,
   return tile;
 }
 
+// the least-squares step at k reduces the squares by (sum of values from k on)^2 / norms[k]
 bool RawTile::TakeOutStep(double least_m2) {
   const std::vector<double>& norms = shape_->basis().step_norms();
   const std::size_t n = values_m_.size();
@@ -92,6 +94,7 @@ bool RawTile::TakeOutStep(double least_m2) {
     at = k;
   }
   if (at == n) return false;
+  // the step less its own polynomial, since the values have none
   std::vector<double> step(n, 0.0);
   std::fill(step.begin() + static_cast<std::ptrdiff_t>(at), step.end(), height);
   shape_->basis().TakeOut(step);
@@ -99,6 +102,7 @@ bool RawTile::TakeOutStep(double least_m2) {
   return true;
 }
 
+// the tone without the polynomial's part of it, as in the tile's values
 void RawTile::TakeOutTone(double frequency_hz, double most_m) {
   Turns turns = TurnsOf(frequency_hz, rate_hz(), values_m_.size());
   shape_->basis().TakeOut(turns.cosine);

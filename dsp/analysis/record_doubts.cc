@@ -14,6 +14,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kLeastToBeStuck = 16;
+// rate of new readings over the sensor's own sampling rate above which they contradict each other
 constexpr double kRateTolerance = 1.05;
 constexpr double kFastestTableHz = 1e6;  // what a table of another program holds at most
 constexpr double kShortestTrialS = 0.1;
@@ -28,12 +29,14 @@ struct OtherUnit {
 constexpr std::array<OtherUnit, 3> kOtherUnits{
     {{"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_s", 1e3}}};
 
+// readings farther than any target that is plausible
 void RemarkFar(const RawSummary& summary, BandAnalysis* analysis) {
   const double farthest_m = std::max({-summary.least, summary.most, summary.most - summary.least});
   if (!(farthest_m > kFarthestReadingM)) return;
   analysis->findings.Doubt(FindingKind::kFarReadings, {{"farthest_m", farthest_m}});
 }
 
+// new readings faster than the sensor samples contradict its metadata
 void RemarkSampling(const trial::Metadata& metadata, BandAnalysis* analysis) {
   if (!metadata.sampling_s || !(*metadata.sampling_s > 0)) return;
   const double rate_hz = analysis->record.fresh_rate_hz;
@@ -44,17 +47,18 @@ void RemarkSampling(const trial::Metadata& metadata, BandAnalysis* analysis) {
                             {"new_readings_per_s", rate_hz}});
 }
 
-// a table without a sensor's name may hold times in another unit than its column says
+// a table without a sensor's name may hold times in another unit than its column states
 void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
   const RecordFacts& facts = analysis->record;
   const double needed_hz = kLeastRatePerUpperCorner * analysis->band.upper_hz;
   const bool is_table = head.metadata.source.starts_with("imported") &&
                         head.metadata.sensor.empty() && head.timing == trial::Timing::kUniform;
-  // somebody said the rate, and it is that of the times
+  // a rate that is stated and agrees with the times is no error of units
   const auto stated_hz = head.metadata.nominal_rate_hz;
   const bool is_stated = stated_hz && std::abs(facts.rate_hz / *stated_hz - 1) < kStatedTolerance;
   if (!is_table || is_stated || (facts.rate_hz >= needed_hz && facts.rate_hz <= kFastestTableHz))
     return;
+  // the first unit that makes the rate usable and the trial long enough
   for (const OtherUnit& unit : kOtherUnits) {
     const double rate_hz = facts.rate_hz / unit.factor;
     const double duration_s = facts.duration_s * unit.factor;
@@ -95,12 +99,14 @@ std::optional<Finding> WhyStuck(const RawSummary& summary) {
 Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const ChosenPart& part,
                                         const BandAnalysis& analysis) {
   const double lower_hz = analysis.band.lower_hz;
+  // vibration in the band changes its value at least twice in a period of the lower corner
   const auto least_changes = [&](double seconds) { return 2 * lower_hz * seconds; };
   if (static_cast<double>(analysis.faults.runs) >= least_changes(analysis.record.duration_s)) {
     return std::nullopt;
   }
   const std::size_t first = part.signal->first_row() + part.begin;
   const std::size_t rows = part.end - part.begin;
+  // only a record with few changes is read again, over the chosen part
   std::vector<double> values(std::min(rows, kBlock));
   std::vector<trial::SampleStatus> statuses(values.size());
   std::size_t changes = 0;

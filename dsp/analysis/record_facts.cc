@@ -17,6 +17,7 @@ constexpr double kTimeUncertaintyPeriods = 0.1;
 
 }  // namespace
 
+// numbers of rows by status as text, such as "late 3, over 1"
 std::string Unmeasured(const RecordFacts& facts) {
   std::string text;
   std::size_t named = 0;
@@ -27,6 +28,7 @@ std::string Unmeasured(const RecordFacts& facts) {
         fmt::format("{}{} {}", text.empty() ? "" : ", ", trial::Name(status), facts.by_status[s]);
     named += facts.by_status[s];
   }
+  // rows with a valid status but without a finite value
   const std::size_t rest = facts.rows - facts.measured - named;
   if (rest > 0) text += fmt::format("{}without a value {}", text.empty() ? "" : ", ", rest);
   return text;
@@ -44,11 +46,13 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
   facts.offset_m = summary.mean;
   facts.peak_to_peak_m = summary.most - summary.least;
 
+  // the rate that lasts longest stands for the record
   const auto longest = std::ranges::max_element(head.stretches, {}, &trial::Stretch::rows);
   facts.rate_hz = longest->rate_hz;
   for (const trial::Stretch& stretch : head.stretches) {
     facts.duration_s += static_cast<double>(stretch.rows) / stretch.rate_hz;
   }
+  // repeated readings contain no new information: they reduce the rate
   const auto repeated = segments.by_status[static_cast<std::size_t>(SampleStatus::kRepeated)];
   facts.fresh_rate_hz =
       facts.rate_hz * (1 - static_cast<double>(repeated) / static_cast<double>(segments.measured));

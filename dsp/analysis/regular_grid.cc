@@ -18,7 +18,9 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kFarthestPeriods = 0.3;  // beyond this a time may belong to the next place
+// bound, as a part of a tone's amplitude, at which no further points are added
 constexpr double kNegligibleError = 1e-6;
+// numbers of nodes that are tried, from the cheapest
 constexpr std::array<std::size_t, 4> kPoints{4, 8, 12, 16};
 constexpr std::size_t kMostPoints = kPoints.back();
 
@@ -33,6 +35,7 @@ struct Places {
   }
 };
 
+// a robust period: dropped readings change a median little
 double MedianInterval(std::span<const double> times_s) {
   std::vector<double> intervals;
   intervals.reserve(times_s.size());
@@ -45,6 +48,7 @@ double MedianInterval(std::span<const double> times_s) {
 // the least-squares line of the times over their places
 void FitLine(std::span<const double> times_s, Places& places) {
   const auto n = static_cast<double>(times_s.size());
+  // about the means, with times relative to the first, so that large times cost no digits
   double mean_place = 0;
   double mean_s = 0;  // of what the times are past the first
   for (std::size_t j = 0; j < times_s.size(); ++j) {
@@ -62,12 +66,14 @@ void FitLine(std::span<const double> times_s, Places& places) {
   places.start_s = times_s[0] + mean_s - mean_place * places.period_s;
 }
 
+// numbers of periods between readings, rounded, then the line through times over them
 Places PlacesOf(std::span<const double> times_s) {
   Places places;
   places.place.reserve(times_s.size());
   places.place.push_back(0);
   const double period_s = MedianInterval(times_s);
   for (std::size_t j = 1; j < times_s.size(); ++j) {
+    // successive readings are at least one period apart
     const double periods = std::clamp((times_s[j] - times_s[j - 1]) / period_s, 1.0, 1e15);
     places.place.push_back(places.place.back() + std::llround(periods));
   }
@@ -75,6 +81,7 @@ Places PlacesOf(std::span<const double> times_s) {
   return places;
 }
 
+// standard deviation and largest distance of the times from the line, and places without a reading
 void DescribeJitter(std::span<const double> times_s, const Places& places, RegularGrid& grid) {
   double square_sum = 0;
   for (std::size_t j = 0; j < times_s.size(); ++j) {
@@ -106,12 +113,12 @@ Readings MeasuredOf(const trial::Channel& channel, std::span<const double> times
   return readings;
 }
 
-// first of the `points` readings around reading number `j`; there are as many
+// first of the `points` readings nearest to reading `j`, moved inwards at the ends
 std::size_t FirstOf(std::size_t j, std::size_t points, std::size_t size) {
   return std::min(j - std::min(j, points / 2), size - points);
 }
 
-// Cauchy's remainder for a tone of amplitude 1
+// Cauchy's remainder for a tone of amplitude 1: w^m / m! product of |t - t_k|
 double Remainder(std::span<const double> nodes_s, double at_s, double omega) {
   double product = 1;
   double factor = 0;
@@ -119,7 +126,7 @@ double Remainder(std::span<const double> nodes_s, double at_s, double omega) {
   return product;
 }
 
-// the polynomial through all nodes, at `at_s`
+// Neville's scheme: the polynomial through all nodes at `at_s`
 double Neville(std::span<const double> nodes_s, std::span<const double> values, double at_s) {
   std::array<double, kMostPoints> p;
   std::ranges::copy(values, p.begin());
@@ -143,7 +150,7 @@ class Interpolator {
 
   [[nodiscard]] std::size_t readings() const { return readings_.times_s.size(); }
 
-  // the bounds of all measured rows
+  // bounds of the error at all measured rows
   [[nodiscard]] std::vector<double> Bounds(std::size_t points) const {
     std::vector<double> bounds;
     bounds.reserve(readings());
@@ -190,14 +197,14 @@ class Interpolator {
   Readings readings_;
 };
 
-// the bound that nearly all rows keep
+// the bound that nine of ten rows keep
 double UsualBound(std::vector<double> bounds) {
   const auto most = bounds.begin() + static_cast<std::ptrdiff_t>(bounds.size() * 9 / 10);
   std::ranges::nth_element(bounds, most);
   return *most;
 }
 
-// the least number of points that is good enough, or the best
+// the least number of points with a negligible bound, or that with the least bound
 std::size_t PointsFor(const Interpolator& interpolator) {
   std::size_t best = kPoints.front();
   double best_bound = std::numeric_limits<double>::infinity();
@@ -213,7 +220,7 @@ std::size_t PointsFor(const Interpolator& interpolator) {
   return best;
 }
 
-// rows of the grid: those with a reading, and the holes that may be bridged
+// rows of the grid: one per reading, and per missing one in a gap that may be interpolated
 void LayOut(const Places& places, RegularGrid& grid) {
   trial::Record& record = grid.record;
   grid.rows.reserve(places.place.size());
@@ -231,7 +238,7 @@ void LayOut(const Places& places, RegularGrid& grid) {
   }
 }
 
-// `values` of the readings on the rows of the grid, holes in between
+// `values` of the readings on the rows of the grid, NaN and late in gaps
 trial::Channel OnRows(const trial::Channel& channel, const Places& places,
                       std::span<const double> values, std::size_t rows) {
   trial::Channel gridded = channel;
@@ -268,6 +275,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
   const std::span<const double> times_s = record.raw_times_s;
   const Places places = PlacesOf(times_s);
   RegularGrid grid;
+  // times too far from any grid cannot be assigned to places
   DescribeJitter(times_s, places, grid);
   if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
     return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
@@ -278,6 +286,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
   grid.record.metadata = record.metadata;
   LayOut(places, grid);
   grid.record.channels.reserve(record.channels.size());
+  // each channel has its own unmeasured rows, so its own nodes and number of points
   for (const trial::Channel& channel : record.channels) {
     const Interpolator interpolator(channel, times_s, places, 2 * std::numbers::pi * upper_hz);
     std::vector<double> values(record.rows, std::numeric_limits<double>::quiet_NaN());
@@ -285,6 +294,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
       grid.points = PointsFor(interpolator);
       const std::size_t left_out_before = grid.left_out;
       values = interpolator.Values(grid.points, grid);
+      // more than half of the rows beyond the bound: the readings do not determine the motion
       if (2 * (grid.left_out - left_out_before) > interpolator.readings()) {
         return Refused(FindingKind::kReadingsTooFarApart,
                        {{"upper_hz", upper_hz}, {"readings_per_s", grid.rate_hz}});

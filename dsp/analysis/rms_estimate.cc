@@ -20,22 +20,24 @@ constexpr double kToneDegrees = 96;
 // chi-squared is normal then, to 1e-3 of a standard deviation
 constexpr double kManyDegrees = 1e6;
 
-// how far a value's limits lie below and above it
+// distances of a value's limits below and above it
 struct Reach {
   double below = 0;
   double above = 0;
 };
 
+// quantile of the normal distribution for the two tails in use, 0.025 and 0.05
 double NormalOf(double probability) { return probability < 0.04 ? kNormal95 : kNormal90; }
 
 // No periodogram has fewer degrees of freedom than its one line would (band_noise.h). Where mean
-// square and variance say so, the first is a difference of larger numbers, and the second alone
-// tells how far it reaches.
+// square and variance give fewer, the mean square is a difference of larger numbers, and the
+// variance alone determines the limits.
 constexpr double kLeastDegrees = 4;
 
-// of a noise power, by chi-squared; `probability` is that of either tail
+// limits of a noise power by chi-squared; `probability` is that of either tail
 Reach ReachOf(const NoisePower& power, double probability) {
   if (!(power.variance > 0)) return {};
+  // mean^2 = degrees / 2 variance: the mean that has kLeastDegrees
   const NoisePower own{std::max(power.mean_square, std::sqrt(kLeastDegrees / 2 * power.variance)),
                        power.variance};
   const double degrees = own.degrees_of_freedom();
@@ -43,6 +45,7 @@ Reach ReachOf(const NoisePower& power, double probability) {
     const double reach = NormalOf(probability) * std::sqrt(own.variance);
     return {reach, reach};
   }
+  // nu m / chi2(1 - p) and nu m / chi2(p)
   const double sum = degrees * own.mean_square;
   return {own.mean_square - sum / ChiSquareQuantile(1 - probability, degrees),
           sum / ChiSquareQuantile(probability, degrees) - own.mean_square};
@@ -62,6 +65,7 @@ struct Sum {
   [[nodiscard]] double deviation() const { return std::sqrt(variance + floor_variance); }
 };
 
+// limits of tone + rest - floor by variance estimates recovery: squared distances add
 Reach ReachOf(const BandPower& power, double gain_square, double normal, double probability) {
   const Reach rest = ReachOf(power.rest, probability);
   const Reach floor = power.floor ? ReachOf(*power.floor, probability) : Reach{};
@@ -76,6 +80,7 @@ double RootOf(double mean_square) { return std::sqrt(std::max(0.0, mean_square))
 
 RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds) {
   HAPTOMETER_CHECK(power.sensor_gain > 0, "gain {}", power.sensor_gain);
+  // rms^2 = tone / gain^2 + rest - floor, and the variance of each
   const double gain_square = power.sensor_gain * power.sensor_gain;
   const double floor = power.floor ? power.floor->mean_square : 0;
   const Sum sum{power.tone_mean_square / gain_square + power.rest.mean_square - floor,
@@ -88,16 +93,18 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   estimate.rms_m = RootOf(sum.value);
   const Reach reach = ReachOf(power, gain_square, kNormal95, 0.025);
   const Reach one_sided = ReachOf(power, gain_square, kNormal90, 0.05);
+  // one-sided 95 %: the floor is not exceeded; two-sided: it exceeds the signal
   estimate.below_floor = power.floor && sum.value <= one_sided.below;
   estimate.floor_contradicts = power.floor && sum.value + reach.above < 0;
   const double lower = RootOf(sum.value - reach.below);
   const double upper = RootOf(sum.value + reach.above);
 
-  // from mean squares to the RMS: u / (2 RMS); where the RMS is not told from 0, the interval's
+  // u(rms) = u(rms^2) / (2 rms); where the RMS does not differ from 0, from the interval's width
   const bool known = sum.value > reach.below && estimate.rms_m > 0;
   const double random =
       known ? sum.deviation() / (2 * estimate.rms_m) : (upper - lower) / (2 * kNormal95);
   const double total = sum.deviation();
+  // shares of the budget in proportion to the standard deviations
   const auto share = [&](double variance) {
     return total > 0 ? random * std::sqrt(variance) / total : 0;
   };
@@ -106,18 +113,21 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
     estimate.budget.push_back(
         {RmsCause::kNoiseFloor, Evaluation::kStatistical, share(sum.floor_variance)});
   }
-  // an error of the RMS behind the filter, in terms of the RMS that is stated
+  // a bound is of the RMS behind filter and sensor: converted to the RMS that is stated
   const double scale = known ? estimate.as_measured_m / (gain_square * estimate.rms_m) : 1;
   double bound_square = 0;
   for (const RmsBound& bound : bounds) {
+    // rectangular distribution: half width / sqrt(3)
     const double u = scale * bound.half_width_m / std::numbers::sqrt3;
     bound_square += u * u;
     estimate.budget.push_back({bound.cause, Evaluation::kBound, u});
   }
   estimate.standard_uncertainty_m = std::hypot(random, std::sqrt(bound_square));
+  // bounds widen the interval in squares, by 1.96 of their standard uncertainty
   const double widening = kNormal95 * std::sqrt(bound_square);
   estimate.lower_m = std::max(0.0, estimate.rms_m - std::hypot(estimate.rms_m - lower, widening));
   estimate.upper_m = estimate.rms_m + std::hypot(upper - estimate.rms_m, widening);
+  // the upper limit starts from the tone's power at least, if the floor exceeds the rest
   const double least = std::max({0.0, sum.value, power.tone_mean_square / gain_square});
   estimate.at_most_m =
       estimate.rms_m + std::hypot(std::sqrt(least + one_sided.above) - estimate.rms_m,

@@ -32,7 +32,7 @@ struct Row {
   }
 };
 
-// least and most of what was seen
+// least and greatest value so far, lane by lane
 struct Extent {
   Row least;
   Row most;
@@ -44,7 +44,7 @@ struct Extent {
     where(value < low, low) = value;
     where(value > high, high) = value;
   }
-  // of all lanes and the rows that fill none
+  // combines all lanes and the `count` rows that fill no register
   template <typename Result>
   void Finish(const double* rest, std::size_t count, Result& result) const {
     double low[kRowLanes];
@@ -62,7 +62,7 @@ struct Extent {
   }
 };
 
-// 0 x is 0, or no number where x is none or infinite
+// 0 x is 0, or NaN where x is NaN or infinite
 bool AllFinite(const double* rows, std::size_t count) {
   Row sums(0);
   std::size_t k = 0;
@@ -79,6 +79,7 @@ bool AllFinite(const double* rows, std::size_t count) {
   return sum == 0;
 }
 
+// sum of term(x) with extremes; the order of the sum does not depend on the instruction set
 template <typename Term>
 RowSum SumOf(const double* rows, std::size_t count, const Term& term) {
   Row sums(0);
@@ -95,11 +96,13 @@ RowSum SumOf(const double* rows, std::size_t count, const Term& term) {
   extent.Finish(rows + k, count - k, result);
   double lanes[kRowLanes];
   sums.Store(lanes);
+  // remaining rows continue lane by lane
   for (std::size_t lane = 0; k < count; ++k, ++lane) lanes[lane] += term(rows[k]);
   result.sum = SumOfLanes(lanes);
   return result;
 }
 
+// about `reference`, so that an offset costs no digits
 RowSum SumFrom(const double* rows, std::size_t count, double reference) {
   return SumOf(rows, count, [reference](const auto& x) { return x - reference; });
 }
@@ -108,6 +111,7 @@ RowSum SumSquares(const double* rows, std::size_t count) {
   return SumOf(rows, count, [](const auto& x) { return x * x; });
 }
 
+// pairs and triples of equal neighbours with extremes, counted from the third row
 RowRepeats Repeats(const double* rows, std::size_t count) {
   Row equal(0);
   Row triples(0);
@@ -141,7 +145,7 @@ RowRepeats Repeats(const double* rows, std::size_t count) {
   return result;
 }
 
-// the same operations in the same order as CubicError
+// e = x[0] - (4 (x[-1] + x[1]) - (x[-2] + x[2])) / 6, in the same order of operations as CubicError
 double ErrorAt(const double* x) { return x[0] - (4 * (x[-1] + x[1]) - (x[-2] + x[2])) / 6; }
 
 double LargestError(const double* rows, std::size_t count) {
@@ -167,6 +171,7 @@ double LargestError(const double* rows, std::size_t count) {
   return largest;
 }
 
+// the least change above zero between neighbours; infinite where there is none
 double LeastChange(const double* rows, std::size_t count) {
   constexpr double kInfinity = __builtin_inf();
   Row least(kInfinity);

@@ -13,12 +13,12 @@
 namespace haptometer::dsp {
 namespace {
 
-// least rate of a record whose holes are bridged, per upper corner
+// least rate of a record whose gaps are interpolated, per upper corner
 constexpr double kBridgeRatePerUpperCorner = 5;
-// measured samples that the cubic takes on each side of a hole
+// measured samples that the cubic takes on each side of a gap
 constexpr std::size_t kSide = 2;
-// rows before and after a block that decide on a hole within it: a hole, what its bridge is tried
-// on, and one to see that the hole has ended; and those that a visitor may need
+// rows before and after a block that decide on a gap within it: a gap, the rows on which its
+// interpolation is tried, and one that ends the gap; and those that a visitor may need
 constexpr std::size_t kMarginRows =
     std::max(2 * kLongestBridge + 2 * kSide + 1, kFaultMarginRows + 2);
 static_assert(kPassRows % kFaultBlockRows == 0);
@@ -32,7 +32,7 @@ struct Rows {
 // the rows at hand: a block and its margins
 class Window {
  public:
-  // reads the block [block.begin, block.end) of `rows` rows with its margins
+  // reads rows [block.begin, block.end) of `rows` with their margins
   Result<void> Load(const trial::RowSource& source, std::size_t channel, Rows block,
                     std::size_t rows) {
     record_rows_ = rows;
@@ -46,7 +46,7 @@ class Window {
     return {};
   }
 
-  // whether every row at hand is measured and says kOk
+  // whether every row held is measured and has the status kOk
   [[nodiscard]] bool all_ok() const { return all_ok_; }
 
   [[nodiscard]] Rows block() const { return block_; }
@@ -85,7 +85,7 @@ class Window {
   std::vector<trial::SampleStatus> statuses_;
 };
 
-// the cubic through the two samples before and after rows [first, first + size), at row first + k
+// Lagrange's cubic through the two samples before and after `size` rows at `first`, at first + k
 double Bridged(const Window& window, std::size_t first, std::size_t size, std::size_t k) {
   const std::array<std::size_t, 4> rows{first - 2, first - 1, first + size, first + size + 1};
   const auto n = static_cast<double>(size);
@@ -102,7 +102,7 @@ double Bridged(const Window& window, std::size_t first, std::size_t size, std::s
   return sum;
 }
 
-// squared error of bridging `size` rows at `first`, all of which are known
+// squared error of the same interpolation for `size` rows at `first` that are all known
 double KnownErrorSquareSum(const Window& window, std::size_t first, std::size_t size) {
   double sum = 0;
   for (std::size_t k = 0; k < size; ++k) {
@@ -112,17 +112,19 @@ double KnownErrorSquareSum(const Window& window, std::size_t first, std::size_t 
   return sum;
 }
 
-// What bridging the hole costs, tried on the nearest known rows on either side; nothing where the
-// hole has no two neighbours or neither side can be tried.
+// Squared error of interpolating the gap, estimated on the nearest known rows on either side;
+// nothing where the gap has no two neighbours or neither side can be tried.
 std::optional<double> BridgeErrorSquareSum(const Window& window, Rows stretch, Rows hole) {
   const std::size_t size = hole.end - hole.begin;
   const auto known = [&](std::size_t begin, std::size_t end) {
     return begin >= stretch.begin && end <= stretch.end && window.All(begin, end);
   };
+  // two measured samples on each side, at the same rate and without a break of the times
   if (size > kLongestBridge || hole.begin < stretch.begin + kSide ||
       !known(hole.begin - kSide, hole.begin) || !known(hole.end, hole.end + kSide)) {
     return std::nullopt;
   }
+  // known rows as many as the gap, with two neighbours on either side
   const std::size_t span = size + 2 * kSide;
   std::optional<double> worst;
   if (hole.begin >= stretch.begin + span && known(hole.begin - span, hole.begin)) {
@@ -132,13 +134,13 @@ std::optional<double> BridgeErrorSquareSum(const Window& window, Rows stretch, R
     const double after = KnownErrorSquareSum(window, hole.end + kSide, size);
     worst = std::max(worst.value_or(0), after);
   }
-  // values whose cubes overflow are not bridged
+  // values whose cubes overflow are not interpolated
   if (worst && !std::isfinite(*worst)) return std::nullopt;
   return worst;
 }
 
-// Collects the segments of a record block by block. A hole is decided on where it begins, with
-// what the window's margins show; what is longer than a bridge ends the segment.
+// Collects the segments of a record block by block. A gap is decided on where it begins, with the
+// window's margins; one that is too long to interpolate ends the segment.
 class Splitter {
  public:
   Splitter(const trial::Record& head, double upper_hz, Segments& segments)
@@ -148,6 +150,7 @@ class Splitter {
     while (next_row_ < window.block().end) {
       const trial::Stretch& stretch = stretches_[stretch_];
       const Rows all{stretch.first_row, stretch.first_row + stretch.rows};
+      // a segment never exceeds its `Stretch` of rows at one rate
       TakePart(window, all, std::min(all.end, window.block().end));
       if (next_row_ < all.end) continue;
       Finish(all.end);
@@ -157,7 +160,7 @@ class Splitter {
   }
 
  private:
-  // the rows of one stretch up to `end`, and those of a hole that begins before it
+  // rows of one `Stretch` up to `end`, and those of a gap that begins before it
   void TakePart(const Window& window, Rows all, std::size_t end) {
     while (next_row_ < end) {
       const std::size_t bad = window.FirstUnmeasured(next_row_, end);
@@ -169,6 +172,7 @@ class Splitter {
 
   void TakeHole(const Window& window, Rows all, Rows hole) {
     next_row_ = hole.end;
+    // interpolation needs a rate far above the band, and measured neighbours
     const bool may_bridge = stretches_[stretch_].rate_hz >= kBridgeRatePerUpperCorner * upper_hz_;
     const std::optional<double> error_square_sum =
         may_bridge ? BridgeErrorSquareSum(window, all, hole) : std::nullopt;
@@ -192,6 +196,7 @@ class Splitter {
     open_ = true;
   }
 
+  // closes the segment before `end_row`
   void Finish(std::size_t end_row) {
     if (!open_) return;
     segment_.size = end_row - segment_.first_row;
@@ -209,6 +214,7 @@ class Splitter {
   Segment segment_;
 };
 
+// rows of each status, and measured ones
 void Count(const Window& window, Segments& segments) {
   const auto values = window.AsBlock().values();
   const auto statuses = window.AsBlock().statuses();
@@ -232,6 +238,7 @@ Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t c
   Splitter splitter(head, upper_hz, segments);
   const std::size_t blocks = (head.rows + kPassRows - 1) / kPassRows;
   const auto done = RunJobsInOrder(blocks, threads, [&]() -> OrderedWorker {
+    // blocks are read and visited in parallel; counts and segments follow in order of the blocks
     return [&, window = Window()](std::size_t job) mutable -> Result<Finish> {
       const std::size_t row = job * kPassRows;
       const Rows block{row, row + std::min(kPassRows, head.rows - row)};
@@ -252,7 +259,7 @@ Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t c
 Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) const {
   HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
                    out.size(), size());
-  // in pieces, because the statuses only pass by
+  // in pieces: statuses are read too, but not kept
   constexpr std::size_t kPiece = std::size_t{1} << 14U;
   const std::size_t most = std::min(kPiece, out.size());
   const auto statuses = std::make_unique_for_overwrite<trial::SampleStatus[]>(most);
@@ -264,6 +271,7 @@ Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) cons
       return read;
     }
   }
+  // interpolated samples replace the unmeasured ones
   auto bridge = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);
   for (; bridge != segment_->bridges.end() && bridge->sample - first < out.size(); ++bridge) {
     out[bridge->sample - first] = bridge->value;

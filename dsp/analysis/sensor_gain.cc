@@ -9,7 +9,9 @@
 namespace haptometer::dsp {
 namespace {
 
+// frequencies at which the gain is evaluated over a band
 constexpr int kGridSteps = 1000;
+// relative deviation from a whole number that counts as rounding
 constexpr double kWholeNumber = 0.02;
 
 // rows that one reading fills
@@ -26,6 +28,7 @@ int RepeatsOf(double rate_hz, double fresh_rate_hz) {
 SensorAveraging AveragingOf(const trial::Metadata& metadata, double rate_hz, double fresh_rate_hz) {
   SensorAveraging sensor;
   sensor.rate_hz = rate_hz;
+  // a sensor without averaging is known; repeated readings hold a value for several rows
   sensor.repeats = RepeatsOf(rate_hz, fresh_rate_hz);
   if (!metadata.averages || *metadata.averages < 1) return sensor;
   sensor.averages = *metadata.averages;
@@ -39,6 +42,7 @@ SensorAveraging AveragingOf(const trial::Metadata& metadata, double rate_hz, dou
 }
 
 std::optional<double> GainAt(const SensorAveraging& sensor, double frequency_hz) {
+  // averaging over the sensor's samples, holding over the rows of a repeated reading
   if (sensor.knowledge == SensorKnowledge::kUnknown) return std::nullopt;
   const double averaging =
       sensor.averages > 1 ? trial::AveragingGain(frequency_hz, sensor.sampling_s, sensor.averages)
@@ -49,6 +53,7 @@ std::optional<double> GainAt(const SensorAveraging& sensor, double frequency_hz)
   return averaging * holding;
 }
 
+// the gain is not monotone beyond its first zero: a grid instead of the two ends
 std::optional<GainBounds> GainsOver(const SensorAveraging& sensor, double lower_hz,
                                     double upper_hz) {
   const std::optional<double> first = GainAt(sensor, lower_hz);

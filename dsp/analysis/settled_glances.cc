@@ -16,11 +16,11 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kMostGlances = 31;
-constexpr std::size_t kPausesIn = 8;  // one of so many, at least, where a tone does not go on
+constexpr std::size_t kPausesIn = 8;  // one of so many, at least, where a tone does not continue
 constexpr std::size_t kMostSteady = 4;
 constexpr double kGlancePeriods = 2;  // of the lower corner, at most
 
-// the most of SquaredAmplitude within SettledGlances::kWander of a frequency
+// largest SquaredAmplitude within SettledGlances::kWander of a frequency, in steps of half a bin
 double PowerAbout(std::span<const double> values, double rate_hz, double frequency_hz) {
   const double step_hz = 0.5 * rate_hz / static_cast<double>(values.size());
   const auto steps = static_cast<int>(SettledGlances::kWander * frequency_hz / step_hz);
@@ -31,7 +31,7 @@ double PowerAbout(std::span<const double> values, double rate_hz, double frequen
   return most;
 }
 
-// the mean of SquaredAmplitude from half an octave below a frequency to half an octave above it
+// mean of SquaredAmplitude from half an octave below a frequency to half an octave above it
 double NoisePowerAbout(std::span<const double> values, double rate_hz, double frequency_hz) {
   const double step_hz = rate_hz / static_cast<double>(values.size());
   const double lowest_hz = frequency_hz / std::numbers::sqrt2;
@@ -42,7 +42,7 @@ double NoisePowerAbout(std::span<const double> values, double rate_hz, double fr
   return sum / (steps + 1);
 }
 
-// what all windows but the quietest eighth are above
+// the power that all windows but the quietest eighth exceed
 template <typename PowerOf>
 double QuietPower(const std::vector<std::vector<double>>& windows, const PowerOf& power_of) {
   std::vector<double> powers;
@@ -53,8 +53,8 @@ double QuietPower(const std::vector<std::vector<double>>& windows, const PowerOf
   return *low;
 }
 
-// whether a tone is in each eighth of some values but one between the ends, in which one that
-// wanders may cancel itself
+// whether a tone is in each eighth of some values, except for one between the ends, in which a tone
+// that drifts may cancel
 bool IsInAll(std::span<const double> values, double rate_hz, const SineFit& tone) {
   const std::size_t size = values.size() / kPausesIn;
   if (size == 0) return false;
@@ -76,6 +76,7 @@ Result<SettledGlances> SettledGlances::Read(const BandSignal& signal, const Band
   const auto longest = static_cast<std::size_t>(kGlancePeriods / band.lower_hz * signal.rate_hz());
   const std::size_t size = std::max(std::min(longest, settled / kLeastSettled), std::size_t{1});
   const std::size_t every = SamplesAValue(signal.rate_hz(), band);
+  // uniformly spread windows of at most two periods of the lower corner, up to 31 of them
   SettledGlances glances;
   glances.rate_hz_ = signal.rate_hz() / static_cast<double>(every);
   glances.windows_m_.resize(std::min(kMostGlances, 2 * (settled / size) - 1));
@@ -105,6 +106,7 @@ double SettledGlances::NoisePower(double frequency_hz) const {
   });
 }
 
+// subtracts steady tones, which would cover a brief one
 void SettledGlances::TakeOut(std::span<const SteadyTone> tones) {
   for (const SteadyTone& tone : tones) {
     const Turns turns = TurnsOf(tone.frequency_hz, rate_hz_, windows_m_.front().size());
@@ -121,6 +123,7 @@ Result<std::vector<SteadyTone>> FindSteadyTones(const BandSignal& signal, const 
   values.reserve(read->size() / every + 1);
   for (std::size_t k = 0; k < read->size(); k += every) values.push_back((*read)[k]);
   std::vector<SteadyTone> steady;
+  // the strongest tone first; one that pauses ends the search
   for (std::size_t k = 0; k < kMostSteady; ++k) {
     const auto tone = StrongestTone(values, {rate_hz, band.lower_hz, band.upper_hz});
     if (!tone || !IsInAll(values, rate_hz, *tone)) break;

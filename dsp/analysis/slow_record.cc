@@ -23,7 +23,7 @@ constexpr double kClear = 5;  // uncertainties
 constexpr std::size_t kLeastBlock = 16;
 constexpr std::size_t kMostBlocks = 64;
 
-// why the times will not do; nothing where they will
+// why the times are not sufficient; nothing where they are
 std::optional<Finding> TimesWillNotDo(const trial::Record& head, double frequency_hz) {
   if (head.times_are_known) return std::nullopt;
   if (head.timing == trial::Timing::kPolled) {
@@ -40,8 +40,8 @@ std::optional<Finding> TimesWillNotDo(const trial::Record& head, double frequenc
                              {"limit_s", kTimeUncertaintyPeriods / frequency_hz}}};
 }
 
-// whether the readings see the tone at more than one phase: at a multiple of the rate only rounding
-// tells it from the offset, and its uncertainty is far above that of as many readings of any phase
+// whether the readings contain the tone at more than one phase: at a multiple of the rate only
+// rounding separates it from the offset, and u(amplitude) far exceeds s sqrt(2 / N)
 bool ToldApart(const SineFit& fit, std::size_t readings) {
   const double usual = fit.residual_rms * std::sqrt(2 / static_cast<double>(readings));
   return fit.converged && fit.amplitude_uncertainty <= kWorstUncertainty * usual;
@@ -69,6 +69,7 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
   std::vector<double> amplitudes(values.size() / size);
   double top = 0;
   for (std::size_t k = 0; k < amplitudes.size(); ++k) {
+    // the amplitude in each block, with a slope beside it
     const SineFit fit = FitSineAtTimes(values.subspan(k * size, size),
                                        times_s.subspan(k * size, size), frequency_hz, 1);
     if (!ToldApart(fit, size)) return {0, values.size()};
@@ -100,7 +101,7 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   if (auto read = displacement.source.Read(displacement.channel, 0, values, statuses); !read) {
     return read;
   }
-  // a reading handed out again is no new one
+  // a repeated reading is no new one
   std::vector<double> times_s;
   times_s.reserve(rows);
   std::size_t kept = 0;
@@ -110,6 +111,7 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
     values[kept++] = values[row];
   }
   values.resize(kept);
+  // amplitude of the driven readings only: a pause would reduce it
   const auto [first, last] = DrivenReadings(values, times_s, *frequency_hz);
   if (last - first < kept) {
     analysis->findings.Note(
@@ -120,6 +122,7 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   KnownTone tone;
   tone.fit = FitSineAtTimes(std::span(values).subspan(first, kept),
                             std::span(times_s).subspan(first, kept), *frequency_hz, 1);
+  // above half the rate of new readings the tone is an alias
   tone.aliased = *frequency_hz > analysis->record.fresh_rate_hz / 2;
   if (!ToldApart(tone.fit, kept)) {
     analysis->findings.Note(FindingKind::kKnownToneAtRate, {{"frequency_hz", *frequency_hz}});

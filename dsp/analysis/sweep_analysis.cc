@@ -41,7 +41,7 @@ Result<void> CheckQuestion(const SweepQuestion& question) {
   return {};
 }
 
-// what the answer says of its piece
+// rate, window, drive and unit of the answer
 void TakePiece(const trial::Record& head, const SweepPiece& piece, SweepAnswer& answer) {
   answer.rate_hz = piece.rate_hz;
   answer.window = {piece.start_s, piece.start_s + static_cast<double>(piece.displacement_m.size()) /
@@ -52,7 +52,7 @@ void TakePiece(const trial::Record& head, const SweepPiece& piece, SweepAnswer& 
   answer.amplitude_unit = drive.unit.empty() ? "m per unit of the drive" : "m/" + drive.unit;
 }
 
-// rate without readings that were handed out again
+// rate without repeated readings
 double FreshRate(const Segments& segments, double rate_hz) {
   const auto count = [&](trial::SampleStatus status) {
     return static_cast<double>(segments.by_status[static_cast<std::size_t>(status)]);
@@ -66,8 +66,9 @@ double GainOr1(const SensorAveraging& sensor, double frequency_hz) {
   return GainAt(sensor, frequency_hz).value_or(1);
 }
 
-// the highest frequency up to which readings are often enough and the sensor lets half through
+// highest frequency with enough readings per period and a sensor's gain of a half or more
 double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer& answer) {
+  // a doubt where frequencies remain, else a refusal
   // of nothing that is left there is no answer
   const auto limit = [&](FindingKind kind, double to_hz, std::vector<FindingNumber> numbers) {
     answer.findings.Add(
@@ -100,6 +101,7 @@ struct Band {
   double upper_hz = 0;
 };
 
+// samples of a segment: the required resolution, or a fourth of the record, 4 s at most
 std::size_t SegmentSize(const SweepPiece& piece, const SweepQuestion& question) {
   const auto size = static_cast<double>(piece.drive.size());
   const double samples = question.resolution_hz
@@ -109,14 +111,15 @@ std::size_t SegmentSize(const SweepPiece& piece, const SweepQuestion& question) 
   return 2 * static_cast<std::size_t>(std::min(samples, 2 * size) / 2);
 }
 
-// leaves out what chance may give: one point in all of them, in 5 % of records without any drive
+// Excludes points that chance may give: with m points and n independent segments, the coherence of
+// noise exceeds 1 - (0.05 / m)^(1/(n - 1)) at any of them in 5 % of records
 void KeepSignificant(std::vector<ResponsePoint>& points, double segments) {
   const double chance = 0.05 / static_cast<double>(std::max<std::size_t>(1, points.size()));
   const double level = 1 - std::pow(chance, 1 / std::max(1.0, kOverlapping * segments - 1));
   std::erase_if(points, [&](const ResponsePoint& point) { return point.coherence <= level; });
 }
 
-// those at every third frequency
+// every third frequency: a Hann window spreads noise over three bins
 std::vector<ResponsePoint> Independent(std::span<const ResponsePoint> points,
                                        double resolution_hz) {
   std::vector<ResponsePoint> kept;
@@ -129,11 +132,12 @@ std::vector<ResponsePoint> Independent(std::span<const ResponsePoint> points,
 }
 
 struct Response {
-  std::size_t asked = 0;  // frequencies, before any was left out
+  std::size_t asked = 0;  // frequencies, before any was excluded
   std::vector<ResponsePoint> points;
   Resonance resonance;
 };
 
+// response by H1, the sensor's gain divided out, and the resonance through it
 Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, const Band& band,
                            const SensorAveraging& sensor) {
   const WelchOptions options{piece.rate_hz, segment_size};
@@ -141,6 +145,7 @@ Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, co
       MeasureResponse(piece.drive, piece.displacement_m, options, band.lower_hz, band.upper_hz);
   if (!points) return std::unexpected(points.error());
   for (ResponsePoint& point : *points) point.response /= GainOr1(sensor, point.frequency_hz);
+  // segments that overlap by half
   const std::size_t whole = piece.drive.size() / segment_size;
   const auto segments = static_cast<double>(2 * whole - 1);
   Response response;
@@ -162,6 +167,7 @@ Interval IntervalOf(double value, double uncertainty, double freedom, double cha
 Finding NoResonance(const SweepAnswer& answer) {
   const auto& points = answer.points;
   const auto highest = std::ranges::max_element(points, {}, &SweepPoint::amplitude);
+  // the largest amplitude within two bins of an end: the resonance lies beyond it
   const auto near = [&](const SweepPoint& end) {
     return std::abs(highest->frequency_hz - end.frequency_hz) <= 2 * answer.resolution_hz;
   };
@@ -174,6 +180,7 @@ Finding NoResonance(const SweepAnswer& answer) {
     found.kind = near(points.back()) ? FindingKind::kResonanceAbove : FindingKind::kResonanceBelow;
     return found;
   }
+  // a peak of three points or fewer above half power is narrower than the resolution
   const auto high = std::ranges::count_if(points, [&](const SweepPoint& point) {
     return point.amplitude > highest->amplitude / std::numbers::sqrt2;
   });
@@ -184,12 +191,13 @@ Finding NoResonance(const SweepAnswer& answer) {
   return found;
 }
 
-// keeps the resonance, or says why there is none; `late_hz` is what f0 may be off besides
+// keeps the resonance, or the reason for none; `late_hz` is a further error of f0 in Hz
 void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
                    SweepAnswer& answer) {
   if (answer.points.empty()) return;
   if (!fit.converged || !other.converged) return answer.findings.Add(NoResonance(answer));
   SweepResonance found{fit, {}, {}};
+  // the change by segments of another length bounds the error of the window's width
   found.frequency_hz =
       IntervalOf(fit.frequency_hz, fit.frequency_uncertainty_hz, fit.degrees_of_freedom,
                  std::abs(fit.frequency_hz - other.frequency_hz) + late_hz);
@@ -206,6 +214,7 @@ void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
 Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
                            SweepAnswer& answer) {
   const std::size_t size = SegmentSize(piece, question);
+  // at least two segments that overlap by half are required
   if (size < 8 || 3 * size > 2 * piece.drive.size()) {
     answer.findings.Refuse(FindingKind::kSweepTooShort,
                            {{"length_s", answer.window.duration_s()},
@@ -233,13 +242,14 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
   return {};
 }
 
-// the longest run of blocks whose frequency goes on from one to the next
+// the longest run of blocks whose frequency changes by less than 1 / block from one to the next
 std::vector<SweptPoint> LongestSweep(const std::vector<SweptPoint>& points, double block_s) {
   std::size_t best = 0;
   std::size_t best_size = 0;
   std::size_t begin = 0;
   for (std::size_t k = 1; k <= points.size(); ++k) {
     const bool goes_on =
+        // neighbours in time: blocks outside of the band are missing from `points`
         k < points.size() &&
         std::abs(points[k].frequency_hz - points[k - 1].frequency_hz) < 1 / block_s &&
         points[k].time_s - points[k - 1].time_s < 1.5 * block_s;
@@ -271,6 +281,7 @@ bool Sweeps(const std::vector<SweptPoint>& points) {
   return highest->frequency_hz > kLeastSweep * lowest->frequency_hz;
 }
 
+// without a drive channel: amplitude over frequency of the band-passed displacement
 Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
                          SweepAnswer& answer) {
   answer.findings.Doubt(FindingKind::kNoDriveChannel);
@@ -283,6 +294,7 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
         LongestSweep(SweptAmplitude(filtered, piece.rate_hz, band.lower_hz, band.upper_hz, periods),
                      periods / band.lower_hz);
     for (SweptPoint& point : points) {
+      // two passes of the filter, gain |H|^2, and the sensor's gain
       const double gain = Magnitude(*design, point.frequency_hz);
       point.amplitude /= gain * gain * GainOr1(answer.sensor, point.frequency_hz);
     }
@@ -301,7 +313,9 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
   answer.resolution_hz = resolution_hz;
   answer.findings.Note(FindingKind::kConstantDriveAssumed);
   const Resonance fit = FitResonance(std::span<const SweptPoint>(points));
+  // blocks twice as long give the change by the method
   const Resonance longer = FitResonance(std::span<const SweptPoint>(measure(2 * periods)));
+  // a sweep of r Hz/s shows the resonance late by Q r / (pi f0)
   const double late_hz =
       fit.converged ? fit.quality_factor * SweepRate(points) / (std::numbers::pi * fit.frequency_hz)
                     : 0;
@@ -314,6 +328,7 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
   return {};
 }
 
+// the upper frequency first: it depends on new readings and on the sensor's averaging
 Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
                     const Segments& segments, const SweepQuestion& question, SweepAnswer& answer) {
   const double fresh_rate_hz = FreshRate(segments, piece.rate_hz);
@@ -335,7 +350,7 @@ Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQues
   const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
   SweepAnswer answer;
-  // it needs a clocked record
+  // a sweep requires a clocked record: uniform times, not polled
   if (source.head().times_are_known || source.head().timing == trial::Timing::kPolled) {
     answer.findings.Refuse(source.head().times_are_known ? FindingKind::kSweepUneven
                                                          : FindingKind::kSweepPolled);

@@ -10,8 +10,10 @@
 namespace haptometer::dsp {
 namespace {
 
+// limit of memory: some ten copies of the piece are made
 constexpr std::size_t kMostSamples = std::size_t{1} << 24U;
 
+// a voltage, or else a current; a trigger has no amplitude to divide by
 std::optional<std::size_t> DriveChannelOf(const trial::Record& head) {
   for (const trial::ChannelRole role :
        {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent}) {
@@ -40,7 +42,7 @@ void Crop(std::vector<double>& values, std::size_t first, std::size_t last) {
             values.begin() + static_cast<std::ptrdiff_t>(last)};
 }
 
-// fills the drive beside the displacement, both cut to where it is measured
+// adds the drive beside the displacement, both cut to where the drive is measured
 Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::size_t first_row,
                       SweepPiece& piece, Findings& findings) {
   std::vector<double> values(piece.displacement_m.size());
@@ -48,6 +50,7 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
   if (auto read = source.Read(channel, first_row, values, statuses); !read) return read;
   const auto [first, last] = LongestRun(values, statuses);
   const trial::Channel& drive = source.head().channels[channel];
+  // a constant channel is no excitation: the sweep is then analysed without it
   const auto moves = [&] {
     const auto run = std::span(values).subspan(first, last - first);
     return !run.empty() && std::ranges::min(run) < std::ranges::max(run);
@@ -71,6 +74,7 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
 
 Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
                                   const Segments& segments, Findings& findings) {
+  // longest in time, since rates may differ
   const auto longest = std::ranges::max_element(
       segments.parts, {}, [](const Segment& s) { return static_cast<double>(s.size) / s.rate_hz; });
   if (longest == segments.parts.end()) return SweepPiece{};

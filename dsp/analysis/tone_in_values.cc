@@ -10,6 +10,7 @@
 namespace haptometer::dsp {
 namespace {
 
+// ratio of the determinant below which cosine and sine over the values are not separable
 constexpr double kLeastDeterminant = 0.01;  // of the product of the squares
 
 std::complex<double> TurnOf(double frequency_hz, double rate_hz) {
@@ -30,6 +31,7 @@ Turns TurnsOf(double frequency_hz, double rate_hz, std::size_t size) {
   return turns;
 }
 
+// least squares a, b of a cos + b sin from the 2 x 2 normal equations
 void TakeOutNearest(const Turns& turns, std::span<double> values, double most) {
   HAPTOMETER_CHECK(turns.cosine.size() == values.size(), "{} turns, {} values", turns.cosine.size(),
                    values.size());
@@ -49,12 +51,14 @@ void TakeOutNearest(const Turns& turns, std::span<double> values, double most) {
   if (!(determinant > kLeastDeterminant * cc * ss)) return;
   const double a = (ss * cx - cs * sx) / determinant;
   const double b = (cc * sx - cs * cx) / determinant;
+  // a larger amplitude than `most` is another motion: the values are kept
   if (std::hypot(a, b) > most) return;
   for (std::size_t k = 0; k < values.size(); ++k) {
     values[k] -= a * turns.cosine[k] + b * turns.sine[k];
   }
 }
 
+// |2 / n sum of x exp(-j w t)|^2
 double SquaredAmplitude(std::span<const double> values, double rate_hz, double frequency_hz) {
   const std::complex<double> turn = std::conj(TurnOf(frequency_hz, rate_hz));
   std::complex<double> phasor = 1;
@@ -66,6 +70,7 @@ double SquaredAmplitude(std::span<const double> values, double rate_hz, double f
   return 4 * std::norm(sum) / std::pow(static_cast<double>(values.size()), 2);
 }
 
+// running sums: the amplitude over any range by one difference
 ToneSums::ToneSums(std::span<const double> values, double rate_hz, double frequency_hz) {
   const std::complex<double> turn = std::conj(TurnOf(frequency_hz, rate_hz));
   std::complex<double> phasor = 1;

@@ -14,7 +14,7 @@
 namespace haptometer::dsp {
 namespace {
 
-// takes a line from evenly spaced samples
+// subtracts a line from uniformly spaced samples
 void TakeLine(const Harmonic& line, double rate_hz, std::vector<double>& rest) {
   const PhasorBlocks phasors(2 * std::numbers::pi * line.frequency_hz / rate_hz);
   const double c = line.amplitude * std::cos(line.phase_rad);
@@ -29,7 +29,7 @@ void TakeLine(const Harmonic& line, double rate_hz, std::vector<double>& rest) {
   }
 }
 
-// the tone and what harmonics of it stand out
+// the tone and its harmonics that exceed the noise; the tone alone where they cannot be fitted
 std::vector<Harmonic> LinesOf(const ThinnedSamples& samples, const SineFit& tone,
                               const BandPass& band) {
   const Harmonics lines =
@@ -55,8 +55,10 @@ TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone, const Ba
   const BandNoise noise = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band));
   TonePower split{.rest = noise.power};
   for (const Harmonic& line : lines) {
+    // S / T: the noise's mean square in a line of width 1 / T
     const double square =
         noise.DensityNear(line.frequency_hz, band.lower_hz, band.upper_hz) / window_s;
+    // mean square a^2 / 2 less that of the noise; Var(a^2 / 2) = a^2 u^2, u^2 = S / T
     split.mean_square += 0.5 * line.amplitude * line.amplitude - square;
     split.variance += line.amplitude * line.amplitude * square;
   }

@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kRingingLeft = 1e-3;  // of an amplitude, where it counts as over
 constexpr double kLeastBulge = 2;      // of a transient
-// in power, of what a channel that says no more than on and off calls a drive: as of a level that
-// stands out by itself (FindDriveParts)
+// in power, for a channel that is either on or off: least ratio of on to off, as that of a level in
+// FindDriveParts
 constexpr double kLeastLouder = 1.3;
 // of its mean, that three quarters of it are above; of a sine in its quarters of a half wave: 0.29
 constexpr double kLeastEven = 0.1;
 
-// whole cells of what has settled of one signal, as a course of power
+// whole cells free of transients of one signal, as a course of power
 struct SettledCells {
   std::size_t begin = 0;  // cells
   std::size_t end = 0;
@@ -40,6 +40,7 @@ SettledCells CellsOf(const BandSignal& signal) {
   cells.end = std::max(cells.begin, signal.settled_end() / cell);
   cells.mean_square.reserve(cells.end - cells.begin);
   for (std::size_t k = cells.begin; k < cells.end; ++k) {
+    // mean squares over cells from the sums of squares that filtering left
     cells.mean_square.push_back(signal.cells()[k].square_sum / static_cast<double>(cell));
   }
   cells.course = {cells.mean_square, TimeOfSample(signal, cells.begin * cell),
@@ -47,11 +48,12 @@ SettledCells CellsOf(const BandSignal& signal) {
   return cells;
 }
 
-// the complex amplitude of a tone in each block of what has settled
+// complex amplitude (m) of a tone in each block free of transients
 Result<std::vector<std::complex<double>>> ToneBlocks(const BandSignal& signal,
                                                      const SettledCells& cells,
                                                      const DriveSearch& search,
                                                      double frequency_hz) {
+  // the same blocks as those of the power, so that both courses agree in time
   const auto size = static_cast<std::size_t>(
       std::lround(DriveBlockSeconds(cells.course, search) * signal.rate_hz()));
   const std::size_t first = cells.begin * signal.cell_samples();
@@ -61,6 +63,7 @@ Result<std::vector<std::complex<double>>> ToneBlocks(const BandSignal& signal,
   std::vector<std::complex<double>> blocks(count);
   const double turn = 2 * std::numbers::pi * frequency_hz / signal.rate_hz();
   for (std::size_t k = 0; k < samples.size(); ++k) {
+    // 2 / size times the sum of x exp(-j w t): the tone's amplitude and phase in the block
     blocks[k / size] +=
         std::polar(2 * samples[k] / static_cast<double>(size), -turn * static_cast<double>(k));
   }
@@ -89,9 +92,10 @@ struct FoundParts {
   std::optional<Finding> finding{};  // what the reader must know of it
 };
 
-// Leaves out parts that are no longer than the filter rings on both sides of an event, and whose
-// power rises and falls as its ringing does: what a switched tone outside of the band leaves in it.
+// Excludes parts that are no longer than the filter rings on both sides of an event and whose power
+// rises and falls as ringing does: the residue of a switched tone outside of the band.
 void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
+  // both passes ring: twice the time in which the slowest pole decays to 1e-3
   const double ringing_s = -2 * std::log(kRingingLeft) / SlowestDecayPerS(signal.design());
   const std::size_t left_out = std::erase_if(found.parts.on, [&](const OnPart& part) {
     return part.whole.duration_s() <= ringing_s && part.bulge >= kLeastBulge;
@@ -99,13 +103,14 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
   if (left_out == 0) return;
   found.finding = {.kind = FindingKind::kTransientsExcluded,
                    .numbers = {{"parts", left_out}, {"ringing_s", ringing_s}}};
+  // without any other part the record has no drive
   if (!found.parts.on.empty()) return;
   found.parts.course = DriveCourse::kUnchanging;
   found.parts.quiet.clear();
   found.parts.why = {.kind = FindingKind::kOnlyTransients};
 }
 
-// the powers of the cells in some windows
+// powers of the cells in some windows
 std::vector<double> PowersIn(const PowerCourse& response, std::span<const TimeWindow> windows) {
   const auto cell_at = [&](double time_s) {
     const double cell = std::round((time_s - response.start_s) / response.cell_s);
@@ -122,15 +127,15 @@ std::vector<double> PowersIn(const PowerCourse& response, std::span<const TimeWi
   return powers;
 }
 
-// what a quarter of some powers is below
+// the lower quartile of some powers
 double LowOf(std::vector<double> powers) {
   const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 4);
   std::ranges::nth_element(powers, low);
   return *low;
 }
 
-// whether the displacement has more power in nearly all of what a channel calls on than where it is
-// off, and not only in a short drive in it and what the filter rings about that
+// whether the displacement has more power in nearly all of what a channel states as on than where
+// it is off, and not only in a short drive within that part and the ringing about it
 bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
   const OnPart* on = parts.Longest();
   if (on == nullptr) return false;
@@ -143,12 +148,13 @@ bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
   return low > kLeastLouder * LowOf(std::move(quiet)) && low > kLeastEven * mean;
 }
 
-// by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
-// whose resonance stands out as a drive does
+// by the drive's channel if there is one, else by the tone, else by the power; none in a sweep,
+// whose resonance has a course like a drive
 Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& signal,
                            const BandPass& band) {
   const SettledCells cells = CellsOf(signal);
   const DriveSearch search{band.lower_hz, band.upper_hz - band.lower_hz};
+  // a channel with values decides; one of a few steps counts only if the displacement agrees
   const auto channel = DriveChannel(source.head());
   if (channel && cells.end > cells.begin) {
     const auto drive = DriveCells(source, *channel, signal, cells.begin, cells.end);
@@ -160,10 +166,12 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
       return FoundParts{std::move(parts), true};
     }
   }
+  // a tone's pauses are found far below the noise; its power decides only without them
   auto by_tone = ToneParts(signal, cells, band, search);
   if (!by_tone) return std::unexpected(by_tone.error());
   const bool pauses = by_tone->course == DriveCourse::kGated;
   DriveParts by_power = pauses ? DriveParts{} : FindDriveParts(cells.course, search);
+  // a sweep through a resonance rises and falls as a drive does
   if (pauses || by_power.course == DriveCourse::kGated) {
     const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
     if (!move) return std::unexpected(move.error());
@@ -174,6 +182,7 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
     }
   }
   if (pauses) return FoundParts{std::move(*by_tone), false};
+  // the power changes but the tone never pauses: its level changes, the drive is not off
   if (by_power.course == DriveCourse::kGated && by_tone->why) {
     return FoundParts{std::move(*by_tone), false, Finding{.kind = FindingKind::kLevelChanges}};
   }
@@ -182,8 +191,8 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
   return found;
 }
 
-// looks for the drive beside a window that was asked for, and says where it holds more than its
-// steady part
+// finds the drive beside a window that was given, and adds a doubt where the window holds more
+// than its steady part
 Result<void> RemarkMixed(const trial::RowSource& source, const BandPass& band, ChosenPart& chosen,
                          BandAnalysis* analysis) {
   const BandSignal& signal = *chosen.signal;
@@ -201,6 +210,7 @@ Result<void> RemarkMixed(const trial::RowSource& source, const BandPass& band, C
     on_s += shared_s(part.whole);
     steady_s += shared_s(part.steady);
   }
+  // up to one period of the lower corner outside of the steady part is not a mixture
   const double rest_s = window.duration_s() - steady_s;
   if (parts.on.empty() || rest_s <= 1 / band.lower_hz) return {};
   if (on_s > 0) {
@@ -212,7 +222,7 @@ Result<void> RemarkMixed(const trial::RowSource& source, const BandPass& band, C
   return {};
 }
 
-// says where the tone of what was chosen moves
+// adds a doubt where the tone of the chosen part moves
 Result<void> RemarkMove(const ChosenPart& chosen, const BandPass& band, BandAnalysis* analysis) {
   const auto move = FindFrequencyMove(*chosen.signal, chosen.begin, chosen.end, band);
   if (!move) return std::unexpected(move.error());
@@ -229,6 +239,7 @@ ChosenPart AllSettled(const BandSignal& signal) {
   return chosen;
 }
 
+// the part free of transients of a given window, in the signal that holds most of it
 std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
                                       const BandQuestion& question, BandAnalysis* analysis) {
   ChosenPart chosen;
@@ -239,6 +250,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   const double found_s = chosen.signal == nullptr ? 0
                                                   : static_cast<double>(chosen.end - chosen.begin) /
                                                         chosen.signal->rate_hz();
+  // refusals: no samples there, or fewer than a window needs
   const FindingNumber from{"from_s", question.window.begin_s};
   const FindingNumber to{"to_s", question.window.end_s};
   const double end_s = TimeOfSample(all.back(), all.back().size());
@@ -252,6 +264,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
     analysis->findings.Refuse(FindingKind::kWindowNotSettled, {from, to, {"settled_s", found_s}});
     return std::nullopt;
   }
+  // two samples are lost by rounding the window to samples
   const double missing_s = question.window.duration_s() - found_s;
   if (missing_s > 2 / chosen.signal->rate_hz()) {
     analysis->findings.Note(FindingKind::kWindowShortened, {{"excluded_s", missing_s}, from, to});
@@ -260,7 +273,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   return chosen;
 }
 
-// the longest steady part of a drive over all signals; all that has settled where there is none
+// the longest steady part of a drive over all signals; without one all samples free of transients
 Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
   ChosenPart undriven = AllSettled(LongestSettled(all));
@@ -269,6 +282,7 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
     auto found = PartsOf(source, signal, question.band);
     if (!found) return std::unexpected(found.error());
     if (found->finding) analysis->findings.Add(*found->finding);
+    // parts of the signal that is used without a drive are reported too
     if (&signal == undriven.signal) undriven.part.drive = found->parts;
     const OnPart* on = found->parts.Longest();
     if (on == nullptr) continue;
@@ -287,8 +301,8 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
   return best ? *std::move(best) : std::move(undriven);
 }
 
-// What was chosen where no drive was found in it, if there is none elsewhere: else what has settled
-// of that drive, or a refusal and nothing.
+// The chosen part in which no drive was found, if there is none elsewhere: else the part free of
+// transients of that drive, or a refusal and nothing.
 Result<std::optional<ChosenPart>> WithoutMissed(const Displacement& displacement,
                                                 const Segments& segments,
                                                 const std::vector<BandSignal>& all,
@@ -316,6 +330,7 @@ double TimeOfSample(const BandSignal& signal, std::size_t sample) {
 
 std::pair<std::size_t, std::size_t> SettledWithin(const BandSignal& signal,
                                                   const TimeWindow& window) {
+  // the nearest sample, moved inwards to the samples free of transients
   const auto at = [&](double time_s) {
     const double sample = std::round((time_s - signal.start_s()) * signal.rate_hz());
     return static_cast<std::size_t>(std::clamp(sample, static_cast<double>(signal.settled_begin()),
@@ -347,6 +362,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
     if (!driven) return std::unexpected(driven.error());
     chosen = *std::move(driven);
   }
+  // without a given or a driven window
   if (!chosen) chosen = AllSettled(LongestSettled(all));
   if (question.choice != WindowChoice::kAuto) {
     if (auto said = RemarkMixed(displacement.source, question.band, *chosen, analysis); !said) {
@@ -362,6 +378,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
     chosen->part.drive.why = {.kind = FindingKind::kSweepIsNoDrive};
     chosen->part.why.kind = FindingKind::kWhereFrequencyMoves;
   }
+  // without a drive in it the chosen part may be a pause of one that is elsewhere
   if (chosen->part.from_drive) {
     RemarkUnsteady(chosen->part.drive, analysis);
   } else if (question.choice == WindowChoice::kAuto && !analysis->frequency_move) {

@@ -5,6 +5,7 @@
 
 namespace haptometer::dsp {
 
+// clipped rows in a part; rows that are not listed count as inside, so the number is an upper bound
 std::size_t ClippedRows(const Faults& faults, std::size_t first_row, std::size_t rows) {
   std::size_t listed = 0;
   std::size_t inside = 0;
@@ -27,11 +28,13 @@ double FaultPower(const Faults& faults, FaultKind kind, const UsedPart& part, co
         fault.first_row >= part.first_row + part.rows) {
       continue;
     }
+    // a spike of area A has the density 2 A^2 over the band, a step of height h 2 h^2 / (2 pi f)^2
     const double area = fault.size * static_cast<double>(fault.rows) / rate_hz;
     energy += kind == FaultKind::kSpike ? 2 * (band.upper_hz - band.lower_hz) * area * area
                                         : 2 * fault.size * fault.size / (turn * turn) *
                                               (1 / band.lower_hz - 1 / band.upper_hz);
   }
+  // energy over the duration of the part
   return energy * rate_hz / static_cast<double>(part.rows);
 }
 

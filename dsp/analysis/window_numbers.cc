@@ -24,7 +24,9 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
+// shortest total duration of quiet parts that gives a floor
 constexpr double kLeastFloorS = 0.1;
+// share of clipped rows above which the RMS is a lower limit only
 constexpr double kMostClipped = 1e-3;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
@@ -49,7 +51,7 @@ struct Window {
   [[nodiscard]] double bandwidth_hz() const { return band().upper_hz - band().lower_hz; }
 };
 
-// rows of the part that hold whole periods of the tone
+// rows of the part's begin that hold whole periods of the tone: a part of a period biases its RMS
 std::size_t WholePeriods(const Window& window, const std::optional<SineFit>& tone) {
   const std::size_t rows = window.chosen.end - window.chosen.begin;
   if (!tone) return rows;
@@ -71,19 +73,23 @@ void DescribePart(Window& window) {
 
 // the window's power as tone and rest
 Result<void> MeasurePower(Window& window) {
+  // exact mean square over the window, from the sums of its cells
   const std::size_t begin = window.chosen.begin;
   const auto square_sum = window.signal().SquareSum(begin, begin + window.rows);
   if (!square_sum) return std::unexpected(square_sum.error());
   const double mean_square = *square_sum / static_cast<double>(window.rows);
+  // variance from the fitted samples, scaled from their duration to that of the window
   const BandNoise whole =
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
   const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
+  // without a tone all of the power is rest
   TonePower split{.rest = whole.power};
   if (window.numbers.tone) {
     split = SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
   }
   window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
+  // rest = all - tone, so that both add to the mean square exactly; 0 <= tone <= all
   window.power.tone_mean_square = std::clamp(split.mean_square, 0.0, mean_square);
   window.power.tone_variance = split.variance;
   window.power.rest = {mean_square - window.power.tone_mean_square, split.rest.variance * longer};
@@ -111,6 +117,7 @@ void DescribeSensor(Window& window) {
     }
     return;
   }
+  // averaging reduces the tone by a known gain; above 0.02 it is divided out, below 0.5 refused
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
   sensor.gain_at_tone = GainAt(sensor.averaging, frequency_hz);
   const double gain = *sensor.gain_at_tone;
@@ -129,12 +136,13 @@ void DescribeSensor(Window& window) {
   }
 }
 
-// of the question, or of the quiet parts that the window was told from
+// the floor of the question, or else that of the quiet parts beside the drive
 Result<void> TakeFloor(Window& window) {
   window.numbers.floor = window.question.floor;
   if (!window.numbers.floor && window.chosen.part.from_drive) {
     std::vector<WeightedPower> parts;
     std::string source;
+    // quiet parts that are free of transients, pooled by their durations
     double duration_s = 0;
     for (const TimeWindow& quiet : window.chosen.part.drive.quiet) {
       const auto [begin, end] = SettledWithin(window.signal(), quiet);
@@ -164,6 +172,7 @@ double FaultShare(const Window& window, FaultKind kind) {
          window.numbers.power.mean_square;
 }
 
+// clipped values reduce the RMS: the answer is refused, its value a lower limit
 void JudgeClipping(Window& window) {
   const UsedPart& part = window.numbers.part;
   const std::size_t rows = ClippedRows(window.analysis.faults, part.first_row, part.rows);
@@ -173,8 +182,8 @@ void JudgeClipping(Window& window) {
   window.analysis.findings.Refuse(FindingKind::kWindowClipped, {{"share", share}});
 }
 
-// what moving either end of a driven part inwards by a period of the lower corner changes: the
-// drive's edges ring in the filter
+// change of the RMS if either end of a driven part moves inwards by a period of the lower corner:
+// the drive's edges ring in the filter
 Result<double> EdgeBound(const Window& window) {
   if (!window.chosen.part.from_drive) return 0;
   const auto period = static_cast<std::size_t>(window.rate_hz() / window.band().lower_hz);
@@ -187,7 +196,7 @@ Result<double> EdgeBound(const Window& window) {
                   std::sqrt(window.numbers.power.mean_square));
 }
 
-// what cannot be read from the scatter
+// half widths (m) of errors that the scatter of the samples does not contain
 std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   const BandNumbers& numbers = window.numbers;
   const double rms = std::sqrt(numbers.power.mean_square);
@@ -196,26 +205,29 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
     if (half_width > 0) bounds.push_back({cause, half_width});
   };
   if (rms == 0) return bounds;
+  // leaked motion adds its power, l^2 / (2 rms), and interferes with the tone by l / (pi df T)
   if (numbers.below_band) {
     const double leaked = numbers.below_band->leaked_rms_m;
     const double apart_hz = window.band().lower_hz - numbers.below_band->frequency_hz;
     const double beat = std::min(1.0, 1 / (std::numbers::pi * apart_hz * window.duration_s()));
     add(RmsCause::kBelowBand, leaked * leaked / (2 * rms) + leaked * beat);
   }
+  // step / sqrt(12), of which 2 B / rate lies in the band; far below the RMS it adds in squares
   const double steps =
       window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
   add(RmsCause::kQuantisation, std::min(steps, steps * steps / (2 * rms)));
   add(RmsCause::kBridged, numbers.bridged_rms_m);
   add(RmsCause::kFilterEnds, kSettledError * rms);
   add(RmsCause::kDriveEdges, edges_m);
+  // a share s of the power changes the RMS by s / 2 of it
   add(RmsCause::kSpikes, 0.5 * rms * FaultShare(window, FaultKind::kSpike));
   add(RmsCause::kSteps, 0.5 * rms * FaultShare(window, FaultKind::kStep));
   return bounds;
 }
 
-// What leaks from below the band is no noise: a line of amplitude a, D = 2 pi times as far from the
-// tone, moves its fit over the duration T by 2 a / (T D) at most, and its frequency by
-// 12 a / (A T^2 D) (the fit's linear weights against a sine); so does its mirror at negative
+// Leakage from below the band is no noise: a line of amplitude a, D = 2 pi times its distance from
+// the tone, moves the tone's fit over the duration T by 2 a / (T D) at most, its frequency by
+// 12 a / (A T^2 D) (linear weights of the fit, against a sine); so does its mirror at negative
 // frequencies. Of unknown phase, each adds 1 / sqrt(2) of that (GUM 4.3.5).
 void AddLeakedLine(const Window& window, SineFit& fit) {
   if (!window.numbers.below_band) return;
@@ -237,9 +249,11 @@ void AddLeakedLine(const Window& window, SineFit& fit) {
 void FinishTone(Window& window) {
   ToneNumbers& tone = *window.numbers.tone;
   SineFit& fit = tone.fit;
+  // two passes: gain |H|^2
   const double gain = std::norm(Response(window.signal().design(), fit.frequency_hz));
   tone.sine_rms_m = fit.amplitude / std::numbers::sqrt2;
   tone.share_of_rms = tone.sine_rms_m / std::sqrt(window.numbers.power.mean_square);
+  // noise near the tone differs from white noise: all uncertainties by the same factor
   if (window.power.tone_variance > 0) {
     const double shape = std::sqrt(window.power.tone_variance) / fit.amplitude /
                          std::max(fit.amplitude_uncertainty, 1e-300);
@@ -247,6 +261,7 @@ void FinishTone(Window& window) {
     fit.frequency_uncertainty_hz *= shape;
     fit.phase_uncertainty_rad *= shape;
   }
+  // the fit is of filtered samples: leakage is added there, the filter's gain divided out after it
   AddLeakedLine(window, fit);
   fit.amplitude /= gain;
   fit.amplitude_uncertainty /= gain;
@@ -257,19 +272,21 @@ void FinishTone(Window& window) {
   fit.frequency_uncertainty_hz =
       std::hypot(fit.frequency_uncertainty_hz, fit.frequency_hz * rate_share);
 
+  // the sensor's gain last: amplitude at the target
   tone.amplitude_m = fit.amplitude / window.power.sensor_gain;
   tone.amplitude_uncertainty_m = fit.amplitude_uncertainty / window.power.sensor_gain;
   tone.amplitude_lower_m = tone.amplitude_m - kCoverage * tone.amplitude_uncertainty_m;
   tone.amplitude_upper_m = tone.amplitude_m + kCoverage * tone.amplitude_uncertainty_m;
   tone.frequency_lower_hz = fit.frequency_hz - kCoverage * fit.frequency_uncertainty_hz;
   tone.frequency_upper_hz = fit.frequency_hz + kCoverage * fit.frequency_uncertainty_hz;
+  // v = w x, a = w^2 x, peak values
   const double turn = kTwoPi * fit.frequency_hz;
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 }
 
-// multiples of the tone in the samples before the filter, beside a cubic drift; motion below the
-// band that one model explains is taken off first, because its size would hide them
+// harmonics of the tone in the samples before the filter, with a cubic drift; motion below the band
+// that one model explains is subtracted first, because it would cover them
 Result<void> DescribeHarmonics(Window& window) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
   const double upper_hz = window.analysis.record.observable_upper_hz;
@@ -282,6 +299,7 @@ Result<void> DescribeHarmonics(Window& window) {
                                            window.band().upper_hz);
     if (model) model->Subtract(0, samples);
   }
+  // up to the tenth harmonic: 10.5 leaves a margin for the frequency's uncertainty
   Harmonics harmonics = FitHarmonics(samples, {window.rate_hz(), 0, kHighestDriftDegree},
                                      frequency_hz, std::min(upper_hz, 10.5 * frequency_hz));
   if (harmonics.converged) window.numbers.harmonics = std::move(harmonics);
@@ -322,12 +340,15 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
                 .chosen = chosen,
                 .question = question,
                 .analysis = *analysis};
+  // the tone is sought in filtered samples, decimated where the rate is far above the band
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
   window.samples =
       Thinned(std::move(*samples), window.rate_hz(), window.signal().design(), window.band());
+  // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
     std::optional<SineFit> tone;
+    // a frequency that moves has no single tone
     if (!analysis->frequency_move) {
       tone =
           StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
@@ -350,9 +371,11 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   const int threads = displacement.threads;
   if (auto done = RunBeside(threads, {describe_window, describe_below}); !done) return done;
   window.numbers.whole_rms_m = WholeRms(all);
+  // squared errors of interpolation, as RMS over the window
   window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
                                            static_cast<double>(window.rows));
   DescribeSensor(window);
+  // floor and clipping are required by the estimate of the RMS, the estimate by the tone's share
   if (auto taken = TakeFloor(window); !taken) return taken;
   JudgeClipping(window);
   const auto edges = EdgeBound(window);
@@ -360,6 +383,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
+  // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(
       threads,
       {[&] { return has_tone ? DescribeHarmonics(window) : Result<void>(); },

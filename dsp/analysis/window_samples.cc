@@ -26,6 +26,7 @@ WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::siz
   return samples;
 }
 
+// samples before the filter, from the segment that holds the window's middle
 Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysis& analysis,
                                std::size_t most) {
   const auto channel = AnalyzedChannel(source.head());
@@ -53,6 +54,7 @@ Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysi
 Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnalysis& analysis,
                                  std::size_t most) {
   HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
+  // as in AnalyzeBand: known times are put on the same grid first
   if (!source.head().times_are_known) return ReadFrom(source, analysis, most);
   const auto grid = OnRegularGrid(source, analysis.band.upper_hz);
   if (!grid) return std::unexpected(grid.error());

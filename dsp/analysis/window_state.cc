@@ -39,6 +39,7 @@ Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, st
                                                     std::size_t end, double upper_hz) {
   const std::size_t size = FittedOf(end - begin);
   const std::size_t first = begin + (end - begin - size) / 2;
+  // samples beside the window, as far as they are free of transients
   const std::size_t before = std::min(first - signal.settled_begin(), kBeside);
   const std::size_t after = std::min(signal.settled_end() - first - size, kBeside);
   std::vector<double> samples(before + size + after);
@@ -47,6 +48,7 @@ Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, st
   }
   auto motion = DescribeKinematics(samples, signal.rate_hz(), upper_hz, before, before + size);
   if (!motion) return std::nullopt;
+  // from samples that were read to rows of the record
   const std::size_t row = signal.first_row() + first - before;
   motion->begin += row;
   motion->end += row;
@@ -65,6 +67,7 @@ Result<ElectricalFinding> MeasureElectrical(const trial::RowSource& source, std:
   if (!volts) return std::unexpected(volts.error());
   const auto amperes = ReadChannel(source, *current, first, size, &unmeasured);
   if (!amperes) return std::unexpected(amperes.error());
+  // every row is required: a sine fit at uniform times has no gaps
   if (unmeasured > 0) {
     return ElectricalFinding{std::nullopt, Finding{.kind = FindingKind::kElectricalUnmeasured,
                                                    .numbers = {{"readings", unmeasured}}}};

@@ -27,13 +27,15 @@ WarpedBand Warp(const BandPass& band, double rate_hz) {
   warped.center_square = std::tan(lower) * std::tan(upper);
   warped.width = std::sin(kPi * (band.upper_hz - band.lower_hz) / rate_hz) /
                  (std::cos(lower) * std::cos(upper));
+  // both passes have -3 dB where one has -1.5 dB: (bw' / bw)^(2N) = 1 / (sqrt(2) - 1)
   if (band.corners == Corners::kWhole) {
     warped.width /= std::pow(std::numbers::sqrt2 - 1, 1.0 / (2 * band.order));
   }
   return warped;
 }
 
-// the section whose analog poles are the roots of s^2 - 2 re s + square
+// the section with analog poles at the roots of s^2 - 2 re s + square, by s = (z - 1)/(z + 1)
+// d = 1 - 2 re + square: e = 4 square / d, f = -4 re / d; a low-pass section has gain 1 at 0
 DeltaSection SectionOf(SectionKind kind, double re, double square) {
   const double d = 1 - 2 * re + square;
   return {kind, 4 * square / d, -4 * re / d, kind == SectionKind::kLowPass ? square / d : 1 / d};
@@ -46,6 +48,7 @@ struct Pair {
   double low_square = 0;  // |pole|^2 of the low-pass section
 };
 
+// low-pass to band-pass: a prototype pole p gives the roots q of q^2 - bw p q + w0^2 = 0
 Pair PairOf(std::complex<double> prototype_pole, const WarpedBand& warped) {
   // q + w0^2/q = 2 h has two roots; the larger one without cancellation, the other by their product
   const std::complex<double> h = prototype_pole * (warped.width / 2);
@@ -79,6 +82,7 @@ Result<void> Check(const BandPass& band, double rate_hz) {
   return {};
 }
 
+// s and c are the sine and cosine of pi f / rate, so that 1 - 1/z has no cancellation near f = 0
 std::complex<double> SectionResponse(const DeltaSection& section, double s, double c) {
   // denominator e + f u + u^2 z with u = 1 - 1/z = 2 s (s + j c); numerators times z as well
   const std::complex<double> denominator(section.e - 4 * s * s + 2 * section.f * s * s,
@@ -98,7 +102,9 @@ std::complex<double> SectionResponse(const DeltaSection& section, double s, doub
 double DecayPerSample(const DeltaSection& section) {
   const double sum = section.e + section.f;  // poles 1 + delta: delta^2 + (e + f) delta + e = 0
   const double discriminant = sum * sum - 4 * section.e;
+  // a conjugate pair has radius^2 = 1 - f
   if (discriminant <= 0) return -0.5 * std::log1p(-section.f);
+  // two real poles: the smaller delta as a quotient, free of cancellation
   return -std::log1p(-2 * section.e / (sum + std::sqrt(discriminant)));
 }
 
@@ -120,11 +126,13 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
 
   FilterDesign design{n, {}, rate_hz};
   design.sections.reserve(static_cast<std::size_t>(n));
+  // H = bw^n s^n / product of denominators; low-pass sections already have |pole|^2 as numerator
   double gain = std::pow(warped.width, n);
   for (const Pair& pair : pairs) {
     design.sections.push_back(pair.high);
     gain /= pair.low_square;
   }
+  // the real prototype pole -1 of an odd order: s^2 + bw s + w0^2
   if (n % 2 == 1) {
     design.sections.push_back(
         SectionOf(SectionKind::kBandPass, -warped.width / 2, warped.center_square));
@@ -132,11 +140,13 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
   for (auto pair = pairs.rbegin(); pair != pairs.rend(); ++pair) {
     design.sections.push_back(pair->low);
   }
+  // all of the gain in the last section, where an offset is already removed
   design.sections.back().b *= gain;
   return design;
 }
 
 std::complex<double> Response(const FilterDesign& design, double frequency_hz) {
+  // z = exp(2 j pi f / rate) by half its angle
   const double half_angle = kPi * frequency_hz / design.rate_hz;
   const double s = std::sin(half_angle);
   const double c = std::cos(half_angle);

@@ -24,6 +24,7 @@ Cascade::Cascade(const FilterDesign& design) : count_(design.sections.size()) {
   std::ranges::copy(design.sections, sections_.begin());
 }
 
+// all sections have output 0 for a constant input: the first one takes differences of it
 void Cascade::StartFrom(double input) {
   states_ = {};
   last_input_ = input;
@@ -50,6 +51,7 @@ template <int kOrder>
   last_input_ = step.last_input;
 }
 
+// the run whose loops over sections are unrolled for this order
 Cascade::RunFunction Cascade::RunOf(int order) {
   return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
     constexpr std::array<RunFunction, kHighestOrder> kByOrder{&Cascade::Run<kIndex + 1>...};

@@ -60,7 +60,7 @@ const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
 }
 
-// for each sample of a stretch the states at its end where the first section's combination of
+// for each sample of a lane the states at its end if the first section's combination of
 // inputs is 1 at that sample, 0 at all others
 std::vector<double> WeightsOf(const FilterDesign& design) {
   const std::size_t states = 2 * design.sections.size();
@@ -72,6 +72,7 @@ std::vector<double> WeightsOf(const FilterDesign& design) {
   const double two = is_high_pass ? -1 : 1;
   double last = 0;
   double before_last = 0;
+  // states after m = 1, 0, 0, ...: after n further samples they are the weights of sample last - n
   Cascade cascade(design);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
     const double input = (n == 0 ? 1 : 0) + one * last + two * before_last;
@@ -90,6 +91,7 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
   CheckSections(design);
   weights_ = WeightsOf(design);
   const FlushSubnormals flush;
+  // A^M: column j is the state that a lane reaches from unit state j with zero input
   alignas(64) const std::array<double, kTileSamples> silence{};
   alignas(64) std::array<double, kTileSamples> ringing;
   for (std::size_t first = 0; first < 2 * sections_; first += kLanes) {
@@ -116,11 +118,12 @@ void LaneCascade::StartFrom(double input) {
   state_.input_before_last_ = input;
 }
 
-// lanes with the inputs that came before them, run from rest
+// the inputs before each lane, and each lane's state at its end if it started from rest
 void LaneCascade::TakeRows(const double* rows, Direction direction) {
   const bool forward = direction == Direction::kForward;
   const double* last_row = rows + (forward ? kTileSamples - kLanes : 0);
   const double* row_before = forward ? last_row - kLanes : last_row + kLanes;
+  // a lane's inputs before are the last two of the lane ahead of it in the direction of the run
   lanes_ = {};
   double last = state_.last_input_;
   double before = state_.input_before_last_;
@@ -136,7 +139,7 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   plan_->kernel_->weigh(plan_->design_, direction, rows, plan_->weights_.data(), lanes_);
 }
 
-// from lanes_, run from rest, the true state at each lane's begin and at the tile's end
+// from lanes_ of runs from rest: the state at each lane's begin, and at the tile's end
 void LaneCascade::HandOver(Direction direction) {
   plan_->kernel_->hand_over(plan_->design_, direction, plan_->handover_.front().data(),
                             state_.sections_.data(), lanes_);
@@ -146,6 +149,7 @@ void LaneCascade::AdvanceForward(std::span<const double> tiles) {
   HAPTOMETER_CHECK(tiles.size() % kTileSamples == 0, "{} samples", tiles.size());
   const FlushSubnormals flush;
   for (std::size_t tile = 0; tile < tiles.size(); tile += kTileSamples) {
+    // inputs only: the outputs of this tile are not required
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
@@ -160,6 +164,7 @@ void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
+    // the next tile is fetched meanwhile; behind the last one, the last one again
     const std::size_t next = std::min(tile + kTileSamples, rows.size() - kTileSamples);
     plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile],
                            {&tiles[next], &rows[next]}, lanes_);

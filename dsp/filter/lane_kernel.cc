@@ -19,13 +19,14 @@ static_assert(kLanes % (2 * Lanes::size()) == 0);
 using std::experimental::vector_aligned;
 constexpr std::size_t kCacheLine = 64;
 
+// values at a multiple of 64 bytes
 Lanes Load(const double* values) {
   Lanes lanes;
   lanes.copy_from(values, vector_aligned);
   return lanes;
 }
 
-// the first row on the way and how far the next one is
+// offset of the first row in the direction of the run, and from each row to the next, in values
 struct Way {
   std::ptrdiff_t first = 0;
   std::ptrdiff_t stride = kLanes;
@@ -44,6 +45,7 @@ CascadeStep<kOrder, Lanes> LoadStep(const LaneStates& states, std::size_t first_
   for (std::size_t k = 0; k < kOrder; ++k) {
     step.output[k] = Load(&states.output[k][first_lane]);
     step.step[k] = Load(&states.step[k][first_lane]);
+    // differences of inputs are those of the outputs of the section before; the first is stored
     if (k == 0) {
       step.input_before[k] = Load(&states.input_before[first_lane]);
     } else if (KindAt(kOrder, k) == SectionKind::kLowPass) {
@@ -103,12 +105,14 @@ void WeighLanes(Direction direction, const double* rows, const double* weights, 
                 std::size_t first_lane) {
   constexpr std::size_t kCount = kOrder;
   using Step = CascadeStep<kOrder, Lanes>;
+  // a state from rest is the sum over n of weights[n] m[n]: y of each section, then d of each
   Lanes sums[2 * kCount] = {};
   Lanes last_input = Load(&states.last_input[first_lane]);
   Lanes input_before = Load(&states.input_before[first_lane]);
   const Way way = WayOf(direction);
   const double* row = rows + way.first + first_lane;
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    // m[n] of the first section, its numerator applied to the input
     const Lanes combined = Step::FirstCombined(Load(row), last_input, input_before);
 #pragma GCC unroll 16  // all of them: so that the sums stay in registers
     for (std::size_t k = 0; k < 2 * kCount; ++k) sums[k] += weights[k] * combined;
@@ -130,6 +134,7 @@ void ExchangeStates(LaneStates& states, std::size_t lane, double* state) {
   }
 }
 
+// s -> A^M s + z from lane to lane, in the order of time of the run
 template <std::size_t kCount>
 void HandOverLanes(Direction direction, const double* handover, double* state, LaneStates& states) {
   constexpr std::size_t kRegisters = (2 * kCount + Lanes::size() - 1) / Lanes::size();
@@ -137,9 +142,11 @@ void HandOverLanes(Direction direction, const double* handover, double* state, L
     const std::size_t lane = direction == Direction::kForward ? n : kLanes - 1 - n;
     alignas(64) double before[kMostStates];
     std::copy_n(state, kMostStates, before);
+    // the lane receives its begin state s; `state` becomes the lane's z, states from rest
     ExchangeStates<kCount>(states, lane, state);
     Lanes sums[kRegisters];
     for (std::size_t k = 0; k < kRegisters; ++k) sums[k] = Load(state + k * Lanes::size());
+    // z + A^M s, column by column
     for (std::size_t column = 0; column < 2 * kCount; ++column) {
       for (std::size_t k = 0; k < kRegisters; ++k) {
         sums[k] += Load(handover + column * kMostStates + k * Lanes::size()) * before[column];
@@ -183,7 +190,7 @@ void HandOver(const FilterDesign& design, Direction direction, const double* han
             [&]<int kOrder>() { HandOverLanes<kOrder>(direction, handover, state, states); });
 }
 
-// Two samples of two lanes are turned at once: wider squares are slower (g++ 12).
+// Two samples of two lanes are transposed at once: wider squares are slower (g++ 12).
 using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
 
 Two LoadTwo(const double* from) {
@@ -192,7 +199,7 @@ Two LoadTwo(const double* from) {
   return two;
 }
 
-// the square of a, b at `from`, c, d `from_stride` further, becomes a, c at `to` and b, d
+// transposes a square: a, b at `from` and c, d `from_stride` further become a, c and b, d at `to`
 void TurnSquare(const double* from, std::size_t from_stride, double* to, std::size_t to_stride) {
   const Two upper = LoadTwo(from);
   const Two lower = LoadTwo(from + from_stride);
@@ -202,6 +209,7 @@ void TurnSquare(const double* from, std::size_t from_stride, double* to, std::si
   __builtin_memcpy(to + to_stride, &seconds, sizeof(Two));
 }
 
+// a tile of kLanes successive segments becomes rows with one sample of each lane
 void Gather(const double* tile, double* rows) {
   for (std::size_t n = 0; n < kLaneSamples; n += 2) {
     for (std::size_t lane = 0; lane < kLanes; lane += 2) {

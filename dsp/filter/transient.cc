@@ -28,15 +28,15 @@ namespace haptometer::dsp {
 struct EndContinuations {
   /// The signal stays where it ends.
   std::vector<double> constant;
-  /// It goes on as it moved: drift and one sine below the band (dsp/filter/transient.cc), seen
+  /// The motion continues: drift and one sine below the band (dsp/filter/transient.cc), fitted
   /// for 12 time constants of the filter's slowest pole, and the strongest tone beside them. Less
   /// `constant`, not the odd one: it differs for 8 time constants. Empty where fewer than
   /// kLeastExpectedMotionSamples were seen.
   std::vector<double> expected;
-  /// Only what is left without the slow motion stays where it ends; as long as `expected`.
+  /// Only the remainder without the slow motion keeps its last value; as long as `expected`.
   std::vector<double> fast;
-  /// What other expectations of the slow motion (two sines seen for 18 time constants, one for 8)
-  /// differ by from the expected one; as long as `expected`.
+  /// Other expectations of the slow motion (two sines over 18 time constants, one over 8) less
+  /// the expected one; as long as `expected`.
   std::array<std::vector<double>, 2> doubts;
 };
 
@@ -47,10 +47,10 @@ struct EndContinuations {
 
 namespace {
 
-// what lies two time constants beyond a settled part is wrong by e^2 / 1e4: enough for an RMS
+// a part two time constants beyond a usable part has an error of e^2 / 1e4: enough for an RMS
 constexpr double kRmsTimeConstants = 4;
 
-// what the filter makes, in the `inner` samples of a signal, of what lies beyond them
+// output of the filter in the `inner` samples of a signal for samples that lie beyond them only
 class Inside {
  public:
   Inside(const ZeroPhaseBlocks& blocks, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
@@ -63,10 +63,12 @@ class Inside {
       blocks_.FilterAhead(before, filtered_, scratch_);
       return filtered_;
     }
+    // time is reversed: samples behind the signal act as samples ahead of the reversed one
     blocks_.FilterAhead(after, filtered_, scratch_);
     std::ranges::reverse(filtered_);
     if (before.empty()) return filtered_;
     ahead_.resize(filtered_.size());
+    // the filter is linear: the effects of both ends add
     blocks_.FilterAhead(before, ahead_, scratch_);
     for (std::size_t k = 0; k < filtered_.size(); ++k) filtered_[k] += ahead_[k];
     return filtered_;
@@ -79,26 +81,31 @@ class Inside {
   ZeroPhaseBlocks::Scratch& scratch_;
 };
 
-// the dependence of `inner` samples on either end; an end that is far away has no continuations
+// in units of the tolerances: max |difference| / tolerance at each of `inner` samples;
+// an end that is far away has no continuations
 std::vector<double> DependenceOf(const ZeroPhaseBlocks& blocks, const EndContinuations& before,
                                  std::size_t inner, const EndContinuations& after,
                                  ZeroPhaseBlocks::Scratch& scratch) {
   Inside inside(blocks, inner, scratch);
   std::vector<double> dependence(inner);
+  // the strictest criterion decides at each sample
   const auto add = [&](std::span<const double> filtered, double tolerance) {
     for (std::size_t k = 0; k < inner; ++k) {
       dependence[k] = std::max(dependence[k], std::abs(filtered[k]) / tolerance);
     }
   };
   const std::span<const double> constant = inside.Of(before.constant, after.constant);
+  // without an expectation the constant continuation alone counts, to the strictest tolerance
   if (before.expected.empty() && after.expected.empty()) {
     add(constant, kFastTolerance);
     return dependence;
   }
   add(constant, kConstantTolerance);
+  // expected less odd = (constant less odd) + (expected less constant)
   std::vector<double> expected(constant.begin(), constant.end());
   const std::span<const double> change = inside.Of(before.expected, after.expected);
   for (std::size_t k = 0; k < inner; ++k) expected[k] = std::abs(expected[k] + change[k]);
+  // disagreement among expectations counts in full, signs disregarded
   for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
     const std::span<const double> more = inside.Of(before.doubts[doubt], after.doubts[doubt]);
     for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(more[k]);
@@ -108,10 +115,10 @@ std::vector<double> DependenceOf(const ZeroPhaseBlocks& blocks, const EndContinu
   return dependence;
 }
 
-// the longest of the stretches in which the dependence is at most `limit`
+// the longest run of samples in which the dependence is at most `limit`
 class LongestStretch {
  public:
-  // `count` further samples that all have settled, or not
+  // `count` further samples, all within the limit or all above it
   void Add(bool settled, std::size_t count) {
     at_ += count;
     if (!settled) {
@@ -124,13 +131,14 @@ class LongestStretch {
 
  private:
   std::size_t at_ = 0;
-  std::size_t begin_ = 0;  // of the stretch at hand
+  std::size_t begin_ = 0;  // of the current run
   SampleRange longest_;
 };
 
 SampleRange LongestWithin(std::size_t size, const EndDependence& dependence, double limit) {
   LongestStretch stretch;
   for (const double value : dependence.first) stretch.Add(value <= limit, 1);
+  // samples between both ends have no dependence above rounding
   stretch.Add(true, size - dependence.first.size() - dependence.last.size());
   for (const double value : dependence.last) stretch.Add(value <= limit, 1);
   return stretch.longest();
@@ -139,6 +147,7 @@ SampleRange LongestWithin(std::size_t size, const EndDependence& dependence, dou
 // a range of `least` values or more of `size` about the same middle
 SampleRange Widened(const SampleRange& range, std::size_t size, std::size_t least) {
   if (range.count >= least) return range;
+  // about the range's middle, moved inwards where the signal ends
   const std::size_t count = std::min(least, size);
   const std::size_t middle = range.first + range.count / 2;
   const std::size_t first = middle - std::min(middle, count / 2);
@@ -154,11 +163,13 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   const std::size_t lead_in = blocks.lead_in();
   EndDependence dependence;
   if (size == 0) return dependence;
+  // both lead-ins overlap: each sample may depend on both ends, so all samples are computed at once
   const bool is_short = size <= 2 * lead_in;
   std::vector<double> seen(is_short ? size : lead_in + 1);
   if (auto done = read(0, seen); !done) return std::unexpected(done.error());
   std::ranges::reverse(seen);  // so that its end is the signal's begin
   const EndContinuations before = ContinueEnd(design, seen, lead_in);
+  // far ends are measured separately, each over one lead-in
   if (!is_short) dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
   if (auto done = read(size - seen.size(), seen); !done) return std::unexpected(done.error());
   const EndContinuations after = ContinueEnd(design, seen, lead_in);
@@ -172,7 +183,7 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
 
 SampleRange SettledRange(std::size_t size, const EndDependence& dependence, const RangeRms& rms,
                          std::size_t least) {
-  // the limit hangs on the RMS of what has settled: begin with everything and shrink
+  // the limit depends on the RMS of the remaining part: begin with all samples and shrink
   SampleRange settled{0, size};
   for (std::size_t before = size + 1; settled.count > 0 && settled.count < before;) {
     before = settled.count;
@@ -187,12 +198,13 @@ std::size_t LeastRmsSamples(const FilterDesign& design) {
 
 namespace {
 
-// in time constants of the slowest pole
+// lengths that a fit uses and a continuation covers, in time constants of the slowest pole
 constexpr double kSeen = 12;
 constexpr double kExpected = 8;
-// of the rate: a tone above is no vibration but noise
+// part of the rate; a tone above is noise, not vibration
 constexpr double kFastestTone = 0.4;
 
+// an alternative fit of the slow motion: its length and number of sines
 struct OtherView {
   double seen;  // time constants
   int sines;
@@ -209,15 +221,18 @@ std::span<const double> Seen(const FilterDesign& design, std::span<const double>
 
 // the strongest tone beside the slow motion, by samples from the signal's last one
 std::optional<ExpectedMotion> FindTone(const FilterDesign& design, std::span<const double> signal) {
+  // the slow motion is subtracted first, so that the tone is the strongest component
   const std::vector<double> slow = FitExpectedMotion(signal, 1).From(0, signal.size());
   std::vector<double> rest(signal.begin(), signal.end());
   for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= slow[k];
+  // below this frequency a sine belongs to the slow motion
   const double slowest_hz = kFastestExpectedRad / (2 * std::numbers::pi) * design.rate_hz /
                             static_cast<double>(signal.size());
   const double fastest_hz = kFastestTone * design.rate_hz;
   if (!(slowest_hz < fastest_hz)) return std::nullopt;
   const auto found = StrongestTone(rest, {design.rate_hz, slowest_hz, fastest_hz, 0});
   if (!found) return std::nullopt;
+  // phase from the first sample to the last: A cos(w t + p) = A (cos p cos w t - sin p sin w t)
   const double rad_per_sample = 2 * std::numbers::pi * found->frequency_hz / design.rate_hz;
   const double phase_rad =
       found->phase_rad + rad_per_sample * static_cast<double>(signal.size() - 1);
@@ -226,7 +241,7 @@ std::optional<ExpectedMotion> FindTone(const FilterDesign& design, std::span<con
   return ExpectedMotion{.sines = {sine}};
 }
 
-// slow motion by samples from the signal's last one, less that there
+// slow motion, time in samples from the signal's last one, less its value there
 struct SlowChange {
   ExpectedMotion motion;
   double last;
@@ -242,7 +257,7 @@ struct SlowChange {
   }
 };
 
-// the signal stays where it ends, less the odd continuation
+// constant less odd continuation: x[e] - (2 x[e] - x[e-1-k]) = x[e-1-k] - x[e], e the last
 std::vector<double> StaysLessOdd(std::span<const double> signal, std::size_t count) {
   std::vector<double> differences(count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -258,9 +273,10 @@ EndContinuations ContinueEnd(const FilterDesign& design, std::span<const double>
   EndContinuations ends;
   ends.constant = StaysLessOdd(signal, count);
   const std::span<const double> seen = Seen(design, signal, kSeen);
+  // the shortest fit decides whether all of them are possible
   if (Seen(design, signal, kOtherViews[1].seen).size() < kLeastExpectedMotionSamples) return ends;
   const std::optional<ExpectedMotion> tone = FindTone(design, seen);
-  // the means that slow motion is fitted to hold a little of the tone
+  // means that the slow motion is fitted to contain a part of the tone: it is subtracted
   const std::span<const double> longest = Seen(design, signal, kOtherViews[0].seen);
   std::vector<double> toneless(longest.begin(), longest.end());
   if (tone) {
@@ -271,12 +287,15 @@ EndContinuations ContinueEnd(const FilterDesign& design, std::span<const double>
   const SlowChange slow(Seen(design, toneless, kSeen), 1);
   const SlowChange others[] = {{Seen(design, toneless, kOtherViews[0].seen), kOtherViews[0].sines},
                                {Seen(design, toneless, kOtherViews[1].seen), kOtherViews[1].sines}};
+  // at most as far ahead as samples exist behind the end, for which `before` is required
   const std::size_t ahead =
       std::min({Seen(design, signal, kExpected).size(), count, seen.size() - 1});
   const std::vector<double> change = slow.From(1, ahead);
   const std::vector<double> before = slow.From(-static_cast<double>(ahead), ahead);
+  // expected less constant: change of the slow motion since the last sample, later of the tone also
   ends.expected = change;
   ends.fast.resize(ahead);
+  // the constant continuation less the slow motion's own part of it
   for (std::size_t k = 0; k < ahead; ++k) ends.fast[k] = ends.constant[k] - before[ahead - 1 - k];
   if (tone) {
     const std::vector<double> turning = tone->From(1, ahead);
@@ -292,16 +311,20 @@ EndContinuations ContinueEnd(const FilterDesign& design, std::span<const double>
 
 namespace {
 
+// means that keep motion faster than a piece out of the fit
 constexpr std::size_t kPieces = 64;
 static_assert(kLeastExpectedMotionSamples >= 2 * kPieces);
+// slowest sine, in rad over the signal
 constexpr int kLeastRad = 2;
 constexpr int kMostSines = 2;
 constexpr int kColumns = 2 + 2 * kMostSines;
+// frequencies closer than this, in rad over the signal, count as one
 constexpr double kLeastApartRad = 0.5;
+// 0.618^25: 2 rad over the signal are narrowed to 1e-5 rad
 constexpr int kNarrowings = 25;
 constexpr int kRounds = 4;  // two sines push each other
 
-// the means of a signal's last kPieces equal pieces, less `offset`
+// means of a signal's last kPieces equal pieces, less `offset`, times from the signal's middle
 struct Means {
   double piece = 0;  // samples of each
   double half = 0;   // half the signal's length
@@ -315,6 +338,7 @@ Means MeansOf(std::span<const double> signal) {
   Means means;
   means.piece = static_cast<double>(size);
   means.half = 0.5 * static_cast<double>(signal.size() - 1);
+  // the last value is subtracted first: a large distance then costs no digits
   means.offset = signal.back();
   const std::span<const double> used = signal.last(size * kPieces);
   const auto skipped = static_cast<double>(signal.size() - used.size());
@@ -333,6 +357,7 @@ struct Fit {
   double residual = std::numeric_limits<double>::infinity();  // sum of squares
 };
 
+// linear least squares at given frequencies: 1, t / half, gain cos(w t), gain sin(w t)
 Fit FitAt(const Means& means, std::span<const double> rad_per_sample) {
   const auto columns = static_cast<Eigen::Index>(2 + 2 * rad_per_sample.size());
   Eigen::Matrix<double, kPieces, Eigen::Dynamic, 0, kPieces, kColumns> matrix(kPieces, columns);
@@ -345,7 +370,7 @@ Fit FitAt(const Means& means, std::span<const double> rad_per_sample) {
   }
   Eigen::Index column = 2;
   for (const double w : rad_per_sample) {
-    // a mean over a piece takes this much of a sine
+    // gain of a mean of m samples for a sine: sin(w m / 2) / (m sin(w / 2))
     const double gain = std::sin(0.5 * w * means.piece) / (means.piece * std::sin(0.5 * w));
     for (std::size_t k = 0; k < kPieces; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
@@ -354,10 +379,11 @@ Fit FitAt(const Means& means, std::span<const double> rad_per_sample) {
     }
     column += 2;
   }
-  // two sines may come close to one: a decomposition that bears it
+  // columns of two sines may be nearly dependent: pivoting keeps the solution bounded
   const Eigen::Vector<double, Eigen::Dynamic> found = matrix.colPivHouseholderQr().solve(values);
   Fit fit;
   fit.residual = (matrix * found - values).squaredNorm();
+  // in the unit of the signal: its offset returns, the slope is per sample again
   fit.motion = {found[0] + means.offset, found[1] / means.half, {}, means.half};
   fit.motion.sines.reserve(rad_per_sample.size());
   column = 2;
@@ -368,6 +394,7 @@ Fit FitAt(const Means& means, std::span<const double> rad_per_sample) {
   return fit;
 }
 
+// whether a frequency differs from all others by at least kLeastApartRad over the signal
 bool LiesApart(double rad, std::span<const double> others, double size) {
   for (const double other : others) {
     if (std::abs(rad - other * size) < kLeastApartRad) return false;
@@ -375,7 +402,7 @@ bool LiesApart(double rad, std::span<const double> others, double size) {
   return true;
 }
 
-// a grid finds the valley of one more sine
+// rad per sample of one more sine: the least residual on a grid of 1 rad over the signal
 double CoarseRad(const Means& means, std::vector<double> rad_per_sample, double size) {
   double best = kLeastRad / size;
   double least = std::numeric_limits<double>::infinity();
@@ -391,13 +418,14 @@ double CoarseRad(const Means& means, std::vector<double> rad_per_sample, double 
   return best;
 }
 
-// golden sections find the valley's floor along sine `k`
+// golden-section search for the least residual along the frequency of sine `k`, others fixed
 void Narrow(const Means& means, std::vector<double>& rad_per_sample, std::size_t k, double size) {
   constexpr double kGolden = 0.381966011250105;
   const auto residual_at = [&](double w) {
     rad_per_sample[k] = w;
     return FitAt(means, rad_per_sample).residual;
   };
+  // one step of the coarse grid to either side
   double lower = rad_per_sample[k] - 1 / size;
   double upper = rad_per_sample[k] + 1 / size;
   double left = lower + kGolden * (upper - lower);
@@ -436,6 +464,7 @@ std::vector<double> ExpectedMotion::From(double first, std::size_t count) const 
   for (std::size_t k = 0; k < count; ++k) {
     values[k] = offset + slope * (first + static_cast<double>(k) - middle);
   }
+  // sines block by block with PhasorBlocks: errors do not grow with the distance
   std::array<double, PhasorBlocks::kBlock> c;
   std::array<double, PhasorBlocks::kBlock> s;
   for (const Sine& sine_of : sines) {
@@ -459,6 +488,7 @@ ExpectedMotion FitExpectedMotion(std::span<const double> signal, int sines) {
   const auto size = static_cast<double>(signal.size());
   std::vector<double> rad_per_sample;
   rad_per_sample.reserve(kMostSines);
+  // one sine after the other; with two, each is refined in turn because they change each other
   for (int sine = 0; sine < sines; ++sine) {
     rad_per_sample.push_back(CoarseRad(means, rad_per_sample, size));
     for (int round = 0; round < (sine == 0 ? 1 : kRounds); ++round) {

@@ -14,13 +14,13 @@
 namespace haptometer::dsp {
 namespace {
 
-// of the begin of a pass: 1000 times the signal then is 1e-15 of it
+// remainder of a pass's wrong begin: motion 1000 times the signal then leaves 1e-15 of the signal
 constexpr double kLeadInRemainder = 1e-18;
 // lead-ins a block: the more, the less is computed twice, up to blocks of 24 MiB
 constexpr std::size_t kLeadInsPerBlock = 16;
 constexpr std::size_t kMostBlockPieces = 97;
 
-// read at a time: an eighth of a megabyte, which stays in the processor's second cache
+// read at a time: 126 KiB, which stay in the processor's second cache
 constexpr std::size_t kReadSamples = 4 * kTileSamples;
 
 constexpr std::size_t kCacheLine = 64;
@@ -29,6 +29,7 @@ constexpr std::size_t kPieceSamples = ZeroPhaseBlocks::kPieceSamples;
 static_assert(kLeadInsPerBlock * kTileSamples % kPieceSamples == 0 &&
               kPieceSamples % kReadSamples == 0);
 
+// `samples` rounded up to a multiple of `unit`
 std::size_t WholeOf(std::size_t samples, std::size_t unit) {
   return (samples + unit - 1) / unit * unit;
 }
@@ -42,6 +43,7 @@ std::span<double> AlignedRows(std::span<double> samples, std::size_t count) {
   return count == 0 ? std::span<double>() : samples.subspan(skipped, count);
 }
 
+// samples of a block: whole pieces, at least a lead-in
 std::size_t BlockSize(std::size_t lead_in) {
   const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, kMostBlockPieces * kPieceSamples);
   return std::max(WholeOf(lead_in, kPieceSamples), wanted);
@@ -67,6 +69,7 @@ class ZeroPhaseBlocks::Continued {
     return there.first(there.size() / kTileSamples * kTileSamples);
   }
 
+  // samples at indices first .. first + out.size() - 1, of which any may lie beyond either end
   Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
     const std::ptrdiff_t end = first + std::ssize(out);
     const std::ptrdiff_t inner_first = std::clamp<std::ptrdiff_t>(first, 0, size_);
@@ -75,6 +78,7 @@ class ZeroPhaseBlocks::Continued {
       return out.subspan(static_cast<std::size_t>(from - first),
                          static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
     };
+    // in three parts: ahead of the signal, within it, behind it
     Result<void> done = ReadTurned(part(first, std::min<std::ptrdiff_t>(end, 0)), first, 0);
     if (done && inner_end > inner_first) {
       done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
@@ -85,12 +89,12 @@ class ZeroPhaseBlocks::Continued {
   }
 
  private:
-  // indices first .. first + out.size() - 1, all beyond the end point at `pivot`
+  // indices first .. first + out.size() - 1, all beyond the end point p: 2 x[p] - x[2 p - k]
   Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t first, std::ptrdiff_t pivot) const {
     if (out.empty()) return {};
     const auto end_value = Sample(pivot);
     if (!end_value) return std::unexpected(end_value.error());
-    // those of them that turned samples reach, which lie there in turned order
+    // of these the ones whose mirror image lies in the signal; they are read in reversed order
     const std::ptrdiff_t end = first + std::ssize(out);
     const std::ptrdiff_t near = std::clamp(pivot - reach_, first, end);
     const std::ptrdiff_t far = std::clamp(pivot + reach_ + 1, near, end);
@@ -103,6 +107,7 @@ class ZeroPhaseBlocks::Continued {
       for (double& value : turned) value = 2 * *end_value - value;
     }
     if (turned.size() == out.size()) return {};
+    // further out the continuation keeps the value of the last mirrored sample
     const auto last = Sample(first < pivot ? pivot + reach_ : pivot - reach_);
     if (!last) return std::unexpected(last.error());
     const double beyond = reach_ == 0 ? *end_value : 2 * *end_value - *last;
@@ -127,6 +132,7 @@ class ZeroPhaseBlocks::Continued {
 
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
   HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
+  // exp(-decay n / rate) = remainder
   return static_cast<std::size_t>(
       std::ceil(-std::log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
 }
@@ -172,6 +178,7 @@ void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
   HAPTOMETER_CHECK(signal.size() == size_ && out.size() == range.count, "{} of {}, {} out for {}",
                    signal.size(), size_, out.size(), range.count);
   const std::size_t inner = WholeTiles(range.count);
+  // memory of the forward pass: head (two tiles apart), body (in `out`), beyond (a lead-in)
   const std::size_t head_size = std::min(inner, 2 * kTileSamples);
   const std::span<double> apart = scratch.Rows(head_size + lead_in_);
   const std::span<double> head = apart.first(head_size);
@@ -180,11 +187,13 @@ void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
   const ReadSamples read = ReadFrom(signal);
   const Continued continued(signal, read);
   LaneCascade cascade(plan_);
+  // forward, from a lead-in ahead of the block to a lead-in behind it
   auto done = LeadIn(range.first, continued, scratch, cascade);
   if (done) done = FilterForward(range.first, continued, head, scratch, cascade);
   if (done) done = FilterForward(range.first + head_size, continued, body, scratch, cascade);
   if (done) done = FilterForward(range.first + inner, continued, beyond, scratch, cascade);
   HAPTOMETER_CHECK(done, "memory cannot fail");
+  // the backward pass begins as if its first value had been constant
   cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
   cascade.AdvanceBackward(beyond);
   cascade.ProcessBackward(body, out.subspan(std::min(head_size, out.size())));
@@ -212,6 +221,7 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
   const auto rows_of = [&](const SampleRange& part) {
     return rows.subspan(part.first - range.first, WholeTiles(part.count));
   };
+  // forward through all pieces, whose begin states are kept
   auto done = LeadIn(range.first, signal, scratch, cascade);
   for (std::size_t piece = first_piece; done && piece < end_piece; ++piece) {
     states[piece].forward = cascade.state();
@@ -223,6 +233,7 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
   cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
   cascade.AdvanceBackward(beyond);
   scratch.piece_.resize(kPieceSamples);
+  // backward from the last piece to the first; a piece is complete after this pass
   for (std::size_t piece = end_piece; piece-- > first_piece;) {
     states[piece].backward = cascade.state();
     const SampleRange part = PieceRange(piece);
@@ -241,6 +252,7 @@ Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& 
   const std::span<double> rows = scratch.Rows(WholeTiles(range.count));
   const Continued signal(size_, read);
   LaneCascade cascade(plan_);
+  // both passes resume from the kept states, so no lead-in is needed
   cascade.GoOnFrom(states.forward);
   auto done = FilterForward(range.first, signal, rows, scratch, cascade);
   if (!done) return done;
@@ -256,6 +268,7 @@ Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal,
   for (std::size_t at = 0; at < lead_in_;) {
     const auto part = std::span(scratch.read_).first(std::min(kReadSamples, lead_in_ - at));
     if (auto done = signal.Read(begin + static_cast<std::ptrdiff_t>(at), part); !done) return done;
+    // as if the first value had been constant before the lead-in
     if (at == 0) cascade.StartFrom(part.front());
     cascade.AdvanceForward(part);
     at += part.size();
@@ -266,9 +279,10 @@ Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal,
 Result<void> ZeroPhaseBlocks::FilterForward(std::size_t first, const Continued& signal,
                                             std::span<double> rows, Scratch& scratch,
                                             LaneCascade& cascade) const {
-  // a copy would cost a tenth of the time
+  // tiles in memory are filtered where they lie: a copy would cost a tenth of the time
   const std::span<const double> tiles = signal.TilesInMemory(first, rows.size());
   cascade.ProcessForward(tiles, rows.first(tiles.size()));
+  // the rest, with the continuation behind the signal, through a buffer
   scratch.read_.resize(kReadSamples);
   for (std::size_t at = tiles.size(); at < rows.size();) {
     const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
@@ -283,7 +297,7 @@ void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<doub
                                   Scratch& scratch) const {
   HAPTOMETER_CHECK(before.size() <= lead_in_, "{} samples ahead", before.size());
   const std::size_t inner = WholeTiles(out.size());
-  // behind a lead-in nothing is left of it
+  // one lead-in behind `before` the forward pass has decayed: the backward pass begins from zero
   const std::size_t beyond = inner < lead_in_ ? lead_in_ : 0;
   const std::span<double> rows = scratch.Rows(inner + beyond);
   const auto piece_of = [&](std::size_t left) {
@@ -291,6 +305,7 @@ void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<doub
   };
   scratch.read_.resize(kReadSamples);
   LaneCascade cascade(plan_);
+  // `before` in order of time, from its far end, which zeros fill up to whole tiles
   for (std::size_t left = WholeTiles(before.size()); left > 0;) {
     const auto piece = piece_of(left);
     left -= piece.size();
@@ -299,12 +314,14 @@ void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<doub
     std::ranges::copy(there, piece.rbegin());
     cascade.AdvanceForward(piece);
   }
+  // the signal itself is zero: the forward pass decays
   std::ranges::fill(scratch.read_, 0.0);
   for (std::size_t at = 0; at < rows.size();) {
     const auto zeros = piece_of(rows.size() - at);
     cascade.ProcessForward(zeros, rows.subspan(at, zeros.size()));
     at += zeros.size();
   }
+  // backward over the decayed part, then over the samples of the result
   cascade.StartFrom(rows.back());
   cascade.AdvanceBackward(rows.subspan(inner));
   cascade.ProcessBackward(rows.first(inner), out);
@@ -325,6 +342,7 @@ std::vector<double> FilterZeroPhase(const FilterDesign& design, std::span<const 
   HAPTOMETER_CHECK(threads >= 1, "threads = {}", threads);
   const ZeroPhaseBlocks blocks(design, signal.size());
   std::vector<double> filtered(signal.size());
+  // threads take the next free block; blocks do not depend on each other or on the order
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     ZeroPhaseBlocks::Scratch scratch;

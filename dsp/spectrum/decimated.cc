@@ -9,11 +9,13 @@
 namespace haptometer::dsp {
 namespace {
 
+// new rate over the upper frequency, see FactorFor
 constexpr double kRatePerUpper = 16;
+// fewest samples for which decimation saves time, and fewest that it leaves
 constexpr std::size_t kLeastSize = std::size_t{1} << 17U;
 constexpr std::size_t kLeastLeft = std::size_t{1} << 14U;
 
-// several running sums, so that no step waits for the one before it
+// sum of products; eight running sums do not depend on each other, so they overlap
 double Dot(const double* x, std::span<const double> taps) {
   constexpr std::size_t kLanes = 8;
   std::array<double, kLanes> sums{};
@@ -30,6 +32,7 @@ double Dot(const double* x, std::span<const double> taps) {
 Decimator::Decimator(std::size_t factor, double rate_hz)
     : factor_(factor), rate_hz_(rate_hz), taps_{1.0} {
   HAPTOMETER_CHECK(factor >= 1 && rate_hz > 0, "factor {}, rate_hz = {}", factor, rate_hz);
+  // kOrder convolutions with a mean of `factor` samples
   for (std::size_t order = 0; order < kOrder; ++order) {
     std::vector<double> longer(taps_.size() + factor - 1);
     for (std::size_t k = 0; k < taps_.size(); ++k) {
@@ -58,6 +61,7 @@ std::size_t Decimator::SizeOf(std::size_t size) const {
 double Decimator::GainAt(double frequency_hz) const {
   const double turn = std::numbers::pi * frequency_hz / rate_hz_;
   if (turn == 0) return 1;
+  // (sin(pi f D / rate) / (D sin(pi f / rate)))^6; the limit at f = 0 is 1
   const auto factor = static_cast<double>(factor_);
   return std::pow(std::sin(turn * factor) / (factor * std::sin(turn)), static_cast<double>(kOrder));
 }

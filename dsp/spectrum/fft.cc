@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestKept = 65536;  // half a MB
 
+// FFTW's planner is not thread-safe; execution is
 std::mutex& PlannerMutex() {
   static std::mutex mutex;
   return mutex;
@@ -52,6 +53,7 @@ RealFft::RealFft(std::size_t size) : plans_(std::make_unique<Plans>()) {
   double* const values = plans_->buffer.get();
   HAPTOMETER_CHECK(values != nullptr, "no memory for {} samples", size);
   auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
+  // an estimated plan: no measurement, so equal input gives equal bits in every run
   const std::scoped_lock lock(PlannerMutex());
   plans_->forward.reset(
       fftw_plan_dft_r2c_1d(static_cast<int>(size), values, spectrum, FFTW_ESTIMATE));
@@ -76,6 +78,7 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
   HAPTOMETER_CHECK(in.size() == bins() && out.size() == size(), "{} bins, {} samples for size {}",
                    in.size(), out.size(), size());
   double* const values = plans_->buffer.get();
+  // the inverse plan is made on first use, on the same buffer
   if (!plans_->inverse) {
     auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
     const std::scoped_lock lock(PlannerMutex());
@@ -88,6 +91,7 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
     values[2 * k + 1] = in[k].imag();
   }
   fftw_execute(plans_->inverse.get());
+  // FFTW does not scale: forward and inverse together multiply by the size
   const auto n = static_cast<double>(size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = values[k] / n;
 }
@@ -111,6 +115,7 @@ class PairedFft {
         fftw_plan_dft_1d(static_cast<int>(half()), pairs, pairs, FFTW_FORWARD, FFTW_ESTIMATE));
     HAPTOMETER_CHECK(plan_, "no plan for {} samples", size);
     const double turn = -2 * std::numbers::pi / static_cast<double>(size);
+    // turns up to k = M/2: the other half of the bins follows by symmetry
     for (std::size_t k = 0; 2 * k <= half(); ++k)
       turns_.push_back(std::polar(1.0, turn * static_cast<double>(k)));
   }
@@ -122,6 +127,7 @@ class PairedFft {
     fftw_execute(plan_.get());
     std::vector<std::complex<double>> bins(half() + 1);
     for (std::size_t k = 0; k < turns_.size(); ++k) {
+      // Z*[M - k], with Z periodic in M
       const std::complex<double> mirrored = std::conj(Pair((half() - k) % half()));
       const std::complex<double> sum = 0.5 * (Pair(k) + mirrored);
       const std::complex<double> difference = 0.5 * (Pair(k) - mirrored);
@@ -130,6 +136,7 @@ class PairedFft {
       const auto [c, s] = std::pair(turns_[k].real(), turns_[k].imag());
       const std::complex<double> turned{s * difference.real() + c * difference.imag(),
                                         s * difference.imag() - c * difference.real()};
+      // bins k and M - k from the same pair
       bins[k] = sum + turned;
       bins[half() - k] = std::conj(sum - turned);
     }
@@ -151,7 +158,7 @@ class PairedFft {
 }  // namespace
 
 std::vector<std::complex<double>> RealSpectrum(std::span<const double> samples) {
-  // a plan takes several times as long to make as to execute: the last small ones are kept
+  // making a plan takes several times as long as executing it: a thread's last small one is kept
   if (samples.size() <= kLongestKept && samples.size() % 2 == 0 && !samples.empty()) {
     thread_local std::unique_ptr<PairedFft> pairs;
     if (!pairs || pairs->size() != samples.size())

@@ -36,15 +36,17 @@ struct BlockPhase {
   }
 };
 
-// least squares, of the phase that goes on from sample to sample
+// least-squares phase of a block, in rad, unwrapped from sample to sample
 BlockPhase FitPhase(std::span<const std::complex<double>> block, double half) {
   const auto size = static_cast<double>(block.size());
   BlockPhase fit;
+  // mean of tau^2 over `size` equal steps from -1 to 1
   fit.mean_square = (size + 1) / (3 * (size - 1));
   double slope_square = 0;
   double bend_square = 0;
   double phase = std::arg(block[0]);
   for (std::size_t k = 0; k < block.size(); ++k) {
+    // unwrapped by the phase difference of neighbours, which is below pi in magnitude
     if (k > 0) phase += std::arg(block[k] * std::conj(block[k - 1]));
     const double tau = static_cast<double>(k) / half - 1;
     const double square = tau * tau - fit.mean_square;
@@ -61,17 +63,19 @@ BlockPhase FitPhase(std::span<const std::complex<double>> block, double half) {
   return fit;
 }
 
-// Amplitude and mean frequency of a block of the analytic signal: what turns with its phase, so
-// that noise beside it, whose phase does not, averages out.
+// Amplitude and mean frequency of a block of the analytic signal: the part with its phase. Noise,
+// whose phase is another one, averages out.
 SweptPoint PointOf(std::span<const std::complex<double>> block, double rate_hz) {
   const double half = 0.5 * static_cast<double>(block.size() - 1);
   const BlockPhase phase = FitPhase(block, half);
   std::complex<double> sum;
   for (std::size_t k = 0; k < block.size(); ++k) {
+    // demodulated with the fitted phase: mean of z exp(-j phase)
     sum += block[k] * std::polar(1.0, -phase.At(static_cast<double>(k) / half - 1));
   }
   SweptPoint point;
   point.amplitude = std::abs(sum) / static_cast<double>(block.size());
+  // slope is in rad per half block; f = dphase/dt / (2 pi)
   point.frequency_hz = phase.slope / half * rate_hz / (2 * std::numbers::pi);
   return point;
 }
@@ -89,6 +93,7 @@ Result<std::vector<ResponsePoint>> MeasureResponse(std::span<const double> drive
                  "choose shorter segments, or record longer");
   }
   const std::vector<double> coherence = Coherence(*cross);
+  // bins nearly without drive have a ratio of noise to noise
   const double least = kLeastDrive * std::ranges::max(cross->from_density);
   std::vector<ResponsePoint> points;
   points.reserve(cross->cross.size());
@@ -97,6 +102,7 @@ Result<std::vector<ResponsePoint>> MeasureResponse(std::span<const double> drive
     if (frequency_hz < lower_hz || frequency_hz > upper_hz) continue;
     if (!(cross->from_density[k] > least) || !(coherence[k] > 0)) continue;
     const double c = std::min(1.0, coherence[k]);
+    // H1 = cross / drive; u^2 = (1 - c) / (c degrees of freedom)
     points.push_back({frequency_hz, cross->cross[k] / cross->from_density[k], c,
                       std::sqrt((1 - c) / (c * cross->grid.degrees_of_freedom))});
   }
@@ -108,6 +114,7 @@ std::vector<SweptPoint> SweptAmplitude(std::span<const double> displacement, dou
   HAPTOMETER_CHECK(rate_hz > 0 && lower_hz > 0 && periods > 0, "rate_hz = {}, lower_hz = {}",
                    rate_hz, lower_hz);
   const double samples = std::round(periods * rate_hz / lower_hz);
+  // at least three blocks, because the first and the last one are not used
   if (!(samples >= 2 && 3 * samples <= static_cast<double>(displacement.size()))) return {};
   const auto size = static_cast<std::size_t>(samples);
   const std::vector<std::complex<double>> analytic = AnalyticSignal(displacement);
@@ -133,9 +140,11 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastRelativeUncertainty = 1e-3;
 constexpr int kMostSteps = 200;
 constexpr double kAtRest = 1e-9;  // relative change of f0 and of Q
+// damping beyond which no step improves: the minimum up to rounding
 constexpr double kLargestDamping = 1e12;
 constexpr std::size_t kMostTops = 32;
 constexpr std::size_t kNeighbours = 4;  // on either side, whose deviations are alike
+// ratio of deviations above which a point keeps its own
 constexpr double kUnlike = 10;
 
 // A point to fit: its value (a magnitude where only that is known) and one over its deviation.
@@ -157,19 +166,20 @@ struct Problem {
   }
 };
 
-// weighted residuals, value - model, and the model's derivatives by the parameters
+// weighted residuals (value - model) and the model's derivatives by the parameters
 struct Linear {
   VectorXd residuals;
   MatrixXd jacobian;
 };
 
-// the curve of gain 1 and its derivatives by f0 and ln Q
+// H of gain 1 and its derivatives by f0 (1/Hz) and ln Q
 struct Curve {
   Complex value;
   Complex by_frequency;
   Complex by_log_quality;
 };
 
+// u = f/f0, H = 1 / (1 - u^2 + j u/Q); dH/df0 = -H^2 (2 u^2 - j u/Q) / f0, dH/dlnQ = H^2 j u/Q
 Curve CurveAt(double frequency_hz, double f0_hz, double quality) {
   const double u = frequency_hz / f0_hz;
   const Complex damping(0, u / quality);
@@ -177,6 +187,7 @@ Curve CurveAt(double frequency_hz, double f0_hz, double quality) {
   return {inverse, -inverse * inverse * (2 * u * u - damping) / f0_hz, inverse * inverse * damping};
 }
 
+// two rows, real and imaginary part; parameters: gain real, gain imaginary, f0, ln Q
 void FillComplex(const Point& point, const VectorXd& at, Index row, Linear& linear) {
   const Curve curve = CurveAt(point.frequency_hz, at[2], std::exp(at[3]));
   const Complex gain(at[0], at[1]);
@@ -191,6 +202,7 @@ void FillComplex(const Point& point, const VectorXd& at, Index row, Linear& line
   }
 }
 
+// one row; parameters: gain, f0, ln Q; d|H| = Re(conj(H) dH) / |H|
 void FillMagnitude(const Point& point, const VectorXd& at, Index row, Linear& linear) {
   const Curve curve = CurveAt(point.frequency_hz, at[1], std::exp(at[2]));
   const double magnitude = std::abs(curve.value);
@@ -216,8 +228,7 @@ Linear Linearise(const Problem& problem, const VectorXd& at) {
   return linear;
 }
 
-// f0 at `top`, Q from where the magnitude is 1/sqrt(2) of it (a width `widening` times as large),
-// the gain from both
+// start: f0 at `top`, Q from the half-power width (multiplied by `widening`), the gain from both
 VectorXd StartAt(const Problem& problem, const Point& top, double widening) {
   const double half_power = std::abs(top.value) / std::numbers::sqrt2;
   double nearest_hz = top.frequency_hz;  // distance to a point below half the power
@@ -225,6 +236,7 @@ VectorXd StartAt(const Problem& problem, const Point& top, double widening) {
     if (std::abs(point.value) > half_power) continue;
     nearest_hz = std::min(nearest_hz, std::abs(point.frequency_hz - top.frequency_hz));
   }
+  // Q = f0 / bandwidth, the bandwidth taken as twice the distance to the nearest half-power point
   const double quality = top.frequency_hz / std::max(2 * nearest_hz, 1e-6) / widening;
   VectorXd start(problem.parameters());
   // at resonance H = gain Q / j
@@ -237,7 +249,7 @@ VectorXd StartAt(const Problem& problem, const Point& top, double widening) {
   return start;
 }
 
-// what the curve leaves, weighted
+// weighted square sum of the residual
 double SquareSum(const Problem& problem, const VectorXd& at) {
   const Index f0 = at.size() - 2;
   double sum = 0;
@@ -258,9 +270,9 @@ std::vector<Point> Highest(std::vector<Point> points) {
   return points;
 }
 
-// The start that leaves least, of one at each of the highest points: beyond the drive's frequencies
-// a ratio of noise to next to nothing may stand above the resonance, and weighs nothing. Nothing
-// where no start leaves a number.
+// The start with the least residual, of one at each of the highest points: outside of the drive's
+// frequencies a ratio of noise to almost no drive may exceed the resonance, but has little weight.
+// Nothing where no start gives a finite residual.
 std::optional<VectorXd> BestStart(const Problem& problem, std::span<const Point> highest,
                                   double widening) {
   std::optional<VectorXd> best;
@@ -275,7 +287,7 @@ std::optional<VectorXd> BestStart(const Problem& problem, std::span<const Point>
   return best;
 }
 
-// Levenberg and Marquardt's steps, damped by the columns' own lengths; whether they came to rest
+// Levenberg-Marquardt steps, damped by the columns' own lengths; whether they converged
 bool Minimise(const Problem& problem, VectorXd& at, Linear& linear) {
   double damping = 1e-3;
   linear = Linearise(problem, at);
@@ -285,6 +297,7 @@ bool Minimise(const Problem& problem, VectorXd& at, Linear& linear) {
     normal.diagonal() *= 1 + damping;
     const VectorXd change = normal.ldlt().solve(right);
     const VectorXd moved = at + change;
+    // a step to a negative frequency, or one that is not finite, is repeated with more damping
     const Index f0 = at.size() - 2;
     if (!moved.allFinite() || !(moved[f0] > 0)) {
       damping *= 10;
@@ -292,6 +305,7 @@ bool Minimise(const Problem& problem, VectorXd& at, Linear& linear) {
     }
     Linear next = Linearise(problem, moved);
     const bool better = next.residuals.squaredNorm() <= linear.residuals.squaredNorm();
+    // converged where neither f0 nor ln Q moves, also if the step itself is not better
     const bool rests =
         std::abs(change[f0]) <= kAtRest * at[f0] && std::abs(change[f0 + 1]) <= kAtRest;
     if (better) {
@@ -326,6 +340,7 @@ std::optional<Minimum> LowestMinimum(const Problem& problem) {
   return lowest;
 }
 
+// the state of a fit without a result: uncertainties NaN, converged false
 Resonance NotDetermined() {
   Resonance none;
   none.frequency_uncertainty_hz = kNotANumber;
@@ -340,15 +355,18 @@ Resonance Fit(const Problem& problem) {
   if (!lowest) return NotDetermined();
   const auto& [at, linear] = *lowest;
 
+  // a resonance outside of the measured frequencies would be extrapolated
   const Index f0 = at.size() - 2;
   const auto [first, last] = std::ranges::minmax_element(
       problem.points, {}, [](const Point& point) { return point.frequency_hz; });
   if (at[f0] < first->frequency_hz || at[f0] > last->frequency_hz) return NotDetermined();
   const double square_sum = linear.residuals.squaredNorm();
+  // covariance = (J'J)^-1 residual variance
   const MatrixXd covariance = (linear.jacobian.transpose() * linear.jacobian)
                                   .ldlt()
                                   .solve(MatrixXd::Identity(at.size(), at.size())) *
                               (square_sum / freedom);
+  // the residual's share is taken of the equally weighted power of the points
   double weighted_power = 0;
   for (const Point& point : problem.points) {
     weighted_power += std::norm(point.weight * point.value);
@@ -357,6 +375,7 @@ Resonance Fit(const Problem& problem) {
   found.frequency_hz = at[f0];
   found.frequency_uncertainty_hz = std::sqrt(covariance(f0, f0));
   found.quality_factor = std::exp(at[f0 + 1]);
+  // u(Q) = Q u(ln Q)
   found.quality_factor_uncertainty = found.quality_factor * std::sqrt(covariance(f0 + 1, f0 + 1));
   found.gain = problem.magnitudes ? std::abs(at[0]) : std::hypot(at[0], at[1]);
   found.residual_share = std::sqrt(square_sum / weighted_power);
@@ -370,8 +389,8 @@ double DeviationOf(const ResponsePoint& point) {
 }
 
 // Each point's deviation: the median of its own and its neighbours', because one from few segments
-// is itself an estimate, and a fit that believes the least of them leans to where it is wrong. Its
-// own where that is far larger: there the drive is not what it is beside it.
+// is itself an estimate, and a fit weighted by the least of them is biased by its errors. Its
+// own where that is far larger: there the drive differs from that beside it.
 std::vector<double> Deviations(std::span<const ResponsePoint> points) {
   std::vector<double> deviations;
   deviations.reserve(points.size());
@@ -395,6 +414,7 @@ Resonance FitResonance(std::span<const ResponsePoint> points) {
   Problem problem;
   problem.points.reserve(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
+    // no point counts as better known than 1e-3 of its value
     const double least = kLeastRelativeUncertainty * std::abs(points[k].response);
     problem.points.push_back(
         {points[k].frequency_hz, points[k].response, 1 / std::max(least, deviations[k])});

@@ -11,16 +11,19 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr int kMostTaps = 64;
+// bound of the method's relative error up to the upper frequency
 constexpr double kRelativeError = 1e-8;
 
 // 4^M / binomial(2 M, M) sin(theta/2)^(2 M)
 double ErrorBound(int taps, double theta) {
   double bound = 1;
   const double square = std::sin(0.5 * theta) * std::sin(0.5 * theta);
+  // 2 m / (2 m - 1) over m = 1 .. M is 4^M / binomial(2 M, M)
   for (int m = 1; m <= taps; ++m) bound *= square * 2 * m / (2 * m - 1);
   return bound;
 }
 
+// c_k = (-1)^(k+1) M!^2 / (k (M - k)! (M + k)!), k = 1 .. M
 std::vector<double> TapsOf(int count) {
   std::vector<double> taps(static_cast<std::size_t>(count));
   double ratio = 1;  // M!^2 / ((M - k)! (M + k)!)
@@ -58,6 +61,7 @@ std::optional<Differentiator> DesignDifferentiator(double rate_hz, double upper_
   HAPTOMETER_CHECK(rate_hz > 0 && upper_hz > 0, "rate_hz = {}, upper_hz = {}", rate_hz, upper_hz);
   if (upper_hz >= 0.5 * rate_hz) return std::nullopt;
   const double theta = 2 * std::numbers::pi * upper_hz / rate_hz;
+  // fewest taps first: each costs time and samples at the ends
   for (int taps = 1; taps <= kMostTaps; ++taps) {
     const double bound = ErrorBound(taps, theta);
     if (bound <= kRelativeError) return Differentiator{TapsOf(taps), bound};
@@ -71,6 +75,7 @@ std::optional<Kinematics> DescribeKinematics(std::span<const double> signal, dou
                    signal.size());
   const auto differentiator = DesignDifferentiator(rate_hz, upper_hz);
   if (!differentiator) return std::nullopt;
+  // differentiating twice needs 2 M samples on either side
   const std::size_t reach = 2 * differentiator->taps.size();
   if (signal.size() <= 2 * reach) return std::nullopt;
   Kinematics motion;
@@ -79,6 +84,7 @@ std::optional<Kinematics> DescribeKinematics(std::span<const double> signal, dou
   motion.relative_error = differentiator->relative_error;
   if (motion.begin >= motion.end) return std::nullopt;
 
+  // the window and what the two differentiators need beside it
   const auto around = signal.subspan(motion.begin - reach, motion.end - motion.begin + 2 * reach);
   const std::vector<double> velocity = Derivative(around, differentiator->taps, rate_hz);
   const std::vector<double> acceleration = Derivative(velocity, differentiator->taps, rate_hz);

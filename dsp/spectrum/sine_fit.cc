@@ -16,6 +16,7 @@
 namespace haptometer::dsp {
 
 PhasorBlocks::PhasorBlocks(double rad_per_sample) : rad_per_sample_(rad_per_sample) {
+  // the table of turns: cos(k w) and sin(k w) within one block
   for (std::size_t k = 0; k < kBlock; ++k) {
     cosines_[k] = std::cos(rad_per_sample * static_cast<double>(k));
     sines_[k] = std::sin(rad_per_sample * static_cast<double>(k));
@@ -25,6 +26,7 @@ PhasorBlocks::PhasorBlocks(double rad_per_sample) : rad_per_sample_(rad_per_samp
 void PhasorBlocks::Fill(double first, std::span<double> cosines, std::span<double> sines) const {
   HAPTOMETER_CHECK(cosines.size() == sines.size() && sines.size() <= kBlock, "{} and {} values",
                    cosines.size(), sines.size());
+  // cos(a + b) and sin(a + b) from the block's begin and the table
   const double c = std::cos(rad_per_sample_ * first);
   const double s = std::sin(rad_per_sample_ * first);
   for (std::size_t k = 0; k < cosines.size(); ++k) {
@@ -38,11 +40,14 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kBlock = PhasorBlocks::kBlock;
+// a, b, w half and the drift's 1 + degree coefficients
 constexpr int kMostColumns = 4 + kHighestDriftDegree;
+// limits of Newton's steps and of halvings of one step; beyond them the fit is not converged
 constexpr int kMostIterations = 30;
 constexpr int kMostHalvings = 12;
 constexpr double kAtRestRad = 1e-10;   // last change of the phase at the signal's ends
 constexpr double kAtRestShare = 1e-3;  // the same, of its uncertainty
+// reciprocal condition below which columns cannot be separated
 constexpr double kLeastCondition = 1e-10;
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostColumns, kMostColumns>;
@@ -50,8 +55,8 @@ using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostColumns, 1>;
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kBlock, kMostColumns>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kBlock, 1>;
 
-// Samples and where they lie, times counted from the middle in units of one sample (or, with
-// uneven times, in seconds); tau runs from -1 to 1 over them.
+// Samples and their times, counted from the middle in units of one sample (or, with non-uniform
+// times, in seconds); tau runs from -1 to 1 over them.
 struct Signal {
   std::vector<double> values;  // without their mean
   std::vector<double> times;   // empty: evenly spaced, one unit apart
@@ -75,7 +80,7 @@ struct Block {
   Rows tau;
 };
 
-// P_1 .. P_3 from the column of tau and P_0 = 1
+// Legendre's P_0 .. P_3 in columns 2 to 5: 1, tau, (3 tau^2 - 1) / 2, (5 tau^3 - 3 tau) / 2
 void FillDrift(int degree, Block& block) {
   const auto& tau = block.tau.array();
   block.columns.col(2).setOnes();
@@ -84,7 +89,7 @@ void FillDrift(int degree, Block& block) {
   if (degree >= 3) block.columns.col(5) = (2.5 * tau.square() - 1.5) * tau;
 }
 
-// cosine and sine of uneven times
+// cosine and sine at non-uniform times
 void FillAtTimes(const Signal& signal, double rad_per_unit, Block& block) {
   for (std::size_t k = 0; k < block.size; ++k) {
     const double t = signal.times[block.begin + k];
@@ -95,8 +100,9 @@ void FillAtTimes(const Signal& signal, double rad_per_unit, Block& block) {
   }
 }
 
-// cosine and sine of even times
+// cosine and sine at uniform times
 void FillEvenly(const Signal& signal, const PhasorBlocks& phasors, Block& block) {
+  // time of the block's first sample, from the signal's middle
   const double first = static_cast<double>(block.begin) - signal.half;
   phasors.Fill(first, {block.columns.col(0).data(), block.size},
                {block.columns.col(1).data(), block.size});
@@ -156,22 +162,26 @@ Normal Linearise(const Signal& signal, const Coefficients& at, bool free_frequen
       FillAtTimes(signal, at.rad_per_unit, block);
     }
     FillDrift(static_cast<int>(linear) - 3, block);
+    // d/d(w half) of a cos(w t) + b sin(w t) is tau (b cos(w t) - a sin(w t)), tau = t / half
     if (free_frequency) {
       block.columns.col(linear) = block.tau.cwiseProduct(at.linear[1] * block.columns.col(0) -
                                                          at.linear[0] * block.columns.col(1));
     }
     const Eigen::Map<const Eigen::VectorXd> values(signal.values.data() + block.begin, rows);
+    // residual of the model at `at`: the step that is solved for is a correction to it
     Rows residual = values;
     for (Eigen::Index k = 0; k < linear; ++k) residual -= at.linear[k] * block.columns.col(k);
     AddRows(block, residual, total);
     if (free_frequency) AddBend(block, at, residual, total.bend);
   }
+  // only the lower triangle was summed
   total.matrix.triangularView<Eigen::StrictlyUpper>() = total.matrix.transpose();
   return total;
 }
 
-// the step of `matrix` and `right`, if the columns, brought to one length, can be told apart
+// solution of `matrix` d = `right`, nothing where the columns, scaled to one length, are dependent
 std::optional<Vector> Step(const Matrix& matrix, const Vector& right) {
+  // scaling makes the condition independent of the units of amplitude and frequency
   const Vector scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return std::nullopt;
   const Matrix scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
@@ -187,6 +197,7 @@ std::optional<Vector> Step(const Matrix& matrix, const Vector& right) {
 std::optional<Vector> NewtonStep(const Normal& normal) {
   const Eigen::Index last = normal.right.size() - 1;
   Matrix matrix = normal.matrix;
+  // second derivatives exist only in the row and column of w half
   matrix.row(last) += normal.bend.transpose();
   matrix.col(last).head(last) += normal.bend.head(last);
   const auto newton = Step(matrix, normal.right);
@@ -204,7 +215,7 @@ bool SolveLinear(const Signal& signal, Coefficients& c) {
   return true;
 }
 
-// values that count as independent: noise confined to a band leaves fewer
+// independent values: noise confined to a bandwidth B leaves 2 B / rate of them
 double IndependentSamples(const Signal& signal, const SineFitOptions& options) {
   const auto n = static_cast<double>(signal.values.size());
   return options.noise_bandwidth_hz > 0 ? n * 2 * options.noise_bandwidth_hz / options.rate_hz : n;
@@ -228,16 +239,17 @@ SineFit Describe(const Signal& signal, const SineFitOptions& options, const Coef
   fit.offset = c.linear[2] + signal.mean;
   fit.residual_rms = std::sqrt(normal.square_sum / n);
 
-  // covariance of (a, b, drift[, w half])
+  // covariance of (a, b, drift[, w half]) from the residual variance
   const double independent = IndependentSamples(signal, options);
   fit.degrees_of_freedom = independent - static_cast<double>(all);
   const double variance = normal.square_sum / fit.degrees_of_freedom;
   const Matrix covariance = normal.matrix.ldlt().solve(Matrix::Identity(all, all)) * variance;
+  // u(amplitude): the covariance along the unit vector (a, b) / amplitude
   const Eigen::Vector2d along = fit.amplitude > 0
                                     ? Eigen::Vector2d(a / fit.amplitude, b / fit.amplitude)
                                     : Eigen::Vector2d::UnitX();
   fit.amplitude_uncertainty = std::sqrt(along.dot(covariance.topLeftCorner<2, 2>() * along));
-  // phase: across (a, b), and the frequency's share between the middle and the reference
+  // phase -atan2(b, a) + w to_reference: derivatives b / A^2, -a / A^2 and to_reference / half
   Vector across = Vector::Zero(all);
   across[0] = b / (fit.amplitude * fit.amplitude);
   across[1] = -a / (fit.amplitude * fit.amplitude);
@@ -251,6 +263,7 @@ SineFit Describe(const Signal& signal, const SineFitOptions& options, const Coef
   return fit;
 }
 
+// the state of a fit without a result: the start's frequency, uncertainties NaN
 SineFit NotConverged(double frequency_hz) {
   SineFit fit;
   fit.frequency_hz = frequency_hz;
@@ -260,6 +273,7 @@ SineFit NotConverged(double frequency_hz) {
   return fit;
 }
 
+// time in samples from the middle; the phase is stated at the first sample
 Signal EvenSignal(std::span<const double> values, const SineFitOptions& options) {
   Signal signal;
   signal.mean = Mean(values);
@@ -271,6 +285,7 @@ Signal EvenSignal(std::span<const double> values, const SineFitOptions& options)
   return signal;
 }
 
+// time in seconds from the middle of all times; the phase is stated at t = 0
 Signal TimedSignal(std::span<const double> values, std::span<const double> times_s) {
   Signal signal = EvenSignal(values, {.rate_hz = 1});
   const auto [first, last] = std::ranges::minmax(times_s);
@@ -288,7 +303,7 @@ void CheckOptions(const SineFitOptions& options) {
                    "rate_hz = {}, drift_degree = {}", options.rate_hz, options.drift_degree);
 }
 
-// whether `parameters` can be had from that many samples and periods
+// whether that many samples and periods determine `parameters`: half a period at least
 bool Enough(const SineFitOptions& options, std::size_t samples, double frequency_hz,
             int parameters) {
   if (samples < 2 || !(frequency_hz > 0 && frequency_hz < options.rate_hz / 2)) return false;
@@ -310,14 +325,14 @@ SineFit FitLinear(const Signal& signal, const SineFitOptions& options, double fr
   return fit;
 }
 
-// c moved by `share` of `change`
+// coefficients after `share` of the step `change`; its last entry is w half
 Coefficients Moved(const Coefficients& c, const Vector& change, double share, double half) {
   const Eigen::Index linear = c.linear.size();
   return {c.rad_per_unit + share * change[linear] / half, c.linear + share * change.head(linear)};
 }
 
-// one step that leaves no more behind than before, halved where needed; its normal equations go to
-// `normal`. Nothing: no step helps, or none is defined.
+// One step, halved until the residual does not grow; its normal equations go to `normal`. Gives the
+// change of w half in rad. Nothing: no step reduces the residual, or none is defined.
 std::optional<double> Improve(const Signal& signal, Coefficients& c, Normal& normal) {
   const auto change = NewtonStep(normal);
   if (!change) return std::nullopt;
@@ -325,6 +340,7 @@ std::optional<double> Improve(const Signal& signal, Coefficients& c, Normal& nor
   for (int halving = 0; halving < kMostHalvings; ++halving, share /= 2) {
     const Coefficients moved = Moved(c, *change, share, signal.half);
     Normal next = Linearise(signal, moved, true);
+    // 1e-9 of the square sum is rounding; the last halving counts in any case
     if (!(next.square_sum <= normal.square_sum * (1 + 1e-9)) && halving + 1 < kMostHalvings) {
       continue;
     }
@@ -335,9 +351,10 @@ std::optional<double> Improve(const Signal& signal, Coefficients& c, Normal& nor
   return std::nullopt;
 }
 
-// a change of the phase at the ends that is nothing beside its uncertainty
+// whether a change of w half (the phase at the ends, rad) is negligible beside its uncertainty
 bool AtRest(const Normal& normal, double change, double degrees_of_freedom) {
   const Eigen::Index last = normal.right.size() - 1;
+  // the diagonal element of A^-1 for w half
   const Vector unit = Vector::Unit(last + 1, last);
   const double variance = normal.matrix.ldlt().solve(unit)[last] * normal.square_sum;
   const double uncertainty = std::sqrt(std::max(0.0, variance / degrees_of_freedom));
@@ -357,6 +374,7 @@ SineFit FitSineAt(std::span<const double> signal, const SineFitOptions& options,
 
 SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> times_s,
                        double frequency_hz, int drift_degree) {
+  // with a rate of 1 Hz, seconds take the place of samples
   const SineFitOptions options{.rate_hz = 1, .drift_degree = drift_degree};
   CheckOptions(options);
   HAPTOMETER_CHECK(values.size() == times_s.size(), "{} values, {} times", values.size(),
@@ -365,6 +383,7 @@ SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> t
     return NotConverged(frequency_hz);
   }
   const Signal signal = TimedSignal(values, times_s);
+  // less than half a period does not determine amplitude and offset separately
   if (!(2 * signal.half * frequency_hz >= 0.5)) return NotConverged(frequency_hz);
   return FitLinear(signal, options, frequency_hz);
 }
@@ -376,14 +395,15 @@ SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, d
   const Signal even = EvenSignal(signal, options);
   const double start = kTwoPi * start_hz / options.rate_hz;
   Coefficients c = StartAt(start, options.drift_degree);
+  // start values of the linear coefficients at the start frequency
   if (!SolveLinear(even, c)) return NotConverged(start_hz);
 
-  // step by step, until the frequency rests
+  // until the frequency converges; every pass through the loop is one step of Newton's method
   const double freedom = IndependentSamples(even, options) - parameters;
   Normal normal = Linearise(even, c, true);
   for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
     const auto change = Improve(even, c, normal);
-    // 2/T in rad per sample, twice `half` being T
+    // |w - start| <= 2 pi / half in rad per sample, that is 2 / T in Hz with T = 2 half samples
     if (!change || !(std::abs(c.rad_per_unit - start) <= kTwoPi / even.half)) break;
     if (AtRest(normal, *change, freedom) && SolveLinear(even, c)) {
       return Describe(even, options, c, true);

@@ -20,7 +20,8 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kMainLobeBins = 3;  // bins on either side that a Hann peak itself fills
-constexpr std::size_t kNeighbours = 64;   // bins on one side that tell the noise there
+constexpr std::size_t kNeighbours = 64;   // bins on one side for the noise there
+// with fewer on a side, the residual of the fit decides instead
 constexpr std::size_t kLeastNeighbours = 16;
 // independent values behind the median of n neighbours: n / 2.08 for exponential ones. Hann's
 // correlation would halve that, the noisier of two sides more than makes up for it (tests).
@@ -42,6 +43,7 @@ std::vector<double> HannPower(std::span<const double> signal) {
       windowed[begin + k] = (signal[begin + k] - mean) * (0.5 - 0.5 * cosines[k]);
     }
   }
+  // the transform of the windowed signal; power in squared units of the signal, not scaled
   const std::vector<std::complex<double>> bins = RealSpectrum(windowed);
   std::vector<double> power(bins.size());
   for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
@@ -49,7 +51,7 @@ std::vector<double> HannPower(std::span<const double> signal) {
 }
 
 // the most of `size` samples that transform fast: a product of 2, 3, 5 and 7 only; all of a short
-// signal, which costs little whatever its length
+// signal, which costs little at any length
 std::size_t TransformSize(std::size_t size) {
   constexpr std::size_t kShort = std::size_t{1} << 16U;
   if (size <= kShort) return size;
@@ -67,6 +69,7 @@ std::size_t TransformSize(std::size_t size) {
 std::optional<std::size_t> HighestPeak(const std::vector<double>& power, double lower_bin,
                                        double upper_bin) {
   std::optional<std::size_t> highest;
+  // bin 0 has no neighbour below, so the search begins at 1
   const auto first = static_cast<std::size_t>(std::max(1.0, std::round(lower_bin)));
   for (std::size_t k = first;
        k + 1 < power.size() && static_cast<double>(k) <= std::round(upper_bin); ++k) {
@@ -86,8 +89,8 @@ double PeakBin(const std::vector<double>& power, std::size_t k) {
   return static_cast<double>(k) + (after > before ? distance : -distance);
 }
 
-// the level of noise on one side of a peak: the median of power[begin, end), for exponentially
-// distributed powers ln 2 of their mean
+// noise level on one side of a peak from the median of power[begin, end): for exponentially
+// distributed powers the median is ln 2 of the mean
 struct NoiseLevel {
   double mean = 0;
   double values = 0;  // independent ones behind it; 0: too few neighbours
@@ -102,7 +105,7 @@ NoiseLevel LevelOf(const std::vector<double>& power, std::size_t begin, std::siz
   return {*middle / std::numbers::ln2, static_cast<double>(side.size()) / kNeighboursPerValue};
 }
 
-// the noisier of the two sides of bin `k`; bin 0 is not asked, the mean is gone from it
+// the noisier of the two sides of bin `k`, its main lobe excluded; bin 0, without mean, is not used
 NoiseLevel LevelAround(const std::vector<double>& power, std::size_t k) {
   const std::size_t left_end = k > kMainLobeBins ? k - kMainLobeBins : 1;
   const std::size_t left_begin = left_end > kNeighbours ? left_end - kNeighbours : 1;
@@ -113,20 +116,21 @@ NoiseLevel LevelAround(const std::vector<double>& power, std::size_t k) {
   return left.mean >= right.mean ? left : right;
 }
 
+// independent places in which noise may give a peak: bins of 1 / duration within the band
 double BinsIn(const ToneSearch& search, double duration_s) {
   return std::max(1.0, (search.upper_hz - search.lower_hz) * duration_s);
 }
 
-// whether noise hardly ever gives so high a peak in the band, by the spectrum beside it: of m
-// exponential values in units of a mean that is known from v, none is above x with the probability
-// 1 - m (1 + x/v)^-v
+// whether noise rarely gives such a peak in the band, by the spectrum beside it: that one of m
+// exponential values, in units of a mean estimated from v values, exceeds x has the probability
+// m (1 + x/v)^-v
 bool StandsOutOfNeighbours(double peak_power, const NoiseLevel& level, double bins,
                            double false_alarm) {
   const double v = level.values;
   return peak_power > level.mean * v * (std::pow(bins / false_alarm, 1 / v) - 1);
 }
 
-// the same by what the fit leaves, where there are too few neighbours to ask
+// the same by the residual of the fit, where there are too few neighbours
 bool StandsOutOfResidual(const SineFit& fit, double bins, double false_alarm) {
   const double u = fit.amplitude_uncertainty;
   return fit.amplitude * fit.amplitude > 2 * u * u * std::log(bins / false_alarm);
@@ -137,6 +141,7 @@ bool StandsOutOfResidual(const SineFit& fit, double bins, double false_alarm) {
 std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneSearch& search) {
   HAPTOMETER_CHECK(search.rate_hz > 0 && search.lower_hz > 0, "rate_hz = {}, lower_hz = {}",
                    search.rate_hz, search.lower_hz);
+  // a transform of small primes may leave some samples out; the fit below uses all of them
   const auto seen = signal.first(TransformSize(signal.size()));
   const double duration_s = static_cast<double>(seen.size()) / search.rate_hz;
   const double whole_s = static_cast<double>(signal.size()) / search.rate_hz;
@@ -149,6 +154,7 @@ std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneS
 
   // between the bins by interpolation, then exactly by least squares
   const double start_hz = PeakBin(power, *peak) / duration_s;
+  // noise is excluded before the fit
   const NoiseLevel level = LevelAround(power, *peak);
   const double bins = BinsIn(search, duration_s);
   if (level.values > 0 && !StandsOutOfNeighbours(power[*peak], level, bins, search.false_alarm)) {
@@ -169,8 +175,10 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::size_t kBlock = PhasorBlocks::kBlock;
+// share of noise alone that stays below the threshold of a harmonic
 constexpr double kStandsOut = 0.99;
 constexpr double kOneSided95 = 1.6448536269514722;  // standard deviations
+// reciprocal condition of the normal equations below which the harmonics are not separable
 constexpr double kLeastCondition = 1e-10;
 
 using Eigen::Index;
@@ -190,6 +198,7 @@ struct Question {
 
 // cosines and sines of all harmonics in one block of rows, time counted from its first: by turning
 void FillTurns(const Question& question, MatrixXd& turns) {
+  // the fundamental from a table, order h from order h - 1 by the addition theorems
   PhasorBlocks(question.rad_per_sample)
       .Fill(0, {turns.col(0).data(), kBlock}, {turns.col(1).data(), kBlock});
   const auto c = turns.col(0).array();
@@ -202,8 +211,8 @@ void FillTurns(const Question& question, MatrixXd& turns) {
   }
 }
 
-// The first pairs of rows, the parts of each harmonic's cosine and sine, in a time that begins
-// `later`: parts of a sum turn by that, sums of products with them by -`later`.
+// The first pairs of rows are the parts of each harmonic's cosine and sine. They are converted to a
+// time that begins `later`: parts of a sum turn by that, sums of products with them by -`later`.
 void Turn(const Question& question, double later, MatrixXd& pairs) {
   for (int h = 1; h <= question.count; ++h) {
     const double angle = h * question.rad_per_sample * later;
@@ -219,7 +228,7 @@ void Turn(const Question& question, double later, MatrixXd& pairs) {
   }
 }
 
-// Legendre's polynomials at `tau`, by their recurrence
+// Legendre's polynomials at `tau`: k P_k = (2k - 1) tau P_{k-1} - (k - 1) P_{k-2}
 void FillLegendre(const Eigen::Ref<const VectorXd>& tau, MatrixXd& legendre) {
   legendre.col(0).setOnes();
   if (legendre.cols() > 1) legendre.col(1) = tau;
@@ -234,6 +243,7 @@ void FillLegendre(const Eigen::Ref<const VectorXd>& tau, MatrixXd& legendre) {
 // sum over the samples of cos(multiple w t): Dirichlet's kernel. Their sines sum to 0, t being from
 // the middle.
 double CosineSum(const Question& question, int multiple) {
+  // sin(n h) / sin(h) with h = multiple w / 2, reduced by whole multiples of pi to keep its digits
   const double half_turn = 0.5 * multiple * question.rad_per_sample;
   const double turns = std::round(half_turn / std::numbers::pi);
   const double rest = std::fma(-turns, std::numbers::pi, half_turn);
@@ -255,6 +265,7 @@ struct BlockBasis {
     MatrixXd legendre(kBlock, drifting);
     FillLegendre(VectorXd::LinSpaced(kBlock, -1, 1), legendre);
     columns.rightCols(drifting) = legendre;
+    // a polynomial is determined by its values at as many nodes as it has coefficients
     nodes = VectorXd::LinSpaced(drifting, 0, kLast);
     MatrixXd at_nodes(drifting, drifting);
     FillLegendre((nodes * (2 / kLast)).array() - 1, at_nodes);
@@ -272,6 +283,7 @@ struct BlockBasis {
 // products of the cosines and sines with each other, summed over the samples
 void FillProducts(const Question& question, MatrixXd& matrix) {
   for (int h = 1; h <= question.count; ++h) {
+    // 2 cos a cos b = cos(a - b) + cos(a + b), 2 sin a sin b = cos(a - b) - cos(a + b)
     for (int k = 1; k <= question.count; ++k) {
       const double apart = CosineSum(question, h - k);
       const double together = CosineSum(question, h + k);
@@ -283,6 +295,7 @@ void FillProducts(const Question& question, MatrixXd& matrix) {
   }
 }
 
+// A d = r for the step d of the parameters
 struct Normal {
   MatrixXd matrix;
   VectorXd right;
@@ -299,6 +312,7 @@ Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_m
   const BlockBasis basis(question);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
   MatrixXd with_drift;  // of a block's columns, products with its polynomials
+  // model of this block: parameters at `at`, in the block's own time and polynomials
   for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
     const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
     const double first = static_cast<double>(begin) - question.half();
@@ -309,12 +323,14 @@ Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_m
     parts.bottomRows(drifting) = drift * at.tail(drifting);
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
     const VectorXd residual = values - columns * parts.col(0);
+    // X' residual, brought back from the block's time to that of the signal
     MatrixXd products = columns.transpose() * residual;
     Turn(question, -first, products);
     total.right.head(turning) += products.col(0).head(turning);
     total.right.tail(drifting) += drift.transpose() * products.col(0).tail(drifting);
     total.square_sum += residual.squaredNorm();
     if (with_matrix == WithMatrix::kNo) continue;
+    // X' X of a full block is the same for all of them; only the last one may be shorter
     if (begin == 0 || rows < basis.columns.rows()) {
       with_drift = columns.transpose() * columns.rightCols(drifting);
     }
@@ -325,6 +341,7 @@ Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_m
         drift.transpose() * shared.bottomRows(drifting);
   }
   if (with_matrix == WithMatrix::kYes) {
+    // products of cosines and sines over all samples are known in closed form
     FillProducts(question, total.matrix);
     total.matrix.bottomLeftCorner(drifting, turning) =
         total.matrix.topRightCorner(turning, drifting).transpose();
@@ -344,6 +361,7 @@ Harmonic Describe(const Question& question, const VectorXd& at, const MatrixXd& 
   // the first sample lies `half` before the middle, where the phase is -atan2(b, a)
   harmonic.phase_rad =
       std::remainder(-std::atan2(b, a) - order * question.rad_per_sample * question.half(), kTwoPi);
+  // covariance along (a, b) is that of the amplitude, across it that of amplitude times phase
   const Eigen::Matrix2d block = covariance.block<2, 2>(column, column);
   const Eigen::Vector2d along = Eigen::Vector2d(a, b).stableNormalized();
   const Eigen::Vector2d across(-along[1], along[0]);
@@ -366,6 +384,7 @@ void DescribeDistortion(Harmonics& found) {
     const double a_square = h.amplitude * h.amplitude;
     const double u_square = h.amplitude_uncertainty * h.amplitude_uncertainty;
     power += a_square - 2 * u_square;
+    // Var(amplitude^2) = 4 u^2 a^2 + 4 u^4 with a^2 = amplitude^2 - 2 u^2, at least 4 u^4
     variance += 4 * u_square * std::max(u_square, a_square - u_square);
     in_noises += u_square > 0 ? a_square / u_square : 0;
   }
@@ -374,8 +393,10 @@ void DescribeDistortion(Harmonics& found) {
   const double fundamental_power = first.amplitude * first.amplitude - 2 * u_first * u_first;
   if (!first.stands_out || !(fundamental_power > 0)) return;
   const double fundamental = std::sqrt(fundamental_power);
+  // bound from the sum of powers plus 1.645 of its standard deviations
   found.thd_at_most =
       std::sqrt(std::max(0.0, power) + kOneSided95 * std::sqrt(variance)) / fundamental;
+  // sum of amplitude^2 / u^2 over the harmonics is chi-squared for noise alone, two per harmonic
   const auto freedom = static_cast<double>(2 * (found.harmonics.size() - 1));
   if (!(in_noises > ChiSquareQuantile(kStandsOut, freedom)) || !(power > 0)) return;
   const double thd = std::sqrt(power) / fundamental;
@@ -386,11 +407,13 @@ void DescribeDistortion(Harmonics& found) {
 
 // how many multiples lie up to `upper_hz` and below rate/2
 int CountBelow(double fundamental_hz, double upper_hz, double rate_hz) {
+  // the margin of 1e-12 accepts a harmonic that lies on the limit up to rounding
   const double most = std::min(upper_hz / fundamental_hz * (1 + 1e-12),
                                std::nextafter(0.5 * rate_hz, 0) / fundamental_hz);
   return static_cast<int>(std::clamp(std::floor(most), 0.0, static_cast<double>(kMostHarmonics)));
 }
 
+// the mean is subtracted for the digits of the sums; the drift contains an offset anyway
 Question Ask(std::span<const double> signal, const SineFitOptions& options, double fundamental_hz,
              int count) {
   Question question;
@@ -414,8 +437,10 @@ Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& opt
   if (!(fundamental_hz > 0) || signal.size() < 4) return found;
   const int count = CountBelow(fundamental_hz, upper_hz, options.rate_hz);
   const auto n = static_cast<double>(signal.size());
+  // fewer than one period does not determine the fundamental
   if (count < 1 || n / options.rate_hz * fundamental_hz < 1) return found;
   const Question question = Ask(signal, options, fundamental_hz, count);
+  // noise confined to a band leaves 2 B / rate of the samples independent
   const double share =
       options.noise_bandwidth_hz > 0 ? 2 * options.noise_bandwidth_hz / options.rate_hz : 1;
   const double freedom = n * share - static_cast<double>(question.parameters());
@@ -434,6 +459,7 @@ Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& opt
   if (!at.allFinite()) return found;
   const double square_sum = std::max(0.0, normal.square_sum - last.dot(normal.right));
 
+  // covariance = A^-1 residual variance
   const MatrixXd covariance =
       solver.solve(MatrixXd::Identity(at.size(), at.size())) * (square_sum / freedom);
   found.harmonics.reserve(static_cast<std::size_t>(count));

@@ -60,6 +60,7 @@ namespace {
 
 using Cosines = std::array<double, 5>;  // of w[n] = sum over k of c_k cos(2 pi k n / size)
 
+// coefficients of Heinzel, Ruediger and Schilling, appendices C and D
 Cosines CosinesOf(WindowShape shape) {
   switch (shape) {
     case WindowShape::kRectangular:
@@ -85,6 +86,7 @@ std::vector<double> WindowValues(WindowShape shape, std::size_t size) {
   std::vector<double> values(size);
   for (std::size_t n = 0; n < size; ++n) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(size);
+    // from the highest cosine down: the smallest terms first
     double sum = 0;
     for (std::size_t k = c.size(); k-- > 0;) sum += c[k] * std::cos(static_cast<double>(k) * angle);
     values[n] = sum;
@@ -93,6 +95,7 @@ std::vector<double> WindowValues(WindowShape shape, std::size_t size) {
 }
 
 double NoiseBandwidthBins(const std::vector<double>& window) {
+  // N sum(w^2) / (sum w)^2 = mean square over squared mean
   const double rms = Rms(window);
   const double mean = Mean(window);
   return rms * rms / (mean * mean);
@@ -137,7 +140,7 @@ class PairwiseVectorSum {
   std::vector<std::vector<T>> partial_;
 };
 
-// correlation of the powers of segments `lag` samples apart
+// correlation of the powers of segments `lag` samples apart: (sum w[n] w[n + lag] / sum w^2)^2
 double SegmentCorrelation(const std::vector<double>& window, std::size_t lag) {
   double both = 0;
   for (std::size_t n = 0; n + lag < window.size(); ++n) both += window[n] * window[n + lag];
@@ -146,8 +149,10 @@ double SegmentCorrelation(const std::vector<double>& window, std::size_t lag) {
   return ratio * ratio;
 }
 
+// resolution, bandwidth and degrees of freedom; segments that overlap share information
 SpectrumGrid GridOf(const SegmentTransform& transform, std::size_t segments) {
   const auto k = static_cast<double>(segments);
+  // sum over m of (1 - m/K) r_m; segments without common samples are independent
   double shared = 0;
   for (std::size_t m = 1; m < segments && m * transform.step() < transform.size(); ++m) {
     const double weight = 1 - static_cast<double>(m) / k;
@@ -157,6 +162,7 @@ SpectrumGrid GridOf(const SegmentTransform& transform, std::size_t segments) {
   grid.resolution_hz = transform.rate_hz() / static_cast<double>(transform.size());
   grid.noise_bandwidth_hz = NoiseBandwidthBins(transform.window()) * grid.resolution_hz;
   grid.segments = segments;
+  // 2 K / (1 + 2 shared), then a 95 % interval of the chi-squared
   grid.degrees_of_freedom = 2 * k / (1 + 2 * shared);
   const double v = grid.degrees_of_freedom;
   grid.lower_factor = v / ChiSquareQuantile(0.975, v);
@@ -200,6 +206,7 @@ std::optional<Error> Refusal(std::span<const double> signal, const WelchOptions&
 Result<PowerSpectrum> WelchSpectrum(std::span<const double> signal, const WelchOptions& options) {
   if (auto refusal = Refusal(signal, options)) return std::unexpected(std::move(*refusal));
   SegmentTransform transform(options);
+  // sums in pairs: rounding grows with the logarithm of the number of segments
   PairwiseVectorSum<double> sum;
   const std::size_t segments = transform.Count(signal.size());
   for (std::size_t m = 0; m < segments; ++m) {
@@ -219,6 +226,7 @@ Result<CrossSpectrum> WelchCrossSpectrum(std::span<const double> from, std::span
   if (auto refusal = Refusal(from, options)) return std::unexpected(std::move(*refusal));
   if (auto refusal = Refusal(to, options)) return std::unexpected(std::move(*refusal));
   SegmentTransform first(options);
+  // each signal needs its own buffer: both transforms of a segment are in use at once
   SegmentTransform second(options);
   PairwiseVectorSum<Complex> cross_sum;
   PairwiseVectorSum<double> from_sum;
@@ -231,6 +239,7 @@ Result<CrossSpectrum> WelchCrossSpectrum(std::span<const double> from, std::span
     std::vector<double> from_power(x.size());
     std::vector<double> to_power(x.size());
     for (std::size_t k = 0; k < x.size(); ++k) {
+      // conj(X) Y: its phase is that of the second signal relative to the first
       cross[k] = std::conj(x[k]) * y[k];
       from_power[k] = std::norm(x[k]);
       to_power[k] = std::norm(y[k]);
@@ -250,6 +259,7 @@ Result<CrossSpectrum> WelchCrossSpectrum(std::span<const double> from, std::span
 std::vector<double> Coherence(const CrossSpectrum& spectrum) {
   std::vector<double> coherence(spectrum.cross.size());
   for (std::size_t k = 0; k < coherence.size(); ++k) {
+    // without power in one signal the coherence is not defined: NaN
     const double both = spectrum.from_density[k] * spectrum.to_density[k];
     coherence[k] =
         both > 0 ? std::norm(spectrum.cross[k]) / both : std::numeric_limits<double>::quiet_NaN();
@@ -260,6 +270,7 @@ std::vector<double> Coherence(const CrossSpectrum& spectrum) {
 std::vector<double> AmplitudeSpectrum(const PowerSpectrum& spectrum) {
   std::vector<double> amplitude(spectrum.density.size());
   for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    // mean square of a tone: density times the equivalent noise bandwidth; amplitude = sqrt(2) RMS
     const double mean_square = spectrum.density[k] * spectrum.grid.noise_bandwidth_hz;
     amplitude[k] = std::sqrt(k == 0 ? mean_square : 2 * mean_square);
   }
@@ -269,9 +280,10 @@ std::vector<double> AmplitudeSpectrum(const PowerSpectrum& spectrum) {
 double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz) {
   std::vector<double> inside(spectrum.density.size());
   for (std::size_t k = 0; k < inside.size(); ++k) {
-    // bin k stands for a resolution about its frequency
+    // bin k covers a resolution's width about its frequency
     const double lower = lower_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
     const double upper = upper_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
+    // share of bin k within the band, at the ends a fraction
     inside[k] = std::max(0.0, std::min(0.5, upper) - std::max(-0.5, lower)) * spectrum.density[k];
   }
   const auto bins = static_cast<double>(inside.size());
@@ -279,7 +291,7 @@ double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz
 }
 
 Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchOptions& options) {
-  // the averaged spectrum refuses what cannot be asked
+  // errors are those of the averaged spectrum, whose grid is used too
   const auto mean = WelchSpectrum(signal, options);
   if (!mean) return std::unexpected(mean.error());
   SegmentTransform transform(options);
@@ -302,6 +314,7 @@ Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchO
 
 namespace {
 
+// samples between the begins of two segments, at least 1
 std::size_t StepOf(const WelchOptions& options) {
   const auto size = static_cast<double>(options.segment_size);
   const double step = std::round(size * (1 - options.overlap));
@@ -323,6 +336,7 @@ SegmentTransform::SegmentTransform(const WelchOptions& options)
 }
 
 double SegmentTransform::DensityScale(std::size_t bin) const {
+  // at 0 and half the rate there is no negative frequency whose power is added
   const bool alone = bin == 0 || 2 * bin == size();
   return (alone ? 1 : 2) / (rate_hz_ * window_square_sum_);
 }
@@ -334,6 +348,7 @@ std::size_t SegmentTransform::Count(std::size_t samples) const {
 std::span<const std::complex<double>> SegmentTransform::Of(std::span<const double> signal,
                                                            std::size_t index) {
   const std::span<const double> segment = signal.subspan(index * step_, size());
+  // the mean is removed before the window, which would spread an offset over the low bins
   const double mean = detrend_ == Detrend::kMean ? Mean(segment) : 0;
   for (std::size_t k = 0; k < segment.size(); ++k) {
     samples_[k] = (segment[k] - mean) * window_[k];

@@ -28,14 +28,16 @@ using Fisher = math::fisher_f_distribution<double, Quiet>;
 using ChiSquare = math::chi_squared_distribution<double, Quiet>;
 
 constexpr double kTail = (1 - kConfidence) / 2;
+// beyond this |t| and |t| / sqrt(df) the noncentral distribution cannot be computed
 constexpr double kLargestT = 1e3;
 
-// the delta in [low, high] where `excess`, monotone, passes through 0
+// root in [low, high] of `excess`, which is monotone; nothing without a change of sign
 template <typename Excess>
 std::optional<double> Root(const Excess& excess, double low, double high) {
   const double at_low = excess(low);
   const double at_high = excess(high);
   if (!(at_low * at_high < 0)) return std::nullopt;
+  // to 1e-14, near the rounding of doubles
   const auto tight = [](double a, double b) {
     return std::abs(a - b) <= 1e-14 * std::max(1.0, std::abs(a));
   };
@@ -77,7 +79,7 @@ double ChiSquareQuantile(double p, double df) {
 std::optional<Interval> NoncentralityInterval(double t, double df) {
   HAPTOMETER_CHECK(df > 0, "{} degrees of freedom", df);
   if (!(std::abs(t) <= kLargestT) || std::abs(t) > kLargestT * std::sqrt(df)) return std::nullopt;
-  // the interval of -t mirrors that of t; with t >= 0 the tails asked for are not lost beside 1
+  // the interval of -t mirrors that of t; for t >= 0 the required tails are not rounded beside 1
   const double size = std::abs(t);
   const auto upper_tail_excess = [&](double delta) {
     return math::cdf(math::complement(NoncentralStudent(df, delta), size)) - kTail;
@@ -85,8 +87,9 @@ std::optional<Interval> NoncentralityInterval(double t, double df) {
   const auto lower_tail_excess = [&](double delta) {
     return math::cdf(NoncentralStudent(df, delta), size) - kTail;
   };
-  // noncentral t spreads by about sqrt(1 + t^2 / (2 df)) about delta; 2 df is little for df near 1
+  // noncentral t scatters by about sqrt(1 + t^2 / (2 df)) about delta: widely for df near 1
   const double reach = 8 + 8 * size / std::sqrt(df) + size;
+  // P(T >= t) grows with delta, P(T <= t) falls: one root each
   const auto lower = Root(upper_tail_excess, -reach, size + 1);
   const auto upper = Root(lower_tail_excess, size - 1, size + reach);
   if (!lower || !upper) return std::nullopt;

@@ -11,6 +11,7 @@
 namespace haptometer::dsp {
 namespace {
 
+// terms that are summed before sums are added in pairs, and sums that run side by side
 constexpr std::size_t kBlock = 128;
 constexpr std::size_t kLanes = 8;
 
@@ -27,6 +28,7 @@ double PairwiseSum(std::span<const double> values, const Term& term) {
     return ((sums[0] + sums[1]) + (sums[2] + sums[3])) +
            ((sums[4] + sums[5]) + (sums[6] + sums[7]));
   }
+  // split on the grid of whole blocks
   const std::size_t blocks = (values.size() + kBlock - 1) / kBlock;
   const std::size_t left = blocks / 2 * kBlock;
   return PairwiseSum(values.first(left), term) + PairwiseSum(values.subspan(left), term);
@@ -36,6 +38,7 @@ double PairwiseSum(std::span<const double> values, const Term& term) {
 
 double Mean(std::span<const double> values) {
   HAPTOMETER_CHECK(!values.empty(), "no values");
+  // the mean of the deviations from the rough mean corrects its rounding
   const auto n = static_cast<double>(values.size());
   const double rough = PairwiseSum(values, [](double x) { return x; }) / n;
   return rough + PairwiseSum(values, [rough](double x) { return x - rough; }) / n;
@@ -52,16 +55,18 @@ double StandardDeviation(std::span<const double> values) {
   const auto n = static_cast<double>(values.size());
   const double mean = Mean(values);
   const double squares = PairwiseSum(values, [mean](double x) { return (x - mean) * (x - mean); });
-  // what the rounded mean leaves
+  // correction for the rounding of the mean: sum (x - mean) is not exactly zero
   const double rest = PairwiseSum(values, [mean](double x) { return x - mean; });
   return std::sqrt((squares - rest * rest / n) / (n - 1));
 }
 
 OneSample TestMean(std::span<const double> values) {
   OneSample sample{.n = values.size(), .mean = Mean(values)};
+  // one value has no scatter, equal values no test
   if (sample.n < 2) return sample;
   sample.standard_deviation = StandardDeviation(values);
   if (!(*sample.standard_deviation > 0)) return sample;
+  // t = mean / (s / sqrt(n)), interval mean +- t_crit s / sqrt(n)
   const auto n = static_cast<double>(sample.n);
   const double error = *sample.standard_deviation / std::sqrt(n);
   const double reach = StudentCritical(n - 1) * error;

@@ -13,7 +13,7 @@
 namespace haptometer::dsp {
 namespace {
 
-// mean of (a - mean a)(b - mean b), with n - 1
+// covariance: sum of (a - mean a)(b - mean b) over n - 1
 double Covariance(std::span<const double> a, std::span<const double> b) {
   const double mean_a = Mean(a);
   const double mean_b = Mean(b);
@@ -37,6 +37,7 @@ std::optional<GeometricRatio> RatioOfPairs(std::span<const double> a, std::span<
   if (std::ranges::any_of(a, is_not_positive) || std::ranges::any_of(b, is_not_positive)) {
     return std::nullopt;
   }
+  // paired t of ln a - ln b; exp of its mean and interval gives the ratio
   std::vector<double> logs(a.size());
   std::ranges::transform(a, b, logs.begin(), [](double x, double y) { return std::log(x / y); });
   GeometricRatio ratio;
@@ -56,8 +57,10 @@ std::optional<RatioOfMeans> CompareMeans(std::span<const double> a, std::span<co
   const double mean_b = Mean(b);
   if (mean_b == 0) return std::nullopt;
   RatioOfMeans result{.ratio = mean_a / mean_b, .interval = std::nullopt};
+  // quadratic in rho: square rho^2 - 2 half rho + rest = 0, c = t_crit^2 / n
   const double critical = StudentCritical(n - 1);
   const double c = critical * critical / n;
+  // mean(b) does not differ from zero: the ratio has no bounded interval
   const double square = mean_b * mean_b - c * Covariance(b, b);
   if (!(square > 0)) return result;  // unbounded
   const double half = mean_a * mean_b - c * Covariance(a, b);
@@ -69,6 +72,7 @@ std::optional<RatioOfMeans> CompareMeans(std::span<const double> a, std::span<co
 
 double HedgesCorrection(double df) {
   HAPTOMETER_CHECK(df > 1, "{} degrees of freedom", df);
+  // by logarithms, since Gamma overflows above 171
   return std::exp(std::lgamma(df / 2) - std::lgamma((df - 1) / 2)) / std::sqrt(df / 2);
 }
 
@@ -76,9 +80,11 @@ std::optional<EffectSize> EffectOfPairs(std::span<const double> a, std::span<con
   const OneSample difference = ComparePairs(a, b);
   if (difference.n < 3 || !difference.test) return std::nullopt;
   EffectSize effect;
+  // d_z over the deviation of the differences, d_av over the mean of both deviations
   effect.d_z = difference.mean / *difference.standard_deviation;
   effect.hedges_g = HedgesCorrection(difference.test->df) * effect.d_z;
   effect.d_av = difference.mean / ((StandardDeviation(a) + StandardDeviation(b)) / 2);
+  // noncentrality = effect sqrt(n), so the interval of the effect is that over sqrt(n)
   if (const auto delta = NoncentralityInterval(difference.test->t, difference.test->df)) {
     const double root = std::sqrt(static_cast<double>(difference.n));
     effect.interval = Interval{delta->lower / root, delta->upper / root};
@@ -102,10 +108,11 @@ double SignedSum(std::span<const double> values, std::uint32_t flips) {
 std::optional<double> SignFlipP(std::span<const double> differences) {
   const std::size_t n = differences.size();
   if (n == 0 || n > kMostSignFlips) return std::nullopt;
+  // sums within 1e-12 of all magnitudes count as equal: they differ by rounding only
   double all = 0;
   for (const double difference : differences) all += std::abs(difference);
   const double reached = std::abs(SignedSum(differences, 0)) - 1e-12 * all;
-  // the last sign stays: flipping all of them changes no |sum|
+  // the sign of the last value is kept: changing all signs changes no |sum|
   const std::uint32_t choices = 1U << (n - 1);
   std::uint32_t as_large = 0;
   for (std::uint32_t flips = 0; flips < choices; ++flips) {
@@ -114,6 +121,7 @@ std::optional<double> SignFlipP(std::span<const double> differences) {
   return static_cast<double>(as_large) / choices;
 }
 
+// p(k) = max over j <= k of min(1, (m - j + 1) p(j)), in order of size
 std::vector<double> HolmAdjusted(std::span<const double> p) {
   std::vector<std::size_t> order(p.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -131,6 +139,7 @@ std::vector<double> HolmAdjusted(std::span<const double> p) {
 
 std::vector<std::optional<double>> HolmOverTested(std::span<const std::optional<double>> p) {
   std::vector<double> tested;
+  // tests without a p value neither count nor receive one
   tested.reserve(p.size());
   for (const std::optional<double>& one : p) {
     if (one) tested.push_back(*one);

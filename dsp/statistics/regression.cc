@@ -28,6 +28,7 @@ Sums SumsOf(std::span<const double> x, std::span<const double> y, double mean_x,
   return sums;
 }
 
+// residuals about the means, where offsets of x and y cost no digits
 std::vector<double> ResidualsOf(const Line& line, std::span<const double> x,
                                 std::span<const double> y) {
   const double mean_x = Mean(x);
@@ -50,16 +51,19 @@ std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y
   const Sums sums = SumsOf(x, y, mean_x, mean_y);
   if (!(sums.xx > 0)) return std::nullopt;
 
+  // slope = sum xy / sum xx; the line passes through the means
   Line line{.n = x.size()};
   line.slope = sums.xy / sums.xx;
   line.intercept = mean_y - line.slope * mean_x;
   double residual = 0;
+  // residual variance with n - 2 degrees of freedom
   for (const double off : ResidualsOf(line, x, y)) {
     residual += off * off;
     line.largest_deviation = std::max(line.largest_deviation, std::abs(off));
   }
   line.r_squared = sums.yy > 0 ? 1 - residual / sums.yy : 1;
   line.residual_deviation = std::sqrt(residual / (n - 2));
+  // u(slope) = s / sqrt(xx), u(intercept) = s sqrt(1/n + mean_x^2 / xx)
   const double critical = StudentCritical(n - 2) * line.residual_deviation;
   const double slope_reach = critical / std::sqrt(sums.xx);
   const double intercept_reach = critical * std::sqrt(1 / n + mean_x * mean_x / sums.xx);
@@ -68,6 +72,7 @@ std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y
   return line;
 }
 
+// deviations from each group's own means, so that levels of groups do not matter
 std::optional<double> SlopeWithinGroups(std::span<const Points> groups) {
   double xx = 0;
   double xy = 0;
@@ -88,6 +93,7 @@ std::optional<double> SlopeWithinGroups(std::span<const Points> groups) {
 std::optional<Curvature> FitCurvature(std::span<const double> x, std::span<const double> y) {
   const auto line = FitLine(x, y);
   if (!line || x.size() < 4) return std::nullopt;
+  // q: the part of (x - mean)^2 that no line over x explains
   const double mean_x = Mean(x);
   std::vector<double> squares(x.size());
   std::ranges::transform(x, squares.begin(),
@@ -95,9 +101,10 @@ std::optional<Curvature> FitCurvature(std::span<const double> x, std::span<const
   const std::vector<double> bends = ResidualsOf(*FitLine(x, squares), x, squares);
   const std::vector<double> left = ResidualsOf(*line, x, y);
   const double bent = Rms(bends) * Rms(bends);
-  // with two different x a line takes all of the squares but rounding
+  // with two different x, a line explains all of the squares but rounding
   if (!(std::sqrt(bent) > 1e-12 * Rms(squares))) return std::nullopt;
 
+  // c = sum(q y) / sum(q^2), with the line already removed from y
   const auto n = static_cast<double>(x.size());
   Curvature curvature{.n = x.size(), .df = n - 3};
   for (std::size_t i = 0; i < x.size(); ++i) curvature.quadratic += bends[i] * left[i] / (n * bent);
@@ -106,6 +113,7 @@ std::optional<Curvature> FitCurvature(std::span<const double> x, std::span<const
     const double off = left[i] - curvature.quadratic * bends[i];
     residual += off * off;
   }
+  // u(c) = s / sqrt(sum(q^2)), s^2 with n - 3 degrees of freedom
   const double uncertainty = std::sqrt(residual / curvature.df / (n * bent));
   const double reach = StudentCritical(curvature.df) * uncertainty;
   curvature.interval = {curvature.quadratic - reach, curvature.quadratic + reach};

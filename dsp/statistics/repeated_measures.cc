@@ -12,7 +12,7 @@
 namespace haptometer::dsp {
 namespace {
 
-// what subject and condition means leave of each value
+// value less subject effect and condition effect
 CompleteTable Residuals(const CompleteTable& table, const std::vector<double>& condition_means,
                         double grand_mean) {
   CompleteTable residuals = table;
@@ -27,8 +27,10 @@ CompleteTable Residuals(const CompleteTable& table, const std::vector<double>& c
 
 // The residuals' products between conditions are the doubly centred covariance, up to a factor that
 // cancels in epsilon.
+// epsilon = (tr S)^2 / ((k - 1) tr(S S)), between 1 / (k - 1) and 1
 double GreenhouseGeisser(const CompleteTable& residuals) {
   const std::size_t k = residuals.conditions();
+  // S symmetric: tr(S S) is the sum of its squared elements
   double trace = 0;
   double squares = 0;
   for (std::size_t c = 0; c < k; ++c) {
@@ -52,16 +54,18 @@ std::optional<RepeatedMeasuresAnova> AnalyzeRepeatedMeasures(const CompleteTable
   if (table.subjects() < 2 || k < 2) return std::nullopt;
   const auto n = static_cast<double>(table.subjects());
   const double grand_mean = Mean(table.values());
+  // sum of squares between conditions, n sum (mean - grand mean)^2
   std::vector<double> means(k);
   double conditions = 0;  // sum of squares
   for (std::size_t c = 0; c < k; ++c) {
     means[c] = Mean(table.Condition(c));
     conditions += n * (means[c] - grand_mean) * (means[c] - grand_mean);
   }
+  // what remains after both effects is the error term of F
   const CompleteTable residuals = Residuals(table, means, grand_mean);
   double error = 0;
   for (const double residual : residuals.values()) error += residual * residual;
-  // rounding of the values themselves is no residual
+  // residuals of the size of the values' rounding are none
   const double scale = Rms(table.values());
   if (!(error > 1e-28 * scale * scale)) return std::nullopt;
 
@@ -81,6 +85,7 @@ std::vector<double> MoreyHalfWidths(const CompleteTable& table) {
   const std::size_t subjects = table.subjects();
   const std::size_t conditions = table.conditions();
   HAPTOMETER_CHECK(subjects >= 2 && conditions >= 2, "{} x {}", subjects, conditions);
+  // without the subjects' means, then the t interval corrected by sqrt(k / (k - 1))
   CompleteTable normalized = table;
   for (std::size_t s = 0; s < subjects; ++s) {
     const double mean = Mean(table.Subject(s));
@@ -100,6 +105,7 @@ std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> ce
   if (cells.size() < 2 || cells[0].size() < 2) return std::nullopt;
   std::vector<double> means;
   means.reserve(cells.size());
+  // mean squares: within cells over n (k - 1), between cells k times the variance of the means
   double within = 0;
   for (const std::vector<double>& cell : cells) {
     if (cell.size() != cells[0].size()) return std::nullopt;
@@ -111,11 +117,13 @@ std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> ce
   within /= n * (k - 1);
   const double sd = StandardDeviation(means);
   if (!(within > 0)) return std::nullopt;
+  // F = MS between / MS within, ICC = (F - 1) / (F + k - 1)
   const double f = k * sd * sd / within;
   const auto icc_of = [k](double ratio) { return (ratio - 1) / (ratio + k - 1); };
   constexpr double kUpper = (1 + kConfidence) / 2;
   Reliability reliability;
   reliability.icc = icc_of(f);
+  // F divided and multiplied by its 97.5 % quantiles gives the ends
   reliability.interval = {icc_of(f / FisherQuantile(kUpper, n - 1, n * (k - 1))),
                           icc_of(f * FisherQuantile(kUpper, n * (k - 1), n - 1))};
   reliability.within_sd = std::sqrt(within);
@@ -140,11 +148,13 @@ double MedianSize(const CompleteTable& left) {
   return Median(std::move(sizes));
 }
 
-// the mean of it over polished tables of standard normal values
+// its mean over polished tables of standard normal values
 double MedianSizeOfNormal(std::size_t subjects, std::size_t conditions) {
+  // tables for a known uncertainty of about 2 %: at least 20, 6000 cells or more
   constexpr std::size_t kCells = 6000;
   constexpr std::size_t kLeastTables = 20;
   const std::size_t tables = std::max(kLeastTables, kCells / (subjects * conditions));
+  // a fixed seed: equal tables give equal results
   std::mt19937 engine(1);
   double sum = 0;
   for (std::size_t k = 0; k < tables; ++k) {
@@ -163,6 +173,7 @@ double Median(std::vector<double> values) {
   HAPTOMETER_CHECK(!values.empty(), "no values");
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
+  // even number: the mean of the middle two, without overflow of their sum
   if (values.size() % 2 == 1) return *middle;
   const double below = *std::max_element(values.begin(), middle);
   return below + (*middle - below) / 2;
@@ -173,6 +184,7 @@ std::optional<double> RobustWithinDeviation(std::span<const std::vector<double>>
   deviations.reserve(cells.size());
   for (const std::vector<double>& cell : cells) {
     if (cell.size() < 2) continue;
+    // the median of chi-squared / df makes the median of sd an estimate of the deviation
     const auto df = static_cast<double>(cell.size() - 1);
     deviations.push_back(StandardDeviation(cell) / std::sqrt(ChiSquareQuantile(0.5, df) / df));
   }
@@ -182,6 +194,7 @@ std::optional<double> RobustWithinDeviation(std::span<const std::vector<double>>
 }
 
 CompleteTable MedianPolish(const CompleteTable& table) {
+  // sweeps of Tukey's median polish; each one lowers the sum of magnitudes, or leaves it
   constexpr int kSweeps = 20;
   CompleteTable left = table;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {

@@ -28,6 +28,7 @@ struct Logarithms {
   std::array<double, 2> variances{};
 };
 
+// one ring-down's fit over some samples of a record
 struct Part {
   RingFit fit;
   Logarithms logarithms;
@@ -36,6 +37,7 @@ struct Part {
   std::size_t samples = 0;
 };
 
+// sqrt(q)/(2 pi)
 double Hertz(double stiffness_per_s2) {
   return std::sqrt(stiffness_per_s2) / (2 * std::numbers::pi);
 }
@@ -45,6 +47,7 @@ std::array<double, 2> UnitVariances(const Jacobian& jacobian) {
   const Eigen::Map<const RowMajor> whole(jacobian.values.data(),
                                          static_cast<Eigen::Index>(jacobian.rows),
                                          static_cast<Eigen::Index>(jacobian.columns));
+  // columns of unit length, because their units differ
   Eigen::VectorXd lengths = whole.colwise().norm();
   lengths = (lengths.array() > 0).select(lengths, 1.0);
   const Eigen::MatrixXd scaled = whole * lengths.cwiseInverse().asDiagonal();
@@ -53,10 +56,12 @@ std::array<double, 2> UnitVariances(const Jacobian& jacobian) {
       qr.matrixQR().topRows(whole.cols()).template triangularView<Eigen::Upper>();
   const Eigen::MatrixXd inverse = triangle.template triangularView<Eigen::Upper>().solve(
       Eigen::MatrixXd::Identity(whole.cols(), whole.cols()));
+  // variance of parameter k: squared length of row k of the triangle's inverse
   return {inverse.row(0).squaredNorm() / (lengths[0] * lengths[0]),
           inverse.row(1).squaredNorm() / (lengths[1] * lengths[1])};
 }
 
+// nothing where too few samples are measured or the fit does not converge
 std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std::size_t end,
                             const PolePair& start, const RingBackground& background) {
   const double period = 1 / (Hertz(start.stiffness_per_s2) * record.step_s);
@@ -75,6 +80,7 @@ std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std:
   part.residual_rms = std::sqrt(square / static_cast<double>(part.samples));
   part.density = DensityAt(OnGrid(residuals, samples.times_s, samples.step_s), samples.step_s,
                            Hertz(part.fit.poles.stiffness_per_s2));
+  // variance per degree of freedom, for the noise's density at the resonance
   const double noise =
       square / static_cast<double>(part.samples - part.fit.jacobian.columns) * part.density.ratio;
   const auto variances = UnitVariances(part.fit.jacobian);
@@ -84,13 +90,14 @@ std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std:
   return part;
 }
 
-// Doubts where the fit from half a decay time later says something else. The later part is in
-// the whole, so the variance of the difference is the difference of the variances.
+// Doubts where the fit from half a decay time later has another result. The later part is contained
+// in the whole: the variance of the difference is the difference of the variances.
 void CompareWithLater(const PreparedRecord& prepared, const Part& whole, Findings* findings) {
   const double wanted_s = 0.5 / whole.fit.poles.decay_per_s;
   const double length_s =
       static_cast<double>(prepared.part.end_sample - prepared.part.first_sample) *
       prepared.record.step_s;
+  // at least two thirds of the samples remain
   const double skipped_s = std::min(wanted_s, length_s / 3);
   const std::size_t first =
       prepared.part.first_sample + static_cast<std::size_t>(skipped_s / prepared.record.step_s);
@@ -98,6 +105,7 @@ void CompareWithLater(const PreparedRecord& prepared, const Part& whole, Finding
                              prepared.part.background);
   if (!later) return;
   constexpr double kSurelyOther = 4;  // deviations
+  // least changes of ln d and ln q that are reported
   constexpr std::array<double, 2> kNoticed{0.02, 1e-4};
   constexpr std::array kKinds{FindingKind::kDampingChangesLater,
                               FindingKind::kStiffnessChangesLater};
@@ -130,7 +138,7 @@ FittedTap Told(const PreparedRecord& prepared, const Part& part) {
           .found = prepared.part.found};
 }
 
-// FindRingStart speaks of voltages
+// FindRingStart's messages name voltages
 std::string OfMotion(std::string text) {
   constexpr std::string_view kVoltage = "voltage";
   for (auto at = text.find(kVoltage); at != std::string::npos; at = text.find(kVoltage)) {
@@ -150,11 +158,12 @@ struct Mean {
   double birge_ratio = 0;
 };
 
+// weights 1/u^2; widened by the Birge ratio R_B = sqrt(chi^2/(n - 1)), never narrowed
 Mean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
   Mean mean;
   double weights = 0;
   for (const auto& tap : taps) {
-    // a clean record's variance is rounding's
+    // a record without noise has a variance of rounding errors only
     const double weight = 1 / std::max(tap.variances[which], 1e-30);
     weights += weight;
     mean.value += (tap.values[which] - mean.value) * weight / weights;
@@ -177,6 +186,7 @@ void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
   const double ln_mass = std::log(fit->mass_kg.value);
   const double share = fit->mass_kg.standard_uncertainty / fit->mass_kg.value;
   const double ln_two = std::numbers::ln2;
+  // Ka = M q, Ba = 2 M d; type B: the mass
   fit->stiffness =
       FromLogarithm(ln_mass + stiffness.value, stiffness.variance, share * share, "N/m");
   fit->damping =
@@ -190,13 +200,14 @@ void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
                                       stiffness.variance / 4 + decay.variance, 0, "");
   fit->stiffness_birge_ratio = stiffness.birge_ratio;
   fit->damping_birge_ratio = decay.birge_ratio;
+  // upper limit of 95 % of a damping that is not determined
   const double damping = 2 * fit->mass_kg.value * std::exp(decay.value);
   const double combined = std::sqrt(decay.variance + share * share);
   if (!fit->damping.determined) fit->damping.at_most = damping * (1 + kCoverage95 * combined);
 }
 
-// A pair of poles cannot follow a frequency that falls with the amplitude; what is left over looks
-// like one small blow after the other.
+// A pair of poles cannot follow a frequency that falls with the amplitude; the residual resembles a
+// series of small impacts.
 void DoubtManyImpacts(const FittedTap& tap, Findings& findings) {
   constexpr auto kMany = 3;
   const auto impacts =
@@ -233,6 +244,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
   for (const auto& channel : record.channels) {
     if (channel.role == trial::ChannelRole::kDisplacement) meant.push_back(&channel);
   }
+  // a table's single column, regardless of its name
   if (meant.empty() && record.channels.size() == 1) meant.push_back(record.channels.data());
   if (meant.size() != 1) {
     return CannotAnswer(name, meant.empty() ? "has no displacement" : "has several displacements",
@@ -249,6 +261,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
   tap.step_s = 1 / record.stretches[0].rate_hz;
   tap.voltage_v = meant[0]->values;
   tap.unit = meant[0]->unit;
+  // samples whose status is no measurement are missing
   for (std::size_t n = 0; n < meant[0]->statuses.size(); ++n) {
     if (!trial::IsMeasurement(meant[0]->statuses[n])) tap.voltage_v[n] = std::nan("");
   }

@@ -32,6 +32,9 @@ using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kInBlocks, kInBlocks>;
 using Products = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kInBlocks, 1>;
 
+// Rows with the squares and products of a record's parts and samples at given poles. A block of the
+// uniform grid becomes as few rows as it has parts: one QR of the first block's parts serves all
+// blocks, because parts at t + s are linear in parts at s (addition theorems).
 class Condensing {
  public:
   Condensing(const RingDownSamples& record, const RingingRates& rates)
@@ -50,6 +53,7 @@ class Condensing {
         TakeBlock(first);
         continue;
       }
+      // before the impact, or while the coil's current lasts: sample by sample
       for (std::size_t n = first; n < first + count; ++n) TakeSample(n);
     }
     // the blocks' rests in one row
@@ -58,6 +62,7 @@ class Condensing {
   }
 
   [[nodiscard]] std::vector<CondensedRow> condensed() const {
+    // columns that occur: those of blocks, and the current's where a sample has any
     std::vector<std::size_t> used;
     for (std::size_t k = 0; k < kWidth; ++k) {
       const bool in_blocks = static_cast<Position>(k) < width_;
@@ -73,6 +78,7 @@ class Condensing {
       for (std::size_t k = 0; k < used.size(); ++k) {
         parts[Index(kColumns[used[k]])] = values[k] / record_.noise_v;
       }
+      // D = (t E - O)/(2 (d^2 - q)), linear in the other parts
       parts[Index(Part::kByDiscriminant)] =
           (parts[Index(Part::kTimesEven)] - parts[Index(Part::kOdd)]) / (2 * discriminant());
       value_v = values[used.size()] / record_.noise_v;
@@ -88,7 +94,7 @@ class Condensing {
     return (record_.times_s[n] - rates_.impact_s) / record_.time_scale;
   }
 
-  // behind the blow and the coil's current's own decay
+  // behind the impact and the coil's current's own decay
   [[nodiscard]] bool IsMotionAlone(std::size_t n) const {
     const double exponents = rates_.electrical_rate_per_s * SinceBlow(n);
     return SinceBlow(n) >= 0 && (rates_.electrical_rate_per_s == 0 || exponents > kMostExponents);
@@ -115,6 +121,7 @@ class Condensing {
       const auto [since_s, even, odd, electrical] = moments_.At(static_cast<double>(k) * step_s);
       parts.row(k).head(kRinging) << even, odd, since_s * even, since_s * odd, 1;
       if (width_ == kRinging) continue;
+      // drift and hum run in the record's own time, shown over true by the time scale
       const double shown_s = static_cast<double>(k) * record_.step_s;
       const double angle = recording_.hum_rad_per_s * shown_s;
       parts.row(k).tail(kInBlocks - kRinging) << shown_s, std::cos(angle), std::sin(angle);
@@ -124,11 +131,12 @@ class Condensing {
     triangle_ = qr.matrixQR().topRows(width_).triangularView<Eigen::Upper>();
   }
 
-  // the basis's triangle for the parts of the block at `n`, into as many rows
+  // the basis's triangle turned to the parts of the block at `n`, in as many rows
   void WriteParts(std::size_t n, double* row) const {
     const double t = SinceBlow(n);
     const auto [even, odd] =
         sim::DampedFundamentals(rates_.decay_per_s, rates_.stiffness_per_s2, t);
+    // E(t + s) = E E + (d^2 - q) O O and O(t + s) = E O + O E, also times t + s
     const double odd_to_even = discriminant() * odd;
     const auto [drift, cosine, sine] = recording_.At(record_.times_s[n]);
     for (Position k = 0; k < width_; ++k, row += kWidth) {
@@ -145,6 +153,7 @@ class Condensing {
     }
   }
 
+  // samples = Q (Q' samples) + rest: the products are rows, the rest's square is a constant
   void TakeBlock(std::size_t first) {
     if (orthonormal_.size() == 0) MakeBasis();
     const Eigen::Map<const Eigen::VectorXd> values(record_.voltages_v.data() + first,
@@ -174,6 +183,7 @@ class Condensing {
   std::vector<double> samples_;
 };
 
+// whole blocks on the record's uniform grid, and single samples
 std::vector<Stretch> StretchesOf(const RingDownSamples& record) {
   std::vector<Stretch> stretches;
   const auto& times = record.times_s;
@@ -181,6 +191,7 @@ std::vector<Stretch> StretchesOf(const RingDownSamples& record) {
   std::size_t first = 0;
   while (first < times.size()) {
     std::size_t end = first;  // of the samples on the grid that begins at `first`
+    // robust weights differ from sample to sample: no blocks
     const std::size_t most =
         record.root_weights.empty() ? std::min(times.size(), first + kBlock) : first;
     while (end < most && std::abs((times[end] - times[first]) * steps_per_s -
@@ -201,6 +212,7 @@ std::vector<Stretch> StretchesOf(const RingDownSamples& record) {
 bool CanBeCondensed(const RingDownSamples& record, const RingingRates& rates) {
   const double length_s = (record.times_s.back() - rates.impact_s) / record.time_scale;
   const double square = rates.stiffness_per_s2 - rates.decay_per_s * rates.decay_per_s;
+  // D follows from the other parts by a division by d^2 - q, without loss from this angle on
   return record.step_s > 0 && length_s > 0 && square * length_s * length_s > kLeastAngle;
 }
 

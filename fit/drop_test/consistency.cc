@@ -18,7 +18,7 @@ constexpr double kSamplesPerPeriod = 16;
 constexpr std::size_t kLeastBlocks = 64;
 constexpr double kMostDamping = 0.3;  // of critical
 constexpr double kSignificance = 0.01;
-constexpr double kDeviations = 4;      // of a difference that is worth a word
+constexpr double kDeviations = 4;      // of a difference that is reported
 constexpr double kMostFriction = 0.1;  // of the spring's force, of a part that is compared
 constexpr double kLeastKnown = 0.25;   // of a decay rate
 
@@ -49,10 +49,10 @@ ImpulseRecord WithoutFriction(const PreparedRecord& drop) {
   return linear;
 }
 
-// By how much the poles are less known than the fit without friction says, of the record that its
-// friction is taken from: the friction is not known exactly and ends the motion; and it is not
-// exactly one force. A fiftieth of what it takes, as viscous damping of the first swing (2 f/(pi
-// zeta) of the decay), is left open in the decay, 1e-4 of it in the frequency.
+// By how much the poles are less certain than in a fit without friction, of the record that
+// friction is removed from: the friction is not known exactly and ends the motion, and it is not
+// exactly one force. Of its part in the decay of the first swing (2 f/(pi zeta) of the viscous
+// decay), a fiftieth is left open in the decay and 1e-4 in the frequency.
 void WidenForFriction(const PreparedRecord& drop, const RingFit& fit, std::size_t block,
                       double variance, Rates* rates) {
   RingBackground background = drop.part.background;
@@ -62,6 +62,7 @@ void WidenForFriction(const PreparedRecord& drop, const RingFit& fit, std::size_
   const RingFit linear = FitRing(samples, fit.poles, background);
   const double taken = 2 * drop.part.friction_share / std::numbers::pi *
                        std::sqrt(fit.poles.stiffness_per_s2) / fit.poles.decay_per_s;
+  // uncertainty with the friction fitted and left open, over that of the linear fit
   rates->decay_widening = std::max(
       std::hypot(rates->decay.deviation, 0.02 * taken) / linear.Deviation(0, variance), 1.0);
   rates->frequency_widening = std::max(
@@ -81,10 +82,12 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   const RingFit fit = FitRing(samples, start, drop.part.background);
   if (!fit.converged) return std::nullopt;
   const auto rows = static_cast<double>(fit.jacobian.rows);
+  // variance of the residuals per degree of freedom, at the resonance's density
   double square = fit.Squares() / (rows - static_cast<double>(fit.jacobian.columns));
   const ResidualDensity density =
       DensityAt(fit.jacobian.residuals, samples.step_s, natural / (2 * std::numbers::pi));
   if (density.is_coloured) square *= density.ratio;
+  // amplitude of the motion: a voltage's over w
   const double motion =
       fit.Envelope(0) / (samples.signal == RecordedSignal::kVoltage ? natural : 1);
   Rates rates{
@@ -100,9 +103,10 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   return rates;
 }
 
-// sqrt(chi^2 / (n - 1)) where that is significant, else 1
+// R_B = sqrt(chi^2/(n - 1)) where chi^2 exceeds its 99 % quantile, else 1
 double BirgeRatio(const std::vector<Estimate>& estimates) {
   if (estimates.size() < 2) return 1;
+  // weighted mean, then chi^2 about it
   double weight = 0;
   double sum = 0;
   for (const auto& [value, deviation] : estimates) {
@@ -118,31 +122,33 @@ double BirgeRatio(const std::vector<Estimate>& estimates) {
   return chi_square > limit ? std::sqrt(chi_square / degrees) : 1;
 }
 
-// how many deviations the later fit is off, and by how much
+// by how many deviations, and by which share, the later fit differs from the whole
 struct Shift {
   double share = 0;
   double deviations = 0;
 };
 
-// `noise_ratio`: what of the whole's noise is left later, where no misfit adds to it
+// `noise_ratio`: the later noise over the whole's, which a misfit may increase
 Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) {
+  // the later part is contained in the whole: variance of the difference (Hausman 1978)
   const double square =
       later.deviation * later.deviation - std::pow(std::min(noise_ratio, 1.0) * whole.deviation, 2);
   const double share = later.logarithm - whole.logarithm;
   return {share, square > 0 ? std::abs(share) / std::sqrt(square) : 0};
 }
 
-// Where a later begin says something else, the whole's interval is widened to hold that.
+// Where a later begin gives other values, the whole's interval is widened to hold them.
 void DoubtLinearity(const PreparedRecord& drop, Rates& whole, Findings& findings) {
   const double decay_per_s = std::exp(whole.decay.logarithm);
   const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
   const double left = static_cast<double>(drop.part.end_sample - drop.part.first_sample);
+  // the later part begins one decay time 1/d after the whole
   const double decay_samples = 1 / (decay_per_s * drop.record.step_s);
   if (!(decay_samples < left)) return;
   const std::size_t later_first = drop.part.first_sample + static_cast<std::size_t>(decay_samples);
   const auto later = RatesFrom(drop, poles, later_first);
   if (!later) return;
-  // of a motion that friction soon ends, or of noise, its poles say nothing
+  // a motion that friction soon ends, or noise, has no poles to compare
   if (later->friction_share > kMostFriction || later->decay.deviation > kLeastKnown) return;
   const double noise_ratio = later->noise_v / whole.noise_v;
   const Shift frequency = ShiftOf(whole.frequency, later->frequency, noise_ratio);
@@ -164,7 +170,7 @@ void DoubtLinearity(const PreparedRecord& drop, Rates& whole, Findings& findings
   }
 }
 
-// what a drop's own ring-down explains and the fit of all together does not
+// refuses a drop that its own ring-down explains much better than the fit of all together
 void DoubtBelonging(const ComparedDrop& drop, const Rates& whole, Findings& findings) {
   // both are estimates from some blocks, of noise that may be coloured by chance; and what is below
   // a millionth of the ringing is rounding
@@ -181,6 +187,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
   std::map<std::pair<double, double>, std::vector<Rates>> alike;
   Consistency consistency;
   double noise_share = 0;  // most of a drop's own noise over that in the fit together
+  // each drop alone; those with equal load and mass ring alike and are compared
   for (const ComparedDrop& drop : drops) {
     const PolePair& poles = drop.prepared->part.poles;
     if (poles.decay_per_s > kMostDamping * std::sqrt(poles.stiffness_per_s2)) continue;
@@ -194,6 +201,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
         std::max(consistency.frequency_widening, whole->frequency_widening);
     consistency.decay_widening = std::max(consistency.decay_widening, whole->decay_widening);
   }
+  // scatter within each group of equal drops
   for (const auto& [condition, rates] : alike) {
     std::vector<Estimate> frequencies;
     std::vector<Estimate> decays;
@@ -204,6 +212,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
     consistency.frequency_ratio = std::max(consistency.frequency_ratio, BirgeRatio(frequencies));
     consistency.decay_ratio = std::max(consistency.decay_ratio, BirgeRatio(decays));
   }
+  // the Birge ratio, less what the drops' larger noise in the common fit has widened already
   consistency.frequency_widening =
       std::max(consistency.frequency_widening, consistency.frequency_ratio * noise_share);
   consistency.decay_widening =

@@ -18,9 +18,11 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// blocks per period that the record is averaged to before the trials
 constexpr double kSamplesPerPeriod = 16;
 constexpr double kLeastPeriods = 3;
 constexpr std::size_t kLeastBlocks = 32;
+// white noise exceeds 30 once in 1e5 records (identification.md, "The fit")
 constexpr double kLeastGain = 30;          // in units of the residual's mean square
 constexpr double kLeastFrictionGain = 12;  // of one column whose sign is known: 1 in 4000
 constexpr double kLeastBlowShare = 5e-3;   // of the ringing's first amplitude
@@ -35,20 +37,22 @@ struct Suspect {
   double value = 0;  // frequency in Hz, or time in s
   double amplitude_v = 0;
   bool is_positive = false;  // of the first column
-  std::size_t first = 0;     // of a blow: the sample behind it
-  double gain = 0;           // power taken away, in mean squares of what is left, per column
+  std::size_t first = 0;     // of an impact: the sample behind it
+  double gain = 0;           // decrease of power per column, in mean squares of the residual
 };
 
+// undamped period 2 pi/sqrt(q), s
 double PeriodOf(const PolePair& poles) {
   return 2 * std::numbers::pi / std::sqrt(poles.stiffness_per_s2);
 }
 
-// the residual and what the fitted parameters can take up of any further column
+// the residual, and the span of the fitted columns, which is projected out of any further column
 class Remainder {
  public:
   explicit Remainder(const RingFit& fit)
       : rows_(static_cast<Eigen::Index>(fit.jacobian.rows)),
         residual_(-Eigen::Map<const Eigen::VectorXd>(fit.jacobian.residuals.data(), rows_)) {
+    // orthonormal basis Q of the fitted columns; unit lengths first, because their units differ
     const Eigen::Map<const RowMajor> jacobian(fit.jacobian.values.data(), rows_,
                                               static_cast<Eigen::Index>(fit.jacobian.columns));
     taken_ = jacobian.colwise().normalized().householderQr().householderQ() *
@@ -57,9 +61,8 @@ class Remainder {
     square_ = residual_.squaredNorm();
   }
 
-  // Amplitudes of further columns, of which the last rows are given and all others are 0, and the
-  // power that they take away per column. What the fit has taken of the columns is subtracted from
-  // their products.
+  // Fits further columns C to the residual. Only their last rows are given, all others are 0. The
+  // share Q Q'C that the fitted columns already contain is projected out.
   [[nodiscard]] Suspect Try(const Eigen::MatrixXd& columns) const {
     const Eigen::Index rows = columns.rows();
     const Eigen::MatrixXd taken = taken_.bottomRows(rows).transpose().lazyProduct(columns);
@@ -67,12 +70,14 @@ class Remainder {
                         columns.transpose() * residual_.tail(rows));
   }
 
-  // The same of the columns' products: with each other, with what is taken, with the residual.
+  // The same of the columns' products: with each other, with Q, with the residual.
   [[nodiscard]] Suspect FromProducts(const Eigen::MatrixXd& squares, const Eigen::MatrixXd& taken,
                                      const Eigen::VectorXd& products) const {
+    // normal equations of the projected columns: C'(1 - Q Q')C a = C'(1 - Q Q') r
     const Eigen::VectorXd seen = products - taken.transpose() * taken_residual_;
     const Eigen::MatrixXd normal = squares - taken.transpose() * taken;
     const Eigen::VectorXd amplitudes = normal.ldlt().solve(seen);
+    // decrease of the residual's square sum, then an F ratio: per column, over the mean square left
     const double gained = seen.dot(amplitudes);
     const double left = std::max(square_ - gained, 0.0);
     const auto degrees = static_cast<double>(rows_ - taken_.cols() - amplitudes.size());
@@ -96,6 +101,7 @@ class Remainder {
   Eigen::VectorXd taken_residual_;
 };
 
+// a line from -1/2 to 1/2 over the part: its amplitude is the drift from end to end, V
 Suspect TryDrift(const RingSamples& samples, const Remainder& remainder) {
   const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
   Suspect suspect = remainder.Try(Eigen::VectorXd::LinSpaced(rows, -0.5, 0.5));
@@ -103,6 +109,7 @@ Suspect TryDrift(const RingSamples& samples, const Remainder& remainder) {
   return suspect;
 }
 
+// cosine and sine of `hum_hz` in the record's own time
 Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hum_hz) {
   const Eigen::Map<const Eigen::ArrayXd> times(samples.times_s.data(),
                                                static_cast<Eigen::Index>(samples.times_s.size()));
@@ -123,6 +130,7 @@ Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Re
   const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
   const double angular = std::sqrt(poles.stiffness_per_s2);
   Eigen::MatrixXd columns(rows, 2);
+  // shapes E and w O times e^(-power d t), the envelope to that power: 2 or -1
   for (Eigen::Index n = 0; n < rows; ++n) {
     const double since_s = samples.times_s[static_cast<std::size_t>(n)] - samples.times_s.front();
     const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2, since_s);
@@ -136,6 +144,7 @@ Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Re
 
 // What dry friction adds, in first order: the derivative of the motion by it.
 Suspect TryFriction(const RingSamples& samples, const RingFit& fit, const Remainder& remainder) {
+  // share of the motion's first amplitude: the step of the difference quotient
   constexpr double kLittle = 1e-4;
   std::vector<double> since_s = samples.times_s;
   for (double& time_s : since_s) time_s -= samples.times_s.front();
@@ -145,6 +154,7 @@ Suspect TryFriction(const RingSamples& samples, const RingFit& fit, const Remain
                     .friction = 0,
                     .signal = samples.signal};
   const auto without = MotionWithFriction(ring, since_s);
+  // a voltage is proportional to the speed: over w it becomes a motion
   const double per_motion =
       samples.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
   ring.friction = kLittle * fit.Envelope(0) / per_motion;
@@ -158,10 +168,10 @@ Suspect TryFriction(const RingSamples& samples, const RingFit& fit, const Remain
   return suspect;
 }
 
-// What a blow adds: a ring-down of the same poles with any jump of position and speed, half a block
-// before a block's middle. For all blocks at once: with r(t) = [E(t), w O(t)], r(t + s) = r(t) M(s)
-// by the addition theorems, so that the products of a blow's columns with anything follow from
-// those of the next block's blow.
+// What an impact adds: a ring-down of the same poles with any jump of position and speed, half a
+// block before a block's middle. For all blocks at once: with r(t) = [E(t), w O(t)],
+// r(t + s) = r(t) M(s) by the addition theorems, so that the products of an impact's columns with
+// anything follow from those of the next block's impact.
 class BlowTrials {
  public:
   BlowTrials(const RingSamples& samples, const PolePair& poles, const Remainder& remainder)
@@ -172,10 +182,12 @@ class BlowTrials {
     const Eigen::Index taken_count = remainder.taken().cols();
     const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
     const auto begin = RowAt(samples.step_s / 2);
+    // M of the uniform step once; a gap in the samples has its own
     const Eigen::Matrix2d step = Moves(samples.step_s);
     Eigen::Matrix2d squares = begin.transpose() * begin;
     Eigen::Matrix2Xd products = Eigen::Matrix2Xd::Zero(2, taken_count + 1);
     Eigen::RowVectorXd here(taken_count + 1);
+    // backwards in time: the products of an impact before sample n follow from those before n + 1
     for (Eigen::Index n = rows - 1; n >= 0; --n) {
       const auto at = static_cast<std::size_t>(n);
       if (n + 1 < rows) {
@@ -187,6 +199,7 @@ class BlowTrials {
       }
       here << remainder.taken().row(n), remainder.residual()[n];
       products.noalias() += begin.transpose() * here;
+      // two columns need more rows than these
       if (rows - n < 4) continue;
       const Suspect suspect = remainder.FromProducts(
           squares, products.leftCols(taken_count).transpose(), products.col(taken_count));
@@ -194,7 +207,7 @@ class BlowTrials {
     }
   }
 
-  // the blow just before the `first`-th sample
+  // the impact just before the `first`-th sample
   [[nodiscard]] Suspect At(std::size_t first) const {
     Suspect suspect;
     suspect.kind = Suspect::Kind::kBlow;
@@ -211,11 +224,13 @@ class BlowTrials {
     double amplitude_v = 0;
   };
 
+  // r(t) = [E(t), w O(t)], w = sqrt(q)
   [[nodiscard]] Eigen::RowVector2d RowAt(double time_s) const {
     const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, time_s);
     return {pair.even, angular_per_s_ * pair.odd};
   }
 
+  // M(s) by E(t + s) = E E + (d^2 - q) O O and O(t + s) = E O + O E
   [[nodiscard]] Eigen::Matrix2d Moves(double by_s) const {
     const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, by_s);
     const double discriminant = poles_.decay_per_s * poles_.decay_per_s - poles_.stiffness_per_s2;
@@ -231,6 +246,7 @@ class BlowTrials {
   std::vector<Gain> gains_;
 };
 
+// whether a trial exceeds chance and a least amplitude; friction has a known sign
 bool IsLarge(const Suspect& suspect, double ringing_v) {
   if (suspect.kind == Suspect::Kind::kFriction) {
     return suspect.is_positive && suspect.gain > kLeastFrictionGain;
@@ -240,7 +256,7 @@ bool IsLarge(const Suspect& suspect, double ringing_v) {
   return suspect.gain > kLeastGain && suspect.amplitude_v > least * ringing_v;
 }
 
-// the most telling disturbance that is not yet part of the fit
+// the disturbance with the largest gain that is not yet part of the fit
 Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackground& background,
               bool may_have_friction, bool may_have_blows) {
   const Remainder remainder(fit);
@@ -251,17 +267,19 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
   };
   if (!background.drifts) consider(TryDrift(samples, remainder));
   for (const double hum_hz : {50.0, 60.0}) {
+    // at least one period of the hum; one hum per record
     const double length_s = samples.times_s.back() - samples.times_s.front();
     const bool is_seen = length_s * hum_hz > 1 && background.hum_hz == 0;
     if (is_seen) consider(TryHum(samples, remainder, hum_hz));
   }
-  // friction before blows: where the motion stops, it looks like one
+  // friction before impacts: a motion that friction stops resembles an impact there
   if (may_have_friction && !background.has_friction) {
     const Suspect friction = TryFriction(samples, fit, remainder);
     if (IsLarge(friction, ringing_v) && friction.gain > worst.gain) return friction;
   }
   if (!may_have_blows) return worst;
   const BlowTrials blow(samples, fit.poles, remainder);
+  // trial times half a period apart, not within the first half period or the last period
   const auto half = static_cast<std::size_t>(PeriodOf(fit.poles) / (2 * samples.step_s)) + 1;
   const std::size_t end = samples.times_s.size() - std::min(2 * half, samples.times_s.size());
   for (std::size_t first = half; first < end; first += half) consider(blow.At(first));
@@ -270,15 +288,16 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
   const std::size_t middle = worst.first;
   for (std::size_t first = middle - half + 1; first < middle + half; ++first)
     consider(blow.At(first));
+  // a ringing that changes with its own amplitude resembles an impact: the larger gain decides
   for (const double power : {2.0, -1.0}) {
     consider(TryNonlinear(samples, fit.poles, remainder, power));
   }
   return worst;
 }
 
-// sd of the decay rate per unit of noise for a ring-down of amplitude A over a length T, up to a
-// factor: facts of the Cramer-Rao bound, I0 / (A^2 (I0 I2 - I1^2)), I_k = integral of t^k e^(-2 s
-// t)
+// Standard deviation of the decay rate per unit of noise for a ring-down of amplitude A over a
+// length T, up to a factor. Cramer-Rao bound: variance I0/(A^2 (I0 I2 - I1^2)), I_k the integral
+// of t^k e^(-2 d t) from 0 to T
 double DecayBound(double amplitude_v, double decay_per_s, double length_s) {
   const double x = 2 * decay_per_s * length_s;
   if (!(length_s > 0 && amplitude_v > 0)) return std::numeric_limits<double>::infinity();
@@ -290,6 +309,7 @@ double DecayBound(double amplitude_v, double decay_per_s, double length_s) {
   return std::sqrt(i0 / determinant / length_s) / (amplitude_v * length_s);
 }
 
+// first sample at or behind `time_s`
 std::size_t SampleAt(const ImpulseRecord& record, double time_s) {
   const double position = (time_s - record.start_s) / record.step_s;
   return static_cast<std::size_t>(
@@ -304,18 +324,20 @@ std::string_view InUnit(const ImpulseRecord& record, std::string_view volts,
   return record.unit == "V" ? volts : volts.substr(0, volts.size() - 2);
 }
 
-// cuts the part at the blow and keeps the better side
+// cuts the part at the impact and keeps the side with the smaller bound of the decay rate
 void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
            Disturbances* part) {
   const double period_s = PeriodOf(fit.poles);
   const double first_s = record.start_s + static_cast<double>(part->first_sample) * record.step_s;
   const double end_s = record.start_s + static_cast<double>(part->end_sample) * record.step_s;
+  // excluded: a sixteenth of a period before the impact, a quarter behind it
   const double before_s = blow.value - period_s / 16 - first_s;
   const double after_s = end_s - (blow.value + period_s / 4);
   const double at_blow_v = fit.Envelope(blow.value - first_s);
   const double before = DecayBound(fit.Envelope(0), fit.poles.decay_per_s, before_s);
   const double after =
       DecayBound(std::max(at_blow_v, blow.amplitude_v), fit.poles.decay_per_s, after_s);
+  // a stated height belongs to the first impact: its part is kept if it is long enough
   const bool height_holds = record.drop_height_m && !part->follows_a_later_blow;
   const bool keeps_first =
       before_s >= kLeastPeriods * period_s && (height_holds || before <= after);
@@ -332,10 +354,11 @@ void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
   }
 }
 
-// what lies below the converter's step says nothing but the offset's code
+// ends the part where A e^(-d t) = step: below the converter's step only the offset's code remains
 void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double noise_v,
                       Disturbances* part) {
   const double step_v = ConverterStep(record.voltage_v);
+  // with noise above a quarter of a step, the rounding is random and the tail is kept
   if (step_v == 0 || noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return;
   const double since_s = std::log(fit.Envelope(0) / step_v) / fit.poles.decay_per_s;
   const std::size_t end = part->first_sample + static_cast<std::size_t>(since_s / record.step_s);
@@ -348,10 +371,11 @@ void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double no
                          {"from_s", record.start_s + static_cast<double>(end) * record.step_s}}));
 }
 
-// Whether what a cut leaves out rings at a frequency that no blow explains: a case that is held in
-// one part and free in the other changes it by far more.
+// Whether the excluded side of a cut rings at a frequency that no impact explains. A case that is
+// held in one part and free in the other changes the frequency by far more.
 std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
                       const Disturbances& part, const RingFit& kept) {
+  // changes of ln frequency, and amplitude over that of the kept part
   constexpr double kLeastChange = 0.03;
   constexpr double kMostChange = 0.3;
   constexpr double kLeastAmplitude = 0.2;
@@ -366,6 +390,7 @@ std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
   const RingFit other = FitRing(samples, kept.poles, {});
   if (!other.converged || other.Envelope(0) < kLeastAmplitude * kept.Envelope(0)) return {};
   const double change =
+      // ln of the frequencies' ratio: 0.5 ln(q1/q2)
       std::abs(0.5 * std::log(other.poles.stiffness_per_s2 / kept.poles.stiffness_per_s2));
   if (change < kLeastChange || change > kMostChange) return {};
   return fmt::format(
@@ -374,10 +399,10 @@ std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
       1 / PeriodOf(kept.poles), 1 / PeriodOf(other.poles));
 }
 
-// beyond this share of the spring's force it ends within five swings, and is something else
+// beyond this share of the spring's force the motion ends within five swings: not a ring-down
 constexpr double kMostFriction = 0.045;
 
-// of the spring's force at the first swing
+// friction over the spring's force at the first swing
 double FrictionShare(const RingFit& fit, RecordedSignal signal) {
   const double per_motion =
       signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
@@ -386,6 +411,7 @@ double FrictionShare(const RingFit& fit, RecordedSignal signal) {
 
 // whether friction explains the record better than no friction does, and slows the motion
 bool Holds(const RingFit& without, const RingFit& with, RecordedSignal signal) {
+  // F ratio of the one friction parameter
   const double left = with.Squares();
   const auto degrees = static_cast<double>(with.jacobian.rows - with.jacobian.columns);
   const double share = FrictionShare(with, signal);
@@ -400,13 +426,14 @@ bool StopsAtOnce(const RingFit& without, const RingFit& with, RecordedSignal sig
          with.Squares() < kMostLeft * without.Squares();
 }
 
-// what makes the part's samples those of a motion without friction
+// writes the difference between a motion without friction and the part's samples
 void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start,
                              const RingSamples& samples, const RingFit& fit, Disturbances* part) {
   // the fit's time begins in the middle of the first block, whose mean is less than the motion
   const double middle_s =
       samples.times_s.front() -
       (record.start_s + static_cast<double>(part->first_sample) * record.step_s);
+  // mean of a sine over a block: sin(a)/a of its value in the middle, a = w T/2
   const double half_angle = 0.5 * std::sqrt(fit.poles.stiffness_per_s2) * samples.step_s;
   const double mean_share =
       samples.step_s > 1.5 * record.step_s ? std::sin(half_angle) / half_angle : 1;
@@ -421,6 +448,7 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
                           .friction = fit.friction / mean_share,
                           .signal = record.signal};
   const bool is_release = record.release_current_a.has_value();
+  // begin of the motion from the fit's origin of time, s
   const double begin_s = (is_release ? start.release_s : start.impact_s) - first_s - middle_s;
   part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
   part->friction_share = FrictionShare(fit, record.signal);
@@ -436,7 +464,9 @@ bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
   constexpr double kMostLeft = 0.25;  // of the hum's power
   const double seen_s = static_cast<double>(start.quiet_samples) * record.step_s;
   const double amplitude_v = fit.HumAmplitude();
+  // a weak hum, or less than half of its period before the motion: not tested
   if (amplitude_v < kStrong * fit.Envelope(0) || seen_s * hum_hz < 0.5) return false;
+  // samples before the motion, less the fitted hum
   std::vector<double> left;
   for (std::size_t n = 0; n < start.quiet_samples; ++n) {
     if (!std::isfinite(record.voltage_v[n])) continue;
@@ -446,31 +476,37 @@ bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
                    fit.hum_sine_v * std::sin(angle));
   }
   const double block = samples.step_s / record.step_s;
+  // noise power of single samples: that of the blocks times the block's length
   const double noise = fit.Squares() / static_cast<double>(fit.jacobian.residuals.size()) * block;
   const Eigen::Map<const Eigen::ArrayXd> all(left.data(), static_cast<Eigen::Index>(left.size()));
   const double square = (all - all.mean()).square().mean();
+  // remaining power beyond the noise, against the hum's own A^2/2
   return square - 2 * noise > kMostLeft * 0.5 * amplitude_v * amplitude_v;
 }
 
-// Whether another motion precedes the part: the end of a chirp or of a beat looks like a ring-down
-// when it is cut off. What precedes may be noise, or a ring-down before a later blow; what no
+// Whether another motion precedes the part: the end of a chirp or of a beat resembles a ring-down
+// when it is cut off. What precedes may be noise, or a ring-down before a later impact; what no
 // decaying oscillation explains of it, beyond noise, is compared with the part's first power.
 bool FollowsAnotherMotion(const ImpulseRecord& record, const RingStart& start,
                           const Disturbances& part, const RingSamples& samples,
                           const RingFit& fit) {
+  // share of the part's first power, and deviations: see disturbances.h
   constexpr double kMostOther = 0.15;
   constexpr double kSurely = 5;
   const double period_s = PeriodOf(fit.poles);
   const auto block = static_cast<std::size_t>(std::lround(samples.step_s / record.step_s));
   const auto margin = static_cast<std::size_t>(period_s / 4 / record.step_s);
+  // behind a cut, from the ring-down's first sample on; else from the record's
   const std::size_t first = part.first_sample > start.first_sample ? start.first_sample : 0;
   if (part.first_sample <= first + margin) return false;
   const std::size_t end = part.first_sample - margin;
   const double seen_s = static_cast<double>(end - first) * record.step_s;
   const RingSamples before = BlocksOf(record, first, end, block);
   if (before.values_v.size() < kLeastBlocks || seen_s < period_s / 2) return false;
+  // one decaying oscillation may precede: only its residual counts as another motion
   const RingFit other = FitRing(before, fit.poles, {});
   const RingEvidence left = EvidenceOf(before, other, 0);
+  // powers in units of the part's first amplitude squared
   const double share = std::pow(other.Envelope(0) / fit.Envelope(0), 2);
   return left.lasting_share * share > kMostOther &&
          left.lasting_share > kSurely * left.lasting_share_deviation;
@@ -483,13 +519,14 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
   if (fit.friction > 0) WriteLinearLessFriction(record, start, samples, fit, part);
   const double step_v = ConverterStep(record.voltage_v);
   const double quiet_v = start.quiet_samples > 0 ? start.quiet_noise_v : 0;
+  // least noise of a block, V: rounding step/sqrt(12), or the noise before the impact
   const double floor_v =
       std::max(step_v / std::sqrt(12.0), std::min(quiet_v, 0.1 * fit.Envelope(0))) /
       std::sqrt(samples.step_s / record.step_s);
   const std::size_t cuts = part->evidence.cuts;
   part->evidence = EvidenceOf(samples, fit, floor_v);
   part->evidence.cuts = cuts;
-  // quiet: nothing but the noise that the ringing leaves, too
+  // quiet: noise before the impact below twice the residual, or a fifth of the ringing
   part->evidence.begins =
       start.quiet_samples > 0 &&
       quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
@@ -509,11 +546,12 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
         "or a beat?)",
         1 / PeriodOf(fit.poles));
   }
+  // the evidence is of the whole part; the tail is cut only then
   CutQuantisedTail(record, fit,
                    start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, part);
 }
 
-// FindDisturbances(), with later blows or as if there were none
+// FindDisturbances(), with later impacts or as if there were none
 Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool may_have_blows) {
   constexpr double kLightDamping = 0.3;  // of critical
   Disturbances part;
@@ -522,7 +560,9 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
   part.poles = start.poles;
   bool may_have_friction = true;
   std::size_t cuts = 0;
+  // each round accepts the disturbance with the largest gain, until none is left
   for (int round = 0; round < kMostRounds; ++round) {
+    // 16 blocks per period, but at least 256 blocks in the part
     const double wanted = PeriodOf(part.poles) / (kSamplesPerPeriod * record.step_s);
     const std::size_t length = part.end_sample - part.first_sample;
     const std::size_t block = std::clamp<std::size_t>(static_cast<std::size_t>(wanted), 1,
@@ -531,6 +571,7 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
     if (samples.values_v.size() < kLeastBlocks) break;
     RingFit fit = FitRing(samples, part.poles, part.background);
     if (fit.converged) part.poles = fit.poles;
+    // dry friction is fitted to lightly damped motions only
     may_have_friction =
         may_have_friction &&
         part.poles.decay_per_s < kLightDamping * std::sqrt(part.poles.stiffness_per_s2);
@@ -541,6 +582,7 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       const Disturbances before = part;
       CutAt(record, fit, worst, &part);
       ++cuts;
+      // a cut changes the part: friction is tried again
       part.background.has_friction = false;
       may_have_friction = true;
       part.no_ring_down = OtherSide(record, before, part, fit);
@@ -555,6 +597,7 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       part.found.Add(About(record.name, Severity::kNote, FindingKind::kDrift,
                            {{InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
     } else if (worst.kind == Suspect::Kind::kFriction) {
+      // accepted only if the fit with friction as a parameter confirms the first-order trial
       RingBackground rubbing = part.background;
       rubbing.has_friction = true;
       const RingFit with = FitRing(samples, part.poles, rubbing);
@@ -581,8 +624,8 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
 Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start) {
   Disturbances part = Search(record, start, true);
   if (part.no_ring_down.empty() || part.evidence.cuts <= kMostCuts) return part;
-  // What is cut again and again may be no blows but something small and lasting, as another mode or
-  // a slow tail: what the whole leaves decides.
+  // Repeated cuts may be caused by something small and lasting, such as another mode or a slow
+  // tail, and not by impacts: the record without cuts decides.
   Disturbances whole = Search(record, start, false);
   if (!whole.no_ring_down.empty()) return part;
   whole.found.Add(About(record.name, Severity::kNote, FindingKind::kOtherMode,

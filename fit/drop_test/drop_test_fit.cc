@@ -16,12 +16,13 @@ namespace {
 
 using Kind = DropTestInput::Kind;
 
-// the better of the two roads to Km
+// the solution with the better Km: by drop heights or by loads
 DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_loads,
                     const DropTestModel& model, Findings& findings) {
   if (!by_heights) return by_loads;
   const auto heights = EvaluateForceConstant(*by_heights, model);
   const auto loads = EvaluateForceConstant(by_loads, model);
+  // a determined Km first, then the smaller combined uncertainty
   const bool prefer_loads =
       loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
                                                       heights.combined_standard_uncertainty);
@@ -38,13 +39,14 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   return std::move(*by_heights);
 }
 
-// what the contact may take of a drop's amplitude
+// the finding on the share of a drop's amplitude that the contact removes
 Finding ContactOf(const PreparedRecord& prepared, const DropTestInput* input) {
   const RingStart& start = prepared.start;
   const auto note = [&](FindingKind kind, std::vector<FindingNumber> numbers) {
     return About(prepared.record.name, Severity::kNote, kind, std::move(numbers));
   };
   if (input == nullptr) {
+    // cos(x/2)/(1 - (x/pi)^2) = 1 - (1/8 - 1/pi^2) x^2 for small x = w T
     const double angle =
         std::sqrt(prepared.part.poles.stiffness_per_s2) * 0.5e-3;  // of a contact of 0.5 ms
     return note(FindingKind::kContactUnseen,
@@ -62,6 +64,7 @@ Finding ContactOf(const PreparedRecord& prepared, const DropTestInput* input) {
 void DescribeHeights(const DropTestModel& model, Findings& findings) {
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const auto& record = model.records[r].record;
+    // a height matters only for records of an impact's voltage
     if (!record.drop_height_m || record.signal == RecordedSignal::kDisplacement) continue;
     const auto input = std::ranges::find_if(model.inputs, [r](const DropTestInput& one) {
       return one.kind == Kind::kContact && std::ranges::count(one.records, r) > 0;
@@ -79,6 +82,7 @@ void DescribeHeights(const DropTestModel& model, Findings& findings) {
         input.name == "rebound" ? FindingKind::kReboundStated : FindingKind::kReboundAssumed,
         {rebound, {"standard_uncertainty", input.quantity.standard_uncertainty}});
   }
+  // a voltage scale that is not stated has no uncertainty
   const bool knows_scale = std::ranges::any_of(
       model.inputs, [](const DropTestInput& input) { return input.kind == Kind::kVoltageScale; });
   if (!knows_scale) findings.Note(FindingKind::kVoltageScaleExact);
@@ -115,6 +119,7 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   } else if (voltage == samples.end()) {
     fit.findings.Note(FindingKind::kKmOfReleaseWithoutMass);
   } else if (!some_loaded) {
+    // open records without a height: only the product Km v0 is determined
     const auto r = static_cast<std::size_t>(voltage - samples.begin());
     fit.findings.Add(About(fit.records[r].name, Severity::kNote, FindingKind::kKmTimesSpeedOnly,
                            {{"product_v", std::exp(road.point.own[r][Index(Own::kAmplitude)])}}));
@@ -145,6 +150,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.samples = samples.times_s.size();
   fitted.found = part.found;
   fitted.density = road.densities[r];
+  // samples that Huber's loss gives less than half of their weight
   fitted.drawn_samples = static_cast<std::size_t>(
       std::ranges::count_if(samples.root_weights, [](double root) { return root * root < 0.5; }));
   if (fitted.drawn_samples > 0) {
@@ -152,6 +158,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
                            {{"samples", fitted.drawn_samples}, {"of", fitted.samples}}));
   }
 
+  // v0 as stated, else the amplitude Km v0 over the fitted Km
   fitted.speed_determined = samples.signal == RingingSignal::kBlowVoltage &&
                             (samples.speed_m_per_s > 0 || force_constant.determined);
   if (fitted.speed_determined) {
@@ -166,6 +173,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
     times.push_back(record.start_s + static_cast<double>(n) * record.step_s);
   }
   fitted.model_v = road.problem.Voltages(road.point, r, times);
+  // the samples contain dry friction, the fitted model does not
   for (std::size_t n = 0; n < std::min(times.size(), part.linear_less_friction_v.size()); ++n) {
     fitted.model_v[n] -= part.linear_less_friction_v[n];
   }
@@ -173,12 +181,14 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.residual_v.assign(times.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t n = 0; n < times.size(); ++n) {
     const double sample = record.voltage_v[part.first_sample + n];
+    // no residual at missing samples and before the fitted impact
     if (!std::isfinite(sample) || times[n] < samples.times_s.front()) continue;
     fitted.residual_v[n] = sample - fitted.model_v[n];
     square_sum += fitted.residual_v[n] * fitted.residual_v[n];
     fitted.peak_v = std::max(fitted.peak_v, std::abs(sample - fitted.offset_v));
   }
   fitted.residual_rms_v = std::sqrt(square_sum / static_cast<double>(fitted.samples));
+  // more noise before the impact than in the fit: what precedes is not quiet
   if (fitted.quiet_noise_v > 2 * fitted.residual_rms_v) {
     fitted.found.Add(About(record.name, Severity::kNote, FindingKind::kNotQuietBefore));
     fitted.quiet_noise_v = 0;
@@ -189,6 +199,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
 void DescribeInfluences(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
   // Km^2 may be 0, of which nothing has a relative change
   const double square = road.point.shared[Index(Shared::kForceConstantSquared)];
+  // d ln Km = d(Km^2)/(2 Km^2)
   const std::array share_per_change{1.0, 1.0, square > 0 ? 1 / (2 * square) : 0.0};
   constexpr std::array kOf{Shared::kStiffness, Shared::kDamping, Shared::kForceConstantSquared};
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
@@ -221,7 +232,7 @@ void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, Dr
   }
 }
 
-// a load that slows the decay
+// refuses a Km^2 below 0 by more than 4 uncertainties: a load that slows the decay
 void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model, Findings& findings) {
   constexpr double kDeviations = 4;
   std::vector<double> weights(road.jacobian.columns, 0.0);
@@ -231,7 +242,7 @@ void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model, Fi
   findings.Refuse(FindingKind::kSmallerLoadDecaysSlower);
 }
 
-// a blow found away from where the motion, continued backwards, begins
+// an impact found away from where the motion, continued backwards, begins
 void DoubtBeginning(const PreparedRecord& prepared, const FittedRecord& record,
                     Findings& findings) {
   const RingStart& start = prepared.start;
@@ -239,6 +250,7 @@ void DoubtBeginning(const PreparedRecord& prepared, const FittedRecord& record,
   if (!prepared.record.drop_height_m && !prepared.record.release_current_a) return;
   if (start.quiet_samples == 0 || record.damped_frequency_hz == 0) return;
   const double periods = (start.blow_s - record.impact_s) * record.damped_frequency_hz;
+  // within an eighth of a period both agree
   if (std::abs(periods) < 1.0 / 8) return;
   findings.Add(
       About(record.name, Severity::kRefusal,
@@ -246,7 +258,7 @@ void DoubtBeginning(const PreparedRecord& prepared, const FittedRecord& record,
             {{"apart_s", std::abs(start.blow_s - record.impact_s)}}));
 }
 
-// pooled over the records with a quiet stretch: residual power over noise power
+// residual power over noise power, of all records with a quiet part
 double ChiSquare(const std::vector<FittedRecord>& records) {
   double sum = 0;
   double samples = 0;
@@ -267,12 +279,14 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   if (!model) return std::unexpected(model.error());
   model->loss = loss;
   RingDownProblem problem = MakeProblem(*model);
+  // the start values must give finite voltages
   if (!problem.IsDefined(StartPoint(*model, false, &problem))) {
     return CannotAnswer(model->records[0].record.name, "no ring-down fits these records",
                         "record three decay times of one free ring-down each");
   }
   DropTestFit fit;
   fit.findings = model->findings;
+  // two ways to Km: by heights, if any is stated, and by loads
   std::optional<DropTestRoad> by_heights;
   if (model->knows_heights) by_heights = Travel(*model, true);
   const DropTestRoad road =
@@ -280,6 +294,7 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   if (road.uses_heights) DescribeHeights(*model, fit.findings);
   if (loss == Loss::kHuber) fit.findings.Note(FindingKind::kRobustLoss, {{"bend", kHuberBend}});
 
+  // each constant is a product of powers of Kv, Bv, Km^2 and M
   fit.mass_symbol = model->all_free ? "Mv Mc/(Mv+Mc)" : "Mv";
   fit.stiffness = Evaluate(road, *model, {{Shared::kStiffness, 1}}, 1, "N/m");
   fit.damping = Evaluate(road, *model, {{Shared::kDamping, 1}}, 1, "N s/m");
@@ -303,6 +318,7 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   DescribeInfluences(road, *model, fit);
   DescribeCovariance(road, *model, fit);
   DescribeUndetermined(road, *model, fit);
+  // doubts: scatter between drops, then contradictions within each
   fit.frequency_birge_ratio = road.consistency.frequency_ratio;
   fit.decay_birge_ratio = road.consistency.decay_ratio;
   fit.findings.AddAll(road.consistency.findings);
@@ -343,6 +359,7 @@ void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Q
 Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
                     const ActuatorKnowns& knowns) {
   using enum FindingKind;
+  // ranges of actuators; values outside of them usually have another unit
   Findings findings;
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency, 20, 2000,
                findings);

@@ -36,7 +36,7 @@ double LeftByContact(double angle) {
 }
 
 // What the contact leaves of the impact's speed, from the lengths that it may have. Dry friction
-// brakes from its begin on, half of it before the middle, where the ring-down is taken to begin.
+// brakes from its begin on, half of it before the middle, where the modelled ring-down begins.
 Quantity ContactShare(const PreparedRecord& prepared) {
   const RingStart& start = prepared.start;
   const double angular = std::sqrt(prepared.part.poles.stiffness_per_s2);
@@ -48,6 +48,7 @@ Quantity ContactShare(const PreparedRecord& prepared) {
           std::hypot(is_seen ? (shortest - longest) / 4 : (1 - longest) / 2, braked / 2)};
 }
 
+// the given numbers of one record; equal numbers of several records are one input
 void AddRecordInputs(const PreparedRecord& prepared, std::size_t index, DropTestModel& model) {
   const ImpulseRecord& record = prepared.record;
   const Quantity load = record.load_ohm.value_or(Quantity{kOpen, 0});
@@ -68,7 +69,7 @@ void AddRecordInputs(const PreparedRecord& prepared, std::size_t index, DropTest
   if (record.added_mass_kg) {
     AddInput(model.inputs, Kind::kAddedMass, "added mass", "kg", *record.added_mass_kg, index);
   }
-  // of a displacement, the share that is seen is not known
+  // which share of a displacement is measured is not known: a height gives no Km
   if (!record.drop_height_m || record.signal == RecordedSignal::kDisplacement) return;
   model.knows_heights = true;
   AddInput(model.inputs, Kind::kHeight, "drop height", "m", *record.drop_height_m, index);
@@ -81,6 +82,7 @@ void AddRecordInputs(const PreparedRecord& prepared, std::size_t index, DropTest
   }
 }
 
+// the actuator's given numbers; R and L have an influence only under a load
 void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& model) {
   const auto add = [&model](Kind kind, const char* name, const char* unit,
                             const std::optional<Quantity>& quantity) {
@@ -101,7 +103,7 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
   }
 }
 
-// what the case did, record by record; an unstated case is taken as held
+// what the case did, record by record; an unstated case counts as held
 void AddConditions(const ActuatorKnowns& knowns, DropTestModel& model) {
   bool assumed = false;
   for (const auto& [record, start, part] : model.records) {
@@ -111,16 +113,19 @@ void AddConditions(const ActuatorKnowns& knowns, DropTestModel& model) {
   const auto free_count =
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree);
   model.all_free = free_count == std::ssize(model.records);
+  // M is known by Mv if all cases are held, else by Mv and Mc
   const bool both = knowns.moving_mass_kg && knowns.case_mass_kg;
   model.knows_mass = knowns.moving_mass_kg && (free_count == 0 || both);
   if (!assumed) return;
   if (!both) return model.findings.Note(FindingKind::kHeldAssumed);
+  // Mc/(Mv + Mc): M of a free case over that of a held one, a factor of Kv and Bv; Km has its root
   const double ratio =
       knowns.case_mass_kg->value / (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
   model.findings.Note(FindingKind::kHeldAssumed,
                       {{"ratio", ratio}, {"root_ratio", std::sqrt(ratio)}});
 }
 
+// the value of the first input of a kind
 double ValueOf(const std::vector<DropTestInput>& inputs, Kind kind, double otherwise) {
   for (const auto& input : inputs) {
     if (input.kind == kind) return input.quantity.value;
@@ -134,6 +139,7 @@ double Conductance(const RingDownSamples& record, const RingDownPoint& point) {
   return 1 / (std::exp(point.shared[Index(Shared::kResistance)]) + record.load_ohm);
 }
 
+// RL/(R + RL), terminal voltage over back EMF; 1 for open terminals
 double Divider(const RingDownSamples& record, const RingDownPoint& point) {
   return std::isinf(record.load_ohm) ? 1.0 : record.load_ohm * Conductance(record, point);
 }
@@ -168,7 +174,7 @@ DampingLine FitDampingLine(const std::vector<double>& conductances,
     line.foot = mean_d - line.slope * mean_g;
     return line;
   }
-  // noise may turn the line over; a start stays on the possible side
+  // noise may reverse the slope; the start values stay positive
   const double least_d = *std::min_element(dampings.begin(), dampings.end());
   const double most_g = *std::max_element(conductances.begin(), conductances.end());
   line.slope = std::max(gd / gg, 0.01 * least_d / most_g);
@@ -176,7 +182,7 @@ DampingLine FitDampingLine(const std::vector<double>& conductances,
   return line;
 }
 
-// what the records' poles and amplitudes say before any fit, referred to the problem's M
+// poles and amplitudes of the records before any fit, referred to the problem's M
 struct PoleSummary {
   double stiffness_over_mass = 0;  // mean of the records
   std::vector<double> conductances;
@@ -195,6 +201,7 @@ PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem
     const RingStart& start = model.records[r].start;
     const RingDownSamples& record = problem.records()[r];
     summary.conductances.push_back(Conductance(record, point));
+    // the record's own ringing mass over M
     const double ratio = RingingMass(record, mass) / mass;
     summary.dampings.push_back(2 * start.poles.decay_per_s * ratio);
     summary.stiffness_over_mass +=
@@ -205,6 +212,7 @@ PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem
                        (record.release_current_a * Divider(record, point)));
       ++known;
     } else if (record.speed_m_per_s > 0) {
+      // amplitude of the terminal voltage: Km v0 RL/(R + RL)
       sum += std::abs(start.impact_voltage_v) / (record.speed_m_per_s * Divider(record, point));
       ++known;
     }
@@ -267,6 +275,7 @@ Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
     some_loaded = some_loaded || (record.load_ohm && std::isfinite(record.load_ohm->value));
   }
   AddConditions(knowns, model);
+  // held and free cases have a known ratio of ringing masses only by both masses
   const bool some_held =
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kHeld) > 0;
   if (some_held && model.conditions.size() > 1 && !model.all_free && !model.knows_mass &&
@@ -283,6 +292,7 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
   std::vector<RingDownSamples> samples(model.records.size());
   for (std::size_t r = 0; r < samples.size(); ++r) {
     const auto& [record, start, part] = model.records[r];
+    // measured samples of the part, with the difference that removes dry friction
     for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
       if (!std::isfinite(record.voltage_v[n])) continue;
       samples[r].times_s.push_back(record.start_s + static_cast<double>(n) * record.step_s);
@@ -293,9 +303,11 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
     }
     samples[r].step_s = record.step_s;
     samples[r].signal = SignalOf(record);
+    // the amplitude is positive: the record's sign is its polarity
     const bool begins_at_zero = samples[r].signal != RingingSignal::kBlowVoltage;
     samples[r].polarity =
         (begins_at_zero ? start.release_slope_v_per_s : start.impact_voltage_v) < 0 ? -1 : 1;
+    // first weights: the residual of the record's own pole pair
     samples[r].noise_v = std::max(start.residual_rms_v, 1e-12 * std::abs(start.impact_voltage_v));
     samples[r].drifts = part.background.drifts;
     samples[r].hum_hz = part.background.hum_hz;
@@ -305,6 +317,7 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
 
 void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
                  bool use_heights, RingDownProblem* problem, RingDownPoint* point) {
+  // Mc/(Mv + Mc), by which a free case reduces M
   const double moving = ValueOf(inputs, Kind::kMovingMass, 1);
   const double housing = ValueOf(inputs, Kind::kCaseMass, kOpen);
   const double reduction = std::isinf(housing) ? 1.0 : housing / (moving + housing);
@@ -327,6 +340,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
       }
     }
   }
+  // if held and free cases are mixed, the free ones have the reduced mass by their ratio
   for (std::size_t r = 0; r < model.conditions.size(); ++r) {
     const bool reduced = !model.all_free && model.conditions[r] == CaseCondition::kFree;
     problem->records()[r].mass_ratio = reduced ? reduction : 1.0;
@@ -338,6 +352,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
       problem->records()[r].speed_m_per_s = std::sqrt(2 * kGravityMPerS2 * input.quantity.value);
     }
   }
+  // factors of the speed, after all heights
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
       auto& record = problem->records()[r];
@@ -361,6 +376,7 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
     }
   }
   ApplyInputs(model.inputs, model, use_heights, problem, &point);
+  // M unknown: from records with added masses, else 1 kg, which only ratios to M refer to
   if (!model.knows_mass) {
     const auto seen_kg = MassFromAddedOnes(model, *problem);
     point.shared[Index(Shared::kMass)] = std::log(seen_kg.value_or(1));
@@ -368,11 +384,13 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
   const double mass = std::exp(point.shared[Index(Shared::kMass)]);
 
   const PoleSummary poles = Summarise(model, *problem, point);
+  // Km^2/M and Bv/M from the damping of different loads
   DampingLine line = FitDampingLine(poles.conductances, poles.dampings);
   double km = line.slope > 0 ? std::sqrt(line.slope * mass) : 1.0;
   double start_mass = mass;
   if (poles.force_constant) {
     km = *poles.force_constant;
+    // Km by a height and Km^2/M by loads give M
     const bool weighs_by_loads = !model.knows_mass && mass == 1 && line.has_slope;
     if (weighs_by_loads) start_mass = km * km / line.slope;
   }
@@ -385,11 +403,13 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
   }
   point.shared[Index(Shared::kDamping)] = std::log(line.foot * start_mass);
   point.shared[Index(Shared::kForceConstantSquared)] = km * km;
+  // own parameters: offset, time of the impact and ln amplitude
   for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
     const RingStart& start = model.records[r].start;
     const RingDownSamples& record = problem->records()[r];
     own[Index(Own::kOffset)] = start.offset_v;
+    // signals that begin at 0 have their time at a zero, the voltage of an impact at its largest
     const bool begins_at_zero = record.signal != RingingSignal::kBlowVoltage;
     own[Index(Own::kImpact)] = begins_at_zero ? start.release_s : start.impact_s;
     own[Index(Own::kAmplitude)] =
@@ -409,6 +429,7 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProbl
     unknown[Column(r, Own::kDrift)] = record.drifts;
     unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
     unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
+    // an amplitude is unknown unless a speed or a released current gives it
     unknown[Column(r, Own::kAmplitude)] =
         record.speed_m_per_s == 0 && record.signal != RingingSignal::kReleaseVoltage;
   }

@@ -16,7 +16,7 @@ using Kind = DropTestInput::Kind;
 
 constexpr std::ptrdiff_t kLeastLeft = 32;  // samples of a record
 constexpr double kMostLogarithmicUncertainty =
-    0.25;  // beyond it a logarithm's interval says nothing
+    0.25;  // beyond it a value is not determined (uncertainty.md)
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -24,6 +24,7 @@ double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
+// all shared parameters and amplitudes are logarithms, except Km^2, which noise may carry through 0
 std::vector<bool> LogarithmColumns(std::size_t records) {
   std::vector<bool> logarithm(kSharedCount + kOwnCount * records, false);
   std::fill_n(logarithm.begin(), kSharedCount, true);
@@ -32,7 +33,7 @@ std::vector<bool> LogarithmColumns(std::size_t records) {
   return logarithm;
 }
 
-// holds as many of the unknowns as the records cannot tell apart: mass, resistance, Km
+// holds as many of mass, resistance and Km^2 as the records do not determine together
 std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_free) {
   const std::size_t records = road.problem.records().size();
   const auto logarithm = LogarithmColumns(records);
@@ -41,6 +42,7 @@ std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_fre
        {Shared::kMass, Shared::kResistance, Shared::kForceConstantSquared}) {
     if (nullity == 0 || !is_free[Index(parameter)]) continue;
     auto fewer = is_free;
+    // a parameter is held only if that removes an undetermined direction
     fewer[Index(parameter)] = false;
     const std::size_t left = FindIdentifiability(road.jacobian, fewer, logarithm).nullity;
     if (left >= nullity) continue;
@@ -50,7 +52,7 @@ std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_fre
   return is_free;
 }
 
-// samples that turn out to lie before the impact
+// excludes samples before the fitted impact; a record keeps at least kLeastLeft
 void LeaveOutSilence(DropTestRoad& road) {
   for (std::size_t r = 0; r < road.point.own.size(); ++r) {
     RingDownSamples& record = road.problem.records()[r];
@@ -63,6 +65,7 @@ void LeaveOutSilence(DropTestRoad& road) {
   }
 }
 
+// undamped resonance of a record with its own mass, Hz
 double ResonanceHz(const RingDownSamples& record, const RingDownPoint& point) {
   const double mass_kg = RingingMass(record, std::exp(point.shared[Index(Shared::kMass)]));
   return std::sqrt(std::exp(point.shared[Index(Shared::kStiffness)]) / mass_kg) /
@@ -75,8 +78,8 @@ double RootMeanSquare(std::span<const double> residuals) {
   return std::sqrt(square / static_cast<double>(residuals.size()));
 }
 
-// residuals drawn in to three times their scale, so that the few far ones do not hide the others'
-// spectrum
+// residuals limited to three times their scale, so that a few outlying ones do not mask the
+// spectrum of the others
 std::vector<double> DrawnIn(std::span<const double> residuals, double scale) {
   std::vector<double> drawn(residuals.begin(), residuals.end());
   for (double& residual : drawn) residual = std::clamp(residual, -3 * scale, 3 * scale);
@@ -86,6 +89,7 @@ std::vector<double> DrawnIn(std::span<const double> residuals, double scale) {
 // each record's noise becomes its residuals' scale, or that of a white noise that is as dense at
 // the resonance; with Huber's loss, each sample its weight
 void Reweight(Loss loss, DropTestRoad& road) {
+  // residuals without weights, in units of the present noise
   for (auto& record : road.problem.records()) record.root_weights.clear();
   const auto residuals = road.problem.Residuals(road.point);
   std::span<const double> rest(residuals);
@@ -97,9 +101,11 @@ void Reweight(Loss loss, DropTestRoad& road) {
     const bool is_robust = loss == Loss::kHuber;
     const double scale = is_robust ? RobustScale(own) : RootMeanSquare(own);
     const auto drawn = is_robust ? DrawnIn(own, scale) : std::vector(own.begin(), own.end());
+    // noise density at the record's resonance over that of white noise of the same power
     const auto grid = OnGrid(drawn, record.times_s, record.step_s);
     const auto density = DensityAt(grid, record.step_s, ResonanceHz(record, road.point));
     if (is_robust) record.root_weights = HuberRootWeights(own, scale);
+    // a record without noise keeps finite weights: at least 1e-14 of its peak
     double peak = 0;
     for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
     road.scales.push_back(record.noise_v * scale);
@@ -165,6 +171,7 @@ double InputBase(const DropTestInput& input) {
 
 bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
   if (input.kind == Kind::kVoltageScale) {
+    // a scale of volts matters only where amplitudes are converted to Km
     return std::ranges::any_of(input.records, [&road](std::size_t r) {
       const RingDownSamples& record = road.problem.records()[r];
       return record.speed_m_per_s > 0 || record.release_current_a > 0;
@@ -200,6 +207,7 @@ bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
 
 namespace {
 
+// load, mass ratio and noise of each record for consistency.h
 std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownProblem& problem,
                                    double mass_kg) {
   std::vector<ComparedDrop> drops;
@@ -212,7 +220,7 @@ std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownPro
   return drops;
 }
 
-// Huber's minimum: least squares, whose weights follow the residuals until they stay
+// Huber's minimum: least squares whose weights follow the residuals until they no longer change
 void SettleWeights(const std::vector<bool>& is_free, DropTestRoad& road) {
   constexpr int kMostRounds = 50;
   constexpr double kSettled = 1e-6;
@@ -253,7 +261,7 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   DropTestRoad road(MakeProblem(model), uses_heights);
   road.point = StartPoint(model, uses_heights, &road.problem);
 
-  // what can be told from where we stand; then solve, weigh by the residuals, solve again
+  // hold what the records do not determine; solve, weight by the residuals, solve again
   const auto unknown = UnknownColumns(model, road.problem);
   road.jacobian = road.problem.Condense(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
@@ -262,12 +270,14 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   road.jacobian = road.problem.Condense(road.point);
   const auto is_free = FindFreedom(road, unknown);
   road.solver = road.problem.Minimise(is_free, &road.point, &road.jacobian);
+  // weights and minimum in turns, then the Jacobian with the final weights
   if (model.loss == Loss::kHuber) {
     SettleWeights(is_free, road);
     road.jacobian = road.problem.Condense(road.point);
   }
   road.solver.iterations += first.iterations;
 
+  // rank with all unknowns free, those held before too
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
   const std::size_t fitted =
       static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -
@@ -277,11 +287,12 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
     samples += static_cast<double>(record.times_s.size());
   }
   const double degrees = samples - static_cast<double>(fitted);
-  // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
+  // each record's noise is its residuals' RMS over all samples: n/(n - p) makes it a variance
   road.variance = model.loss == Loss::kHuber ? HuberVariance(ScaledResiduals(road), fitted)
                                              : samples / std::max(degrees, 1.0);
   road.consistency = CheckConsistency(
       Compared(model, road.problem, std::exp(road.point.shared[Index(Shared::kMass)])));
+  // type B: the solution's change per share of each given number
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const bool counts = DependsOn(road, model.inputs[k]);
     road.input_changes.push_back(counts ? ChangeByInput(road, model, k)
@@ -319,6 +330,7 @@ UncertainPole PoleOf(const DropTestRoad& road, const DropTestModel& model, std::
   // of the logarithms, as everywhere: f^2 ~ q - d^2
   std::array<std::vector<double>, 2> weights;
   weights.fill(std::vector<double>(road.jacobian.columns, 0.0));
+  // d ln f = (dq/2 - d dd)/(q - d^2)
   for (std::size_t k = 0; k < kSharedCount; ++k) {
     weights[0][k] = (0.5 * at.stiffness_slopes[k] - decay * at.decay_slopes[k]) / square;
     weights[1][k] = at.decay_slopes[k] / decay;
@@ -349,8 +361,10 @@ FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
   if (!road.solver.converged || spread.blur >= kMostBlur) return value;
   const double product = factor * ProductAt(road, powers);
   const double reach = kCoverage95 * spread.combined;
+  // power of Bv in the product: the records depend on it in proportion, not by its logarithm
   const auto damping = std::ranges::find(powers, Shared::kDamping, &PowerOf::first);
   const double power = damping == powers.end() ? 0 : damping->second;
+  // determined: below 25 %, or with Bv an interval that excludes 0
   value.determined = power == 0 ? spread.statistical < kMostLogarithmicUncertainty : reach < 1;
   if (!value.determined) {
     if (power > 0) value.at_most = product * (1 + reach);
@@ -358,6 +372,7 @@ FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
   }
   value.value = product;
   TakeRelative(spread, value);
+  // linear in Bv; a quality factor has the reciprocal's interval
   if (power == 0) return value;
   value.lower = product * (power > 0 ? 1 - reach : 1 / (1 + reach));
   value.upper = product * (power > 0 ? 1 + reach : 1 / (1 - reach));
@@ -385,6 +400,7 @@ std::vector<double> SquareAlone(const DropTestRoad& road) {
 double HalfWidth(const DropTestRoad& road, const DropTestModel& model, const Spread& spread,
                  int side, double coverage) {
   const double square = road.point.shared[kColumn];
+  // Gaussian up to 5 % of Km, which is 10 % of Km^2
   const bool is_gaussian = spread.statistical < 2 * kGaussian * square;
   const double statistical =
       is_gaussian ? coverage * spread.statistical
@@ -402,9 +418,11 @@ double ProfileWidth(const DropTestRoad& road, const DropTestModel& model, int si
   is_free[kColumn] = false;
   const double deviation = SpreadOf(road, model, SquareAlone(road)).statistical;
   const double least = SquareSum(road.problem.Residuals(road.point));
+  // begins with the Gaussian width, then scaled until chi^2 has grown by coverage^2
   double width = coverage * deviation;
   RingDownPoint point = road.point;
   for (int k = 0; k < kMostFits; ++k) {
+    // Km^2 held at the trial, all others fitted
     point.shared[kColumn] = road.point.shared[kColumn] + side * width;
     (void)road.problem.Minimise(is_free, &point);
     const double rise = SquareSum(road.problem.Residuals(point)) - least;
@@ -421,9 +439,11 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
   const Spread spread = SpreadOf(road, model, SquareAlone(road));
   FittedValue value;
   value.unit = "N/A";
+  // near Km = 0 the deviation of Km^2 is the scale
   const double scale = std::max(std::abs(square), spread.statistical);
   if (!road.solver.converged || spread.blur >= kMostBlur * scale) return value;
   const double below = HalfWidth(road, model, spread, -1, kCoverage95);
+  // by the loads, Km is determined where the interval of Km^2 excludes 0
   value.determined = square > 0 && (road.uses_heights || square > below);
   if (!value.determined) {
     const double above = HalfWidth(road, model, spread, 1, kCoverage95);
@@ -437,6 +457,7 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
                 .given = spread.given / (2 * square),
                 .combined = spread.combined / (2 * square)},
                value);
+  // by the heights it is the logarithm's interval; by the loads, roots of the limits of Km^2
   if (road.uses_heights) return value;
   value.lower = std::sqrt(square - below);
   value.upper = std::sqrt(square + HalfWidth(road, model, spread, 1, kCoverage95));

@@ -30,15 +30,18 @@ constexpr double kLoadPrecision = 1e-3;
 
 double PeriodS(const PlannedDrops& drops) { return 1 / drops.natural_frequency_hz; }
 
+// Kv = M w0^2
 double Stiffness(const PlannedDrops& drops) {
   return drops.moving_mass_kg.value *
          std::pow(2 * std::numbers::pi * drops.natural_frequency_hz, 2);
 }
 
+// Bv = sqrt(Kv M)/Q
 double Damping(const PlannedDrops& drops) {
   return std::sqrt(Stiffness(drops) * drops.moving_mass_kg.value) / drops.quality_factor;
 }
 
+// the recorder's noise and its rounding, step/sqrt(12)
 double NoiseV(const PlannedDrops& drops) {
   return std::hypot(drops.noise_v, drops.step_v / std::sqrt(12.0));
 }
@@ -62,13 +65,14 @@ void Check(const PlannedDrops& drops) {
                    NoiseV(drops), drops.open_drops, drops.loaded_drops);
 }
 
-// the fitted samples of one drop, of no voltage: only their derivatives are asked for
+// the fitted samples of one drop; voltages 0, because only their derivatives are used
 RingDownSamples SamplesOf(const PlannedDrops& drops, double load_ohm) {
   const double rate_hz = std::min(drops.rate_hz, kMostSamplesAPeriod * drops.natural_frequency_hz);
   RingDownSamples samples;
   samples.step_s = 1 / rate_hz;
   samples.noise_v = NoiseV(drops) * std::sqrt(rate_hz / drops.rate_hz);
   samples.load_ohm = load_ohm;
+  // the fit begins an eighth of a period behind the impact; 1/d = Q/(pi f0)
   const double first_s = PeriodS(drops) / 8;
   const double decay_time_s = drops.quality_factor * PeriodS(drops) / std::numbers::pi;
   const double last_s =
@@ -83,6 +87,7 @@ RingDownSamples SamplesOf(const PlannedDrops& drops, double load_ohm) {
   return samples;
 }
 
+// the planned constants as the solution, with the amplitude Km v0
 RingDownPoint PointOf(const PlannedDrops& drops) {
   RingDownPoint point;
   const double km = drops.force_constant_n_per_a;
@@ -104,6 +109,7 @@ Matrix3d InformationOf(const PlannedDrops& drops, double load_ohm) {
   const Jacobian jacobian = problem.Linearise(point);
   const Eigen::Map<const RowMajor> all(jacobian.values.data(), static_cast<Position>(jacobian.rows),
                                        static_cast<Position>(jacobian.columns));
+  // the drop's own unknowns, as columns of unit length
   constexpr std::array kOwn{Own::kAmplitude, Own::kImpact, Own::kOffset};
   MatrixXd own(all.rows(), static_cast<Position>(kOwn.size()));
   for (std::size_t k = 0; k < kOwn.size(); ++k) {
@@ -113,6 +119,7 @@ Matrix3d InformationOf(const PlannedDrops& drops, double load_ohm) {
   MatrixXd shared = all.leftCols(static_cast<Position>(kConstantCount));
   // the constants are the first three columns; d(Km^2) = 2 Km^2 d(ln Km)
   shared.col(2) *= 2 * point.shared[Index(Shared::kForceConstantSquared)];
+  // what the own unknowns can explain is projected out of the constants' columns
   shared -= own * own.householderQr().solve(shared);
   return shared.transpose() * shared;
 }
@@ -128,11 +135,12 @@ Informations InformationsOf(const PlannedDrops& drops) {
   return {InformationOf(drops, kOpen), InformationOf(drops, drops.load_ohm.value)};
 }
 
+// relative standard uncertainties of Kv, Bv, Km by noise: information adds over the drops
 std::array<double, kConstantCount> Statistical(const Informations& of_one, std::size_t open,
                                                std::size_t loaded) {
   const Matrix3d sum =
       static_cast<double>(open) * of_one.open + static_cast<double>(loaded) * of_one.loaded;
-  // Kv is known some hundred times better than the others
+  // unit diagonal before the inversion: Kv is known some hundred times better than the others
   const Eigen::Vector3d scale = sum.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix3d scaled = scale.asDiagonal() * sum * scale.asDiagonal();
   const Eigen::Vector3d variances = scaled.inverse().diagonal();
@@ -146,6 +154,7 @@ std::array<double, kConstantCount> Statistical(const Informations& of_one, std::
 double Relative(const Quantity& quantity) { return quantity.standard_uncertainty / quantity.value; }
 
 ExpectedUncertainties Expected(const Informations& of_one, const PlannedDrops& drops) {
+  // Kv ~ M/T^2, Bv ~ M/T, Km ~ sqrt(M/T): exponents of the mass and of the time scale
   constexpr std::array kMassPowers{1.0, 1.0, 0.5};
   constexpr std::array kTimePowers{2.0, 1.0, 0.5};
   const double total_ohm = drops.resistance_ohm.value + drops.load_ohm.value;
@@ -157,6 +166,7 @@ ExpectedUncertainties Expected(const Informations& of_one, const PlannedDrops& d
     expected[k].from_time_scale = kTimePowers[k] * drops.time_scale_uncertainty;
   }
   auto& km = expected[static_cast<std::size_t>(Constant::kForceConstant)];
+  // Km^2 is in proportion to R + RL
   km.from_resistance = drops.resistance_ohm.standard_uncertainty / (2 * total_ohm);
   km.from_load = drops.load_ohm.standard_uncertainty / (2 * total_ohm);
   return expected;
@@ -185,7 +195,7 @@ class LoadedForceConstant {
   Matrix3d open_;
 };
 
-// golden section over the logarithm
+// the load of least uncertainty between two, by golden section over the logarithm
 double BestLoad(const LoadedForceConstant& uncertainty, double least_ohm, double most_ohm) {
   const double golden = std::numbers::phi - 1;
   double lower = std::log(least_ohm);
@@ -237,7 +247,7 @@ Part LargestGiven(const ExpectedUncertainty& expected) {
   return *std::ranges::max_element(parts, {}, &Part::uncertainty);
 }
 
-// how much of `part` may stay so that it and `others` reach `wish`
+// to which share `part` must be reduced to meet the requirement with the others; 0: impossible
 double TolerableShare(double part, double others_squared, double wish) {
   if (!(part > 0)) return 0;
   return std::sqrt(std::max(0.0, wish * wish - others_squared)) / part;
@@ -247,6 +257,7 @@ double TolerableShare(double part, double others_squared, double wish) {
 DropCount LimitOf(const PlannedDrops& drops, const ExpectedUncertainty& expected, double wish) {
   const Part given = LargestGiven(expected);
   const double combined = expected.combined() * expected.combined();
+  // a given number limits if it exceeds the noise's part
   DropCount count;
   if (given.uncertainty > expected.statistical) {
     count.limit = given.limit;
@@ -254,6 +265,7 @@ DropCount LimitOf(const PlannedDrops& drops, const ExpectedUncertainty& expected
         TolerableShare(given.uncertainty, combined - given.uncertainty * given.uncertainty, wish);
     return count;
   }
+  // the converter's part of the noise limits if its steps exceed the recorder's own noise
   const double step_part = drops.step_v / std::sqrt(12.0) / NoiseV(drops) * expected.statistical;
   const double by_bits = TolerableShare(step_part, combined - step_part * step_part, wish);
   const bool is_converter = drops.step_v / std::sqrt(12.0) > drops.noise_v && by_bits > 0;
@@ -290,6 +302,7 @@ ExpectedRinging ExpectRinging(const PlannedDrops& drops) {
                                          .load_ohm = load_ohm});
     return ringing.decay_per_s();
   };
+  // terminal voltage Km v0, under a load divided by coil and load
   const double open_v = km * drops.speed_m_per_s;
   const double load = drops.load_ohm.value;
   return {decay(kOpen), decay(load), open_v, open_v * load / (load + drops.resistance_ohm.value)};
@@ -304,6 +317,7 @@ LoadChoice ChooseLoad(const PlannedDrops& drops) {
   LoadChoice choice;
   choice.best_ohm = BestLoad(uncertainty, least_ohm, most_ohm);
 
+  // the E12 resistor of least uncertainty, and the range of those nearly as good
   const auto resistors = Resistors(least_ohm, most_ohm);
   std::vector<double> uncertainties;
   uncertainties.reserve(resistors.size());
@@ -329,6 +343,7 @@ DropCount CountDrops(const PlannedDrops& drops, const AccuracyWish& wish, std::s
     counted.loaded_drops = loaded;
     return Expected(of_one, counted)[which].combined() <= wish.relative_uncertainty;
   };
+  // not even `most` drops of each kind
   if (!reaches(most, most)) {
     PlannedDrops counted = drops;
     counted.open_drops = counted.loaded_drops = most;

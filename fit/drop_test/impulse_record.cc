@@ -74,8 +74,8 @@ class HeaderReader {
   std::optional<Error> error_;
 };
 
-// Of keys that nobody knows, those that are written like ours and are near one of them: other
-// programs' headers hold much that is not for us.
+// Of unknown keys, those that are written like the known ones and are near one of them: headers of
+// other programs contain many further keys.
 Findings MistypedKeys(const trial::Record& record, const std::string& name) {
   static const std::vector<std::string> kKnown{
       "case",           "load_ohm",     "drop_height_m",     "rebound",
@@ -83,6 +83,7 @@ Findings MistypedKeys(const trial::Record& record, const std::string& name) {
       "resistance_ohm", "inductance_h", "release_current_a", "added_mass_kg"};
   Findings findings;
   for (const auto& [key, value] : record.metadata.fields) {
+    // written alike: an underscore, no space and no capital letter
     const bool looks_alike = key.contains('_') && std::ranges::none_of(key, [](char c) {
                                return c == ' ' || std::isupper(static_cast<unsigned char>(c));
                              });
@@ -95,7 +96,7 @@ Findings MistypedKeys(const trial::Record& record, const std::string& name) {
   return findings;
 }
 
-// a voltage or displacement by role, or the only channel when nothing says what it measures
+// a voltage or displacement by role, or the only channel where no role states what it measures
 Result<const trial::Channel*> FindSignal(const trial::Record& record, const std::string& name) {
   for (const auto role : {trial::ChannelRole::kVoltage, trial::ChannelRole::kDisplacement}) {
     std::vector<std::string> names;
@@ -128,6 +129,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   const auto found = FindSignal(record, name);
   if (!found) return std::unexpected(found.error());
   const trial::Channel& signal = **found;
+  // one segment on the source's own clock, because the fit needs a uniform grid
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
     return CannotAnswer(name, "has gaps or a non-uniform time base",
                         "export the whole oscilloscope record at its own sample interval");
@@ -137,6 +139,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.start_s = record.stretches[0].start_s;
   file.record.step_s = 1 / record.stretches[0].rate_hz;
   file.record.voltage_v = signal.values;
+  // samples whose status is no measurement are missing
   for (std::size_t n = 0; n < signal.statuses.size(); ++n) {
     if (!trial::IsMeasurement(signal.statuses[n])) file.record.voltage_v[n] = std::nan("");
   }
@@ -145,6 +148,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
     file.record.unit = "m";
   }
 
+  // finite positive numbers; a load may be infinite, which is an open circuit
   constexpr double kLargest = 1e300;
   constexpr double kSmallest = 1e-300;
   HeaderReader header(record, name);
@@ -200,6 +204,7 @@ AtExtreme CountAt(const std::vector<double>& values, double extreme, double peri
   AtExtreme count;
   std::size_t together = 0;
   for (std::size_t n = 0; n < values.size(); ++n) {
+    // sliding count over half a period
     const bool leaves = n >= half && values[n - half] == extreme;
     together += (values[n] == extreme ? 1U : 0U);
     together -= leaves ? 1U : 0U;
@@ -216,6 +221,7 @@ double StepBetween(const std::vector<double>& distinct) {
   for (std::size_t k = 1; k < distinct.size(); ++k) {
     step = std::min(step, distinct[k] - distinct[k - 1]);
   }
+  // values lie on a grid if all differences are multiples of the least, up to printed decimals
   for (std::size_t k = 1; k < distinct.size(); ++k) {
     const double steps = (distinct[k] - distinct[k - 1]) / step;
     if (std::abs(steps - std::round(steps)) > kCodeTolerance) return 0;
@@ -233,14 +239,17 @@ std::size_t MaskRails(std::vector<double>& values_v, double period_samples) {
   const auto distinct = DistinctValues(values_v);
   if (distinct.size() < 3) return 0;
   const double step = StepBetween(distinct);
+  // middle of the codes that occur
   const double rest = distinct[distinct.size() / 2];
   std::size_t masked = 0;
   for (const double extreme : {distinct.front(), distinct.back()}) {
     const auto count = CountAt(values_v, extreme, period_samples);
     const double amplitude = std::abs(extreme - rest);
     const double share = std::min(step / std::max(amplitude, step), 1.0);
+    // periods that a sine of amplitude A stays within a step of its peak: acos(1 - step/A)/pi
     const double natural =
         step > 0 ? std::acos(1 - share) * period_samples / std::numbers::pi : 0.0;
+    // a rail: more samples together than that, or repeated extremes of values without steps
     const bool together = static_cast<double>(count.most_together) > natural + kFewSamples;
     const bool unrounded = step == 0 && static_cast<double>(count.all) > kFewSamples;
     if (!together && !unrounded) continue;

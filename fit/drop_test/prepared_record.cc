@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::ptrdiff_t kLeastSamples = 32;
 
+// undamped period in samples
 double PeriodSamples(const ImpulseRecord& record, const RingStart& start) {
   return 2 * std::numbers::pi / (std::sqrt(start.poles.stiffness_per_s2) * record.step_s);
 }
@@ -34,14 +35,14 @@ ImpulseRecord Slice(const ImpulseRecord& record, std::size_t first, std::size_t 
   return slice;
 }
 
-// start values on the part alone, which begins with a blow of its own
+// start values on the part alone, which begins with an impact of its own
 Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& part) {
   auto start = FindRingStart(Slice(record, part.first_sample, part.end_sample));
   if (start) start->first_sample += part.first_sample;
   return start;
 }
 
-// What is known of the blow holds where the record shows it: a part without anything quiet at its
+// What is known of the impact holds where the record shows it: a part without anything quiet at its
 // begin may be behind it.
 void ForgetMissingBlow(PreparedRecord* prepared) {
   ImpulseRecord& record = prepared->record;
@@ -62,6 +63,7 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   auto start = FindRingStart(record);
   if (!start) return std::unexpected(start.error());
   PreparedRecord prepared{record, *start, {}};
+  // clipped samples are excluded; the start is then found again without them
   const std::size_t clipped = MaskRails(prepared.record.voltage_v, PeriodSamples(record, *start));
   if (clipped > 0) {
     start = FindRingStart(prepared.record);
@@ -77,6 +79,7 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
     return CannotAnswer(record.name, prepared.part.no_ring_down,
                         "record one free ring-down, or choose the part of the record that is one");
   }
+  // the part needs as many measured samples as a record
   const auto begin = prepared.record.voltage_v.begin();
   const auto measured =
       std::count_if(begin + static_cast<std::ptrdiff_t>(prepared.part.first_sample),
@@ -87,20 +90,24 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
                         fmt::format("holds only {} samples that a fit can use", measured),
                         "record three decay times of one free ring-down");
   }
+  // with dry friction, the poles of the fit that includes it
   if (prepared.part.background.has_friction) prepared.start.poles = prepared.part.poles;
   ForgetMissingBlow(&prepared);
   if (!prepared.part.follows_a_later_blow) return prepared;
 
+  // a part behind a later impact has start values of its own, and the noise before the first impact
   start = StartOfPart(prepared.record, prepared.part);
   if (!start) return std::unexpected(start.error());
   start->quiet_noise_v = prepared.start.quiet_noise_v;
   start->quiet_samples = prepared.start.quiet_samples;
   prepared.start = *start;
+  // the difference without friction, from the part's new first sample on
   auto& more_v = prepared.part.linear_less_friction_v;
   const std::size_t skipped = start->first_sample - prepared.part.first_sample;
   more_v.erase(more_v.begin(),
                more_v.begin() + static_cast<std::ptrdiff_t>(std::min(skipped, more_v.size())));
   prepared.part.first_sample = start->first_sample;
+  // the height belongs to the first impact
   if (prepared.record.drop_height_m) {
     prepared.record.drop_height_m.reset();
     prepared.part.found.Add(About(record.name, Severity::kNote, FindingKind::kHeightOfFirstImpact));
@@ -108,9 +115,9 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   return prepared;
 }
 
-// The sample where a fast oscillation sets in behind something slow, as a release behind a pull,
-// and its period; nothing where none does. The record's differences say which oscillation that is:
-// what is slow is small in them.
+// The sample where a fast oscillation begins behind something slow, as a release behind a pull, and
+// its period; nothing where none does. The record's differences determine which oscillation that
+// is: slow motion is small in them.
 struct Onset {
   std::size_t sample = 0;
   double period_samples = 0;
@@ -125,24 +132,28 @@ std::optional<Onset> OnsetBehindSlow(const ImpulseRecord& record) {
   const auto frequency_hz = StrongestFrequency(differences, record.step_s);
   if (!frequency_hz) return std::nullopt;
   const double period = 1 / (*frequency_hz * record.step_s);
+  // at least 4 samples per period and 6 periods
   if (period < 4 || 6 * period > static_cast<double>(values.size())) return std::nullopt;
   const auto amplitudes = FollowingAmplitude(differences, 0, period);
   const auto largest = std::ranges::max_element(amplitudes) - amplitudes.begin();
+  // back from the largest amplitude to where it is half of that
   const auto whole = static_cast<std::ptrdiff_t>(std::ceil(period));
   std::ptrdiff_t risen = largest;
   while (risen > 0 && amplitudes[static_cast<std::size_t>(risen - 1)] >
                           0.5 * amplitudes[static_cast<std::size_t>(largest)]) {
     --risen;
   }
+  // two periods before the onset, to compare with
   if (risen < 2 * whole) return std::nullopt;
   const auto before = std::max_element(amplitudes.begin(), amplitudes.begin() + risen - whole);
   if (*before > kCalm * amplitudes[static_cast<std::size_t>(largest)]) return std::nullopt;
-  // behind silence it is a blow, which needs no such search
+  // behind silence it is an impact, which needs no such search
   const auto range = [&](std::ptrdiff_t first, std::ptrdiff_t end) {
     const auto [low, high] = std::minmax_element(values.begin() + first, values.begin() + end);
     return *high - *low;
   };
   const auto size = static_cast<std::ptrdiff_t>(values.size());
+  // what precedes must move: at least kSlow of the range behind
   if (range(0, risen - whole) < kSlow * range(risen, size)) return std::nullopt;
   return Onset{static_cast<std::size_t>(risen), period};
 }
@@ -155,6 +166,7 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
   // what precedes a release may be no rest: the part behind it alone, from ever later on
   const auto onset = OnsetBehindSlow(record);
   if (!onset) return prepared;
+  // the first part behind the onset that is one ring-down
   for (const double periods : {0.5, 1.0, 1.5, 2.0, 3.0}) {
     const auto first = onset->sample + static_cast<std::size_t>(periods * onset->period_samples);
     if (first + kLeastSamples > record.voltage_v.size()) break;
@@ -193,11 +205,13 @@ std::vector<std::size_t> Begins(const std::vector<double>& amplitudes, std::size
   bool rings = false;
   std::size_t fallen = 0;  // samples that the amplitude has been small for
   for (std::size_t n = 0; n < amplitudes.size(); ++n) {
+    // with hysteresis: it rings above kRisen of the largest amplitude, and has ended below kFallen
     fallen = amplitudes[n] < kFallen * largest ? fallen + 1 : 0;
     if (rings && fallen > period) {
       rings = false;
       begins.push_back(n);
     } else if (!rings && amplitudes[n] > kRisen * largest) {
+      // half way between the end of the previous ringing and this rise
       if (begins.size() > 1) begins.back() = (begins.back() + n) / 2;
       rings = true;
     }
@@ -230,6 +244,7 @@ std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record) {
   if (begins.size() < 2) return {record};
   begins.push_back(values.size());
   std::vector<ImpulseRecord> pieces;
+  // a piece that is too short: the record is not divided
   for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
     if (static_cast<double>(begins[k + 1] - begins[k]) < kLeastPeriods * *period) return {record};
     pieces.push_back(Piece(record, begins[k], begins[k + 1], k + 1));
@@ -248,8 +263,10 @@ std::optional<ThinnedRecord> Thinned(const ImpulseRecord& record, const PolePair
   const double period = 2 * std::numbers::pi / (std::sqrt(poles.stiffness_per_s2) * record.step_s);
   const auto block = static_cast<std::size_t>(period / kBlocksPerPeriod);
   if (record.voltage_v.size() <= kMostSamples || block < 2) return std::nullopt;
+  // rails first: a mean masks clipped samples
   auto values = record.voltage_v;
   ThinnedRecord thinned{record, block, MaskRails(values, period)};
+  // a block's mean stands at the block's middle
   thinned.record.start_s += 0.5 * static_cast<double>(block - 1) * record.step_s;
   thinned.record.step_s *= static_cast<double>(block);
   thinned.record.voltage_v.clear();
@@ -297,6 +314,7 @@ PreparedDrops PrepareDrops(const ImpulseRecord& recording) {
     all.records.push_back(std::move(drop));
     all.prepared.push_back(*std::move(prepared));
   }
+  // if fewer than half of the drops can be fitted, none is
   if (2 * all.left_out.size() <= all.drops || all.records.empty()) return all;
   note(FindingKind::kTooFewDrops, {{"good", all.records.size()}, {"drops", all.drops}});
   all.records.clear();

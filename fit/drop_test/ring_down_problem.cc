@@ -17,7 +17,7 @@ namespace {
 // Where one record's rows go.
 struct RecordRows {
   std::span<double> residuals;
-  double* derivatives = nullptr;  // the first row's; null where none are asked for
+  double* derivatives = nullptr;  // the first row's; null where none are needed
   std::size_t columns = 0;        // of a row
   std::size_t first = 0;          // the record's own
 
@@ -30,6 +30,7 @@ struct RecordRows {
   }
 };
 
+// residuals are dimensionless: root of the robust weight, over the record's noise in V
 double Weight(const RingDownSamples& record, std::size_t n) {
   return (record.root_weights.empty() ? 1 : record.root_weights[n]) / record.noise_v;
 }
@@ -50,6 +51,7 @@ bool WriteRows(const RingDownSamples& record, const RingingSum& sum, const Recor
   RingingParts parts_of_slopes = parts;
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     const double weight = Weight(record, n);
+    // residual (model - sample) over the noise; slopes by the chain rule through the parts
     const double model_v = parts.SumAt(record.times_s[n], sum.voltage);
     rows.residuals[n] = (model_v - record.voltages_v[n]) * weight;
     if (!std::isfinite(rows.residuals[n])) return false;
@@ -61,12 +63,13 @@ bool WriteRows(const RingDownSamples& record, const RingingSum& sum, const Recor
   return true;
 }
 
-// a record's rows as few that have the same squares and products
+// a record's rows condensed to as few that have the same squares and products
 constexpr std::size_t kCondensedRows = kAnsweredCount + 1;
 
 bool WriteCondensed(const std::vector<CondensedRow>& condensed, const RingingSum& sum,
                     const RecordRows& rows) {
   for (std::size_t k = 0; k < kCondensedRows; ++k) {
+    // the rows behind the condensed ones are 0
     const auto [parts, value] = k < condensed.size() ? condensed[k] : CondensedRow{};
     rows.residuals[k] = std::inner_product(parts.begin(), parts.end(), sum.voltage.begin(), -value);
     if (!std::isfinite(rows.residuals[k])) return false;
@@ -78,7 +81,7 @@ bool WriteCondensed(const std::vector<CondensedRow>& condensed, const RingingSum
   return true;
 }
 
-// all rows, reduced
+// all rows, reduced by QR: for a record that cannot be condensed
 bool WriteReduced(const RingDownSamples& record, const RingingSum& sum, const RecordRows& rows) {
   const std::size_t samples = record.times_s.size();
   std::vector<double> residuals(samples);
@@ -88,6 +91,7 @@ bool WriteReduced(const RingDownSamples& record, const RingingSum& sum, const Re
                          .columns = kAnsweredCount,
                          .first = kSharedCount};
   if (!WriteRows(record, sum, whole)) return false;
+  // without derivatives only the sum of squares counts
   if (derivatives.empty()) {
     std::ranges::fill(rows.residuals, 0.0);
     const double squares =
@@ -138,6 +142,7 @@ LeastSquares RingDownProblem::Whole() const {
   const std::size_t columns = kSharedCount + kOwnCount * records_.size();
   const auto evaluate = [this, columns](std::span<const double> point, std::span<double> residuals,
                                         std::span<double> jacobian) {
+    // each record's rows follow those of the previous one; its parameters are one block of columns
     std::size_t row = 0;
     for (std::size_t r = 0; r < records_.size(); ++r) {
       const std::size_t rows = records_[r].times_s.size();
@@ -155,6 +160,7 @@ LeastSquares RingDownProblem::Whole() const {
 
 LeastSquares RingDownProblem::Condensed() const {
   const std::size_t columns = kSharedCount + kOwnCount * records_.size();
+  // one condenser per record, which keeps its rows while the poles do not change
   std::vector<Condenser> condensers;
   condensers.reserve(records_.size());
   for (const RingDownSamples& record : records_) condensers.emplace_back(record);
@@ -168,6 +174,7 @@ LeastSquares RingDownProblem::Condensed() const {
                      .first = first};
       if (!jacobian.empty()) out.derivatives = jacobian.data() + r * kCondensedRows * columns;
       const auto sum = SumOfParts(records_[r], inductance_h_, point.data(), point.data() + first);
+      // short or heavily damped records are not condensed
       const bool is_defined = CanBeCondensed(records_[r], sum.rates)
                                   ? WriteCondensed(condensers[r].At(sum.rates), sum, out)
                                   : WriteReduced(records_[r], sum, out);
@@ -182,6 +189,7 @@ SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free, RingDow
                                        Jacobian* condensed) const {
   HAPTOMETER_CHECK(point->own.size() == records_.size(), "{} records, {} points", records_.size(),
                    point->own.size());
+  // over the condensed rows, whose cost does not grow with the samples
   std::vector<double> columns = ToColumns(*point);
   const LeastSquares problem = Condensed();
   const SolverReport report = fit::Minimise(problem, is_free, &columns);
@@ -216,6 +224,7 @@ std::vector<double> RingDownProblem::Products(const RingDownPoint& point,
     const RingDownSamples& record = records_[r];
     const auto sum = SumOfParts(record, inductance_h_, point.shared.data(), point.own[r].data());
     RingingParts parts(record, sum.rates);
+    // J' change without J: sums of the parts over the samples, then their slopes
     PartNumbers along{};
     for (std::size_t n = 0; n < record.times_s.size(); ++n) {
       const PartNumbers here = parts.At(record.times_s[n]);

@@ -14,6 +14,7 @@
 namespace haptometer::fit {
 namespace {
 
+// limits of ring_evidence.h, as shares of the ringing's power
 constexpr double kMostShare = 0.015;
 constexpr double kSurely = 5;  // deviations
 constexpr double kMostLasting = 0.01;
@@ -24,7 +25,7 @@ constexpr double kMostDamping = 0.7;  // of critical
 constexpr double kDifferenceVariance = 2.62;
 
 // Variance of white noise under an oscillation, weighted: of third differences, whose power is that
-// of 1 + 9 + 9 + 1 samples. A sample far off counts here as much as in the weighted power itself.
+// of 1 + 9 + 9 + 1 samples. An outlying sample counts here as much as in the weighted power itself.
 double NoiseSquare(const std::vector<double>& residuals, const std::vector<double>& weights) {
   double sum = 0;
   double all = 0;
@@ -38,6 +39,7 @@ double NoiseSquare(const std::vector<double>& residuals, const std::vector<doubl
   return all > 0 ? sum / 20 / all : 0;
 }
 
+// sqrt(q)/(2 pi)
 double NaturalHz(const PolePair& poles) {
   return std::sqrt(poles.stiffness_per_s2) / (2 * std::numbers::pi);
 }
@@ -61,9 +63,9 @@ double DeviationOf(const RingFit& fit, std::size_t column) {
   return fit.Deviation(column, fit.Squares() / degrees);
 }
 
-// Frequencies of the begin and of what follows, where they are surely not one. Each of a third of
-// the decay time, or of one and a half periods; nothing where hum or drift lie under the ringing,
-// which so short a part cannot tell from it.
+// Frequencies of the begin and of what follows, where they surely differ. Each of a third of the
+// decay time, or of one and a half periods; nothing where hum or drift lie under the ringing, from
+// which so short a part does not distinguish it.
 std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
   constexpr double kChange = 0.05;
   constexpr double kSurelyOther = 6;
@@ -79,6 +81,7 @@ std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
   const RingFit early = FitRing(Some(samples, 0, half), fit.poles, {});
   const RingFit late = FitRing(Some(samples, half, 2 * half), fit.poles, {});
   if (!early.converged || !late.converged) return {};
+  // ln of the frequencies' ratio: 0.5 ln(q2/q1)
   const double change = 0.5 * std::log(late.poles.stiffness_per_s2 / early.poles.stiffness_per_s2);
   const double deviation = 0.5 * std::hypot(DeviationOf(early, 1), DeviationOf(late, 1));
   if (!(deviation < kMostDeviation)) return {};
@@ -110,6 +113,7 @@ double MisfitDeviations(const RingEvidence& evidence, const RingSamples& samples
     squares += weight * weight;
   }
   const double deviation = std::sqrt(kDifferenceVariance * squares) / sum;
+  // without noise any misfit is certain
   const double beyond = evidence.misfit_share_deviation > 0
                             ? evidence.misfit_share / evidence.misfit_share_deviation
                             : std::numeric_limits<double>::max();
@@ -125,6 +129,7 @@ std::string Other(const RingSamples& samples, const RingFit& fit) {
   const auto other_hz = StrongestFrequency(left, samples.step_s);
   if (!other_hz) return {};
   const double ratio = *other_hz / NaturalHz(fit.poles);
+  // a whole multiple within 3 %: a harmonic
   if (std::abs(ratio - std::round(ratio)) < 0.03 && ratio > 1.5) {
     return fmt::format(": what is left has {:.0f} times its frequency (no sinusoid)", ratio);
   }
@@ -140,6 +145,7 @@ void WriteWhatLasts(const std::vector<double>& residuals, const RingFit& fit, do
   const double noise = std::max(NoiseSquare(residuals, even), floor_v * floor_v);
   double square = 0;
   for (const double residual : residuals) square += residual * residual / rows;
+  // mean power of the ringing at its begin: A^2/2
   const double first = 0.5 * fit.Envelope(0) * fit.Envelope(0);
   evidence->lasting_share = (square - noise) / first;
   evidence->lasting_share_deviation = noise * std::sqrt(kDifferenceVariance / rows) / first;
@@ -152,6 +158,7 @@ RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double f
   const auto rows = static_cast<double>(residuals.size());
   const auto degrees = std::max(rows - static_cast<double>(fit.jacobian.columns), 1.0);
   const std::vector<double> weights = PowerWeights(samples, fit);
+  // weighted by e^(-2 d t): residual power, and the ringing's A(t)^2/2
   double misfit = 0;
   double ringing = 0;
   double weight_sum = 0;
@@ -168,6 +175,7 @@ RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double f
   if (!(ringing > 0)) return evidence;
   WriteWhatLasts(residuals, fit, floor_v, &evidence);
   const double noise = std::max(NoiseSquare(residuals, weights), floor_v * floor_v);
+  // noise leaves degrees/rows of its power in the residuals
   evidence.misfit_share = (misfit - noise * weight_sum * degrees / rows) / ringing;
   evidence.misfit_share_deviation =
       noise * std::sqrt(kDifferenceVariance * weight_squares) / ringing;
@@ -180,6 +188,7 @@ RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double f
 
 std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples, const RingFit& fit,
                        bool is_stated_drop) {
+  // a stated drop or release may be heavily damped
   if (evidence.damping_ratio > kMostDamping && !is_stated_drop) {
     return "does not oscillate: it is a step or an aperiodic decay";
   }
@@ -198,6 +207,7 @@ std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
         "by one{}",
         100 * evidence.misfit_share, NaturalHz(fit.poles), Other(samples, fit));
   }
+  // power that does not decay with the oscillation
   if (evidence.lasting_share > kMostLasting &&
       evidence.lasting_share > kSurely * evidence.lasting_share_deviation) {
     return fmt::format(

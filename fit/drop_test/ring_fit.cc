@@ -27,9 +27,11 @@ class LinearMotion {
   explicit LinearMotion(const PolePair& poles)
       : decay_per_s_(poles.decay_per_s),
         stiffness_per_s2_(poles.stiffness_per_s2),
+        // w^2 = q - d^2, above 0 beyond critical damping too
         angular_per_s_(std::sqrt(std::max(stiffness_per_s2_ - decay_per_s_ * decay_per_s_,
                                           1e-12 * stiffness_per_s2_))) {}
 
+  // u(t) = u (E + d O) + v O and v(t) = v (E - d O) - q u O, E = e^(-d t) cos, O = e^(-d t) sin/w
   [[nodiscard]] State After(const State& from, double since_s) const {
     const double fall = std::exp(-decay_per_s_ * since_s);
     const double even = fall * std::cos(angular_per_s_ * since_s);
@@ -38,11 +40,12 @@ class LinearMotion {
             from.v * (even - decay_per_s_ * odd) - stiffness_per_s2_ * from.u * odd};
   }
 
-  // the first turn behind `from`
+  // time to the first turn behind `from`, v = 0: tan(w t) = w v/(d v + q u)
   [[nodiscard]] double Turn(const State& from) const {
     const double sine = (decay_per_s_ * from.v + stiffness_per_s2_ * from.u) / angular_per_s_;
     double turn_s = std::atan2(from.v, sine) / angular_per_s_;
     const double half_s = std::numbers::pi / angular_per_s_;
+    // a turn at 0 is the present one
     while (turn_s <= 1e-9 * half_s) turn_s += half_s;
     return turn_s;
   }
@@ -55,11 +58,12 @@ class LinearMotion {
   double angular_per_s_;
 };
 
+// the recorded quantity: a voltage is proportional to the speed
 double Seen(const State& state, RecordedSignal signal) {
   return signal == RecordedSignal::kVoltage ? state.v : state.u;
 }
 
-// of even E + odd O: of a voltage the motion is the integral that dies away
+// state at t = 0 of even E + odd O: the motion of a voltage is its integral that decays to 0
 State BeginOf(const FrictionRing& ring) {
   const double d = ring.poles.decay_per_s;
   if (ring.signal != RecordedSignal::kVoltage) {
@@ -68,6 +72,7 @@ State BeginOf(const FrictionRing& ring) {
   return {-(ring.odd_v_per_s + d * ring.even_v) / ring.poles.stiffness_per_s2, ring.even_v};
 }
 
+// direction of the motion; at a turn, that of the spring's force
 double DirectionOf(const State& state) {
   if (state.v != 0) return state.v > 0 ? 1 : -1;
   return state.u > 0 ? -1 : 1;
@@ -80,6 +85,7 @@ double ZeroBefore(const Value& value, double near_s, double half_period_s) {
   const double step_s = half_period_s / kSteps;
   double best_s = 0;
   bool found = false;
+  // sign changes on a grid backwards from 0, each then bisected
   for (int k = 0; k < kSteps; ++k) {
     double late_s = -k * step_s;
     double early_s = late_s - step_s;
@@ -88,6 +94,7 @@ double ZeroBefore(const Value& value, double near_s, double half_period_s) {
       const double middle_s = 0.5 * (early_s + late_s);
       ((value(middle_s) > 0) == (value(late_s) > 0) ? late_s : early_s) = middle_s;
     }
+    // of several zeros the nearest to `near_s`
     if (found && std::abs(late_s - near_s) > std::abs(best_s - near_s)) continue;
     best_s = late_s;
     found = true;
@@ -100,6 +107,7 @@ double ZeroBefore(const Value& value, double near_s, double half_period_s) {
 std::vector<double> MotionWithFriction(const FrictionRing& ring, std::span<const double> times_s) {
   const LinearMotion motion(ring.poles);
   std::vector<double> seen(times_s.size());
+  // friction shifts the middle by f against the motion: a linear motion for each half swing
   double begin_s = 0;
   State begin = BeginOf(ring);
   double shift = ring.friction * DirectionOf(begin);  // of u about its middle
@@ -112,6 +120,7 @@ std::vector<double> MotionWithFriction(const FrictionRing& ring, std::span<const
       begin = {turn.u - shift, 0};
       begin_s = end_s;
       shift = ring.friction * DirectionOf(begin);
+      // at a turn, a spring's force below the friction ends the motion
       is_over = std::abs(begin.u) <= ring.friction;
       end_s += motion.half_period_s();
     }
@@ -129,6 +138,7 @@ std::vector<double> MotionWithFriction(const FrictionRing& ring, std::span<const
 std::vector<double> LinearLessFriction(const FrictionRing& ring, double begin_s, bool release,
                                        std::span<const double> times_s) {
   const LinearMotion motion(ring.poles);
+  // continued backwards with the present half swing's friction
   const State now = BeginOf(ring);
   const double shift = ring.friction * DirectionOf(now);
   const auto at = [&](double time_s) {
@@ -136,10 +146,12 @@ std::vector<double> LinearLessFriction(const FrictionRing& ring, double begin_s,
     state.u -= shift;
     return state;
   };
+  // an impact begins at u = 0, a release at v = 0
   const auto which = [&](double time_s) { return release ? at(time_s).v : at(time_s).u; };
   const double zero_s = ZeroBefore(which, begin_s, motion.half_period_s());
   State begin = at(zero_s);
   (release ? begin.v : begin.u) = 0;
+  // the linear motion from the same begin, less the motion with friction
   std::vector<double> difference = MotionWithFriction(ring, times_s);
   for (std::size_t n = 0; n < times_s.size(); ++n) {
     difference[n] = Seen(motion.After(begin, times_s[n] - zero_s), ring.signal) - difference[n];
@@ -149,12 +161,13 @@ std::vector<double> LinearLessFriction(const FrictionRing& ring, double begin_s,
 
 namespace {
 
+// parameters: ln d, ln q, then the linear ones
 constexpr std::size_t kPoleParameters = 2;
 constexpr std::size_t kEven = kPoleParameters;
 constexpr std::size_t kOdd = kEven + 1;
 constexpr std::size_t kOffset = kOdd + 1;
 
-// the columns behind offset that do not depend on the poles
+// the linear columns behind the offset: line and hum, which do not depend on the poles
 class Background {
  public:
   Background(const RingSamples& samples, const RingBackground& background)
@@ -190,6 +203,7 @@ void WriteColumns(const PolePair& poles, const Background& background, double si
   background.Write(time_s, columns + 3);
 }
 
+// linear parameters by least squares at the given poles
 std::vector<double> StartPoint(const RingSamples& samples, const PolePair& poles,
                                const Background& background) {
   const auto linear = static_cast<Eigen::Index>(3 + background.count());
@@ -207,6 +221,7 @@ std::vector<double> StartPoint(const RingSamples& samples, const PolePair& poles
   return point;
 }
 
+// residuals model - sample (V); slopes by ln d, ln q and the linear parameters
 bool EvaluateAll(const RingSamples& samples, const Background& background,
                  std::span<const double> point, std::span<double> residuals,
                  std::span<double> jacobian) {
@@ -228,6 +243,7 @@ bool EvaluateAll(const RingSamples& samples, const Background& background,
     if (jacobian.empty()) continue;
     const RingingSlopes slopes = moments.SlopesAt(moment);
     double* row = jacobian.data() + n * point.size();
+    // chain rule: slope by ln d is d times that by d
     row[0] = decay * (point[kEven] * slopes.even_by_decay + point[kOdd] * slopes.odd_by_decay);
     row[1] = stiffness *
              (point[kEven] * slopes.even_by_stiffness + point[kOdd] * slopes.odd_by_stiffness);
@@ -246,7 +262,7 @@ RingDownSamples AsRecord(const RingSamples& samples, const RingBackground& backg
   return record;
 }
 
-// the same problem in as few rows as condensed_record.h makes of it
+// the same problem condensed to 12 rows (condensed_record.h)
 class CondensedFit {
  public:
   CondensedFit(const RingSamples& samples, const RingBackground& background)
@@ -264,12 +280,14 @@ class CondensedFit {
                              .stiffness_per_s2 = std::exp(point[1]),
                              .electrical_rate_per_s = 0,
                              .impact_s = samples_.times_s.front()};
+    // a trial outside of the condensation's range is rejected
     if (!CanBeCondensed(samples_, rates)) return false;
     const auto& condensed = condenser_.At(rates);
     for (std::size_t n = 0; n < kRows; ++n) {
       const auto [parts, value_v] = n < condensed.size() ? condensed[n] : CondensedRow{};
       const PartNumbers row = parts;
       const auto part = [&row](Part which) { return row[Index(which)]; };
+      // linear columns in the parameters' order
       std::array<double, 6> linear{part(Part::kEven), part(Part::kOdd), part(Part::kConstant)};
       std::size_t next = 3;
       if (samples_.drifts) linear[next++] = part(Part::kDrift) / length_s_;
@@ -301,7 +319,7 @@ class CondensedFit {
   Condenser condenser_;
 };
 
-// whether every trial that is not far off can be condensed
+// whether all trials near the start can be condensed
 bool SwingsLong(const RingSamples& samples, const PolePair& poles) {
   constexpr std::size_t kManySamples = 1000;
   constexpr double kLongAngle = 40;  // of the oscillation in the record
@@ -311,7 +329,7 @@ bool SwingsLong(const RingSamples& samples, const PolePair& poles) {
          std::sqrt(square) * length_s > kLongAngle;
 }
 
-// residuals with friction: the exact motion; slopes by the ringing's own five are differences
+// residuals with friction: the exact motion; slopes by d, q, even, odd, friction are differences
 class FrictionFit {
  public:
   FrictionFit(const RingSamples& samples, const Background& background)
@@ -357,6 +375,7 @@ class FrictionFit {
     constexpr double kStep = 1e-6;
     const double angular = std::exp(0.5 * point[1]);
     const double amplitude = std::hypot(point[kEven], point[kOdd] / angular);
+    // a step of 1e-6 in the parameter's unit: a logarithm, V, V/s, or the friction's
     double step = kStep;
     if (k >= kPoleParameters) step *= amplitude;
     if (k == kOdd) step *= angular;
@@ -386,6 +405,7 @@ RingSamples BlocksOf(const ImpulseRecord& record, std::size_t first, std::size_t
   for (std::size_t n = first; n + block <= end; n += block) {
     double sum = 0;
     for (std::size_t k = n; k < n + block; ++k) sum += record.voltage_v[k];
+    // a block with a missing sample is excluded; a mean stands at the block's middle
     if (!std::isfinite(sum)) continue;
     const double middle = static_cast<double>(n) + 0.5 * static_cast<double>(block - 1);
     samples.times_s.push_back(record.start_s + middle * record.step_s);
@@ -409,6 +429,7 @@ double RingFit::Squares() const {
   return sum;
 }
 
+// standard deviation of one parameter at this variance of the residuals
 double RingFit::Deviation(std::size_t column, double variance) const {
   const std::vector<bool> all(jacobian.columns, true);
   const std::vector<bool> none(jacobian.columns, false);
@@ -429,6 +450,7 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
       }};
   RingFit fit;
   const std::vector<bool> all(point.size(), true);
+  // a long oscillation is minimised over its condensed rows, at a cost independent of samples
   if (SwingsLong(samples, start)) {
     CondensedFit condensed(samples, background);
     const LeastSquares few{
@@ -440,7 +462,9 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   } else {
     fit.converged = Minimise(whole, all, &point).converged;
   }
+  // residuals and slopes of every sample, condensed or not
   fit.jacobian = Linearise(whole, point);
+  // friction starts from 0 at the linear solution
   if (background.has_friction) {
     const FrictionFit rubbing(samples, columns);
     point.push_back(0);
@@ -458,6 +482,7 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   fit.even_v = point[kEven];
   fit.odd_v_per_s = point[kOdd];
   fit.offset_v = point[kOffset];
+  // background in the order of Background::Write
   std::size_t next = kOffset + 1;
   if (background.drifts) fit.drift_v = point[next++];
   if (background.hum_hz > 0) {

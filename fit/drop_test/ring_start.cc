@@ -26,9 +26,9 @@ constexpr double kLeastSamplesPerPeriod = 5;
 constexpr std::size_t kLeastQuietSamples = 16;
 // below this energy over noise density the decay rate is uncertain to 2/sqrt(50) = 28 %
 constexpr double kLeastEnergy = 50;
-// of critical damping: from here on hardly a swing is seen
+// of critical damping: from here on the motion is treated as one without oscillation
 constexpr double kHeavy = 0.7;
-// the grid for these: up to 40 times the pencil's natural frequency, 10 times critical damping
+// the grid for these: 0.5 to 29 times the pencil's natural frequency, 0.7 to 10 times critical
 constexpr int kNaturals = 11;
 constexpr int kDampings = 11;
 // blocks that the poles of an oscillation are fitted to: enough for a period's shape
@@ -64,6 +64,7 @@ struct LinearFit {
   double energy_v2 = 0;  // sum of squares of the oscillation
 };
 
+// linear least squares of E, O and 1 at fixed poles
 LinearFit FitLinear(const std::vector<double>& values, double step_s, const PolePair& poles) {
   const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::MatrixX3d basis(count, 3);
@@ -104,8 +105,9 @@ PolePair BestOscillating(const ImpulseRecord& record, std::size_t first, const P
   return best.decay_per_s > 0 && best.stiffness_per_s2 > 0 ? best : seen;
 }
 
-// Of motions without oscillation the pencil sees little: blocks of an eighth of their slow decay
-// average the fast one away. The best of a grid of natural frequencies and dampings, refined.
+// Of motions without oscillation the matrix pencil determines little: its blocks of an eighth of
+// the slow decay time average the fast decay out. The best of a grid of natural frequencies and
+// dampings, refined.
 PolePair BestHeavilyDamped(const ImpulseRecord& record, std::size_t first,
                            const std::vector<double>& values, const PolePair& seen) {
   PolePair best = seen;
@@ -158,11 +160,12 @@ double ZeroNear(const Swing& swing, const PolePair& poles, double near_s) {
   const double square = poles.stiffness_per_s2 - poles.decay_per_s * poles.decay_per_s;
   if (square > 0) {
     const double angular = std::sqrt(square);
+    // zeros of even cos(w t) + odd/w sin(w t): tan(w t) = -w even/odd, half a period apart
     const double zero = std::atan2(-angular * swing.even, swing.odd) / angular;
     const double half_period = std::numbers::pi / angular;
     return zero + half_period * std::round((near_s - zero) / half_period);
   }
-  // overdamped: one crossing at most
+  // overdamped: tanh(r t) = -r even/odd, at most one zero
   const double rate = std::sqrt(-square);
   const double ratio = -rate * swing.even / swing.odd;
   return rate > 0 && std::abs(ratio) < 1 ? std::atanh(ratio) / rate : near_s;
@@ -182,7 +185,7 @@ std::unexpected<Error> Unfit(const ImpulseRecord& record, std::string what, std:
   return CannotAnswer(record.name, std::move(what), std::move(remedy));
 }
 
-// the blow and what precedes it, in samples
+// the impact and what precedes it, in samples
 struct Blow {
   std::size_t sample = 0;  // the first behind it
   double middle_v = 0;     // median of the record
@@ -190,8 +193,8 @@ struct Blow {
   double period_samples = 0;
 };
 
-// The sample that best parts a quiet stretch from the ring-down: the squares of what lies before it
-// and those of what the ring-down, continued backwards from `known`, leaves behind it, are least.
+// The sample that divides the quiet part from the ring-down with the least sum of squares: of the
+// samples before it, and of the residuals of the ring-down that is continued back from `known`.
 std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_s, const Blow& blow,
                                  std::size_t first, std::size_t known) {
   const auto ringing = From(values, known, blow.middle_v);
@@ -201,6 +204,7 @@ std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_
   double gain = 0;
   double least = 0;
   std::size_t best = known;
+  // one sample earlier: the ring-down's residual is added, the quiet sample's square is removed
   for (std::size_t n = known; n-- > first;) {
     const double before_s = -step_s * static_cast<double>(known - n);
     const auto pair =
@@ -216,8 +220,8 @@ std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_
   return best;
 }
 
-// Sum of squares of what a record is not, parted before sample `n`: constant, then a ring-down;
-// infinite where the rest is none.
+// Residual sum of squares of a record that is divided before sample `n`: a constant, then a
+// ring-down; infinite where the rest is none.
 double Misfit(const std::vector<double>& values, double step_s, const Blow& blow, std::size_t n) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const auto ringing = From(values, n, blow.middle_v);
@@ -225,6 +229,7 @@ double Misfit(const std::vector<double>& values, double step_s, const Blow& blow
   if (!poles || IsHeavilyDamped(*poles)) return kNone;
   const LinearFit fit = FitLinear(ringing, step_s, *poles);
   double sum = fit.residual_rms_v * fit.residual_rms_v * static_cast<double>(ringing.size());
+  // the quiet part lies at the ring-down's own offset
   for (std::size_t k = 0; k < n; ++k) {
     const double quiet = values[k] - blow.middle_v - fit.offset_v;
     sum += quiet * quiet;
@@ -240,6 +245,7 @@ std::size_t BestParting(const std::vector<double>& values, double step_s, const 
   const std::size_t stride = std::max<std::size_t>(period / 16, 1);
   std::size_t best = first_large;
   double least = Misfit(values, step_s, blow, first_large);
+  // at least two periods remain for the ring-down
   for (std::size_t n = 0; n + 2 * period < values.size(); n += stride) {
     const double misfit = Misfit(values, step_s, blow, n);
     if (misfit >= least) continue;
@@ -258,10 +264,12 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
   if (6 * period > values.size() || amplitudes.empty()) {
     return BestParting(values, step_s, blow, first_large);
   }
+  // where the amplitude over the following period reaches half of its largest
   const double half = *std::ranges::max_element(amplitudes) / 2;
   const auto risen = static_cast<std::size_t>(
       std::ranges::find_if(amplitudes, [half](double a) { return a >= half; }) -
       amplitudes.begin());
+  // the amplitude at n is that of the period behind n: a period and a quarter later, only ringing
   const std::size_t known = risen + period + period / 4;
   if (known + 3 * period > values.size()) {
     return BestParting(values, step_s, blow, first_large);
@@ -273,6 +281,7 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
 Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& values) {
   Blow blow;
   blow.middle_v = dsp::Median(values);
+  // a rough begin, good enough for the frequency of the strongest oscillation
   const auto rough = FindLargeSample(values, blow.middle_v);
   const auto frequency_hz = StrongestFrequency(From(values, rough, blow.middle_v), record.step_s);
   if (!frequency_hz) {
@@ -292,19 +301,21 @@ Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& 
   return blow;
 }
 
-// The voltage around a blow of half a sine of force whose middle is at 0, over the ring-down's own
-// first value. While it lasts, T long, a speed of 1 is given to an oscillation w,
+// The voltage around an impact of half a sine of force whose middle is at 0, over the ring-down's
+// own first value. While it lasts, T long, a speed of 1 is given to an oscillation w,
 //
 //     v = (cos(w u) - cos(pi u/T)) / (2 cos(w T/2)),   u the time since its begin;
 //
 // behind it the ring-down cos(w t) - d/w sin(w t) is as if all had come at once in its middle. The
-// decay is that of a blow without length, to first order of d T.
+// decay is that of an impact without length, to first order of d T.
 double AroundBlow(const PolePair& poles, double contact_s, double time_s) {
+  // w^2 = q - d^2, at least q/100 near critical damping
   const double angular =
       std::sqrt(std::max(poles.stiffness_per_s2 - poles.decay_per_s * poles.decay_per_s,
                          0.01 * poles.stiffness_per_s2));
   const double since_s = time_s + contact_s / 2;
   if (since_s <= 0) return 0;
+  // free decay in units of the first value: e^(-d t) (cos(w t) - d/w sin(w t)), behind the contact
   const double fall = std::exp(-poles.decay_per_s * std::max(time_s, 0.0));
   const double slowed = poles.decay_per_s / angular * std::sin(angular * std::max(time_s, 0.0));
   if (time_s >= contact_s / 2) return fall * (std::cos(angular * time_s) - slowed);
@@ -314,15 +325,16 @@ double AroundBlow(const PolePair& poles, double contact_s, double time_s) {
   return fall * (gained - slowed);
 }
 
-// samples around a blow, with times from where it is believed
+// samples around an impact, with times from its estimate
 struct Around {
   std::vector<double> times_s;
   std::vector<double> values_v;  // without offset
 };
 
-// sum of squares that a contact of this length leaves, amplitude and time of the blow being free
+// residual sum of squares for this contact length; amplitude and time of the impact are free
 double LeftByContact(const Around& around, const PolePair& poles, double contact_s,
                      double amplitude_v) {
+  // step of the derivative by time: w dt = 1e-4
   const double nudge_s = 1e-4 / std::sqrt(poles.stiffness_per_s2);
   double blow_s = 0;
   double left = 0;
@@ -342,18 +354,20 @@ double LeftByContact(const Around& around, const PolePair& poles, double contact
       left += residual * residual;
     }
     if (round == 4) break;
+    // keeps the system regular where both columns are parallel
     normal.diagonal() *= 1 + 1e-9;
     const Eigen::Vector2d step = normal.ldlt().solve(seen);
     if (!step.allFinite()) break;
     amplitude_v += step[0];
+    // w dt of a step at most 0.05, within the range of the linearisation
     const double most_s = 0.05 / std::sqrt(poles.stiffness_per_s2);
     blow_s += std::clamp(step[1], -most_s, most_s);
   }
   return left;
 }
 
-// How long the blow lasts: all lengths up to a third of a period that leave no more than the best
-// one does by four variances of the noise; by 30 % less and more, for a force of another shape.
+// How long the contact lasts: all lengths up to a third of a period whose sum of squares exceeds
+// the least by at most four variances of the noise, widened by 30 % for a force of another shape.
 void WriteContact(const ImpulseRecord& record, const std::vector<double>& values,
                   RingStart* start) {
   constexpr std::size_t kMostSamples = 200;
@@ -361,6 +375,7 @@ void WriteContact(const ImpulseRecord& record, const std::vector<double>& values
   constexpr double kLeastNoise = 1e-3;  // of the first voltage: decay and friction meanwhile
   constexpr double kShape = 0.3;
   const double period_s = 2 * std::numbers::pi / std::sqrt(start->poles.stiffness_per_s2);
+  // 0.3 of a period on either side of the impact, in at most 200 samples
   const double reach = 0.3 * period_s / record.step_s;
   const double middle = (start->impact_s - record.start_s) / record.step_s;
   const auto stride = static_cast<std::size_t>(std::max(2 * reach / kMostSamples, 1.0));
@@ -375,26 +390,31 @@ void WriteContact(const ImpulseRecord& record, const std::vector<double>& values
     around.times_s.push_back((static_cast<double>(n) - middle) * record.step_s);
     around.values_v.push_back(values[n] - start->offset_v);
   }
+  // residuals of 48 lengths from 0 to a third of a period
   std::array<double, kLengths> left{};
   for (std::size_t k = 0; k < left.size(); ++k) {
     const double contact_s = static_cast<double>(k) / (kLengths - 1) * period_s / 3;
     left[k] = LeftByContact(around, start->poles, contact_s, start->impact_voltage_v);
   }
   const double least = *std::ranges::min_element(left);
+  // degrees of freedom: samples less amplitude, time and length
   const double degrees = std::max(static_cast<double>(around.times_s.size()) - 3, 1.0);
   const double noise_v = std::max({start->quiet_noise_v, std::sqrt(least / degrees),
                                    kLeastNoise * std::abs(start->impact_voltage_v)});
+  // chi^2 above the least by 4: 95 % of one parameter
   const auto holds = [&](double sum) { return sum <= least + 4 * noise_v * noise_v; };
   const auto first = std::ranges::find_if(left, holds) - left.begin();
   const auto last = std::ranges::find_if(left.rbegin(), left.rend(), holds) - left.rbegin();
   const double between_s = period_s / 3 / (kLengths - 1);
+  // from one grid step below the first accepted length to one above the last
   start->shortest_contact_s =
       has_all ? (1 - kShape) * between_s * std::max(static_cast<double>(first) - 1, 0.0) : 0;
   start->longest_contact_s = (1 + kShape) * between_s * static_cast<double>(kLengths - last);
 }
 
-// whether the ring-down stands out of the noise and is sampled densely enough
+// whether the ring-down's energy exceeds the noise and it is sampled densely enough
 Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const LinearFit& fit) {
+  // rho of ring_start.h: sum of squares of the oscillation over the noise's mean square
   const double energy = fit.energy_v2 / (fit.residual_rms_v * fit.residual_rms_v);
   if (energy < kLeastEnergy) {
     return Unfit(
@@ -429,7 +449,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   const auto blow = LocateBlow(record, values);
   if (!blow) return std::unexpected(blow.error());
 
-  // an eighth of a period behind the blow the fit begins; a quarter before it the quiet ends
+  // an eighth of a period behind the impact the fit begins; a quarter before it the quiet ends
   RingStart start;
   const auto eighth = static_cast<std::size_t>(std::ceil(blow->period_samples / 8));
   start.first_sample = blow->sample + eighth;
@@ -452,7 +472,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   start.offset_v = blow->middle_v + fit.offset_v;
   start.residual_rms_v = fit.residual_rms_v;
 
-  // backwards to the blow, which lies before its first sample
+  // backwards to the impact, which lies before its first sample
   const double blow_s = static_cast<double>(blow->sample) - (blow->sample > 0 ? 0.5 : 0.0);
   const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
   const double first_s = record.start_s + static_cast<double>(start.first_sample) * record.step_s;
@@ -460,6 +480,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   const double impact_s = ZeroNear(IntegralOf(swing, start.poles), start.poles, near_s);
   start.impact_s = first_s + impact_s;
   start.impact_voltage_v = swing.At(start.poles, impact_s);
+  // the contact is determined only after a stated height and a quiet part of the record
   if (record.drop_height_m && start.quiet_samples > 0 && !IsHeavilyDamped(start.poles) &&
       record.signal == RecordedSignal::kVoltage) {
     WriteContact(record, values, &start);
@@ -470,6 +491,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
       start.first_sample = std::max(start.first_sample, over);
     }
   }
+  // a released current begins at a zero of the voltage, with the slope Km^2 I0/M
   const double release_s = ZeroNear(swing, start.poles, near_s);
   start.release_s = first_s + release_s;
   start.release_slope_v_per_s = SlopeOf(swing, start.poles).At(start.poles, release_s);
@@ -516,6 +538,7 @@ std::vector<double> Filled(const std::vector<double>& values) {
     }
     last = n;
   }
+  // behind the last sample: its value
   for (std::size_t k = last + 1; k < values.size(); ++k) filled[k] = values[last];
   return filled;
 }
@@ -523,6 +546,7 @@ std::vector<double> Filled(const std::vector<double>& values) {
 std::vector<double> FollowingAmplitude(const std::vector<double>& values, double middle_v,
                                        double period_samples) {
   const auto period = static_cast<std::size_t>(std::ceil(period_samples));
+  // running sum of v e^(-j w t): the sum over any period is a difference of two
   const Turn turn(values.size(), period_samples);
   std::vector<Complex> turned(values.size() + 1);
   for (std::size_t n = 0; n < values.size(); ++n) {

@@ -48,6 +48,7 @@ RingingMoment RingingMoments::Begin(double since_s) {
   return first_;
 }
 
+// D = dO/d(d^2 - q) = (t E - O)/(2 (d^2 - q)), by its series where the difference cancels
 double RingingMoments::OddByDiscriminant(const RingingMoment& moment) const {
   const double t = moment.since_s;
   const double z = discriminant_per_s2_ * t * t;
@@ -55,6 +56,7 @@ double RingingMoments::OddByDiscriminant(const RingingMoment& moment) const {
                                : (t * moment.even - moment.odd) / (2 * discriminant_per_s2_);
 }
 
+// E by d is t (d O - E), by q -t O/2; O by d is 2 d D - t O, by q -D
 RingingSlopes RingingMoments::SlopesAt(const RingingMoment& moment) const {
   const auto [t, even, odd, electrical] = moment;
   const double by_discriminant = OddByDiscriminant(moment);
@@ -66,6 +68,7 @@ RingingSlopes RingingMoments::SlopesAt(const RingingMoment& moment) const {
           .odd_by_time = even - decay_per_s_ * odd};
 }
 
+// drift about the record's middle (s), cosine and sine of the hum, in the record's own time
 std::array<double, 3> RecordingParts::At(double time_s) const {
   if (hum_rad_per_s == 0) return {time_s - middle_s, 1, 0};
   return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
@@ -79,6 +82,7 @@ RingingParts::RingingParts(const RingDownSamples& record, const RingingRates& ra
                record.step_s / record.time_scale) {}
 
 PartNumbers RingingParts::At(double time_s) {
+  // time since the impact in true seconds
   const RingingMoment moment = moments_.At((time_s - impact_s_) * per_time_scale_);
   const auto [t, even, odd, electrical] = moment;
   const auto [drift, cosine, sine] = recording_.At(time_s);
@@ -108,11 +112,12 @@ double RingingParts::SumAt(double time_s, const PartNumbers& coefficients) {
 
 namespace {
 
-// the parameters behind which derivatives are automatic, up to the circuit's numbers
+// parameters with automatic derivatives (Ceres jets): those of the circuit's numbers
 constexpr std::size_t kRingingCount = Index(Own::kDrift);
 constexpr int kAutomatic = static_cast<int>(kSharedCount + kRingingCount);
 using Jet = ceres::Jet<double, kAutomatic>;
 
+// mass ratio times M, plus the added mass
 Jet RingingMass(const RingDownSamples& record, const Jet* shared) {
   return record.mass_ratio * exp(shared[Index(Shared::kMass)]) + record.added_mass_kg;
 }
@@ -152,6 +157,7 @@ struct Jets {
   std::array<Jet, kRingingCount> own;
 };
 
+// each parameter with a derivative of 1 by itself
 Jets MakeJets(const double* shared, const double* own) {
   Jets jets;
   for (std::size_t k = 0; k < kSharedCount; ++k)
@@ -169,7 +175,7 @@ struct Circuitry {
   Jet odd;
   Jet electrical;
 
-  // by a parameter behind which derivatives are automatic
+  // slopes by a parameter whose derivatives are automatic
   void WriteAutomatic(std::size_t parameter, RingingSum& sum) const {
     const auto k = static_cast<int>(parameter);
     const double d = circuit.decay_per_s().a;
@@ -186,7 +192,7 @@ struct Circuitry {
     slope(Part::kTimesElectrical) = -electrical.a * circuit.electrical_rate_per_s().v[k];
   }
 
-  // by the time of the blow: E by t is (d^2 - q) O - d E, O by t is E - d O
+  // by the time of the impact: E by t is (d^2 - q) O - d E, O by t is E - d O
   void WriteByImpact(double time_scale, RingingSum& sum) const {
     const double d = circuit.decay_per_s().a;
     const double discriminant = d * d - circuit.stiffness_per_s2().a;
@@ -201,6 +207,7 @@ struct Circuitry {
 
 Circuitry CircuitryOf(const RingDownSamples& record, double inductance_h, const Jets& jets) {
   const auto circuit = Circuit(record, inductance_h, jets.shared.data());
+  // the shapes begin below 0: a record of positive polarity has the opposite sign
   const Jet amplitude = -record.polarity * Amplitude(record, jets.shared.data(), jets.own.data());
   const auto shape = Shape(record.signal, circuit);
   return {circuit, amplitude * shape.even, amplitude * shape.odd, amplitude * shape.electrical};
@@ -232,6 +239,7 @@ RingingSum SumOfParts(const RingDownSamples& record, double inductance_h, const 
   for (std::size_t k = 0; k < kSharedCount; ++k) ringing.WriteAutomatic(k, sum);
   ringing.WriteAutomatic(kSharedCount + Index(Own::kAmplitude), sum);
   ringing.WriteByImpact(record.time_scale, sum);
+  // linear parameters: the part's coefficient, with a slope of 1
   for (const auto& [part, parameter] :
        {std::pair(Part::kConstant, Own::kOffset), std::pair(Part::kDrift, Own::kDrift),
         std::pair(Part::kHumCosine, Own::kHumCosine), std::pair(Part::kHumSine, Own::kHumSine)}) {

@@ -39,10 +39,12 @@ using Weights = std::vector<double>;
 constexpr std::size_t kLeastPoints = 6;
 // of the residual's mean square; a resonance's four shapes of noise alone stay below
 constexpr double kLeastGain = 30;
+// standard uncertainty of ln R beyond which a stated R replaces the sweep's own
 constexpr double kMostResistanceShare = 0.05;
+// see Blur (fit/identifiability.h)
 constexpr double kMostBlur = 1e-3;
 
-// what the fit takes from outside
+// a stated number that the fit uses
 struct Input {
   std::string name;
   std::string unit;
@@ -59,6 +61,7 @@ struct Solved {
   std::vector<Input> inputs;
 };
 
+// finite points by frequency; equal frequencies in an order that does not depend on the table's
 std::vector<ImpedancePoint> Measured(const std::vector<ImpedancePoint>& points) {
   std::vector<ImpedancePoint> measured;
   measured.reserve(points.size());
@@ -94,6 +97,7 @@ Result<void> CheckPoints(const std::vector<ImpedancePoint>& points, const std::s
                       "sweep through the resonance in steps of a quarter of its width f0/Q");
 }
 
+// mean square per degree of freedom; a point has two residuals
 double MeanSquare(const ImpedanceStart& start, std::size_t points) {
   return start.cost / static_cast<double>(2 * points - kImpedanceParameters);
 }
@@ -107,7 +111,7 @@ std::vector<ImpedancePoint> WithPhases(std::vector<ImpedancePoint> points, F pha
   return points;
 }
 
-// whether another reading of the phases fits far better than the given one, which fits badly
+// whether another reading of the phases fits far better than the given one, which fits poorly
 Result<void> CheckPhases(const std::vector<ImpedancePoint>& points,
                          const std::optional<ImpedanceStart>& start, const std::string& name) {
   constexpr double kBadly = 0.02;  // RMS of |Zmodel/Z - 1|
@@ -115,6 +119,7 @@ Result<void> CheckPhases(const std::vector<ImpedancePoint>& points,
   if (start && std::sqrt(MeanSquare(*start, points.size())) < kBadly) return {};
   const auto is_better = [&](const std::vector<ImpedancePoint>& other) {
     const auto fit = StartImpedance(other);
+    // reference: the fit of the given phases; without one, the coil without a resonance
     const double given = start ? start->cost : fit ? fit->plain_cost : 0;
     const bool stands_out =
         fit && fit->plain_cost - fit->cost > kLeastGain * MeanSquare(*fit, other.size());
@@ -132,6 +137,7 @@ Result<void> CheckPhases(const std::vector<ImpedancePoint>& points,
   return {};
 }
 
+// a resonance counts if it reduces the cost of a coil alone by kLeastGain mean squares
 Result<void> CheckResonance(const std::vector<ImpedancePoint>& points,
                             const std::optional<ImpedanceStart>& start, const std::string& name) {
   const bool stands_out =
@@ -143,6 +149,7 @@ Result<void> CheckResonance(const std::vector<ImpedancePoint>& points,
                       "sweep through it, 50 to 500 Hz for an LRA, with the mover free to swing");
 }
 
+// standard deviation of a parameter from the sweep's noise
 double Deviation(const Solved& solved, P parameter) {
   return std::sqrt(
       solved.solution.seen.covariance[Index(parameter) * kImpedanceParameters + Index(parameter)]);
@@ -156,6 +163,7 @@ void Hold(P parameter, const Quantity& stated, bool is_logarithm, Solved* solved
 
 void Solve(Solved* solved) {
   static const std::vector<bool> kLogarithms{true, true, true, true, false};
+  // weighted by the noises of magnitudes and phases, which are estimated together
   solved->solution =
       SolveGroups(ImpedanceProblem(solved->points), ImpedanceGroups(solved->points.size()),
                   solved->is_free, kLogarithms, &solved->parameters);
@@ -171,6 +179,7 @@ void AddHeldInput(P parameter, std::string name, std::string unit, const Quantit
   }
   Input input{std::move(name), std::move(unit), stated,
               Response(solved->solution.seen, jacobian, change)};
+  // the held parameter moves with the stated value, the others by their response
   input.response[Index(parameter)] += per_share;
   solved->inputs.push_back(std::move(input));
 }
@@ -187,6 +196,7 @@ std::optional<double> TakeMass(const ActuatorKnowns& knowns, CaseCondition condi
   }
   if (!knowns.case_mass_kg) return {};
   const double case_mass = knowns.case_mass_kg->value;
+  // M = Mv Mc/(Mv + Mc): d ln M = (Mc d ln Mv + Mv d ln Mc)/(Mv + Mc)
   const double whole = mover + case_mass;
   solved->inputs.push_back({"moving mass", "kg", *knowns.moving_mass_kg, none, case_mass / whole});
   solved->inputs.push_back({"case mass", "kg", *knowns.case_mass_kg, none, mover / whole});
@@ -201,6 +211,7 @@ struct Product {
   std::string unit;
 };
 
+// relative change of the product per relative change of the input
 double Share(const Input& input, const Product& product) {
   double share = input.mass_power * product.mass_power;
   for (std::size_t k = 0; k < product.weights.size(); ++k) {
@@ -216,11 +227,13 @@ double RelativeUncertainty(const Input& input) {
 FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
                      const Product& product) {
   if (product.mass_power != 0 && !mass_kg) return {.at_most = {}, .unit = product.unit};
+  // the logarithm of a product of powers is linear in the parameters
   double logarithm = std::log(product.factor);
   if (product.mass_power != 0) logarithm += product.mass_power * std::log(*mass_kg);
   for (std::size_t k = 0; k < product.weights.size(); ++k) {
     logarithm += product.weights[k] * solved.parameters[k];
   }
+  // type B: uncorrelated inputs add in squares (GUM 5.1.2)
   double input_variance = 0;
   for (const auto& input : solved.inputs) {
     input_variance += std::pow(Share(input, product) * RelativeUncertainty(input), 2);
@@ -238,6 +251,7 @@ Weights Power(P parameter, double power) {
   return weights;
 }
 
+// Kv = M w0^2, Bv = M g, Km = sqrt(M Km^2/M)
 std::array<Product, 3> Constants() {
   return {Product{Power(P::kAngular, 2), 1, 1, "N/m"},
           Product{Power(P::kDamping, 1), 1, 1, "N s/m"},
@@ -249,6 +263,7 @@ void Conclude(const Solved& solved, const std::optional<double>& mass_kg, Impeda
   fit->stiffness = Evaluate(solved, mass_kg, constants[0]);
   fit->damping = Evaluate(solved, mass_kg, constants[1]);
   fit->force_constant = Evaluate(solved, mass_kg, constants[2]);
+  // without M: what the sweep determines by itself
   const auto alone = [&](Weights weights, double factor, std::string unit) {
     return Evaluate(solved, mass_kg, {std::move(weights), 0, factor, std::move(unit)});
   };
@@ -256,6 +271,7 @@ void Conclude(const Solved& solved, const std::optional<double>& mass_kg, Impeda
   fit->damping_over_mass = alone(Power(P::kDamping, 1), 1, "1/s");
   fit->coupling_over_mass = alone(Power(P::kCoupling, 1), 1, "N^2/(A^2 kg)");
   fit->natural_frequency = alone(Power(P::kAngular, 1), 0.5 / std::numbers::pi, "Hz");
+  // Q = w0/g
   Weights quality = Power(P::kAngular, 1);
   quality[Index(P::kDamping)] = -1;
   fit->quality_factor = alone(quality, 1, "");
@@ -272,6 +288,7 @@ void Conclude(const Solved& solved, const std::optional<double>& mass_kg, Impeda
   }
 }
 
+// L is fitted itself: below three standard deviations it has an upper limit of 95 %
 void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, ImpedanceFit* fit) {
   const double value = solved.parameters[Index(P::kInductance)];
   const bool stated = !solved.is_free[Index(P::kInductance)];
@@ -291,6 +308,7 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
 // of the logarithms of Kv, Bv, Km, R and L, where determined
 void ConcludeCovariance(const Solved& solved, ImpedanceFit* fit) {
   const auto constants = Constants();
+  // L is no logarithm: d ln L = dL/L
   Weights of_inductance = Power(P::kInductance, 1);
   of_inductance[Index(P::kInductance)] /= fit->inductance.value;
   const std::array<std::pair<const FittedValue*, Product>, 5> rows{
@@ -304,6 +322,7 @@ void ConcludeCovariance(const Solved& solved, ImpedanceFit* fit) {
       const auto& [one, of_one] = rows[i];
       const auto& [other, of_other] = rows[j];
       if (!one->determined || !other->determined) continue;
+      // type A by the solution's covariance, type B by the inputs that both share
       double sum = Covariance(solved.solution.seen, of_one.weights, of_other.weights);
       for (const auto& input : solved.inputs) {
         const double relative = RelativeUncertainty(input);
@@ -330,6 +349,7 @@ void Describe(const Solved& solved, ImpedanceFit* fit) {
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
   fit->correlation = Correlations(solution.seen);
+  // half width at half of the motion's largest amplitude: sqrt(3)/2 f0/Q
   const double half_width_hz =
       std::numbers::sqrt3 / 2 * fit->natural_frequency.value / fit->quality_factor.value;
   for (const auto& point : solved.points) {
@@ -355,7 +375,7 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
     return std::unexpected(good.error());
   }
 
-  // the sweep's own resistance, unless it tells none
+  // R is the sweep's own unless the sweep does not determine it
   solved.parameters = start->parameters;
   solved.is_free.assign(kImpedanceParameters, true);
   ImpedanceFit fit;
@@ -429,6 +449,7 @@ void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit*
                findings);
   DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->farthest_hz, findings);
   if (!knowns.resistance_ohm || !fits_resistance) return;
+  // a doubt beyond 3 standard uncertainties and 2 % of the stated resistance
   const double stated = knowns.resistance_ohm->value;
   const double apart = std::abs(fit->resistance.value - stated);
   const double uncertainty = std::hypot(fit->resistance.combined_standard_uncertainty,

@@ -11,9 +11,11 @@ namespace haptometer::fit {
 namespace {
 
 constexpr double kSquareMillimetre = 1e-6;
+// largest over smallest area below which an exponent is not determined
 constexpr double kLeastRatio = 1.1;
 constexpr double kNormal95 = 1.96;
 
+// ln(area / 1 mm2)
 double LogArea(const AreaPoint& point) { return std::log(point.area_m2 / kSquareMillimetre); }
 
 double Weight(const AreaPoint& point) {
@@ -21,7 +23,7 @@ double Weight(const AreaPoint& point) {
   return 1 / std::max(point.relative_uncertainty * point.relative_uncertainty, 1e-24);
 }
 
-// what the points leave of a straight line
+// chi^2 of the points about a straight line in logarithms
 double ChiSquare(const std::vector<AreaPoint>& points, const AreaLaw& law) {
   double square = 0;
   for (const auto& point : points) {
@@ -38,6 +40,7 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
   if (points.size() < 2) return {};
   const auto [least, most] = std::ranges::minmax_element(points, {}, &AreaPoint::area_m2);
   if (most->area_m2 < kLeastRatio * least->area_m2) return {};
+  // weighted means of ln area and ln value
   double weights = 0, middle = 0, level = 0;
   for (const auto& point : points) {
     weights += Weight(point);
@@ -49,6 +52,7 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
   double spread = 0;
   for (const auto& point : points) spread += Weight(point) * std::pow(LogArea(point) - middle, 2);
 
+  // the exponent is linear in the ln values: the same weights propagate their uncertainties
   AreaLaw law;
   for (const auto& point : points) {
     law.weights.push_back(Weight(point) * (LogArea(point) - middle) / spread);
@@ -57,6 +61,7 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
   law.at_one_mm2 = std::exp(level - law.exponent * middle);
   law.standard_uncertainty = 1 / std::sqrt(spread);
   law.coverage_95 = kNormal95;
+  // three points and more: scatter beyond chi^2 widens by the Birge ratio, with Student's t
   if (points.size() > 2) {
     const auto degrees = static_cast<double>(points.size() - 2);
     const double square = ChiSquare(points, law);
@@ -67,6 +72,7 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
       law.coverage_95 = dsp::StudentCritical(degrees);
     }
   }
+  // type B: an actuator's error moves all areas together, by g' C g
   std::vector<double> responses(input_covariance.size(), 0.0);
   for (std::size_t k = 0; k < responses.size(); ++k) {
     for (std::size_t n = 0; n < points.size(); ++n) {
@@ -122,6 +128,7 @@ std::optional<double> ThesisExponent(const AreaLaw& law, const std::vector<AreaP
   std::vector<double> values;
   values.reserve(points.size());
   for (const auto& point : points) {
+    // the thesis's formula holds within its own range of areas only
     if (point.area_m2 < sim::kSkinAreaMinM2 || point.area_m2 > sim::kSkinAreaMaxM2) return {};
     values.push_back(sim::SkinUnderArea(point.area_m2, range).*which.thesis);
   }

@@ -71,6 +71,7 @@ ContactValue ContactAt(const sim::Actuator& actuator, DriveQuantity drive,
   const double Ks = std::exp(parameters[Index(P::kStiffness)]);
   const double Bs = std::exp(parameters[Index(P::kDamping)]);
   const double m = parameters[Index(P::kMass)];
+  // complex stiffnesses, N/m: D of the mover's spring, T of skin and case
   const Complex D(actuator.stiffness_n_per_m, w * actuator.damping_n_s_per_m);
   const Complex T(Ks - w * w * (Mc + m), w * Bs);
   const Complex mover = D - w * w * Mv;
@@ -83,6 +84,7 @@ ContactValue ContactAt(const sim::Actuator& actuator, DriveQuantity drive,
   Complex slope = -mover / denominator;
   ContactValue value{per_ampere, {}};
   if (drive == DriveQuantity::kVoltage) {
+    // Z = R + j w L - j w Km y (ohm), y the mover's travel per ampere
     const Complex impedance =
         Complex(actuator.resistance_ohm, w * actuator.inductance_h) - Complex(0, w * Km) * travel;
     value.motion = per_ampere / impedance;
@@ -90,6 +92,7 @@ ContactValue ContactAt(const sim::Actuator& actuator, DriveQuantity drive,
     const Complex impedance_slope = -Complex(0, w * Km) * (w * w * Mv / mover) * per_ampere * slope;
     slope -= impedance_slope / impedance;
   }
+  // by ln Ks, ln Bs and m: dT = Ks, j w Bs and -w^2
   value.logarithmic_slopes = {slope * Ks, slope * Complex(0, w * Bs), -slope * (w * w)};
   return value;
 }
@@ -100,7 +103,9 @@ using Weights = std::vector<double>;
 
 constexpr std::size_t kLeastPoints = 5;
 constexpr std::size_t kLeastFrequencies = 4;
+// see Blur (fit/identifiability.h)
 constexpr double kMostBlur = 1e-3;
+// standard uncertainty over Mc + m up to which the skin's mass is determined
 constexpr double kMostMassShare = 0.25;
 
 // a given number, and how the parameters answer to a share of it
@@ -110,6 +115,7 @@ struct Input {
   Weights response;
 };
 
+// complete points by frequency; equal frequencies in an order that does not depend on the table's
 std::vector<SkinPoint> Measured(const std::vector<SkinPoint>& points) {
   std::vector<SkinPoint> measured;
   measured.reserve(points.size());
@@ -126,6 +132,7 @@ std::vector<SkinPoint> Measured(const std::vector<SkinPoint>& points) {
   return measured;
 }
 
+// positive numbers, and the same optional columns as in the first point
 Result<void> CheckPoint(const SkinPoint& point, const SkinPoint& first, const std::string& name) {
   if (!(point.frequency_hz > 0 && point.displacement_m > 0 && point.drive > 0)) {
     return CannotAnswer(name,
@@ -185,9 +192,11 @@ Weights ActuatorResponse(const SkinProblem& problem, const std::vector<double>& 
   const auto below =
       problem.ResidualsWith(sim::Scaled(problem.actuator(), place, 1 - kStep), parameters);
   for (std::size_t n = 0; n < change.size(); ++n) {
+    // a difference of phases is taken between -pi and pi
     const double difference = std::remainder(change[n] - below[n], 2 * std::numbers::pi);
     change[n] = difference / (2 * kStep) / solution.noise[groups.group_of[n]];
   }
+  // -(J'J)^+ J' change: per relative change of that number
   return Response(solution.seen, solution.jacobian, change);
 }
 
@@ -214,6 +223,7 @@ std::vector<Input> Inputs(const SkinProblem& problem, const sim::ActuatorCovaria
   return inputs;
 }
 
+// g' C g (GUM 5.2.2): g responses of the parameter, C relative covariance of the actuator's numbers
 double InputVariance(const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
                      P parameter) {
   double variance = 0;
@@ -226,6 +236,7 @@ double InputVariance(const std::vector<Input>& inputs, const sim::ActuatorCovari
   return std::max(variance, 0.0);
 }
 
+// Ks or Bs from its fitted logarithm
 FittedValue Logarithmic(const std::vector<double>& parameters, const GroupedSolution& solution,
                         const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
                         P parameter, std::string unit) {
@@ -238,6 +249,7 @@ FittedValue Logarithmic(const std::vector<double>& parameters, const GroupedSolu
   return value;
 }
 
+// the skin's mass m is fitted itself, not as a logarithm: it may be 0 or negative
 FittedValue Mass(double case_mass_kg, const std::vector<double>& parameters,
                  const GroupedSolution& solution, const std::vector<Input>& inputs,
                  const sim::ActuatorCovariance& covariance) {
@@ -281,7 +293,7 @@ void ExplainUndetermined(SkinFit* fit) {
   if (!fit->mass.determined) fit->findings.Note(FindingKind::kSkinMassNotDetermined);
 }
 
-// numbers that are unlike those of skin under an actuator
+// ranges (N/m, N s/m, m, A, V, Hz) of a skin under an actuator: values outside indicate wrong units
 void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
   using enum FindingKind;
   Findings& findings = fit->findings;
@@ -308,6 +320,7 @@ void AddDoubts(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit)
   constexpr double kPoorly = 0.2;
   Findings& findings = fit->findings;
   DoubtUnits(sweep, problem, fit);
+  // residuals of 20 % without stated uncertainties, or of three times the stated ones
   if (!fit->uncertainties_stated && fit->magnitude_noise > kPoorly) {
     findings.Doubt(kFarOffModel, {{"share", fit->magnitude_noise}});
   }
@@ -321,10 +334,12 @@ void AddDoubts(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit)
   }
 }
 
-// a second solution within nine units of chi-square
+// a second solution within nine units of chi-squared
 void NameSecondSolution(const std::vector<SkinStart>& starts, SkinFit* fit) {
   if (starts.size() < 2) return;
+  // costs are without weights: the best one's mean square per degree of freedom is the unit
   const double degrees = std::max(fit->degrees_of_freedom, 1.0);
+  // data without noise have a cost of 0
   const double cost = std::max(starts[0].cost, 1e-24);
   constexpr double kNine = 9;
   if ((starts[1].cost - starts[0].cost) / cost * degrees > kNine) return;
@@ -346,20 +361,24 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   fit.name = sweep.name;
   fit.area_m2 = sweep.area_m2;
   SkinProblem problem(*actuator, sweep.drive, points);
+  // the coil's polarity is free: both signs of the phases are tried
   const auto starts = BestStarts(&problem, &fit.findings);
   if (starts.empty()) {
     return CannotAnswer(sweep.name, "no skin under this actuator has this motion",
                         "check the units of displacement and drive, and the actuator");
   }
+  // weighted by the noise of magnitudes and phases; ln Ks and ln Bs are logarithms, m is not
   std::vector<double> parameters = starts.front().parameters;
   const auto solution = SolveGroups(problem.Whole(), problem.Groups(), {true, true, true},
                                     {true, true, false}, &parameters);
   fit.actuator_covariance = sim::RelativeCovariance(stated);
   const auto& covariance = fit.actuator_covariance;
+  // type B: the actuator's constants and the displacement's scale through the solution's response
   const auto inputs = Inputs(problem, covariance, parameters, solution);
   fit.stiffness = Logarithmic(parameters, solution, inputs, covariance, P::kStiffness, "N/m");
   fit.damping = Logarithmic(parameters, solution, inputs, covariance, P::kDamping, "N s/m");
   fit.mass = Mass(actuator->case_mass_kg, parameters, solution, inputs, covariance);
+  // per percent of an input: percent of Ks and of Bs, kg of m
   for (const auto& input : inputs) {
     fit.influences.push_back(
         {input.name, input.relative_standard_uncertainty, input.response[Index(P::kStiffness)],
@@ -387,6 +406,7 @@ double Cost(const LeastSquares& problem, const std::vector<double>& at) {
   return cost;
 }
 
+// whether two solutions differ by less than 1 % in Ks and Bs
 bool AreAlike(const std::vector<double>& a, const std::vector<double>& b) {
   constexpr double kAlike = 0.01;
   return std::abs(a[Index(P::kStiffness)] - b[Index(P::kStiffness)]) < kAlike &&
@@ -407,17 +427,21 @@ std::size_t SkinProblem::Residuals() const { return points_.size() * (has_phases
 bool SkinProblem::Evaluate(const sim::Actuator& actuator, std::span<const double> at,
                            std::span<double> residuals, std::span<double> jacobian) const {
   const std::vector<double> parameters(at.begin(), at.end());
+  // T has the mass Mc + m, which is positive
   if (!(actuator.case_mass_kg + parameters[Index(P::kMass)] > 0)) return false;
   for (std::size_t n = 0; n < points_.size(); ++n) {
     const SkinPoint& point = points_[n];
     const ContactValue model = ContactAt(actuator, drive_, parameters, point.frequency_hz);
+    // magnitudes: ln(model/measured), in units of the stated relative uncertainty
     const double unit =
         has_uncertainties_ ? *point.displacement_standard_uncertainty_m / point.displacement_m : 1;
     residuals[n] = std::log(std::abs(model.motion) * point.drive / point.displacement_m) / unit;
     if (!std::isfinite(residuals[n])) return false;
+    // phases: rad, in the rows behind the magnitudes
     const std::size_t phase = n + points_.size();
     if (has_phases_) residuals[phase] = Wrapped(std::arg(model.motion) - *point.phase_rad);
     if (jacobian.empty()) continue;
+    // slopes of ln(x/i) = ln abs(x/i) + j arg(x/i)
     for (std::size_t k = 0; k < kContactParameters; ++k) {
       jacobian[n * kContactParameters + k] = model.logarithmic_slopes[k].real() / unit;
       if (has_phases_) {
@@ -437,6 +461,7 @@ LeastSquares SkinProblem::Whole() const {
 }
 
 NoiseGroups SkinProblem::Groups() const {
+  // group 0: magnitudes, with at least the stated noise; group 1: phases
   NoiseGroups groups{std::vector<std::size_t>(Residuals(), 0), {has_uncertainties_ ? 1.0 : 0.0}};
   if (!has_phases_) return groups;
   groups.least_noise.push_back(0);
@@ -472,6 +497,7 @@ std::vector<SkinStart> StartSkin(const SkinProblem& problem) {
   constexpr int kStiffnesses = 14;  // 10 N/m to 82 kN/m
   constexpr int kDampings = 14;     // 0.01 to 82 N s/m
   for (int k = 0; k < kStiffnesses * kDampings; ++k) {
+    // cells a factor of 2 apart; masses in units of Mc
     const double stiffness = std::ldexp(10.0, k / kDampings);
     const double damping = std::ldexp(0.01, k % kDampings);
     for (const double mass : {0.0, 1.0, 4.0, 20.0}) {

@@ -20,6 +20,7 @@ bool BalanceOne(Eigen::Index i, BalancedMatrix& balanced) {
   double row = balanced.matrix.row(i).cwiseAbs().sum() - diagonal;
   if (!(column > 0) || !(row > 0)) return false;
   const double before = column + row;
+  // powers of two scale without rounding
   double factor = 1;
   while (column < row / 2) {
     column *= 2;
@@ -31,6 +32,7 @@ bool BalanceOne(Eigen::Index i, BalancedMatrix& balanced) {
     row *= 2;
     factor /= 2;
   }
+  // less than 5 % gained ends the balancing (Parlett and Reinsch 1969)
   if (column + row >= 0.95 * before) return false;
   balanced.scale(i) *= factor;
   balanced.matrix.col(i) *= factor;
@@ -60,6 +62,7 @@ Eigen::MatrixXd MatrixExponential(const Eigen::MatrixXd& a) {
 
 LongMatrix LongMatrixExponential(const LongMatrix& a, long double t) {
   HAPTOMETER_CHECK(a.rows() == a.cols() && a.allFinite(), "({}, {})", a.rows(), a.cols());
+  // the scale needs no long digits: it consists of powers of two
   const Eigen::Matrix<long double, Eigen::Dynamic, 1> scale =
       Balance(a.cast<double>()).scale.cast<long double>();
   const LongMatrix scaled = t * (scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal());
@@ -73,6 +76,7 @@ namespace {
 template <typename Matrix>
 Matrix StepOf(const Matrix& exponential, Eigen::Index signals) {
   Matrix step = exponential.topRows(exponential.rows() - signals);
+  // two signals are the usual case: a fixed size avoids the general inverse
   if (signals == 2) {
     const auto turn = exponential.bottomRightCorner(2, 2).inverse().eval();
     step.rightCols(2) = (step.rightCols(2) * turn).eval();
@@ -88,6 +92,7 @@ Matrix StepOf(const Matrix& exponential, Eigen::Index signals) {
 Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::MatrixXd& inputs,
                                 const ExcitationShape& shape) {
   const Eigen::Index n = a.rows(), m = shape.generator.rows();
+  // G = [A, B rows; 0, S], so that z' = G z with z = [x, w]
   Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + m, n + m);
   generator.topLeftCorner(n, n) = a;
   generator.topRightCorner(n, m) = inputs * shape.rows;
@@ -106,7 +111,7 @@ LongMatrix LongDrivenGenerator(const Mode& mode, const ExcitationShape& shape) {
 }
 
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
-  // whole cycles leave in 64 bits before the sine sees the rest; rint, unlike nearbyint, is one
+  // whole cycles are subtracted in 64 bits before the sine; rint, unlike nearbyint, is one
   // instruction
   const long double cycles = static_cast<long double>(frequency_hz) * t_s;
   const double phase_rad = 2 * std::numbers::pi * static_cast<double>(cycles - std::rint(cycles));

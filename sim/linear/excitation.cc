@@ -15,6 +15,7 @@ namespace {
 
 using Kind = ExcitationTerm::Kind;
 
+// number of signals: sin and cos, with a ramp also tau sin and tau cos, or derivatives 0 to degree
 Eigen::Index SizeOf(const ExcitationTerm& term) {
   switch (term.kind) {
     case Kind::kTone:
@@ -33,14 +34,17 @@ Eigen::Index SizeOf(const ExcitationPiece& piece) {
   return size;
 }
 
+// a term's block of S in w' = S w, and its row of u = rows w
 void FillShape(const ExcitationTerm& term, Eigen::Index at, ExcitationShape& shape) {
   Eigen::MatrixXd& s = shape.generator;
   if (term.kind == Kind::kPolynomial) {
+    // each derivative is the rate of the one before
     for (Eigen::Index k = 0; k < term.degree; ++k) s(at + k, at + k + 1) = 1;
     shape.rows(term.input, at) = 1;
     return;
   }
   const double omega = 2 * std::numbers::pi * term.frequency_hz;
+  // sin' = w cos, cos' = -w sin
   for (Eigen::Index pair = at; pair < at + SizeOf(term); pair += 2) {
     s(pair, pair + 1) = omega;
     s(pair + 1, pair) = -omega;
@@ -54,10 +58,11 @@ void FillShape(const ExcitationTerm& term, Eigen::Index at, ExcitationShape& sha
   shape.rows(term.input, at + 2) = term.amplitude_per_s;
 }
 
-// sin and cos of a tone's phase
+// sin and cos of a tone's phase 2 pi f (t - origin) + phase_rad
 Eigen::Vector2d TurnOf(const ExcitationTerm& term, long double t_s) {
   Eigen::Vector2d turn = DriveAt(term.frequency_hz, t_s - static_cast<long double>(term.origin_s));
   if (term.phase_rad == 0) return turn;
+  // addition theorems, so that the phase of the frequency alone is reduced exactly
   const double s = std::sin(term.phase_rad), c = std::cos(term.phase_rad);
   return {turn[0] * c + turn[1] * s, turn[1] * c - turn[0] * s};
 }
@@ -75,6 +80,7 @@ double FourthOfChirp(const Drive& drive) {
 }  // namespace
 
 double CubicsOf(const Drive& chirp) {
+  // error h^4 / 384 max abs(v'''') of cubics h apart, set equal to hold_tolerance x amplitude
   const double step_s = std::pow(384 * chirp.hold_tolerance / FourthOfChirp(chirp), 0.25);
   const double cubics = std::ceil(chirp.duration_s / step_s);
   // whole milliseconds: as many in each, so that knots and outputs meet
@@ -95,6 +101,7 @@ ExcitationShape ShapeOf(const ExcitationPiece& piece) {
     FillShape(term, at, shape);
     at += SizeOf(term);
   }
+  // the finger's rate is the derivative of its position
   shape.rows.row(kFingerRate) = shape.rows.row(kFinger) * shape.generator;
   return shape;
 }
@@ -131,6 +138,7 @@ void FillSignals(const ExcitationPiece& piece, long double t_s, Eigen::VectorXd&
   }
 }
 
+// bounds of each signal over a piece: 1 for sin, its length in s for tau sin
 Eigen::VectorXd LargestSignals(const ExcitationPiece& piece) {
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(SizeOf(piece));
   const auto length_s = static_cast<double>(piece.end_s - piece.begin_s);
@@ -138,6 +146,7 @@ Eigen::VectorXd LargestSignals(const ExcitationPiece& piece) {
   for (const ExcitationTerm& term : piece.terms) {
     if (term.kind == Kind::kPolynomial) {
       for (int k = 0; k <= term.degree; ++k) {
+        // sum of abs(derivative j) T^(j - k) / (j - k)! by Horner's rule
         double bound = 0;
         for (int j = term.degree; j >= k; --j) {
           const double part = std::abs(term.derivatives[static_cast<std::size_t>(j)]);
@@ -187,7 +196,7 @@ Excitation::Excitation(const Drive& drive, const std::vector<Tone>& finger) {
   lasting_.insert(lasting_.end(), moving.terms.begin(), moving.terms.end());
 }
 
-// none where there is none: a sine alone is played in fewer operations
+// without an offset no term: a sine alone takes fewer operations
 void Excitation::AddOffset(double offset_v) {
   if (offset_v == 0) return;
   ExcitationTerm constant = Silence();
@@ -201,6 +210,7 @@ ExcitationPiece Excitation::Piece(std::size_t place) const {
   if (place < before_.size()) {
     piece = before_[place];
   } else {
+    // a piece between each two knots: samples are joined by straight lines, a chirp's by cubics
     const std::size_t k = place - before_.size();
     const auto time_of = [&](std::size_t knot) {
       return static_cast<long double>(held_from_s_) +
@@ -208,7 +218,7 @@ ExcitationPiece Excitation::Piece(std::size_t place) const {
     };
     piece.begin_s = time_of(k);
     ExcitationTerm term = Silence();
-    // behind the last knot there is nothing
+    // after the last knot the drive is 0, apart from its offset
     if (k + 1 < knots_) {
       piece.end_s = time_of(k + 1);
       const auto [v0, d0] = knot_(k);
@@ -216,6 +226,7 @@ ExcitationPiece Excitation::Piece(std::size_t place) const {
       const double rate = held_rate_hz_, rise = (v1 - v0) * rate;
       term.degree = held_degree_;
       term.derivatives = {v0, rise, 0, 0};
+      // Hermite's cubic through the values v0, v1 and the slopes d0, d1
       if (held_degree_ == 3) {
         term.derivatives = {v0, d0, (6 * rise - 4 * d0 - 2 * d1) * rate,
                             (6 * (d0 + d1) - 12 * rise) * rate * rate};
@@ -251,6 +262,7 @@ void Excitation::AddBurst(const Drive& drive) {
                             .frequency_hz = drive.frequency_hz,
                             .origin_s = drive.start_s};
   AddSilence(0, start_s);
+  // A tau / rise_s, then A, then A (1 - tau / fall_s): one phase over all three
   if (drive.rise_s > 0) {
     ExcitationTerm rising = tone;
     rising.kind = Kind::kRampedTone;
@@ -278,10 +290,12 @@ void Excitation::AddPulse(const Drive& drive) {
   before_.push_back({.begin_s = end_s, .terms = {Silence()}});
 }
 
+// a linear chirp as Hermite cubics at knots 1 / held_rate_hz_ apart
 void Excitation::HoldChirp(const Drive& drive) {
   AddSilence(0, static_cast<long double>(drive.start_s));
   const double tau = 2 * std::numbers::pi;
   const double w0 = tau * drive.frequency_hz, w1 = tau * drive.end_frequency_hz;
+  // rad/s^2
   const double acceleration = (w1 - w0) / drive.duration_s;
   const double intervals = CubicsOf(drive);
   HAPTOMETER_CHECK(intervals < 1e9, "{} cubics", intervals);
@@ -289,15 +303,18 @@ void Excitation::HoldChirp(const Drive& drive) {
   held_degree_ = 3;
   held_from_s_ = drive.start_s;
   held_rate_hz_ = intervals / drive.duration_s;
+  // V, at most A hold_tolerance
   voltage_error_v_ =
       std::abs(drive.amplitude_v) * FourthOfChirp(drive) * std::pow(held_rate_hz_, -4) / 384;
   knot_ = [drive, acceleration, w0, rate = held_rate_hz_](std::size_t k) {
     const long double s = static_cast<long double>(k) / static_cast<long double>(rate);
+    // phase in cycles f0 s + (f1 - f0) s^2 / (2 T), in long double for its fraction
     const long double cycles =
         s * (static_cast<long double>(drive.frequency_hz) +
              static_cast<long double>(drive.end_frequency_hz - drive.frequency_hz) * s /
                  (2 * static_cast<long double>(drive.duration_s)));
     const Eigen::Vector2d turn = DriveAt(1, cycles);
+    // slope at the knot, V/s
     const double omega = w0 + acceleration * static_cast<double>(s);
     return Knot{drive.amplitude_v * turn[0], drive.amplitude_v * omega * turn[1]};
   };

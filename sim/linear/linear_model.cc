@@ -40,6 +40,7 @@ struct Bodies {
   const std::optional<Adapter>& adapter;
   const Skin& skin;
   const Grip& grip;
+  // position and speed of two bodies or three, and the current where it is a state
   [[nodiscard]] Eigen::Index states() const {
     return (adapter ? 6 : 4) + (actuator.inductance_h > 0 ? 1 : 0);
   }
@@ -50,7 +51,7 @@ Scalar As(double value) {
   return static_cast<Scalar>(value);
 }
 
-// Mc1
+// Mc1 = Mc + Ma1, kg; infinite for a case that is held
 template <typename Scalar>
 Scalar CaseSide(const Bodies& bodies) {
   if (bodies.grip.holds) return std::numeric_limits<Scalar>::infinity();
@@ -65,6 +66,7 @@ void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Mv = As<Scalar>(actuator.moving_mass_kg), Kv = As<Scalar>(actuator.stiffness_n_per_m);
   const auto Bv = As<Scalar>(actuator.damping_n_s_per_m);
   rows.a(0, 1) = 1;
+  // Mv vv' = -Kv (xv - xa) - Bv (vv - va), and the reaction on the case
   rows.a.row(1).head(4) << -Kv / Mv, -Bv / Mv, Kv / Mv, Bv / Mv;
   rows.a(2, 3) = 1;
   rows.a.row(3).head(4) << Kv / Mc1, Bv / Mc1, -Kv / Mc1, -Bv / Mc1;
@@ -76,15 +78,17 @@ void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
              Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
   if (bodies.grip.holds) {
-    // the case stays at 0 whatever this is; it keeps the matrix regular and is no slower than the
-    // mover
+    // the case stays at 0 for any value here; this one keeps the matrix regular and is no slower
+    // than the mover
     const double pace =
         std::sqrt(bodies.actuator.stiffness_n_per_m / bodies.actuator.moving_mass_kg);
     rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-pace);
     return;
   }
+  // a grip acts between the case and the ground
   rows.a(3, 2) -= As<Scalar>(bodies.grip.stiffness_n_per_m) / Mc1;
   rows.a(3, 3) -= As<Scalar>(bodies.grip.damping_n_s_per_m) / Mc1;
+  // without an adapter the case itself is on the skin
   if (!bodies.adapter) {
     rows.a(3, 2) -= Ks / Mc1;
     rows.a(3, 3) -= Bs / Mc1;
@@ -93,6 +97,7 @@ void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Ma2 = As<Scalar>(bodies.adapter->skin_side_mass_kg);
   const auto Ka = As<Scalar>(bodies.adapter->stiffness_n_per_m),
              Ba = As<Scalar>(bodies.adapter->damping_n_s_per_m);
+  // Ka and Ba between case and skin contact; Ks and Bs between contact and ground
   rows.a(3, 2) -= Ka / Mc1;
   rows.a(3, 3) -= Ba / Mc1;
   rows.a(3, 4) = Ka / Mc1;
@@ -109,10 +114,12 @@ void FillCoil(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
   const auto R = As<Scalar>(actuator.resistance_ohm), L = As<Scalar>(actuator.inductance_h);
   const Eigen::Index n = rows.a.rows();
   typename Rows<Scalar>::Vector force_per_ampere = Rows<Scalar>::Vector::Zero(n);
+  // -Km i on the mover, +Km i on the case; matrix 2.5 has the reaction, equation 2.3 lacks it
   force_per_ampere(LinearModel::kMoverVelocity) = -Km / Mv;
   force_per_ampere(LinearModel::kCaseVelocity) = Km / Mc1;
   if (L > 0) {
     const Eigen::Index i = n - 1;
+    // L i' = v - R i - Km (va - vv)
     rows.a.row(i).head(4) << 0, Km / L, 0, -Km / L;
     rows.a(i, i) = -R / L;
     rows.a.col(i) += force_per_ampere;
@@ -120,6 +127,7 @@ void FillCoil(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
     rows.current(i) = 1;
     return;
   }
+  // without L the current follows at once: i = (v + Km (vv - va)) / R
   rows.current.head(4) << 0, Km / R, 0, -Km / R;
   rows.a += force_per_ampere * rows.current;
   rows.b = force_per_ampere / R;
@@ -135,7 +143,7 @@ Rows<Scalar> RowsOf(const Bodies& bodies) {
   return rows;
 }
 
-// sqrt(R) i, sqrt(B) times each damper's speed
+// rows of [x, v] whose squares sum to the power in W: sqrt(R) i, sqrt(B) times a damper's speed
 Eigen::MatrixXd PowerRows(const Bodies& bodies, const LinearModel& model) {
   const Eigen::Index n = model.states();
   const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n + 1, place); };
@@ -154,12 +162,14 @@ Eigen::MatrixXd PowerRows(const Bodies& bodies, const LinearModel& model) {
   return rows;
 }
 
+// whether the spring is so stiff that mover and case move as one: w^2 = Kv (1/Mv + 1/Mc1)
 bool AllButOneBody(const Bodies& bodies) {
   const double inverse_mass = 1 / bodies.actuator.moving_mass_kg + 1 / CaseSide<double>(bodies);
   const double square = bodies.actuator.stiffness_n_per_m * inverse_mass;
   return square > LinearModel::kStiffMoverRadPerS * LinearModel::kStiffMoverRadPerS;
 }
 
+// rounding errors of A and b: the same sums in long double less the double ones
 void AddRest(const Bodies& bodies, LinearModel& model) {
   const auto rows = RowsOf<long double>(bodies);
   model.a_rest = (rows.a - model.a.cast<long double>()).cast<double>();
@@ -192,6 +202,7 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
 
 LinearModel AssembleModel(const Scene& scene) {
   Actuator actuator = scene.actuator;
+  // the source's resistance is in series with the coil's
   actuator.resistance_ohm += scene.drive.source_resistance_ohm;
   return AssembleModel(actuator, scene.adapter, scene.skin, scene.grip);
 }
@@ -209,6 +220,7 @@ Eigen::Index StateOf(const LinearModel& model, SensorTarget target) {
 }
 
 std::vector<std::complex<double>> Poles(const LinearModel& model) {
+  // balanced first, as units differ by orders of magnitude
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(Balance(model.a).matrix, false);
   const Eigen::VectorXcd& values = solver.eigenvalues();
   std::vector<std::complex<double>> poles(values.begin(), values.end());

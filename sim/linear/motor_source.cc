@@ -38,9 +38,11 @@ MotorSource SourceOf(const Actuator& actuator, const SineDrive& drive) {
                      .free_travel_m = F / d1,
                      .travel_per_case = through};
   // i = (v - Km (va - vv)) / coil with Xa - Xv = Xa (1 - k1 / d1) + F / d1
+  // P = Re(V conj(I)) / 2, linear in the case's motion Xa
   source.blocked_power_w = V / 2 * ((V - Km * s * F / d1) / coil).real();
   source.power_slope_w_per_m = -V / 2 * Km * s * through / coil;
   const Complex kc = source.stiffness_n_per_m;
+  // rounding, amplified where 1 - k1/d1 and Im kc are small differences
   source.rounding_allowance = 64 * std::numeric_limits<double>::epsilon() *
                               std::norm(1 + std::abs(k1 / d1)) * (1 + std::abs(kc) / kc.imag());
   return source;
@@ -53,6 +55,7 @@ AdapterMotion MotionOf(const MotorSource& source, const Adapter& adapter, const 
   const Complex D2(skin.stiffness_n_per_m - adapter.skin_side_mass_kg * w * w,
                    skin.damping_n_s_per_m * w);
   const Complex stretch = D2 / Complex(adapter.stiffness_n_per_m, adapter.damping_n_s_per_m * w);
+  // Xs = Fc / (D1 D2 / ka + D1 + D2), peak, m
   const Complex skin_m = source.force_n / (D1 * stretch + D1 + D2);
   return {.case_m = skin_m * (1.0 + stretch), .skin_m = skin_m};
 }
@@ -67,6 +70,7 @@ double ElectricalPower(const MotorSource& source, std::complex<double> case_m) {
 
 Complex SkinImpedance(const Skin& skin, double frequency_hz) {
   const Complex s(0, 2 * std::numbers::pi * frequency_hz);
+  // Zs = Bs + Ks / s, N s/m
   return skin.damping_n_s_per_m + skin.stiffness_n_per_m / s;
 }
 
@@ -80,6 +84,7 @@ Complex DriverImpedance(const Scene& scene, double frequency_hz) {
   const Adapter& adapter = *scene.adapter;
   const Complex D1 = source.stiffness_n_per_m - (Mc + adapter.motor_side_mass_kg) * w * w;
   const Complex ka(adapter.stiffness_n_per_m, adapter.damping_n_s_per_m * w);
+  // (1 / (1/D1 + 1/ka) - Ma2 w^2) / s, N s/m
   return (D1 * ka / (D1 + ka) - adapter.skin_side_mass_kg * w * w) / s;
 }
 

@@ -18,7 +18,7 @@ Eigen::MatrixXd Square(double factor, const Row& row) { return factor * row.tran
 // whether forms are of [x, u] rather than of x
 Eigen::Index InputsOf(const Scene& scene) { return scene.finger.tones.empty() ? 0 : kInputs; }
 
-// a state less what the finger does under the skin
+// a state relative to the finger under the skin
 Row FromFinger(const Scene& scene, const LinearModel& model, Eigen::Index place,
                Eigen::Index input) {
   const Eigen::Index n = model.states();
@@ -34,7 +34,7 @@ void AddStored(const Scene& scene, const LinearModel& model, Mode& mode) {
   const Actuator& motor_data = scene.actuator;
   Row current = Row::Zero(m);
   current.head(n) = model.current_row;
-  // without inductance there is no such state, and nothing stored
+  // energies of L i^2 / 2, m v^2 / 2 and K d^2 / 2; without inductance the coil stores nothing
   mode.stored_j =
       Square(motor_data.inductance_h / 2, current) +
       Square(motor_data.moving_mass_kg / 2, Unit(m, LinearModel::kMoverVelocity)) +
@@ -57,10 +57,12 @@ void AddDissipating(const Scene& scene, const LinearModel& model, Mode& mode) {
   };
   mode.dissipating.resize(kSceneElements.size());
   Row current = model.current_row;
+  // without inductance the current follows the voltage at once
   if (model.current_per_volt != 0) {
     current.conservativeResize(n + kInputs);
     current.tail(kInputs) = model.current_per_volt * Row::Unit(kInputs, kVoltage);
   }
+  // powers R i^2 and B v^2, W
   place(SceneElement::kCoil) = Square(scene.actuator.resistance_ohm, current);
   place(SceneElement::kMover) =
       Square(scene.actuator.damping_n_s_per_m, Unit(n, LinearModel::kMoverVelocity) - motor);
@@ -76,7 +78,7 @@ void AddDissipating(const Scene& scene, const LinearModel& model, Mode& mode) {
   place(SceneElement::kAdapter) = Square(scene.adapter->damping_n_s_per_m, motor - skin);
 }
 
-// what the finger's motion does, and what it feels
+// the acceleration by the finger's motion, and the skin's force on it
 void AddFinger(const Scene& scene, const LinearModel& model, Mode& mode) {
   if (InputsOf(scene) == 0) return;
   const double Ks = scene.skin.stiffness_n_per_m, Bs = scene.skin.damping_n_s_per_m;
@@ -125,7 +127,7 @@ Mode SceneMode(const Scene& scene) {
 
 Mode WithConstant(const Mode& mode) {
   const Eigen::Index n = mode.a.rows();
-  // what knows nothing of the new state has zeros there
+  // nothing acts on the constant state: zeros
   const Eigen::MatrixXd without = Eigen::MatrixXd::Identity(n, n + 1);
   Mode grown = mode;
   grown.a = without.transpose() * mode.a * without;

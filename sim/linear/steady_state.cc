@@ -30,7 +30,7 @@ using Wide = std::complex<long double>;
 struct PhasorSystem {
   Eigen::MatrixXcd matrix;  // (n, n)
   Eigen::VectorXcd right;   // (n)
-  // what rounding left out of both (linear_model.h), or empty
+  // the rounding errors of both (linear_model.h), or empty
   Eigen::MatrixXd matrix_rest{};
   Eigen::VectorXd right_rest{};
 };
@@ -40,13 +40,14 @@ PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
   const Eigen::Index n = model.states();
   const double omega = 2 * std::numbers::pi * drive.frequency_hz;
   PhasorSystem system;
+  // rows are divided and columns multiplied by the scale: states in balanced units
   system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
   system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
   if (model.a_rest.size() == 0) return system;
   system.matrix_rest =
       -(balanced.scale.cwiseInverse().asDiagonal() * model.a_rest * balanced.scale.asDiagonal());
   system.right_rest = drive.amplitude_v * model.b_rest.cwiseQuotient(balanced.scale);
-  // the product with the amplitude was rounded too
+  // fma gives the rounding error of the product with the amplitude
   for (Eigen::Index k = 0; k < n; ++k) {
     system.right_rest(k) +=
         std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k).real());
@@ -54,6 +55,7 @@ PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
   return system;
 }
 
+// the rounding errors' part of a row of the residual
 Wide RestOfResidual(const PhasorSystem& system, Eigen::Index row, const Eigen::VectorXcd& x) {
   Wide sum(static_cast<long double>(system.right_rest(row)));
   for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -62,7 +64,7 @@ Wide RestOfResidual(const PhasorSystem& system, Eigen::Index row, const Eigen::V
   return sum;
 }
 
-// right - matrix * x, accumulated in 64 bits so that the refinement has something to refine
+// right - matrix x in 64 bits of mantissa, so that the refinement has digits to correct
 Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
   Eigen::VectorXcd residual(x.size());
   for (Eigen::Index row = 0; row < x.size(); ++row) {
@@ -76,7 +78,7 @@ Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x)
 
 // |residual| + eps (|M| |x| + |right|): how far each equation may be off
 Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd& x) {
-  // what the numbers themselves are worth
+  // with known rounding errors the numbers are good to long double
   const double eps = system.right_rest.size() > 0
                          ? static_cast<double>(std::numeric_limits<long double>::epsilon())
                          : std::numeric_limits<double>::epsilon();
@@ -85,8 +87,8 @@ Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd
   return Residual(system, x).cwiseAbs() + rounding;
 }
 
-// Bounds of the numbers' errors, each carried as a whole through the inverse: |row M^-1| off, and
-// what rounding does to a sum of the phasors.
+// Bounds of the numbers' errors: abs(row M^-1) times the equations' bounds, for each number as
+// a whole, and the rounding of its sum of phasors.
 class ErrorBounds {
  public:
   ErrorBounds(const PhasorSystem& system, const BalancedMatrix& balanced,
@@ -107,6 +109,7 @@ class ErrorBounds {
     double error = 0, sum = 0;
     for (Eigen::Index k = 0; k < rows.rows(); ++k) {
       const Number number = Of(rows.row(k).head(n), rows(k, n) * volt);
+      // d(v^2) = 2 v dv
       error += 2 * number.value * number.error;
       sum += number.value * number.value;
     }
@@ -133,13 +136,14 @@ class ErrorBounds {
   Eigen::VectorXcd phasors_;
 };
 
+// [X, V], on which the rows of the power act
 Eigen::VectorXcd WithVoltage(const Eigen::VectorXcd& phasors, const SineDrive& drive) {
   Eigen::VectorXcd with(phasors.size() + 1);
   with << phasors, drive.amplitude_v;
   return with;
 }
 
-// the numbers that the phasors hold
+// RMS values, peaks, currents and power from the phasors
 void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& skin,
                SteadyState& steady) {
   const Eigen::VectorXcd& x = steady.phasors;
@@ -150,6 +154,7 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   steady.mean_current_a = model.current_row.dot(mean) + model.current_per_volt * drive.offset_v;
   steady.mean_travel_m = mean(LinearModel::kMover) - mean(LinearModel::kCase);
   steady.mean_skin_force_n = skin.stiffness_n_per_m * mean(model.skin());
+  // sqrt(mean^2 + abs(X)^2 / 2)
   const auto rms = [](double constant, const Complex& peak) {
     return constant == 0 ? std::abs(peak) / std::numbers::sqrt2
                          : std::hypot(constant, std::abs(peak) / std::numbers::sqrt2);
@@ -157,13 +162,16 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   steady.skin_rms_m = rms(mean(model.skin()), x(model.skin()));
   steady.case_rms_m = rms(mean(LinearModel::kCase), x(LinearModel::kCase));
   steady.mover_peak_m =
+      // a constant part adds to the amplitude
       std::abs(steady.mean_travel_m) + std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
   steady.current_rms_a = rms(steady.mean_current_a, steady.current_a);
+  // a sum of squares of what is dissipated keeps its digits where v and i are at 90 degrees
   steady.power_w = drive.offset_v * steady.mean_current_a +
                    (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
   steady.phase_rad =
       drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
   steady.skin_force_peak_n =
+      // Ks xs + Bs vs = (Ks + j w Bs) Xs
       std::abs(steady.mean_skin_force_n) +
       std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
 }
@@ -186,7 +194,7 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
   steady.mean = StaticState(model, drive.offset_v);
   Summarise(model, drive, skin, steady);
 
-  // a singular matrix gives no number to compare with
+  // bounds for skin, case, travel, current and power; not finite where the matrix is singular
   const Eigen::Index n = model.states();
   const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n, place); };
   const ErrorBounds bounds(system, balanced, factors.inverse(), x, steady.phasors);
@@ -195,7 +203,7 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
                 bounds.Relative(unit(LinearModel::kMover) - unit(LinearModel::kCase)),
                 bounds.Relative(model.current_row, model.current_per_volt * drive.amplitude_v),
                 bounds.RelativeOfPower(model.power_rows, drive.amplitude_v)});
-  // nothing drives it, or it is held
+  // without an amplitude all phasors are exactly 0
   const bool silent = drive.amplitude_v == 0;
   steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
   return steady;
@@ -203,6 +211,7 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
 
 SteadyState SolveSteadyState(const Scene& scene) {
   SteadyState steady = SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+  // an offset moves bodies that no spring holds without limit
   if (scene.drive.offset_v != 0 && !IsHeldInPlace(scene)) steady.error_estimate = HUGE_VAL;
   return steady;
 }
@@ -214,6 +223,7 @@ bool IsHeldInPlace(const Scene& scene) {
 Eigen::VectorXd StaticState(const LinearModel& model, double voltage_v) {
   if (voltage_v == 0) return Eigen::VectorXd::Zero(model.states());
   const BalancedMatrix balanced = Balance(model.a);
+  // -A^-1 B V in balanced units, corrected once by the residual
   const Eigen::VectorXd push = -voltage_v * model.b.cwiseQuotient(balanced.scale);
   const Eigen::PartialPivLU<Eigen::MatrixXd> factors(balanced.matrix);
   Eigen::VectorXd x = factors.solve(push);
@@ -225,6 +235,7 @@ double SkinRmsUncertainty(const Scene& scene) {
   constexpr double kStep = 1e-4;
   std::array<double, kActuatorSymbols.size()> gradient{};
   for (std::size_t place = 0; place < gradient.size(); ++place) {
+    // d ln(RMS) / d ln(parameter) by central differences of kStep
     const auto logarithm = [&](double factor) {
       Scene moved = scene;
       moved.actuator = Scaled(scene.actuator, place, factor);
@@ -232,6 +243,7 @@ double SkinRmsUncertainty(const Scene& scene) {
     };
     gradient[place] = (logarithm(std::exp(kStep)) - logarithm(std::exp(-kStep))) / (2 * kStep);
   }
+  // u^2 = g' C g; rounding may put a zero below 0
   double square = 0;
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     for (std::size_t j = 0; j < gradient.size(); ++j) {
@@ -243,6 +255,7 @@ double SkinRmsUncertainty(const Scene& scene) {
 
 namespace {
 
+// longest common period, in outputs, over which peaks are interpolated
 constexpr double kMostPlayed = 1 << 20;
 constexpr double kParts = 1e6;  // of a hertz that frequencies are written in
 
@@ -252,12 +265,14 @@ struct TonePart {
   Complex amplitude;  // Im(amplitude exp(j w t))
 };
 
+// bound of the sum of sines: the sum of the amplitudes
 double SumOf(const std::vector<TonePart>& parts, double mean) {
   double sum = std::abs(mean);
   for (const TonePart& part : parts) sum += std::abs(part.amplitude);
   return sum;
 }
 
+// x, v and a of a sum of sines at a time
 MotionJet JetAt(const std::vector<TonePart>& parts, double mean, long double t_s) {
   MotionJet jet{.x = mean};
   for (const TonePart& part : parts) {
@@ -271,13 +286,15 @@ MotionJet JetAt(const std::vector<TonePart>& parts, double mean, long double t_s
   return jet;
 }
 
-// the largest value over one period, around a constant part
+// the largest magnitude over one period, a constant part included
 double PeakOf(const std::vector<TonePart>& parts, double mean, double period_s, double highest_hz) {
+  // without a common period the bound stands for the peak
   if (period_s == 0) return SumOf(parts, mean);
   const auto count =
       static_cast<std::int64_t>(std::ceil(kOutputsPerPeriod * highest_hz * period_s));
   const long double step_s = static_cast<long double>(period_s) / static_cast<long double>(count);
   double peak = 0;
+  // the largest value of a quintic between each two outputs
   MotionJet before = JetAt(parts, mean, 0);
   for (std::int64_t k = 1; k <= count; ++k) {
     const MotionJet now = JetAt(parts, mean, step_s * static_cast<long double>(k));
@@ -287,12 +304,14 @@ double PeakOf(const std::vector<TonePart>& parts, double mean, double period_s, 
   return peak;
 }
 
-// of all frequencies, which are the keys; 0 where it is too long to play
+// of all frequencies, which are the keys, in s; 0 where it has more than kMostPlayed outputs
 double CommonPeriod(const std::map<double, Complex>& voltages) {
   std::int64_t common = 0;
   for (const auto& [frequency_hz, voltage] : voltages) {
+    // frequencies must be whole microhertz, and exact as doubles
     const double parts = std::round(frequency_hz * kParts);
     if (parts < 1 || parts > 1e15 || parts / kParts != frequency_hz) return 0;
+    // the greatest common divisor is the frequency of the common period
     common = std::gcd(common, static_cast<std::int64_t>(parts));
   }
   const double period_s = kParts / static_cast<double>(common);
@@ -300,7 +319,7 @@ double CommonPeriod(const std::map<double, Complex>& voltages) {
   return outputs <= kMostPlayed ? period_s : 0;
 }
 
-// Adds up what acts at one frequency after the other.
+// Adds the steady motions at one frequency after the other.
 class SumOfTones {
  public:
   SumOfTones(const Scene& scene, double period_s)
@@ -316,6 +335,7 @@ class SumOfTones {
     Eigen::VectorXcd x = Eigen::VectorXcd::Zero(model_.states());
     Complex current_a = 0;
     if (voltage_v != 0.0) {
+      // phasors per volt, times the voltage
       const SteadyState one = UnderUnit(model_, frequency_hz);
       x = one.phasors * voltage_v;
       current_a = one.current_a * voltage_v;
@@ -326,16 +346,21 @@ class SumOfTones {
       const Complex induced_a = (model_.current_row.cast<Complex>() * moved).value();
       x += moved;
       current_a += induced_a;
+      // the induced current flows through the source: Re(conj(V) I) / 2, W
       steady_.power_w += (std::conj(voltage_v) * induced_a).real() / 2;
     }
+    // the skin is pressed by Xs - Xg: F = (Ks + j w Bs) (Xs - Xg)
     const Skin& tissue = scene_.skin;
     const Complex skin_m = x(model_.skin()), pressed_m = skin_m - finger_m;
     const Complex force_n =
         Complex(tissue.stiffness_n_per_m, w * tissue.damping_n_s_per_m) * pressed_m;
+    // at t = 0 a state is Im(X)
     steady_.start += x.imag();
+    // means of squares of different frequencies add, abs(X)^2 / 2 each
     skin_square_ += std::norm(skin_m) / 2;
     case_square_ += std::norm(x(LinearModel::kCase)) / 2;
     current_square_ += std::norm(current_a) / 2;
+    // power from the finger, -Re(conj(j w Xg) F) / 2, and into the skin's damper, W
     steady_.power_w -= (std::conj(Complex(0, w) * finger_m) * force_n).real() / 2;
     steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(pressed_m) / 2;
     travel_.push_back({frequency_hz, x(LinearModel::kMover) - x(LinearModel::kCase)});
@@ -347,6 +372,7 @@ class SumOfTones {
     steady_.skin_rms_m = std::sqrt(skin_square_);
     steady_.case_rms_m = std::sqrt(case_square_);
     steady_.current_rms_a = std::sqrt(current_square_);
+    // no steady motion: no peaks
     if (!(steady_.error_estimate < 1)) return steady_;
     steady_.mover_peak_m = PeakOf(travel_, steady_.mean_travel_m, steady_.period_s, highest_hz_);
     steady_.skin_force_peak_n =
@@ -362,7 +388,7 @@ class SumOfTones {
     return one;
   }
 
-  // the finger's position and its rate each push the skin
+  // the finger's position and its rate each act on the skin by their own column of inputs
   Eigen::VectorXcd UnderFinger(double frequency_hz, Complex finger_m) {
     Eigen::VectorXcd states = Eigen::VectorXcd::Zero(model_.states());
     const Complex rate = Complex(0, 2 * std::numbers::pi * frequency_hz) * finger_m;
@@ -375,7 +401,7 @@ class SumOfTones {
     return states;
   }
 
-  // what the offset holds
+  // the constant part under the drive's offset
   void AddMean() {
     const double offset_v = scene_.drive.offset_v;
     if (offset_v == 0) return;
@@ -403,6 +429,7 @@ class SumOfTones {
 
 SteadyTones Superpose(const Scene& scene) {
   const SineDrive drive = scene.drive;
+  // tones of the same frequency add as phasors before they are squared
   std::map<double, Complex> fingers_m{{drive.frequency_hz, 0}};
   for (const Tone& tone : scene.finger.tones) {
     fingers_m[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
@@ -418,6 +445,7 @@ SteadyTones Superpose(const Scene& scene) {
 SteadyTones SolveSteadyTones(const Scene& scene) {
   HAPTOMETER_CHECK(scene.drive.kind == DriveKind::kTones && !scene.drive.tones.empty(),
                    "a drive of kind {}", Name(scene.drive.kind));
+  // equal frequencies add as phasors here too; opposite ones may cancel to 0
   std::map<double, Complex> voltages;
   for (const Tone& tone : scene.drive.tones) {
     voltages[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);

@@ -13,8 +13,10 @@
 namespace haptometer::sim {
 
 HermiteQuintic::HermiteQuintic(const MotionJet& begin, const MotionJet& end, double h_s) {
+  // in units of u = t / h, 0 <= u <= 1
   const double v0 = begin.v * h_s, v1 = end.v * h_s;
   const double a0 = begin.a * h_s * h_s, a1 = end.a * h_s * h_s, d = end.x - begin.x;
+  // position, speed and acceleration at both ends fix six coefficients
   c_ = {begin.x,
         v0,
         a0 / 2,
@@ -35,6 +37,7 @@ double HermiteQuintic::Peak() const {
   constexpr int kHalvings = 40;  // the peak is flat: 2^-26 would do
   const double ends = std::max(std::abs(At(0)), std::abs(At(1)));
   const bool rises = Slope(0) > 0;
+  // a slope of one sign: the peak is at an end
   if ((Slope(1) > 0) == rises) return ends;
   double low = 0, high = 1;
   for (int halving = 0; halving < kHalvings; ++halving) {
@@ -46,8 +49,8 @@ double HermiteQuintic::Peak() const {
 
 namespace {
 
-// Times are taken apart into powers of two from 2^-64 s, where even the fastest state (L/R of
-// microseconds) stands still to the last bit, up to 2^19 s.
+// A time is a sum of powers of two from 2^-64 s, where even the fastest state (L/R of
+// microseconds) does not change in any bit, up to 2^19 s.
 constexpr int kSmallestExponent = -64;
 constexpr int kPowers = 84;
 
@@ -137,7 +140,7 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
   c(state) = balanced.scale(state);
   Eigen::MatrixXd gramian = ShortGramian(balanced.matrix, c, short_s);
 
-  // twice the interval: its first half, and its second half seen from the beginning
+  // S(2h) = S(h) + exp(G' h) S(h) exp(G h): the first half and the second, from the begin
   for (int k = 0; k < doublings; ++k) {
     const Eigen::MatrixXd e = balanced.scale.cwiseInverse().asDiagonal() *
                               Exponential(std::ldexp(short_s, k)) * balanced.scale.asDiagonal();
@@ -146,6 +149,7 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
   Eigen::VectorXd z(states_ + 2);
   z << StateAt(begin_s), DriveAt(frequency_hz_, static_cast<long double>(begin_s));
   z = z.cwiseQuotient(balanced.scale);
+  // integral of the state's square = z' S z at the begin of the window
   return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
 }
 

@@ -15,7 +15,7 @@ namespace haptometer::sim {
 namespace {
 
 // S(h) as its Taylor series, |G| h <= 1/4: terms h^(k+1) / (k+1)! M_k with M_0 = Q and
-// M_(k+1) = G' M_k + M_k G fall faster than 2^-k/k!; what no longer counts is left out
+// M_(k+1) = G' M_k + M_k G fall faster than 2^-k/k!; the sum ends where they are negligible
 Eigen::MatrixXd ShortIntegral(const Eigen::MatrixXd& g, const Eigen::MatrixXd& q, double h_s) {
   constexpr int kTerms = 16;
   Eigen::MatrixXd term = h_s * q;
@@ -33,6 +33,7 @@ Eigen::MatrixXd ShortIntegral(const Eigen::MatrixXd& g, const Eigen::MatrixXd& q
 std::vector<Eigen::MatrixXd> Integrals(const Eigen::MatrixXd& generator,
                                        std::vector<Eigen::MatrixXd> forms, double h_s) {
   const BalancedMatrix balanced = Balance(generator);
+  // halvings until |G| h <= 1/4, for the series
   const double norm = balanced.matrix.cwiseAbs().colwise().sum().maxCoeff() * h_s;
   const int doublings = norm > 0.25 ? std::ilogb(norm) + 3 : 0;
   const double short_s = std::ldexp(h_s, -doublings);
@@ -40,12 +41,14 @@ std::vector<Eigen::MatrixXd> Integrals(const Eigen::MatrixXd& generator,
   for (Eigen::MatrixXd& form : forms) {
     if (form.size() > 0) form = ShortIntegral(balanced.matrix, scale * form * scale, short_s);
   }
+  // S(2h) = S(h) + exp(G' h) S(h) exp(G h), sums of terms of one sign only
   for (int k = 0; k < doublings; ++k) {
     const Eigen::MatrixXd e = MatrixExponential(std::ldexp(short_s, k) * balanced.matrix);
     for (Eigen::MatrixXd& form : forms) {
       if (form.size() > 0) form += (e.transpose() * form * e).eval();
     }
   }
+  // back to the caller's units: D^-1 S D^-1
   const auto back = balanced.scale.cwiseInverse().asDiagonal();
   for (Eigen::MatrixXd& form : forms) {
     if (form.size() > 0) form = (back * form * back).eval();
@@ -53,7 +56,7 @@ std::vector<Eigen::MatrixXd> Integrals(const Eigen::MatrixXd& generator,
   return forms;
 }
 
-// what comes in from outside, v i and the finger's part, of [x, u]; made symmetric
+// input power v i and the finger's part as a form of [x, u], made symmetric
 Eigen::MatrixXd InputForm(const Mode& mode) {
   const Eigen::Index n = mode.a.rows(), m = n + kInputs;
   Eigen::RowVectorXd current = Eigen::RowVectorXd::Zero(m);
@@ -70,6 +73,7 @@ Eigen::MatrixXd InputForm(const Mode& mode) {
 
 double EnergyLedger::Imbalance() const {
   const double out_j = std::accumulate(dissipated_j.begin(), dissipated_j.end(), impact_j);
+  // input + initial = stored + dissipated + impacts
   const double error_j = input_j + initial_j - stored_j - out_j;
   const double reference_j = std::max({initial_j, std::abs(input_j), std::abs(out_j)});
   return reference_j > 0 ? std::abs(error_j) / reference_j : 0;
@@ -87,6 +91,7 @@ StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& s
     return FormIn(form, from.topRows(form.rows()));
   };
 
+  // one list, because all forms share the exponentials: input, elements, squared rows
   std::vector<Eigen::MatrixXd> forms{in_z(InputForm(mode))};
   forms.reserve(1 + mode.dissipating.size() + squared_rows.size());
   for (const Eigen::MatrixXd& power : mode.dissipating) forms.push_back(in_z(power));
@@ -103,11 +108,11 @@ StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& s
   return energy;
 }
 
-// What a piecewise motion gathers on its way: energies, and the ranges of the numbers watched.
+// What a piecewise motion accumulates: energies, and the ranges of the numbers watched.
 
 namespace {
 
-// x' form x, without a vector between: the allocator's lock would cost threads a tenth of their
+// x' form x, without a temporary vector: the allocator's lock would take a tenth of the threads'
 // time
 double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
   double sum = 0;
@@ -122,11 +127,12 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
 void PiecewiseMotion::TakeStock(const Point& from, int level, const Point& to) {
   if (with_energy_) CountEnergy(from, level);
   if (!flow_.ranges.empty()) Watch(from, level, to);
-  // before anything happens: in long steps (CarryErrorFar)
+  // before the first event the error is carried in long steps (CarryErrorFar)
   if (flow_.error && !events_.empty()) CarryError(from, level, to);
 }
 
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {
+  // each energy of the step is a quadratic form of z = [x, w] at its begin, J
   const StepEnergy& energy = Stepper().Energy(level);
   Eigen::VectorXd z(from.x.size() + from.drive.size());
   z << from.x, from.drive;
@@ -147,9 +153,9 @@ void PiecewiseMotion::ForgetRanges() {
   }
 }
 
-// A step in which nothing can lie beyond what is known costs no more than its ends.
+// A step that cannot exceed the ranges so far needs the values at its ends only.
 void PiecewiseMotion::Watch(const Point& from, int level, const Point& to) {
-  constexpr int kHalvings = 24;  // a bulge of 2^-48 of the first one
+  constexpr int kHalvings = 24;  // the bound is then 2^-48 of the first
   const double h_s = std::ldexp(1 / rate_hz_, -level);
   std::vector<GuardBound>& watched = Stepper().Watched();
   for (std::size_t k = 0; k < watched.size(); ++k) {
@@ -158,6 +164,7 @@ void PiecewiseMotion::Watch(const Point& from, int level, const Point& to) {
     const double end = watched[k].Value(to.x, to.drive);
     range.Include(begin);
     range.Include(end);
+    // a function lies within max abs(f'') h^2 / 8 of its chord
     const double bulge = watched[k].SecondBound(from.x, largest_signals_) * h_s * h_s / 8;
     const bool inside = std::max(begin, end) + bulge <= range.largest &&
                         std::min(begin, end) - bulge >= range.least;
@@ -166,6 +173,7 @@ void PiecewiseMotion::Watch(const Point& from, int level, const Point& to) {
   }
 }
 
+// includes the extremes within a step: proves that there is none, finds the only one, or halves
 void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int level,
                                       const Point& to, int deepest, ValueRange& range) {
   const double h_s = std::ldexp(1 / rate_hz_, -level);
@@ -174,7 +182,7 @@ void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int
   range.Include(end[0]);
   const bool bounded = level >= Stepper().WatchLevel();
   if (bounded) {
-    // nothing can lie beyond
+    // bounds of the derivatives hold over the step: does it contain anything new?
     const auto [bound, m3, m4] = number.Bounds(from.x, largest_signals_);
     // |g''| is also at most what lies between its values at both ends and m4 h^2/8 (at rest, where
     // the bound by magnitudes is far too large)
@@ -185,7 +193,7 @@ void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int
     const bool inside = std::max(begin[0], end[0]) + bulge <= range.largest &&
                         std::min(begin[0], end[0]) - bulge >= range.least;
     if (inside || std::min(std::abs(begin[1]), std::abs(end[1])) > m2 * h_s) return;
-    // the slope may turn more than once: halves
+    // the slope may change its sign more than once: halves
     if (std::abs(begin[2]) <= m3 * h_s) {
       if (level >= std::min(deepest, kFinestLevel)) return;
       Point middle;
@@ -195,10 +203,11 @@ void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int
       return;
     }
   }
+  // g'' has one sign (or the step is too long to bound): one extreme where g' changes its sign
   if ((begin[1] > 0) != (end[1] > 0)) range.Include(ValueAtExtreme(number, from, level));
 }
 
-// where the slope, which turns once, does
+// the value where the slope changes its sign, which it does once
 double PiecewiseMotion::ValueAtExtreme(const GuardBound& number, const Point& from, int level) {
   constexpr int kHalvings = 28;  // an extreme is flat
   Point point = from, next;

@@ -11,6 +11,7 @@ namespace haptometer::sim {
 
 namespace {
 
+// grid of the bounds: spacing x |G|_1, and its points at the longest horizon (guard.h)
 constexpr double kSpacingTimesNorm = 0.25;
 constexpr double kMostPoints = 256;
 
@@ -24,10 +25,14 @@ GuardVerdict Judge(const GuardJet& begin, const GuardJet& end, const GuardBounds
                    double h_s) {
   const auto [m2, m3, m4] = bounds;
   const GuardVerdict by_end = end[0] < 0 ? GuardVerdict::kCrosses : GuardVerdict::kClear;
+  // g lies at most M2 h^2 / 8 below its chord
   if (std::min(begin[0], end[0]) > m2 * h_s * h_s / 8) return GuardVerdict::kClear;
+  // g(s) >= g(0) + s (g'(0) - M2 s / 2)
   if (begin[1] > m2 * h_s / 2) return GuardVerdict::kClear;
+  // g falls over the whole interval
   if (std::min(begin[1], end[1]) < -m2 * h_s) return by_end;
 
+  // where g'' keeps its sign: concave, the lesser end is the least value; convex, it may dip
   const double least = std::min(begin[2], end[2]);
   const double most = std::max(begin[2], end[2]);
   if (least < -m3 * h_s) return by_end;
@@ -35,16 +40,18 @@ GuardVerdict Judge(const GuardJet& begin, const GuardJet& end, const GuardBounds
     if (begin[1] >= 0) return GuardVerdict::kClear;
     return end[1] <= 0 ? by_end : GuardVerdict::kDips;
   }
+  // g, g' and g'' begin at 0 or more and g''' stays positive
   if (begin[3] > m4 * h_s && begin[1] >= 0 && begin[2] >= 0) return GuardVerdict::kClear;
   return GuardVerdict::kUnknown;
 }
 
 std::optional<double> TimeToRest(const Bounce& bounce, const GuardJet& after, double height) {
-  // how much the acceleration may change until bounces are over
+  // largest relative change of the acceleration until the bounces end
   constexpr double kSteadyAcceleration = 1e-3;
   const double speed = std::max(after[1], 0.0);
   const double acceleration = -after[2];
   if (bounce.restitution >= 1 || !(acceleration > 0)) return {};
+  // sum of the flights of all bounces, T = 2 u / (a (1 - e)); the first is u^2 / (2 a) high
   const double rest_s = 2 * speed / (acceleration * (1 - bounce.restitution));
   const bool low = speed * speed / (2 * acceleration) <= height;
   const bool steady = std::abs(after[3]) * rest_s <= kSteadyAcceleration * acceleration;
@@ -67,6 +74,7 @@ GuardBound::GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorX
   const Eigen::Index n = generator.rows() - shape.generator.rows();
   for (Eigen::Index& pair : pairs_) pair += n;
   derivatives_.row(0) = row;
+  // g^(k) = row G^k z
   for (Eigen::Index k = 1; k < 4; ++k) derivatives_.row(k) = derivatives_.row(k - 1) * generator;
   second_bound_ = LargestOver(derivatives_.row(2)).transpose();
 }
@@ -81,12 +89,13 @@ Eigen::MatrixXd GuardBound::LargestOver(Eigen::MatrixXd rows) const {
   for (int point = 0; point < points; ++point) {
     if (point > 0) rows = (rows * step).eval();
     Eigen::MatrixXd sizes = rows.cwiseAbs();
-    // a pair's magnitude serves both of its entries, which a turn mixes
+    // a rotation mixes the entries of a pair, so both take the pair's magnitude
     for (const Eigen::Index pair : pairs_) {
       sizes.middleCols(pair, 2) = rows.middleCols(pair, 2).rowwise().norm().replicate(1, 2);
     }
     largest = largest.cwiseMax(sizes);
   }
+  // between grid points |y exp(G r)| <= |y| exp(|G| r); 1 + 2^-20 covers rounding
   largest =
       (1 + std::ldexp(1.0, -20)) * largest * MatrixExponential(generator_.cwiseAbs() * spacing_s);
   for (const Eigen::Index pair : pairs_) {
@@ -100,7 +109,7 @@ GuardJet GuardBound::Jet(const Eigen::VectorXd& x, const Eigen::VectorXd& w) con
   const Eigen::Vector4d values =
       derivatives_.leftCols(x.size()) * x + derivatives_.rightCols(w.size()) * w;
   Eigen::Vector4d::Map(jet.data()) = values;
-  // the value as Value() rounds it, so that all decisions see one number
+  // the value rounded as by Value(), so that all decisions use one number
   jet[0] = Value(x, w);
   return jet;
 }
@@ -122,9 +131,10 @@ double GuardBound::Noise(const Eigen::VectorXd& x) const {
 
 namespace {
 
+// resolution of a place in [0, 1]
 constexpr double kFinest = 0x1p-52;
 
-// the coefficients in w, u = from + w (to - from): Horner's rule, again and again
+// the coefficients in w, u = from + w (to - from): Taylor's shift by repeated Horner's rule
 Eigen::VectorXd Seen(Eigen::VectorXd coefficients, double from, double to) {
   const Eigen::Index n = coefficients.size();
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -152,7 +162,7 @@ Eigen::VectorXd Bernstein(const Eigen::VectorXd& coefficients, double from, doub
   return bernstein;
 }
 
-// the last place before the only crossing
+// the last place before the only crossing, by bisection
 double BeforeCrossing(const Eigen::VectorXd& coefficients, double above, double below) {
   while (below - above > kFinest) {
     const double middle = (above + below) / 2;
@@ -185,6 +195,7 @@ double PolynomialValue(const Eigen::VectorXd& coefficients, double u) {
 }
 
 void ExtendRange(const Eigen::VectorXd& coefficients, double from, double to, ValueRange& range) {
+  // an extreme is flat to rounding over this width
   constexpr double kFlat = 0x1p-26;
   if (!coefficients.allFinite()) return;
   std::vector<std::array<double, 2>> open{{from, to}};
@@ -192,6 +203,7 @@ void ExtendRange(const Eigen::VectorXd& coefficients, double from, double to, Va
     const auto [left, right] = open.back();
     open.pop_back();
     const Eigen::VectorXd values = Bernstein(coefficients, left, right);
+    // a polynomial lies between its least and its largest Bernstein coefficient
     const bool inside = values.maxCoeff() <= range.largest && values.minCoeff() >= range.least;
     if (inside || IsMonotone(values) || right - left <= kFlat) continue;
     const double middle = (left + right) / 2;
@@ -211,12 +223,14 @@ std::optional<double> FirstFall(const Eigen::VectorXd& coefficients, double from
     const Eigen::VectorXd values = Bernstein(coefficients, left, right);
     const double first = values[0], last = values[values.size() - 1];
     if (first < 0) return left;
+    // no negative coefficient, no fall; one change of sign, one root (Descartes)
     if (values.minCoeff() >= 0) continue;
     if (last < 0 && SignChanges(values) == 1) return BeforeCrossing(coefficients, left, right);
     if (right - left <= kFinest) {
       if (last < 0) return left;
       continue;
     }
+    // the left half is examined first
     const double middle = (left + right) / 2;
     open.push_back({middle, right});
     open.push_back({left, middle});
@@ -225,7 +239,7 @@ std::optional<double> FirstFall(const Eigen::VectorXd& coefficients, double from
 }
 
 double LastAbove(const Eigen::VectorXd& coefficients, double to) {
-  // backwards, the negative stretch before `to` ends where -g falls below zero
+  // seen backwards from `to`, the negative segment ends where -g falls below zero
   const std::optional<double> back = FirstFall(-Seen(coefficients, to, 0), 0);
   return back ? to * (1 - *back) : to;
 }

@@ -26,6 +26,7 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
       generator_(DrivenGenerator(mode.a, mode.Inputs(), shape)) {
   if (mode.a_rest.size() > 0) long_generator_ = LongDrivenGenerator(mode, shape);
   if (mode.guards.empty() && mode.watched.empty()) return;
+  // the level at which a step is within the horizon of the guards' bounds
   const double longest_s = GuardBound::LongestHorizon(generator_);
   while (watch_level_ < kFinestLevel && std::ldexp(step_s_, -watch_level_) > longest_s) {
     ++watch_level_;
@@ -38,6 +39,7 @@ const Eigen::MatrixXd& ModeStepper::Step(int level) {
   if (step.size() > 0) return step;
   const double length_s = std::ldexp(step_s_, -level);
   const Eigen::Index signals = shape_->generator.rows();
+  // with known rounding errors of the model the step is computed in long double
   if (long_generator_.size() == 0) {
     step = DrivenStep(generator_, length_s, signals);
   } else {
@@ -50,6 +52,7 @@ const Eigen::MatrixXd& ModeStepper::Step(int level) {
 const LongMatrix& ModeStepper::LongStep(std::size_t power) {
   LongMatrix& step = long_steps_[power];
   if (step.size() > 0) return step;
+  // 2^power outputs, for states from the anchor
   const long double outputs = std::ldexp(1.0L, static_cast<int>(power));
   const LongMatrix generator =
       long_generator_.size() > 0 ? long_generator_ : generator_.cast<long double>().eval();
@@ -71,6 +74,7 @@ GuardBound ModeStepper::BoundOf(const Eigen::RowVectorXd& row, double offset,
                                 const Eigen::RowVectorXd& feed, int level) const {
   const Eigen::Index n = mode_->a.rows(), m = shape_->generator.rows();
   Eigen::RowVectorXd whole = Eigen::RowVectorXd::Zero(n + m);
+  // a row of z = [x, w]: inputs are rows of the signals
   whole.head(n) = row;
   if (feed.size() > 0) whole.tail(m) = feed * shape_->rows;
   return {generator_, whole, offset, *shape_, std::ldexp(step_s_, -level)};

@@ -10,13 +10,14 @@ namespace haptometer::sim {
 
 namespace {
 
-// of the guard's error over g'^2/(2 |g''|), up to which an event is moved but not changed
+// error of a guard over g'^2 / (2 abs(g'')) up to which an event is moved in time only
 constexpr double kLinearPart = 0.05;
 
 }  // namespace
 
 void MotionError::Step(const Eigen::Ref<const Eigen::MatrixXd>& phi,
                        const Eigen::VectorXd& rounding) {
+  // P <- Phi P Phi' + diag(rounding^2)
   // products of so few rows are faster without blocks
   work_.noalias() = phi.lazyProduct(covariance_);
   covariance_.noalias() = work_.lazyProduct(phi.transpose());
@@ -33,21 +34,24 @@ void MotionError::Map(const Eigen::MatrixXd& map, const Eigen::VectorXd& error) 
 }
 
 void MotionError::Event(const EventJump& jump) {
+  // f+ - R f-, the jump of the rate
   const Eigen::VectorXd rate_step = jump.rate_after - jump.map * jump.rate_before;
   const double error = Bound(jump.guard), speed = std::abs(jump.guard_rate);
   const double bend = std::abs(jump.guard_curvature);
   if (2 * error * bend <= kLinearPart * speed * speed && speed > 0) {
+    // saltation matrix S = R + (f+ - R f-) (dg/dx) / g'
     const Eigen::VectorXd by_guard = rate_step / jump.guard_rate;
     Map(jump.map + by_guard * jump.guard, jump.guard_rounding * by_guard);
     return;
   }
-  // the time may be off by that, and what jumps may not
+  // near a graze the time is uncertain by this much, and the event itself may not occur
   double time_s = bend > 0 ? std::sqrt(2 * error / bend) : error / speed;
   if (!std::isfinite(time_s)) time_s = 0;
   Map(jump.map, 2 * time_s / kSafety * rate_step);
   if (jump.step_of_state.size() > 0) Add(jump.step_of_state / kSafety);
 }
 
+// kSafety standard deviations of row x
 double MotionError::Bound(const Eigen::RowVectorXd& row) const {
   const double square = row.dot(covariance_ * row.transpose());
   if (!std::isfinite(square)) return std::numeric_limits<double>::infinity();
@@ -58,6 +62,7 @@ double MotionError::Bound(const Eigen::RowVectorXd& row) const {
 
 namespace {
 
+// unit roundoff of a double
 constexpr double kRounding = 0x1p-53;
 // outputs that the error is carried over at once before anything happens
 constexpr std::size_t kFarPower = 6;
@@ -67,14 +72,14 @@ constexpr double kStillSteps = 8;  // the root of their number, and more
 
 }  // namespace
 
-// of a step's sums, and of the numbers that its matrix is of
+// rounding of a step's sums, and of the entries of its matrix
 Eigen::VectorXd PiecewiseMotion::RoundingOf(const Point& from, int level, const Point& to) {
   const Eigen::MatrixXd& step = Stepper().Step(level);
   const Eigen::Index n = from.x.size();
   const double h_s = std::ldexp(1 / rate_hz_, -level);
   Eigen::VectorXd terms = step.leftCols(n).cwiseAbs() * from.x.cwiseAbs();
   terms += step.rightCols(to.drive.size()).cwiseAbs() * to.drive.cwiseAbs();
-  // a state that settles faster forgets
+  // a state that decays faster than the step retains rounding for its decay time only
   const Eigen::MatrixXd& a = Stepper().mode().a;
   const Eigen::VectorXd forgets_s = a.diagonal().cwiseAbs().cwiseInverse().cwiseMin(h_s);
   terms += forgets_s.cwiseProduct(a.cwiseAbs() * from.x.cwiseAbs());
@@ -82,7 +87,7 @@ Eigen::VectorXd PiecewiseMotion::RoundingOf(const Point& from, int level, const 
 }
 
 void PiecewiseMotion::CarryError(const Point& from, int level, const Point& to) {
-  // so little time turns nothing by more than a hundredth; its rounding is the event's
+  // so short a step turns nothing by more than a hundredth; its rounding is included in the event's
   if (level > Stepper().CoarsestLevel() + kStillLevels) return;
   NoticeNearMiss(from, level, to);
   flow_.error->Step(Stepper().Step(level).leftCols(from.x.size()), RoundingOf(from, level, to));
@@ -94,6 +99,7 @@ void PiecewiseMotion::CarryErrorFar() {
   if (!flow_.error || !events_.empty() || index_ % kFar != 0) return;
   const Eigen::Index n = now_.x.size();
   const Eigen::MatrixXd far = Stepper().LongStep(kFarPower).leftCols(n).cast<double>();
+  // the rounding of kFar steps, as if all had the same sign
   flow_.error->Step(far, static_cast<double>(kFar) * RoundingOf(now_, 0, now_));
 }
 
@@ -109,6 +115,7 @@ void PiecewiseMotion::CarryErrorOver(std::size_t guard, const Transition& way, c
   const GuardJet jet = bound.Jet(before.x, before.drive);
   const double terms = that.row.cwiseAbs().dot(before.x.cwiseAbs()) + std::abs(that.offset);
   const double tick_s = std::ldexp(1 / rate_hz_, -kFinestLevel);
+  // the guard's own sum, and the motion within the tick to which the event is located
   EventJump jump{.map = way.map,
                  .guard = that.row,
                  .guard_rate = jet[1],
@@ -119,6 +126,7 @@ void PiecewiseMotion::CarryErrorOver(std::size_t guard, const Transition& way, c
                  .step_of_state = {}};
   if (mode_ == mode_before) jump.step_of_state = now_.x - before.x;
   const Eigen::Index n = before.x.size();
+  // rounding of the shorter and shorter steps that located the event
   flow_.error->Step(Eigen::MatrixXd::Identity(n, n), kStillSteps * kRounding * before.x.cwiseAbs());
   flow_.error->Event(jump);
 }
@@ -142,7 +150,7 @@ void PiecewiseMotion::CarryErrorToRest(const Transition& rest, const Bounce& bou
   flow_.error->Map(rest.map, tail);
 }
 
-// A stop that the motion turns just before may have been hit: the jump that this would be.
+// A guard that turns just above zero may have fallen: the jump of that event, added as an error.
 void PiecewiseMotion::NoticeNearMiss(const Point& from, int level, const Point& to) {
   const double h_s = std::ldexp(1 / rate_hz_, -level);
   const std::vector<GuardBound>& guards = Stepper().Guards();
@@ -154,10 +162,12 @@ void PiecewiseMotion::NoticeNearMiss(const Point& from, int level, const Point& 
     if (begin[1] >= 0) continue;
     const GuardJet end = guards[k].Jet(to.x, to.drive);
     if (end[1] <= 0) continue;
+    // g'' as a difference, and the minimum of the parabola g(0) - g'^2 / (2 g'')
     const double bend = (end[1] - begin[1]) / h_s;
     const double lowest = std::min(begin[0] - begin[1] * begin[1] / (2 * bend), end[0]);
     const double error = flow_.error->Bound(guard.row);
     if (lowest > error) continue;
+    // jump of the rate at the event that may have occurred, over twice the uncertainty of its time
     const Eigen::VectorXd rate = RateIn(mode_, from);
     flow_.error->Add(2 * std::sqrt(2 * error / bend) / MotionError::kSafety *
                      (way.map * rate - rate));

@@ -12,9 +12,10 @@ namespace haptometer::sim {
 
 namespace {
 
+// so many events, each within kCrowdedTicks of the one before, are a stall
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
-// by how much an uncertain gap may raise the height of bounces that are at rest
+// largest factor by which an uncertain gap may raise the height of bounces that count as at rest
 constexpr double kMostRestHeights = 1e4;
 
 }  // namespace
@@ -32,6 +33,7 @@ PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excita
   HAPTOMETER_CHECK(rate_hz_ > 0 && mode_ < system_.modes.size(), "{} Hz, mode {}", rate_hz_, mode_);
   const double passed = -grid.origin_s * rate_hz_;  // of the first output step
   HAPTOMETER_CHECK(passed >= 0 && passed < 1, "origin {} s at {} Hz", grid.origin_s, rate_hz_);
+  // t = 0 within the first output step, in ticks of 2^-kFinestLevel of a step
   now_.tick = static_cast<std::uint64_t>(std::ldexp(passed, kFinestLevel));
   HAPTOMETER_CHECK(now_.x.size() == system_.modes[mode_].a.rows(), "{} states", now_.x.size());
   BeginPiece(0);
@@ -40,7 +42,7 @@ PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excita
   flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
   flow_.squares.assign(system_.squared_rows.size(), 0);
   initial_j_ = StoredNow();
-  // the beginning is known to its own rounding, a few times that of a solution
+  // the initial state has its own rounding, a few times that of a solution
   const Eigen::Index n = now_.x.size();
   flow_.error.emplace(n).Step(Eigen::MatrixXd::Identity(n, n), 0x1p-50 * now_.x.cwiseAbs());
 }
@@ -64,7 +66,7 @@ void PiecewiseMotion::Restart(PiecewiseStart start) {
   ForgetRanges();
 }
 
-// Where its pieces differ only in numbers the matrices stay.
+// Pieces that differ in numbers only share their matrices.
 std::size_t PiecewiseMotion::PlaceOfShape() {
   const auto found = std::ranges::find_if(
       shapes_, [&](const Shape& shape) { return SameShape(shape.first, piece_); });
@@ -78,7 +80,7 @@ std::size_t PiecewiseMotion::PlaceOfShape() {
   return shapes_.size() - 1;
 }
 
-// At now_, whose state stays.
+// The state at now_ stays; matrices, signals and the piece's end are those of the new piece.
 void PiecewiseMotion::BeginPiece(std::size_t place) {
   place_ = place;
   piece_ = excitation_.Piece(place);
@@ -90,8 +92,9 @@ void PiecewiseMotion::BeginPiece(std::size_t place) {
     piece_end_index_ = std::numeric_limits<std::uint64_t>::max();
     return;
   }
+  // the piece's end as a whole number of output steps and the ticks after it
   const long double outputs = (piece_.end_s - origin_s_) * static_cast<long double>(rate_hz_);
-  // a double's rounding of the time apart, it is an output
+  // a time within a double's rounding of an output is that output
   const long double nearest = std::round(outputs);
   const bool at_output = std::abs(outputs - nearest) <= 0x1p-50L * std::max(outputs, 1.0L);
   const long double whole = at_output ? nearest : std::floor(outputs);
@@ -107,6 +110,7 @@ void PiecewiseMotion::BeginPiece(std::size_t place) {
 void PiecewiseMotion::SetSequences() {
   constexpr long double kWorthIt = 64;
   sequences_.clear();
+  // a piece of fewer outputs has its signals evaluated one by one
   if ((piece_.end_s - piece_.begin_s) * static_cast<long double>(rate_hz_) < kWorthIt) return;
   for (const ExcitationTerm& term : piece_.terms) {
     if (term.kind == ExcitationTerm::Kind::kPolynomial) continue;
@@ -120,7 +124,8 @@ bool PiecewiseMotion::PlainSine() const {
          piece_.terms[0].kind == ExcitationTerm::Kind::kTone && piece_.terms[0].phase_rad == 0;
 }
 
-// How many outputs come in which nothing can happen; the one at the next anchor is left to Next().
+// Number of next outputs that need no guard, range, energy or new state; the output at the next
+// anchor is computed by Next().
 Eigen::Index PiecewiseMotion::OutputsUnwatched() {
   const Mode& mode = Stepper().mode();
   const Eigen::Index n = now_.x.size();
@@ -144,6 +149,7 @@ void PiecewiseMotion::SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w) 
 
 void PiecewiseMotion::Next() {
   if (stalled_at_s_) return;
+  // where one matrix product covers the output step, its two ends may clear all guards at once
   const bool may_clear =
       !departure_ && now_.tick == 0 && Stepper().CoarsestLevel() == 0 && !PieceEndsWithin();
   if (may_clear) Step(now_, 0, next_);
@@ -160,17 +166,19 @@ void PiecewiseMotion::Next() {
   CarryErrorFar();
 }
 
-// the whole output step in one judgement that needs no slopes
+// whether both ends of the output step prove that no guard falls within it
 bool PiecewiseMotion::ClearAtOnce(const Point& end) {
   const double h_s = 1 / rate_hz_;
   return std::ranges::all_of(Stepper().Guards(), [&](const GuardBound& guard) {
     const double least = std::min(guard.Value(now_.x, now_.drive), guard.Value(end.x, end.drive));
+    // g >= min(g(0), g(h)) - max abs(g'') h^2 / 8
     return least > guard.SecondBound(now_.x, largest_signals_) * h_s * h_s / 8;
   });
 }
 
-// An output step in intervals that can be judged, none of them across the end of a piece.
+// An output step in intervals that can be judged, none of them across a piece's end.
 void PiecewiseMotion::Play() {
+  // restored at the end if no event occurs
   const Point begin = now_;
   const Flow before = flow_;
   const std::size_t events_before = events_.size(), place = place_;
@@ -182,20 +190,24 @@ void PiecewiseMotion::Play() {
       continue;
     }
     const std::uint64_t end_tick = PieceEndsWithin() ? piece_end_tick_ : kTicks;
+    // the interval: 2^-level of an output step, or up to the end of the piece
     const std::uint64_t ticks = std::min(end_tick - now_.tick, kTicks >> level);
     const Point end = Travelled(now_, ticks, false);
     NoticeWork();
     const Ahead ahead = LookAhead(end, ticks);
+    // no certain verdict: the interval is halved
     if (!ahead.known) {
       while ((kTicks >> level) >= ticks) ++level;
       continue;
     }
+    // to the earliest event, or over the whole interval
     now_ = Travelled(now_, ahead.guard ? ahead.ticks : ticks, true);
     if (ahead.guard) {
       Fire(*ahead.guard);
       level = Stepper().CoarsestLevel();
     } else {
       Forget();
+      // a clear interval lets the next one be twice as long
       level = std::max(level - 1, Stepper().CoarsestLevel());
     }
   }
@@ -203,18 +215,19 @@ void PiecewiseMotion::Play() {
   if (PieceEndsWithin() && now_.tick >= piece_end_tick_) BeginPiece(place_ + 1);
   const bool whole = begin.tick == 0 && place_ == place && !PieceEndsWithin();
   if (events_.size() == events_before) {
-    // nothing happened: the same bits as if nobody had looked
+    // no event: the step is computed again whole, with the same bits as without guards
     flow_ = before;
     now_ = begin;
     if (place_ != place) BeginPiece(place);
     Pass();
   }
   if (events_.size() == events_before && whole) return;
+  // an event or a new piece breaks the row of equal steps: a new anchor
   anchor_ = now_.x;
   anchor_index_ = index_ + 1;
 }
 
-// An output step without looking at guards.
+// An output step without guards, split at ends of pieces only.
 void PiecewiseMotion::Pass() {
   while (PieceEndsWithin()) {
     if (now_.tick < piece_end_tick_) {
@@ -232,6 +245,7 @@ long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
   return origin_s_ + outputs / static_cast<long double>(rate_hz_);
 }
 
+// x(t + h) = Phi x(t) + Gamma w(t + h) with h = 2^-level of an output step
 void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
   const Eigen::Index n = from.x.size();
   to.tick = from.tick + (kTicks >> level);
@@ -242,7 +256,7 @@ void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
   }
   const Eigen::MatrixXd& step = Stepper().Step(level);
   if (to.drive.size() == 2) {
-    // the order of StepUniformly, for the sake of equal bits
+    // the order of StepUniformly, for equal bits
     to.x.noalias() = step.col(n) * to.drive[0] + step.col(n + 1) * to.drive[1];
   } else {
     to.x.noalias() = step.rightCols(to.drive.size()) * to.drive;
@@ -250,6 +264,7 @@ void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
   for (Eigen::Index k = 0; k < n; ++k) to.x.noalias() += step.col(k) * from.x[k];
 }
 
+// the state after `ticks`, by one step for each binary digit that is set, the longest first
 PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t ticks,
                                                   bool take_stock) {
   for (int level = 0; level <= kFinestLevel && ticks > 0; ++level) {
@@ -266,15 +281,16 @@ PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t tick
 GuardJet PiecewiseMotion::JetHere(std::size_t guard) {
   const GuardBound& bound = Stepper().Guards()[guard];
   GuardJet jet = bound.Jet(now_.x, now_.drive);
-  // a rising guard that rounding alone puts below zero
+  // rounding alone may put a rising guard below zero
   if (jet[0] < 0 && jet[1] > 0 && -jet[0] <= bound.Noise(now_.x)) jet[0] = 0;
   if (!departure_ || departure_->guard != guard) return jet;
-  // what is zero by construction is not below it
+  // derivatives that are zero by construction do not count as below zero
   for (std::size_t k = 0; k < departure_->order; ++k) jet[k] = std::max(jet[k], 0.0);
   return jet;
 }
 
-// The last of `ticks` at which a condition still holds that holds at first and then ends once.
+// The last of `ticks` at which a condition holds that holds at first and ends once: descent through
+// halved steps.
 template <typename Predicate>
 std::uint64_t PiecewiseMotion::LastWhere(std::uint64_t ticks, const Predicate& holds) {
   Point point = now_;
@@ -291,6 +307,7 @@ std::uint64_t PiecewiseMotion::LastWhere(std::uint64_t ticks, const Predicate& h
   return passed;
 }
 
+// ticks to where a guard falls below zero, none if it does not; `known` false: no certain verdict
 std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Point& end,
                                                      std::uint64_t ticks, bool& known) {
   GuardBound& bound = Stepper().Guards()[guard];
@@ -305,6 +322,7 @@ std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Po
     case GuardVerdict::kCrosses:
       return LastWhere(ticks, above);
     case GuardVerdict::kDips: {
+      // the minimum lies where g' ends to be negative; a crossing only if g is below zero there
       const std::uint64_t lowest = LastWhere(
           ticks, [&](const Point& point) { return bound.Jet(point.x, point.drive)[1] < 0; });
       if (above(Travelled(now_, lowest, false))) return {};
@@ -313,11 +331,12 @@ std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Po
     case GuardVerdict::kUnknown:
       break;
   }
-  // a single tick is as far as anything is told apart
+  // a single tick is the finest resolution: the value at its end decides
   known = ticks == 1;
   return known && end_jet[0] < 0 ? std::optional<std::uint64_t>(0) : std::nullopt;
 }
 
+// all guards over the same interval, so that the earliest event comes first
 PiecewiseMotion::Ahead PiecewiseMotion::LookAhead(const Point& end, std::uint64_t ticks) {
   Ahead ahead;
   for (std::size_t guard = 0; guard < Stepper().Guards().size(); ++guard) {
@@ -330,7 +349,7 @@ PiecewiseMotion::Ahead PiecewiseMotion::LookAhead(const Point& end, std::uint64_
   return ahead;
 }
 
-// a guard that has risen beyond rounding is one like any other
+// a guard that has risen above rounding is treated as any other
 void PiecewiseMotion::Forget() {
   if (!departure_) return;
   const GuardBound& bound = Stepper().Guards()[departure_->guard];
@@ -338,6 +357,7 @@ void PiecewiseMotion::Forget() {
 }
 
 void PiecewiseMotion::Fire(std::size_t guard) {
+  // g' and the gap's uncertainty belong to the instant before the event
   const double rate = Stepper().Guards()[guard].Jet(now_.x, now_.drive)[1];
   const std::size_t place = Stepper().mode().guards[guard].transition;
   const auto time_s = static_cast<double>(TimeAt(now_.tick));
@@ -347,6 +367,7 @@ void PiecewiseMotion::Fire(std::size_t guard) {
   const double error = flow_.error ? flow_.error->Bound(Stepper().mode().guards[guard].row) : 0;
   Follow(place, time_s, rate);
   if (flow_.error) CarryErrorOver(guard, transition, before, mode_before);
+  // bounces too low to be computed: the bodies rest at once, the event has the time of their end
   if (const std::optional<double> rest_s = RestAfter(transition, error)) {
     const Transition& rest = system_.transitions[transition.bounce->rest_via];
     if (flow_.error) CarryErrorToRest(rest, *transition.bounce, now_.x - before.x);
@@ -358,6 +379,7 @@ void PiecewiseMotion::Fire(std::size_t guard) {
 void PiecewiseMotion::Follow(std::size_t transition, double time_s, double guard_rate) {
   const Transition& way = system_.transitions[transition];
   const double before_j = with_energy_ ? StoredNow() : 0;
+  // x+ = map x + shift; the decrease of the stored energy is the loss of the impact, J
   now_.x = (way.map * now_.x + way.shift).eval();
   mode_ = way.mode;
   departure_ = way.departure;
@@ -365,7 +387,7 @@ void PiecewiseMotion::Follow(std::size_t transition, double time_s, double guard
   events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
 }
 
-// bounces lower than what is known of the gap are none
+// bounces lower than twice the uncertainty of the gap are not computed
 std::optional<double> PiecewiseMotion::RestAfter(const Transition& transition, double gap_error) {
   if (!transition.bounce || !departure_) return {};
   const double least = transition.bounce->rest_height;
@@ -393,7 +415,8 @@ void PiecewiseMotion::Stall(double time_s, FindingKind reason) {
   stall_reason_ = reason;
 }
 
-// the state from where the mode began, in as few steps as there are ones in their number
+// the state from the anchor in long double, in as few steps as the number of outputs has
+// binary digits that are set
 void PiecewiseMotion::Reanchor() {
   if (index_ <= anchor_index_ || (index_ - anchor_index_) % kOutputsBetweenAnchors != 0) return;
   using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
@@ -424,6 +447,7 @@ Eigen::VectorXd PiecewiseMotion::Positions() const {
 
 Eigen::VectorXd PiecewiseMotion::Rates() const {
   const Mode& mode = system_.modes[mode_];
+  // x' = A x + B u, then in positions
   Eigen::VectorXd rates = mode.a * now_.x + mode.Inputs() * Inputs();
   if (mode.positions.size() == 0) return rates;
   return mode.positions * rates;

@@ -50,7 +50,7 @@ class Assembly {
     modes_.push_back(AssembleStopModes(scene_, effects_.stops.value_or(TravelStops{}), base));
   }
 
-  // mode 0 is the linear scene itself, without the state that is 1
+  // mode 0 is the linear scene itself, without the state that is always 1
   void UseLinearSceneWhereFree() {
     StopMode& free = modes_[0][0];
     const Eigen::Index n = free.mode.a.rows() - 1;
@@ -69,6 +69,7 @@ class Assembly {
   // a transition between two places; `map` takes the base's states of one to those of the other
   std::size_t Link(std::string_view name, Place from, Place to, const Eigen::MatrixXd& map,
                    std::optional<Departure> departure) {
+    // map and shift in the coordinates of both stop modes: to (map (from y + shift))
     system_.transitions.push_back({.name = name,
                                    .mode = IndexOf(to),
                                    .map = At(to).to * map * At(from).from,
@@ -105,12 +106,14 @@ class Assembly {
         for (const int side : {1, -1}) AddGapGuard(base, side);
         break;
       case StopState::kResting:
+        // at release gap, speed and relative acceleration are zero: the third derivative decides
         AddGuard(here, At(here).guards[0], LinkToFree("release", here, 3), At(here).feed);
         break;
       case StopState::kPressed:
         AddGuard(here, At(here).guards[0], LinkFromPressed(here));
         break;
       case StopState::kLeaving:
+        // ends where the pad has recovered, or where it would push again
         AddGuard(here, At(here).guards[0], LinkToFree("stop left", here, 1));
         AddGuard(here, At(here).guards[1],
                  LinkWithin("pressed again", here, StopState::kPressed, 0));
@@ -128,6 +131,7 @@ class Assembly {
     return Link(name, here, {here.base, StopOf(state, At(here).side)}, Same(here.base),
                 Departure{.guard = guard, .order = 1});
   }
+  // a damped pad stops pushing while still pressed in; an undamped one at its free surface
   std::size_t LinkFromPressed(Place here) {
     if (effects_.stops->damping_n_s_per_m > 0) {
       return LinkWithin("force gone", here, StopState::kLeaving, 1);
@@ -148,11 +152,13 @@ class Assembly {
   std::size_t LinkImpact(std::size_t base, int side) {
     const double e = effects_.stops->restitution;
     const Place free{base, 0};
+    // the end of bounces, to which the impact refers
     const std::size_t rest = Link(side > 0 ? "rest up" : "rest down", free,
                                   {base, StopOf(StopState::kResting, side)}, Same(base), {});
     const std::size_t impact =
         Link(side > 0 ? "impact up" : "impact down", free, free,
              ImpactMap(scene_, *effects_.stops, side, BaseStates(base)),
+             // after an impact the gap is zero, with e = 0 its rate also
              Departure{.guard = GapGuard(side), .order = e > 0 ? std::size_t{1} : 2});
     system_.transitions[impact].bounce =
         Bounce{.restitution = e,
@@ -161,7 +167,7 @@ class Assembly {
     return impact;
   }
 
-  // the travel's size: the gap, or where the mover rests at this stop the room on its other side
+  // m, the size of the travel: half the room between the stops, or the gap to the only one
   static double RoomFor(const TravelStops& stops, int side) {
     const double room_m = stops.gap_up_m + stops.gap_down_m;
     return std::isfinite(room_m) ? room_m / 2 : std::abs(GapOn(stops, side));
@@ -180,7 +186,7 @@ class Assembly {
     return press;
   }
 
-  // last in each mode
+  // the last guard in each mode, at the same place in contact and in flight
   void AddContactGuard(Place here) {
     const std::size_t place = At(here).mode.guards.size();
     const Place there{1 - here.base, here.stop};
@@ -239,8 +245,9 @@ void WatchTravelAndForce(const Scene& scene, const PiecewiseEffects& effects,
     const Eigen::Index n = mode.a.rows();
     const Eigen::MatrixXd positions =
         mode.positions.size() > 0 ? mode.positions : Eigen::MatrixXd::Identity(n, n);
+    // the skin's force beyond that at rest, N: Ks (xs - xg) + Bs (vs - vg)
     WatchedNumber force{.row = Eigen::RowVectorXd::Zero(n)};
-    // contact and flight have as many modes each
+    // the second half of the modes is in flight: no force, -F0 relative to rest
     if (effects.contact_loss && 2 * k >= system.modes.size()) {
       force.offset = -effects.contact_loss->preload_n;
     } else {
@@ -259,6 +266,7 @@ PiecewiseStart PiecewiseStartOf(const Scene& scene) {
   const LinearModel model = AssembleModel(scene);
   if (StartOf(scene) == Start::kRest) return {.x = StatedStart(scene.initial, model)};
   if (scene.drive.kind == DriveKind::kTones) return {.x = SolveSteadyTones(scene).start};
+  // the state at phase 0 of the drive, mean + Im(X)
   const SteadyState steady = SolveSteadyState(model, scene.drive, Skin{});
   return {.x = steady.mean + steady.phasors.imag()};
 }

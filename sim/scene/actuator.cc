@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kThesisC10100 = "thesis-c10-100";
 
-// one of the three constants that a file may leave out
+// one of the three constants that a file may omit
 std::optional<Quantity> Optional(TomlTable& table, std::string_view key, Dimension dimension) {
   if (!table.Has(key)) return std::nullopt;
   return table.RequireQuantity(key, dimension);
@@ -32,6 +32,7 @@ constexpr std::array kMembers{
     &Actuator::inductance_h};
 static_assert(kMembers.size() == kActuatorSymbols.size());
 
+// key of a correlation in the file: both symbols, joined by _
 std::string PairOf(std::size_t first, std::size_t second) {
   return fmt::format("{}_{}", kActuatorSymbols[first], kActuatorSymbols[second]);
 }
@@ -57,6 +58,7 @@ Actuator Scaled(Actuator actuator, std::size_t place, double factor) {
   return actuator;
 }
 
+// relative covariance r_ij u_i u_j, u in units of each value; 0 where no uncertainty is stated
 ActuatorCovariance RelativeCovariance(const StatedActuator& stated) {
   const auto relative = [](const std::optional<Quantity>& quantity) {
     const bool varies = quantity && quantity->value != 0;
@@ -105,7 +107,7 @@ StatedActuator ReadActuator(TomlTable& table) {
 
   ReadCorrelations(table, stated);
 
-  // a first error stands, so a missing key is not called "not positive" on top
+  // the first error of a key is retained: a missing key is not also reported as not positive
   RefuseUnlessPositive(table, "moving_mass_kg", stated.moving_mass_kg);
   RefuseUnlessPositive(table, "case_mass_kg", stated.case_mass_kg);
   RefuseUnlessPositive(table, "resistance_ohm", stated.resistance_ohm);

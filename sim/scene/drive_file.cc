@@ -52,7 +52,7 @@ void ReadBurst(TomlTable& table, Drive& drive) {
   table.Refuse("hold_s", "leaves a burst of no length", "give rise_s, hold_s or fall_s");
 }
 
-// what is asked for must be playable; needs all of the chirp
+// a chirp of too many cubics takes too long; needs all of the chirp's numbers
 void RefuseEndlessChirp(TomlTable& table, const Drive& drive) {
   if (!(drive.frequency_hz > 0 && drive.end_frequency_hz > 0 && drive.duration_s > 0)) return;
   const double cubics = CubicsOf(drive);
@@ -76,7 +76,7 @@ void ReadChirp(TomlTable& table, Drive& drive) {
   RefuseEndlessChirp(table, drive);
 }
 
-// a line without blanks at its ends, and without a sign that says nothing
+// a line without blanks at its ends and without a plus sign, which from_chars does not accept
 std::string_view Bare(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
   const std::size_t first = line.find_first_not_of(kBlanks);
@@ -101,7 +101,7 @@ std::string_view Content(std::string_view text) {
   return text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
 }
 
-// takes the first line off `text`
+// removes the first line from `text` and returns it without blanks
 std::string_view NextLine(std::string_view* text) {
   const std::size_t end = std::min(text->find('\n'), text->size());
   const std::string_view line = Bare(text->substr(0, end));
@@ -113,6 +113,7 @@ std::string_view NextLine(std::string_view* text) {
 Result<std::vector<double>> ReadVoltages(const std::string& path) {
   const auto text = ReadInputFile(path, kLargestFileBytes);
   if (!text) return std::unexpected(text.error());
+  // line 1 has the column's name, each further line one voltage
   std::string_view rest = Content(*text);
   if (NextLine(&rest) != kColumn) {
     return CannotAnswer(path + ":1", fmt::format("is not the column's name {}", kColumn),
@@ -164,6 +165,7 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   for (const DriveKind known : kKinds) names.emplace_back(Name(known));
   if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
   const auto kind = table.Choice("kind", names);
+  // an unknown kind is refused; its other keys are not examined
   if (table.Has("kind") && !kind) return drive;
   for (const DriveKind known : kKinds) {
     if (Name(known) == kind) drive.kind = known;
@@ -184,6 +186,7 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
     drive.hold_s = Positive(table, "hold_s", Dimension::kTime);
     return drive;
   }
+  // sine, burst and chirp have an amplitude and a frequency
   drive.amplitude_v = NotNegative(table, "amplitude_v", Dimension::kVoltage);
   drive.frequency_hz = Positive(table, "frequency_hz", Dimension::kFrequency);
   if (drive.kind == DriveKind::kBurst) ReadBurst(table, drive);
@@ -202,6 +205,7 @@ Mounting ReadMounting(TomlTable* table) {
   mounting.grip.holds = kind == "held" || kind == "drop";
   if (kind == "drop") {
     const double height_m = Positive(*table, "height_m", Dimension::kLength);
+    // v = sqrt(2 g h): the impact stops the case, and the mover keeps its speed
     mounting.blow_m_per_s = std::sqrt(2 * kStandardGravity * std::max(height_m, 0.0));
   }
   if (kind != "grip") return mounting;
@@ -212,6 +216,7 @@ Mounting ReadMounting(TomlTable* table) {
 }
 
 FingerMotion ReadFingerMotion(TomlTable& table) {
+  // one or more [[tremor.tone]], or a single tone in the table itself
   FingerMotion finger{ReadTones(table, "amplitude_m", Dimension::kLength)};
   if (finger.tones.empty()) {
     finger.tones.push_back(ReadTone(table, "amplitude_m", Dimension::kLength));

@@ -67,7 +67,7 @@ std::optional<TravelStops> ReadTravelStops(TomlTable* table) {
   return stops;
 }
 
-// softer a cube is no spring, harder a stop
+// limits of K3: below a cubic term has no effect, above it acts as a stop
 std::optional<StiffeningSpring> ReadStiffening(TomlTable* table) {
   if (table == nullptr) return std::nullopt;
   const double cubic = table->Require("cubic_n_per_m3", Dimension::kNone);
@@ -96,6 +96,7 @@ std::optional<CoilHeating> ReadCoilHeating(TomlTable* table) {
   return heating;
 }
 
+// absent: the inductance is on, all other effects are off
 Wish WishOf(TomlTable& table, std::string_view key) {
   switch (table.KindOf(key)) {
     case TomlKind::kAbsent:
@@ -110,7 +111,7 @@ Wish WishOf(TomlTable& table, std::string_view key) {
   }
 }
 
-// contact = "unilateral" in [skin] says the same as contact_loss = true in [effects]
+// contact = "unilateral" in [skin] is the same as contact_loss = true in [effects]
 void ReadContact(TomlTable* skin, TomlTable* table, Effects& effects) {
   if (skin == nullptr) return;
   if (skin->Has("preload_n")) {
@@ -149,7 +150,7 @@ struct Constants {
   std::string_view where;
 };
 
-// an effect without constants cannot be asked for; `effects = "auto"` passes it over
+// an effect without constants cannot be requested; `effects = "auto"` ignores it
 void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) {
   const bool all = root.KindOf("effects") == TomlKind::kText;
   const std::array<Constants, 6> needs{
@@ -164,7 +165,7 @@ void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) 
     Wish& wish = effects[need.effect];
     if (need.stated || wish == Wish::kOff) continue;
     const std::string_view name = kEffectNames[PlaceOf(need.effect)];
-    // contact = "unilateral" is a wish of its own
+    // contact = "unilateral" requests the effect independently of `effects`
     if (!all || wish == Wish::kOn) {
       TomlTable* table = all ? nullptr : root.Table("effects");
       const bool by_skin = table == nullptr || !table->Has(name);

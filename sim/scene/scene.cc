@@ -64,6 +64,7 @@ double EndOfDriveS(const Drive& drive) {
 double LargestVoltageV(const Drive& drive) {
   double largest_v = 0;
   if (drive.kind == DriveKind::kTones) {
+    // tones may add up at some time
     for (const Tone& tone : drive.tones) largest_v += std::abs(tone.amplitude);
   } else if (drive.kind == DriveKind::kSamples) {
     for (const double voltage_v : drive.samples->voltages_v) {
@@ -106,6 +107,7 @@ double SagUnder(double force_n, double stiffness_n_per_m, double cubic_n_per_m3)
   HAPTOMETER_CHECK(Kv >= 0 && K3 >= 0 && Kv + K3 > 0, "Kv {} N/m, K3 {} N/m^3", Kv, K3);
   if (!(K3 > 0)) return force_n / Kv;
   if (!(Kv > 0)) return std::cbrt(force_n / K3);
+  // the only real root of Kv s + K3 s^3 = F, in closed form with p = sqrt(Kv / (3 K3))
   const double p_m = std::sqrt(Kv / (3 * K3));
   return 2 * p_m * std::sinh(std::asinh(3 * force_n / (2 * p_m * Kv)) / 3);
 }

@@ -19,6 +19,7 @@ namespace haptometer::sim {
 
 namespace {
 
+// limits of every number of a scene in its SI unit; one outside has a wrong unit
 constexpr double kSmallest = 1e-9;
 constexpr double kLargest = 1e9;
 
@@ -61,7 +62,7 @@ namespace {
 
 constexpr long long kMostAverages = 65536;
 
-// where a relative path in the scene leads: beside the scene
+// a relative path in a scene begins at the scene's folder
 std::string Beside(const std::string& scene_path, const std::string& path) {
   return (std::filesystem::path(scene_path).parent_path() / path).string();
 }
@@ -71,6 +72,7 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
   const auto model = table.Choice("model", {"thesis-c10-100"});
   const auto file = table.Text("file");
   if (!table.Has("model") && !table.Has("file")) return ReadActuator(table);
+  // a model excludes a file, and either excludes the seven constants
   for (const std::string_view key :
        {"moving_mass_kg", "case_mass_kg", "stiffness_n_per_m", "damping_n_s_per_m",
         "force_constant_n_per_a", "resistance_ohm", "inductance_h", "file"}) {
@@ -85,6 +87,7 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
   return FindActuator(model ? *model : Beside(scene_path, *file));
 }
 
+// limits of an actuator's numbers, also of one from a file; inductance and damping may be 0
 void RefuseUnrealActuator(TomlTable& table, const Actuator& actuator) {
   RefuseUnlessReal(table, "moving_mass_kg", actuator.moving_mass_kg);
   RefuseUnlessReal(table, "case_mass_kg", actuator.case_mass_kg);
@@ -142,12 +145,13 @@ Skin ReadSkin(TomlTable& table) {
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
 }
 
-// what the bodies do at t = 0, of which a case that is held does nothing
+// the state at t = 0; of a held case only the mover's
 void ReadStart(TomlTable& table, Scene& scene) {
   InitialState& initial = scene.initial;
   const auto length = [&](std::string_view key) { return Signed(table, key, Dimension::kLength); };
   const auto speed = [&](std::string_view key) { return Signed(table, key, Dimension::kNone); };
   initial.mover_m = length("mover_m");
+  // added to the speed that a drop's impact gives the mover
   initial.mover_m_per_s += speed("mover_m_per_s");
   initial.case_m = length("case_m");
   initial.case_m_per_s = speed("case_m_per_s");
@@ -163,17 +167,19 @@ void ReadStart(TomlTable& table, Scene& scene) {
     table.Refuse(key, "needs an [adapter]: without one the case is on the skin",
                  "give case_m and case_m_per_s");
   }
+  // a steady motion has its own state at t = 0
   if (scene.start != Start::kSteady) return;
   table.Refuse("mover_m", "cannot be combined with start = \"steady\" in [run]",
                "remove one of the two");
 }
 
-// beyond a stop nothing can begin
+// no motion can begin beyond a stop
 void RefuseStartBeyondStops(TomlTable& root, const Scene& scene) {
   TomlTable* table = root.Table("start");
   if (table == nullptr || scene.effects[Effect::kTravelStops] == Wish::kOff) return;
   const TravelStops& stops = *scene.effects.travel_stops;
   const bool gravity = scene.effects[Effect::kGravity] != Wish::kOff;
+  // a stated position counts from where the mover rests, a gap from the unloaded spring
   const double sag_m = MoverSag(scene, gravity, scene.effects[Effect::kStiffening] != Wish::kOff);
   const double travel_m = scene.initial.mover_m - scene.initial.case_m + sag_m;
   if (travel_m <= stops.gap_up_m && -travel_m <= stops.gap_down_m) return;
@@ -184,7 +190,7 @@ void RefuseStartBeyondStops(TomlTable& root, const Scene& scene) {
       "it is measured from where the mover rests");
 }
 
-// a held case leaves nothing to what would move it or press on it
+// an adapter on a held case would not move, and a skin under it would not be pressed
 void RefuseBesideHeldCase(TomlTable& root, TomlTable& skin, const Scene& scene) {
   if (!scene.grip.holds) return;
   if (scene.adapter) {
@@ -226,6 +232,7 @@ void ReadRun(TomlTable* table, Scene& scene) {
   const auto start = table->Choice("start", {"rest", "steady"});
   if (!start) return;
   scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
+  // a drive that ends has no steady motion
   if (*scene.start == Start::kRest || IsLasting(scene.drive)) return;
   table->Refuse("start",
                 fmt::format("\"steady\" applies to continuous drives, and kind = \"{}\" ends",
@@ -250,6 +257,7 @@ void ReadHead(TomlTable& table, const std::string& kind, Sensor& sensor) {
   } else {
     sensor.rate_hz = 1 / head.sampling_s;
   }
+  // samples from one reading to the next; a whole number, so that readings fall on samples
   const double samples_a_reading = 1 / (sensor.rate_hz * head.sampling_s);
   if (!(samples_a_reading > 0.5) ||
       std::abs(samples_a_reading - std::round(samples_a_reading)) > 1e-9 * samples_a_reading) {
@@ -294,7 +302,7 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
   return sensor;
 }
 
-// weight or a preload may take the bodies off the skin before anything moves
+// weight or a preload may lift the bodies off the skin before anything moves
 void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& scene) {
   if (scene.mover_preload_n != 0 && !IsHeldInPlace(scene)) {
     actuator.Refuse("preload_n", "pushes bodies that nothing holds in their place",
@@ -314,6 +322,7 @@ void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& sce
                     gravity ? "gravity" : "the mover's preload", gravity ? "the weight" : "it"),
         gravity ? "leave gravity out and give the whole preload" : "leave one of the two out");
   }
+  // N, positive towards the skin
   const double press_n = PressOnSkin(scene, gravity);
   if (!(scene.effects.contact_loss->preload_n + press_n > 0)) {
     skin.Refuse("preload_n",
@@ -347,11 +356,12 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   scene.sensor = ReadSensor(root->Table("sensor"));
   const Mounting mounting = ReadMounting(root->Table("mounting"));
   scene.grip = mounting.grip;
+  // a drop begins with the impact's speed; [start] adds to it
   scene.initial.mover_m_per_s = mounting.blow_m_per_s;
   if (TomlTable* start = root->Table("start")) ReadStart(*start, scene);
   if (TomlTable* tremor = root->Table("tremor")) scene.finger = ReadFingerMotion(*tremor);
 
-  // a misspelt key explains a missing table, so missing ones are told last
+  // a misspelt key explains a missing table, so missing tables are reported last
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   for (const std::string_view key : {"actuator", "skin", "drive"}) {
     if (!root->Has(key)) {
@@ -360,13 +370,14 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
     }
   }
 
-  // an actuator's file has spoken for itself; its numbers are held to the same limits
+  // an actuator's file has reported its own errors; its numbers have the same limits
   if (!stated) return std::unexpected(stated.error());
   const auto actuator = Complete(*stated);
   if (!actuator) return std::unexpected(actuator.error());
   scene.actuator = *actuator;
   scene.actuator_covariance = RelativeCovariance(*stated);
   RefuseUnrealActuator(*actuator_table, scene.actuator);
+  // checks across tables, once each table is complete
   RefuseBesideHeldCase(*root, *skin_table, scene);
   RefuseImpossibleRest(*actuator_table, *skin_table, scene);
   RefuseStartBeyondStops(*root, scene);

@@ -34,6 +34,7 @@ double Distance(const ReceptorPosition& position) { return std::hypot(position.x
 std::size_t ReceptorsPerSide(const ReceptorField& field) {
   HAPTOMETER_CHECK(field.pad_side_m > 0 && field.density_per_m2 > 0, "{} m, {} /m2",
                    field.pad_side_m, field.density_per_m2);
+  // n x n receptors at about the stated density
   const double side = std::round(field.pad_side_m * std::sqrt(field.density_per_m2));
   return std::max<std::size_t>(1, static_cast<std::size_t>(side));
 }
@@ -41,6 +42,7 @@ std::size_t ReceptorsPerSide(const ReceptorField& field) {
 std::vector<ReceptorPosition> ReceptorPositions(const ReceptorField& field) {
   const std::size_t n = ReceptorsPerSide(field);
   const bool to_edge = field.grid == ReceptorGrid::kEdgeToEdge && n > 1;
+  // from edge to edge, or in the middles of n equal cells
   const double spacing_m = field.pad_side_m / static_cast<double>(to_edge ? n - 1 : n);
   const double middle = static_cast<double>(n - 1) / 2;
   std::vector<ReceptorPosition> positions;
@@ -60,6 +62,7 @@ double StimulatedReceptors(const ReceptorField& field, double radius_m) {
   double sum = 0;
   for (const ReceptorPosition& position : ReceptorPositions(field)) {
     const double beyond_m = Distance(position) - radius_m - field.field_radius_m;
+    // soft edge: a share that falls by a normal distribution; hard edge: inside or outside
     if (field.edge_width_m > 0) {
       sum += std::erfc(beyond_m / (std::numbers::sqrt2 * field.edge_width_m)) / 2;
     } else if (beyond_m <= slack_m) {
@@ -81,6 +84,7 @@ std::vector<double> SteppingRadii(const ReceptorField& field) {
   steps.reserve(radii.size());
   for (const double radius_m : radii) {
     if (radius_m <= 0) continue;
+    // receptors at equal distances are one step
     if (!steps.empty() && radius_m - steps.back() <= kSamePart * field.pad_side_m) continue;
     steps.push_back(radius_m);
   }

@@ -12,6 +12,7 @@ namespace haptometer::sim {
 
 namespace {
 constexpr double kQuietPeriods = 6;  // of rest put before the motion
+// last periods of the motion that give the steady amplitude
 constexpr double kSteadyPeriods = 10;
 }  // namespace
 
@@ -23,7 +24,7 @@ std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, d
                                const SteadyPart& part) {
   HAPTOMETER_CHECK(LastsForARise(part, tone_hz), "a steady part of {} s at {} Hz",
                    part.end_s - part.begin_s, tone_hz);
-  // rest before, so that the envelope has seen it
+  // rest before the motion, so that the envelope's support lies in it
   const auto quiet = static_cast<std::size_t>(std::ceil(kQuietPeriods / tone_hz * rate_hz));
   const double quiet_s = static_cast<double>(quiet) / rate_hz;
   std::vector<double> padded_m(quiet, 0.0);
@@ -34,6 +35,7 @@ std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, d
                         envelope.step_s;
   const double end_s = std::min(last_s, quiet_s + part.end_s - envelope.support_s / 2);
   const auto edge =
+      // windows end half a support before the drive and before the end of the steady part
       dsp::FindOnset(envelope, {.quiet_begin_s = envelope.start_s,
                                 .quiet_end_s = quiet_s + part.drive_s - envelope.support_s / 2,
                                 .steady_begin_s = end_s - kSteadyPeriods / tone_hz,
@@ -46,6 +48,7 @@ std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, d
 }
 
 FindingKind VerdictOf(const SkinRise& rise) {
+  // from 25 ms on a latency causes errors, from 50 ms on it is perceived (reference/simulate.md)
   constexpr double kCostsErrorsS = 0.025;
   constexpr double kPerceivedS = 0.050;
   const auto of = [](double latency_s) {
@@ -53,6 +56,7 @@ FindingKind VerdictOf(const SkinRise& rise) {
     return latency_s < kPerceivedS ? FindingKind::kLatencyCostsErrors
                                    : FindingKind::kLatencyPerceived;
   };
+  // a verdict only where both ends of the uncertainty have the same
   const FindingKind most = of(rise.LatencyAtMostS());
   return most == of(rise.latency_s - rise.uncertainty_s) ? most : FindingKind::kLatencyUndecided;
 }

@@ -24,6 +24,7 @@ OdeProblem::ConstVector ConstVectorOf(N_Vector vector) {
   return {N_VGetArrayPointer(vector), static_cast<Eigen::Index>(N_VGetLength(vector))};
 }
 
+// errors are returned as flags; nothing is printed
 void BeSilent(int /*code*/, const char* /*module*/, const char* /*function*/, char* /*message*/,
               void* /*data*/) {}
 
@@ -109,6 +110,7 @@ struct OdeSolver::Parts {
     Of(data).problem->IntegralRate(t_s, ConstVectorOf(y), VectorOf(rate));
     return VectorOf(rate).allFinite() ? 0 : 1;
   }
+  // one over the error allowed: relative times the largest value of each state so far
   static int Weights(N_Vector y, N_Vector weights, void* data) {
     const Parts& parts = Of(data);
     VectorOf(weights) =
@@ -124,9 +126,11 @@ struct OdeSolver::Parts {
     Check(CVodeSetLinearSolver(solver, linear, matrix));
     Check(CVodeSetJacFn(solver, Jacobian));
     Check(CVodeSetMaxHnilWarns(solver, -1));
+    // orders above 2 of BDF are unstable near the imaginary axis: the order is then reduced
     if (method == OdeMethod::kBdf) Check(CVodeSetStabLimDet(solver, SUNTRUE));
     if (integrals == nullptr) return;
     Check(CVodeQuadInit(solver, IntegralRate, integrals));
+    // the integrals take part in the control of steps
     Check(CVodeSetQuadErrCon(solver, SUNTRUE));
   }
 
@@ -156,11 +160,13 @@ OdeSolver::~OdeSolver() = default;
 
 void OdeSolver::Begin(const Beginning& beginning) {
   Parts& parts = *parts_;
+  // CVodeReInit resets the counters, so they are summed up here
   if (parts.initialised) parts.earlier += parts.SinceBeginning();
   parts.initialised = true;
   parts.scale = beginning.scale.cwiseMax(beginning.y.cwiseAbs()).cwiseMax(kLeastScale);
   parts.longest_step_s = beginning.longest_step_s;
   parts.begin_s = parts.end_s = beginning.t_s;
+  // before the first step there is no polynomial
   parts.order = 0;
   VectorOf(parts.y) = beginning.y;
   Check(CVodeReInit(parts.solver, beginning.t_s, parts.y));
@@ -176,7 +182,7 @@ void OdeSolver::Begin(const Beginning& beginning) {
 bool OdeSolver::Step() {
   Parts& parts = *parts_;
   double end_s = parts.end_s;
-  // where it should go to decides the direction and bounds the first step
+  // the target gives the direction and bounds the first step
   const int flag =
       CVode(parts.solver, parts.end_s + parts.longest_step_s, parts.y, &end_s, CV_ONE_STEP);
   if (flag < 0 || !(end_s > parts.end_s) || !VectorOf(parts.y).allFinite()) return false;
@@ -197,6 +203,7 @@ Eigen::VectorXd OdeSolver::At(double t_s, int derivative) const {
     HAPTOMETER_CHECK(derivative == 0, "derivative {} before the first step", derivative);
     return VectorOf(parts_->y);
   }
+  // from the polynomial of the last step
   Check(CVodeGetDky(parts_->solver, t_s, derivative, parts_->out));
   return VectorOf(parts_->out);
 }

@@ -13,8 +13,10 @@ namespace {
 // of the growing oscillation that scales are taken from, over its angular frequency
 constexpr double kGrowth = 0.1;
 
+// x' form x
 double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
 
+// z = [x, u], the vector of forms that include the inputs
 Eigen::VectorXd WithInputs(const Eigen::Ref<const Eigen::VectorXd>& x, const Eigen::Vector3d& u) {
   Eigen::VectorXd z(x.size() + kInputs);
   z << x, u;
@@ -44,6 +46,7 @@ void SmoothMode::Begin(const ExcitationPiece& piece, long double origin_s) {
   piece_ = piece;
   origin_s_ = origin_s;
   const ExcitationShape shape = ShapeOf(piece);
+  // u, u' and u'' from the signals w with w' = S w
   rows_[0] = shape.rows;
   rows_[1] = rows_[0] * shape.generator;
   rows_[2] = rows_[1] * shape.generator;
@@ -54,6 +57,7 @@ Eigen::Index SmoothMode::states() const { return n() + (system_->heating ? 1 : 0
 Eigen::Index SmoothMode::integrals() const {
   if (!with_energy_) return 0;
   const PiecewiseLinearSystem& linear = system_->linear;
+  // input, dissipating elements, squared rows, i^2
   return static_cast<Eigen::Index>(2 + linear.dissipating_elements.size() +
                                    linear.squared_rows.size());
 }
@@ -63,7 +67,7 @@ Eigen::Vector3d SmoothMode::InputsThen(double t_s, std::size_t derivative) const
   return rows_[derivative] * signals_;
 }
 
-// rad/s
+// the highest tone's angular frequency in rad/s; that of 1 Hz for a piece without tones
 double SmoothMode::Pace() const {
   const double highest_hz = HighestFrequencyHz(piece_);
   return 2 * std::numbers::pi * (highest_hz > 0 ? highest_hz : 1);
@@ -73,14 +77,17 @@ double SmoothMode::PaceOf(const ExcitationTerm& term) const {
   return term.frequency_hz > 0 ? 2 * std::numbers::pi * term.frequency_hz : Pace();
 }
 
+// bounds of what one term adds to u over the piece
 Eigen::Vector3d SmoothMode::SourceOf(const ExcitationTerm& term) const {
   const Eigen::VectorXd largest = LargestSignals({piece_.begin_s, piece_.end_s, {term}});
   double amplitude = largest[0];
+  // a tone's signals are sin and cos, so the amplitude is a factor; a ramp grows to the piece's end
   if (term.kind != ExcitationTerm::Kind::kPolynomial) {
     amplitude = std::abs(term.amplitude) * largest[0];
     if (largest.size() > 2) amplitude += std::abs(term.amplitude_per_s) * largest[2];
   }
   Eigen::Vector3d source = amplitude * Eigen::Vector3d::Unit(term.input);
+  // the finger's rate is w times its amplitude
   if (term.input == kFinger) source[kFingerRate] = amplitude * PaceOf(term);
   return source;
 }
@@ -95,6 +102,7 @@ double SmoothMode::RisePerKelvin() const {
   return system_->heating ? system_->resistance_ohm * system_->heating->resistance_per_k : 0;
 }
 
+// i = (c x + k v) / (1 + k R0 alpha theta); k = 0 where the current is a state
 SmoothMode::Coil SmoothMode::CoilAt(double volt, const Eigen::Ref<const Eigen::VectorXd>& y) const {
   const Mode& m = mode();
   Coil coil;
@@ -113,6 +121,7 @@ void SmoothMode::Rate(double t_s, const ConstVector& y, Vector rate) const {
   const auto x = y.head(n());
   Eigen::Vector3d u = InputsThen(t_s);
   if (system_->heating) {
+    // C theta' = R(theta) i^2 - theta / Rth; the hot coil takes R0 alpha theta i from the voltage
     const CoilHeating& heating = *system_->heating;
     const Coil coil = CoilAt(u[kVoltage], y);
     rate[n()] = ((system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a -
@@ -120,6 +129,7 @@ void SmoothMode::Rate(double t_s, const ConstVector& y, Vector rate) const {
                 heating.heat_capacity_j_per_k;
     u[kVoltage] -= coil.rise_ohm * coil.current_a;
   }
+  // x' = A x + B u - push f(d), f the force beyond the linear spring's
   rate.head(n()).noalias() = m.a * x;
   rate.head(n()).noalias() += inputs_ * u;
   if (!system_->spring) return;
@@ -131,6 +141,7 @@ void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) con
   const Mode& m = mode();
   const Eigen::Index size = n();
   const auto x = y.head(size);
+  // d rate / dy: the linear part, then heating and spring
   jacobian.topLeftCorner(size, size) = m.a;
   if (system_->heating) {
     const CoilHeating& heating = *system_->heating;
@@ -140,6 +151,7 @@ void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) con
     // di/dx, di/dtheta
     const Eigen::RowVectorXd by_state = coil.held_back * m.current_row;
     const double by_theta = -m.current_per_volt * per_k * current * coil.held_back;
+    // the voltage is lower by (R(theta) - R0) i, whose derivatives by x and theta enter through b
     jacobian.topLeftCorner(size, size) -= coil.rise_ohm * m.b * by_state;
     jacobian.col(size).head(size) = -(per_k * current + coil.rise_ohm * by_theta) * m.b;
     jacobian.row(size).head(size) =
@@ -160,6 +172,7 @@ void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) con
   const Coil coil = CoilAt(u[kVoltage], y);
   const Eigen::VectorXd z = WithInputs(y.head(n()), u);
   rate.setZero();  // a mode may know of no dissipation at all
+  // v i, and the power of the finger's motion against the skin's force, W
   rate[0] = u[kVoltage] * coil.current_a;
   if (m.finger_force_row.size() > 0) rate[0] -= u[kFingerRate] * m.finger_force_row.dot(z);
   for (std::size_t k = 0; k < m.dissipating.size(); ++k) {
@@ -170,11 +183,12 @@ void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) con
   if (system_->heating) {
     rate[static_cast<Eigen::Index>(system_->coil_element) + 1] =
         (system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a;
-    // forms know of the cold coil's current
+    // the forms contain the cold coil's current
     rate[static_cast<Eigen::Index>(system_->source_element) + 1] *= coil.held_back * coil.held_back;
   }
   auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());
   for (const Eigen::RowVectorXd& row : system_->linear.squared_rows) {
+    // squares of positions for RMS values, and i^2
     const double value = RowOfPositions(row).dot(y.head(n()));
     rate[place++] = value * value;
   }
@@ -191,7 +205,7 @@ double SmoothMode::Value(std::size_t guard, double t_s, const Eigen::VectorXd& y
   const auto x = y.head(n());
   double value = that.row.dot(x) + that.offset;
   if (that.feed.size() > 0) {
-    // the coil's current feels the voltage at once, less what the rise takes
+    // without inductance the current follows the voltage at once, less the drop in R0 alpha theta
     Eigen::Vector3d u = InputsThen(t_s);
     const Coil coil = CoilAt(u[kVoltage], y);
     u[kVoltage] -= coil.rise_ohm * coil.current_a;
@@ -209,7 +223,7 @@ double SmoothMode::Value(const WatchedNumber& number, double t_s, const Eigen::V
   return number.feed.size() > 0 ? value + number.feed.dot(InputsThen(t_s)) : value;
 }
 
-// x and its derivatives by differentiating the equations of motion
+// the equations of motion differentiated: x'' = J x' + B u', x''' = J x'' + J' x' + B u''
 GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const {
   const Mode& m = mode();
   const Eigen::Index size = n();
@@ -219,7 +233,7 @@ GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(states(), states());
   Jacobian(t_s, ConstVector(y.data(), y.size()),
            Matrix(jacobian.data(), jacobian.rows(), jacobian.cols()));
-  // the inputs' derivatives, the voltage's as the coil feels them
+  // derivatives of the inputs; those of the voltage reduced by the rise of the resistance
   Eigen::Vector3d input_rate = InputsThen(t_s, 1), input_second = InputsThen(t_s, 2);
   input_rate[kVoltage] *= coil.held_back;
   input_second[kVoltage] *= coil.held_back;
@@ -227,7 +241,7 @@ GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y
   second.head(size) += inputs_ * input_rate;
   Eigen::VectorXd third = jacobian * second;
   third.head(size) += inputs_ * input_second;
-  // what the Jacobian's own change adds: twice each product of first derivatives, f'' d'^2
+  // the change of the Jacobian: twice each product of first derivatives, f'' d'^2
   if (system_->heating) {
     const double current_rate = m.current_row.dot(rate.head(size));
     third.head(size) -= 2 * RisePerKelvin() * rate[size] * current_rate * m.b;
@@ -254,6 +268,7 @@ double SmoothMode::StoredEnergy(double t_s, const Eigen::VectorXd& y) const {
   return linear_j + system_->spring->Energy(system_->spring_terms[mode_].deflection.dot(x));
 }
 
+// largest magnitudes within a period, abs((s I - A)^-1 (B u + w x0)) at s = (0.1 + j) w
 Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   const Mode& m = mode();
   const auto magnitudes = [&](double omega, const Eigen::VectorXd& source) -> Eigen::VectorXd {
@@ -266,6 +281,7 @@ Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   for (const ExcitationTerm& term : piece_.terms) {
     scale.head(n()) += magnitudes(PaceOf(term), inputs_ * SourceOf(term));
   }
+  // rise within a radian of the drive without loss of heat, K
   if (system_->heating) {
     const double current = LargestCurrent(scale);
     scale[n()] = y[n()] + system_->resistance_ohm * current * current / Pace() /
@@ -274,6 +290,7 @@ Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   return scale;
 }
 
+// bound of the current, A: no cancellation between its terms
 double SmoothMode::LargestCurrent(const Eigen::VectorXd& scale) const {
   return mode().current_row.cwiseAbs().dot(scale.head(n())) +
          mode().current_per_volt * LargestInputs()[kVoltage];
@@ -282,6 +299,7 @@ double SmoothMode::LargestCurrent(const Eigen::VectorXd& scale) const {
 double SmoothMode::LastRise(const Eigen::VectorXd& scale) const {
   const double through_k_per_w = system_->heating->thermal_resistance_k_per_w;
   if (std::isinf(through_k_per_w)) return 0;
+  // stationary rise R0 i^2 Rth, K
   const double current = LargestCurrent(scale);
   return system_->resistance_ohm * current * current * through_k_per_w;
 }
@@ -292,6 +310,7 @@ Eigen::VectorXd SmoothMode::IntegralScale(const Eigen::VectorXd& scale) const {
   const Eigen::Vector3d largest = LargestInputs();
   const Eigen::VectorXd z = WithInputs(scale.head(n()), largest);
   const double current = LargestCurrent(scale);
+  // power, W, and stored energy, J, without cancellation: all terms by magnitude
   double power_w = largest[kVoltage] * current;
   if (m.finger_force_row.size() > 0) {
     power_w += largest[kFingerRate] * m.finger_force_row.cwiseAbs().dot(z);
@@ -304,6 +323,7 @@ Eigen::VectorXd SmoothMode::IntegralScale(const Eigen::VectorXd& scale) const {
     const Eigen::RowVectorXd& deflection = system_->spring_terms[mode_].deflection;
     stored_j += system_->spring->Energy(deflection.cwiseAbs().dot(scale.head(n())));
   }
+  // the same scale for all energies: power over a radian of the drive, and what is stored
   Eigen::VectorXd integral_scale =
       Eigen::VectorXd::Constant(integrals(), power_w / Pace() + stored_j);
   auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());

@@ -17,36 +17,39 @@ namespace haptometer::sim {
 
 namespace {
 
-// the solver's local tolerance over what is asked of the whole motion: errors add up over the
-// steps of a ringing resonance (measured: by 300 to 3000 and by 50 to 510)
+// the solver's local tolerance over that of the whole motion: errors add up over the steps of
+// a ringing resonance (measured: by 300 to 3000 and by 50 to 510)
 constexpr double kLocalPartBdf = 1.0 / 3000;
 constexpr double kLocalPartAdams = 1.0 / 1000;
-// where rounding begins to rule
+// below this the rounding of a step exceeds its truncation
 constexpr double kLeastRelative = 0x1p-48;
-// what a guard may be wrong by, over the local tolerance
+// error of a guard's value, over the local tolerance times the size of its terms
 constexpr double kNoiseParts = 10;
+// no step is longer than an eighth of the fastest tone's period
 constexpr double kLongestStepPeriods = 0.125;
+// so many events, each within kCrowdedPart of an output step of the one before, are a stall
 constexpr int kMostCrowdedEvents = 100;
 constexpr double kCrowdedPart = 0x1p-40;  // of an output step
 // rates above so many times the drive's are stiff
 constexpr double kStiffRatio = 30;
-// and above so many BDF wins at any tolerance: Adams's steps are no longer than a few of theirs
+// above so many BDF is faster at any tolerance: Adams's steps are limited by the fastest rate
 constexpr double kVeryStiffRatio = 1000;
-// below this the higher orders of Adams's formulas win even where they must keep steps short
+// below this the higher orders of Adams's formulas are faster even with short steps
 constexpr double kAdamsTolerance = 1e-7;
 
 double LocalPart(OdeMethod method) {
   return method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
 }
 
-// A function over a step that is so smooth over an eighth of a period that the polynomial through
-// Chebyshev's points is as good: to 1e-15 of what a sine adds.
+// Coefficients in u, 0 <= u <= 1, of a smooth function over a step: the polynomial through
+// Chebyshev's points. Over an eighth of a period its error is 1e-15 of what a sine adds.
 template <typename Function>
 Eigen::VectorXd ThroughPoints(const Function& value) {
   constexpr Eigen::Index kPoints = 13;
   Eigen::MatrixXd powers(kPoints, kPoints);
   Eigen::VectorXd values(kPoints);
   for (Eigen::Index k = 0; k < kPoints; ++k) {
+    // zeros of Chebyshev's polynomial on [0, 1]
     const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
     const double u = (1 - std::cos(angle)) / 2;
     values[k] = value(u);
@@ -55,7 +58,8 @@ Eigen::VectorXd ThroughPoints(const Function& value) {
   return powers.partialPivLu().solve(values);
 }
 
-// Where a guard falls below zero; one that may be wrong by `noise` only where it falls that far.
+// First u at which a guard falls below zero. One with an error of `noise` must fall below -noise;
+// the event is then at its last zero before that.
 std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noise) {
   Eigen::VectorXd raised = coefficients;
   raised[0] += noise;
@@ -68,12 +72,14 @@ std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noi
 
 OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
                     double tolerance) {
+  // the largest eigenvalue of A in 1/s, or the coil's thermal rate 1 / (Rth C)
   double fastest_per_s = system.linear.modes[mode].a.eigenvalues().cwiseAbs().maxCoeff();
   if (system.heating) {
     const double time_s =
         system.heating->heat_capacity_j_per_k * system.heating->thermal_resistance_k_per_w;
     fastest_per_s = std::max(fastest_per_s, 1 / time_s);
   }
+  // over the drive's angular frequency, dimensionless
   const double ratio = fastest_per_s / (2 * std::numbers::pi * frequency_hz);
   const bool stiff =
       ratio > kVeryStiffRatio || (ratio > kStiffRatio && tolerance > kAdamsTolerance);
@@ -102,6 +108,7 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
                    grid.origin_s, rate_hz_);
   HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
   TakePiece(0);
+  // the frequency of which the longest step is an eighth of a period
   const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
   method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
   relative_ = std::max(LocalPart(method_) * settings_.tolerance, kLeastRelative);
@@ -121,11 +128,13 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
   }
   run->problem.Begin(piece_, origin_s_);
   Eigen::VectorXd scale = run->problem.ScaleFrom(y);
+  // scales only grow when a mode is entered again: a state may be small at the moment
   if (known) scale = scale.cwiseMax(run->solver.scale());
   run->solver.Begin({.y = std::move(y),
                      .scale = scale,
                      .integral_scale = run->problem.IntegralScale(scale),
                      .longest_step_s = LongestStepS()});
+  // no guard counts as risen yet: the one just left is zero to within its error
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
   terms_.resize(0, 0);
@@ -138,6 +147,7 @@ void SmoothMotion::TakePiece(std::size_t place) {
   piece_ = excitation_.Piece(place);
 }
 
+// s; an output step where the piece has no tones
 double SmoothMotion::LongestStepS() const {
   const double highest_hz = HighestFrequencyHz(piece_);
   return highest_hz > 0 ? kLongestStepPeriods / highest_hz : 1 / rate_hz_;
@@ -150,6 +160,7 @@ double SmoothMotion::TauOfPieceEnd() const {
 
 void SmoothMotion::NextPiece() {
   const double tau_s = std::min(TauOfPieceEnd(), Run().solver.end_s());
+  // ranges, state and integrals at the piece's end, before the solver begins again
   Watch(tau_s);
   Eigen::VectorXd y = Run().solver.At(tau_s);
   Pass(tau_s);
@@ -158,7 +169,7 @@ void SmoothMotion::NextPiece() {
   Enter(std::move(y));
 }
 
-// what the mode's integrals came to
+// adds the mode's integrals since its entry to the sums of the motion
 void SmoothMotion::Pass(double tau_s) {
   if (!settings_.with_energy) return;
   const Eigen::VectorXd integrals = Run().solver.IntegralsAt(tau_s);
@@ -171,6 +182,7 @@ void SmoothMotion::Next() {
   if (stalled_at_s_) return;
   const long double target_s = TimeOf(index_ + 1);
   for (;;) {
+    // the first of: an event, the end of the piece, the output; else one more step of the solver
     const auto tau_s = static_cast<double>(target_s - origin_s_);
     const double piece_end_s = TauOfPieceEnd(), known_s = Run().solver.end_s();
     if (fall_ && fall_->tau_s <= std::min(tau_s, piece_end_s)) {
@@ -209,11 +221,12 @@ void SmoothMotion::ForgetRanges() {
   if (!ranges_.empty()) temperature_peak_k_ = {temperature_rise_k_, temperature_rise_k_};
 }
 
-// What the numbers come to from where they were watched last.
+// Extends the ranges of the watched numbers and of the coil's rise from where they ended last.
 void SmoothMotion::Watch(double tau_s) {
   const OdeSolver& solver = Run().solver;
   const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
   if (ranges_.empty() || !(step_s > 0 && tau_s > watched_until_s_)) return;
+  // the part of the last step not watched yet, in units of the step
   const double from = std::max(0.0, (watched_until_s_ - begin_s) / step_s);
   const double to = std::min(1.0, (tau_s - begin_s) / step_s);
   for (std::size_t k = 0; k < ranges_.size(); ++k) {
@@ -221,6 +234,7 @@ void SmoothMotion::Watch(double tau_s) {
     const Eigen::VectorXd polynomial = PolynomialOf(
         number,
         [&](double t_s, const Eigen::VectorXd& y) { return Run().problem.Value(number, t_s, y); });
+    // both ends, then the extremes between them
     ranges_[k].Include(PolynomialValue(polynomial, from));
     ranges_[k].Include(PolynomialValue(polynomial, to));
     ExtendRange(polynomial, from, to, ranges_[k]);
@@ -232,6 +246,7 @@ void SmoothMotion::Watch(double tau_s) {
 }
 
 void SmoothMotion::Advance() {
+  // the old step's polynomial is replaced by the new one
   Watch(Run().solver.end_s());
   terms_.resize(0, 0);
   if (!Run().solver.Step()) {
@@ -242,14 +257,14 @@ void SmoothMotion::Advance() {
   if (!fall_) Arm();
 }
 
-// what a guard's value may be wrong by
+// bound of a guard's error: the local tolerance of all its terms at their largest
 double SmoothMotion::NoiseOf(std::size_t guard) {
   const Guard& that = system_.linear.modes[mode_].guards[guard];
   const double terms = that.row.cwiseAbs().dot(Run().solver.scale().head(that.row.size()));
   return kNoiseParts * relative_ * (terms + std::abs(that.offset));
 }
 
-// guards that have risen clear of zero
+// arms the guards that have risen above their own error; from then on any fall below zero counts
 void SmoothMotion::Arm() {
   ModeRun& run = Run();
   if (std::ranges::all_of(run.armed, [](bool armed) { return armed; })) return;
@@ -260,7 +275,7 @@ void SmoothMotion::Arm() {
   }
 }
 
-// The step's polynomial in u, t = begin + u step, one row a state.
+// The step's polynomial in u, t = begin + u step, one row per state.
 const Eigen::MatrixXd& SmoothMotion::StepTerms() {
   if (terms_.size() > 0) return terms_;
   ModeRun& run = Run();
@@ -274,7 +289,7 @@ const Eigen::MatrixXd& SmoothMotion::StepTerms() {
   return terms_;
 }
 
-// the guard that falls first within the step
+// the guard that falls first within the step, with its time since the mode's entry
 void SmoothMotion::LookForFall() {
   ModeRun& run = Run();
   const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
@@ -284,13 +299,14 @@ void SmoothMotion::LookForFall() {
         [&](double t_s, const Eigen::VectorXd& y) { return run.problem.Value(guard, t_s, y); });
     const std::optional<double> u = FallWithin(polynomial, run.armed[guard] ? 0 : NoiseOf(guard));
     if (!u) continue;
+    // rounding must not put the event after the end of the step
     const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
     if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
   }
 }
 
-// A guard or a watched number over the step, of which `value` tells it at a time and a state; one
-// that feels what acts from outside is no polynomial.
+// Coefficients in u of a guard or a watched number over the step; `value` gives it at a time and a
+// state. With a direct feed of the inputs it is no polynomial and is interpolated.
 template <typename Number, typename Value>
 Eigen::VectorXd SmoothMotion::PolynomialOf(const Number& that, const Value& value) {
   const OdeSolver& solver = Run().solver;
@@ -302,6 +318,7 @@ Eigen::VectorXd SmoothMotion::PolynomialOf(const Number& that, const Value& valu
     });
   }
   Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  // the row alone lacks the offset
   coefficients[0] = value(begin_s, StepTerms().col(0));
   return coefficients;
 }
@@ -310,14 +327,17 @@ void SmoothMotion::Fire(const Fall& fall) {
   ModeRun& run = Run();
   Watch(fall.tau_s);
   const Eigen::VectorXd y = run.solver.At(fall.tau_s);
+  // g' before the event: for a gap, minus the speed of approach in m/s
   const double rate = run.problem.Jet(fall.guard, fall.tau_s, y)[1];
   const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;
+  // times count from the event from here on
   Pass(fall.tau_s);
   origin_s_ += static_cast<long double>(fall.tau_s);
   crowded_events_ = fall.tau_s * rate_hz_ < kCrowdedPart ? crowded_events_ + 1 : 0;
   const auto time_s = static_cast<double>(origin_s_);
   Eigen::VectorXd after = Follow(place, y, time_s, rate);
   const Transition& transition = system_.linear.transitions[place];
+  // bounces too low to be computed: the bodies rest at once, the event has the time of their end
   if (const std::optional<double> rest_s = RestAfter(transition, after)) {
     after = Follow(transition.bounce->rest_via, after, time_s + *rest_s, 0);
   }
@@ -330,6 +350,7 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
   const Transition& way = system_.linear.transitions[transition];
   const Eigen::Index n = way.map.cols(), m = way.map.rows();
   Eigen::VectorXd after(m + y.size() - n);
+  // x+ = map x + shift; the coil's temperature is continuous
   after.head(m) = way.map * y.head(n) + way.shift;
   after.tail(y.size() - n) = y.tail(y.size() - n);
   const auto stored_j = [&](std::size_t mode, const Eigen::VectorXd& state) {
@@ -337,6 +358,7 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
     problem.Begin(piece_, origin_s_);
     return problem.StoredEnergy(0, state);
   };
+  // the decrease of the stored energy at the event is the loss of the impact, J
   if (settings_.with_energy) {
     flow_.impact_j += static_cast<long double>(stored_j(mode_, y) - stored_j(way.mode, after));
   }
@@ -345,7 +367,7 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
   return after;
 }
 
-// heights that the tolerance hides are none
+// bounces lower than the guard's error are not computed
 std::optional<double> SmoothMotion::RestAfter(const Transition& transition,
                                               const Eigen::VectorXd& y) {
   if (!transition.bounce || !transition.departure) return {};
@@ -382,7 +404,7 @@ double SmoothMotion::TauOfOutput() const {
   return index_ == 0 ? 0 : static_cast<double>(TimeOf(index_) - origin_s_);
 }
 
-// What a SmoothMotion shows of where it stands.
+// The state and the sums at the last output.
 
 Eigen::VectorXd SmoothMotion::Positions() const {
   const Mode& mode = system_.linear.modes[mode_];
@@ -408,6 +430,7 @@ std::vector<double> SmoothMotion::IntegralsHere() const {
 
 EnergyLedger SmoothMotion::Ledger() const {
   const std::vector<double> integrals = IntegralsHere();
+  // order of the integrals: input, dissipating elements, squared rows, i^2
   const auto squares =
       integrals.end() - 1 - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size());
   return {.initial_j = initial_j_,

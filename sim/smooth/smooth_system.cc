@@ -8,6 +8,7 @@ namespace haptometer::sim {
 
 namespace {
 
+// added to Kv to find where the spring acts; large, so that differences keep their digits
 constexpr double kProbe = 0x1p40;  // N/m
 
 Eigen::RowVectorXd DeflectionOf(const Mode& mode) {
@@ -22,6 +23,7 @@ Eigen::RowVectorXd DeflectionOf(const Mode& mode) {
 // out of `after` - `before` = -push row, both affine in Kv
 SpringTerms TermsOf(const Mode& before, const Mode& after) {
   SpringTerms terms{.deflection = DeflectionOf(before), .push = {}};
+  // the row's pseudo-inverse: the deflection of 1 m
   const Eigen::VectorXd row = terms.deflection.transpose() / terms.deflection.squaredNorm();
   terms.push = (before.a - after.a) / kProbe * row;
   terms.guard_pulls.reserve(before.guards.size());
@@ -31,6 +33,7 @@ SpringTerms TermsOf(const Mode& before, const Mode& after) {
     // where d rests, the spring's share is a constant, that of the last state, which is 1
     pull(pull.size() - 1) += (guard.offset - stiffer.offset) / kProbe;
     terms.guard_pulls.push_back(pull.dot(row.transpose()));
+    // only where d does not change may a guard depend on the spring
     const bool rests = (terms.deflection * before.a).isZero(0);
     HAPTOMETER_CHECK(rests || terms.guard_pulls.back() == 0, "guard {} feels the spring", k);
   }

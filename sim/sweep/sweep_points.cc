@@ -26,11 +26,12 @@ SweepValue TextValue(std::string_view text) {
 }
 
 double ValueAt(const SweepRange& range, double numerator, double denominator) {
+  // the mean of both ends, weighted by the part of the range
   if (range.spacing == Spacing::kLinear) {
     return (range.begin * (denominator - numerator) + range.end * numerator) / denominator;
   }
   if (numerator == denominator) return range.end;
-  // a power rounds as often as its exponent is large: 30000.000000000015 in double
+  // rounding grows with the exponent of a power: 30000.000000000015 in double
   const auto begin = static_cast<long double>(range.begin);
   const auto ratio = static_cast<long double>(range.end) / begin;
   const auto way = static_cast<long double>(numerator) / static_cast<long double>(denominator);
@@ -66,7 +67,7 @@ std::string WordOf(const SweepAxis& axis) {
 
 namespace {
 
-// Salmon et al. 2011, section 4.3
+// Philox4x32-10: Salmon et al. 2011, section 4.3
 constexpr std::uint64_t kMultiplier0 = 0xD2511F53;
 constexpr std::uint64_t kMultiplier1 = 0xCD9E8D57;
 constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
@@ -84,10 +85,12 @@ std::array<std::uint32_t, 4> CounterRandom(const std::array<std::uint32_t, 4>& c
   std::uint32_t key0 = Lower(key);
   std::uint32_t key1 = Upper(key);
   for (int round = 0; round < kPhiloxRounds; ++round) {
+    // a round: two products of 32 x 32 bits, their halves exchanged and mixed with the key
     const std::uint64_t product0 = kMultiplier0 * word[0];
     const std::uint64_t product1 = kMultiplier1 * word[2];
     word = {Upper(product1) ^ word[1] ^ key0, Lower(product1), Upper(product0) ^ word[3] ^ key1,
             Lower(product0)};
+    // the key follows a Weyl sequence
     key0 += kWeyl0;
     key1 += kWeyl1;
   }
@@ -101,7 +104,7 @@ constexpr std::uint32_t kShuffleRounds =
 constexpr std::uint64_t kMostSamples = 1ULL << 30U;
 constexpr std::uint32_t kPlaceBits = 22;  // with 30 of the part they are exact in a double
 
-// what a random number is for: the last word of its counter
+// the use of a random number: the fourth word of its counter
 enum class Purpose : std::uint32_t { kPermutation = 0, kPlace = 1 };
 
 std::uint32_t Random(std::uint32_t first, std::uint32_t second, std::uint32_t axis, Purpose purpose,
@@ -114,6 +117,7 @@ std::uint32_t Random(std::uint32_t first, std::uint32_t second, std::uint32_t ax
 std::uint64_t LatinHypercube::PartOf(std::uint32_t axis, std::uint64_t point) const {
   HAPTOMETER_CHECK(samples >= 1 && samples <= kMostSamples && point < samples, "point {} of {}",
                    point, samples);
+  // a Feistel network permutes 2 half_bits bits, the fewest even number that holds all points
   const auto bits = static_cast<std::uint32_t>(std::bit_width(samples - 1));
   const std::uint32_t half_bits = bits < 2 ? 1 : (bits + 1) / 2;
   const std::uint32_t mask = (1U << half_bits) - 1;
@@ -121,6 +125,7 @@ std::uint64_t LatinHypercube::PartOf(std::uint32_t axis, std::uint64_t point) co
   do {
     auto left = static_cast<std::uint32_t>(part >> half_bits);
     std::uint32_t right = static_cast<std::uint32_t>(part) & mask;
+    // each round mixes one half by a random function of the other, which can be inverted
     for (std::uint32_t round = 0; round < kShuffleRounds; ++round) {
       const std::uint32_t mixed =
           left ^ (Random(right, round, axis, Purpose::kPermutation, seed) & mask);
@@ -128,6 +133,7 @@ std::uint64_t LatinHypercube::PartOf(std::uint32_t axis, std::uint64_t point) co
       right = mixed;
     }
     part = (std::uint64_t{left} << half_bits) | right;
+    // cycle walking: results beyond the samples are permuted again until one is below
   } while (part >= samples);
   return part;
 }
@@ -136,6 +142,7 @@ double LatinHypercube::PlaceInPart(std::uint32_t axis, std::uint64_t point) cons
   const std::uint32_t steps =
       Random(static_cast<std::uint32_t>(point), 0, axis, Purpose::kPlace, seed) >>
       (32U - kPlaceBits);
+  // the middle of one of 2^22 steps
   return (steps + 0.5) / static_cast<double>(1U << kPlaceBits);
 }
 
@@ -149,6 +156,7 @@ SweepPoints::SweepPoints(std::vector<SweepAxis> axes, const std::optional<LatinH
                      count);
     if (sampling) continue;
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+    // saturates instead of an overflow
     size_ = size_ > kMost / count ? kMost : size_ * count;
   }
   if (sampling) size_ = sampling->samples;
@@ -159,6 +167,7 @@ SweepValue SweepPoints::SampledValue(std::size_t axis, std::uint64_t point) cons
   const std::uint64_t part = sampling_->PartOf(number, point);
   const auto* range = std::get_if<SweepRange>(&axes_[axis].values);
   if (range == nullptr) {
+    // a list's values share the parts equally
     return ValueOf(axes_[axis], part * CountOf(axes_[axis]) / sampling_->samples);
   }
   const double place = static_cast<double>(part) + sampling_->PlaceInPart(number, point);
@@ -169,6 +178,7 @@ std::vector<SweepValue> SweepPoints::At(std::uint64_t point) const {
   HAPTOMETER_CHECK(point < size_, "point {} of {}", point, size_);
   std::vector<SweepValue> values(axes_.size());
   std::uint64_t rest = point;
+  // mixed radix, the last axis fastest
   for (std::size_t axis = axes_.size(); axis-- > 0;) {
     if (sampling_) {
       values[axis] = SampledValue(axis, point);

@@ -40,21 +40,24 @@ Result<Scene> VariedScene::Read(std::span<const SweepValue> values) const {
   for (const SweepValue& value : values) literals.push_back(value.literal);
   auto scene = ReadSceneText(document_.Fill(literals), path_);
   if (scene || !scene.error().where.starts_with(path_)) return scene;
+  // line numbers belong to the filled text, not to the user's file: they are removed
   Error error = scene.error();
   error.where = path_ + std::string(BehindPath(error.where, path_));
   return std::unexpected(std::move(error));
 }
 
 std::uint32_t VariedScene::Digest(std::span<const std::string> further) const {
+  // keys as ?, so that the digest does not depend on a point's values
   std::string content = document_.Fill(std::vector<std::string>(keys_, "?"));
   std::vector<std::string> texts = document_.texts();
   texts.insert(texts.end(), further.begin(), further.end());
   std::ranges::sort(texts);
   for (const std::string& text : texts) {
+    // any text may be the name of a file beside the scene, whose content belongs to the digest
     const std::string beside = (fs::path(path_).parent_path() / text).string();
     std::error_code none;
     if (text.empty() || !fs::is_regular_file(beside, none)) continue;
-    // one that cannot be read matters only where the scene is read with it, which then says so
+    // one that cannot be read matters only where the scene is read with it, which then reports it
     if (const auto file = ReadInputFile(beside)) content += *file;
   }
   return trial::Crc32(std::as_bytes(std::span(content)));

@@ -40,11 +40,14 @@ BoxCost MeanValueBound(const AdapterBox& box, const Number& natural, const Inter
   Interval mean = middle;
   BoxCost cost{.middle = middle.upper};
   for (std::size_t axis = 0; axis < kBoxAxes; ++axis) {
+    // f'(box) (box - middle), the axis's share of the mean value form
     const Interval shift = natural.by[axis] * (box[axis] - Interval::Of(box[axis].middle()));
     mean = mean + shift;
     cost.spread[axis] = shift.width();
+    // a slope of one sign over the whole box
     cost.trend[axis] = natural.by[axis].lower > 0 ? 1 : natural.by[axis].upper < 0 ? -1 : 0;
   }
+  // the higher of both bounds; a cost is never negative
   cost.lower = std::max({0.0, mean.lower, natural.value.lower});
   return cost;
 }
@@ -73,13 +76,16 @@ AdapterCost::AdapterCost(const TuningProblem& problem, const MotorSource& source
       imaginary_(Interval::Of(source.stiffness_n_per_m.imag())) {
   const Interval square = Square(ranges_.omega);
   const Interval stiffness = Interval::Of(source.stiffness_n_per_m.real());
+  // Re kc - Mc w^2; Ma1 is added over the box
   real_ = stiffness - Interval::Of(source.case_mass_kg) * square;
   if (price == 0) return;
   HAPTOMETER_CHECK(
       price > 0 && price < 1 && problem.skin_variation == 0 && std::isfinite(problem.mover_limit_m),
       "price {}, variation {}, limit {}", price, problem.skin_variation, problem.mover_limit_m);
+  // |f|^2 = |F / d1|^2, the mover's travel with the case at rest
   const Interval free = Square(Interval::Of(source.free_travel_m.real())) +
                         Square(Interval::Of(source.free_travel_m.imag()));
+  // a, c, delta, s, k^2, p and q of the header
   const Interval a = Interval::Of(1) - Interval::Of(price);
   const Interval c = Interval::Of(price) * free / Square(Interval::Of(problem.mover_limit_m));
   const Interval delta = stiffness + Interval::Of(problem.actuator.moving_mass_kg) * square;
@@ -90,6 +96,7 @@ AdapterCost::AdapterCost(const TuningProblem& problem, const MotorSource& source
 }
 
 AdapterCost::Terms AdapterCost::TermsOver(const AdapterBox& box) const {
+  // p, Ka, e, Ks and b over the box, each linear in its axis, with slopes
   const Interval w = ranges_.omega;
   const Number p =
       Between(ranges_.motor_side_mass_kg.lower, ranges_.motor_side_mass_kg.upper, box, 0) *
@@ -110,12 +117,14 @@ AdapterCost::Terms AdapterCost::TermsOver(const AdapterBox& box) const {
 
   // S times how far Ma2 w^2 is wanted beyond what it can be, to either side
   const Number S = u2 / k2;
+  // g = S (Ks - y) + p + Ka (|D|^2 + k^2) / |ka|^2 at both ends of y = Ma2 w^2; 0 between them
   const Number seen = p + Ka * d2 / k2;
   const Number beyond =
       AboveZero(seen + S * (Ks + Negative(ranges_.most_inertia))) +
       AboveZero((seen + S * (Ks + Negative(ranges_.least_inertia))) * Interval::Of(-1)) +
       S * Ks * variation_;
   const Number h = e * d2 / k2 + imaginary_;
+  // divided by b the cost is that of b = 1 and b S in place of S
   if (!per_resistance_) return {.S = S, .h = h, .b = b, .g = beyond};
   return {.S = S * b, .h = h, .b = {.value = Interval::Of(1)}, .g = beyond};
 }
@@ -126,7 +135,7 @@ Interval AdapterCost::Sum(const Terms& at) const {
   return Square(b) * S + Interval::Of(2) * b * h + (Square(h) + apart_ + Square(at.g.value)) / S;
 }
 
-// by the chain rule, so that the slope by S, which is small on the ridge, is not taken apart
+// by the chain rule: the slope by S, small on the ridge, is no difference of larger terms
 Interval AdapterCost::SlopeBy(const Terms& over, std::size_t axis) const {
   const Interval S = over.S.value, h = over.h.value, b = over.b.value, g = over.g.value;
   const Interval two = Interval::Of(2);
@@ -137,12 +146,13 @@ Interval AdapterCost::SlopeBy(const Terms& over, std::size_t axis) const {
 
 // the least of Sum() over the terms' ranges
 double AdapterCost::LeastOf(const Terms& over) const {
+  // the cost rises with h, b and g, so that their lower ends count
   const Interval h = Interval::Of(over.h.value.lower), b = Interval::Of(over.b.value.lower);
   const Interval rising = Square(b);
   const Interval falling =
       Square(h) + apart_ + Square(Interval::Of(std::max(0.0, over.g.value.lower)));
   const auto at = [&](double S) { return rising * Interval::Of(S) + falling / Interval::Of(S); };
-  // whatever S; more where the best S lies beyond the range for certain
+  // a bound for any S; a larger one where the best S certainly lies outside of the range
   Interval least = Interval::Of(2) * SquareRoot(rising * falling);
   const double low = over.S.value.lower, high = over.S.value.upper;
   if ((rising * Square(Interval::Of(low)) - falling).lower > 0) least = at(low);
@@ -152,6 +162,7 @@ double AdapterCost::LeastOf(const Terms& over) const {
 
 BoxCost AdapterCost::Over(const AdapterBox& box) const {
   const Terms middle = TermsOver(MiddleOf(box));
+  // narrower ranges before the terms are combined, where each range counts several times
   Terms over = TermsOver(box);
   Narrow(box, middle.S.value, over.S);
   Narrow(box, middle.h.value, over.h);

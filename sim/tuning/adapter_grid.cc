@@ -14,7 +14,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// what one area of the grid means for every adapter
+// numbers of one area that all adapters share
 struct AreaColumn {
   double stiffness_n_per_m = 0;   // Ks
   double variation_n_per_m = 0;   // v Ks
@@ -77,14 +77,17 @@ Neighbours NeighboursOf(const std::vector<double>& inertia, double wanted) {
 // every area and skin-side mass for one motor side, spring and damper
 void TryColumns(const Axes& axes, Complex D1, const Adapter& trunk, Complex ka, Leader& leader) {
   const Complex Z = D1 * ka / (D1 + ka);
+  // |Xs / Fc|^2 = |ka / (D1 + ka)|^2 / |Ks + Z - Ma2 w^2 + j w Bs|^2
   const double through = std::norm(ka) / std::norm(D1 + ka);
   for (std::size_t area = 0; area < axes.columns.size(); ++area) {
     const AreaColumn& column = axes.columns[area];
     const double stiffness = column.stiffness_n_per_m + Z.real();
     const double resistance = column.resistance_n_per_m + Z.imag();
     const double above = column.weight_square * through;
+    // the best Ma2 makes the real part zero: (Ks + Re Z) / w^2; the grid's two nearest are tried
     const Neighbours near = NeighboursOf(axes.inertia_n_per_m, stiffness);
     for (const std::size_t mass : {near.below, near.above}) {
+      // the skin of the variation that is farthest from resonance
       const double detuning =
           std::abs(stiffness - axes.inertia_n_per_m[mass]) + column.variation_n_per_m;
       const double square = above / (detuning * detuning + resistance * resistance);
@@ -135,6 +138,7 @@ GridBest BestOnGrid(const TuningProblem& problem, std::size_t values_per_axis,
   const double weight = std::sqrt(axes.columns[leader.area].weight_square);
   GridBest best{
       .point = {.adapter = leader.adapter, .contact_area_m2 = axes.contact_area_m2[leader.area]},
+      // RMS from |Xs / Fc|^2: sqrt(square) |Fc| / sqrt(2)
       .score = std::sqrt(leader.square) * std::abs(source.force_n) / std::numbers::sqrt2};
   best.skin_rms_m = weight > 0 ? best.score / weight : 0;
   best.points = axes.columns.size();

@@ -26,13 +26,13 @@ const Words& WordsOf(Objective objective) {
   return kWords.front();
 }
 
-// |Xs| of the best load with the lowest dampings
+// |Xs| of the matched load with the lowest dampings, |Fc| / (2 sqrt((b + e)(q + e)) - 2 e), m
 double LargestSkinPeak(const MotorSource& source, double b, double e) {
   const double q = source.stiffness_n_per_m.imag();
   return std::abs(source.force_n) / (2 * std::sqrt((b + e) * (q + e)) - 2 * e);
 }
 
-// the least over the skins that the problem knows
+// RMS in m of the skin that moves least within the problem's variation
 double LeastRms(const TuningProblem& problem, const MotorSource& source,
                 const AdapterPoint& point) {
   double least = HUGE_VAL;
@@ -42,6 +42,7 @@ double LeastRms(const TuningProblem& problem, const MotorSource& source,
   return least / std::numbers::sqrt2;
 }
 
+// largest RMS per watt over all loads, m/W; b = w Bs
 double LargestRmsPerWatt(const MotorSource& source, double b) {
   const double q = source.stiffness_n_per_m.imag();
   const std::complex<double> g = source.power_slope_w_per_m * source.force_n / (2 * q);
@@ -75,6 +76,7 @@ double ValueOf(Objective objective, const TuningProblem& problem, const MotorSou
       return LeastRms(problem, source, point) *
              StimulatedReceptors(receptors, ContactRadius(point.contact_area_m2));
     case Objective::kSkinPower:
+      // mean power in the skin's damper, Bs w^2 rms^2
       return w * w * skin.damping_n_s_per_m * rms_m * rms_m;
     case Objective::kRmsPerWatt:
       return rms_m / ElectricalPower(source, motion.case_m);
@@ -85,6 +87,7 @@ double ValueOf(Objective objective, const TuningProblem& problem, const MotorSou
 double MatchedLoadBound(Objective objective, const TuningProblem& problem,
                         const MotorSource& source, const ReceptorField& receptors) {
   const double w = source.omega_rad_per_s;
+  // the lowest Bs and Ba give the largest motion
   const Skin softest = SkinOf(problem, problem.bounds.contact_area_m2.lower);
   const double b = w * softest.damping_n_s_per_m * (1 + problem.skin_variation);
   const double e = w * problem.bounds.damping_n_s_per_m.lower;
@@ -96,6 +99,7 @@ double MatchedLoadBound(Objective objective, const TuningProblem& problem,
     case Objective::kStimulus:
       return allowed * rms_m *
              StimulatedReceptors(receptors, ContactRadius(problem.bounds.contact_area_m2.upper));
+    // available power of the source, w |Fc|^2 / (8 Im kc)
     case Objective::kSkinPower:
       return allowed * w * std::norm(source.force_n) / (8 * source.stiffness_n_per_m.imag());
     case Objective::kRmsPerWatt:
@@ -132,8 +136,9 @@ std::vector<AreaPiece> PiecesOf(Objective objective, const TuningProblem& proble
   std::vector<AreaPiece> pieces;
   pieces.reserve(ends.size());
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    // the upper end is a stretch of its own: it may lie on a step
+    // the upper end is a piece of its own: it may lie on a step
     AreaPiece piece{.problem = problem};
+    // between two steps Nr is constant
     piece.problem.bounds.contact_area_m2 = {ends[k], ends[std::min(k + 1, ends.size() - 1)]};
     piece.weight = StimulatedReceptors(receptors, ContactRadius(ends[k]));
     pieces.push_back(piece);
@@ -142,6 +147,7 @@ std::vector<AreaPiece> PiecesOf(Objective objective, const TuningProblem& proble
 }
 
 double ValueOfCost(const AreaPiece& piece, const MotorSource& source, double cost) {
+  // |Xs|^2 / 2, as the cost is |Fc / Xs|^2
   const double half_square = std::norm(source.force_n) / 2 / cost;
   return piece.objective == Objective::kSkinPower ? source.omega_rad_per_s * half_square
                                                   : piece.weight * std::sqrt(half_square);

@@ -18,14 +18,14 @@ namespace haptometer::sim {
 
 namespace {
 
-// gives the adapter the Ma2 that serves the skin's motion best
+// sets Ma2 to that of the skin's largest motion within its bounds
 void ServeBest(const TuningProblem& problem, const MotorSource& source, AdapterPoint& point) {
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   point.adapter.skin_side_mass_kg =
       std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
 }
 
-// Ma1, Ka, Ba and area at a place of the cube, with the Ma2 that serves the skin's motion best
+// Ma1, Ka, Ba and area at a place of the cube, with the Ma2 of the skin's largest motion
 AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
                      const CubePlace& place) {
   AdapterPoint point = PointOf(problem.bounds, place);
@@ -33,7 +33,7 @@ AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
   return point;
 }
 
-// of skins that vary, whose least motion has a bend where the hardest skin changes
+// for skins that vary: no slopes, as the least motion has a kink where the hardest skin changes
 RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
   const auto pointed = [&](const std::vector<double>& parts) {
@@ -43,6 +43,7 @@ RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
     return ValueOf(piece.objective, piece.problem, source, receptors, pointed(parts));
   };
   CubePoint start{.place = {}, .value = -1};
+  // begins at the best place of lattice and ridge
   for (const CubePlace& place : StartPlaces(piece.problem, source)) {
     CubePoint tried{.place = {place[0], place[1], place[2], place[3]}};
     tried.value = value(tried.place);
@@ -75,13 +76,14 @@ AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
 
 namespace {
 
+// keeps the smaller of two bounds, with its proof
 void Offer(AdapterOptimum& optimum, double bound, Proof proof) {
   if (!(bound < optimum.upper_bound)) return;
   optimum.upper_bound = bound;
   optimum.proof = proof;
 }
 
-// The adapter in the box's middle, and what is climbed to from it, where it is the better.
+// Offers the adapter in the box's middle, and where it is better also the summit above it.
 void TryMiddle(const AreaPiece& piece, const MotorSource& source, const ReceptorField& receptors,
                const AdapterBox& box, AdapterOptimum& optimum) {
   const AdapterBounds& bounds = piece.problem.bounds;
@@ -104,7 +106,7 @@ void TryMiddle(const AreaPiece& piece, const MotorSource& source, const Receptor
   offer(PointOf(bounds, climb.From(PlaceOf(bounds, middle)).place));
 }
 
-// The largest of the bounds of the stretches of areas; nothing for what has no proof by boxes.
+// The largest of the bounds of the pieces of areas; none where there is no proof by boxes.
 void ProveUnlimited(Objective objective, const TuningProblem& problem, const MotorSource& source,
                     const ReceptorField& receptors, double relative_gap, std::size_t most_boxes,
                     AdapterOptimum& optimum) {
@@ -114,6 +116,7 @@ void ProveUnlimited(Objective objective, const TuningProblem& problem, const Mot
   double bound = 0;
   for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
     if (!(piece.weight > 0)) continue;
+    // below this cost an adapter would exceed the value by more than the gap
     const double enough = CostOfValue(piece, source, optimum.value * (1 + relative_gap));
     const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
     const LeastOfBoxes least =
@@ -122,18 +125,20 @@ void ProveUnlimited(Objective objective, const TuningProblem& problem, const Mot
     TryMiddle(piece, source, receptors, least.reached, optimum);
     bound = std::max(bound, ValueOfCost(piece, source, least.cost));
   }
+  // allowance for the rounding of the source, squared in a power
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double allowed = 1 + squares * source.rounding_allowance + (steps ? kStepAllowance : 0);
   Offer(optimum, bound * allowed, Proof::kBranchAndBound);
 }
 
-// a bound that was proved below a point that was found is a mistake of the program
+// a bound below a point that was found is an error of the program
 void CheckBound(Objective objective, const AdapterOptimum& optimum) {
   HAPTOMETER_CHECK(optimum.upper_bound >= optimum.value, "{}: bound {} by proof {} below {}",
                    Name(objective), optimum.upper_bound, static_cast<int>(optimum.proof),
                    optimum.value);
 }
 
+// whether the mover's travel (peak, m) is within the limit
 bool KeepsToItsTravel(const TuningProblem& problem, const MotorSource& source,
                       const AdapterPoint& point) {
   const Skin skin = SkinOf(problem, point.contact_area_m2);
@@ -153,6 +158,7 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
   HAPTOMETER_CHECK(!limited || objective != Objective::kRmsPerWatt, "{} with limited travel",
                    Name(objective));
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  // first without the limit: if that optimum keeps to it, it is the answer with the tighter proof
   TuningProblem unlimited = problem;
   unlimited.mover_limit_m = std::numeric_limits<double>::infinity();
   const RidgePoint best = Best(objective, unlimited, receptors);
@@ -171,6 +177,7 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
   const LimitedBest within = BestWithinTravel(objective, problem, receptors);
   optimum.point = within.point;
   optimum.value = within.value;
+  // no adapter found within the limit
   if (!(within.value > 0)) return optimum;
   const TravelBound proved =
       BoundWithinTravel(objective, problem, receptors, within, relative_gap, most_boxes);
@@ -186,6 +193,7 @@ std::vector<RidgePoint> RidgeOf(Objective objective, const TuningProblem& proble
   std::vector<RidgePoint> ridge;
   ridge.reserve(values);
   for (const double mass_kg : EqualSteps(problem.bounds.motor_side_mass_kg, values)) {
+    // Ma1 is fixed at each value, all other numbers are free
     TuningProblem fixed = problem;
     fixed.bounds.motor_side_mass_kg = {mass_kg, mass_kg};
     const RidgePoint best = Best(objective, fixed, receptors);

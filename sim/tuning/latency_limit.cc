@@ -21,9 +21,10 @@ namespace haptometer::sim {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// of a run: 0.1 s of work
+// outputs of a run, 0.1 s of work
 constexpr double kMostLatencyOutputs = 1e6;
 
+// the adapter from rest under the problem's sine
 Scene SceneOf(const TuningProblem& problem, const AdapterPoint& point) {
   Scene scene;
   scene.actuator = problem.actuator;
@@ -95,6 +96,7 @@ class LatencySearch {
 };
 
 Tried LatencySearch::Run(const CubePlace& place) {
+  // climbs return to the same places: each is run once
   std::array<double, kCubeAxes> key{};
   std::ranges::copy(place, key.begin());
   const auto known = tried_.find(key);
@@ -102,13 +104,14 @@ Tried LatencySearch::Run(const CubePlace& place) {
   const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
   if (rise) least_uncertainty_s_ = std::min(least_uncertainty_s_, rise->uncertainty_s);
   const Tried tried{.place = place,
+                    // ln |Fc / Xs|^2 of the steady motion, without a limit of travel
                     .cost = climb_.At(place).cost,
                     .latency_s = rise ? rise->LatencyAtMostS() : kNever};
   tried_.emplace(key, tried);
   return tried;
 }
 
-// a lattice of Ma1, Ka, Ba and the area, and Ma2 at and beside what serves the RMS best
+// a lattice of Ma1, Ka, Ba and the area, with Ma2 at and around that of the largest RMS
 std::vector<CubePlace> LatencySearch::Places() const {
   const std::vector<double> springs = EqualSteps({.lower = 0, .upper = 1}, 9);
   const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
@@ -124,7 +127,8 @@ std::vector<CubePlace> LatencySearch::Places() const {
   return places;
 }
 
-// The first prompt ones by rising cost, apart from each other; without any, the promptest.
+// The first places within the limit by rising cost, apart from each other; without any, the one
+// with the least latency.
 std::vector<Tried> LatencySearch::Starts() {
   constexpr std::size_t kMostStarts = 3;
   constexpr double kApart = 0.2;
@@ -145,8 +149,8 @@ std::vector<Tried> LatencySearch::Starts() {
   return starts;
 }
 
-// How far the latency's straight line may hold along each axis, as a part of its range: small
-// numbers matter by their own size, 0.1 g to a mass of 0.5 g.
+// Over how much of each axis the latency is assumed linear, as a part of its range: small numbers
+// matter by their own size, 0.1 g to a mass of 0.5 g.
 CubePlace LatencySearch::ScaleAt(const CubePlace& place) const {
   const AdapterBounds& bounds = problem_.bounds;
   const Adapter adapter = PointOf(bounds, place).adapter;
@@ -159,7 +163,7 @@ CubePlace LatencySearch::ScaleAt(const CubePlace& place) const {
           scale(adapter.skin_side_mass_kg, bounds.skin_side_mass_kg)};
 }
 
-// the latency's differences over a width of each range, into the cube
+// slopes of the latency by differences over a width of each range, backwards at its upper end
 CubePlace LatencySearch::SlopesAt(const Tried& here, double width) {
   const CubePlace widths = width * ScaleAt(here.place).cwiseMax(1e-3);
   CubePlace slopes = CubePlace::Zero();
@@ -172,12 +176,13 @@ CubePlace LatencySearch::SlopesAt(const Tried& here, double width) {
   return slopes;
 }
 
-// the largest RMS within the radius where the straight line plus an offset keeps to the limit
+// the largest RMS within the radius for which the linear latency plus an offset is in the limit
 CubePlace LatencySearch::Step(const Tried& here, const CubePlace& slopes, double offset_s,
                               double radius) const {
   const auto view = [&](const CubePlace& place) {
     LimitedView at = climb_.At(place);
     const double line_s = here.latency_s + offset_s + slopes.dot(place - here.place);
+    // relative excess of the linear latency over the limit
     at.excess = line_s / limit_s_ - 1;
     at.excess_slopes = slopes / limit_s_;
     return at;
@@ -188,7 +193,8 @@ CubePlace LatencySearch::Step(const Tried& here, const CubePlace& slopes, double
       .place;
 }
 
-// A better adapter within the radius, which shrinks where there is none and grows where there is.
+// A better adapter within the radius of trust, which shrinks where there is none and doubles where
+// there is.
 std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& slopes,
                                            double& radius) {
   constexpr double kLeastRadius = 1e-4, kMostRadius = 0.5;
@@ -198,6 +204,7 @@ std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& s
     double offset_s = 0;
     for (int count = 0; count < kCorrections; ++count) {
       Tried next = Run(Step(here, slopes, offset_s, radius));
+      // better is a larger RMS within the limit, or less latency outside of it
       const bool better = Prompt(next) ? !Prompt(here) || next.cost < here.cost - 1e-9
                                        : !Prompt(here) && next.latency_s < here.latency_s;
       if (better) {
@@ -205,7 +212,7 @@ std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& s
         return next;
       }
       if (Prompt(next) || next.latency_s == kNever) break;
-      // what the straight line missed
+      // the error of the straight line, added to the next one
       offset_s = next.latency_s - here.latency_s - slopes.dot(next.place - here.place) + kMarginS;
     }
     radius /= 4;
@@ -220,10 +227,11 @@ Tried LatencySearch::ClimbFrom(Tried here, double step) {
   for (int count = 0; count < kMostSteps; ++count) {
     const auto next = Better(here, SlopesAt(here, step), radius);
     if (!next) break;
+    // a gain below 1e-7 of the cost's logarithm ends the climb
     const bool settled = Prompt(here) && here.cost - next->cost < 1e-7;
     here = *next;
     if (settled) break;
-    // a climb that has come to a known summit would run to the same places again
+    // a climb that reaches a known summit would repeat its runs
     const auto known = std::ranges::find_if(summits_, [&](const Summit& summit) {
       return summit.step <= step && (summit.top.place - here.place).norm() < kSameHill;
     });
@@ -236,6 +244,7 @@ Tried LatencySearch::ClimbFrom(Tried here, double step) {
 }  // namespace
 
 double LatencyRunS(const TuningProblem& problem) {
+  // 0.5 s or 40 periods, whichever is longer, in whole milliseconds
   return std::ceil(1e3 * std::max(0.5, 40 / problem.drive.frequency_hz)) / 1e3;
 }
 
@@ -262,6 +271,7 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
   const auto value = [&](const AdapterPoint& point) {
     return ValueOf(Objective::kSkinRms, problem, source, {}, point);
   };
+  // the best adapter without a limit may be within it already
   const auto rise = RiseWith(problem, unlimited);
   if (rise && rise->LatencyAtMostS() <= limit_s) {
     return {.point = unlimited,
@@ -272,6 +282,7 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
             .is_unlimited = true};
   }
   PromptBest answer{.runs = 1, .least_limit_s = rise ? rise->uncertainty_s : 0};
+  // a limit below the uncertainty of the latency cannot be decided
   if (limit_s < answer.least_limit_s) return answer;
   LatencySearch search(problem, source, limit_s);
   Tried best;
@@ -281,9 +292,10 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
     if (search.Prompt(found) && found.cost < best.cost) best = found;
   };
   for (const Tried& start : search.Starts()) climb(start, 0.01);
-  // in long steps and in short ones, which do not leave its hill
+  // from the unlimited optimum in long steps and in short ones, which stay on its hill
   const Tried from = search.Run(PlaceOf(problem.bounds, unlimited));
   for (const double step : {0.01, 1e-3}) climb(from, step);
+  // the best of all climbs again, with slopes over shorter and shorter steps
   for (const double step : {2e-3, 4e-4}) {
     if (best.cost < kNever) best = search.ClimbFrom(best, step);
   }

@@ -21,7 +21,7 @@ struct CubeBounds {
   CubePlace lower, upper;
 };
 
-// f + (rho / 2) max(0, h + lambda / rho)^2 for the lambda and rho of a round
+// augmented Lagrangian f + (rho / 2) max(0, h + lambda / rho)^2 of a round
 struct LimitedMerit {
   double lambda = 1, rho = 10;
   [[nodiscard]] double Pull(const LimitedView& at) const {
@@ -35,7 +35,7 @@ struct LimitedMerit {
   }
 };
 
-// second slopes of f + pull h, and what the square adds
+// second derivatives of f + pull h by central differences, and rho h' h'^T of the square
 Curvature CurvatureAt(const CubeView& view, const LimitedMerit& merit, const CubePlace& place,
                       const LimitedView& here) {
   constexpr double kStep = 1e-6;
@@ -68,9 +68,11 @@ CubePlace Step(const Curvature& bend, const CubePlace& slopes, const CubePlace& 
                double damping) {
   Curvature system = loose.asDiagonal() * bend * loose.asDiagonal();
   for (int axis = 0; axis < kCubeAxes; ++axis) {
+    // a held axis has 1 on its diagonal and no slope, so it does not move
     system(axis, axis) += loose[axis] > 0 ? damping * (1 + std::abs(bend(axis, axis))) : 1;
   }
   const Eigen::LDLT<Curvature> factors(system);
+  // not positive definite: no descent, more damping is needed
   if (!factors.isPositive()) return CubePlace::Zero();
   return -factors.solve(loose.cwiseProduct(slopes));
 }
@@ -88,6 +90,7 @@ CubePlace Descend(const CubeView& view, const LimitedMerit& merit, const CubeBou
     if (loose.cwiseProduct(slopes).norm() < 1e-13) return place;
     const Curvature bend = CurvatureAt(view, merit, place, here);
     bool moved = false;
+    // more damping until the merit falls
     for (; damping < kMostDamping && !moved; damping *= 8) {
       const CubePlace next = (place + Step(bend, slopes, loose, damping))
                                  .cwiseMax(bounds.lower)
@@ -99,6 +102,7 @@ CubePlace Descend(const CubeView& view, const LimitedMerit& merit, const CubeBou
       moved = true;
     }
     if (!moved) return place;
+    // less damping after a step that succeeded
     damping = std::max(kLeastDamping, damping / 64);
   }
   return place;
@@ -115,14 +119,18 @@ LimitedSummit ClimbWithinBounds(const CubeView& view, const CubePlace& lower,
   for (int round = 0; round < kMostRounds; ++round) {
     summit.place = Descend(view, merit, {.lower = lower, .upper = upper}, summit.place);
     const LimitedView at = view(summit.place);
+    // how far the limit is exceeded, or the pull differs from 0 with room left
     const double miss = std::abs(std::max(at.excess, -merit.lambda / merit.rho));
+    // the multiplier of the next round, max(0, lambda + rho h)
     merit.lambda = merit.Pull(at);
     summit.cost = at.cost;
     summit.kept = at.excess <= kKeptLimit;
     if (miss < kKeptLimit / 10) break;
+    // too slow: a harder penalty
     if (miss > before / 8) merit.rho *= 4;
     before = miss;
   }
+  // the last lambda is the price of the limit: decrease of the cost per unit of its logarithm
   summit.price = merit.lambda;
   return summit;
 }
@@ -161,10 +169,11 @@ CubePoint ClimbWithinCube(const Function& function, std::vector<double> start) {
   constexpr int kFirstHalving = 4;
   constexpr int kLastHalving = 40;
   constexpr int kMostMoves = 1000;
-  // what the rounding of a function of some ten operations may feign
+  // apparent gain by the rounding of a function of some ten operations
   constexpr double kGain = 16 * std::numeric_limits<double>::epsilon();
   CubePoint here{.place = std::move(start)};
   here.value = function(here.place);
+  // steps from 2^-4 to 2^-40 of the cube's edge
   for (int halving = kFirstHalving; halving <= kLastHalving; ++halving) {
     const double step = std::ldexp(1, -halving);
     for (int move = 0; move < kMostMoves; ++move) {
@@ -195,7 +204,8 @@ using OpenBoxes = std::priority_queue<OpenBox, std::vector<OpenBox>, Costlier>;
 
 enum class Fate : std::uint8_t { kKept, kFlattened, kDropped };
 
-// what the trend along one axis makes of its interval
+// a slope of one sign puts the least at the lower or the upper end of the axis: on the cube's face
+// the box is flattened to it, elsewhere a neighbouring box has it
 Fate FateOf(Interval& axis, int trend) {
   if (trend == 0 || axis.lower == axis.upper) return Fate::kKept;
   const double bound = trend > 0 ? 0 : 1;
@@ -228,10 +238,12 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
   open.push(whole);
   std::size_t boxes = 1;
   OpenBox best = whole;  // by its middle
+  // boxes with a bound above this need no splitting
   const auto open_by = [&] { return std::min(enough, (1 - kSettled) * best.cost.middle); };
   while (!open.empty() && open.top().cost.lower < open_by() && boxes < most_boxes) {
     const OpenBox first = open.top();
     open.pop();
+    // halve the axis that widens the bound most
     const auto widest = std::ranges::max_element(first.cost.spread);
     const auto axis = static_cast<std::size_t>(widest - first.cost.spread.begin());
     OpenBox lower{.box = first.box};
@@ -239,11 +251,13 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
     lower.box[axis].upper = upper.box[axis].lower = first.box[axis].middle();
     for (OpenBox* half : {&lower, &upper}) {
       if (!Bound(over, *half)) continue;
+      // the middle is an adapter: its cost is an upper bound of the least
       if (half->cost.middle < best.cost.middle) best = *half;
       open.push(*half);
     }
     boxes += 2;
   }
+  // the lowest bound among the boxes not yet split
   return {.cost = open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower,
           .boxes = boxes,
           .reached = best.box};

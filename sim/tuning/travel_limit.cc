@@ -22,21 +22,25 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// Re(conj(a) b)
 double Dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
 
-// a y^2 + 2 b y + c, not above 0 where the limit is kept
+// a y^2 + 2 b y + c with y = Ma2 w^2 in N/m; at most 0 where the travel is within the limit
 struct Excess {
   double a = 0, b = 0, c = 0;
   [[nodiscard]] double At(double y) const { return (a * y + 2 * b) * y + c; }
 };
 
+// |p - Q y|^2 - T^2 |d - U y|^2 with the letters of the header
 Excess ExcessOf(const TuningProblem& problem, const MotorSource& source,
                 const AdapterPoint& point) {
   const double w = source.omega_rad_per_s, T = problem.mover_limit_m;
   const Skin skin = SkinOf(problem, point.contact_area_m2);
+  // Ks + Bs s and Ka + Ba s at s = j w, N/m
   const Complex contact(skin.stiffness_n_per_m, skin.damping_n_s_per_m * w);
   const Complex ka(point.adapter.stiffness_n_per_m, point.adapter.damping_n_s_per_m * w);
   const double Mc1 = source.case_mass_kg + point.adapter.motor_side_mass_kg;
+  // kc - (Mc + Ma1) w^2, N/m
   const Complex D1 = source.stiffness_n_per_m - Mc1 * w * w;
   const Complex U = 1.0 + D1 / ka;
   const Complex pushed = source.travel_per_case * source.force_n;
@@ -48,7 +52,7 @@ Excess ExcessOf(const TuningProblem& problem, const MotorSource& source,
           .c = std::norm(p) - T * T * std::norm(d)};
 }
 
-// real roots without cancellation
+// real roots; b and the square root are added with the same sign, so that nothing cancels
 std::vector<double> RootsOf(const Excess& excess) {
   const double square = excess.b * excess.b - excess.a * excess.c;
   if (square < 0) return {};
@@ -68,6 +72,7 @@ double WantedSkinSideMass(const TuningProblem& problem, const MotorSource& sourc
   const std::complex<double> D1 = source.stiffness_n_per_m - Mc1 * w * w;
   const std::complex<double> ka(point.adapter.stiffness_n_per_m,
                                 point.adapter.damping_n_s_per_m * w);
+  // (Ks + Re Z) / w^2: the real part of the stiffness at the skin vanishes
   const double Ks = SkinOf(problem, point.contact_area_m2).stiffness_n_per_m;
   return (Ks + (D1 * ka / (D1 + ka)).real()) / (w * w);
 }
@@ -76,6 +81,7 @@ std::optional<double> NearestWithinTravel(const TuningProblem& problem, const Mo
                                           const AdapterPoint& point, double wanted_kg) {
   const double w = source.omega_rad_per_s;
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  // |Xs| falls with the distance from the wanted mass: the nearest one within the limit is the best
   const double within_kg = std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper);
   if (std::isinf(problem.mover_limit_m)) return within_kg;
   const Excess excess = ExcessOf(problem, source, point);
@@ -84,6 +90,7 @@ std::optional<double> NearestWithinTravel(const TuningProblem& problem, const Mo
   const auto offer = [&](double kg) {
     if (!nearest || std::abs(kg - wanted_kg) < std::abs(*nearest - wanted_kg)) nearest = kg;
   };
+  // outside of the limit the candidates are the ends of the bounds and the roots
   for (const double end_kg : {mass_kg.lower, mass_kg.upper}) {
     if (excess.At(end_kg * w * w) <= 0) offer(end_kg);
   }
@@ -100,10 +107,13 @@ double LimitedTravelBound(Objective objective, const TuningProblem& problem,
   HAPTOMETER_CHECK(objective != Objective::kRmsPerWatt, "{}", Name(objective));
   const double w = source.omega_rad_per_s, q = source.coupling_damping_n_per_m;
   const double F = std::abs(source.coil_force_n);
+  // F T - q T^2 is largest at T = F / (2 q): a longer travel adds nothing
   const double T = std::min(problem.mover_limit_m, F / (2 * q));
   const double Bs = SkinOf(problem, problem.bounds.contact_area_m2.lower).damping_n_s_per_m;
+  // work of the coil's force less that of the mover's own damping, per radian, N m
   const double work_n_m = (F * T - q * T * T) * (1 + source.rounding_allowance + kKeptLimit);
   if (objective == Objective::kSkinPower) return w * work_n_m / 2;
+  // |Xs|^2 <= work / (w Bs), and the RMS is |Xs| / sqrt(2)
   const double rms_m = std::sqrt(work_n_m / (w * Bs) / 2);
   if (objective == Objective::kSkinRms) return rms_m;
   return rms_m *
@@ -112,8 +122,10 @@ double LimitedTravelBound(Objective objective, const TuningProblem& problem,
 
 namespace {
 
+// places per axis
 constexpr std::size_t kLattice = 9;
 
+// parts of Ma1's range; uniform in ln(Mc + Ma1) where that range is wide
 std::vector<double> MassParts(const Range& mass_kg, double case_mass_kg) {
   const Range moved{.lower = mass_kg.lower + case_mass_kg, .upper = mass_kg.upper + case_mass_kg};
   std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
@@ -122,6 +134,7 @@ std::vector<double> MassParts(const Range& mass_kg, double case_mass_kg) {
   return parts;
 }
 
+// parts of Ba's range; if it begins at 0, in steps of 8 down from the upper end
 std::vector<double> DampingParts(const Range& damping) {
   std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
   if (damping.lower > 0) return parts;
@@ -139,13 +152,15 @@ std::array<double, 2> RootsOf(double a, double b, double c) {
   return {sum / a, c / sum};
 }
 
-// what one place says of the ridge
+// the terms of the ridge's equation at one place, all in N/m
 struct Ridge {
   double p, Ka, e, b, q;
 
+  // b ((Ka + p)^2 + (e + q)^2) = q (Ka^2 + e^2) + e (p^2 + q^2) solved for Ka
   [[nodiscard]] std::array<double, 2> Springs() const {
     return RootsOf(b - q, b * p, b * (p * p + (e + q) * (e + q)) - q * e * e - e * (p * p + q * q));
   }
+  // the same equation solved for p
   [[nodiscard]] std::array<double, 2> Loads() const {
     return RootsOf(b - e, b * Ka,
                    b * (Ka * Ka + (e + q) * (e + q)) - q * (Ka * Ka + e * e) - e * q * q);
@@ -163,7 +178,7 @@ Ridge RidgeAt(const TuningProblem& problem, const MotorSource& source, const Cub
           .q = source.stiffness_n_per_m.imag()};
 }
 
-// the value within the range; nothing to be had of a number that is none
+// the value within the range; the lower end where the value is not finite
 double Within(const Range& range, double value) {
   return std::isfinite(value) ? std::clamp(value, range.lower, range.upper) : range.lower;
 }
@@ -179,7 +194,9 @@ std::vector<CubePlace> StartPlaces(const TuningProblem& problem, const MotorSour
   const std::vector<double> masses = MassParts(bounds.motor_side_mass_kg, source.case_mass_kg);
   const std::vector<double> dampings = DampingParts(bounds.damping_n_s_per_m);
 
+  // the lattice without Ma2, which takes its best value later
   std::vector<CubePlace> places = Lattice(upper, {masses, even, dampings, even});
+  // the ridge in Ka, with the other axes on the lattice
   if (upper[1] > 0) {
     for (CubePlace place : Lattice(upper, {masses, lowest, dampings, even})) {
       for (const double Ka : RidgeAt(problem, source, place).Springs()) {
@@ -189,6 +206,7 @@ std::vector<CubePlace> StartPlaces(const TuningProblem& problem, const MotorSour
       }
     }
   }
+  // the ridge in Ma1, from p = Re kc - (Mc + Ma1) w^2
   if (upper[0] > 0) {
     for (CubePlace place : Lattice(upper, {lowest, even, dampings, even})) {
       for (const double p : RidgeAt(problem, source, place).Loads()) {
@@ -204,6 +222,7 @@ std::vector<CubePlace> StartPlaces(const TuningProblem& problem, const MotorSour
 
 namespace {
 
+// a number with its slopes along the five axes of the cube
 using CubeNumber = Slope<double, kCubeAxes>;
 
 struct CubePhasor {
@@ -218,8 +237,10 @@ CubePhasor operator*(const CubePhasor& a, const CubePhasor& b) {
 CubePhasor operator*(const CubePhasor& a, std::complex<double> b) {
   return {a.re * b.real() + a.im * -b.imag(), a.im * b.real() + a.re * b.imag()};
 }
+// |z|^2
 CubeNumber Norm(const CubePhasor& z) { return z.re * z.re + z.im * z.im; }
 
+// linear from the lower to the upper end, with its slope
 CubeNumber On(const Range& range, const CubePlace& place, int axis) {
   return Variable<double, kCubeAxes>(place[axis], static_cast<std::size_t>(axis), 1.0) *
              (range.upper - range.lower) +
@@ -234,6 +255,7 @@ CubeNumber ScaledOn(const Range& range, const CubePlace& place, int axis) {
   return Variable<double, kCubeAxes>(0.0, static_cast<std::size_t>(axis), value * decades) + value;
 }
 
+// slopes of the logarithm, f' / f
 CubePlace SlopesOf(const CubeNumber& number) {
   return CubePlace::Map(number.by.data()) / number.value;  // of the logarithm
 }
@@ -248,6 +270,7 @@ LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
       receptors_(receptors),
       upper_(UpperEndOf(problem)) {}
 
+// ln Nr^2 at a part of the area's range
 double LimitedClimb::LogWeight(double part) const {
   const double area_m2 = AreaAt(problem_.bounds.contact_area_m2, part);
   return 2 * std::log(StimulatedReceptors(receptors_, ContactRadius(area_m2)));
@@ -258,6 +281,7 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
   const double w = source_.omega_rad_per_s;
   const Skin first = SkinOf(problem_, bounds.contact_area_m2.lower);
   const Skin last = SkinOf(problem_, bounds.contact_area_m2.upper);
+  // p = Re D1, D1, ka, b = w Bs and D2 (docs/explanation/notation.md), N/m, with their slopes
   const CubeNumber p = (On(bounds.motor_side_mass_kg, place, 0) + source_.case_mass_kg) * (-w * w) +
                        source_.stiffness_n_per_m.real();
   const CubePhasor D1{p, {.value = source_.stiffness_n_per_m.imag()}};
@@ -273,10 +297,12 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
   const CubePhasor M =
       (D2 + ka) * (source_.travel_per_case * source_.force_n) + N * source_.free_travel_m;
   const CubeNumber N2 = Norm(N), M2 = Norm(M), k2 = Norm(ka);
+  // cost ln |Fc / Xs|^2, excess ln(|travel|^2 / T^2); below zero the limit is kept
   LimitedView view{.cost = std::log(N2.value / k2.value),
                    .excess = std::log(M2.value / N2.value) - 2 * std::log(problem_.mover_limit_m),
                    .cost_slopes = SlopesOf(N2) - SlopesOf(k2),
                    .excess_slopes = SlopesOf(M2) - SlopesOf(N2)};
+  // less the logarithm of the objective's weight, 1 for the skin's RMS
   if (objective_ == Objective::kSkinPower) {
     view.cost -= std::log(b.value);
     view.cost_slopes -= SlopesOf(b);
@@ -288,6 +314,7 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
     view.cost_slopes += 2 * (SlopesOf(power) - SlopesOf(N2));
   } else if (objective_ == Objective::kStimulus) {
     constexpr double kStep = 1e-5;
+    // Nr by a central difference, one-sided at the ends of the range
     const double before = std::clamp(place[3] - kStep, 0.0, 1.0);
     const double after = std::clamp(place[3] + kStep, 0.0, 1.0);
     view.cost -= LogWeight(place[3]);
@@ -306,7 +333,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// a place of the lattice and how good it is to begin at: the less, the better
+// a place to begin at and its rank: the smaller, the better
 struct Start {
   CubePlace place = CubePlace::Zero();
   double rank = kNone;
@@ -315,13 +342,13 @@ struct Start {
   }
 };
 
-// of each third of Ma1 and of Ka, and of RMS per watt of all axes, those that keep to the limit and
-// those that do not
+// the best starts for each third of Ma1 and of Ka (RMS per watt: of all axes), those within the
+// limit and those beyond it
 struct Starts {
   std::array<Start, std::size_t{3} * kCubeAxes> kept, beyond;
 };
 
-// Ma2 to begin with: what the skin's motion wants; that of RMS per watt lies beside it
+// Ma2 to begin with: that of the largest |Xs|, for RMS per watt also others around it
 std::vector<double> MassesToTry(const AreaPiece& piece, const MotorSource& source,
                                 const AdapterPoint& point) {
   const double wanted_kg = WantedSkinSideMass(piece.problem, source, point);
@@ -343,11 +370,13 @@ Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const Limited
   for (CubePlace place : StartPlaces(problem, source)) {
     const AdapterPoint point = PointOf(problem.bounds, place);
     for (const double wanted_kg : MassesToTry(piece, source, point)) {
+      // the limit decides on Ma2; where no mass keeps to it, the wanted one within its bounds
       const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
       const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
       place[4] = PartOf(mass_kg, kg);
       const LimitedView view = climb.At(place);
       auto& kind = found_kg ? starts.kept : starts.beyond;
+      // within the limit the cost ranks, beyond it the travel
       const double rank = found_kg ? view.cost : view.excess;
       for (int axis = 0; axis < axes; ++axis) {
         kind[static_cast<std::size_t>(3 * axis) + third(place[axis])].Offer(place, rank);
@@ -357,7 +386,7 @@ Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const Limited
   return starts;
 }
 
-// the best of a stretch of areas
+// the best over a piece of areas
 struct PieceBest {
   AdapterPoint point;
   double value = 0;
@@ -368,6 +397,7 @@ PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
                       const ReceptorField& receptors) {
   const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
   const Starts starts = StartsOf(piece, source, climb);
+  // starts beyond the limit are used only where none is within it
   const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
   std::optional<LimitedSummit> best;
   for (const Start& start : any ? starts.kept : starts.beyond) {
@@ -382,7 +412,7 @@ PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
           .price = best->price};
 }
 
-// what the stretch cannot exceed by the coil's work alone
+// bound for a piece of areas from the coil's work alone
 double RoughBound(const AreaPiece& piece, const MotorSource& source,
                   const ReceptorField& receptors) {
   if (piece.objective == Objective::kRmsPerWatt) return kNone;
@@ -399,6 +429,7 @@ LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
   LimitedBest best;
   for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
     best.prices.push_back(-1);
+    // a piece that cannot exceed the best so far is not searched
     if (!(RoughBound(piece, source, receptors) > best.value)) continue;
     const PieceBest found = BestOfPiece(piece, source, receptors);
     best.prices.back() = found.price;
@@ -413,6 +444,7 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
                               const ReceptorField& receptors, const LimitedBest& best,
                               double relative_gap, std::size_t most_boxes) {
   const bool steps = HasSteps(objective, receptors);
+  // a stimulus with soft edges has no bound
   if (objective == Objective::kStimulus && !steps) return {.value = kNone};
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
@@ -422,21 +454,23 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const AreaPiece& piece = pieces[k];
     const double rough = RoughBound(piece, source, receptors);
+    // the bound by the coil's work is already below the best value
     if (!(rough > best.value)) {
       bound.value = std::max(bound.value, rough);
       continue;
     }
-    // any price below 1 gives a bound
+    // any price below 1 gives a bound (weak duality, sim/tuning/adapter_cost.h)
     const double price = std::clamp(best.prices[k], 0.0, 1 - 1e-6);
     const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower, price);
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
     const LeastOfBoxes least =
         LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
     bound.boxes += least.boxes;
+    // both bounds hold, so the smaller one does
     bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
   }
-  // what the rounding of source and limit may move: travel is a difference of two; a price is 1 at
-  // most, so that the value moves by no more than the limit's square
+  // allowance for the rounding of source and limit: the travel is a difference of two terms; the
+  // price is 1 at most, so that the value changes by no more than the limit's square
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
   bound.value *=

@@ -23,6 +23,7 @@ Skin SkinOf(const TuningProblem& problem, double contact_area_m2) {
   return SkinUnderArea(contact_area_m2, problem.skin_range);
 }
 
+// the two skins of the variation that move least: largest damping, stiffness at either end
 std::array<Skin, 2> HardestSkins(const TuningProblem& problem, double contact_area_m2) {
   const Skin skin = SkinOf(problem, contact_area_m2);
   const double v = problem.skin_variation;
@@ -35,6 +36,7 @@ double AreaAt(const Range& contact_area_m2, double part) {
   // the ends as stated, not as a cube of a cube root
   if (part <= 0) return contact_area_m2.lower;
   if (part >= 1) return contact_area_m2.upper;
+  // linear in the cube root of the area, in which the skin's law is linear
   const double lower = std::cbrt(contact_area_m2.lower);
   const double root = lower + (std::cbrt(contact_area_m2.upper) - lower) * part;
   return root * root * root;
@@ -73,6 +75,7 @@ double ScaledAt(const Range& range, double part) {
   if (!IsWide(range)) return range.At(part);
   // the ends exactly
   if (part >= 1) return range.upper;
+  // uniform in the logarithm
   return range.lower * std::exp(part * std::log(range.upper / range.lower));
 }
 
@@ -101,6 +104,7 @@ CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
 
 CubePlace UpperEndOf(const TuningProblem& problem) {
   const AdapterBounds& bounds = problem.bounds;
+  // an axis of no width is fixed at 0
   const auto end = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
   return {end(bounds.motor_side_mass_kg), end(bounds.stiffness_n_per_m),
           end(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : end(bounds.contact_area_m2),
@@ -115,6 +119,7 @@ std::vector<CubePlace> Lattice(const CubePlace& upper,
       for (const double Ba : parts[2]) {
         for (const double area : parts[3]) {
           const CubePlace place{Ma1, Ka, Ba, area, 0};
+          // places off a fixed axis are dropped
           if ((place.array() <= upper.array()).all()) places.push_back(place);
         }
       }

@@ -38,7 +38,7 @@
 
 namespace haptometer::tools {
 
-/// Where rows go that are only looked at.
+/// Discards rows: --live without -o shows figures and keeps none.
 class KeepNothing final : public acquire::RowSink {
  public:
   [[nodiscard]] Result<void> Append(const trial::Row& /*row*/) override { return {}; }
@@ -53,7 +53,7 @@ namespace {
 using acquire::Sensor;
 
 constexpr std::string_view kVerb = "acquire";
-constexpr int kOutputClosed = 128 + SIGPIPE;  // nobody reads what would be reported
+constexpr int kOutputClosed = 128 + SIGPIPE;  // as a shell reports SIGPIPE: output closed
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -64,20 +64,21 @@ constexpr cli::VerbText kText{
                  "acquire --port /dev/ttyUSB1 --sensor stream --baud 921600 "
                  "--format +00.0000,mm,CR --samples 30000 -o trial.bin"}};
 
-// a sensor that is opened again when it is lost, where that is wanted
+// a sensor that is opened again after it is lost, where --reconnect asks for it
 Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const RecordingPlan& plan,
                                      Clock& clock) {
   if (!plan.reconnects) return OpenSensor(wanted, clock);
   return std::make_unique<acquire::ReconnectingSensor>(
       [next = wanted, &clock]() mutable {
         auto opened = OpenSensor(next, clock);
+        // settings of the device and its zero are written once, not at each reconnection
         next = WithoutChanges(next);
         return opened;
       },
       plan.longest_away_ns, clock);
 }
 
-// what the sensor finds, without what was said before: more may be known after a recording
+// remarks on the sensor's findings that are not in `said`; a recording may add findings
 void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
   for (const acquire::Finding& found : sensor.Found().list()) {
     std::string words = InWords(found);
@@ -87,7 +88,7 @@ void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
   }
 }
 
-// what the zero is, where it is wanted
+// the tare in m, where --tare is given
 Result<std::optional<double>> Tare(Sensor& sensor, const AcquireOptions& wanted, Clock& clock) {
   if (!wanted.recording.tare) return std::nullopt;
   const auto tare_m = MeasureTare(sensor, clock, cli::Interrupted(), PortName(wanted.sensor));
@@ -97,12 +98,13 @@ Result<std::optional<double>> Tare(Sensor& sensor, const AcquireOptions& wanted,
   return *tare_m;
 }
 
+// a file as named, or a new name in the directory (start, sensor and labels)
 std::string FileName(const std::string& output, const trial::Metadata& metadata) {
   if (output.empty() || !IsDirectoryName(output)) return output;
   return NewTrialName(output, UtcNow(), metadata.sensor, metadata.labels);
 }
 
-// how the live figures are shown: over and over for people, line by line for programs
+// style of the live figures: a terminal's line is overwritten, a program receives separate lines
 LiveStyle StyleOf(bool is_json, bool live) {
   const bool err_is_terminal = isatty(STDERR_FILENO) != 0;
   if (!live) return err_is_terminal ? LiveStyle::kProgressLine : LiveStyle::kNone;
@@ -110,7 +112,7 @@ LiveStyle StyleOf(bool is_json, bool live) {
   return is_json ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
 }
 
-// a device that goes away and comes back is worth a line each
+// one remark for each disconnection and one for each return
 std::function<void(const acquire::RecordingSummary&)> TellAbsences() {
   return [was_away = false](const acquire::RecordingSummary& summary) mutable {
     if (summary.is_away == was_away) return;
@@ -120,12 +122,13 @@ std::function<void(const acquire::RecordingSummary&)> TellAbsences() {
   };
 }
 
-// the recording with those who look on
+// the recording, with a live view of it where `style` asks for one
 Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& sink, Clock& clock,
                                               const acquire::RecordingLimits& limits,
                                               const trial::TrialHeader& header,
                                               const dsp::BandPass& band, LiveStyle style,
                                               const std::function<void()>& output_closed = {}) {
+  // without a live view disconnections are remarked on separate lines
   if (style == LiveStyle::kNone) {
     return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
                            {.progress = TellAbsences(), .say = InWords});
@@ -139,7 +142,7 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
        .say = InWords});
 }
 
-// why the recording is not what was asked for; the status to leave with
+// the reason why a recording is not the requested one; the program's exit status
 int ReportFault(const std::string& file, const acquire::RecordingSummary& summary,
                 const std::string& port, bool reconnects) {
   if (summary.connection_lost) {
@@ -151,8 +154,10 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
          kept + (reconnects ? "check cable and power, or give --reconnect longer"
                             : "check cable and power, or let --reconnect TIME wait for it")});
   }
+  // an interruption (Ctrl-C) is no error: only a recording without any measurement is
   const int status = cli::InterruptedStatus(0);
   if (status != 0 || summary.measured > 0) return status;
+  // readings came before the trigger (seen) and none after it
   if (summary.readings == 0 && summary.seen > 0) {
     return cli::ReportError(kVerb,
                             {Cause::kCannotAnswer, port,
@@ -169,7 +174,7 @@ int Report(const AcquireOptions& wanted, const std::string& file, const Sensor& 
            const trial::TrialHeader& header, acquire::RecordingSummary summary, bool reconnects,
            int argc, const char* const* argv) {
   const auto time_base = ReviewTimeBase(file, header.timing, summary);
-  // the holes between shots are meant to be
+  // gaps between shots are intended: only a recording without trigger counts them
   if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
   const int status = document::Present(
       RecordingDocument(file, header.metadata, summary, time_base, sensor.Found()), wanted.outputs,
@@ -177,27 +182,29 @@ int Report(const AcquireOptions& wanted, const std::string& file, const Sensor& 
   return cli::WorseStatus(status, ReportFault(file, summary, PortName(wanted.sensor), reconnects));
 }
 
-// into a trial, or, where none is named, past the eyes only
+// into a trial; without a file name only through the live view
 Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwrite, Sensor& sensor,
                                            Clock& clock, const acquire::RecordingLimits& limits,
                                            const trial::TrialHeader& header,
                                            const dsp::BandPass& band, LiveStyle style) {
   if (file.empty()) {
     KeepNothing nothing;
-    // a reader of the lines that has seen enough ends the program: nothing is lost with it
+    // the reader of stdout has closed it: end as by SIGPIPE, since no data are stored
     return RecordShown(sensor, nothing, clock, limits, header, band, style,
                        [] { cli::InterruptAsBy(SIGPIPE); });
   }
-  // again: the sensor may have read further files by now
+  // checked a second time: the sensor may have opened further input files since the command line
   if (auto free = cli::CheckOutput(file, cli::kTrialOutput, overwrite); !free) {
     return std::unexpected(free.error());
   }
+  // a device such as /dev/null exists and is written without --overwrite
   const bool is_device = std::filesystem::is_other(file);
   auto writer = trial::TrialWriter::Create(
       file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock);
   if (!writer) return std::unexpected(writer.error());
   acquire::SingleTrial sink(*writer);
   auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
+  // the file was renamed during the recording: its data are complete under the new path
   if (const std::string& moved_to = writer->totals().moved_to; summary && !moved_to.empty()) {
     return Failed(file, "was moved while it was recorded", "it is complete, at " + moved_to);
   }
@@ -211,7 +218,7 @@ int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::Band
     return cli::InterruptedStatus(cli::ReportError(kVerb, error));
   };
 
-  // the sensor answers, and what it can observe is said before anything is recorded
+  // start the sensor, and state what it can observe before anything is recorded
   SystemClock clock;
   const auto sensor = Open(wanted.sensor, plan, clock);
   if (!sensor) return fail(sensor.error());
@@ -221,7 +228,7 @@ int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::Band
   SayNew(**sensor, said);
   if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, **sensor, clock);
 
-  // the recording's zero, head and end
+  // tare, header and limits, in this order: the trigger's threshold counts from the tare
   const auto tare_m = Tare(**sensor, wanted, clock);
   if (!tare_m) return fail(tare_m.error());
   trial::TrialHeader header =
@@ -236,6 +243,7 @@ int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::Band
   const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
                                 band, StyleOf(wanted.outputs.json, wanted.live));
   if (!summary) return fail(summary.error());
+  // a closed output ends the program without a report, for which there is no reader
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
   SayNew(**sensor, said);
   return Report(wanted, file, **sensor, header, *summary, plan.reconnects, argc, argv);
@@ -264,6 +272,7 @@ int RunAcquire(int argc, const char* const* argv) {
   if (auto good = document::CheckOutputs(wanted.outputs); !good) {
     return cli::ReportError(kVerb, good.error());
   }
+  // lists need no sensor, so they come before the checks of the sensor's options
   if (wanted.list_ports || wanted.list_sensors) {
     auto document = wanted.list_ports ? ListPorts() : ListSensors(wanted);
     if (!document) return cli::ReportError(kVerb, document.error());
@@ -278,6 +287,7 @@ int RunAcquire(int argc, const char* const* argv) {
   if (!plan) return cli::ReportError(kVerb, plan.error());
   const auto band = BandOf(wanted);
   if (!band) return cli::ReportError(kVerb, band.error());
+  // from here on Ctrl-C ends the recording, not the program: the trial is closed properly
   cli::CatchInterrupts();
   return Run(wanted, *plan, *band, argc, argv);
 }
@@ -292,6 +302,7 @@ trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay
                                    std::string command_line) {
   trial::TrialHeader header = sensor.header();
   trial::Metadata& metadata = header.metadata;
+  // a replay keeps host and start of its trial
   if (!is_replay) {
     std::array<char, 256> host{};
     gethostname(host.data(), host.size() - 1);

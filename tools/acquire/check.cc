@@ -24,14 +24,16 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "acquire";
+// duration of a check without --duration
 constexpr MonotonicNs kUsualDurationNs = 10 * kNsPerS;
 
-// the command line without what asks for this check, for the next one
+// the command line without the options of this check, for the remedies that build on it
 std::string CommandOf(const std::vector<std::string>& words) {
   std::vector<std::string> kept;
   for (std::size_t word = 0; word < words.size(); ++word) {
     const std::string_view name = std::string_view(words[word]).substr(0, words[word].find('='));
     if (name == "--check" || name == "--json" || name == "--all") continue;
+    // options with a value: --band=X is one word, --band X two
     if (name == "--band" || name == "--report") {
       if (name.size() < words[word].size()) continue;
       ++word;  // and its value
@@ -46,6 +48,7 @@ std::string CommandOf(const std::vector<std::string>& words) {
 
 int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int argc,
                    const char* const* argv, acquire::Sensor& sensor, Clock& clock) {
+  // the check is of displacement in metres: volts without calibration have none
   if (!trial::DisplacementChannel(sensor.header())) {
     return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
                                     "has no displacement channel in metres to check",
@@ -55,6 +58,7 @@ int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int 
   limits.duration_ns = wanted.recording.duration_s
                            ? NsFromSeconds(wanted.recording.duration_s->value)
                            : kUsualDurationNs;
+  // a trial in memory has the time base of a recording
   const auto trial = RecordInMemory(sensor, clock, cli::Interrupted(), limits);
   if (!trial) return cli::ReportError(kVerb, trial.error());
   CheckQuestion question{
@@ -64,12 +68,14 @@ int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int 
   const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
   const int status = document::Present(CheckDocument(sensor.header(), findings, question, items),
                                        wanted.outputs, argc, argv);
+  // 0 ready, 3 not; an error of the output or an interruption overrides 0
   const int verdict = IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer);
   return cli::InterruptedStatus(cli::WorseStatus(status, verdict));
 }
 
 namespace {
 
+// the bytes of a trial in memory, in place of a file
 class StringSink final : public trial::ByteSink {
  public:
   explicit StringSink(std::string& bytes) : bytes_(bytes) {}
@@ -95,6 +101,7 @@ Result<MemoryTrial> RecordInMemory(acquire::Sensor& sensor, Clock& clock,
   acquire::SingleTrial sink(*writer);
   const auto summary = acquire::Record(sensor, sink, clock, stop, limits);
   if (!summary) return std::unexpected(summary.error());
+  // read back as a file would be, so that times are fitted in the same way
   auto recording = trial::ReadRecordFrom(trial::MakeMemorySource(std::move(bytes)), "memory");
   if (!recording) return std::unexpected(recording.error());
   return MemoryTrial{*summary, std::move(recording->record)};
@@ -144,9 +151,11 @@ Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band)
   section.Add(document::kGaps, summary.gaps);
   section.Add(document::kDuration, findings.duration_s);
   section.Add(document::kNewReadings, findings.fresh_rate_hz);
+  // f_s / 2.56 from new readings only: repeated ones hold no information
   section.Add(document::kObservableUpper, findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner);
   section.Add(kJitterKey, summary.interval_sd_s);
   section.Add(document::kTimeUncertainty, findings.time_uncertainty_s);
+  // lengths are rounded to a tenth of the sensor's step
   const auto add_length = [&](const document::Key& key, std::optional<double> length_m) {
     section.Add(key, length_m).resolution = findings.resolution_m / 10;
   };
@@ -155,6 +164,7 @@ Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band)
   add_length({"greatest_m", "greatest", document::kMetre}, findings.greatest_m);
   add_length({document::kNoiseRms.name, "noise in the band (RMS)", document::kMetre},
              findings.noise_m);
+  // smallest RMS that may be reported to 10 % and to 1 %
   add_length(document::kSmallestRms10, SmallestRmsOf(findings, band, 0.1));
   add_length(document::kSmallestRms1, SmallestRmsOf(findings, band, 0.01));
   section.Add({document::kToneFrequency.name, "strongest tone", document::kHertz},
@@ -191,10 +201,12 @@ using acquire::Outcome;
 
 namespace {
 
+// duration of the mean, s
 constexpr double kTareS = 1;
+// longest wait: for the next row of a uniform source, for the whole mean of others
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 
-// the mean so far, and whether it is enough
+// running mean of the measurements, and whether it covers the second before the recording
 class TareMean {
  public:
   TareMean(const trial::TrialHeader& header, std::size_t channel, MonotonicNs begin_ns)
@@ -209,14 +221,15 @@ class TareMean {
     if (is_measurement) {
       ++count_;
       const double value = ValueOf(header_.channels[channel_], sample);
+      // running mean m_n = m_(n-1) + (x_n - m_(n-1)) / n
       mean_ += (value - mean_) / static_cast<double>(count_);
     }
     if (is_uniform()) {
-      // its rows come when they like, but each is a part of the second; nothing is asked for
+      // uniform source: rows may come in bursts, so their number measures the second, not the clock
       is_over_ = static_cast<double>(reading.index + 1) >= kTareS * header_.rate_hz;
       patient_until_ns_ = Later(now_ns);
     } else {
-      // behind an answer nothing is outstanding that a new beginning could mistake for its own
+      // polled: ends behind a measurement, when no request is outstanding that Begin() could mix up
       is_over_ = is_measurement && now_ns - begin_ns_ >= NsFromSeconds(kTareS);
     }
   }
@@ -225,6 +238,7 @@ class TareMean {
   [[nodiscard]] bool IsPatient(MonotonicNs now_ns) const { return now_ns < patient_until_ns_; }
 
   [[nodiscard]] Result<double> Mean(const std::string& name) const {
+    // less than a second of rows is no second before the recording
     if (is_uniform() && !is_over_) {
       return CannotAnswer(name,
                           "sent less than a second of readings and then stopped during --tare",
@@ -260,7 +274,7 @@ Result<double> MeasureTare(acquire::Sensor& sensor, Clock& clock, const std::ato
   while (!stop.load() && !tare.is_over() && tare.IsPatient(clock.Now())) {
     const Outcome outcome = sensor.Next(reading);
     if (outcome == Outcome::kGone || outcome == Outcome::kAway) {
-      // the second before the recording cannot be made up for, so nothing is waited for
+      // the second before the recording is lost with the connection: no reconnection is waited for
       return Failed(name, "the connection was lost during --tare",
                     "check cable and power, and start again");
     }

@@ -22,6 +22,7 @@
 namespace haptometer::tools {
 namespace {
 
+// measured, least_m, greatest_m and longest_hold (largest run of equal values) of the measurements
 void FindValues(const trial::Channel& channel, CheckFindings& findings) {
   std::size_t hold = 0;
   std::optional<double> last;
@@ -47,28 +48,34 @@ CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSu
   const trial::Channel& channel = record.channels[*number];
   findings.resolution_m = channel.resolution;
   FindValues(channel, findings);
+  // the worst segment's standard uncertainty of a time
   for (const trial::Stretch& stretch : record.stretches) {
     findings.time_uncertainty_s = std::max(findings.time_uncertainty_s, stretch.time_uncertainty_s);
   }
+  // band RMS, tone and residual noise over the whole record
   dsp::BandQuestion question;
   question.band = band;
   question.choice = dsp::WindowChoice::kAll;  // at rest: no drive is looked for
   question.keep_filtered = false;
   const auto analysis = dsp::AnalyzeBand(record, question);
   if (!analysis) {
+    // an analysis that ends with an error: the values found so far remain
     findings.no_noise_because = analysis.error().what;
     return findings;
   }
   findings.duration_s = analysis->record.duration_s;
   findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
   findings.level_m = analysis->record.offset_m;
+  // a refusal with its reason; numbers may be present all the same
   if (!analysis->answered) {
     findings.no_noise_because = document::RefusalOf(analysis->findings);
   }
   if (!analysis->numbers) return findings;
+  // noise is the residual: band RMS without the strongest tone
   findings.noise_m = analysis->numbers->residual_rms_m;
   if (analysis->numbers->tone) {
     findings.tone_hz = analysis->numbers->tone->fit.frequency_hz;
+    // RMS of a sine: amplitude / sqrt(2)
     findings.tone_rms_m = analysis->numbers->tone->fit.amplitude / std::numbers::sqrt2;
   }
   return findings;
@@ -80,7 +87,9 @@ using trial::SampleStatus;
 
 constexpr double kMmPerM = 1e3;
 constexpr double kUmPerM = 1e6;
+// resonances of the actuators, Hz
 constexpr std::array kResonances_hz = {175.0, 225.0};
+// limits of CheckList(): gain of averaging, shares of repeated, bad and held readings
 constexpr double kLeastToneGain = 0.9;
 constexpr double kMostRepeated = 0.1;
 constexpr double kMostBad = 1e-3;
@@ -96,15 +105,17 @@ CheckItem Fix(std::string finding, std::string remedy) {
 }
 CheckItem Unknown(std::string finding) { return {{}, Verdict::kUnknown, std::move(finding), {}}; }
 
+// what the points of the list are derived from
 struct Context {
   const trial::TrialHeader& header;
   const CheckFindings& findings;
   const CheckQuestion& question;
 
+  // the remedy's command: the user's own with one more option
   [[nodiscard]] std::string Again(std::string_view option) const {
     return fmt::format("{} {} --check", question.command, option);
   }
-  // a whole number as the amplifier sent it: "14", "+00014"
+  // a whole number as the amplifier sends it: "14", "+00014"; empty where the field is absent
   [[nodiscard]] std::optional<int> Field(const std::string& key) const {
     const auto found = header.metadata.fields.find(key);
     if (found == header.metadata.fields.end()) return std::nullopt;
@@ -114,6 +125,7 @@ struct Context {
   }
 };
 
+// a lost connection comes first: it needs a remedy even where readings exist
 CheckItem CheckSensorAnswers(const Context& c) {
   const trial::Metadata& metadata = c.header.metadata;
   const std::string identity =
@@ -129,6 +141,7 @@ CheckItem CheckSensorAnswers(const Context& c) {
              "check power and cable, then " + c.question.command + " --check");
 }
 
+// the amplifier's value is 0 at the head's reference distance: linear from -half_m to half_m
 CheckItem CheckDistance(const Context& c) {
   const CheckFindings& f = c.findings;
   if (!f.level_m) {
@@ -152,6 +165,7 @@ CheckItem CheckDistance(const Context& c) {
                          std::abs(*f.level_m) * kMmPerM));
 }
 
+// a hold function other than `sample` (such as peak) does not return the present displacement
 CheckItem CheckHold(const Context& c) {
   const std::string& hold = c.header.metadata.hold;
   if (hold.empty()) return Unknown("the sensor does not report it");
@@ -159,7 +173,9 @@ CheckItem CheckHold(const Context& c) {
   return Fix(hold + ": readings are not the displacement now", c.Again("--set hold=sample"));
 }
 
+// data 133 holds filter and averaging as one code: 13 difference count, 14 high-pass
 CheckItem CheckHighPass(const Context& c) {
+  // no code: the sensor is no IL amplifier, or its settings could not be read
   const std::optional<int> code = c.Field("keyence_data_133");
   if (!code) return Unknown("the sensor does not report it");
   if (*code == kDifferenceCode) {
@@ -170,6 +186,7 @@ CheckItem CheckHighPass(const Context& c) {
   return Fix("on: slow motion is removed", c.Again("--set high-pass=off"));
 }
 
+// gain |sin(pi f n T) / (n sin(pi f T))| at the corners (limit -3 dB) and at resonances (10 %)
 CheckItem CheckAveraging(const Context& c) {
   const std::vector<ToneGain> gains = AveragingGains(c.header.metadata, c.question.band);
   if (gains.empty()) return Unknown("the sensor does not report it");
@@ -179,6 +196,7 @@ CheckItem CheckAveraging(const Context& c) {
   for (const ToneGain& tone : gains) {
     arrives += fmt::format("{}{:.3f} of {:g} Hz", arrives.empty() ? "" : ", ", tone.gain,
                            tone.frequency_hz);
+    // the band-pass itself has -3 dB at a corner, so averaging may have as much there
     const bool is_corner = tone.frequency_hz == band.lower_hz || tone.frequency_hz == band.upper_hz;
     if (tone.gain < (is_corner ? 1 / std::numbers::sqrt2 : kLeastToneGain)) is_enough = false;
   }
@@ -189,7 +207,7 @@ CheckItem CheckAveraging(const Context& c) {
                           : std::string("reading"),
       arrives);
   if (is_enough) return Ok(std::move(finding));
-  // the most that still lets everything through
+  // remedy: the largest number of averages, by halving, whose gain is at least 0.9 everywhere
   int averages = *metadata.averages;
   trial::Metadata fewer = metadata;
   const auto passes = [&] {
@@ -201,6 +219,7 @@ CheckItem CheckAveraging(const Context& c) {
   return Fix(std::move(finding), c.Again(fmt::format("--set averaging={}", averages)));
 }
 
+// new readings per second f_s against the band: f_s / 2.56 is the highest observable frequency
 CheckItem CheckRate(const Context& c) {
   const CheckFindings& f = c.findings;
   const double needed_hz = dsp::kLeastRatePerUpperCorner * c.question.band.upper_hz;
@@ -211,7 +230,7 @@ CheckItem CheckRate(const Context& c) {
   if (f.fresh_rate_hz >= needed_hz) return Ok(std::move(finding));
   std::string remedy =
       "record the analog output with a DAQ (acquire --sensor pipe), or a head that sends faster";
-  // down to whole Hz: what is asked for next must be observable
+  // rounded down to whole Hz, so that the proposed band is observable
   const double less_hz = std::floor(observable_hz);
   if (less_hz > c.question.band.lower_hz) {
     remedy += fmt::format("; or ask for less: {} --band {:g}-{:.0f}Hz --check", c.question.command,
@@ -220,6 +239,7 @@ CheckItem CheckRate(const Context& c) {
   return Fix(std::move(finding), std::move(remedy));
 }
 
+// smallest RMS that may be reported to 10 % and 1 %, from this record's noise in the band
 CheckItem CheckNoise(const Context& c) {
   const auto tenth = SmallestRmsOf(c.findings, c.question.band, 0.1);
   const auto hundredth = SmallestRmsOf(c.findings, c.question.band, 0.01);
@@ -232,10 +252,12 @@ CheckItem CheckNoise(const Context& c) {
       "from {:.3g} um on to 1 %",
       *c.findings.noise_m * kUmPerM, c.question.band.lower_hz, c.question.band.upper_hz,
       *tenth * kUmPerM, *hundredth * kUmPerM);
+  // a tone at rest is reported beside the noise that excludes it
   if (c.findings.tone_hz) {
     finding += fmt::format("; {:.3g} um RMS at {:.5g} Hz are present and not included",
                            *c.findings.tone_rms_m * kUmPerM, *c.findings.tone_hz);
   }
+  // without --smallest-rms each noise is ok: the finding states what can be reported
   const auto wanted_m = c.question.smallest_rms_m;
   if (!wanted_m || *tenth <= *wanted_m) return Ok(std::move(finding));
   finding += fmt::format("; {:.3g} um are required", *wanted_m * kUmPerM);
@@ -244,9 +266,11 @@ CheckItem CheckNoise(const Context& c) {
              "acquire --list-sensors");
 }
 
+// a held value (one value in over half of the readings) is checked before the share of repetitions
 CheckItem CheckRepeated(const Context& c) {
   const CheckFindings& f = c.findings;
   const auto readings = static_cast<double>(f.summary.readings);
+  // share of repeated readings; 1 in the divisor for a record without readings
   const double share = static_cast<double>(f.summary.repeated()) / std::max(readings, 1.0);
   std::string finding = fmt::format("{:.1f} % of the readings are repeated", share * 100);
   if (f.measured >= kLeastForHeld &&
@@ -261,6 +285,7 @@ CheckItem CheckRepeated(const Context& c) {
              "faster; new readings alone count for the rate");
 }
 
+// what to do about readings of the most frequent bad status
 std::string RemedyOfBad(SampleStatus status) {
   switch (status) {
     case SampleStatus::kOver:
@@ -282,6 +307,7 @@ CheckItem CheckBad(const Context& c) {
       static_cast<double>(s.bad()) / std::max(static_cast<double>(s.readings), 1.0);
   std::size_t worst = 0;
   std::uint64_t most = 0;
+  // the most frequent status that is no measurement determines the remedy
   for (std::size_t status = 0; status < s.statuses.size(); ++status) {
     if (IsMeasurement(static_cast<SampleStatus>(status)) || s.statuses[status] <= most) continue;
     worst = status;
@@ -293,6 +319,7 @@ CheckItem CheckBad(const Context& c) {
   return Fix(std::move(finding), RemedyOfBad(static_cast<SampleStatus>(worst)));
 }
 
+// the sampling times: gaps, then of polled sensors the standard uncertainty of a time
 CheckItem CheckClock(const Context& c) {
   const CheckFindings& f = c.findings;
   std::string finding = fmt::format(
@@ -303,6 +330,7 @@ CheckItem CheckClock(const Context& c) {
                "use a port of the computer itself, without a hub, and a "
                "machine that has time");
   }
+  // limit 0.1 / f_upper: a tenth of a period at the upper corner
   const double limit_s = kTimeUncertaintyPeriods / c.question.band.upper_hz;
   if (c.header.timing != trial::Timing::kPolled || f.time_uncertainty_s < limit_s) {
     return Ok(std::move(finding));
@@ -313,6 +341,7 @@ CheckItem CheckClock(const Context& c) {
              "the analog output and a DAQ (acquire --sensor pipe)");
 }
 
+// a USB adapter may keep a short reply until its latency timer runs out (FTDI: 16 ms by default)
 CheckItem CheckLatency(const Context& c) {
   constexpr double kFineMs = 1;
   const auto& fields = c.header.metadata.fields;
@@ -334,12 +363,13 @@ std::string_view Name(Verdict verdict) {
 }
 
 std::vector<ToneGain> AveragingGains(const trial::Metadata& metadata, const dsp::BandPass& band) {
-  const bool is_plain = metadata.averages == 1;  // whatever the period
+  const bool is_plain = metadata.averages == 1;  // a mean of one reading has gain 1 at any period
   if (!metadata.averages || (!metadata.sampling_s && !is_plain)) return {};
   std::vector<double> frequencies{band.lower_hz};
   for (const double tone_hz : kResonances_hz) {
     if (tone_hz > band.lower_hz && tone_hz < band.upper_hz) frequencies.push_back(tone_hz);
   }
+  // in order of frequency: lower corner, resonances within the band, upper corner
   frequencies.push_back(band.upper_hz);
   std::vector<ToneGain> gains;
   for (const double frequency_hz : frequencies) {
@@ -354,6 +384,7 @@ std::optional<double> SmallestRmsOf(const CheckFindings& findings, const dsp::Ba
                                     double relative) {
   if (!findings.noise_m || !(findings.duration_s > 0)) return std::nullopt;
   const double bandwidth_hz = band.upper_hz - band.lower_hz;
+  // rounding noise q / sqrt(12) spread over f_s / 2, its part in the band B: q sqrt(B / (6 f_s))
   const double rounding_m =
       findings.resolution_m * std::sqrt(bandwidth_hz / (6 * findings.fresh_rate_hz));
   const double noise_m = std::max(*findings.noise_m, rounding_m);

@@ -22,9 +22,10 @@ using std::chrono::milliseconds;
 
 constexpr double kMmPerM = 1e3;
 constexpr double kUmPerM = 1e6;
+// lines of a plot at most
 constexpr int kPlotLines = 18;
 
-// columns and lines of the terminal that stderr is
+// columns and lines of the terminal on stderr; 80 by 24 where it states none
 winsize TerminalSize() {
   winsize size{};
   const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
@@ -37,6 +38,7 @@ bool IsLength(const LiveFigures& figures) { return figures.unit == "m"; }
 
 std::string LiveLine(const LiveFigures& figures, const dsp::BandPass& band) {
   std::string line;
+  // the level: lengths in mm, other quantities in the channel's unit
   if (!figures.level) {
     line = "no measurement";
   } else if (IsLength(figures)) {
@@ -44,6 +46,7 @@ std::string LiveLine(const LiveFigures& figures, const dsp::BandPass& band) {
   } else {
     line = fmt::format("{:.5g} {}", *figures.level, figures.unit);
   }
+  // the RMS in the band, or the reason why it is not determined
   line += fmt::format("  {:g}-{:g} Hz: ", band.lower_hz, band.upper_hz);
   if (!figures.band_rms) {
     line += figures.no_band_because;
@@ -74,8 +77,9 @@ LiveView::~LiveView() {
   }
   wake_.notify_all();
   thread_.join();
+  // clear the progress line: the report follows in its place
   if (style_ == LiveStyle::kProgressLine) fmt::print(stderr, "\r\x1b[K");
-  // the last plot stays, as the last thing that was seen
+  // the last plot stays on the screen
   if (style_ == LiveStyle::kPlot) fmt::print(stderr, "\n");
 }
 
@@ -86,6 +90,7 @@ void LiveView::Progress(const acquire::RecordingSummary& summary) {
 
 void LiveView::Run() {
   const bool is_terminal = style_ == LiveStyle::kProgressLine || style_ == LiveStyle::kPlot;
+  // a terminal twice per second, lines for programs once per second
   const milliseconds period(is_terminal ? 500 : 1000);
   auto due = std::chrono::steady_clock::now() + period;
   std::unique_lock lock(mutex_);
@@ -93,6 +98,7 @@ void LiveView::Run() {
     lock.unlock();
     Show();
     lock.lock();
+    // after a slow plot the next is due one period later, or at once: no accumulated backlog
     due = std::max(due + period, std::chrono::steady_clock::now());
   }
 }
@@ -106,7 +112,7 @@ void LiveView::Show() {
       fmt::print(stderr, "\r{}\x1b[K", text);
       break;
     case LiveStyle::kPlot: {
-      // over the last one, which is lines_shown_ high; no other screen, so the scrollback stays
+      // over the previous plot (lines_shown_ lines); no alternate screen, so the scrollback stays
       const std::string plot = Plot();
       const std::string up = lines_shown_ > 0 ? fmt::format("\x1b[{}A", lines_shown_) : "";
       fmt::print(stderr, "\r{}\x1b[J{}{}", up, plot, text);
@@ -114,7 +120,7 @@ void LiveView::Show() {
       break;
     }
     case LiveStyle::kOutputLines:
-      // not fmt::print, which throws where the output is closed
+      // not fmt::print, which throws an exception where the output is closed
       std::fputs((text + "\n").c_str(), stdout);
       if (std::fflush(stdout) != 0 && output_closed_) output_closed_();
       break;
@@ -130,7 +136,7 @@ std::string LiveView::Text() const {
     const std::lock_guard lock(mutex_);
     if (summary_) text += "  " + ProgressLine(*summary_);
   }
-  // a line that wraps could not be written over
+  // a line that wraps cannot be overwritten by a carriage return
   const bool is_terminal = style_ == LiveStyle::kProgressLine || style_ == LiveStyle::kPlot;
   if (is_terminal) text.resize(std::min<std::size_t>(text.size(), TerminalSize().ws_col - 1U));
   return text;
@@ -139,7 +145,7 @@ std::string LiveView::Text() const {
 std::string LiveView::Plot() {
   const bool is_length = meter_.unit() == "m";
   const double factor = is_length ? kMmPerM : 1;
-  // up and down between the extremes of each slot: a vibration fills its band
+  // least and greatest value of each slot in turn: a vibration appears as a filled band
   plot::Series extremes;
   for (const LiveExtremes& slot : meter_.Extremes()) {
     for (const double value : {slot.least, slot.greatest}) {
@@ -147,6 +153,7 @@ std::string LiveView::Plot() {
       extremes.y.push_back(value * factor);
     }
   }
+  // two slots are the least for a line
   if (!has_gnuplot_ || extremes.x.size() < 4) return {};
   const winsize size = TerminalSize();
   const auto drawn = plot::DrawText({.title = is_length ? "distance / mm" : "level",
@@ -155,7 +162,7 @@ std::string LiveView::Plot() {
                                      .series = {extremes}},
                                     std::min<int>(size.ws_col, 120) - 1,
                                     std::min<int>(size.ws_row - 2, kPlotLines));
-  has_gnuplot_ = drawn.has_value();  // not tried again
+  has_gnuplot_ = drawn.has_value();  // after a failure not started again
   return drawn ? *drawn : std::string();
 }
 

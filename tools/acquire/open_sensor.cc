@@ -33,6 +33,7 @@ namespace {
 
 using acquire::Sensor;
 
+// baud of `stream` without --baud
 constexpr int kDefaultStreamBaud = 921600;
 
 Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& clock) {
@@ -48,7 +49,7 @@ Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& c
   return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
 }
 
-// options beat the profile
+// --baud and --slave override the profile; the combination is checked again as a profile
 Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& clock) {
   auto profile = acquire::FindProfile(wanted.profile);
   if (!profile) return std::unexpected(profile.error());
@@ -64,12 +65,14 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
   return std::make_unique<acquire::ModbusSensor>(std::move(*port), std::move(setup), clock);
 }
 
+// samples in one of four forms at the rate of --rate, from standard input, a pipe or a file
 Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clock) {
   const auto format = acquire::SampleFormatFromName(wanted.format);
   if (!format) {
     return Usage("--format", fmt::format("'{}' is not a form of samples", wanted.format),
                  "use f64, f32, i16 or text");
   }
+  // channels and calibration are read before the pipe is opened
   auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);
   if (!channels) return std::unexpected(channels.error());
   auto pipe = acquire::OpenInputPipe(wanted.port);
@@ -84,7 +87,7 @@ Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& c
   const bool is_scene = wanted.is_scene();
   auto played = is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port);
   if (!played) return played;
-  // a trial is copied, a scene is watched
+  // default speed: a trial is copied at full speed, a scene runs in real time
   const auto speed = ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed);
   if (!speed) return std::unexpected(speed.error());
   return std::make_unique<acquire::PacedSensor>(std::move(*played), *speed, clock);
@@ -94,6 +97,7 @@ Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& c
 
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
   const SensorKind* kind = FindSensorKind(wanted.sensor);
+  // CheckSensor() has refused unknown names before
   HAPTOMETER_CHECK(kind != nullptr, "sensor '{}' was not checked", wanted.sensor);
   switch (kind->type) {
     case SensorType::kKeyenceEn1:
@@ -115,6 +119,7 @@ Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& c
 
 namespace {
 
+// baud of Keyence units without --baud
 constexpr int kDefaultBaud = 9600;
 
 bool IsLkg(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceLkg); }
@@ -136,6 +141,7 @@ std::optional<int> DecimalsOf(const SensorOptions& wanted) {
   return wanted.decimals ? std::optional(static_cast<int>(*wanted.decimals)) : std::nullopt;
 }
 
+// the data writes of all --set options, in the order given
 Result<std::vector<acquire::il_setting::Write>> WritesOf(const SensorOptions& wanted) {
   std::vector<acquire::il_setting::Write> writes;
   for (const std::string& text : wanted.settings) {
@@ -150,7 +156,7 @@ Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock
   const bool is_en1 = IsEn1(wanted);
   const auto writes = WritesOf(wanted);
   if (!writes) return std::unexpected(writes.error());
-  // a bare host has the unit's own port
+  // keyence-en1: what is not a file is a host, completed by the unit's own TCP port
   std::error_code error;
   const bool is_host = is_en1 && !std::filesystem::exists(wanted.port, error);
   const std::string name = is_host ? acquire::dl_en1::WithPort(wanted.port) : wanted.port;
@@ -168,6 +174,7 @@ Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock
   return std::make_unique<acquire::KeyenceIl>(std::move(*port), std::move(setup), clock);
 }
 
+// m1 is the default of an LK-G: output 1 alone; m0 reads both outputs
 Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& clock) {
   using acquire::lkg::Command;
   auto port = acquire::OpenPort(wanted.port, BaudOf(wanted));
@@ -183,6 +190,7 @@ Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& cloc
   return std::make_unique<acquire::KeyenceLkg>(std::move(*port), setup, clock);
 }
 
+// whether the read command belongs to the series: m0 both, ms IL, m1 and m2 LK-G
 Result<void> CheckCommand(const SensorOptions& wanted) {
   if (wanted.command.empty() || wanted.command == "m0") return {};
   const bool is_ms = wanted.command == "ms";
@@ -199,6 +207,7 @@ Result<void> CheckCommand(const SensorOptions& wanted) {
 
 }  // namespace
 
+// options of one series given to another, before the port is opened
 Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
   if (!kind.is_il && !wanted.settings.empty()) {
     return Usage("--set", "is for the amplifiers of the IL series", "leave it out");
@@ -214,6 +223,7 @@ Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
     if (wanted.command.empty()) return {};
     return Usage("--command", "is for keyence-en1, keyence-il and keyence-lkg", "leave it out");
   }
+  // a DL-RS1A has five rates only
   const auto& bauds = acquire::dl_rs1a::kBauds;
   if (kind.type == SensorType::kKeyenceIl &&
       std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
@@ -230,14 +240,16 @@ Result<std::unique_ptr<Sensor>> OpenKeyence(const SensorOptions& wanted, Clock& 
 
 namespace {
 
+// a scene's sensor, computed row by row on demand instead of read from a wire
 class SceneSensor final : public acquire::Sensor {
  public:
   SceneSensor(const sim::Scene& scene, const std::string& path)
       : sensor_(*scene.sensor),
         motion_(sim::SensedMotion(scene)),
+        // rows: 1 + 1e-12 keeps the last one where duration times rate is rounded down
         rows_(static_cast<std::int64_t>(std::floor(scene.duration_s.value_or(sim::kLongestRunS) *
                                                    sensor_.rate_hz * (1 + 1e-12)))) {
-    // one row tells what the others are
+    // a record of one row has the channel's format and the metadata of all rows
     trial::Record record = sim::SimulateRecord(scene, 1 / sensor_.rate_hz);
     header_.timing = trial::Timing::kUniform;
     header_.rate_hz = sensor_.rate_hz;
@@ -249,16 +261,18 @@ class SceneSensor final : public acquire::Sensor {
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
   acquire::Findings Found() const override { return found; }
+  // each Begin() plays the scene from its start
   MonotonicNs Begin() override {
     next_ = 0;
     return 0;
   }
   acquire::Outcome Next(acquire::Reading& reading) override {
     if (next_ >= rows_) return acquire::Outcome::kEnd;
+    // reading n at sample n times samples per reading; its noise depends on seed and index only
     const trial::HeadReading read = trial::ReadingAt(
         sensor_.head, motion_, next_ * sim::SamplesPerReading(sensor_), sensor_.seed);
     reading.index = next_++;
-    // as a trial of `simulate`: no number beside what is no measurement
+    // as in a trial of `simulate`: NaN where the status is no measurement
     const double value_m = trial::IsMeasurement(read.status) ? read.value_m : std::nan("");
     reading.samples.assign(1, {RawOf(header_.channels.front(), value_m), read.status});
     return acquire::Outcome::kReading;
@@ -281,7 +295,9 @@ Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
   auto scene = ReadPlayedScene(path);
   if (!scene) return std::unexpected(scene.error());
   const bool is_ideal = !scene->sensor;
+  // a scene without [sensor] gets an ideal one, with a remark
   if (is_ideal) scene->sensor = sim::IdealSensor();
+  // duration times rate below 1: not one reading
   if (scene->duration_s && *scene->duration_s * scene->sensor->rate_hz < 1) {
     return CannotAnswer(path, "is shorter than one reading of its sensor",
                         "give [run] a longer duration_s");

@@ -25,9 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// a time of up to 30 years
+// a time above 0 and of at most kLongestTimeS (some 30 years), in ns
 Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
                              const std::string& remedy) {
+  // clamped before the conversion: a longer time would overflow 64 bits of nanoseconds
   if (NsFromSeconds(std::min(time_s.value, kLongestTimeS)) < 1) {
     return Usage(option, "must be above 0", "write e.g. 10s");
   }
@@ -35,6 +36,7 @@ Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
   return NsFromSeconds(time_s.value);
 }
 
+// --duration and --samples become limits; --until stays a wall time until the recording begins
 Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingPlan& plan) {
   if (wanted.duration_s) {
     const auto time =
@@ -50,8 +52,10 @@ Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingP
   return {};
 }
 
+// the trigger as text: its channel and unit are resolved once the sensor's header is known
 Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
   if (wanted.trigger.empty()) {
+    // options that have a meaning with a trigger only
     const char* alone = wanted.pre_samples  ? "--pre-samples"
                         : wanted.hold_off_s ? "--hold-off"
                         : wanted.shots      ? "--shots"
@@ -69,15 +73,18 @@ Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
     if (!time) return std::unexpected(time.error());
     plan.hold_off_ns = *time;
   }
+  // without an end of its own the first shot would last until Ctrl-C
   if (plan.shots > 1 && !wanted.duration_s && !wanted.samples) {
     return Usage("--shots", "needs an end for each shot", "add --duration or --samples");
   }
   return {};
 }
 
+// whether, and for how long, a disconnected device is waited for
 Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOptions& sensor,
                               RecordingPlan& plan) {
   if (wanted.reconnect.empty()) return {};
+  // a replay, a scene or a pipe has an end and no device that can return
   const SensorKind* kind = FindSensorKind(sensor.sensor);
   if (kind != nullptr && kind->ends_by_itself) {
     return Usage("--reconnect",
@@ -136,6 +143,7 @@ Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const Sensor
                               PlanReconnection(wanted, sensor, plan)}) {
     if (!planned) return std::unexpected(planned.error());
   }
+  // no second exists before the first row of a replay, which has the tare of its recording
   if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
     return Usage("--tare", "a replay has the zero of its recording", "leave it out");
   }
@@ -149,6 +157,7 @@ Result<void> CheckOutput(const RecordingOptions& wanted) {
     if (!fs::is_directory(output, error)) {
       return Usage(output, "is a directory that does not exist", "make it, or name another");
     }
+    // each trial in a directory gets a new name, so nothing there is replaced
     if (wanted.overwrite) {
       return Usage("--overwrite", "replaces nothing in a directory: each trial gets a new name",
                    "leave it out, or name a file");
@@ -162,6 +171,7 @@ Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,
                                           const trial::TrialHeader& header, Clock& clock) {
   acquire::RecordingLimits limits = plan.limits;
   if (plan.until) {
+    // wall time to go, added to the monotonic clock: later steps of the wall clock have no effect
     const std::chrono::duration<double> left_s =
         std::chrono::system_clock::from_time_t(*plan.until) - std::chrono::system_clock::now();
     limits.until_ns = clock.Now() + NsFromSeconds(left_s.count());
@@ -180,6 +190,7 @@ namespace {
 
 using acquire::TriggerKind;
 
+// the kinds of a trigger, by their names in --trigger
 constexpr std::array kKinds = {TriggerKind::kAbove, TriggerKind::kBelow, TriggerKind::kRising,
                                TriggerKind::kFalling};
 constexpr std::string_view kOption = "--trigger";
@@ -191,6 +202,7 @@ std::optional<TriggerKind> KindOf(const std::string& word) {
   return found == kKinds.end() ? std::nullopt : std::optional(*found);
 }
 
+// the dimension whose SI unit is `unit`; kNone for a unit without quantities (counts, "")
 Dimension DimensionOf(const std::string& unit) {
   for (const Dimension dimension : {Dimension::kLength, Dimension::kVoltage, Dimension::kCurrent}) {
     if (SiUnit(dimension) == unit) return dimension;
@@ -198,8 +210,9 @@ Dimension DimensionOf(const std::string& unit) {
   return Dimension::kNone;
 }
 
-// whether any channel could have this threshold
+// whether the threshold is a quantity of any channel's dimension, before the channel is known
 Result<void> CheckQuantity(const std::string& text) {
+  // length last: its error is the one returned, as a displacement is the usual channel
   Result<Quantity> last;
   for (const Dimension dimension :
        {Dimension::kVoltage, Dimension::kCurrent, Dimension::kNone, Dimension::kLength}) {
@@ -212,6 +225,7 @@ Result<void> CheckQuantity(const std::string& text) {
 }  // namespace
 
 Result<TriggerWish> ParseTrigger(const std::string& text) {
+  // the first word that is a kind divides channel (words before) and threshold (words behind)
   std::istringstream stream(text);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
@@ -231,7 +245,7 @@ Result<TriggerWish> ParseTrigger(const std::string& text) {
 
 Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
                                              const trial::TrialHeader& header) {
-  // which channel
+  // channel by name, or by default the first displacement (else the first channel)
   const auto displacement = trial::DisplacementChannel(header);
   std::size_t number = displacement.value_or(0);
   if (!wish.channel.empty()) {
@@ -245,7 +259,7 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
     number = static_cast<std::size_t>(found - header.channels.begin());
   }
 
-  // how high, in its unit
+  // threshold in the channel's SI unit
   const trial::ChannelFormat& channel = header.channels[number];
   const auto threshold = ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption);
   if (!threshold) return std::unexpected(threshold.error());
@@ -253,13 +267,14 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
   setup.channel = number;
   setup.kind = wish.kind;
   setup.threshold = threshold->value;
+  // a displacement's threshold counts from the tare, which the recorded values still contain
   if (displacement == number) setup.threshold += header.metadata.tare_m;
   return setup;
 }
 
 namespace {
 
-// all of `text` by one of strptime's pictures, into a copy of `start`
+// the whole of `text` by one strptime format, fields that it does not set as in `start`
 std::optional<std::tm> Read(const std::string& text, const char* picture, const std::tm& start) {
   std::tm time = start;
   const char* end = strptime(text.c_str(), picture, &time);
@@ -267,18 +282,20 @@ std::optional<std::tm> Read(const std::string& text, const char* picture, const 
   return time;
 }
 
-// the instant; nothing where the calendar has no such time (30 February, an hour that is skipped)
+// the instant; empty for a time that does not exist (30 February, an hour skipped by summer time)
 std::optional<std::time_t> Instant(std::tm wall) {
   const std::tm asked = wall;
+  // -1: mktime determines whether summer time applies
   wall.tm_isdst = -1;
   const std::time_t instant = std::mktime(&wall);
+  // mktime normalises a time that does not exist into another one: a changed field reveals it
   const bool exists = wall.tm_mday == asked.tm_mday && wall.tm_hour == asked.tm_hour &&
                       wall.tm_min == asked.tm_min && wall.tm_sec == asked.tm_sec;
   if (instant == -1 || !exists) return std::nullopt;
   return instant;
 }
 
-// the same time of the next day; at noon no day has a gap
+// the same wall time of the next day; by way of noon, which no change to summer time skips
 std::tm DayAfter(const std::tm& wall) {
   std::tm day = wall;
   ++day.tm_mday;
@@ -299,17 +316,21 @@ std::unexpected<Error> NoSuchTime(const std::string& text) {
 }  // namespace
 
 Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
+  // a time of day: today, or tomorrow where it has passed
   std::tm today{};
   localtime_r(&now, &today);
+  // "17:30" means 17:30:00, not the present second
   today.tm_sec = 0;
   for (const char* picture : {"%H:%M", "%H:%M:%S"}) {
     const auto wall = Read(text, picture, today);
     if (!wall) continue;
     auto instant = Instant(*wall);
+    // passed, or skipped today by a change to summer time: the same time tomorrow
     if (!instant || *instant <= now) instant = Instant(DayAfter(*wall));
     if (!instant) return NoSuchTime(text);
     return *instant;
   }
+  // date and time: it must lie ahead, by at most 30 years
   for (const char* picture : {"%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M:%S"}) {
     const auto wall = Read(text, picture, std::tm{});
     if (!wall) continue;
@@ -332,6 +353,7 @@ namespace {
 
 constexpr std::size_t kLongestStem = 200;  // file systems take 255 bytes
 
+// letters, digits, '.' and '-' are kept, other bytes become '_': no '/' can enter a file's name
 std::string Plain(std::string text) {
   std::ranges::replace_if(
       text,
@@ -362,6 +384,7 @@ std::string NewTrialName(const std::string& directory, const std::string& utc_st
 
 std::string CompactUtc(std::string_view utc) {
   std::string text(utc.substr(0, utc.find('.')));
+  // "2026-03-01T12:00:00.123Z" without fraction and separators: "20260301T120000"
   std::erase_if(text, [](char c) { return c == '-' || c == ':'; });
   return text + "Z";
 }
@@ -371,6 +394,7 @@ std::string FirstFreePath(const std::string& path, char separator) {
   const fs::path wanted(path);
   fs::path free = wanted;
   std::error_code ignored;
+  // symlink_status: a dangling link occupies its name too
   for (int number = 2; fs::exists(fs::symlink_status(free, ignored)); ++number) {
     free = wanted.parent_path() / fmt::format("{}{}{}{}", wanted.stem().string(), separator, number,
                                               wanted.extension().string());
@@ -429,6 +453,7 @@ Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
   dsp::BandPass band;
   band.lower_hz = corners->lower_hz;
   band.upper_hz = corners->upper_hz;
+  // at a rate of 4 f_upper each valid band has a design: the band is checked here, not the rate
   const auto possible = dsp::DesignBandPass(band, 4 * band.upper_hz);
   if (!possible) return std::unexpected(possible.error());
   return band;
@@ -436,11 +461,13 @@ Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
 
 Result<void> CheckAcquire(const AcquireOptions& wanted) {
   if (auto checked = CheckSensor(wanted.sensor); !checked) return checked;
+  // a requirement on --check alone
   if (wanted.smallest_rms_m && !wanted.check) {
     return Usage("--smallest-rms", "is what a check asks for", "add --check");
   }
   if (wanted.check) return CheckAlone(wanted);
   if (!wanted.recording.output.empty()) return CheckOutput(wanted.recording);
+  // without -o a live view may run; without both there is nothing to do
   if (wanted.live) return {};
   return Usage("-o", "is missing",
                "name the trial to write, e.g. -o trial.bin, or look with --live or --check");

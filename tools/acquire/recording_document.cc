@@ -25,6 +25,7 @@ using trial::SampleStatus;
 
 // --- findings ---
 
+// what is reported of a fitted time base
 enum class RecordingFinding : std::uint8_t { kTimesStraightened, kLatencyUnknown };
 
 document::Sentence SentenceOf(RecordingFinding kind) {
@@ -41,6 +42,7 @@ document::Sentence SentenceOf(RecordingFinding kind) {
           "known"};
 }
 
+// standard uncertainty of a time, and where the sensor has one the lower limit of its latency
 Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,
                                       const trial::Metadata& metadata) {
   Findings<RecordingFinding> findings;
@@ -77,18 +79,22 @@ void AddRare(Section& section, const Key& key, std::uint64_t count) {
   if (count == 0) item.label.clear();
 }
 
+// rows beyond which reading the trial back would take 100 MB
 constexpr std::uint64_t kMostRows = 1'000'000;
 
 }  // namespace
 
 std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Timing timing,
                                              const RecordingSummary& summary) {
+  // arrival times alone are fitted: other timings have their times from a clock or a poll
   if (file.empty() || timing != trial::Timing::kArrival) return std::nullopt;
   if (summary.readings == 0 || summary.readings > kMostRows) return std::nullopt;
+  // read back: the fit of the whole record separates single lost lines from jitter
   const auto recording = trial::ReadRecord(file);
   ForgetInput(file);
   if (!recording || recording->record.stretches.empty()) return std::nullopt;
   TimeBaseReview review;
+  // a record of n segments has n - 1 gaps
   review.gaps = recording->record.stretches.size() - 1;
   for (const trial::Stretch& stretch : recording->record.stretches) {
     review.uncertainty_s = std::max(review.uncertainty_s, stretch.time_uncertainty_s);
@@ -107,12 +113,15 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   Section& root = document.root;
   root.sources = trial::SourcesOf(metadata, {.closed = !summary.interrupted});
   std::optional<double> observable_hz, uncertainty_s;
+  // f_s / 2.56, the highest frequency that the rate can observe
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
   if (time_base) uncertainty_s = time_base->uncertainty_s;
   std::string bad_words;
+  // counts by status, then the sensor's findings, which are shown with --all only
   root.sections = {BadByKind(summary, bad_words), {.detail = document::Detail::kAll}};
   document::AddFindings(root.sections.back(), found);
 
+  // the summary in text; keys without a label stand in JSON alone
   root.Add(document::kFile, TextOrNotKnown(file));
   root.Add(document::kSensor, metadata.sensor);
   root.Add(document::kSource, metadata.source);
@@ -147,13 +156,14 @@ namespace {
 
 using acquire::PortInfo;
 
+// fastest baud of a DL-RS1A
 constexpr int kFastestBaud = 38400;
 
 Section PortSection(const PortInfo& port) {
   std::optional<double> latency_s, rate_hz;
   Section section{.heading = port.path};
   if (port.latency_ns) {
-    // what the fastest DL-RS1A gives behind this adapter
+    // the rate of a DL-RS1A with one amplifier behind this adapter: latency adds to the poll period
     const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
     latency_s = SecondsFromNs(*port.latency_ns);
     rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
@@ -167,7 +177,7 @@ Section PortSection(const PortInfo& port) {
   section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
   section.Add({"description", "description"}, TextOrNotKnown(port.description));
   section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
-  // a port of the machine itself has none of these
+  // a port on the main board has no USB adapter and none of these entries
   if (port.by_id.empty() && port.description.empty() && port.driver.empty()) {
     section.Add({"", "adapter"}, "none is known");
   }
@@ -202,6 +212,7 @@ namespace {
 using acquire::Capability;
 using acquire::CapabilityQuestion;
 
+// what limits the sensor's sampling rate, in words
 std::string_view TextOf(acquire::RateLimit limit) {
   using enum acquire::RateLimit;
   switch (limit) {
@@ -227,6 +238,7 @@ Section CapabilitySection(const Capability& capability) {
                       fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
   section.Add(document::kName, sensor.name);
   section.Add({"can_answer"}, capability.can_answer);
+  // the reason names the limit, which only the sensor has
   acquire::Finding reason = capability.reason;
   reason.numbers.emplace_back("limit", std::string(TextOf(sensor.limit)));
   section.Add({"reason", "because"}, document::WordsOf(reason));
@@ -255,6 +267,7 @@ Result<CapabilityQuestion> ReadCapabilityQuestion(const std::string& band,
                                                   const std::optional<Quantity>& resolution_m) {
   const auto read = cli::ParseBand(band);
   if (!read) return std::unexpected(read.error());
+  // LOWER below UPPER; 0 Hz is permitted as the lower corner here
   if (!(read->lower_hz >= 0 && read->lower_hz < read->upper_hz)) {
     return Usage("--band", fmt::format("'{}' does not rise", band), "write it as 20-500Hz");
   }

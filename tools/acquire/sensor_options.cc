@@ -14,7 +14,7 @@
 namespace haptometer::tools {
 namespace {
 
-// options that only some sensors have, given to one that has not
+// options that only some sensors have, given to another sensor
 Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind) {
   const bool is_pipe = kind.type == SensorType::kPipe;
   if (!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe) {
@@ -25,6 +25,7 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
                                        std::pair("--calibration", !wanted.calibration.empty())}) {
     if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
   }
+  // a rate is either that of samples without times, or a limit of polling
   if (wanted.rate_hz && !is_pipe && !kind.is_asked) {
     return Usage("--rate", "is for samples, and for polled sensors: the others have their own",
                  "leave it out");
@@ -35,6 +36,7 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
   return {};
 }
 
+// raw samples describe nothing of themselves: channels, rate and form are required
 Result<void> CheckPipe(const SensorOptions& wanted) {
   if (wanted.channels.empty()) {
     return Usage("--channels", "is missing",
@@ -51,6 +53,7 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
 
 Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
   const bool is_modbus = kind.type == SensorType::kModbus;
+  // --profile and --sensor modbus require each other
   if (is_modbus == wanted.profile.empty()) {
     return Usage("--profile", "belongs to --sensor modbus, and that needs it",
                  "give both, e.g. --sensor modbus --profile baumer-om20");
@@ -123,29 +126,35 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
   if (wanted.is_scene() && !wanted.port.empty()) {
     return Usage("--port", "a scene has none", "leave it out");
   }
+  // options of one kind first: their messages name the sensor that they belong to
   if (auto belongs = CheckBelonging(wanted, *kind); !belongs) return belongs;
   if (auto checked = CheckKeyence(wanted, *kind); !checked) return checked;
   if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
   if (auto fits = CheckModbus(wanted, *kind); !fits) return fits;
+  // below 1 mHz a row would take over 16 minutes; also refuses NaN
   if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
     return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");
   }
+  // a pipe may be standard input, so --port is not required
   if (kind->type == SensorType::kPipe) return CheckPipe(wanted);
   if (wanted.port.empty() && !wanted.is_scene()) {
     return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
   }
+  // also refuses NaN
   if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
     return Usage("--refresh", "must be above 0", "write e.g. 7ms");
   }
   return {};
 }
 
+// zero and settings are in the device already: a reconnection must not set them again
 SensorOptions WithoutChanges(SensorOptions wanted) {
   wanted.device_zero = false;
   wanted.settings.clear();
   return wanted;
 }
 
+// recorded seconds per second; infinite for `max`
 Result<double> ReadSpeed(const std::string& speed) {
   if (speed == "max") return std::numeric_limits<double>::infinity();
   if (speed == "recorded" || speed.empty()) return 1.0;
@@ -164,7 +173,7 @@ std::string PortName(const SensorOptions& wanted) {
 
 namespace {
 
-// a scene comes last: FILE is open
+// alphabetical but for the scene, which SensorNames() completes to scene:FILE
 constexpr std::array<SensorKind, 8> kKinds{{
     {.type = SensorType::kKeyenceEn1,
      .name = "keyence-en1",
@@ -187,6 +196,7 @@ constexpr std::array<SensorKind, 8> kKinds{{
 }  // namespace
 
 const SensorKind* FindSensorKind(std::string_view sensor) {
+  // scene:FILE is found by its prefix alone
   if (sensor.starts_with(kScenePrefix)) sensor = kScenePrefix;
   const auto* const found = std::ranges::find(kKinds, sensor, &SensorKind::name);
   return found == kKinds.end() ? nullptr : found;

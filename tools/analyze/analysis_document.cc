@@ -19,12 +19,13 @@ using document::Section;
 using document::Unit;
 using document::Value;
 
-// keys of more than one place
+// keys that are used in more than one section
 constexpr Key kThd{"thd", "THD", document::kShare, Form::kUncertain};
 constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertainty",
                                    document::kMetre};
 
-constexpr double kPartOfStep = 0.1;  // of the input's step, that an average of many readings shows
+constexpr double kPartOfStep = 0.1;  // of the input's step: a mean of many readings resolves it
+// limits of LatencyVerdict(), s
 constexpr double kLatencyCostsS = 0.025;
 constexpr double kLatencyPerceivedS = 0.050;
 
@@ -33,7 +34,7 @@ Value If(bool condition, std::optional<double> number) {
   return condition ? Value(number) : Value();
 }
 
-// what is said in words where there is no number
+// words in place of a number, shown in text only
 void AddWords(Section& section, std::string_view label, std::string words) {
   section.Add({"", label}, std::move(words));
 }
@@ -50,10 +51,11 @@ std::string FilterText(const dsp::BandPass& band) {
                      band.corners == dsp::Corners::kWhole ? "both together" : "each");
 }
 
-// a length that serves another number, to three digits
+// a length in a note, to three digits
 std::string AboutText(double metres) { return document::QuantityText(metres, document::kMetre, 3); }
 
 // Lengths and times of the section show no digit that the input cannot hold.
+// file.step_m of lengths, 1 / rate of times; a resolution that is set already has priority
 void LimitDigits(const AnalyzedFile& file, Section& section) {
   const double rate_hz = file.analysis ? file.analysis->record.rate_hz : 0;
   for (Item& item : section.items) {
@@ -68,7 +70,7 @@ void LimitDigits(const AnalyzedFile& file, Section& section) {
 
 // --- the answer ---
 
-// how the number came from what was measured; empty where it is the same
+// the corrections between measured and reported RMS; empty where there is none
 std::string CorrectionText(const dsp::BandNumbers& numbers) {
   std::string text;
   if (numbers.rms.floor_m) {
@@ -81,10 +83,11 @@ std::string CorrectionText(const dsp::BandNumbers& numbers) {
   return text;
 }
 
-// the RMS and its interval, or the limit that is known of it
+// the RMS with its interval, or its upper or lower limit
 void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, Section& section) {
   const dsp::RmsEstimate& rms = numbers.rms;
   const std::string band = "in " + BandName(analysis.band);
+  // clipped in the window: the RMS is a lower limit only
   const bool is_number = !numbers.is_lower_limit;
   const bool is_shown = is_number && !rms.below_floor;
   const auto add = [&](const Key& key, bool is_known) {
@@ -94,6 +97,7 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
     item.standard_uncertainty = rms.standard_uncertainty_m;
     item.interval = {rms.lower_m, rms.upper_m};
   };
+  // text shows one of four: an answer, an estimate (no answer), an upper or a lower limit
   add({document::kBandRms.name, is_shown ? "vibration (RMS)" : "", document::kMetre,
        Form::kInterval},
       is_number && analysis.answered);
@@ -108,6 +112,7 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
       .Add({"band_rms_at_least_m", "vibration (RMS) at least", document::kMetre},
            If(numbers.is_lower_limit, rms.lower_m))
       .note = band + ": clipped, so that no upper limit is known";
+  // the RMS before the corrections, shown in text where there is one
   const std::string correction = CorrectionText(numbers);
   section
       .Add({"band_rms_as_measured_m", correction.empty() ? "" : "as measured", document::kMetre},
@@ -115,6 +120,7 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
       .note = correction;
 }
 
+// strongest tone: frequency in Hz, amplitude in m (peak), each with uncertainty and interval
 void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, Section& section) {
   const dsp::ToneNumbers tone = numbers.tone.value_or(dsp::ToneNumbers{});
   const bool is_number = numbers.tone && !numbers.is_lower_limit;
@@ -130,6 +136,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
     AddWords(section, "strongest tone",
              analysis.frequency_move ? "none: the frequency changes" : "none above the noise");
   }
+  // amplitude as answer, as estimate (no answer) or as lower limit (clipped)
   const auto add = [&](const Key& key, bool is_known) {
     Item& item = section.Add(key, If(is_known, tone.amplitude_m));
     if (!is_number) return;
@@ -144,14 +151,15 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
               If(numbers.tone && !is_number, tone.amplitude_lower_m));
 }
 
-// What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on
-// it is perceived.
+// Latency for a user (Lindsay 2013, p. 4): from 25 ms on it causes errors, from 50 ms on it is
+// perceived.
 std::string_view LatencyVerdict(double latency_s) {
   if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cause errors";
   if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it causes errors; below 50 ms";
   return "above 50 ms, where it is perceived";
 }
 
+// onset at the low level of the edge, rise time or its upper limit, latency after the drive
 Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   const dsp::OnsetNumbers onset = found.value_or(dsp::OnsetNumbers{});
   const dsp::Edge& edge = onset.edge;
@@ -167,10 +175,12 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   section.Add({document::kRiseAtMost.name, edge.rise_s ? "" : document::kRiseAtMost.label,
                document::kSecond},
               edge.rise_at_most_s);
+  // neither a rise nor a limit of it: noise covers the edge's begin
   if (!edge.rise_s && !edge.rise_at_most_s) {
     AddWords(section, "rise", "not determined: the noise masks its beginning");
   }
   section.Add({"drive_s"}, onset.drive_s);
+  // latency = onset - begin of the drive: needs a drive channel or a trigger
   if (onset.latency_s) {
     section
         .Add({document::kLatency.name, "latency", document::kSecond, Form::kUncertain},
@@ -190,6 +200,7 @@ std::string WindowText(const dsp::UsedPart& part) {
   return fmt::format("{}: {}", text, document::TextOf(*part.drive.why));
 }
 
+// the numbers of the window; all keys exist without analysis too, with empty values
 Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.is_known = analysis.numbers.has_value()};
   const std::string because = WindowText(numbers.part);
@@ -214,10 +225,11 @@ Section BandSection(const AnalyzedFile& file, const dsp::BandPass& band) {
   return section;
 }
 
-// by dsp::FaultKind
+// headings by dsp::FaultKind
 constexpr std::array<std::string_view, dsp::kFaultKindCount> kArtifacts{
     "clipped segments", "held readings", "spikes", "steps"};
 
+// count and readings of each kind (shown where above 0), and each artifact with row and size
 Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
   Section section{.name = "faults", .is_known = file.analysis.has_value()};
   for (std::size_t k = 0; k < dsp::kFaultKindCount; ++k) {
@@ -241,6 +253,7 @@ Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
   return section;
 }
 
+// drift in m/s and tremor (3 to 13 Hz) in m RMS, below the band
 void AddSlowMotion(const std::optional<dsp::SlowMotion>& found, Section& section) {
   const dsp::SlowMotion slow = found.value_or(dsp::SlowMotion{});
   section.Add({"drift_m_per_s", "drift", document::kMetrePerSecond},
@@ -252,7 +265,7 @@ void AddSlowMotion(const std::optional<dsp::SlowMotion>& found, Section& section
   section.Add({"tremor_frequency_hz"}, If(slow.tremor_rms.has_value(), slow.tremor_frequency_hz));
 }
 
-// shown at once where there is nothing else
+// shown in the short form only where there are no numbers of the band
 Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysis) {
   const dsp::RecordFacts& record = analysis.record;
   Section section{.heading = analysis.numbers ? "record" : "",
@@ -279,7 +292,7 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   return section;
 }
 
-// of a record too slow for the band, at the drive's frequency
+// amplitude at the drive's known frequency, of a record too slow for the band
 Section KnownToneSection(const std::optional<dsp::KnownTone>& found) {
   const dsp::KnownTone known = found.value_or(dsp::KnownTone{});
   Section section{.name = "known_tone", .is_known = found.has_value()};
@@ -306,6 +319,7 @@ Section BelowBandSection(const std::optional<dsp::BelowBand>& found) {
   return section;
 }
 
+// course of the drive, quiet parts and on parts with their steady part, in s of the record
 Section DriveSection(const dsp::UsedPart& part) {
   Section section{.name = "drive", .heading = "drive"};
   section.Add({"why", "course"},
@@ -328,6 +342,7 @@ Section DriveSection(const dsp::UsedPart& part) {
   return section;
 }
 
+// quantities of the filtered record: peak to peak, residual, noise floor, interpolation error
 Section VibrationSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.heading = "filter and noise",
                   .detail = Detail::kAll,
@@ -348,7 +363,7 @@ Section VibrationSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbe
   return section;
 }
 
-// a contribution below a hundredth of the whole is shown as 0
+// standard uncertainty of each component, m; those below a hundredth of the combined one round to 0
 Section BudgetSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   const bool is_known = analysis.numbers && !numbers.is_lower_limit;
   const double whole_m = numbers.rms.standard_uncertainty_m;
@@ -370,9 +385,11 @@ Section BudgetSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
   return section;
 }
 
+// THD = root of the harmonics' power over the fundamental's, or its upper limit
 Section HarmonicsSection(const std::optional<dsp::Harmonics>& found, bool is_known) {
   const dsp::Harmonics harmonics = is_known ? *found : dsp::Harmonics{};
   Section section{.name = "harmonics", .is_known = is_known && harmonics.converged};
+  // an uncertainty only with a value: a limit has none
   Item& thd = section.Add(kThd, harmonics.thd);
   if (harmonics.thd) thd.standard_uncertainty = harmonics.thd_uncertainty;
   thd.at_most = harmonics.thd_at_most;
@@ -393,6 +410,7 @@ Section HarmonicsSection(const std::optional<dsp::Harmonics>& found, bool is_kno
 }
 
 Section ToneSection(const dsp::BandNumbers& numbers) {
+  // clipping changes amplitude and harmonics: no numbers of the tone then
   const bool is_known = numbers.tone && !numbers.is_lower_limit;
   const bool has_harmonics = numbers.harmonics && !numbers.is_lower_limit;
   const dsp::ToneNumbers tone = numbers.tone.value_or(dsp::ToneNumbers{});
@@ -400,6 +418,7 @@ Section ToneSection(const dsp::BandNumbers& numbers) {
   section.Add({"", "sine fit (RMS)", document::kMetre}, If(is_known, tone.sine_rms_m));
   section.Add({"tone_share_of_rms", "share of the filtered RMS", document::kShare},
               If(is_known, tone.share_of_rms));
+  // v = 2 pi f A and a = (2 pi f)^2 A of the tone, computed in dsp
   section.Add({"tone_velocity_m_per_s", "amplitude of velocity", document::kMetrePerSecond},
               If(is_known, tone.velocity_m_per_s));
   section.Add(
@@ -410,6 +429,7 @@ Section ToneSection(const dsp::BandNumbers& numbers) {
   return section;
 }
 
+// gain of the sensor's averaging at the tone and over the band, and whether it is corrected for
 Section SensorSection(const dsp::BandAnalysis& analysis, const dsp::SensorNumbers& sensor) {
   Section section{
       .heading = "sensor", .detail = Detail::kAll, .is_known = analysis.numbers.has_value()};
@@ -445,6 +465,7 @@ Section MotionSection(const std::optional<dsp::Kinematics>& found) {
   return section;
 }
 
+// at the tone's frequency: V RMS, A RMS, W, VA, phase in rad, and Z = R + jX in ohm
 Section ElectricalSection(const std::optional<dsp::ElectricalState>& found) {
   const dsp::ElectricalState state = found.value_or(dsp::ElectricalState{});
   Section section{.name = "electrical",
@@ -467,8 +488,9 @@ Section ElectricalSection(const std::optional<dsp::ElectricalState>& found) {
   return section;
 }
 
-// --- findings ---
+// --- findings of the analysis ---
 
+// reasons: refusals of the analysis, or the error that prevented it
 void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
   std::vector<std::string> reasons;
   if (file.analysis) {
@@ -481,6 +503,7 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
   }
   document::AddFindings(section, file.findings);
   section.Add(document::kReasons, std::move(reasons));
+  // with several trials each finding names its file
   for (document::Finding& finding : section.findings) {
     if (!is_alone && finding.subject.empty()) finding.subject = file.path;
   }
@@ -497,11 +520,12 @@ document::Document AnalysisDocument(const std::string& first, std::size_t count)
 }
 
 Section TrialSection(const AnalyzedFile& file, bool is_alone) {
+  // without an analysis the sections keep their keys, with empty values
   const dsp::BandAnalysis none;
   const dsp::BandNumbers no_numbers;
   const dsp::BandAnalysis& analysis = file.analysis ? *file.analysis : none;
   const dsp::BandNumbers& numbers = analysis.numbers ? *analysis.numbers : no_numbers;
-  // an error is said on standard error
+  // an error is on standard error already, so text shows the trial with --all only
   Section trial{.heading = is_alone ? "" : file.path,
                 .detail = file.analysis ? Detail::kShort : Detail::kAll,
                 .figures = file.figures};
@@ -515,6 +539,7 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
                     BudgetSection(analysis, numbers),        ToneSection(numbers),
                     SensorSection(analysis, numbers.sensor), MotionSection(numbers.kinematics),
                     ElectricalSection(numbers.electrical)};
+  // after all sections are complete: digits are limited recursively
   LimitDigits(file, trial);
   AddFindings(file, is_alone, trial);
   return trial;

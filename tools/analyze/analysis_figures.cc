@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kUm = 1e-6;  // in metres
 
-// `values` in um about `offset_m` where `keep` says so, NaN elsewhere
+// `values` in um about `offset_m` where `keep` holds, NaN elsewhere: a gap in the line
 template <typename Keep>
 std::vector<double> Where(std::span<const double> values, double offset_m, const Keep& keep) {
   std::vector<double> shown(values.size(), std::numeric_limits<double>::quiet_NaN());
@@ -32,13 +32,14 @@ std::vector<double> TimesOf(const trial::Record& head) {
   return times_s;
 }
 
+// rows that the numbers are of
 bool IsInWindow(const dsp::BandAnalysis& analysis, std::size_t row) {
   if (!analysis.numbers) return false;
   const dsp::UsedPart& part = analysis.numbers->part;
   return row >= part.first_row && row < part.first_row + part.rows;
 }
 
-// the middle of the window, ten periods of the tone (or all of the window) long
+// ten periods of the tone (or all of the window) in the middle of the window
 plot::Panel CloseUp(const std::vector<double>& times_s, const std::vector<double>& filtered_um,
                     const dsp::BandAnalysis& analysis) {
   const dsp::BandNumbers& numbers = *analysis.numbers;
@@ -64,6 +65,7 @@ plot::Panel DistancePanel(const std::vector<double>& times_s, std::span<const do
                           const dsp::BandAnalysis& analysis) {
   const double offset_m = analysis.record.offset_m;
   const auto used = [&](std::size_t row) { return IsInWindow(analysis, row); };
+  // excluded rows and those of the window are two lines, grey and blue
   const auto unused = [&](std::size_t row) { return !IsInWindow(analysis, row); };
   return {fmt::format("distance, about {:.5g} um", offset_m / kUm),
           "time / s",
@@ -77,6 +79,7 @@ plot::Panel DistancePanel(const std::vector<double>& times_s, std::span<const do
 Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
                                                 const dsp::BandAnalysis& analysis) {
   const trial::Record& head = rows.head();
+  // all rows of the analysed channel, unfiltered
   std::vector<double> values(head.rows);
   std::vector<trial::SampleStatus> statuses(head.rows);
   const auto channel = dsp::AnalyzedChannel(head);
@@ -86,6 +89,7 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
   }
   const std::vector<double> times_s = TimesOf(head);
   std::vector<plot::Panel> panels{DistancePanel(times_s, values, analysis)};
+  // without numbers the distance alone
   if (!analysis.numbers || analysis.filtered_m.empty()) return panels;
 
   const auto inside = [&](std::size_t row) { return IsInWindow(analysis, row); };

@@ -35,21 +35,22 @@ constexpr cli::VerbText kText{
     .examples = {"analyze trial.bin", "analyze --floor drive_off.bin trial.bin --report trial.html",
                  "analyze --json a.bin b.bin c.csv --window 1s:3s"}};
 
-// what all files are asked alike
+// what applies to all files alike
 struct Job {
   dsp::BandQuestion question;
   trial::ImportOptions import;
   int threads = 1;
   SpectrumQuestion spectrum{};
   document::Outputs outputs{};
-  std::function<document::Provenance()> provenance{};  // of a table that is written now
+  std::function<document::Provenance()> provenance{};  // of a table that is written at that time
 };
 
-// spectra of the window into their files; and the panel that plot and page show, if any
+// writes the spectra of the window; returns the panel for plot and page, if one is shown
 Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, const Job& job,
                                                const dsp::BandAnalysis& analysis) {
   const bool is_written = !job.spectrum.spectrum.empty() || !job.spectrum.spectrogram.empty();
   const bool is_shown = job.outputs.HasFigures();
+  // without numbers there is no window whose spectrum could be taken
   if (!analysis.numbers || !(is_written || is_shown)) return std::nullopt;
   const auto window = dsp::ReadWindow(rows, analysis, kMostInSpectrum);
   if (!window) return std::unexpected(window.error());
@@ -60,12 +61,13 @@ Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, con
   if (!is_shown) return std::nullopt;
   auto panel = SpectrumPanel(*window, job.spectrum);
   if (!panel) return std::unexpected(panel.error());
-  // silence has no place on a logarithmic axis
+  // a spectrum of zeros has no place on a logarithmic axis
   const std::vector<double>& levels = panel->series.front().y;
   if (std::ranges::none_of(levels, [](double level) { return level > 0; })) return std::nullopt;
   return *std::move(panel);
 }
 
+// figures of one trial: record, filtered signal, close-up and spectrum
 Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
                         const std::optional<plot::Panel>& spectrum, AnalyzedFile& file) {
   if (!job.outputs.HasFigures()) return {};
@@ -80,7 +82,7 @@ Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
   return {};
 }
 
-// reads, analyses and, where asked, draws one file
+// reads and analyses one file, and draws it where requested; an error stays in the result
 AnalyzedFile Analyze(const std::string& path, const Job& job) {
   AnalyzedFile file;
   file.path = path;
@@ -98,6 +100,7 @@ AnalyzedFile Analyze(const std::string& path, const Job& job) {
   auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);
   if (!analysis) return fail(analysis.error());
   file.analysis = std::move(*analysis);
+  // resolution of the displacement's source, which limits the digits that are shown
   if (const auto channel = dsp::AnalyzedChannel(head)) {
     file.step_m = head.channels[*channel].resolution;
   }
@@ -106,10 +109,12 @@ AnalyzedFile Analyze(const std::string& path, const Job& job) {
   if (auto added = AddFigures(*opened->rows, job, *spectrum, file); !added) {
     return fail(added.error());
   }
+  // release the filtered rows, needed by the figures only, before the next file is read
   file.analysis->filtered_m = {};
   return file;
 }
 
+// the command line as one question; the noise floor is analysed in the same band as the trials
 Result<Job> JobOf(const AnalyzeWords& words) {
   auto question = QuestionOf(words);
   if (!question) return std::unexpected(question.error());
@@ -129,10 +134,11 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   return job;
 }
 
-// one sweep, and its points into their table
+// the response of one sweep, with its points written to --response
 Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job) {
   const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return std::unexpected(opened.error());
+  // the band is the range in which a sweep is searched; its resolution is that of the spectra
   dsp::SweepQuestion question{job.question.band.lower_hz, job.question.band.upper_hz, {}};
   question.resolution_hz = job.spectrum.resolution_hz;
   const auto answer = dsp::AnalyzeSweep(*opened->rows, question);
@@ -148,7 +154,7 @@ Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, 
   return section;
 }
 
-// an error of one file does not keep the others from their answer; the worst status of all
+// an error of one file does not prevent the answers of the others; returns the worst status
 int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
   int status = 0;
   for (const std::string& path : words.files) {
@@ -192,6 +198,7 @@ int RunAnalyze(int argc, const char* const* argv) {
   return words.sweep ? AnalyzeSweeps(words, *job, shown) : AnalyzeTrials(words, *job, shown);
 }
 
+// noise in the band: the whole drive-off record is the window, and no floor is subtracted from it
 Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuestion& question,
                                   const trial::ImportOptions& import, int threads) {
   const auto fail = [&](Error error) -> Result<dsp::NoiseFloor> {
@@ -207,6 +214,7 @@ Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuesti
   const auto analysis = dsp::AnalyzeBand(*opened->rows, of_silence, threads);
   if (!analysis) return fail(analysis.error());
   const auto floor = dsp::FloorOf(*analysis, path);
+  // no floor: the analysis was refused, or its record has no numbers
   if (floor) return *floor;
   const std::string refusal = document::RefusalOf(analysis->findings);
   return CannotAnswer(path, refusal.empty() ? "holds no noise floor in the band" : refusal,

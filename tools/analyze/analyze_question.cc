@@ -17,7 +17,7 @@
 namespace haptometer::tools {
 namespace {
 
-// "1s:3s": from a time up to a time
+// "1s:3s": begin and end in s of the record, in this order
 Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos) {
@@ -35,13 +35,14 @@ Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
   return dsp::TimeWindow{begin_s->value, end_s->value};
 }
 
+// outputs before any analysis: a wrong path must not cost a computed result
 Result<void> CheckPictures(const AnalyzeWords& words) {
   if (auto good = document::CheckOutputs(words.outputs); !good) return good;
   if (!words.outputs.plot.empty() && words.files.size() > 1) {
     return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
                  "give one file, or --report FILE.html for several");
   }
-  // one file each: the next trial would take the place of the one before
+  // these options write one file each: a second trial would replace the first one's table
   const std::array<std::pair<std::string_view, const std::string*>, 3> tables{
       {{"--spectrum", &words.spectrum.spectrum},
        {"--spectrogram", &words.spectrum.spectrogram},
@@ -53,6 +54,7 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
                  "give one file");
   }
   const bool has_report = !words.outputs.report.empty();
+  // a sweep has neither a window with a steady drive nor a floor
   if (words.sweep && (has_report || words.window != "auto" || !words.floor.empty())) {
     return Usage("--sweep", "cannot be combined with --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
@@ -60,11 +62,13 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   if (!words.sweep && !words.response.empty()) {
     return Usage("--response", "applies to a sweep only", "give --sweep too");
   }
+  // the response exists for a sweep only, so its place is checked last
   if (!words.response.empty()) {
     auto writable =
         cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
     if (!writable) return writable;
   }
+  // --resolution needs a spectrum or a sweep on which it has an effect
   const bool has_spectrum =
       !words.spectrum.spectrum.empty() || !words.spectrum.spectrogram.empty() || has_report;
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
@@ -74,6 +78,7 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   return {};
 }
 
+// auto: the steady drive (default of the question); all: all rows free of transients; or times
 Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
   if (text == "auto") return {};
   if (text == "all") {
@@ -123,10 +128,12 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
+  // an empty band means the default in other verbs
   if (words.band.band.empty()) return Usage("--band", "is empty", "write it as 20-500Hz");
   auto asked = cli::BandQuestionOf(words.band);
   if (!asked) return std::unexpected(asked.error());
   dsp::BandQuestion question = std::move(*asked);
+  // the filtered record is kept in memory only where it is drawn
   question.keep_filtered = words.outputs.HasFigures();
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
@@ -137,6 +144,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
 
 namespace {
 
+// names of --spectrum-window
 constexpr std::array<std::pair<std::string_view, dsp::WindowShape>, 5> kWindows{
     {{"hann", dsp::WindowShape::kHann},
      {"rectangular", dsp::WindowShape::kRectangular},
@@ -144,7 +152,7 @@ constexpr std::array<std::pair<std::string_view, dsp::WindowShape>, 5> kWindows{
      {"blackman-harris", dsp::WindowShape::kBlackmanHarris},
      {"flat-top", dsp::WindowShape::kFlatTop}}};
 
-// a CSV or a picture can be written there
+// whether a CSV or, by any other ending, a picture can be written there
 Result<void> CheckPlace(const std::string& path, const cli::OutputKind& table, bool overwrite) {
   if (path.empty()) return {};
   if (std::filesystem::path(path).extension() != ".csv") return plot::CheckPlotPath(path);
@@ -201,10 +209,12 @@ Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {
     question.resolution_hz = words.resolution_hz->value;
   }
   if (words.overlap) question.overlap = words.overlap->value;
+  // also refuses NaN; above 0.95 a spectrum repeats nearly the same samples
   if (!(question.overlap >= 0) || question.overlap > 0.95) {
     return Usage("--overlap", fmt::format("of {:g} is not possible", question.overlap),
                  "give a share from 0 to 0.95");
   }
+  // Choice() has checked that the name exists
   question.window = std::ranges::find(kWindows, std::string_view(words.window),
                                       &decltype(kWindows)::value_type::first)
                         ->second;

@@ -15,11 +15,13 @@
 namespace haptometer::tools {
 namespace {
 
+// resolution of Welch's segments without --resolution, Hz
 constexpr double kDefaultResolutionHz = 1;
 constexpr std::size_t kSegmentsOfShort = 8;  // half overlapping, in a window too short for 1 Hz
 constexpr double kUm = 1e-6;                 // in metres
 constexpr std::string_view kDensity = "density_m2_per_hz";
 
+// length N of a segment: resolution = f_s / N
 Result<dsp::WelchOptions> OptionsOf(const dsp::WindowSamples& window,
                                     const SpectrumQuestion& question) {
   const std::size_t size = window.values_m.size();
@@ -29,8 +31,10 @@ Result<dsp::WelchOptions> OptionsOf(const dsp::WindowSamples& window,
   } else {
     const auto at_1_hz =
         static_cast<std::size_t>(std::round(window.rate_hz / kDefaultResolutionHz));
+    // k segments that overlap by half need (k + 1) N / 2 samples: N = 2 size / (k + 1)
     segment = std::min(at_1_hz, 2 * size / (kSegmentsOfShort + 1));
   }
+  // a segment longer than the window is refused, with the least possible resolution f_s / size
   if (segment < 2 || segment > size) {
     const double least_hz = window.rate_hz / static_cast<double>(size);
     return CannotAnswer(
@@ -42,6 +46,7 @@ Result<dsp::WelchOptions> OptionsOf(const dsp::WindowSamples& window,
                            dsp::Detrend::kMean};
 }
 
+// what a reader needs to use the table: noise bandwidth, degrees of freedom, 95 % interval factors
 std::string HeadOf(const dsp::SpectrumGrid& grid, const SpectrumQuestion& question) {
   return fmt::format(
       "# window = {}\n# overlap = {:g}\n# segments = {}\n# resolution_hz = {:.12g}\n"
@@ -53,6 +58,7 @@ std::string HeadOf(const dsp::SpectrumGrid& grid, const SpectrumQuestion& questi
 
 std::string SpectrumCsv(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& question) {
   std::string text = HeadOf(spectrum.grid, question);
+  // amplitude in m (peak of a tone) or one-sided density in m^2/Hz
   const std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
   text += fmt::format("{},{}\n", document::kFrequency.name,
@@ -71,6 +77,7 @@ std::string SpectrogramCsv(const dsp::Spectrogram& spectrogram, const SpectrumQu
                   NameOf(question.window), question.overlap, spectrogram.noise_bandwidth_hz);
   text += fmt::format("{},{},{}\n", document::kTime.name, document::kFrequency.name, kDensity);
   for (std::size_t n = 0; n < spectrogram.density.size(); ++n) {
+    // time of a column counts from the record's start, not from that of the window
     const double time_s =
         start_s + spectrogram.start_s + static_cast<double>(n) * spectrogram.step_s;
     for (std::size_t k = 0; k < spectrogram.density[n].size(); ++k) {
@@ -93,6 +100,7 @@ plot::Map SpectrogramMap(const dsp::Spectrogram& spectrogram, double start_s) {
                 spectrogram.resolution_hz,
                 spectrogram.density};
   for (std::vector<double>& column : map.values) {
+    // 1e-30 (-300 dB) replaces 0, whose logarithm is not finite
     for (double& value : column) value = 10 * std::log10(std::max(value / (kUm * kUm), 1e-30));
   }
   return map;
@@ -111,9 +119,10 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
       plot::LogAxes::kBoth};
   std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
+  // um for an amplitude, um^2/Hz for a density
   const double unit = question.amplitude ? kUm : kUm * kUm;
   plot::Series& series = panel.series.front();
-  // 0 Hz has no place on a logarithmic axis
+  // from k = 1: 0 Hz has no place on a logarithmic axis
   for (std::size_t k = 1; k < values.size(); ++k) {
     series.x.push_back(static_cast<double>(k) * spectrum.grid.resolution_hz);
     series.y.push_back(values[k] / unit);
@@ -123,6 +132,7 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
 
 Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                            const std::string& comment) {
+  // Welch's average over the window, which is not filtered
   const auto options = OptionsOf(window, question);
   if (!options) return std::unexpected(options.error());
   const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
@@ -134,6 +144,7 @@ Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuest
                           comment + SpectrumCsv(*spectrum, question));
 }
 
+// the same segments as those of the spectrum, not averaged: one column for each
 Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                               const std::string& comment) {
   const auto options = OptionsOf(window, question);

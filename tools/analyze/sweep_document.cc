@@ -20,20 +20,20 @@ using document::Section;
 using document::Unit;
 using document::Value;
 
-// keys of more than one place
-
 constexpr double kUm = 1e-6;  // in metres
+// units of amplitude over drive
 constexpr Unit kMetrePerAmpere{"_m_per_a", "m/A", {{{1e6, "um/A"}, {1e3, "mm/A"}}}};
 constexpr Unit kMetrePerUnit{
     "_m_per_unit", "m per unit", {{{1e6, "um per unit"}, {1e3, "mm per unit"}}}};
 
+// m/V or m/A over a recorded drive, m without one, else m for each unit of the drive channel
 Unit AmplitudeUnit(const dsp::SweepAnswer& answer) {
   if (answer.amplitude_unit == "m/V") return document::kMetrePerVolt;
   if (answer.amplitude_unit == "m/A") return kMetrePerAmpere;
   return answer.drive.empty() ? document::kMetre : kMetrePerUnit;
 }
 
-// the fitted curve's magnitude, in the points' unit
+// |H(f)| = gain / |1 - u^2 + i u / Q| with u = f / f0, in the points' unit
 double CurveAt(const dsp::Resonance& fit, double frequency_hz) {
   const double u = frequency_hz / fit.frequency_hz;
   return fit.gain / std::hypot(1 - u * u, u / fit.quality_factor);
@@ -61,6 +61,7 @@ plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
   panel.series.push_back(
       SeriesOf(answer, "measured", plot::Lines(plot::kBlue),
                [](const dsp::SweepPoint& point) { return point.amplitude / kUm; }));
+  // the fitted curve only where one resonance explains the response
   if (!answer.resonance) return panel;
   const dsp::Resonance& fit = answer.resonance->fit;
   panel.title =
@@ -73,6 +74,7 @@ plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
 
 std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
   std::vector<plot::Panel> panels{AmplitudePanel(answer)};
+  // phase and coherence need a drive: without one there is an amplitude only
   if (answer.drive.empty()) return panels;
   panels.push_back({"phase",
                     "frequency / Hz",
@@ -88,9 +90,10 @@ std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
   return panels;
 }
 
-// an estimate with its interval, of which text shows the digits
+// an estimate with its 95 % interval; text shows the digits of a quarter of the interval's width
 void AddEstimate(Section& section, const Key& key, const Key& interval_key, double value,
                  const dsp::Interval& interval) {
+  // interval of about +-2 u: u = width / 4
   Item& item = section.Add(key, value, (interval.upper - interval.lower) / 4);
   item.interval = interval;
   section.Add(interval_key, interval);
@@ -103,13 +106,14 @@ Section ResonanceSection(const dsp::SweepAnswer& answer) {
               {"frequency_interval_95_hz"}, found.fit.frequency_hz, found.frequency_hz);
   AddEstimate(section, document::kQualityFactor, {"quality_factor_interval_95"},
               found.fit.quality_factor, found.quality_factor);
+  // gain: static amplitude of the fit, in the points' unit
   section.Add({document::kGain.name}, found.fit.gain);
   section.Add({"residual_share"}, found.fit.residual_share);
   section.Add({document::kDegreesOfFreedom.name}, found.fit.degrees_of_freedom);
   return section;
 }
 
-// the amplitude stands under `amplitude`
+// points of the response; the amplitude's key is `amplitude`, with the unit's ending in a CSV
 Section PointsTable(const dsp::SweepAnswer& answer, std::string_view amplitude) {
   Section table{.name = document::kPoints.name,
                 .heading = "points",
@@ -125,7 +129,7 @@ Section PointsTable(const dsp::SweepAnswer& answer, std::string_view amplitude) 
   return table;
 }
 
-// what was swept, and the largest amplitude
+// range and resolution of the sweep, and the largest amplitude (no fit)
 Section SweptSection(const dsp::SweepAnswer& answer) {
   Section section{.is_known = answer.answered};
   section.Add({"resolution_hz", "resolution", document::kHertz}, answer.resolution_hz);
@@ -144,6 +148,7 @@ Section SweptSection(const dsp::SweepAnswer& answer) {
 }  // namespace
 
 Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bool is_alone) {
+  // an answer that was refused before the record was read has no rate
   const bool is_measured = answer.rate_hz > 0;
   Section trial{.heading = is_alone ? "" : path};
   trial.Add(document::kFile, path);
@@ -178,7 +183,7 @@ std::string SweepCsv(const dsp::SweepAnswer& answer, const document::Provenance&
   }
   const std::string amplitude = fmt::format("amplitude{}", AmplitudeUnit(answer).ending);
   if (!answer.points.empty()) return text + CsvOf(PointsTable(answer, amplitude), provenance);
-  // of no points the heading alone
+  // without points a table of the heading alone: one row is made and its line removed
   dsp::SweepAnswer one = answer;
   one.points.resize(1);
   text += CsvOf(PointsTable(one, amplitude), provenance);

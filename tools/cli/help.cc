@@ -14,7 +14,7 @@ namespace {
 using document::Section;
 using document::Value;
 
-// in the order of Dimension
+// unit of a bound, in the order of Dimension
 constexpr std::array kUnits{document::kNone,
                             document::kMetre,
                             document::kKilogram,
@@ -28,11 +28,12 @@ constexpr std::array kUnits{document::kNone,
                             document::kNewtonSecondPerMetre,
                             document::kNewtonPerAmpere};
 
-// as people say it; magnitudes that they do not say in the SI unit
+// a bound in the usual unit (mm, ms), or in the SI unit where that needs no power of ten
 std::string EndText(const Option& option, double end) {
   if (end == 0) return "0";
   const std::string text = NumberText(end, option.dimension);
   const std::string_view unit = SiUnit(option.dimension);
+  // a power of ten only where the value is too large for the usual unit
   if (text.find('e') == std::string::npos || unit.empty()) return text;
   return fmt::format("{:g} {}", end, unit);
 }
@@ -43,6 +44,7 @@ std::string_view NameOf(Option::Kind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
+// an option as JSON, for --describe-options
 Section SectionOf(const Option& option) {
   const bool is_number =
       option.kind == Option::Kind::kNumber || option.kind == Option::Kind::kRange;
@@ -66,6 +68,7 @@ Section SectionOf(const Option& option) {
 }  // namespace
 
 std::string NumberText(double value, Dimension dimension) {
+  // six digits, in the unit in which the value is written
   return document::QuantityText(value, kUnits.at(static_cast<std::size_t>(dimension)), 6);
 }
 
@@ -73,6 +76,7 @@ std::string BoundsText(const Option& option) {
   const Bounds& bounds = option.bounds;
   const bool has_least = std::isfinite(bounds.least), has_most = std::isfinite(bounds.most);
   const std::string least = EndText(option, bounds.least), most = EndText(option, bounds.most);
+  // a closed end is "from" or "to", an open one "above" or "below"
   if (has_least && has_most) {
     return fmt::format("{} {} to {}{}", bounds.is_above ? "above" : "from", least,
                        bounds.is_below ? "below " : "", most);
@@ -90,6 +94,7 @@ std::string HelpOf(const Option& option) {
   return added.empty() ? option.text : fmt::format("{} [{}]", option.text, added);
 }
 
+// NaN satisfies no bound; without bounds both are infinite
 Result<void> CheckBounds(const Option& option, double number, const std::string& text) {
   const Bounds& bounds = option.bounds;
   const bool is_above = bounds.is_above ? number > bounds.least : number >= bounds.least;

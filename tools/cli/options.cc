@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kMoreOptions = "More options";
 
-// carries one of our errors out of CLI11's parser
+// carries an Error out of CLI11, whose callbacks report by exceptions
 struct Refused {
   Error error;
 };
@@ -29,7 +29,7 @@ void ThrowWhereWrong(const Result<void>& result) {
   if (!result) throw Refused{result.error()};
 }
 
-// options that cannot stand beside each other
+// options that exclude each other
 struct Exclusion {
   std::string name;
   std::vector<std::string> others;
@@ -50,7 +50,7 @@ std::string Joined(const std::vector<std::string>& words, std::string_view separ
 struct Options::State {
   VerbText verb;
   CLI::App app;
-  std::deque<Option> declared;              // but those that are alike in all verbs
+  std::deque<Option> declared;              // without those that all verbs have
   std::vector<const CLI::Option*> files;    // options whose words name files to read
   std::vector<const CLI::Option*> outputs;  // options whose words name files to write
   std::vector<Exclusion> exclusions;
@@ -72,6 +72,7 @@ struct Options::State {
     auto* parsed = app.add_option_function<std::string>(option.name, read);
     return Add(std::move(option), parsed, shown);
   }
+  // long names of all options, for the nearest one to an unknown word
   std::vector<std::string> Names() const {
     std::vector<std::string> names;
     for (const CLI::Option* option : app.get_options()) {
@@ -83,14 +84,14 @@ struct Options::State {
   bool IsOutput(const CLI::Option* option) const {
     return std::ranges::find(outputs, option) != outputs.end();
   }
-  // what help says of each option, and which it shows
+  // help text of each option, and the group in which it is listed
   void DescribeToParser() const;
   void NoteInputs() const;
   std::optional<Error> TwiceWritten() const;
   std::optional<Error> Excluded() const;
-  // the first word that an option other than of files takes and that is not printable
+  // the first word of an option, other than of files, that is not printable
   std::optional<Error> NotPrintable() const;
-  // our own sentence for what CLI11 found wrong
+  // a message in the form of all errors for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
 
@@ -98,6 +99,7 @@ void Options::State::DescribeToParser() const {
   for (const Option& option : declared) {
     option.parsed->description(HelpOf(option));
     if (!option.is_rare) continue;
+    // an empty group leaves an option out of the help
     option.parsed->group(help_all ? kMoreOptions : "");
   }
 }
@@ -115,7 +117,9 @@ std::optional<Error> Options::State::Excluded() const {
   return std::nullopt;
 }
 
+// each word of an option that is no output may name an input: an output must not overwrite it
 void Options::State::NoteInputs() const {
+  // inputs of an earlier command in the same process
   ForgetInputs();
   for (const CLI::Option* option : app.get_options()) {
     if (IsOutput(option)) continue;
@@ -123,7 +127,7 @@ void Options::State::NoteInputs() const {
   }
 }
 
-// two options that name one file
+// two output options that name one file, compared by device and inode
 std::optional<Error> Options::State::TwiceWritten() const {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -141,6 +145,7 @@ std::optional<Error> Options::State::TwiceWritten() const {
 
 std::optional<Error> Options::State::NotPrintable() const {
   for (const CLI::Option* option : app.get_options()) {
+    // positionals and files name paths, which may hold any byte
     if (option->get_positional() || std::ranges::find(files, option) != files.end()) continue;
     for (const std::string& word : option->results()) {
       if (auto printable = CheckPrintable(option->get_name(), word); !printable) {
@@ -155,6 +160,7 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
                               const char* const* argv) const {
   const std::string help_remedy = fmt::format("see haptometer {} --help", verb.name);
   const std::vector<std::string> names = Names();
+  // CLI11 reports left-over words without the nearest name: the first unknown option is found here
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     for (int i = 1; i < argc; ++i) {
       const std::string word(argv[i], std::strcspn(argv[i], "="));
@@ -165,6 +171,7 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
       }
     }
   }
+  // no word at all: the name of the missing input alone would be of little use
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && argc <= 1) {
     return {Cause::kUsage, {}, "no input is given", help_remedy};
   }
@@ -181,6 +188,7 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   std::string footer = "Examples:";
   for (const std::string_view example : text.examples) footer += fmt::format("\n  {}", example);
   app.footer(footer);
+  // without CLI11's own help flag, which ends the parse: Parse() prints the help itself
   app.set_help_flag();
   app.add_flag("-h,--help", state_->help, "Show this help");
   app.add_flag("--help-all", state_->help_all, "Show every option");
@@ -199,6 +207,7 @@ void Options::Positionals(std::string_view name, std::vector<std::string>* value
                           std::string_view help, std::size_t at_least) {
   auto* option = state_->app.add_option(std::string(name), *values, std::string(help));
   option->type_name("");
+  // -1: no upper limit
   if (at_least > 0) option->required()->expected(static_cast<int>(at_least), -1);
 }
 
@@ -234,6 +243,7 @@ Quantity ReadNumber(const Option& option, const std::string& text) {
   return *quantity;
 }
 
+// a number with an uncertainty ("3 +- 1") where the verb has no use for it
 Result<void> CheckExact(std::string_view name, const Quantity& quantity) {
   if (quantity.exact()) return {};
   return Usage(std::string(name), "has an uncertainty, which is not used here", "leave it out");
@@ -268,10 +278,12 @@ Option& Options::Parsed(std::string_view name, std::string_view placeholder,
 Option& Options::Output(std::string_view name, std::string* value, std::string_view placeholder,
                         std::string_view help, Shown shown) {
   Option& option = Text(name, value, placeholder, help, shown);
+  // registered, so that NoteInputs() and TwiceWritten() treat its word as an output
   state_->outputs.push_back(option.parsed);
   return option;
 }
 
+// the option's value may be absent: `given` separates "--name" from no option
 Option& Options::OptionalText(std::string_view name, bool* given, std::string* value,
                               std::string_view placeholder, std::string_view help, Shown shown) {
   const auto read = [given, value](const std::string& text) {
@@ -302,7 +314,9 @@ Option& Options::Choice(std::string_view name, std::string* value,
 Option& Options::AddCount(std::string_view name, std::function<void(std::int64_t)> keep,
                           std::int64_t least, std::int64_t most, std::string_view help) {
   Option option = Declared(name, Option::Kind::kCount, "N", help);
+  // doubles hold the bounds for the help text; the comparison below is in integers
   option.bounds = Within(static_cast<double>(least), static_cast<double>(most));
+  // read as 64-bit integer: a double would round counts above 2^53
   const auto read = [name = option.name, keep = std::move(keep), least,
                      most](const std::string& text) {
     const auto number = NumberFrom<std::int64_t>(text);
@@ -362,6 +376,7 @@ Option& Options::Number(std::string_view name, double* value, Dimension dimensio
     *value = quantity.value;
     return CheckExact(name, quantity);
   };
+  // a default that is not finite means none, and is not shown
   return AddNumber(name, keep, dimension, bounds, help)
       .Default(std::isfinite(*value) ? NumberText(*value, dimension) : "");
 }
@@ -371,6 +386,7 @@ Option& Options::Range(std::string_view name, double* low, double* high, Dimensi
   const Option option =
       DeclaredNumber(name, Option::Kind::kRange, "LOW:HIGH", dimension, bounds, help);
   const auto read = [option, low, high](const std::string& text) {
+    // LOW:HIGH, or one number for both
     const std::size_t colon = text.find(':');
     *low = *high = ReadNumber(option, text.substr(0, colon)).value;
     if (colon != std::string::npos) *high = ReadNumber(option, text.substr(colon + 1)).value;
@@ -383,6 +399,7 @@ Option& Options::Range(std::string_view name, double* low, double* high, Dimensi
       .Default(fmt::format("{}:{}", NumberText(*low, dimension), NumberText(*high, dimension)));
 }
 
+// one value per occurrence, so that a word behind it is not taken as a further value
 Option& Options::Repeated(std::string_view name, std::vector<std::string>* values,
                           std::string_view placeholder, std::string_view help, Shown shown) {
   auto* parsed = state_->app.add_option(std::string(name), *values);
@@ -407,10 +424,11 @@ void Options::Exclude(std::string_view name, std::initializer_list<std::string_v
 
 std::optional<int> Options::Parse(int argc, const char* const* argv) {
   std::optional<Error> error;
-  bool is_incomplete = false;  // but nothing else is wrong
+  bool is_incomplete = false;  // a required input is absent, otherwise valid
   try {
     state_->app.parse(argc, argv);
   } catch (const Refused& refused) {
+    // errors are kept, since --version and --help take precedence over them
     error = refused.error;
   } catch (const CLI::ParseError& parse_error) {
     is_incomplete = dynamic_cast<const CLI::RequiredError*>(&parse_error) != nullptr;
@@ -425,14 +443,17 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     cli::Print(state_->app.help());
     return 0;
   }
+  // a description needs no input, so an absent one is no error here
   if (state_->describe && (!error || is_incomplete)) {
     cli::Print(DescriptionOf(state_->verb, state_->declared));
     return 0;
   }
+  // checks over several options, once each alone is valid
   if (!error) error = state_->Excluded();
   if (!error) error = state_->NotPrintable();
   if (!error) error = state_->TwiceWritten();
   if (error) return ReportError(state_->verb.name, *error);
+  // before any output is checked against the inputs
   state_->NoteInputs();
   return std::nullopt;
 }

@@ -27,16 +27,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// bytes that are read to determine the kind of an existing file
 constexpr std::size_t kBeginBytes = 1U << 20;
+// a marked file is read whole for its checksum, up to 1 GiB
 constexpr std::size_t kLargestMarkedBytes = 1U << 30;
-constexpr mode_t kNewMode = 0666;  // the user's mask takes its part
+constexpr mode_t kNewMode = 0666;  // less the user's umask
+// permission bits that a replaced file passes on
 constexpr mode_t kPermissions = 0777;
 
-// where an output's bytes go
+// what an output path leads to, behind all links
 struct Place {
-  std::string target;             // no link any more
-  std::optional<int> descriptor;  // of this process, that the path names
-  struct stat status{};           // of what is there
+  std::string target;             // path behind all symbolic links
+  std::optional<int> descriptor;  // of this process, where the path names one
+  struct stat status{};           // of the existing file
   bool exists = false;
 
   [[nodiscard]] bool is_file() const { return !descriptor && (!exists || S_ISREG(status.st_mode)); }
@@ -59,9 +62,10 @@ std::optional<int> DescriptorOf(std::string_view path) {
 }
 
 Result<Place> PlaceOf(const std::string& path) {
-  constexpr int kMostLinks = 40;  // as the system's own
+  constexpr int kMostLinks = 40;  // as in the kernel (MAXSYMLINKS)
   Place place;
   place.target = path;
+  // follow links one by one: fs::canonical would fail for a file that does not exist yet
   for (int links = 0; links <= kMostLinks; ++links) {
     place.descriptor = DescriptorOf(place.target);
     if (place.descriptor) {
@@ -69,6 +73,7 @@ Result<Place> PlaceOf(const std::string& path) {
       if (!place.exists) return CannotBeWritten(path, errno);
       return place;
     }
+    // nothing there: a new file, unless a link leads to it
     if (lstat(place.target.c_str(), &place.status) != 0) {
       if (errno != ENOENT && errno != ENOTDIR) return CannotBeWritten(path, errno);
       if (links > 0) return Usage(path, "is a link to nothing", "name another file");
@@ -79,6 +84,7 @@ Result<Place> PlaceOf(const std::string& path) {
     std::error_code failure;
     const fs::path next = fs::read_symlink(place.target, failure);
     if (failure) return CannotBeWritten(path, failure.value());
+    // a relative link counts from its own folder
     place.target = fs::path(place.target).parent_path() / next;
   }
   return CannotBeWritten(path, ELOOP);
@@ -99,7 +105,7 @@ Result<void> CheckFolder(const std::string& path, const std::string& target) {
   return {};
 }
 
-// the first `most` bytes of an open file
+// the first `most` bytes of an open file; pread leaves its offset unchanged
 std::string BeginOf(int descriptor, std::size_t most) {
   std::string content;
   std::array<char, 1U << 16> piece{};
@@ -112,15 +118,17 @@ std::string BeginOf(int descriptor, std::size_t most) {
   return content;
 }
 
-// of a file that is there
+// whether an existing file may be replaced: writable, not in use, of the same kind
 Result<void> CheckReplaceable(const std::string& path, const std::string& target,
                               const OutputKind& kind, bool overwrite) {
   if (!kind.is_marked && !overwrite) {
     return Usage(path, "already exists", "name another file, or give --overwrite");
   }
   if (access(target.c_str(), W_OK) != 0) return CannotBeWritten(path, errno);
+  // O_NONBLOCK: a pipe put there since must not block; O_NOFOLLOW: nor may a link be followed
   const int descriptor = open(target.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return CannotBeWritten(path, errno);
+  // a trial that is being recorded is locked by its writer
   const bool is_busy = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   const std::string content =
       BeginOf(descriptor, kind.is_marked ? kLargestMarkedBytes : kBeginBytes);
@@ -137,6 +145,7 @@ Result<void> CheckReplaceable(const std::string& path, const std::string& target
                "name another file: --overwrite replaces a file of the same kind only");
 }
 
+// an input of this command is never an output, under any name (device and inode)
 Result<void> CheckPlace(const std::string& path, const Place& place, const OutputKind& kind,
                         bool overwrite) {
   if (place.exists && IsNotedInput(place.status)) {
@@ -154,15 +163,16 @@ Result<void> CheckPlace(const std::string& path, const Place& place, const Outpu
   return place.exists ? CheckReplaceable(path, place.target, kind, overwrite) : Result<void>{};
 }
 
+// hidden name of a part, 64 random bits
 std::string RandomName() {
   std::uint64_t number = 0;
-  // where there is no randomness yet, O_EXCL alone keeps what is there
+  // without entropy (early boot) the process id; O_EXCL protects an existing file
   if (getrandom(&number, sizeof number, GRND_NONBLOCK) < 0)
     number = static_cast<std::uint64_t>(getpid());
   return fmt::format(".haptometer-{:016x}.part", number);
 }
 
-// so that a loss of power does not take the name back; not every file system can
+// the new name must survive a loss of power; file systems that cannot sync a folder are ignored
 void SyncFolder(const std::string& target) {
   const int folder = open(FolderOf(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
@@ -170,17 +180,19 @@ void SyncFolder(const std::string& target) {
   close(folder);
 }
 
-// the part becomes `target`, where nothing is; errno otherwise
+// renames the part to `target` if nothing is there; else false with errno
 bool NameNew(const std::string& part, const std::string& target) {
+  // one atomic step, so that two programs cannot both create the name
   if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, target.c_str(), RENAME_NOREPLACE) == 0) {
     return true;
   }
   if (errno != EINVAL && errno != ENOSYS) return false;
-  // a file system without it: the name is taken exclusively, then given to the part
+  // a file system without RENAME_NOREPLACE: create the name exclusively, then rename over it
   const int taken = open(target.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewMode);
   if (taken < 0) return false;
   close(taken);
   if (rename(part.c_str(), target.c_str()) == 0) return true;
+  // the empty file that only held the name is removed
   const int failure = errno;
   unlink(target.c_str());
   errno = failure;
@@ -198,6 +210,7 @@ bool AreOneOutput(const std::string& one, const std::string& other) {
   const auto first = PlaceOf(one);
   const auto second = PlaceOf(other);
   if (!first || !second || !first->is_file() || !second->is_file()) return false;
+  // one file by device and inode; files that do not exist yet by their absolute paths
   if (first->exists != second->exists) return false;
   if (first->exists) {
     return first->status.st_dev == second->status.st_dev &&
@@ -219,12 +232,14 @@ Result<OutputFile> OutputFile::Begin(const std::string& path, const OutputKind& 
   }
   OutputFile file(path, kind, overwrite);
   file.target_ = place->target;
+  // a regular file: written as a part in the same folder, renamed when it is complete
   if (place->is_file()) {
     if (auto made = file.MakePart(); !made) return std::unexpected(made.error());
     return file;
   }
-  // what was printed before comes before
+  // buffered output was printed earlier and must precede these bytes
   std::fflush(nullptr);
+  // descriptors, pipes and devices: written directly, without truncation
   file.descriptor_ = place->descriptor
                          ? fcntl(*place->descriptor, F_DUPFD_CLOEXEC, 0)
                          : open(place->target.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
@@ -243,6 +258,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       overwrite_(other.overwrite_),
       descriptor_(std::exchange(other.descriptor_, -1)) {}
 
+// a part without Finish() is removed: no incomplete output remains
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) close(descriptor_);
   if (!part_.empty()) unlink(part_.c_str());
@@ -252,6 +268,7 @@ std::unexpected<Error> OutputFile::NotWritten(int failure) const {
   return CannotBeWritten(path_, failure);
 }
 
+// in the target's folder, since a rename does not cross file systems
 Result<void> OutputFile::MakePart() {
   constexpr int kMostTries = 100;
   for (int tries = 0; tries < kMostTries; ++tries) {
@@ -266,6 +283,7 @@ Result<void> OutputFile::MakePart() {
   return NotWritten(errno);
 }
 
+// a write may take fewer bytes than given; 0 bytes count as a full disk
 Result<void> OutputFile::Write(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
@@ -276,6 +294,7 @@ Result<void> OutputFile::Write(std::string_view bytes) {
   return {};
 }
 
+// a library opens by path: /proc/self/fd leads to the part even if its name is replaced
 Result<std::string> OutputFile::PathForLibrary() const {
   if (part_.empty()) {
     return Usage(
@@ -286,8 +305,9 @@ Result<std::string> OutputFile::PathForLibrary() const {
 }
 
 Result<void> OutputFile::Finish() {
+  // data on the disk before the name: after a loss of power a name never leads to missing data
   const int synced = fsync(descriptor_);
-  // pipes and devices cannot be synced and need not be
+  // pipes and devices cannot be synced
   if (synced != 0 && !(part_.empty() && (errno == EINVAL || errno == EROFS))) {
     return NotWritten(errno);
   }
@@ -303,15 +323,16 @@ Result<void> OutputFile::TakePlace() {
     return {};
   }
   if (errno != EEXIST) return NotWritten(errno);
-  // as at the beginning: what is there now may be another file
+  // checked again: another file may have been created since Begin()
   if (auto good = CheckOutput(target_, kind_, overwrite_); !good) {
     Error error = good.error();
     error.where = path_;
     return std::unexpected(std::move(error));
   }
+  // owner and permissions of the replaced file are kept
   struct stat older{};
   if (lstat(target_.c_str(), &older) != 0 || !S_ISREG(older.st_mode)) return NotWritten(EEXIST);
-  // its owner first, because a change of owner takes permissions away
+  // owner first, because a change of owner may clear permissions
   static_cast<void>(fchown(descriptor_, older.st_uid, older.st_gid) == 0);
   static_cast<void>(fchmod(descriptor_, older.st_mode & kPermissions) == 0);
   if (rename(part_.c_str(), target_.c_str()) != 0) return NotWritten(errno);
@@ -331,17 +352,20 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
+// mark at the end of a generated file: kMark and the CRC-32 of all bytes before, in hexadecimal
 constexpr std::string_view kMark = "made by haptometer ";
+// PNG, third edition: signature, IEND chunk with length and CRC, type and keyword of a text chunk
 constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view kPngEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
 constexpr std::string_view kTextType = "tEXtSoftware\0"sv;
 
-// what stands around the mark
+// what stands around the mark, so that it is a comment of the format
 struct Frame {
   std::string_view before;
   std::string_view after;
 };
 
+// PDF comment or XML comment (SVG, HTML)
 Frame FrameOf(std::string_view content) {
   if (content.starts_with("%PDF")) return {"% ", "\n"};
   return {"<!-- ", " -->\n"};
@@ -351,6 +375,7 @@ std::uint32_t CrcOf(std::string_view bytes) {
   return trial::Crc32(std::as_bytes(std::span(bytes)));
 }
 
+// four bytes in network order, as in PNG
 std::string BigEndian(std::uint32_t number) {
   std::string bytes;
   for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>((number >> shift) & 0xffU);
@@ -369,17 +394,19 @@ std::string TextChunk(std::string_view text) {
          BigEndian(CrcOf(data));
 }
 
-// whether `content` is what Marked() makes of what stands before its mark
+// whether the mark's checksum is that of the bytes before it: an edited file has another one
 bool EndsWithMark(std::string_view content) {
   const std::size_t at = content.rfind(kMark);
   if (at == std::string_view::npos) return false;
   const bool is_png = content.starts_with(kPngBegin);
+  // a chunk's length field is 4 bytes, before type and keyword
   const std::size_t frame = is_png ? 4 + kTextType.size() : FrameOf(content).before.size();
   if (at < frame) return false;
   const std::string_view before = content.substr(0, at - frame);
   return Marked(std::string(before) + std::string(is_png ? kPngEnd : "")) == content;
 }
 
+// text behind leading lines "# ..."
 std::string_view WithoutComments(std::string_view text) {
   while (text.starts_with("# ")) {
     const std::size_t end = text.find('\n');
@@ -401,12 +428,14 @@ std::string Marked(std::string content) {
     return content;
   }
   HAPTOMETER_CHECK(content.ends_with(kPngEnd), "a PNG of {} bytes without its end", content.size());
+  // the text chunk must precede IEND, the last chunk
   content.resize(content.size() - kPngEnd.size());
   content += TextChunk(MarkOf(content));
   content += kPngEnd;
   return content;
 }
 
+// a complete picture ends with IEND, %%EOF or </svg>: an interrupted plot program leaves less
 bool IsWholePicture(std::string_view content) {
   if (content.starts_with(kPngBegin)) return content.ends_with(kPngEnd);
   while (content.ends_with('\n')) content.remove_suffix(1);
@@ -416,6 +445,7 @@ bool IsWholePicture(std::string_view content) {
 
 bool IsOfKind(std::string_view content, const OutputKind& kind) {
   if (kind.is_marked) return content.starts_with(kind.begin) && EndsWithMark(content);
+  // an empty file holds nothing that could be lost
   if (content.empty()) return true;
   return (kind.has_comments ? WithoutComments(content) : content).starts_with(kind.begin);
 }

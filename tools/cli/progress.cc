@@ -16,6 +16,7 @@
 namespace haptometer::cli {
 namespace {
 
+// no bar for the first second; at most ten updates per second
 constexpr MonotonicNs kQuietNs = kNsPerS;
 constexpr MonotonicNs kRefreshNs = kNsPerS / 10;
 constexpr int kWidth = 20;
@@ -41,6 +42,7 @@ void Progress::Update(double share) {
 }
 
 std::string ProgressBar(std::string_view what, double share, double elapsed_s) {
+  // remaining time for constant speed: elapsed (1 - share) / share
   const double done = std::clamp(share, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(done * kWidth);
   std::string bar = fmt::format("{}  [{:#<{}}{:-<{}}] {:3.0f} %", what, "", filled, "",
@@ -51,15 +53,17 @@ std::string ProgressBar(std::string_view what, double share, double elapsed_s) {
 
 namespace {
 
+// first line, update of a terminal's line, and interval of lines in a log
 constexpr std::chrono::milliseconds kQuiet{2000};
 constexpr std::chrono::milliseconds kRefresh{200};
 constexpr std::chrono::milliseconds kLineEvery{10'000};
 
 constexpr std::array kInterrupts{SIGINT, SIGTERM};
 
-// a line stands on the terminal without an end
+// a line without its end is on the terminal: EndAtOnce() ends it first
 volatile std::sig_atomic_t line_is_open = 0;
 
+// in a signal handler write and _exit only, which are async-signal-safe
 extern "C" void EndAtOnce(int signal) {
   if (line_is_open != 0) {
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, "\n", 1);
@@ -78,12 +82,13 @@ WorkProgress::WorkProgress(std::string_view verb, std::string advice)
   ends.sa_handler = EndAtOnce;
   for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
     sigaction(kInterrupts[k], nullptr, &before_[k]);
-    // what is ignored, as by nohup, stays ignored
+    // an ignored signal, as by nohup, stays ignored
     if (before_[k].sa_handler != SIG_IGN) sigaction(kInterrupts[k], &ends, nullptr);
   }
   telling_ = std::thread([this] {
     std::unique_lock lock(mutex_);
     const auto done = [this] { return done_; };
+    // a thread of its own: the work updates share_ without waiting for the terminal
     for (auto wait = kQuiet; !changed_.wait_for(lock, wait, done);
          wait = on_terminal_ ? kRefresh : kLineEvery) {
       Say(SecondsFromNs(clock_.Now() - begun_ns_));
@@ -100,6 +105,7 @@ WorkProgress::~WorkProgress() {
   telling_.join();
   if (shown_ && on_terminal_) fmt::print(stderr, "\r\033[K");
   line_is_open = 0;
+  // signals act again as before the work
   for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
     sigaction(kInterrupts[k], &before_[k], nullptr);
   }

@@ -13,12 +13,14 @@
 namespace haptometer::cli {
 
 Result<Band> ParseBand(const std::string& text) {
+  // from the second character on: a leading '-' is a sign
   const auto dash = text.find('-', 1);
   if (dash == std::string::npos) {
     return Usage("--band", fmt::format("'{}' is not a band", text), "write it as 20-500Hz");
   }
   std::string lower = text.substr(0, dash);
   const std::string upper = text.substr(dash + 1);
+  // "20-500Hz": without a unit of its own the lower corner has that of the upper
   if (std::isalpha(static_cast<unsigned char>(lower.back())) == 0) {
     const auto unit = upper.find_last_not_of("kMHz") + 1;
     lower += upper.substr(unit);
@@ -52,13 +54,15 @@ Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
     question.band.lower_hz = band->lower_hz;
     question.band.upper_hz = band->upper_hz;
   }
+  // an order that is stated is used as it is, even where the record is too short for it
   question.may_lower_order = !words.order.has_value();
-  // a manifest's order has passed through no option
+  // an order from a manifest has not passed the option's check
   if (words.order && (*words.order < 1 || *words.order > dsp::kHighestOrder)) {
     return Usage("order", "lies outside 1 to 8", "write one within");
   }
   question.band.order = static_cast<int>(words.order.value_or(question.band.order));
   question.band.corners = words.corner == "each" ? dsp::Corners::kEach : dsp::Corners::kWhole;
+  // a rate of 4 f_upper permits each valid band: only impossible corners are refused here
   const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
   if (!possible) return std::unexpected(possible.error());
   return question;
@@ -68,6 +72,7 @@ namespace {
 
 Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, const char* example) {
   if (!scale) return std::optional<double>{};
+  // a negative scale is permitted: it turns the sign of the column
   if (scale->value == 0) return Usage("--scale", "must not be 0", example);
   return std::optional(scale->value);
 }
@@ -91,6 +96,7 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
                     "Length for one printed unit of a foreign table's displacement",
                     Shown::kHelpAll);
   }
+  // a verb with a --format of its own reads tables by their first lines alone
   if (!has_format) {
     options->Choice("--format", &words->format,
                     Mapped<std::string>(trial::TableFormats(), &trial::TableFormatFacts::name),
@@ -107,6 +113,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   trial::ImportOptions options;
   for (std::string_view rest = words.columns; !rest.empty();) {
     const std::size_t end = std::min(rest.find(','), rest.size());
+    // "a,,b" and "a," hold an empty name
     if (end == 0 || end + 1 == rest.size()) {
       return Usage("--columns", "has an empty name", "write - for a column to leave out");
     }
@@ -126,6 +133,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   return options;
 }
 
+// threads: as requested, else the number of cores, at most `most`
 int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most) {
   const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
   return static_cast<int>(asked.value_or(std::min(cores, most)));
@@ -135,6 +143,7 @@ Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::
                                                          std::string_view option) {
   std::map<std::string, std::string> values;
   for (const std::string& word : words) {
+    // the first '=' separates: a value may hold further ones
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0) {
       return Usage(std::string(option), fmt::format("'{}' is not KEY=VALUE", word),

@@ -19,7 +19,9 @@
 
 namespace haptometer::cli {
 
+// replaces <name> of a setting by `before` and its name: "--" for options, "" in a daemon's file
 std::string WithOptions(std::string_view text, std::string_view before) {
+  // settings that messages may name; another word in angle brackets is kept as it is
   constexpr std::array<std::string_view, 23> kSettings{
       "amplifiers", "averages", "baud",     "calibration", "channel",  "channels",
       "columns",    "decimals", "fault",    "format",      "label",    "overwrite",
@@ -38,6 +40,7 @@ std::string WithOptions(std::string_view text, std::string_view before) {
       said += word;
       text.remove_prefix(end + 1);
     } else {
+      // no setting: only the bracket is passed on, since another one may begin behind it
       said += text.substr(begin, 1);
       text.remove_prefix(std::min(begin + 1, text.size()));
     }
@@ -51,6 +54,7 @@ int ReportError(std::string_view verb, const Error& error) {
   return ExitStatus(error.cause);
 }
 
+// rank: 0, then 3 (cannot answer), 2 (usage), 1 (failed), and above them signals (128 + number)
 int WorseStatus(int a, int b) {
   const auto rank = [](int status) {
     if (status == 0) return 0;
@@ -65,19 +69,23 @@ int ReportErrors(std::string_view verb, const std::vector<Error>& errors) {
   return status;
 }
 
+// all text on stdout is made printable: file names must not control the terminal
 void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
 
+// a closed standard descriptor would be given to the next file opened, and be written to
 void HoldStandardStreams() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(number, F_GETFD) < 0) static_cast<void>(open("/dev/null", O_PATH));
   }
 }
 
+// POLLERR on a pipe: its reader has closed it
 bool IsUnread() {
   pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
   return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
 
+// only the flush shows whether buffered output was written; its failure enters the status
 int StatusWithOutput(int status, int failure) {
   const bool had_failed = std::ferror(stdout) != 0;
   if (std::fflush(stdout) != 0) {
@@ -85,6 +93,7 @@ int StatusWithOutput(int status, int failure) {
   } else if (!had_failed) {
     return status;
   }
+  // a reader that has closed the pipe (head) needs no message
   if (IsUnread()) return WorseStatus(status, kUnreadStatus);
   std::string what = "is not written whole";
   if (failure != 0) what += std::string(": ") + std::strerror(failure);
@@ -97,6 +106,7 @@ void Remark(std::string_view verb, std::string_view text) {
 
 namespace {
 
+// set by a signal handler
 std::atomic<bool> interrupted{false};
 std::atomic<int> which{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
@@ -128,13 +138,13 @@ int InterruptedStatus(int otherwise) { return interrupted.load() ? 128 + which.l
 
 namespace {
 
-// means itself to every shell
+// a character without special meaning in every shell
 bool IsPlain(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
          std::string_view("_-+=:,./@%").find(c) != std::string_view::npos;
 }
 
-// $'...' with all that is not plain in octal
+// $'...' with all other characters in octal, which keeps control characters out of the terminal
 std::string DollarQuoted(const std::string& word) {
   std::string quoted = "$'";
   for (const char c : word) {
@@ -151,6 +161,7 @@ std::string Quoted(const std::string& word) {
   if (!word.empty() && std::ranges::all_of(word, IsPlain)) return word;
   if (!IsPrintable(word)) return DollarQuoted(word);
   std::string quoted = "'";
+  // a single quote ends the quoted text, stands escaped, and begins it again
   for (const char c : word) quoted += c == '\'' ? std::string(R"('\'')") : std::string(1, c);
   return quoted + "'";
 }

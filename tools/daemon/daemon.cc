@@ -23,23 +23,25 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "acquire";
-constexpr MonotonicNs kWaitNs = kNsPerS / 10;  // for somebody who asks, and between two looks
+constexpr MonotonicNs kWaitNs = kNsPerS / 10;  // for a client of the socket, and between two checks
+// least interval between two status lines for systemd
 constexpr MonotonicNs kTellEveryNs = kNsPerS;
 
 using Loops = std::vector<std::unique_ptr<SensorLoop>>;
 
+// set by the signal handler, cleared by Serve()
 std::atomic<bool> rotation_asked{false};
 
 extern "C" void OnHangUp(int /*signal*/) { rotation_asked.store(true); }
 
-// SIGHUP begins new files, as services do: what is closed may be taken away
+// SIGHUP begins new files, as of other services, so that closed ones can be moved
 void CatchHangUp() {
   struct sigaction action{};
   action.sa_handler = OnHangUp;
   sigaction(SIGHUP, &action, nullptr);
 }
 
-// what systemd hears
+// messages to systemd (sd_notify): ready, watchdog, status line
 class Notices {
  public:
   Notices(const Loops& loops, Clock& clock)
@@ -48,6 +50,7 @@ class Notices {
   void Tell(const DaemonStatus& status) {
     TellReady(status);
     const MonotonicNs now_ns = clock_.Now();
+    // twice per watchdog interval, and only while both threads of each sensor are alive
     if (watchdog_ns_ && now_ns >= next_alive_ns_ && AllAlive()) {
       NotifyService("WATCHDOG=1");
       next_alive_ns_ = now_ns + *watchdog_ns_ / 2;
@@ -55,13 +58,14 @@ class Notices {
     if (now_ns < next_status_ns_) return;
     next_status_ns_ = now_ns + kTellEveryNs;
     std::string line = StatusLine(status);
+    // an unchanged line is not sent again
     if (line == line_) return;
     NotifyService("STATUS=" + line);
     line_ = std::move(line);
   }
 
  private:
-  // ready once every sensor is recorded or waited for
+  // ready once each sensor is recorded or waited for
   void TellReady(const DaemonStatus& status) {
     if (is_ready_ ||
         std::ranges::count(status.sensors, LoopState::kStarting, &SensorStatus::state) > 0) {
@@ -85,13 +89,14 @@ class Notices {
   std::string line_;
 };
 
+// each loop's status is copied under its own lock
 DaemonStatus StatusOf(const std::string& config_path, const Loops& loops) {
   DaemonStatus status{.config = config_path, .utc = UtcNow(), .sensors = {}};
   for (const auto& loop : loops) status.sensors.push_back(loop->Status());
   return status;
 }
 
-// why a loop ended by itself, if one did
+// the error of a loop that ended without a stop, which ends the daemon
 std::optional<Error> Refusal(const Loops& loops) {
   for (const auto& loop : loops) {
     if (auto refused = loop->refused()) return refused;
@@ -103,11 +108,13 @@ std::optional<Error> Serve(const std::string& config_path, const StatusSocket& s
                            const Loops& loops, Clock& clock) {
   Notices notices(loops, clock);
   while (!cli::Interrupted().load()) {
+    // a wrong configuration of one sensor ends all: the service must not appear to run
     if (auto refused = Refusal(loops)) return refused;
     if (rotation_asked.exchange(false)) {
       for (const auto& loop : loops) loop->Rotate();
     }
     notices.Tell(StatusOf(config_path, loops));
+    // the wait for a client sets the loop's period, kWaitNs
     socket.AnswerOne(kWaitNs, [&] { return StatusJson(StatusOf(config_path, loops)); });
   }
   return std::nullopt;
@@ -130,6 +137,7 @@ int RunDaemon(const std::string& config_path, const std::string& command_line) {
   }
   cli::CatchInterrupts();
   CatchHangUp();
+  // the socket before the sensors: a second daemon of this file ends here, before it opens a port
   const auto socket = StatusSocket::Listen(
       config->socket.empty() ? DefaultStatusSockets(config_path).front() : config->socket);
   if (!socket) return cli::ReportError(kVerb, socket.error());
@@ -141,7 +149,7 @@ int RunDaemon(const std::string& config_path, const std::string& command_line) {
   }
   const auto refused = Serve(config_path, *socket, loops, clock);
 
-  // all at once, then each is waited for
+  // stop all first, then wait for each: the trials close at the same time
   NotifyService("STOPPING=1\nSTATUS=closing the trials");
   for (const auto& loop : loops) loop->Stop();
   loops.clear();
@@ -154,9 +162,10 @@ namespace fs = std::filesystem;
 
 constexpr MonotonicNs kAnswerWithinNs = 5 * kNsPerS;
 
-// the sockets on which the daemon that is asked for may answer
+// the sockets on which the requested daemon may answer: the only one, a socket, or a file's
 Result<std::vector<std::string>> SocketsOf(const std::string& asked) {
   std::error_code error;
+  // without a name exactly one daemon must run here
   if (asked.empty()) {
     auto found = StatusSockets();
     if (found.size() == 1) return found;
@@ -167,6 +176,7 @@ Result<std::vector<std::string>> SocketsOf(const std::string& asked) {
     return Usage("--status", fmt::format("there are several: {}", fmt::join(found, ", ")),
                  "name one of them");
   }
+  // not a regular file: a socket's path
   if (!fs::is_regular_file(asked, error)) return std::vector{asked};
   const auto config = ReadDaemonConfig(asked);
   if (!config) return std::unexpected(config.error());
@@ -178,6 +188,7 @@ Result<DaemonStatus> Ask(const std::string& asked) {
   const auto sockets = SocketsOf(asked);
   if (!sockets) return std::unexpected(sockets.error());
   std::error_code error;
+  // the first path at which a socket exists; else the first, for the error message
   const auto there = std::ranges::find_if(
       *sockets, [&](const std::string& path) { return fs::is_socket(path, error); });
   const std::string& path = there == sockets->end() ? sockets->front() : *there;
@@ -193,7 +204,7 @@ int ShowStatus(const std::string& asked, const document::Outputs& outputs, int a
   return document::Present(StatusDocument(*status), outputs, argc, argv);
 }
 
-// whether nothing else was asked for: `allowed` words, each possibly as --name=value
+// whether only the `allowed` words are given, each possibly as --name=value
 bool StandsAlone(int argc, const char* const* argv, const std::vector<std::string>& allowed) {
   return std::all_of(argv + 1, argv + argc, [&](const char* word) {
     const std::string text(word);
@@ -231,6 +242,7 @@ void NotifyService(const std::string& assignments) { (void)sd_notify(0, assignme
 
 std::optional<MonotonicNs> WatchdogInterval() {
   std::uint64_t interval_us = 0;
+  // microseconds by sd_watchdog_enabled(3)
   if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
   return static_cast<MonotonicNs>(interval_us) * 1000;
 }

@@ -20,10 +20,12 @@
 namespace haptometer::tools {
 namespace {
 
+// least rotate_bytes and reserve_bytes
 constexpr long long kSmallestTrial = 65536;
 constexpr long long kSmallestReserve = 1 << 20;
 constexpr MonotonicNs kDefaultRotationNs = 3600 * kNsPerS;
 
+// a name that is safe in a file's name on all systems: no separator, no leading dot, 64 bytes
 bool IsPlainName(std::string_view name) {
   const auto is_plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -56,6 +58,7 @@ acquire::RotationLimits ReadRotation(TomlTable& table) {
     limits.duration_ns = NsFromSeconds(*every_s);
   }
   limits.bytes = Bytes(table, "rotate_bytes", kSmallestTrial);
+  // neither time nor size is stated: one trial per hour
   if (!limits.duration_ns && !limits.bytes) limits.duration_ns = kDefaultRotationNs;
   return limits;
 }
@@ -72,15 +75,17 @@ DaemonSensor ReadSensor(TomlTable& table, const std::map<std::string, std::strin
     table.Refuse("port", "is missing", "name the sensor's port, e.g. \"/dev/ttyUSB0\"");
   }
   sensor.labels = table.Texts("labels");
+  // insert keeps existing keys: the sensor's own labels override those of the file
   sensor.labels.insert(labels.begin(), labels.end());
   return sensor;
 }
 
-// what the keys alone do not show, once all are read
+// conditions between sensors, after all keys are read
 Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) {
   if (config.sensors.empty()) {
     return Usage(where, "names no sensor", "write a table [[sensor]] with name and port");
   }
+  // names become names of files, and a port has one reader
   std::set<std::string_view> names;
   std::set<std::string_view> ports;
   for (const DaemonSensor& sensor : config.sensors) {
@@ -92,7 +97,7 @@ Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) 
       return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),
                    "give each [[sensor]] its own port");
     }
-    // nothing to wait for once it is over
+    // no device that could return: a daemon has nothing to wait for
     const SensorKind* kind = FindSensorKind(sensor.options.sensor);
     if (kind != nullptr && kind->ends_by_itself) {
       return Usage(place, fmt::format("{} ends by itself", sensor.options.sensor),
@@ -120,6 +125,7 @@ Result<DaemonConfig> Read(TomlTable table) {
   for (TomlTable* sensor : table.Tables("sensor")) {
     config.sensors.push_back(ReadSensor(*sensor, labels));
   }
+  // errors of keys first (unknown, missing, out of range), then those of their combination
   if (auto done = table.Finish(); !done) return std::unexpected(done.error());
   for (const auto& checked :
        {CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file"),
@@ -158,12 +164,13 @@ struct QuantityKey {
   Dimension dimension;
 };
 
+// a key of the file and the field of SensorOptions that it sets
 struct SensorKey {
   std::string_view name;
   std::variant<TextKey, CountKey, QuantityKey> kind;
 };
 
-// one line a key
+// units and limits as those of the options of acquire
 constexpr std::array kKeys{
     SensorKey{"sensor", TextKey{&SensorOptions::sensor}},
     SensorKey{"port", TextKey{&SensorOptions::port}},
@@ -177,7 +184,7 @@ constexpr std::array kKeys{
     SensorKey{"slave", CountKey{&SensorOptions::slave, 0, 255}},
 };
 
-// how each kind of key is read
+// reads a key by its kind; errors collect in the table until Finish()
 struct ReadInto {
   TomlTable& table;
   std::string_view name;
@@ -212,6 +219,7 @@ std::vector<std::string_view> SensorKeyNames() { return Mapped(kKeys, &SensorKey
 namespace {
 
 void Replace(std::string& text, std::string_view placeholder, std::string_view by) {
+  // continues behind the inserted text, which may hold the placeholder itself
   for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos;) {
     text.replace(at, placeholder.size(), by);
     at += by.size();
@@ -232,6 +240,7 @@ std::string Filled(std::string_view pattern, std::string_view name, std::string_
 Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::string_view where) {
   constexpr const char* kRemedy = "write a name with {name}, {utc} and {part} in it";
   if (file.empty()) return Usage(std::string(where), "is empty", kRemedy);
+  // filled with samples: a slash is a path, a remaining brace an unknown placeholder
   const std::string filled = Filled(file, "n", "u", 1);
   if (filled.find_first_of(std::string_view("/\0", 2)) != std::string::npos) {
     return Usage(std::string(where), "is a path", "name the directory under `directory`");
@@ -240,6 +249,7 @@ Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::strin
     return Usage(std::string(where), fmt::format("\"{}\" has a brace that means nothing", file),
                  kRemedy);
   }
+  // several sensors write at the same time: without {name} their files would collide
   if (sensors > 1 && !file.contains("{name}")) {
     return Usage(std::string(where), fmt::format("\"{}\" names all sensors' trials the same", file),
                  "write {name} in it");
@@ -249,6 +259,7 @@ Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::strin
 
 std::string NextTrialPath(const TrialPattern& pattern, std::string_view name, std::string_view utc,
                           std::uint64_t part) {
+  // {utc} and {part} may repeat when the wall clock is set back: a number is appended
   const std::string file = Filled(pattern.file, name, CompactUtc(utc), part);
   return FirstFreePath((std::filesystem::path(pattern.directory) / file).string(), '-');
 }

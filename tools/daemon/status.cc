@@ -34,13 +34,14 @@ using nlohmann::ordered_json;
 constexpr std::array<std::string_view, 6> kStateNames{"starting", "waiting for device", "recording",
                                                       "away",     "waiting for disk",   "stopped"};
 
-// the names are those of the answer on the socket too, which ParseStatus() reads
+// keys of the JSON on the socket too, which ParseStatus() reads
 constexpr Key kConfig{"config"};
 constexpr Key kState{"state", "state"};
 constexpr Key kSince{"since_utc", "since"};
 constexpr Key kDiskWaits{"disk_waits", "waits for disk"};
 constexpr Key kLastError{"last_error"};
 
+// one row of the table; keys without a label stand in JSON alone
 Section SensorSection(const SensorStatus& sensor) {
   Section row;
   row.Add({document::kName.name, "sensor"}, sensor.name);
@@ -60,8 +61,8 @@ Section SensorSection(const SensorStatus& sensor) {
   return row;
 }
 
-// What stands under a key, made printable, because anything may answer on a socket; where it is of
-// another kind, the default, which says nothing
+// The value of a key, made printable, because any program may answer on a socket; where it is of
+// another kind, the default, which means not known
 std::string Text(const ordered_json& object, const Key& key) {
   const auto found = object.find(std::string(key.name));
   return found != object.end() && found->is_string() ? Printable(found->get<std::string>()) : "";
@@ -71,6 +72,7 @@ std::uint64_t Count(const ordered_json& object, const Key& key) {
   const auto found = object.find(std::string(key.name));
   if (found == object.end() || !found->is_number_unsigned()) return 0;
   const auto count = found->get<std::uint64_t>();
+  // the document holds signed 64-bit integers
   return std::in_range<std::int64_t>(count) ? count : 0;
 }
 
@@ -80,6 +82,7 @@ std::optional<double> Number(const ordered_json& object, const Key& key) {
   return found->get<double>();
 }
 
+// nothing for an object without a known state: that is not a sensor of this version
 std::optional<SensorStatus> FromJson(const ordered_json& object) {
   const std::string state = Text(object, kState);
   const auto* const found = std::ranges::find(kStateNames, state);
@@ -113,6 +116,7 @@ document::Document StatusDocument(const DaemonStatus& status) {
   Section sensors{.name = document::kSensors.name, .shape = Section::Shape::kTable};
   for (const SensorStatus& sensor : status.sensors) {
     sensors.sections.push_back(SensorSection(sensor));
+    // the last error is shown as a note of its sensor, also after the state has changed
     if (sensor.last_error.empty()) continue;
     root.findings.push_back(
         {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
@@ -130,6 +134,7 @@ std::string StatusJson(const DaemonStatus& status) {
 Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
   const auto refused = CannotAnswer(where, "answers with no status of a daemon",
                                     "is it haptometer's, and of this version?");
+  // without exceptions: a document that is no JSON is discarded, and no object
   const ordered_json document = ordered_json::parse(json, nullptr, false);
   if (!document.is_object() || !document.contains(document::kSensors.name)) return refused;
   DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, document::kUtc)};
@@ -146,6 +151,7 @@ std::string StatusLine(const DaemonStatus& status) {
       std::ranges::count(status.sensors, LoopState::kRecording, &SensorStatus::state);
   std::string line = fmt::format("{} of {} recording", recording, status.sensors.size());
   for (const SensorStatus& sensor : status.sensors) {
+    // sensors that record are in the count; each other one is named with its state
     if (sensor.state == LoopState::kRecording) continue;
     line += fmt::format("; {}: {}", sensor.name, Name(sensor.state));
   }
@@ -157,13 +163,16 @@ namespace {
 namespace fs = std::filesystem;
 using acquire::OwnedDescriptor;
 
+// a client that does not take the answer within this time must not block the others
 constexpr MonotonicNs kTakenWithinNs = kNsPerS;
+// longest answer that is accepted, 1 MiB
 constexpr std::size_t kLongestStatus = 1 << 20;
-constexpr int kWaiting = 8;  // who may queue while one is answered
+constexpr int kWaiting = 8;  // clients that may queue while one is answered
 
 Result<sockaddr_un> AddressOf(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
+  // sun_path is a fixed array (108 bytes on Linux) that needs its final zero
   if (path.empty() || path.size() >= sizeof address.sun_path) {
     return Usage(path, fmt::format("is not a path of 1 to {} bytes", sizeof address.sun_path - 1),
                  "name a shorter one under `socket`");
@@ -176,12 +185,12 @@ OwnedDescriptor NewSocket() {
   return OwnedDescriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
-// the system's calls want addresses under the general type
+// system calls take addresses under the general type
 const sockaddr* General(const sockaddr_un& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
 
-// 0, or the errno
+// 0 or errno; a descriptor that could not be made counts as EMFILE
 int Connect(const OwnedDescriptor& descriptor, const sockaddr_un& address) {
   if (descriptor.get() < 0) return EMFILE;
   return connect(descriptor.get(), General(address), sizeof address) == 0 ? 0 : errno;
@@ -193,13 +202,14 @@ std::unexpected<Error> NoSocket(const std::string& path, int error_number) {
                 "name another place under `socket`, in a directory that you may write to");
 }
 
-// takes a dead daemon's socket out of the way, and nothing else
+// removes the socket of a daemon that was killed, and no other file
 Result<void> ClearPlace(const std::string& path, const sockaddr_un& address) {
   struct stat found{};
   if (lstat(path.c_str(), &found) != 0) return {};
   if (!S_ISSOCK(found.st_mode)) {
     return Usage(path, "is there and no socket", "name another place under `socket`");
   }
+  // a socket without a listener refuses the connection: its daemon has ended
   if (Connect(NewSocket(), address) != ECONNREFUSED) {
     return Failed(path, "another daemon answers there",
                   "end it, or name another place under `socket`");
@@ -214,15 +224,16 @@ Result<StatusSocket> StatusSocket::Listen(std::string path) {
   const auto address = AddressOf(path);
   if (!address) return std::unexpected(address.error());
   std::error_code error;
-  (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind says what is wrong
+  (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind reports what is wrong
   if (auto cleared = ClearPlace(path, *address); !cleared) return std::unexpected(cleared.error());
   OwnedDescriptor listener = NewSocket();
   if (listener.get() < 0 || bind(listener.get(), General(*address), sizeof *address) != 0 ||
       listen(listener.get(), kWaiting) != 0) {
     return NoSocket(path, errno);
   }
-  // who may look at the directory may ask: a status gives no power
+  // a status changes nothing, so each user who can enter the directory may request it
   chmod(path.c_str(), 0666);
+  // the inode identifies this socket when it is removed
   struct stat made{};
   if (lstat(path.c_str(), &made) != 0) return NoSocket(path, errno);
   return StatusSocket(std::move(listener), std::move(path), made.st_ino);
@@ -230,7 +241,7 @@ Result<StatusSocket> StatusSocket::Listen(std::string path) {
 
 StatusSocket::~StatusSocket() {
   if (listener_.get() < 0) return;
-  // somebody may have put another file in its place
+  // another file may stand at the path by now: only this daemon's socket is removed
   struct stat found{};
   const bool is_ours =
       lstat(path_.c_str(), &found) == 0 && S_ISSOCK(found.st_mode) && found.st_ino == inode_;
@@ -248,13 +259,14 @@ void StatusSocket::AnswerOne(MonotonicNs longest_ns,
   SystemClock clock;
   const auto sent =
       acquire::WriteDescriptor(asker.get(), text(), clock.Now() + kTakenWithinNs, path_);
-  if (!sent) return;  // who asked has gone, and is told nothing
+  if (!sent) return;  // the client has disconnected
 }
 
 Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
   const auto address = AddressOf(path);
   if (!address) return std::unexpected(address.error());
   SystemClock clock;
+  // one deadline for the whole answer, not for each read
   const MonotonicNs deadline = clock.Now() + longest_ns;
   const OwnedDescriptor descriptor = NewSocket();
   if (const int failure = Connect(descriptor, *address); failure != 0) {
@@ -266,6 +278,7 @@ Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
   std::array<char, 4096> buffer{};
   while (clock.Now() < deadline && text.size() <= kLongestStatus) {
     const auto read = acquire::ReadDescriptor(descriptor.get(), buffer, deadline);
+    // the daemon closes the connection behind the answer: its end
     if (read.state == acquire::ReadState::kGone) return text;
     text.append(buffer.data(), read.bytes);
   }
@@ -276,9 +289,10 @@ namespace {
 
 std::vector<fs::path> SocketDirectories() {
   std::vector<fs::path> directories;
-  // read before any thread is started
+  // getenv is not safe beside setenv: called before any thread is started
   const char* own = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
   if (own != nullptr && *own != '\0') directories.push_back(fs::path(own) / "haptometer");
+  // the user's directory first, then the system's
   directories.emplace_back("/run/haptometer");
   return directories;
 }

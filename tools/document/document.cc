@@ -14,21 +14,24 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// "rise_standard_uncertainty_s" of "rise_s"
+// name of a companion value before the unit's ending: "rise_standard_uncertainty_s" of "rise_s"
 std::string Companion(const Item& item, std::string_view what) {
   const std::string_view name = item.name, unit = item.unit.ending;
   const std::string_view ending = name.ends_with(unit) ? unit : "";
   return fmt::format("{}_{}{}", name.substr(0, name.size() - ending.size()), what, ending);
 }
 
+// the fields of an estimate: value, statistical and combined standard uncertainty, 95 % interval
 std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
   using Number = std::optional<double>;
   const bool is_known = item.value.IsKnown();
   const auto known = [&](const Number& number) { return is_known ? number : Number(); };
+  // NaN as the absent end of an interval
   const auto [lower, upper] = item.interval.value_or(Range{kNan, kNan});
   const auto field = [](const Key& key, Value value) {
     return std::pair(std::string(key.name), std::move(value));
   };
+  // an upper limit exists only where there is no value
   return {field(kValue, item.value),
           field(kStandardUncertainty, known(item.statistical)),
           field(kCombinedUncertainty, known(item.standard_uncertainty)),
@@ -39,7 +42,7 @@ std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
           field(Key{"determined"}, is_known)};
 }
 
-// what stands for a place, "name" or "name how"; nothing where the number is not there
+// text for a place "name" or "name how"; nothing where the number is absent
 std::optional<std::string> Replacement(std::string_view place,
                                        const std::vector<FindingNumber>& numbers) {
   const std::size_t blank = std::min(place.find(' '), place.size());
@@ -51,9 +54,11 @@ std::optional<std::string> Replacement(std::string_view place,
   const auto* count = std::get_if<std::int64_t>(&found->value);
   const double number = count ? static_cast<double>(*count) : std::get<double>(found->value);
   if (!std::isfinite(number)) return std::nullopt;
+  // how: "s" plural ending, "SI" plain number, "%" share; else the unit that the name ends with
   if (how == "s") return number == 1 ? "" : "s";
   if (how == "SI") return NumberText(number, 0, 0);
   if (count && how.empty()) return fmt::format("{}", *count);
+  // four digits in the unit of the name's ending ("_m", "_hz")
   return QuantityText(number, how == "%" ? kShare : UnitOfName(name), 4);
 }
 
@@ -62,6 +67,7 @@ std::optional<std::string> Replacement(std::string_view place,
 bool Value::IsKnown() const {
   if (const auto* number = std::get_if<double>(this)) return std::isfinite(*number);
   if (const auto* range = std::get_if<Range>(this)) {
+    // one finite end is enough for a one-sided range
     return std::isfinite(range->lower) || std::isfinite(range->upper);
   }
   return !std::holds_alternative<std::monostate>(*this);
@@ -78,6 +84,7 @@ Item& Section::Add(const Key& key, Value value, std::optional<double> standard_u
 }
 
 std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
+  // a number has one field, an uncertain one two, one with an interval three
   if (item.form == Form::kEstimate) return EstimateFields(item);
   std::vector<std::pair<std::string, Value>> fields{{item.name, item.value}};
   if (item.form == Form::kNumber) return fields;
@@ -96,6 +103,7 @@ std::vector<const Section*> AllSections(const Section& section) {
   return all;
 }
 
+// [optional part] is kept if all its places have a number; {place} is replaced
 std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers) {
   std::string filled;
   std::size_t part = 0;  // where in `filled` an optional part begins
@@ -105,6 +113,7 @@ std::string Fill(std::string_view text, const std::vector<FindingNumber>& number
       part = filled.size();
       is_whole = true;
     } else if (text[at] == ']') {
+      // cut back to the begin of the optional part
       if (!is_whole) filled.resize(part);
     } else if (text[at] == '{') {
       const std::size_t end = text.find('}', at);

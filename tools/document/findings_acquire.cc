@@ -9,6 +9,7 @@ namespace {
 
 using acquire::FindingKind;
 
+// the last kind sets the number: a sentence without a kind does not compile
 constexpr std::size_t kKinds = static_cast<std::size_t>(FindingKind::kStepsTooLarge) + 1;
 
 // in the order of the kinds
@@ -74,7 +75,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "and check_count)"},
     {"ideal-sensor", "the scene has no [sensor]: an ideal one on the skin at {rate_hz} is assumed"},
 
-    // what was seen
+    // what was observed during a recording
     {"heading-lines", "{lines} lines before the first row are not rows: \"{first}\""},
     {"lines-too-soon",
      "{lines} lines came in {elapsed_s}, and {baud} baud carry them in {wire_s} at least: the port "

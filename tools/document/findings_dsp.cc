@@ -8,7 +8,7 @@
 namespace haptometer::document {
 namespace {
 
-// a namespace of its own: other rooms' kinds have like names
+// a namespace of its own, since other modules have kinds of the same names
 namespace dsp_sentences {
 
 struct Row {
@@ -114,6 +114,7 @@ constexpr auto kRows = std::to_array<Row>({
      {"times-unfit-for-tone",
       "times are uncertain by {time_uncertainty_s}; a fit at {frequency_hz} needs less than "
       "{limit_s}"}},
+    // a record too slow for the band, fitted at the known frequency of the drive
     {kKnownTone,
      {"known-tone",
       "if the motion is a tone at {frequency_hz}, its amplitude is {amplitude_m}; no answer for "
@@ -217,6 +218,7 @@ constexpr auto kRows = std::to_array<Row>({
      {"frequency-moves",
       "the frequency changes from {from_hz} to {to_hz}: this is a sweep, and the RMS is that of "
       "all of it; use --sweep"}},
+    // the requested or chosen window
     {kWindowOutside,
      {"window-outside",
       "the window {from_s} to {to_s} lies outside of the record, {record_from_s} to "
@@ -263,6 +265,7 @@ constexpr auto kRows = std::to_array<Row>({
      {"rms-too-small",
       "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
       "than it states?"}},
+    // gain of the sensor's averaging
     {kGainInBand,
      {"gain-in-band",
       "the sensor's gain in the band is {least} to {greatest}; without a tone it is not corrected "
@@ -272,6 +275,7 @@ constexpr auto kRows = std::to_array<Row>({
       "the sensor's gain at {frequency_hz} is {gain}, below {least_gain}: set it to {averages} "
       "average{averages s} or fewer"}},
     {kGainCorrected, {"gain-corrected", "the sensor's gain at the tone is {gain}; corrected for"}},
+    // voltage and current at the tone
     {kElectricalUnmeasured,
      {"electrical-unmeasured",
       "electrical state not determined: {readings} readings of voltage or current in the window "
@@ -301,6 +305,7 @@ constexpr auto kRows = std::to_array<Row>({
       "current channel"}},
     {kConstantDriveAssumed,
      {"constant-drive-assumed", "f0 and Q hold for a drive of constant amplitude"}},
+    // response over frequency
     {kSweepTooShort,
      {"sweep-too-short",
       "{length_s} do not hold two segments of the response; record longer, or choose a resolution "
@@ -315,6 +320,7 @@ constexpr auto kRows = std::to_array<Row>({
      {"frequencies-excluded",
       "{excluded} of {frequencies} frequencies excluded: too little drive or too much noise "
       "there"}},
+    // f0 and Q of one resonance
     {kResonanceAbove,
      {"resonance-above",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
@@ -339,6 +345,7 @@ constexpr auto kRows = std::to_array<Row>({
       "one resonance does not explain {left %} of the response: there may be more than one"}},
 });
 
+// one row for each kind
 static_assert(kRows.size() == static_cast<std::size_t>(kSeveralResonances) + 1);
 
 }  // namespace dsp_sentences
@@ -370,6 +377,7 @@ std::string RefusalOf(const dsp::Findings& findings) {
   return texts.empty() ? std::string() : texts.front();
 }
 
+// averaging of the sensor in words: number of averages and sampling period, ms
 std::string TextOf(const dsp::SensorAveraging& sensor) {
   const std::string held = sensor.repeats > 1
                                ? fmt::format(", each reading held for {} rows", sensor.repeats)
@@ -379,6 +387,7 @@ std::string TextOf(const dsp::SensorAveraging& sensor) {
   return fmt::format("{} averages at {:g} ms{}", sensor.averages, sensor.sampling_s * 1e3, held);
 }
 
+// cause of an uncertainty component, and how it is evaluated (uncertainty.md)
 CauseText TextOf(dsp::RmsCause cause) {
   constexpr std::array<CauseText, dsp::kRmsCauseCount> kTexts{{
       {"noise", "residual periodogram after subtraction of the sine fit"},

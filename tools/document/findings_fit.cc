@@ -5,6 +5,7 @@ namespace haptometer::fit {
 document::Sentence SentenceOf(FindingKind kind) {
   using enum FindingKind;
   switch (kind) {
+    // reading of the file and preparation of the record
     case kHeaderKeyUnknown:
       return {"header-key-unknown", "header key {key} is not known; did you mean {nearest}?"};
     case kSeveralDrops:
@@ -14,6 +15,7 @@ document::Sentence SentenceOf(FindingKind kind) {
     case kTooFewDrops:
       return {"too-few-drops",
               "{good} of its {drops} drops could be fitted, too few for a file of drops: not used"};
+    // reduced, clipped or interrupted records
     case kThinned:
       return {"averaged",
               "{samples} samples, averaged over {block} at a time[; {clipped} at the recorder's "
@@ -28,6 +30,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"quantised-tail",
               "a tail below one step of the converter[, {step_v}][, {step_m}]: excluded from "
               "{from_s} on"};
+    // effects that are included in the fit, or limit the part that is fitted
     case kDryFriction:
       return {"dry-friction",
               "dry friction of {share %} of the spring's force at the first swing: included in the "
@@ -59,6 +62,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"not-quiet-before",
               "the record before the impact has a larger RMS than the residual: it is not used as "
               "noise"};
+    // assumptions where the command line states nothing
     case kOpenAssumed:
       return {"open-assumed", "open circuit: no load is stated"};
     case kHeldAssumed:
@@ -82,6 +86,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"rebound-assumed",
               "impact speed (1 + e) sqrt(2 g h) with g = 9.80665 m/s^2 and rebound e = {rebound} "
               "+- {standard_uncertainty}: no --rebound is stated, 0 to 0.3 is assumed"};
+    // duration of the impact and the correction of Km by the drop height for it
     case kContactUnseen:
       return {"contact-unseen",
               "the impact is assumed to be short, because no quiet part before it shows its "
@@ -94,6 +99,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"contact-corrected",
               "the impact lasts {shortest_s} to {longest_s}, as a half sine of force; Km by the "
               "height is corrected for it, by {share %}"};
+    // which of the two evaluations of Km is used
     case kKmByLoads:
       return {"km-by-loads",
               "Km is determined from the loads' damping; from the drop height it would be "
@@ -106,6 +112,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"robust-loss",
               "robust fit (Huber loss): beyond {bend} times the residuals' scale a sample has a "
               "constant influence"};
+    // constants that the records do not determine, and what would
     case kMassMissing:
       return {"mass-missing",
               "Kv and Bv, and Km of an impedance sweep, are determined over the mass only: state "
@@ -114,6 +121,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"masses-missing",
               "Kv and Bv, and Km of an impedance sweep, are determined over the mass only: state "
               "--moving-mass 1.4g and --case-mass 0.6g"};
+    // damping Bv and force constant Km, which share the measured decay
     case kNoDecay:
       return {"no-decay",
               "Bv and Q are not determined: the record shows no decay beyond its uncertainty; "
@@ -145,6 +153,7 @@ document::Sentence SentenceOf(FindingKind kind) {
               "Km: the change of the damping by these loads is within its uncertainty, or the mass "
               "or the coil's resistance is missing; state those, or record with 27 to 50 ohm "
               "across the terminals"};
+    // contradictions between records
     case kSmallerLoadDecaysSlower:
       return {"smaller-load-decays-slower",
               "the records contradict each other: those with the smaller load decay more slowly, "
@@ -164,6 +173,7 @@ document::Sentence SentenceOf(FindingKind kind) {
           "record-of-another",
           "its residual in the fit of all records is {ratio} times that of its own fit: its load, "
           "case or mass is not as stated, or it is of another actuator; do not use the constants"};
+    // dependence on the amplitude: spring, friction and damping that are not linear
     case kSpringStiffens:
       return {"spring-stiffens",
               "one decay time later the resonance differs by {share %} ({deviations} times its "
@@ -184,6 +194,7 @@ document::Sentence SentenceOf(FindingKind kind) {
               "one decay time later the decay differs by {share %} ({deviations} times its "
               "uncertainty): the damping grows with travel or speed, and Bv is an average over "
               "this ring-down"};
+    // scatter that the noise does not explain
     case kFrequenciesScatter:
       return {"frequencies-scatter",
               "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
@@ -201,6 +212,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"outlying-point",
               "the point at {frequency_hz} differs from the model by {spread} times the others' "
               "spread: is it an error? It biases all constants"};
+    // values outside the usual range, mostly an error of unit
     case kUnusualFrequency:
       return {"unusual-frequency",
               "a resonance of {natural_frequency_hz} is unusual: are the times in ms or us, or the "
@@ -233,6 +245,7 @@ document::Sentence SentenceOf(FindingKind kind) {
     case kUnusualAmplitude:
       return {"unusual-amplitude",
               "an amplitude of {amplitude_m} is unusual: is the column in mm or um?"};
+    // skin: Ks in N/m and Bs in N s/m
     case kUnusualSkinStiffness:
       return {"unusual-skin-stiffness",
               "Ks of {stiffness_n_per_m} is unusual for skin: check the units of displacement and "
@@ -248,6 +261,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"unusual-frequencies",
               "frequencies from {lowest_hz} to {highest_hz} are unusual for a haptic sweep: are "
               "they in kHz?"};
+    // impedance sweep
     case kResistanceAsStated:
       return {"resistance-as-stated", "the sweep does not determine R: the stated value is used"};
     case kInductanceBelow:
@@ -269,6 +283,7 @@ document::Sentence SentenceOf(FindingKind kind) {
     case kPolarityTurned:
       return {"polarity-turned",
               "the coil's polarity is arbitrary: the phases are changed by 180 degrees"};
+    // skin in contact with an actuator: Ks, Bs and m
     case kKsNotDetermined:
       return {"ks-not-determined",
               "Ks: damping or mass dominates the motion at these frequencies; sweep lower, and "
@@ -295,6 +310,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"second-solution",
               "Ks {stiffness_n_per_m}, Bs {damping_n_s_per_m}, m {mass_kg} fit nearly as well: "
               "measure the phase against the drive, or sweep further"};
+    // ring-down of an adapter: Ka and Ba
     case kOneSideHeld:
       return {"one-side-held",
               "one side is held, and the given mass is all that rings on the spring (about a third "
@@ -310,6 +326,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       return {"ba-below",
               "Ba: it is below {at_most_n_s_per_m} (95 %); a longer record or a stronger tap would "
               "show the decay"};
+    // later parts of the ring-down against all of it
     case kDampingChangesLater:
       return {"damping-changes-later",
               "Ba changes by {share %} when the first {skipped_s} are excluded: a joint rubs, or "

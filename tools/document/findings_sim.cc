@@ -1,7 +1,7 @@
 #include "sim/findings.h"
 #include "tools/document/document.h"
 
-// What the findings of sim say.
+// Sentences for the findings of sim; [optional parts] need their numbers.
 namespace haptometer::document {
 
 Sentence SentenceOf(sim::FindingKind kind) {

@@ -7,12 +7,14 @@
 namespace haptometer::tools {
 namespace {
 
+// a kind and its sentence; [optional part] is omitted where its numbers are absent
 struct Row {
   StudyFinding kind;
   document::Sentence sentence;
 };
 
 constexpr std::array kTable{
+    // one trial or condition
     Row{StudyFinding::kNoValue, {"no-value", "{reason}"}},
     Row{StudyFinding::kBelowNoise,
         {"below-noise",
@@ -39,6 +41,7 @@ constexpr std::array kTable{
          "OUT.csv makes one of any trial)[, {trials} of {of_trials} trials]"}},
     Row{StudyFinding::kDataMissing, {"data-missing", "{what}[, {trials} of {of_trials} trials]"}},
     Row{StudyFinding::kTableIgnored, {"table-ignored", "a table of results, no trial: ignored"}},
+    // completeness and outliers, which are reported and retained
     Row{StudyFinding::kTrialsMissing,
         {"trials-missing", "{answered} of {expected} trial{expected s} with a value"}},
     Row{StudyFinding::kOutlyingTrial,
@@ -49,6 +52,7 @@ constexpr std::array kTable{
         {"outlying-cell",
          "possible outlier: {times} times the additive prediction of subject and condition, robust "
          "z = {robust_z}; retained"}},
+    // tests that are not possible
     Row{StudyFinding::kContrastsNotPlanned,
         {"contrasts-not-planned",
          "no contrast is planned, so every condition is compared with the first, {control} "
@@ -63,6 +67,7 @@ constexpr std::array kTable{
          "of them and differ ({subjects} have)"}},
     Row{StudyFinding::kCalibrationExcluded,
         {"calibration-excluded", "uncertainties exclude sensor calibration and linearity"}},
+    // matching of settings, power and the line over drive
     Row{StudyFinding::kNoSetting, {"no-setting", "no setting"}},
     Row{StudyFinding::kOneStart,
         {"one-start", "no setting started {missing}; those of the other start are used"}},
@@ -83,6 +88,7 @@ constexpr std::array kTable{
 
 }  // namespace
 
+// a kind without a row is an error of the program
 document::Sentence SentenceOf(StudyFinding kind) {
   const auto* row = std::ranges::find(kTable, kind, &Row::kind);
   HAPTOMETER_CHECK(row != kTable.end(), "a kind without words: {}", static_cast<int>(kind));

@@ -10,6 +10,7 @@ namespace {
 using trial::FindingKind;
 
 constexpr std::size_t kKinds = static_cast<std::size_t>(FindingKind::kNotedAtExport) + 1;
+// the first kLosses kinds are losses of rows, which share the ending kLost
 constexpr std::size_t kLosses = static_cast<std::size_t>(FindingKind::kDamagedFromBlock) + 1;
 
 // in the order of the kinds
@@ -77,6 +78,7 @@ std::array<std::string, kLosses> LossTexts() {
 }  // namespace
 
 Sentence SentenceOf(FindingKind kind) {
+  // composed once: sentences refer to their text without owning it
   static const std::array<std::string, kLosses> loss_texts = LossTexts();
   const auto number = static_cast<std::size_t>(kind);
   const Sentence& sentence = kSentences.at(number);

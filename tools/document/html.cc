@@ -11,7 +11,7 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-// one column that a narrow screen and A4 both hold; on paper no figure or row is cut in two
+// one column that fits a narrow screen and A4; on paper no figure or row is split
 constexpr std::string_view kStyle = R"(
 body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #222; max-width: 60rem;
        margin: 2rem auto; padding: 0 1rem; }
@@ -35,7 +35,7 @@ figcaption { color: #555; font-size: .9rem; }
 }
 )";
 
-// `text`, printable, with the characters that mean something to HTML written out
+// `text`, printable, with the special characters of HTML escaped
 std::string Escaped(std::string_view text) {
   std::string escaped;
   for (const char c : PrintableLines(text)) {
@@ -54,13 +54,13 @@ std::string Escaped(std::string_view text) {
   return escaped;
 }
 
-// a drawing without what only a file of its own begins with
+// the svg element alone, without XML declaration and document type
 std::string_view SvgElement(std::string_view svg) {
   const std::size_t begin = svg.find("<svg");
   return begin == std::string_view::npos ? svg : svg.substr(begin);
 }
 
-// The body of a page while it grows. It needs nothing from elsewhere, and all text is escaped here.
+// The body of a page while it grows: self-contained, and all text is escaped here.
 struct HtmlWriter {
   std::string body{};
   int figures = 0;
@@ -70,7 +70,7 @@ struct HtmlWriter {
     body += fmt::format("<{}>{}</{}>\n", tag, Escaped(text), tag.substr(0, tag.find(' ')));
   }
 
-  // a row's first cell is its heading; `header` may be empty
+  // the first cell of a row is its heading; `header` may be empty
   void AddRows(const std::vector<std::string>& header, const Rows& rows) {
     if (header.empty() && rows.empty()) return;
     body += "<table>\n";
@@ -100,10 +100,10 @@ struct HtmlWriter {
     return {};
   }
 
-  // a line of one table for each, because each row of the table may have one
+  // sections below a table's rows, one line of text for each
   void AddBelow(const Section& table);
   void AddTable(const Section& table);
-  // `level`: 0 of the document's own parts
+  // `level`: 0 for the document's own parts (h2), deeper ones are h3
   Result<void> AddSection(const Section& section, int level);
 };
 
@@ -119,6 +119,7 @@ void HtmlWriter::AddBelow(const Section& table) {
   Rows rows;
   for (const Section* below : SectionsBelow(table)) {
     Rows items;
+    // label and value of all inner sections, separated by semicolons
     for (const Section* part : AllSections(*below)) AddItemRows(*part, items);
     std::string text;
     for (const auto& item : items) {
@@ -144,7 +145,7 @@ void HtmlWriter::AddTable(const Section& table) {
 Result<void> HtmlWriter::AddSection(const Section& section, int level) {
   if (!IsShown(section)) return {};
   if (!section.heading.empty()) Add(level++ == 0 ? "h2" : "h3", section.heading);
-  // refusals and doubts stand out
+  // refusals and doubts are marked as warnings and come before the numbers
   for (const Finding& finding : section.findings) {
     Add(finding.severity == Severity::kNote ? "p" : "p class=\"warning\"",
         FindingText(finding, section.heading));
@@ -178,6 +179,7 @@ Result<std::string> HtmlOf(const Document& document) {
   if (auto added = page.AddSection(document.root, 0); !added) {
     return std::unexpected(added.error());
   }
+  // inputs with size and checksum, so that a number can be traced to its file
   Rows inputs;
   for (const InputFile& input : provenance.inputs) {
     inputs.push_back({input.path, fmt::format("{}", input.bytes), input.sha256});

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// the value; a number that is not finite is null
+// the value; a number that is not finite is null, as JSON has neither NaN nor infinity
 struct JsonVisitor {
   Json operator()(std::monostate) const { return nullptr; }
   Json operator()(double number) const { return std::isfinite(number) ? Json(number) : Json(); }
@@ -25,6 +25,7 @@ struct JsonVisitor {
     for (const T& one : list) json.push_back((*this)(one));
     return json;
   }
+  // bool, count and text as they are
   template <typename T>
   Json operator()(const T& value) const {
     return value;
@@ -38,8 +39,8 @@ Json ValueJson(const Value& value, bool is_known) {
 
 Json TextOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-// Indented, with a line end. Names and paths may hold bytes that are no UTF-8; they become U+FFFD.
-// What is not printable stands as its \u escape, so a terminal shows the document as it is.
+// Indented, with a line end. Bytes of names and paths that are no UTF-8 become U+FFFD, and what is
+// not printable its \u escape, so that a terminal shows the document as it is.
 std::string JsonText(const Json& json) {
   return PrintableLines(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
@@ -47,6 +48,7 @@ std::string JsonText(const Json& json) {
 Json JsonOfSection(const Section& section);
 Json ObjectOf(const Section& section);
 
+// an estimate is an object of its own, other items are one to three fields of the section's object
 void AddItem(const Item& item, bool is_known, Json& json) {
   const bool is_object = item.form == Form::kEstimate;
   Json& object = is_object ? json[item.name] : json;
@@ -54,7 +56,7 @@ void AddItem(const Item& item, bool is_known, Json& json) {
   for (const auto& [name, value] : FieldsOf(item)) object[name] = ValueJson(value, is_known);
 }
 
-// the parts of the section become the object's; all null where they are not known
+// parts of the section become parts of the object; all are null where the section is not known
 void AddParts(const Section& section, bool is_known, Json& json) {
   for (const Item& item : section.items) {
     if (!item.name.empty()) AddItem(item, is_known, json);
@@ -63,6 +65,7 @@ void AddParts(const Section& section, bool is_known, Json& json) {
   for (const Section& inner : section.sections) {
     if (!inner.name.empty()) {
       Json part = is_known ? JsonOfSection(inner) : Json(nullptr);
+      // arrays of one name are joined: a list may come in several sections
       Json& there = json[inner.name];
       if (!there.is_array() || !part.is_array()) {
         there = std::move(part);
@@ -70,6 +73,7 @@ void AddParts(const Section& section, bool is_known, Json& json) {
         for (Json& element : part) there.push_back(std::move(element));
       }
     } else if (inner.shape == Section::Shape::kObject) {
+      // a section without a name adds its keys to the object around it
       AddParts(inner, is_known && inner.is_known, json);
     }
   }
@@ -83,6 +87,7 @@ Json ObjectOf(const Section& section) {
 
 Json JsonOfSection(const Section& section) {
   if (!section.is_known) return nullptr;
+  // arrays and tables: one object for each row
   if (section.shape == Section::Shape::kObject) return ObjectOf(section);
   Json array = Json::array();
   for (const Section& element : section.sections) array.push_back(ObjectOf(element));
@@ -113,15 +118,16 @@ Json ProvenanceJson(const Provenance& provenance) {
           {kInputs.name, inputs}};
 }
 
-// --- tables with commas ---
+// --- CSV tables ---
 
-// names and cells of a row, those of the sections within it behind its own
+// names and cells of a row, inner sections behind its own items; an empty cell is not known
 void AddCells(const Section& section, bool is_known, std::string& names, std::string& cells) {
   for (const Item& item : section.items) {
     for (const auto& [name, value] : FieldsOf(item)) {
       if (item.name.empty()) continue;
       const std::string comma = names.empty() ? "" : ",";
       const Json json = ValueJson(value, is_known);
+      // escaped as a CSV cell: a name may hold commas or begin like a formula
       names += comma + cli::CellOf(name);
       cells += comma;
       if (json.is_null()) continue;
@@ -137,6 +143,7 @@ void AddCells(const Section& section, bool is_known, std::string& names, std::st
 
 std::string JsonOf(const Document& document) {
   Json json = ObjectOf(document.root);
+  // findings of all sections in one list, in the order of the text
   Json& findings = json["findings"] = Json::array();
   for (const Section* section : AllSections(document.root)) {
     for (const Finding& finding : section->findings) {
@@ -154,6 +161,7 @@ std::string CsvOf(const Section& table, const Provenance& provenance) {
   for (const Section& element : table.sections) {
     std::string names, cells;
     AddCells(element, element.is_known, names, cells);
+    // the names of the first row are the heading
     if (&element == table.sections.data()) csv += names + "\n";
     csv += cells + "\n";
   }

@@ -14,6 +14,7 @@
 namespace haptometer::document {
 namespace {
 
+// the figures of all sections in one picture
 Result<void> DrawFigures(const std::string& path, const Document& document) {
   std::vector<plot::Panel> panels;
   for (const Section* section : AllSections(document.root)) {
@@ -21,7 +22,7 @@ Result<void> DrawFigures(const std::string& path, const Document& document) {
       panels.insert(panels.end(), figure.panels.begin(), figure.panels.end());
     }
   }
-  // what is refused may have none
+  // a refused document may have no figures
   return panels.empty() ? Result<void>{} : plot::DrawPanels(path, panels);
 }
 
@@ -31,6 +32,7 @@ Result<void> WritePage(const std::string& path, const Document& document) {
   return cli::WriteOutput(path, cli::kPageOutput, false, cli::Marked(*html));
 }
 
+// 3 where any section holds a refusal, else 0
 int StatusOf(const Document& document) {
   const auto is_refused = [](const Section* section) {
     return std::ranges::count(section->findings, Severity::kRefusal, &Finding::severity) > 0;
@@ -40,13 +42,13 @@ int StatusOf(const Document& document) {
              : 0;
 }
 
-// collected where it is shown
+// collected only where it is shown, since each input is read again for its checksum
 void AddProvenance(Document& document, const Outputs& outputs, int argc, const char* const* argv) {
   if (!outputs.json && !outputs.all && outputs.report.empty()) return;
   document.provenance = ProvenanceOf(document.verb, argc, argv);
 }
 
-// picture and page; the exit status
+// writes picture and page; the exit status, the worse one of findings and files
 int WriteFiles(const Document& document, const Outputs& outputs) {
   int status = StatusOf(document);
   const auto note = [&](const Result<void>& done) {
@@ -61,6 +63,7 @@ Detail DetailOf(const Outputs& outputs) { return outputs.all ? Detail::kAll : De
 
 }  // namespace
 
+// checked before the work: a wrong path must not cost a computed result
 Result<void> CheckOutputs(const Outputs& outputs) {
   if (!outputs.plot.empty()) {
     if (auto good = plot::CheckPlotPath(outputs.plot); !good) return good;
@@ -73,7 +76,7 @@ Result<void> CheckOutputs(const Outputs& outputs) {
 }
 
 Provenance ProvenanceOf(std::string_view verb, int argc, const char* const* argv) {
-  // "trial info" is two words
+  // a verb may have two words ("trial info")
   std::vector<std::string> words{"haptometer"};
   std::istringstream of_verb{std::string(verb)};
   for (std::string word; of_verb >> word;) words.push_back(word);
@@ -89,10 +92,12 @@ int Present(Document document, const Outputs& outputs, int argc, const char* con
 
 Presenter::Presenter(Document document, Outputs outputs, int argc, const char* const* argv)
     : document_(std::move(document)), outputs_(std::move(outputs)), argc_(argc), argv_(argv) {
+  // Add() appends to the last section
   HAPTOMETER_CHECK(!document_.root.sections.empty(), "{} has no section for its parts",
                    document_.verb);
 }
 
+// text appears part by part, as each is complete; JSON is one document at the end
 void Presenter::PrintText(const Section& section) {
   if (outputs_.json) return;
   const std::string text = TextOf(section, DetailOf(outputs_));
@@ -112,6 +117,7 @@ int Presenter::Finish(Section last) {
   document_.root.sections.push_back(std::move(last));
   AddProvenance(document_, outputs_, argc_, argv_);
   if (outputs_.json) cli::Print(JsonOf(document_));
+  // text was printed already, so only the provenance is added
   if (outputs_.all && !outputs_.json) cli::Print(CommentOf(document_.provenance, "  "));
   return WriteFiles(document_, outputs_);
 }

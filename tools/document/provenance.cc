@@ -17,12 +17,13 @@
 namespace haptometer::document {
 namespace {
 
-// FIPS 180-4; empty where the file cannot be read
+// SHA-256 (FIPS 180-4) in hexadecimal; empty where the file cannot be read
 std::string Sha256Of(const std::string& path) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash(EVP_MD_CTX_new(),
                                                                      &EVP_MD_CTX_free);
   std::ifstream file(path, std::ios::binary);
   if (!hash || EVP_DigestInit_ex(hash.get(), EVP_sha256(), nullptr) != 1 || !file) return {};
+  // pieces of 256 KiB: a trial may exceed the memory
   std::vector<char> piece(1 << 18);
   while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
     EVP_DigestUpdate(hash.get(), piece.data(), static_cast<std::size_t>(file.gcount()));
@@ -38,7 +39,7 @@ InputFile InputOf(const NotedInput& noted) {
   InputFile input{.path = noted.path,
                   .bytes = static_cast<std::uint64_t>(noted.status.st_size),
                   .sha256 = Sha256Of(noted.path)};
-  // what was hashed is what was read, as far as the file's own times say
+  // a file that has changed since it was read (inode, size, time) has no checksum of the data used
   struct stat now{};
   const auto& then = noted.status;
   const bool is_same = stat(noted.path.c_str(), &now) == 0 && now.st_ino == then.st_ino &&

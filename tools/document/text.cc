@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kIndent = 2;
 
-// The value alone, numbers in `unit`.
+// The value alone, numbers in `unit`; uncertainty and resolution determine the digits.
 struct CellVisitor {
   const Item& item;
   const SpokenUnit& unit;
@@ -43,7 +43,7 @@ struct CellVisitor {
   }
 };
 
-// the largest number without its sign
+// the largest magnitude, which selects the unit (m, mm or um)
 double SizeOf(const Item& item) {
   const auto size = [](double number) { return std::isfinite(number) ? std::abs(number) : 0; };
   if (const auto* number = std::get_if<double>(&item.value)) return size(*number);
@@ -53,6 +53,7 @@ double SizeOf(const Item& item) {
   return size(item.at_most.value_or(0));
 }
 
+// the value, or "at most" with two digits where only an upper limit is known
 std::string CellText(const Item& item, const SpokenUnit& unit) {
   if (item.value.IsKnown() || !item.at_most) {
     return std::visit(CellVisitor{item, unit}, static_cast<const AnyValue&>(item.value));
@@ -61,7 +62,7 @@ std::string CellText(const Item& item, const SpokenUnit& unit) {
                      NumberText(*item.at_most * unit.factor, 0, item.resolution * unit.factor, 2));
 }
 
-// the labelled items of a row, without a value where the section that they are of is not known
+// the labelled items of a row; without values where the section that they belong to is not known
 void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
   for (const Item& item : section.items) {
     if (item.label.empty()) continue;
@@ -72,7 +73,7 @@ void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
   }
 }
 
-// Whether all are said in the units of the first, so that those can stand in the heading.
+// Whether all are shown in the units of the first, so that those can stand in the heading.
 bool AreInOneUnit(const std::vector<Item>& items) {
   return std::ranges::all_of(items, [&](const Item& item) {
     return item.unit.spoken[0].symbol == items.front().unit.spoken[0].symbol;
@@ -81,6 +82,7 @@ bool AreInOneUnit(const std::vector<Item>& items) {
 
 bool HasValue(const Item& item) { return item.value.IsKnown() || item.at_most; }
 
+// one unit for a column, chosen by its largest number; else each cell has its own unit
 Column ColumnOf(const std::vector<Item>& items) {
   double size = 0;
   for (const Item& item : items) size = std::max(size, SizeOf(item));
@@ -92,19 +94,20 @@ Column ColumnOf(const std::vector<Item>& items) {
     const SpokenUnit unit = item.unit.For(is_one ? size : SizeOf(item));
     std::string cell = Printable(CellText(item, unit));
     if (!is_one && !unit.symbol.empty() && HasValue(item)) cell += fmt::format(" {}", unit.symbol);
+    // a column of names and missing values is set to the left, numbers to the right
     column.is_text &= !item.value.IsKnown() || std::holds_alternative<std::string>(item.value);
     column.cells.push_back(std::move(cell));
   }
   return column;
 }
 
-// characters as a terminal counts them
+// characters as a terminal counts them: bytes that do not continue one in UTF-8
 std::size_t WidthOf(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
 }
 
-// of the labels that stand in one column: those of inner sections without a heading too
+// width of the labels in one column, with those of inner sections without a heading
 std::size_t LabelWidth(const Section& section) {
   std::size_t width = 0;
   for (const Item& item : section.items) {
@@ -125,7 +128,7 @@ struct TextWriter {
     fmt::format_to(std::back_inserter(text), "{:{}}{}\n", "", indent, Printable(line));
   }
 
-  // `width`: of the labels of the section around it
+  // `width`: of the labels of the section around it; a heading begins a column of its own
   void AddSection(const Section& section, std::size_t indent, std::size_t width) {
     if (!IsShown(section) || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
     if (!section.heading.empty()) {
@@ -142,7 +145,7 @@ struct TextWriter {
     }
   }
 
-  // label and value, the values of a section one below the other
+  // label and value, the values of a section aligned
   void AddItems(const Section& section, std::size_t indent, std::size_t width) {
     for (const Item& item : section.items) {
       const std::string value = item.label.empty() ? "" : ItemText(item);
@@ -154,7 +157,7 @@ struct TextWriter {
 
   void AddTable(const Section& table, std::size_t indent) {
     const std::vector<Column> columns = ColumnsOf(table);
-    // numbers to the right, so that those of as many decimals stand one below the other
+    // numbers aligned to the right, so that equal decimals stand one below the other
     for (std::size_t row = 0; !columns.empty() && row <= table.sections.size(); ++row) {
       std::string line;
       for (const Column& column : columns) {
@@ -165,6 +168,7 @@ struct TextWriter {
         if (!line.empty()) line += std::string(kIndent, ' ');
         line += column.is_text ? cell + fill : fill + cell;
       }
+      // no blanks at a line's end
       AddLine(indent, line.substr(0, line.find_last_not_of(' ') + 1));
     }
     for (const Section* below : SectionsBelow(table)) AddSection(*below, indent, 0);
@@ -176,6 +180,7 @@ struct TextWriter {
 bool IsShown(const Section& section) {
   if (!section.is_known) return false;
   if (section.shape != Section::Shape::kObject) return !section.sections.empty();
+  // an item without a label stands in JSON only
   const auto is_shown = [](const Item& item) {
     return !item.label.empty() && !ItemText(item).empty();
   };
@@ -192,7 +197,7 @@ std::string ItemText(const Item& item) {
   if (!item.value.IsKnown()) {
     text += " (95 %)";
   } else if (item.interval) {
-    // of ends that look alike none is shown
+    // an interval whose ends are shown as the same number adds nothing
     const CellVisitor said{item, unit};
     const auto [lower, upper] = *item.interval;
     if (said(Range{lower, lower}) != said(Range{upper, upper})) {
@@ -204,6 +209,7 @@ std::string ItemText(const Item& item) {
 
 std::vector<Column> ColumnsOf(const Section& table) {
   std::vector<std::vector<Item>> rows;
+  // all rows have the same cells, so that column k is one quantity
   for (const Section& row : table.sections) {
     AddCells(row, row.is_known, rows.emplace_back());
     HAPTOMETER_CHECK(rows.back().size() == rows.front().size(), "a row of {} has {} cells",
@@ -213,6 +219,7 @@ std::vector<Column> ColumnsOf(const Section& table) {
   for (std::size_t k = 0; !rows.empty() && k < rows.front().size(); ++k) {
     std::vector<Item> items;
     for (const auto& row : rows) items.push_back(row[k]);
+    // a column without any value is omitted
     if (std::ranges::any_of(items, HasValue)) columns.push_back(ColumnOf(items));
   }
   return columns;
@@ -231,6 +238,7 @@ std::vector<const Section*> SectionsBelow(const Section& table) {
 std::string FindingText(const Finding& finding, std::string_view heading) {
   const std::string_view what =
       finding.severity == Severity::kRefusal ? "not answered" : NameOf(finding.severity);
+  // a heading that already names the subject is not repeated
   const bool is_said = finding.subject.empty() || finding.subject == heading;
   return is_said ? fmt::format("{}: {}", what, finding.text)
                  : fmt::format("{}: {}: {}", what, finding.subject, finding.text);

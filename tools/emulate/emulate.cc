@@ -126,11 +126,11 @@ void Declare(cli::Options& options, Wanted& wanted) {
       .Default("1");
   options.Flag("--writable", &wanted.is_writable,
                "Set the unit's R/W switch to W: SW and AW are executed", cli::Shown::kHelpAll);
-  // --format is that of the lines it sends
+  // --format is declared above, as the form of the lines that are sent
   cli::DeclareImport(&options, &wanted.import, cli::Scaled::kDisplacement, true);
 }
 
-// What cannot be asked for together.
+// Options that exclude or require each other.
 Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   if (options.json()) {
     return Usage("--json", "emulate has no document to print", "read its line 'ready PATH'");
@@ -141,6 +141,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   if (!wanted.link.empty() && !wanted.tcp.empty()) {
     return Usage("--link", "is for a terminal, and --tcp makes none", "leave one of them out");
   }
+  // a stream and an LK-G have no buffer that is refreshed at intervals
   if ((wanted.stream() || wanted.protocol == kLkg) && wanted.refresh_s) {
     return Usage("--refresh", "is the buffer of a DL-RS1A",
                  fmt::format("leave it out with --protocol {}", wanted.protocol));
@@ -152,6 +153,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
     return Usage("--profile", "belongs to --protocol modbus, and that needs it",
                  "give both, e.g. --protocol modbus --profile baumer-om20");
   }
+  // a profile states wire and sampling of its sensor
   if (wanted.modbus() &&
       (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
     return Usage("--profile", "states baud rate and sampling itself",
@@ -160,12 +162,13 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   if (!wanted.stream() && !wanted.format.empty()) {
     return Usage("--format", "is for lines that are sent without request", "add --protocol stream");
   }
+  // times in s that are converted to ns
   const std::pair<const char*, const std::optional<Quantity>*> times[] = {
       {"--duration", &wanted.duration_s},
       {"--sampling", &wanted.sampling_s},
       {"--refresh", &wanted.refresh_s}};
   for (const auto& [name, time] : times) {
-    // below a nanosecond and above a year nothing can be scheduled
+    // 1 ns is the clock's resolution; a year still fits in 64 bits of ns
     if (*time && !((*time)->value >= 1e-9 && (*time)->value <= 3.2e7)) {
       return Usage(name, fmt::format("{:g} s is not a time to wait", (*time)->value),
                    "give 1ns to 1 year");
@@ -174,8 +177,8 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   return {};
 }
 
-// The head before a scene that plays: its motion and, where the scene's sensor is of this
-// protocol's kind, its settings. Another kind of sensor only says where the spot lies.
+// The head in front of a played scene: its motion and, where the scene's sensor is of this
+// protocol's kind, its settings. Of another kind only the spot (skin, case or mover) is used.
 Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
   const auto scene = ReadPlayedScene(path);
   if (!scene) return std::unexpected(scene.error());
@@ -190,7 +193,7 @@ Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
   return {};
 }
 
-// The remark tells how long it plays.
+// The displacement of a trial; the remark states its duration and the rows without measurement.
 Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& words,
                               emulator::MovingHead& head) {
   const auto import = cli::ImportOf(words);
@@ -208,7 +211,7 @@ Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& w
   return remark;
 }
 
-// A device, and what to say of it once it is ready.
+// A device, and the remark that is printed once it is ready.
 struct Played {
   std::unique_ptr<emulator::Device> device;
   std::string remark;
@@ -219,7 +222,7 @@ std::string Describe(const trial::SensorHead& head) {
                      head.averages, head.averages == 1 ? "" : "s");
 }
 
-// one head an amplifier: each shows a smaller motion, so that channels can be told apart
+// one head for each amplifier, with x / (n + 1) and a seed of its own, to distinguish the channels
 std::vector<emulator::MovingHead> AllHeads(const Wanted& wanted, const emulator::MovingHead& head) {
   std::vector<emulator::MovingHead> heads{head};
   for (std::int64_t number = 1; number < wanted.amplifiers.value_or(1); ++number) {
@@ -233,6 +236,7 @@ std::vector<emulator::MovingHead> AllHeads(const Wanted& wanted, const emulator:
   return heads;
 }
 
+// DL-EN1 (TCP): the refresh interval depends on the number of amplifiers unless it is given
 Result<Played> MakeEn1(const Wanted& wanted, const emulator::MovingHead& head,
                        const emulator::FaultPlan& faults) {
   emulator::DlEn1Setup setup;
@@ -247,6 +251,7 @@ Result<Played> MakeEn1(const Wanted& wanted, const emulator::MovingHead& head,
   return Played{std::make_unique<emulator::DlEn1Unit>(std::move(setup)), std::move(remark)};
 }
 
+// LK-G3001 on a serial line: no buffer with a refresh interval
 Result<Played> MakeLkg(const Wanted& wanted, const emulator::MovingHead& head,
                        const emulator::FaultPlan& faults) {
   emulator::LkgSetup setup;
@@ -258,6 +263,7 @@ Result<Played> MakeLkg(const Wanted& wanted, const emulator::MovingHead& head,
   return Played{std::make_unique<emulator::LkgUnit>(std::move(setup)), std::move(remark)};
 }
 
+// DL-RS1A on a serial line: main amplifier, expansions, and the interval of its buffer
 Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
                         const emulator::FaultPlan& faults) {
   emulator::DlRs1aSetup setup;
@@ -270,6 +276,7 @@ Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
   if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
   if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  // two limits of the rate: the exchange on the wire, and the refresh of the unit's values
   const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, heads.size()));
   std::string remark = fmt::format(
       "{}; at {} baud at most {:.1f} readings/s, new ones every {:g} ms", Describe(setup.head.head),
@@ -277,6 +284,7 @@ Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
   return Played{std::make_unique<emulator::DlRs1aUnit>(setup), std::move(remark)};
 }
 
+// free-running lines, one for each sampling period of the head
 Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   emulator::StreamSetup setup;
@@ -295,7 +303,7 @@ Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
   return Played{std::make_unique<emulator::StreamHead>(std::move(setup)), std::move(remark)};
 }
 
-// the head's settings are replaced by the profile's
+// the profile's settings replace those of the head
 Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   const bool over_tcp = !wanted.tcp.empty();
@@ -303,6 +311,7 @@ Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
   if (!found) return std::unexpected(found.error());
   emulator::ModbusUnitSetup setup;
   setup.profile = std::move(*found);
+  // frame with CRC on a serial line, with header and length over TCP
   setup.framing = over_tcp ? acquire::ModbusFraming::kTcp : acquire::ModbusFraming::kRtu;
   setup.head = std::move(head);
   setup.head.head = emulator::HeadOf(setup.profile);
@@ -317,17 +326,20 @@ Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
   return Played{std::make_unique<emulator::ModbusUnit>(std::move(setup)), std::move(remark)};
 }
 
+// device of the protocol with faults, and in front of its head a scene or a trial
 Result<Played> MakeDevice(const Wanted& wanted) {
   emulator::FaultPlan faults;
   if (!wanted.fault.empty()) {
     const auto plan = emulator::ParseFaultPlan(wanted.fault);
     if (!plan) return std::unexpected(plan.error());
     faults = *plan;
+    // CRC, slave, transaction and word order exist in Modbus replies only
     if (faults.fault->is_modbus && !wanted.modbus()) {
       return Usage("--fault", fmt::format("'{}' is for --protocol modbus", faults.fault->name),
                    "give another, or that protocol");
     }
   }
+  // default head: 10 kHz stream, else an IL-030
   emulator::MovingHead head;
   head.head = wanted.stream() ? trial::Stream10kHz() : trial::Il030();
   std::string source_remark;
@@ -340,7 +352,7 @@ Result<Played> MakeDevice(const Wanted& wanted) {
     source_remark = *played + "; ";
   }
 
-  // options beat the scene
+  // options override the scene
   if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
   if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
   if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
@@ -353,6 +365,7 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   return made;
 }
 
+// from here on a device exists: open its endpoint, then serve until the end or Ctrl-C
 Result<void> Emulate(const Wanted& wanted) {
   const auto played = MakeDevice(wanted);
   if (!played) return std::unexpected(played.error());
@@ -362,6 +375,7 @@ Result<void> Emulate(const Wanted& wanted) {
 
   std::optional<MonotonicNs> duration_ns;
   if (wanted.duration_s) duration_ns = NsFromSeconds(wanted.duration_s->value);
+  // one remark, while `ready` is printed again whenever the terminal's name has changed
   bool remarked = false;
   const auto report = emulator::Serve(*played->device, **endpoint, cli::Interrupted(), duration_ns,
                                       [&](const std::string& name) {
@@ -371,6 +385,7 @@ Result<void> Emulate(const Wanted& wanted) {
                                           cli::Remark(kVerb, played->remark);
                                       });
   if (!report) return std::unexpected(report.error());
+  // a free-running sensor does not wait for its reader
   if (report->dropped_lines > 0) {
     cli::Remark(kVerb,
                 fmt::format("{} lines were lost because the reader did not read them in time",
@@ -396,13 +411,15 @@ int RunEmulate(int argc, const char* const* argv) {
 
 namespace {
 
-// measured rows in the order of their times
+// measured rows in order of time: a continuous motion by linear interpolation
 struct Path {
   std::vector<double> times_s;
   std::vector<double> values_m;
 };
 
+// position in m at t_s, linear between rows, constant before the first and behind the last
 double PositionAt(const Path& path, double t_s) {
+  // first row behind t_s: the interval is i - 1 to i
   const auto after = std::ranges::upper_bound(path.times_s, t_s);
   if (after == path.times_s.begin()) return path.values_m.front();
   if (after == path.times_s.end()) return path.values_m.back();
@@ -421,6 +438,7 @@ Result<RecordedMotion> MotionOf(const trial::Record& record, const std::string& 
   }
   auto path = std::make_shared<Path>();
   for (std::size_t row = 0; row < record.rows; ++row) {
+    // a row without measurement is interpolated like any point between its neighbours
     if (!trial::IsMeasurement(channel->statuses[row])) continue;
     path->times_s.push_back(trial::TimeOf(record, row));
     path->values_m.push_back(channel->values[row]);
@@ -429,9 +447,11 @@ Result<RecordedMotion> MotionOf(const trial::Record& record, const std::string& 
     return CannotAnswer(where, "holds no measured value to play", "give another trial");
   }
 
+  // time counts from the first measurement
   const double start_s = path->times_s.front();
   for (double& time_s : path->times_s) time_s -= start_s;
   return RecordedMotion{
+      // shared: the motion is copied for each amplifier, its path is not
       .displacement = [path](double t_s) { return PositionAt(*path, t_s); },
       .duration_s = path->times_s.back(),
       .left_out = record.rows - path->times_s.size(),

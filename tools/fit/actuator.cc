@@ -54,6 +54,7 @@ Result<void> Check(const ActuatorWords& words) {
   if (knowns.inductance_h && knowns.inductance_h->value < 0) {
     return Usage("--inductance", "must not be negative", "write it like 130uH");
   }
+  // only constants that the fits determine can be required
   for (const std::string& name : words.required) {
     if (name == "Kv" || name == "Bv" || name == "Km") continue;
     return Usage("--require", fmt::format("{} is none of Kv, Bv, Km", name), "write --require Km");
@@ -72,6 +73,7 @@ Result<ActuatorKnowns> KnownsOfFile(const ActuatorWords& words) {
 Result<ActuatorKnowns> KnownsOf(const ActuatorWords& words) {
   auto knowns = KnownsOfFile(words);
   if (!knowns) return knowns;
+  // an option replaces the file's value
   for (const auto member : {&ActuatorKnowns::moving_mass_kg, &ActuatorKnowns::case_mass_kg,
                             &ActuatorKnowns::resistance_ohm, &ActuatorKnowns::inductance_h}) {
     if (words.knowns.*member) (*knowns).*member = words.knowns.*member;
@@ -126,6 +128,7 @@ constexpr std::size_t kInductance = 6;
 
 Quantity Of(const FittedValue& value) { return {value.value, value.combined_standard_uncertainty}; }
 
+// masses and coil as given, and the constants that the fit determines
 Result<StatedActuator> Begin(const ActuatorKnowns& knowns,
                              const std::array<const FittedValue*, 3>& constants) {
   StatedActuator stated{};
@@ -187,7 +190,7 @@ std::string Line(std::string_view key, const Quantity& quantity, std::string_vie
 }
 
 std::string TextOf(const StatedActuator& stated, const document::Provenance& provenance) {
-  // the first line is that by which --overwrite knows such files
+  // --overwrite recognises such files by the first line
   std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n" +
                      document::CommentOf(provenance, "# ");
   for (const Needed& needed : kNeeded) {
@@ -228,6 +231,7 @@ Result<StatedActuator> FittedActuator(const fit::DropTestFit& fit, const Actuato
 }
 
 Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const ActuatorKnowns& knowns) {
+  // a sweep determines R and L too, which a stated value overrides
   ActuatorKnowns all = knowns;
   if (!all.resistance_ohm && fit.resistance.determined) all.resistance_ohm = Of(fit.resistance);
   if (!all.inductance_h && fit.inductance.determined) all.inductance_h = Of(fit.inductance);

@@ -24,7 +24,7 @@ constexpr const char* kHeader = "the header";
 
 using Statements = Findings<StatementFinding>;
 
-// the files, and what is said of each beside its header
+// the files, and what is stated of each beside its header
 struct Sources {
   std::vector<StatedDrop> drops;
   ActuatorKnowns knowns;
@@ -44,6 +44,7 @@ Result<std::optional<Sources>> ListDropsFile(const FitLraOptions& options) {
   return Sources{std::move(file->drops), file->knowns, *path};
 }
 
+// all drops: those of a drops file, else the command line's with their loads
 Result<Sources> ListSources(const FitLraOptions& options) {
   auto from_file = ListDropsFile(options);
   if (!from_file) return std::unexpected(from_file.error());
@@ -53,10 +54,12 @@ Result<Sources> ListSources(const FitLraOptions& options) {
     sources.drops.push_back({.path = path, .load_ohm = load_ohm});
   };
   for (const auto& path : options.files) add(path, {});
+  // an open circuit is an infinite load
   const Quantity open{std::numeric_limits<double>::infinity(), 0};
   for (const auto& group : options.open) {
     for (const auto& path : group) add(path, open);
   }
+  // --load OHM FILE...: the first word of each group is the load
   for (const auto& group : options.loads) {
     const std::string first = group.empty() ? "" : group.front();
     auto load = ParseQuantity(first, Dimension::kResistance, "--load");
@@ -73,12 +76,13 @@ Result<Sources> ListSources(const FitLraOptions& options) {
   return sources;
 }
 
-// one drop counts once: the same file again would narrow the intervals out of nothing
+// one drop counts once: the same file again would narrow the intervals without new data
 Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
+      // different paths may be links to one file
       if (sources[k].path == sources[i].path ||
           fs::equivalent(sources[k].path, sources[i].path, ignored)) {
         return Usage(sources[i].path, "is given twice", "name each drop once");
@@ -88,7 +92,7 @@ Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
   return {};
 }
 
-// that `by` replaces the statement `key` = `value` of `of`
+// notes that `by` replaces the statement `key` = `value` of `of`
 void NoteReplaced(const std::string& subject, std::string_view by, std::string_view key,
                   const std::string& value, const std::string& of, Statements* replaced) {
   replaced->Add({.severity = Severity::kNote,
@@ -100,7 +104,7 @@ void NoteReplaced(const std::string& subject, std::string_view by, std::string_v
                  .subject = subject});
 }
 
-// lays `option` over `*value`, and says so when they differ
+// lays `option` over `*value`, with a note where they differ
 void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
          std::string_view key, std::optional<Quantity>* value, Statements* replaced) {
   if (!option) return;
@@ -134,6 +138,7 @@ constexpr DropStatement kDropStatements[]{
      &fit::ImpulseRecord::time_scale},
 };
 
+// held or free: option, else drops file, else header; a replaced statement is noted
 void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
                   fit::ImpulseRecord* record, Statements* replaced) {
   const bool has_option = options.actuator.held || options.actuator.is_free;
@@ -152,7 +157,7 @@ void LayCondition(const FitLraOptions& options, const StatedDrop& said, const st
   record->condition = wanted;
 }
 
-// what is said of a drop over its header, options over the drops file
+// what is stated of a drop over its header, options over the drops file
 void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
              fit::ImpulseRecord* record, Statements* replaced) {
   const std::optional<Quantity> none;
@@ -183,6 +188,7 @@ Result<Window> ParseWindow(const std::string& text) {
     return Usage(std::string(kOption), fmt::format("{} has no colon", text), "write 0.2:0.8");
   }
   const auto read = [&](const std::string& word, double& seconds) -> Result<void> {
+    // an empty side of the colon stays infinite
     if (word.empty()) return {};
     const auto quantity = ParseQuantity(word, Dimension::kTime, kOption);
     if (!quantity) return std::unexpected(quantity.error());
@@ -206,6 +212,7 @@ Result<Window> ParseWindow(const std::string& text) {
 Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
   const auto size = static_cast<double>(record->voltage_v.size());
   const auto position = [&](double time_s) {
+    // 1e-6 of a step: a limit that lies on a sample includes it in spite of rounding
     const double steps = std::ceil((time_s - record->start_s) / record->step_s - 1e-6);
     return static_cast<std::ptrdiff_t>(std::clamp(steps, 0.0, size));
   };
@@ -219,6 +226,7 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
   const auto begin = record->voltage_v.begin();
   record->voltage_v = std::vector<double>(begin + first, begin + end);
   record->start_s += static_cast<double>(first) * record->step_s;
+  // a cut may have removed the impact, which a drop height refers to
   record->is_cut_before = first > 0;
   return {};
 }
@@ -239,7 +247,7 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   return *file;
 }
 
-// one error for a file, whatever number of its drops cannot be fitted
+// one error for a file, regardless of how many of its drops cannot be fitted
 Error Together(const std::string& name, const fit::PreparedDrops& drops) {
   Error error = drops.left_out.front().why;
   if (drops.drops == 1) return error;
@@ -249,7 +257,7 @@ Error Together(const std::string& name, const fit::PreparedDrops& drops) {
   return error;
 }
 
-// the drops of one file, what cannot be fitted of them left out
+// the drops of one file; those that cannot be fitted are excluded
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
   fit::PreparedDrops drops = fit::PrepareDrops(file.record);
@@ -264,7 +272,7 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
   for (auto& drop : drops.left_out) input->left_out_drops.push_back(std::move(drop));
 }
 
-// who says what about the actuator
+// a value of the actuator and its source
 struct Stated {
   std::string_view by;
   std::optional<Quantity> value;
@@ -282,6 +290,7 @@ class Statement {
                                     const std::vector<fit::ImpulseFile>& files,
                                     FitLraInput* input) const {
     std::optional<Quantity>& settled = input->knowns.*member_;
+    // headers: replaced by a stated value, else equal to each other
     for (const auto& file : files) {
       std::optional<Quantity> header = file.knowns.*member_;
       if (stated.value) {
@@ -298,7 +307,7 @@ class Statement {
     return {};
   }
 
-  // what the command line says, by an option or else by an actuator, over the drops file
+  // what the command line states, by an option or else by an actuator, over the drops file
   [[nodiscard]] Stated Over(const ActuatorKnowns& options, const ActuatorKnowns& actuator,
                             const Sources& sources, Statements* replaced) const {
     const auto& option = options.*member_;
@@ -349,6 +358,7 @@ Result<void> CheckFitLraOptions(const FitLraOptions& options) {
   if (!positive(options.release_current_a)) {
     return Usage("--release-current", "must be positive", "write it like 50mA");
   }
+  // a scale is a ratio near 1; beyond a factor of 2 it is an error of units
   const auto nearly_one = [](const std::optional<Quantity>& scale) {
     return !scale || (scale->value > 0.5 && scale->value < 2);
   };
@@ -378,6 +388,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
 
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
+  // a file that cannot be read is excluded with its error; the others are fitted
   for (const StatedDrop& source : sources->drops) {
     auto file = ReadSource(source, sources->said_by, options, &input);
     if (file) {
@@ -386,6 +397,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
       input.left_out.push_back(file.error());
     }
   }
+  // only now: where nothing else states a constant, the headers of all files must agree
   if (auto settled = SettleKnowns(options, *sources, files, &input); !settled) {
     return std::unexpected(settled.error());
   }
@@ -413,6 +425,7 @@ constexpr Bounds kLoad{[](double value) { return value > 0; }, "a short circuit 
 constexpr Bounds kScale{[](double value) { return value > 0.5 && value < 2; },
                         "is shown over true, about 1", "write it like \"1.00(2)\""};
 
+// a quantity of the table within its bounds; nothing where the key is absent
 std::optional<Quantity> Read(TomlTable& table, std::string_view key, Dimension dimension,
                              const Bounds& bounds) {
   if (!table.Has(key)) return std::nullopt;

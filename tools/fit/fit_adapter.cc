@@ -36,7 +36,7 @@ constexpr cli::VerbText kText{
                  "haptometer fit-adapter tap1.csv tap2.csv --mass '4.60(2)g' --all",
                  "haptometer fit-adapter tap.csv --mass 4.6g --json"}};
 
-// one tap counts once
+// one tap counts once; different paths may be links to one file
 Result<void> CheckDistinct(const std::vector<std::string>& paths) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -77,6 +77,7 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
       continue;
     }
     NoteReading(*recording, path, taps.reading, taps.sources);
+    // a recording without one uniform displacement is excluded with its reason
     auto record = fit::TapFromRecord(recording->record, Printable(path));
     if (record) {
       taps.records.push_back(std::move(*record));
@@ -167,7 +168,7 @@ document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& m
   return document;
 }
 
-// fits the taps that can be fitted; the others are left out
+// fits the taps that can be fitted; the others are excluded
 fit::AdapterFit FitTaps(Taps& taps, const Quantity& mass_kg) {
   if (taps.records.empty()) return {};
   auto fit = fit::FitAdapter(taps.records, mass_kg);
@@ -204,6 +205,7 @@ int RunFitAdapter(int argc, const char* const* argv) {
   Taps taps = ReadTaps(files, *import);
   const fit::AdapterFit fit = FitTaps(taps, *mass_kg);
   const int status = cli::ReportErrors(kVerb, taps.left_out);
+  // JSON has the same keys without values where no tap could be fitted
   if (fit.taps.empty() && !IsShownEmpty(outputs)) return status;
   return cli::WorseStatus(
       status, document::Present(AdapterDocument(fit, *mass_kg, taps), outputs, argc, argv));

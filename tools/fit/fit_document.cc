@@ -21,6 +21,7 @@ using fit::FittedValue;
 using trial::DataSource;
 
 Item& AddFitted(Section& section, const Key& key, const FittedValue& value) {
+  // a value that is not determined keeps its key, without a value
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Item& item = section.Add(key, value.determined ? value.value : kNaN);
   if (value.determined) {
@@ -46,6 +47,7 @@ Section ConstantsSection(const FittedValue& stiffness, const FittedValue& dampin
 
 std::string AmountText(double value, double standard_uncertainty, std::string_view symbol) {
   Unit unit;
+  // an SI symbol has the prefixes of its unit; any other is printed as it is
   for (const Unit& known : {document::kKilogram, document::kMetre, document::kOhm, document::kHenry,
                             document::kVolt, document::kAmpere, document::kSecond}) {
     if (known.symbol == symbol) unit = known;
@@ -84,6 +86,7 @@ Section InputsSection(const std::vector<fit::InputInfluence>& influences) {
 std::string ExactInputs(const std::vector<fit::InputInfluence>& influences) {
   std::string list;
   for (const fit::InputInfluence& input : influences) {
+    // a given number without an uncertainty is named, because its error is not in the budget
     if (input.standard_uncertainty > 0) continue;
     list += fmt::format("{}{} {}", list.empty() ? "" : ", ", input.input,
                         AmountText(input.value, 0, input.unit));
@@ -94,6 +97,7 @@ std::string ExactInputs(const std::vector<fit::InputInfluence>& influences) {
 void ShowDigits(Item& item, int digits) {
   const auto* number = std::get_if<double>(&item.value);
   if (number == nullptr || !std::isfinite(*number) || *number == 0) return;
+  // power of ten of the last digit in the prefixed unit
   const SpokenUnit unit = item.unit.For(std::abs(*number));
   const double place = std::floor(std::log10(std::abs(*number) * unit.factor)) + 1 - digits;
   item.resolution = std::pow(10.0, place) / unit.factor;
@@ -124,6 +128,7 @@ void AddPointNoise(Section& section, double magnitude, std::optional<double> pha
              2);
 }
 
+// a row-major matrix of `size` columns as a list of rows
 std::vector<std::vector<double>> RowsOf(const std::vector<double>& matrix, std::size_t size) {
   std::vector<std::vector<double>> rows;
   for (auto row = matrix.begin(); row != matrix.end(); row += static_cast<std::ptrdiff_t>(size)) {
@@ -145,6 +150,7 @@ void AddLeftOut(Section& section, const std::vector<Error>& errors) {
 
 void NoteReading(const trial::Recording& recording, const std::string& path,
                  trial::Findings& findings, std::vector<DataSource>& sources) {
+  // each kind of source once for all files
   for (const DataSource source : trial::SourcesOf(recording.record.metadata, recording.report)) {
     if (std::ranges::count(sources, source) == 0) sources.push_back(source);
   }

@@ -25,6 +25,7 @@ using fit::FittedRecord;
 using fit::ImpulseRecord;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+// slices of time that a curve's envelope is drawn in
 constexpr std::size_t kSlices = 2000;
 // points that stay apart: a ringing's samples lie on a curve, noise has no shape but its points
 constexpr std::size_t kMostOfRinging = 1000;
@@ -68,6 +69,7 @@ plot::Series Curve(const ImpulseRecord& record, Rows rows, std::string title, pl
 
 Rows AllOf(const ImpulseRecord& record) { return {0, record.voltage_v.size()}; }
 
+// rows of the fitted part, missing samples within it included
 Rows PartOf(const FittedRecord& fitted) {
   return {fitted.first_sample, fitted.first_sample + fitted.residual_v.size()};
 }
@@ -112,6 +114,7 @@ plot::Panel RecordPanel(const ImpulseRecord& record, const FittedRecord& fitted,
   const auto sample = [&](std::size_t row, bool used) {
     return IsFitted(fitted, row) == used ? shown.Of(record.voltage_v[row]) : kNan;
   };
+  // the model is drawn at missing samples of the part too
   const auto model = [&](std::size_t row) {
     return row >= part.first && row < part.end ? shown.Of(fitted.model_v[row - part.first]) : kNan;
   };
@@ -166,6 +169,7 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
 // the low end and many at the high one. The line at 0 has no place on such an axis
 plot::Series InCells(std::string title, plot::Colour colour, const dsp::PowerSpectrum& spectrum) {
   plot::Series series{std::move(title), plot::Lines(colour)};
+  // number of a line's cell, uniform in the logarithm of frequency
   const auto cell_of = [](std::size_t line) {
     return std::floor(kCellsADecade * std::log10(static_cast<double>(line)));
   };
@@ -175,12 +179,14 @@ plot::Series InCells(std::string title, plot::Colour colour, const dsp::PowerSpe
     for (; k < spectrum.density.size() && cell_of(k) == cell_of(first); ++k) {
       sum += spectrum.density[k];
     }
+    // a cell stands at the middle of its lines
     series.x.push_back(0.5 * static_cast<double>(first + k - 1) * spectrum.grid.resolution_hz);
     series.y.push_back(sum > 0 ? sum / static_cast<double>(k - first) : kNan);
   }
   return series;
 }
 
+// mean periodogram over segments of at most kMostInSegment samples
 Result<plot::Series> Density(std::string title, plot::Colour colour,
                              const std::vector<double>& values, double step_s) {
   const auto spectrum =
@@ -197,6 +203,7 @@ Result<plot::Series> Density(std::string title, plot::Colour colour,
 std::vector<double> RingingOf(const FittedRecord& fitted, const Shown& shown) {
   std::vector<double> ringing(fitted.model_v.size());
   for (std::size_t n = 0; n < ringing.size(); ++n) {
+    // a missing sample has the model's value: residual 0
     const double residual = fitted.residual_v[n];
     ringing[n] = (fitted.model_v[n] + (std::isfinite(residual) ? residual : 0) - fitted.offset_v) *
                  shown.factor;
@@ -216,7 +223,7 @@ bool HasPoints(const plot::Series& series) {
   return std::ranges::any_of(series.y, [](double y) { return std::isfinite(y); });
 }
 
-// nothing of a record that is silent
+// no panel for a record that is constant
 std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const FittedRecord& fitted) {
   const Shown shown = ShownOf(record, fitted.offset_v);
   const auto ringing = Density("record", plot::kBlue, RingingOf(fitted, shown), record.step_s);
@@ -230,6 +237,7 @@ std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const Fitte
                     plot::LogAxes::kBoth};
   if (HasPoints(*residual)) panel.series.push_back(*residual);
   if (fitted.quiet_noise_v > 0) {
+    // one-sided density of white noise: 2 s^2 dt
     const double white = 2 * std::pow(fitted.quiet_noise_v * shown.factor, 2) * record.step_s;
     panel.series.push_back({"noise before the impact",
                             plot::Lines(plot::kDarkGrey, 1, 2),
@@ -284,6 +292,7 @@ plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord
   for (const FittedRecord& record : records) {
     if (!record.pole.determined || !ShareAPole(record, fitted)) continue;
     const double decay = record.start.decay_per_s;
+    // damped frequency sqrt(q - d^2)/(2 pi); 0 for a start that does not oscillate
     const double square = record.start.stiffness_per_s2 - decay * decay;
     starts.x.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
     starts.y.push_back(decay);
@@ -311,6 +320,7 @@ document::Figure PoleFigure(const std::vector<FittedRecord>& records) {
       "numbers), and the start of each record.",
       {}};
   for (std::size_t r = 0; r < records.size(); ++r) {
+    // records that share a pole have one panel
     const auto before = records.begin() + static_cast<std::ptrdiff_t>(r);
     const bool is_known = std::any_of(records.begin(), before, [&](const FittedRecord& other) {
       return ShareAPole(other, records[r]);
@@ -359,7 +369,7 @@ using fit::ImpedanceFit;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// the fit between the points too
+// the fitted model between the points too
 struct ModelCurves {
   FrequencyCurve ohm;
   FrequencyCurve degrees;
@@ -369,6 +379,7 @@ ModelCurves CurvesOf(const ImpedanceFit& fit) {
   constexpr int kPlaces = 1000;
   ModelCurves curves;
   for (int k = 0; k <= kPlaces; ++k) {
+    // places uniform in the logarithm of frequency
     const double hertz =
         fit.lowest_hz * std::pow(fit.highest_hz / fit.lowest_hz, static_cast<double>(k) / kPlaces);
     const auto value = fit::ImpedanceAt(fit.parameters, hertz).ohm;
@@ -393,6 +404,7 @@ std::vector<plot::Panel> ImpedancePanels(const ImpedanceFit& fit,
     ohm.values.push_back(std::abs(points[n].ohm));
     degrees.values.push_back(kDegrees * std::arg(points[n].ohm));
     ohm.hertz.push_back(points[n].frequency_hz);
+    // ln of the ratio: magnitude and phase residuals; 1e-300 guards a fit without noise
     const std::complex<double> ratio = std::log(points[n].ohm / fit.model[n].ohm);
     left[0].values.push_back(ratio.real() / std::max(fit.magnitude_noise, 1e-300));
     left[1].values.push_back(ratio.imag() / std::max(fit.phase_noise_rad, 1e-300));

@@ -65,6 +65,7 @@ Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
                           "has a frequency or a magnitude that is not positive",
                           "correct that line");
     }
+    // magnitude in ohm and phase in degrees to a complex impedance
     points.push_back({(*hertz)[n], std::polar((*ohm)[n], (*degrees)[n] / kDegrees)});
   }
   return points;
@@ -215,6 +216,7 @@ int RunFitImpedance(int argc, const char* const* argv) {
         {.caption = "impedance, fit and residuals", .panels = ImpedancePanels(*fit, *points)}};
   }
   const int status = document::Present(std::move(document), files.outputs, argc, argv);
+  // the file last: the answer is shown even where it cannot be saved
   const auto saved = SaveActuator(files, FittedActuator(*fit, *knowns), kVerb, argc, argv);
   return saved ? status : cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
 }

@@ -45,11 +45,12 @@ constexpr std::array<OtherVerb, 3> kOtherVerbs{{{"--plan", RunPlanDropTest, "pla
                                                 {"--adapter", RunFitAdapter, "fit-adapter"}}};
 
 // The verb that an option asks for, with the other words; what the option names is what that verb
-// reads. Nothing where none is asked for.
+// reads. Nothing where no such option is given.
 std::optional<int> RunOtherVerb(int argc, const char* const* argv) {
   for (const OtherVerb& other : kOtherVerbs) {
     std::vector<const char*> words{other.name};
     bool is_asked = false;
+    // both `--option value` and `--option=value`
     for (int k = 1; k < argc; ++k) {
       const std::string_view word = argv[k];
       const bool is_option = word.starts_with(other.option);
@@ -89,13 +90,13 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
   DeclareFiles(options, files, "Draw records, fit, residuals, spectra and poles");
   cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
   for (const OtherVerb& other : kOtherVerbs) {
-    static bool is_asked = false;  // RunOtherVerb has seen it
+    static bool is_asked = false;  // RunOtherVerb has handled it
     options.Flag(other.option, &is_asked, fmt::format("Run the verb {}", other.name),
                  cli::Shown::kHelpAll);
   }
 }
 
-// fits what can be fitted; what cannot is left out
+// fits what can be fitted; what cannot is excluded
 FitLraAnswer Answer(FitLraInput input, const FitLraOptions& wanted) {
   FitLraAnswer answer{.input = std::move(input), .required = wanted.actuator.required};
   if (answer.input.records.empty()) return answer;
@@ -125,6 +126,7 @@ void KeepMemory() {
 }  // namespace
 
 int RunFitLra(int argc, const char* const* argv) {
+  // before this verb's own options, because the other verb has its own
   if (const auto status = RunOtherVerb(argc, argv)) return *status;
   KeepMemory();
   cli::Options options(kText);

@@ -77,7 +77,7 @@ struct BudgetRow {
   std::array<double, 3> percent{kNaN, kNaN, kNaN};
 };
 
-// a row of percent_of(k, value) for each constant; left out where it moves none
+// a row of percent_of(k, value) for each constant; omitted where it moves none
 template <typename F>
 void AddRow(const DropTestFit& fit, std::string cause, std::optional<std::string_view> type,
             const F& percent_of, std::vector<BudgetRow>& rows) {
@@ -97,8 +97,9 @@ double CombinedPercent(std::size_t /*constant*/, const FittedValue& value) {
   return 100 * value.combined_standard_uncertainty / value.value;
 }
 
-// the last influence on what is seen of what stays unseen
+// the influence of undetermined combinations on a determined constant, %
 double UnseenPercent(const DropTestFit& fit, std::size_t k, const FittedValue& value) {
+  // combined variance, less noise and given numbers
   const double whole = std::pow(value.combined_standard_uncertainty / value.value, 2);
   double square = whole - std::pow(value.standard_uncertainty / value.value, 2);
   for (const fit::InputInfluence& influence : fit.influences) {
@@ -170,6 +171,7 @@ Section CorrelationSection(const DropTestFit& fit) {
     for (std::size_t j = 0; j < 3; ++j) {
       const double product = covariance[i][i] * covariance[j][j];
       if (!(product > 0)) continue;
+      // rounding may carry a coefficient beyond 1
       matrix[i][j] = std::clamp(covariance[i][j] / std::sqrt(product), -1.0, 1.0);
     }
   }
@@ -195,6 +197,7 @@ void AddSignal(Section& record, fit::RecordedSignal signal, const Key& volts, co
 }
 
 Section PoleSection(const fit::UncertainPole& pole) {
+  // of frequency (Hz) and decay rate (1/s)
   const auto& covariance = pole.covariance;
   Section section{.name = "pole"};
   const auto known = [&pole](double value) { return pole.determined ? value : kNaN; };
@@ -208,6 +211,7 @@ Section PoleSection(const fit::UncertainPole& pole) {
 }
 
 Section StartSection(const fit::PolePair& start) {
+  // damped frequency sqrt(q - d^2)/(2 pi); none for a start that does not oscillate
   const double square = start.stiffness_per_s2 - start.decay_per_s * start.decay_per_s;
   Section section{.name = "start"};
   section.Add({document::kFrequency.name},
@@ -294,6 +298,7 @@ Findings<FitLraFinding> FindingsOf(const DropTestFit& fit,
                                    const std::vector<std::string>& required) {
   using enum FitLraFinding;
   Findings<FitLraFinding> findings;
+  // a required constant that is not determined is refused (status 3)
   for (const auto& [name, value] : ConstantsOf(fit)) {
     if (value->determined || std::ranges::find(required, name) == required.end()) continue;
     findings.Refuse(kRequired, {{"constant", std::string(name)}});

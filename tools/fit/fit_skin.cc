@@ -56,6 +56,7 @@ Result<Sweeps> ReadAll(const std::vector<std::string>& files) {
       continue;
     }
     for (auto& sweep : *read) {
+      // one answer is for one kind of drive
       if (!sweeps.list.empty() && sweep.drive != sweeps.list.front().drive) {
         return Usage(files[k], "has voltages and another table has currents",
                      "ask for them one after the other");
@@ -84,6 +85,7 @@ struct Known {
   double factor;
 };
 
+// amplitude over RMS of a sine
 constexpr double kRms = std::numbers::sqrt2;
 constexpr Known kDisplacements[]{
     {"displacement_amplitude_m", 1},      {"displacement_amplitude_mm", 1e-3},
@@ -145,6 +147,7 @@ struct Columns {
 // displacements over the drive's amplitude, with the phase between the two; false where the table
 // has none
 Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
+  // analyze writes the phase in rad
   constexpr Known kPhase[]{{document::kPhase.name, 180 / std::numbers::pi}};
   auto per_current = Find(table, kPerCurrent);
   if (!per_current) return std::unexpected(per_current.error());
@@ -160,6 +163,7 @@ Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
   }
   columns->drive = *per_current ? fit::DriveQuantity::kCurrent : fit::DriveQuantity::kVoltage;
   columns->displacements_m = std::move(*per_current ? **per_current : **per_voltage);
+  // per unit of drive: the drive is 1 A or 1 V
   columns->drives.assign(columns->displacements_m.size(), 1);
   auto phases = Find(table, kPhase);
   if (!phases) return std::unexpected(phases.error());
@@ -192,6 +196,7 @@ Result<Columns> ReadColumns(const TextTable& table) {
       Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
   if (!frequency) return std::unexpected(frequency.error());
   columns.frequencies_hz = std::move(*frequency);
+  // a response table has its drive and phase in its own columns
   const auto is_response = ReadResponse(table, &columns);
   if (!is_response) return std::unexpected(is_response.error());
   if (*is_response) return columns;
@@ -237,7 +242,7 @@ fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertain
   return point;
 }
 
-// what cannot be used is left out, the rest is answered
+// what cannot be used is excluded, the rest is answered
 FitSkinAnswer Answer(Sweeps sweeps, const sim::StatedActuator& actuator) {
   FitSkinAnswer answer{.actuator = actuator.name, .left_out = std::move(sweeps.left_out)};
   for (const fit::SkinSweep& sweep : sweeps.list) {
@@ -260,6 +265,7 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
   if (auto alone = CheckVariedKeys(*table); !alone) return std::unexpected(alone.error());
   const auto columns = ReadColumns(*table);
   if (!columns) return std::unexpected(columns.error());
+  // an uncertainty is that of the displacement as its column states it: of an RMS, times sqrt(2)
   bool is_rms = false;
   for (const auto& [name, cells] : table->columns) {
     is_rms = is_rms || name.starts_with("displacement_rms");

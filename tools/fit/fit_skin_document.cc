@@ -65,6 +65,7 @@ Section SearchOf(const SkinFit& contact) {
   AddPointNoise(section, contact.magnitude_noise, contact.phase_noise_rad,
                 contact.uncertainties_stated);
   AddSweepSearch(section, contact);
+  // elements of the 3 x 3 matrix over Ks, Bs, m
   AddRatio(section, {"", "correlation of Ks and Bs"}, contact.correlation[1]);
   AddRatio(section, {"", "correlation of Ks and m"}, contact.correlation[2]);
   AddRatio(section, {"", "correlation of Bs and m"}, contact.correlation[5]);
@@ -165,6 +166,7 @@ std::vector<plot::Panel> ContactPanels(const SkinFit& contact) {
   FrequencyCurve model{contact.frequencies_hz, {}};
   SweepResiduals left;
   for (std::size_t n = 0; n < contact.measured_m.size(); ++n) {
+    // um; residuals 100 ln(measured/model) in %
     measured.values.push_back(1e6 * contact.measured_m[n]);
     model.values.push_back(1e6 * contact.model_m[n]);
     left.values.push_back(100 * std::log(contact.measured_m[n] / contact.model_m[n]));
@@ -183,6 +185,7 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
   plot::Series line{.title = fmt::format("area^{:.3f}", dependence.law.exponent),
                     .style = plot::Lines(plot::kBlue)};
   for (const auto& contact : contacts) {
+    // error bars of 95 %; line: value at 1 mm2 times (area/1 mm2)^p
     const double mm2 = 1e6 * *contact.area_m2;
     points.x.push_back(mm2);
     points.y.push_back(contact.stiffness.value);

@@ -72,6 +72,7 @@ std::string_view LimitName(PlanLimit limit) {
   return "converter steps";
 }
 
+// half width of the 95 % interval, relative
 double HalfInterval(const fit::AccuracyWish& wish) {
   return fit::kCoverage95 * wish.relative_uncertainty;
 }
@@ -82,15 +83,17 @@ const ExpectedUncertainty& Of(const TestCard& card, fit::Constant constant) {
 
 // --- findings ---
 
-// why a wish is not reached, and what would do it
+// why a requirement is not reached, and what would reach it
 PlanFinding WhyNot(const fit::DropCount& count) {
   if (count.limit == PlanLimit::kNone) return PlanFinding::kNeedsDrops;
+  // share 0: even without the limiting cause the others exceed the requirement
   if (count.tolerable_share == 0) return PlanFinding::kOthersTooMuch;
   if (count.limit == PlanLimit::kConverter) return PlanFinding::kNeedsBits;
   return count.limit == PlanLimit::kNoise ? PlanFinding::kNeedsLessNoise
                                           : PlanFinding::kNeedsCertainty;
 }
 
+// a refusal for each requirement that the planned drops do not reach
 void AddWishes(const TestCard& card, Findings<PlanFinding>& findings) {
   for (const AnsweredWish& answered : card.wishes) {
     if (answered.is_reached) continue;
@@ -113,6 +116,7 @@ void AddWishes(const TestCard& card, Findings<PlanFinding>& findings) {
 Section& AddQuantity(Section& section, const document::Key& key, const Quantity& quantity) {
   Section& object = section.sections.emplace_back();
   object.Add({"", key.label, key.unit}, quantity.value, quantity.standard_uncertainty);
+  // the label without a key is for text only, the key without a label for JSON only
   Section& inner = object.sections.emplace_back(Section{.name = key.name});
   inner.Add(document::kValue, quantity.value);
   inner.Add(document::kStandardUncertainty, quantity.standard_uncertainty);
@@ -173,6 +177,7 @@ Section RingingSection(const fit::ExpectedRinging& ringing) {
 
 Section DropsSection(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
+  // absent where the load is stated: none was chosen
   const auto of = [&card](double fit::LoadChoice::* member) {
     return card.load ? std::optional((*card.load).*member) : std::nullopt;
   };
@@ -208,6 +213,7 @@ Section UncertaintySection(const TestCard& card) {
     Section& row = table.sections.emplace_back();
     row.Add({"", "cause"}, source.name);
     for (const fit::Constant constant : kConstants) {
+      // to two digits of the combined uncertainty
       const double all = Of(card, constant).combined();
       row.Add({"", SymbolOf(constant), document::kShare}, source.part(Of(card, constant)))
           .resolution = std::pow(10.0, std::floor(std::log10(all)) - 1);
@@ -222,6 +228,7 @@ Section WishesSection(const TestCard& card) {
   Section table{.name = "wishes", .heading = "wanted", .shape = Section::Shape::kTable};
   for (const AnsweredWish& answered : card.wishes) {
     const fit::DropCount& count = answered.count;
+    // the number of drops, or what limits: one of both is known
     const bool is_limited = count.limit != PlanLimit::kNone;
     const auto known = [](bool is_known, auto value) {
       return is_known ? std::optional(value) : std::nullopt;

@@ -29,7 +29,7 @@ constexpr cli::VerbText kText{
                  "haptometer plan-drop-test --actuator thesis-c10-100 --bits 12 --all",
                  "haptometer plan-drop-test --resistance 27ohm --f0 175Hz --load 22ohm --json"}};
 
-// of each kind: enough to see whether they repeat, and more than anybody makes
+// drops of each kind: enough to show whether they repeat; the most that a requirement may need
 constexpr std::size_t kUsualDrops = 5;
 constexpr std::size_t kMostDrops = 50;
 // C10-100 of the thesis; Q lies between 15 (phones' default) and 61 (the thesis)
@@ -43,7 +43,7 @@ constexpr double kUsualLoadTolerance = 0.01 / std::numbers::sqrt3;  // of a 1 % 
 constexpr std::int64_t kUsualBits = 8;
 constexpr double kUsualNoiseSteps = 0.5;
 constexpr double kSamplesAPeriod = 40;
-constexpr double kDecayTimes = 4;  // behind the blow
+constexpr double kDecayTimes = 4;  // behind the impact
 constexpr double kPreTriggerShare = 0.1;
 constexpr double kRangeOverPeak = 2.5;  // both signs, and a quarter to spare
 constexpr double kDivisions = 8;
@@ -126,6 +126,7 @@ class CardMaker {
       return Usage("--f0", "is missing: record length and sampling follow it",
                    "write the rated frequency, --f0 225Hz");
     }
+    // w0 Mv: the damping at Q = 1, so that Q = w0 Mv/Bv
     const double critical = 2 * std::numbers::pi * drops.natural_frequency_hz * mass;
     auto damping = guesses->damping_n_s_per_m;
     if (!damping && actuator_ && actuator_->damping_n_s_per_m) {
@@ -154,6 +155,7 @@ class CardMaker {
     card_.height_m = words_.drop_height_m ? words_.drop_height_m->value : kUsualHeightM;
     if (!words_.drop_height_m) Note(kHeightAssumed, {{"drop_height_m", kUsualHeightM}});
     const double rebound = words_.rebound ? words_.rebound->value : 0;
+    // v0 = (1 + e) sqrt(2 g h)
     drops.speed_m_per_s = (1 + rebound) * std::sqrt(2 * fit::kGravityMPerS2 * card_.height_m);
     drops.time_scale_uncertainty =
         words_.time_scale ? words_.time_scale->standard_uncertainty : kUsualTimeScale;
@@ -162,7 +164,7 @@ class CardMaker {
         words_.taps ? static_cast<std::size_t>(*words_.taps) : kUsualDrops;
   }
 
-  // a stated load, or a place holder that is known as well as a bought resistor
+  // a stated load, or a placeholder with the tolerance of a 1 % resistor
   Result<void> TakeLoad() {
     fit::PlannedDrops& drops = card_.drops;
     const double resistance = drops.resistance_ohm.value;
@@ -183,6 +185,7 @@ class CardMaker {
     fit::PlannedDrops& drops = card_.drops;
     const double f0 = drops.natural_frequency_hz;
     const auto ringing = fit::ExpectRinging(drops);
+    // rate, length and range in steps that a recorder has; the range in kDivisions divisions
     drops.rate_hz = words_.rate_hz ? words_.rate_hz->value : RoundUp125(kSamplesAPeriod * f0);
     if (drops.rate_hz < 5 * f0) {
       return Usage("--rate", fmt::format("{:g} Hz is below 5 samples a period", drops.rate_hz),
@@ -208,32 +211,38 @@ class CardMaker {
     }
     card_.bits = words_.bits.value_or(kUsualBits);
     if (!words_.bits) Note(kBitsAssumed, {{"bits", kUsualBits}});
+    // range/2^bits
     drops.step_v = std::ldexp(card_.range_v, -static_cast<int>(card_.bits));
     drops.noise_v = words_.noise_v ? words_.noise_v->value : kUsualNoiseSteps * drops.step_v;
     if (!words_.noise_v) Note(kNoiseAssumed);
+    // below a quarter of a step rounding repeats: the scatter may be up to 1.6 times as large
     if (drops.noise_v < drops.step_v / 4) Note(kLittleNoise);
     return {};
   }
 
   Result<void> Answer() {
     fit::PlannedDrops& drops = card_.drops;
+    // the best load, with the placeholder's relative uncertainty
     if (!has_load_) {
       card_.load = fit::ChooseLoad(drops);
       const double share = drops.load_ohm.standard_uncertainty / drops.load_ohm.value;
       const double ohm = card_.load->resistor_ohm;
       drops.load_ohm = {ohm, share * ohm};
     }
+    // for each requirement the drops that reach it, or what prevents it
     for (const std::string& word : words_.wishes) {
       const auto wish = ParseWish(word);
       if (!wish) return std::unexpected(wish.error());
       const fit::DropCount count = fit::CountDrops(drops, *wish, kMostDrops);
       card_.wishes.push_back({*wish, count, false});
     }
+    // without --taps as many drops as all requirements that can be reached need
     for (const AnsweredWish& answered : card_.wishes) {
       if (words_.taps || answered.count.limit != fit::PlanLimit::kNone) continue;
       drops.open_drops = std::max(drops.open_drops, answered.count.open);
       drops.loaded_drops = std::max(drops.loaded_drops, answered.count.loaded);
     }
+    // expected uncertainties for the final numbers of drops
     card_.expected = fit::ExpectUncertainties(drops);
     card_.ringing = fit::ExpectRinging(drops);
     for (AnsweredWish& answered : card_.wishes) {
@@ -246,6 +255,7 @@ class CardMaker {
   // how the test is made
   void NoteHow() {
     const fit::PlannedDrops& drops = card_.drops;
+    // travel of the mover after the impact: v0/w0
     const double stroke_m =
         drops.speed_m_per_s / (2 * std::numbers::pi * drops.natural_frequency_hz);
     Note(kClamp);
@@ -257,7 +267,7 @@ class CardMaker {
     Note(kRepeat);
   }
 
-  // the shell's * stays bare
+  // the patterns of files are not quoted: the shell expands them
   void WriteCommand() {
     const fit::PlannedDrops& drops = card_.drops;
     const auto with = [](const Quantity& quantity, double factor, std::string_view unit) {
@@ -362,6 +372,7 @@ std::string_view SymbolOf(fit::Constant constant) {
 }
 
 Result<fit::AccuracyWish> ParseWish(const std::string& word) {
+  // a half width of 95 % is a relative standard uncertainty times the coverage factor
   const std::string example = "write --want \"Km 2%\"";
   auto [symbol, percent] = Split(word);
   while (percent.ends_with('%') || percent.ends_with(' ')) percent.pop_back();

@@ -18,11 +18,12 @@
 namespace haptometer::plot {
 namespace {
 
+// points of a curve: least and greatest of 2000 slices, finer than 900 pixels
 constexpr std::size_t kMostPoints = 4000;
-// viridis (van der Walt and Smith, 2015): even steps for the eye, also in grey
+// viridis (van der Walt and Smith, 2015): perceptually uniform, also in grey
 constexpr Words kPalette = "0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725'";
 constexpr std::size_t kMostCells = 1000;  // of a map, along each axis
-// some thousand times what it needs: beyond, it hangs
+// limits of the run time: far above any drawing, so that a hung gnuplot ends
 constexpr MonotonicNs kLongestTextNs = 5 * kNsPerS;
 constexpr MonotonicNs kLongestPanelsNs = 120 * kNsPerS;
 
@@ -43,6 +44,7 @@ const Terminal* TerminalOf(const std::string& path) {
   return found == std::end(kTerminals) ? nullptr : found;
 }
 
+// an empty line interrupts the curve: gnuplot draws no line across it
 void AddPoint(double x, double y, Script* script) {
   if (std::isfinite(y)) {
     script->Add("{:.9g} {:.9g}\n", x, y);
@@ -61,6 +63,7 @@ void AddErrorRows(const Series& series, Script* script) {
   }
 }
 
+// a data block of the script: no temporary file, and no user's text within it
 void AddDataBlock(std::size_t panel, std::size_t number, const Series& series, Script* script) {
   HAPTOMETER_CHECK(series.x.size() == series.y.size(), "{} x, {} y", series.x.size(),
                    series.y.size());
@@ -70,6 +73,7 @@ void AddDataBlock(std::size_t panel, std::size_t number, const Series& series, S
   } else {
     std::vector<double> x;
     std::vector<double> y;
+    // an envelope of the least and greatest values retains peaks
     AppendEnvelope(series.x, series.y, kMostPoints / 2, &x, &y);
     for (std::size_t i = 0; i < y.size(); ++i) AddPoint(x[i], y[i], script);
   }
@@ -82,7 +86,7 @@ Words LogWords(LogAxes axes) {
   return kWords.at(static_cast<std::size_t>(axes));
 }
 
-// points beside the frame, not on it
+// from 0 to 5 % beyond the last point, so that no point lies on the frame
 void AddRangeOfX(const Panel& panel, Script* script) {
   if (!panel.x_from_zero) return script->Add("set xrange [*:*]\n");
   double last = 0;
@@ -98,6 +102,7 @@ void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
                   std::vector<double> Series::* values, Script* script) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
+  // range of the positive values, the only ones on a logarithmic axis
   for (const Series& series : panel.series) {
     for (const double value : series.*values) {
       if (!(value > 0)) continue;
@@ -105,6 +110,7 @@ void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
       most = std::max(most, value);
     }
   }
+  // three decades or more: the automatic numbers suffice
   if (!is_logarithmic || !(most < 1000 * least)) {
     return script->Add("set {}tics autofreq\n", axis);
   }
@@ -120,13 +126,14 @@ void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
   script->Add(")\n");
 }
 
-// names in the place of numbers
+// names of conditions instead of numbers
 void AddTicks(const std::vector<Tick>& ticks, Script* script) {
   double least = 1;  // between two of them
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     const double distance = ticks[i].x - ticks[i - 1].x;
     least = i == 1 ? distance : std::min(least, distance);
   }
+  // free space at both ends: 0.7 of the least distance
   const double further = 0.7 * least;
   script->Add("set xtics (");
   Words separator = "";
@@ -138,7 +145,7 @@ void AddTicks(const std::vector<Tick>& ticks, Script* script) {
               ticks.back().x + further);
 }
 
-// both axes as they are without, so that no panel inherits from the one before
+// every setting of the axes is written, so that no panel inherits from the one before
 void AddAxes(const Panel& panel, Script* script) {
   script->Add(panel.y_from_zero ? Words("set yrange [0:*]\n") : Words("set yrange [*:*]\n"));
   script->Add(panel.has_margins
@@ -186,17 +193,18 @@ void AddPanel(std::size_t number, const Panel& panel, Script* script) {
   script->Add("\n");
 }
 
-// a square leaves room for the key beside it, not above
+// equal scales need a square panel, which leaves room for the key on its right
 Words ShapeWords(const Panel& panel) {
   return panel.equal_axes ? Words("set size ratio -1\nset key rmargin top vertical\n")
                           : Words("set size noratio\nset key tmargin right horizontal\n");
 }
 
-// where the drawing goes: a file of this program's, never one that a user names
+// output of the drawing: a file of this program, never one that a user names
 void AddOutput(const MemoryFile& drawing, const Terminal& terminal, std::size_t height,
                Script* script) {
   script->Add("set encoding utf8\nset terminal ");
   script->Add(terminal.words, height, static_cast<double>(height) / 100);
+  // noenhanced: _ and ^ in names are characters, not subscripts
   script->Add("\nset termoption noenhanced\nset output {}\n", Quoted(drawing.path()));
 }
 
@@ -204,10 +212,12 @@ Script PanelsScript(const MemoryFile& drawing, const Terminal& terminal,
                     const std::vector<Panel>& panels) {
   const bool square = std::ranges::any_of(panels, &Panel::equal_axes);
   Script script;
+  // pixels per panel: 560 for equal axes, 320 for curves
   AddOutput(drawing, terminal, (square ? 560 : 320) * panels.size(), &script);
   script.Add(
       "set grid lc rgb '#e0e0e0'\nset autoscale xfix\n"
       "set boxwidth 0.6\nset format '%.10g'\n");
+  // all data blocks before the first plot
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
       AddDataBlock(p, s, panels[p].series[s], &script);
@@ -237,6 +247,7 @@ double GreatestOf(const Map& map, std::size_t column, std::size_t columns, std::
   return greatest;
 }
 
+// an image of at most 1000 x 1000 cells, each the greatest value of its part of the map
 Script MapScript(const MemoryFile& drawing, const Terminal& terminal, const Map& map) {
   constexpr std::size_t kHeight = 480;
   Script script;
@@ -250,6 +261,7 @@ Script MapScript(const MemoryFile& drawing, const Terminal& terminal, const Map&
                  map.y_start + map.y_step * static_cast<double>(r),
                  GreatestOf(map, c, columns, r, rows));
     }
+    // an empty line ends a column of the image
     script.Add("\n");
   }
   script.Add(
@@ -261,8 +273,8 @@ Script MapScript(const MemoryFile& drawing, const Terminal& terminal, const Map&
   return script;
 }
 
-// Whether gnuplot took the whole script and ended well; `-d`: without the user's start-up files.
-// Its own words say nothing to a user; what it drew, or did not, is the evidence.
+// whether gnuplot read the whole script and ended with status 0; its messages are discarded,
+// because the picture decides; -d: without the user's start-up files
 Result<bool> RunGnuplot(const Script& script, const std::string& where, MonotonicNs longest_ns) {
   const auto run = RunWithin({"gnuplot", "-d"}, script.text(), longest_ns);
   if (run) return *run;
@@ -279,8 +291,8 @@ std::string WellFormed(std::string drawing) {
   return drawing;
 }
 
-// what gnuplot draws by the script that `make` gives, where it is told where to and as what; in
-// memory, because gnuplot does not tell when a disk is full
+// drawing that gnuplot makes from the script of `make(drawing, terminal)`, in memory: gnuplot
+// reports no error where a disk is full
 template <typename MakeScript>
 Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
                           const MakeScript& make) {
@@ -288,6 +300,7 @@ Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
   const auto run = RunGnuplot(make(drawing, terminal), where, kLongestPanelsNs);
   if (!run) return std::unexpected(run.error());
   std::string picture = drawing.Content();
+  // an incomplete picture (no end mark of its format) is an error
   if (!*run || !cli::IsWholePicture(picture)) {
     return Failed(where, "gnuplot drew no whole picture", "is there memory left?");
   }
@@ -312,6 +325,7 @@ Result<std::string> DrawSvg(const std::vector<Panel>& panels) {
                });
 }
 
+// drawing in characters for a terminal
 Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   const MemoryFile drawing;
   Script script;
@@ -356,6 +370,7 @@ Result<void> DrawMap(const std::string& path, const Map& map) {
 
 namespace {
 
+// not a number: AddPoint() makes a gap in the curve of it
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // rows of the least and greatest value of [begin, end), and whether a value is missing
@@ -385,6 +400,7 @@ Extent ExtentOf(const std::vector<double>& y, std::size_t begin, std::size_t end
 
 void AppendEnvelope(const std::vector<double>& x, const std::vector<double>& y, std::size_t slices,
                     std::vector<double>* out_x, std::vector<double>* out_y) {
+  // few points: all are drawn
   if (y.size() <= 2 * slices) {
     out_x->insert(out_x->end(), x.begin(), x.end());
     out_y->insert(out_y->end(), y.begin(), y.end());
@@ -394,6 +410,7 @@ void AppendEnvelope(const std::vector<double>& x, const std::vector<double>& y, 
     out_x->push_back(point_x);
     out_y->push_back(point_y);
   };
+  // equal slices of rows; least and greatest of each in the order of their rows
   for (std::size_t slice = 0; slice < slices; ++slice) {
     const std::size_t begin = slice * y.size() / slices;
     const std::size_t end = (slice + 1) * y.size() / slices;
@@ -403,6 +420,7 @@ void AppendEnvelope(const std::vector<double>& x, const std::vector<double>& y, 
       append(x[first], y[first]);
       if (second != first) append(x[second], y[second]);
     }
+    // a missing value in a slice makes a gap behind it
     if (extent.has_break) append(x[end - 1], kNan);
   }
 }

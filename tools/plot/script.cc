@@ -20,18 +20,21 @@
 namespace haptometer::plot {
 namespace {
 
+// longest title or name in a drawing
 constexpr std::size_t kMostCharacters = 1000;
 constexpr std::size_t kMostTickBytes = 49;  // gnuplot's MAX_ID_LEN, 50, with the end
 constexpr std::string_view kGoesOn = "…";
 
-// the beginning of printable `text`, of so many characters and bytes, and a mark where it goes on
+// beginning of printable `text` within both limits, with an ellipsis where it is cut
 std::string Beginning(std::string_view text, std::size_t characters, std::size_t bytes) {
   std::size_t end = 0;        // of what there is room for
-  std::size_t short_end = 0;  // of what there is room for beside the mark
+  std::size_t short_end = 0;  // of what there is room for with the ellipsis
   for (std::size_t count = 0; end < text.size() && count < characters; ++count) {
     const std::size_t next = end + Utf8CharacterBytes(text.substr(end));
+    // a character of several bytes is not divided
     if (next > bytes) break;
     end = next;
+    // room for the ellipsis after this character
     if (end + kGoesOn.size() <= bytes && count + 1 < characters) short_end = end;
   }
   if (end == text.size()) return std::string(text);
@@ -51,8 +54,8 @@ std::string Replaced(std::string_view text, char wanted, std::string_view replac
   return replaced;
 }
 
-// ends the quote, adds a quote in other quotes, and goes on; a doubled quote, which gnuplot 5.4
-// knows too, it does not understand where a text begins with one
+// Ends the quote, adds a quote in double quotes, and begins a quote again. gnuplot 5.4 also reads a
+// doubled quote, but not at the beginning of a text.
 constexpr std::string_view kQuote = R"('."'".')";
 
 }  // namespace
@@ -62,14 +65,16 @@ Quoted::Quoted(std::string_view text)
             "'") {}
 
 Quoted Quoted::TickName(std::string_view text) {
+  // % is a format in the name of a tick
   if (text.find('%') == std::string_view::npos) return Quoted(text);
   return Quoted(Replaced(Beginning(Printable(text), kMostCharacters, kMostTickBytes), '%', "%%"));
 }
 
 MemoryFile::MemoryFile(std::string_view content) : descriptor_(memfd_create("plot", MFD_CLOEXEC)) {
+  // memfd: a file without a name, which ends with the process
   while (!content.empty()) {
     const ssize_t put = write(descriptor_, content.data(), content.size());
-    if (put <= 0) break;  // no memory: what is missing shows in the plot's absence
+    if (put <= 0) break;  // no memory: gnuplot fails, and the plot is reported as missing
     content.remove_prefix(static_cast<std::size_t>(put));
   }
   lseek(descriptor_, 0, SEEK_SET);
@@ -77,6 +82,7 @@ MemoryFile::MemoryFile(std::string_view content) : descriptor_(memfd_create("plo
 
 MemoryFile::~MemoryFile() { close(descriptor_); }
 
+// gnuplot opens the descriptor of this process by its path
 std::string MemoryFile::path() const {
   return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
 }
@@ -85,6 +91,7 @@ std::string MemoryFile::Content() const {
   std::string content;
   std::array<char, 4096> part{};
   for (off_t at = 0;;) {
+    // pread: independent of the position in the file
     const ssize_t got = pread(descriptor_, part.data(), part.size(), at);
     if (got <= 0) return content;
     content.append(part.data(), static_cast<std::size_t>(got));
@@ -94,9 +101,10 @@ std::string MemoryFile::Content() const {
 
 namespace {
 
+// interval of polls, 5 ms
 constexpr MonotonicNs kLookEveryNs = 5'000'000;
 
-// the program's process, or why there is none
+// process id of the program, or the error
 Result<pid_t> Start(const std::vector<std::string>& words, int input) {
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
@@ -104,6 +112,7 @@ Result<pid_t> Start(const std::vector<std::string>& words, int input) {
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  // the script is its standard input; its output and messages are discarded
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
@@ -119,7 +128,7 @@ Result<pid_t> Start(const std::vector<std::string>& words, int input) {
   return process;
 }
 
-// how it ended; nothing where it still runs at `deadline`
+// status of the process; nothing where it still runs at `deadline`
 std::optional<int> WaitUntil(pid_t process, MonotonicNs deadline) {
   SystemClock clock;
   while (true) {
@@ -142,6 +151,7 @@ Result<bool> RunWithin(const std::vector<std::string>& words, const std::string&
   if (!process) return std::unexpected(process.error());
   const auto status = WaitUntil(*process, SystemClock().Now() + longest_ns);
   if (status) return WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
+  // beyond the limit: ended, and its entry removed from the process table
   kill(*process, SIGKILL);
   waitpid(*process, nullptr, 0);
   return Failed("",

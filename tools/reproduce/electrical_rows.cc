@@ -16,12 +16,12 @@
 #include "sim/piecewise/piecewise_scene.h"
 #include "tools/reproduce/thesis_model.h"
 
-// Current, power and phase at the terminals, and what the adapter saves of them.
+// Current, power and phase at the terminals, and their relative savings by the adapter.
 
 namespace haptometer::tools {
 namespace {
 
-// runs from rest that are looked at as a cause of the printed savings
+// runs from rest that are computed as possible causes of the printed savings
 constexpr double kTunedRunS = 0.085;
 constexpr std::array kRunsS{kTunedRunS, 0.1};
 constexpr double kOutputHz = 1e4;
@@ -30,13 +30,14 @@ constexpr double kOutputHz = 1e4;
 // case, which matrix 2.5 has.
 sim::SteadyState WithoutReaction(const sim::Scene& scene) {
   sim::LinearModel linear = sim::AssembleModel(scene);
+  // the term Km i / (Mc + Ma1) of the case's acceleration is subtracted
   const double reaction = scene.actuator.force_constant_n_per_a / sim::CaseSideMass(scene);
   linear.a.row(sim::LinearModel::kCaseVelocity) -= reaction * linear.current_row;
   linear.b(sim::LinearModel::kCaseVelocity) -= reaction * linear.current_per_volt;
   return sim::SolveSteadyState(linear, scene.drive, scene.skin);
 }
 
-// energies of a whole run from rest, exact
+// input, stored and dissipated energy in J of a whole run from rest
 sim::EnergyLedger RunEnergies(sim::Scene scene, double duration_s) {
   scene.start = sim::Start::kRest;
   sim::PiecewiseMotion motion(sim::AssemblePiecewise(scene, {}), scene.drive,
@@ -46,20 +47,20 @@ sim::EnergyLedger RunEnergies(sim::Scene scene, double duration_s) {
   return motion.Ledger();
 }
 
-// RMS, by what the coil dissipates: R integral of i^2
+// RMS current in A from the heat in the coil: sqrt(E / (R T)), E the integral of R i^2
 double RunCurrent(const sim::Scene& scene, double duration_s) {
   const auto coil = static_cast<std::size_t>(sim::SceneElement::kCoil);
   const double dissipated_j = RunEnergies(scene, duration_s).dissipated_j[coil];
   return std::sqrt(dissipated_j / (scene.actuator.resistance_ohm * duration_s));
 }
 
-// mean of v i
+// mean power in W: input energy over duration
 double RunPower(const sim::Scene& scene, double duration_s) {
   return RunEnergies(scene, duration_s).input_j / duration_s;
 }
 
-// Saved over whole runs from rest. How long the thesis ran is not printed: the first length is the
-// one that gives its 15 %, and Table 2.3 asks for another (0.7 s, motion_rows.cc).
+// Relative savings over whole runs from rest. The thesis does not print their length: the first
+// gives its 15 %, Table 2.3 requires another (0.7 s, motion_rows.cc).
 template <typename Measure>
 std::vector<CandidateCause> WholeRuns(const sim::Scene& adapter, const sim::Scene& direct,
                                       const Measure& measure) {
@@ -71,17 +72,19 @@ std::vector<CandidateCause> WholeRuns(const sim::Scene& adapter, const sim::Scen
   });
 }
 
+// values of the other two contacts, as a remark
 std::string Both(std::string_view what, double cone, double adapter, std::string_view unit) {
   return fmt::format("{} of the cone {:.2f} {}, with adapter {:.2f} {}", what, cone, unit, adapter,
                      unit);
 }
 
-// the numbers of the rows below, each for itself: the text mixes two contacts
+// numbers of the rows for the search of rounded inputs, each on its own
 std::vector<RowMeasure> TerminalMeasures() {
   using Number = double sim::SteadyState::*;
   const auto direct = [](const ThesisModel& model, Number number) {
     return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).*number;
   };
+  // saving: 1 - (with adapter) / (without), by current or power
   const auto saved = [=](const ThesisModel& model, Number number) {
     return 1 -
            sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2)).*number / direct(model, number);
@@ -102,10 +105,12 @@ std::vector<ThesisRow> ElectricalRows(const ThesisModel& model) {
   const sim::Scene direct = WithoutAdapter(model, kCaseAreaM2);
   const sim::Scene cone = WithoutAdapter(model, kSimulatedConeAreaM2);
   const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
+  // steady states: d direct, c with cone, a with adapter
   const sim::SteadyState d = sim::SolveSteadyState(direct);
   const sim::SteadyState c = sim::SolveSteadyState(cone);
   const sim::SteadyState a = sim::SolveSteadyState(adapter);
   constexpr auto kOfCone = "of the cone, not of the LRA on the skin: the text has both before it";
+  // candidate: equation 2.3 as printed, without the reaction of the coil
   const double unreacted = std::abs(WithoutReaction(direct).phase_rad);
   const double cone_current_a = WithoutReaction(cone).current_rms_a;
   std::vector<ThesisRow> rows{
@@ -139,13 +144,14 @@ std::vector<ThesisRow> ElectricalRows(const ThesisModel& model) {
   return rows;
 }
 
-// What the model says of chapter 3: weight, prototypes as built, 175 Hz, power, travel, contact.
+// Chapter 3 by the model: weight, prototypes as built, 175 Hz, power, travel, contact.
 namespace {
 
 double Rms(const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; }
 
 double Ratio(const sim::Scene& a, const sim::Scene& b) { return Rms(a) / Rms(b); }
 
+// weight m g in N; displacement under it: weight / Ks
 std::vector<ThesisRow> WeightRows(const ThesisModel& model) {
   const double weight_n = kPrototypeMassKg * fit::kGravityMPerS2;
   const double softest = sim::SkinUnderArea(kIa2AreaM2, model.skin_range).stiffness_n_per_m;
@@ -164,6 +170,7 @@ std::vector<ThesisRow> WeightRows(const ThesisModel& model) {
                softest, printed_n / printed_m)}};
 }
 
+// ratio of RMS with prototype and control, both with the base as built
 std::vector<ThesisRow> BuiltRows(const ThesisModel& model) {
   const double tuned_ratio =
       Ratio(WithAdapter(model, kIa1AreaM2), WithoutAdapter(model, kCaseAreaM2));
@@ -177,6 +184,7 @@ std::vector<ThesisRow> BuiltRows(const ThesisModel& model) {
            .remark = "the control has its own contact, 1.1 mm2"}};
 }
 
+// at 175 Hz, the frequency of the matching test, instead of the drive's
 ThesisRow MatchingGainRow(ThesisModel model) {
   model.drive.frequency_hz = kMatchingFrequencyHz;
   const sim::Scene direct = WithoutAdapter(model, kCaseAreaM2);
@@ -189,12 +197,14 @@ ThesisRow MatchingGainRow(ThesisModel model) {
               Ratio(Prototype(model, kIa2AreaM2), WithoutAdapter(model, kSmallControlAreaM2)))};
 }
 
-// "66 % of the voltage": what voltage the printed saving would need
+// power saved at "66 % of the voltage", and the voltage that the printed saving requires
 std::vector<ThesisRow> PowerRows() {
   constexpr double kVoltageRatio = 0.66;  // 3.3, p. 29
+  // 3.3, p. 29: four times the displacement at the same voltage
   constexpr double kDisplacementRatio = 4;
   const double printed = SiValue(ThesisNumberOf("power-saving"));
   return {{.key = "power-saving",
+           // power is proportional to the square of the voltage
            .ours = 1 - kVoltageRatio * kVoltageRatio,
            .remark = fmt::format("1 - 0.66^2; the printed one needs {:.3f} of the voltage",
                                  std::sqrt(1 - printed))},
@@ -206,8 +216,9 @@ std::vector<ThesisRow> PowerRows() {
            .remark = "1 - (1/4)^2: in a linear system power goes with the square"}};
 }
 
-// RMS of the skin's side once a contact that breaks has settled, under the weight alone
+// RMS in m about the mean of the skin's side, contact lost, preload by weight alone
 ThesisRow BreakingContactRow(sim::Scene scene) {
+  // at 10 kHz: the second from 1 s to 2 s, after the transient
   constexpr std::uint64_t kSettled = 10'000;
   constexpr std::uint64_t kOutputs = 20'000;
   scene.start = sim::Start::kRest;
@@ -228,10 +239,12 @@ ThesisRow BreakingContactRow(sim::Scene scene) {
     squares += x_m * x_m;
     least = std::min(least, x_m);
   }
+  // events without end: no RMS
   if (motion.stalled_at_s()) return {.key = "contact-loss-rms", .ours = std::nullopt};
   constexpr auto kCount = static_cast<double>(kOutputs - kSettled);
   const double mean_m = sum / kCount;
   return {.key = "contact-loss-rms",
+          // variance = mean square - square of the mean
           .ours = std::sqrt(squares / kCount - mean_m * mean_m),
           .remark = fmt::format("about its mean, over the second from 1 to 2 s; the base flies to "
                                 "{:.2f} mm above where it rests",
@@ -240,6 +253,7 @@ ThesisRow BreakingContactRow(sim::Scene scene) {
 
 std::vector<ThesisRow> AssumedRows(const ThesisModel& model) {
   const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
+  // least force that a contact without loss needs, against the weight
   const sim::SteadyState steady = sim::SolveSteadyState(adapter);
   const double weight_n = kPrototypeMassKg * fit::kGravityMPerS2;
   return {{.key = "mover-travel-adapter",

@@ -21,6 +21,7 @@
 namespace haptometer::tools {
 namespace {
 
+// the three contacts of Table 2.3
 constexpr std::array kKeys{"rms-direct", "rms-cone", "rms-adapter"};
 constexpr double kShortRunS = 0.1;
 constexpr double kWindowPeriods = 10;
@@ -28,15 +29,15 @@ constexpr double kWindowPeriods = 10;
 using Three = std::array<double, kKeys.size()>;
 using Scenes = std::array<sim::Scene, kKeys.size()>;
 
-// What a drive that is interpolated linearly between samples `step_s` apart has left of its tone:
-// the spectrum of the triangle, sinc^2. Its images lie kilohertz away, where nothing moves.
+// Part of a tone that remains if the drive is interpolated linearly between samples `step_s` apart:
+// the spectrum of the triangle, sinc^2(f h). Its images lie at kilohertz, where nothing moves.
 double Interpolated(double frequency_hz, double step_s) {
   const double angle = std::numbers::pi * frequency_hz * step_s;
   const double sinc = angle == 0 ? 1 : std::sin(angle) / angle;
   return sinc * sinc;
 }
 
-// the step that leaves `part` of the tone; nothing where none does
+// the step h in s with sinc^2(f h) = part, by bisection; nothing where no step has that part
 std::optional<double> StepThatLeaves(double frequency_hz, double part) {
   if (!(part > 0 && part < 1)) return std::nullopt;
   double low = 0;
@@ -52,17 +53,19 @@ std::optional<double> StepThatLeaves(double frequency_hz, double part) {
 struct SampledRun {
   double duration_s = 0;
   double step_s = 0;
-  double worst = std::numeric_limits<double>::infinity();  // of the three, off what is printed
+  double worst = std::numeric_limits<double>::infinity();  // largest relative deviation
   Three rms_m{};
 };
 
-// the step that brings the three nearest together; nothing where they are too small already
+// the step that minimises the largest deviation of the three; nothing where the part is 1 or more
 std::optional<SampledRun> BestStep(double frequency_hz, double duration_s, const Three& rms_m) {
+  // printed over computed value: the part that interpolation would have to leave
   Three parts{};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     parts[i] = SiValue(ThesisNumberOf(kKeys[i])) / rms_m[i];
   }
   const auto [least, most] = std::ranges::minmax(parts);
+  // harmonic mean: equal largest relative deviations of least and most
   const double part = 2 * least * most / (least + most);
   const auto step_s = StepThatLeaves(frequency_hz, part);
   if (!step_s) return std::nullopt;
@@ -85,6 +88,7 @@ std::optional<SampledRun> NearestRun(const Scenes& scenes) {
     const double duration_s = tenth / 10.0;
     Three rms_m{};
     for (std::size_t i = 0; i < scenes.size(); ++i) {
+      // exact RMS over the whole run, transient included
       rms_m[i] = responses[i].WindowRms(sim::AssembleModel(scenes[i]).skin(), 0, duration_s);
     }
     const auto run = BestStep(scenes[0].drive.frequency_hz, duration_s, rms_m);
@@ -93,7 +97,7 @@ std::optional<SampledRun> NearestRun(const Scenes& scenes) {
   return nearest;
 }
 
-// the last ten periods of a tenth of a second from rest
+// candidate: RMS over the last ten periods of a run of 0.1 s from rest
 CandidateCause ShortRun(const sim::Scene& scene) {
   const sim::LinearModel linear = sim::AssembleModel(scene);
   const sim::TimeResponse response(linear, scene.drive, sim::Start::kRest);
@@ -102,7 +106,7 @@ CandidateCause ShortRun(const sim::Scene& scene) {
           .gives = response.WindowRms(linear.skin(), begin_s, kShortRunS)};
 }
 
-// how long the slowest motion takes to a thousandth
+// time in which the slowest natural motion decays to 1e-3: ln(1000) / (decay rate)
 std::string SettlingRemark(const sim::Scene& scene) {
   double slowest_per_s = std::numeric_limits<double>::infinity();
   for (const std::complex<double>& pole : sim::Poles(sim::AssembleModel(scene))) {
@@ -129,6 +133,7 @@ std::vector<RowMeasure> TableMeasures() {
           {kKeys[2], [=](const ThesisModel& m) { return rms(WithAdapter(m, kIa2AreaM2)); }}};
 }
 
+// the thesis has two values of the largest stiffness; the row states the effect of the choice
 std::string RangeRemark(const ThesisModel& model) {
   ThesisModel other = model;
   other.skin_range = sim::SkinRange::kTable;
@@ -141,6 +146,7 @@ std::string RangeRemark(const ThesisModel& model) {
 std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
   const Scenes scenes{WithoutAdapter(model, kCaseAreaM2),
                       WithoutAdapter(model, kSimulatedConeAreaM2), WithAdapter(model, kIa2AreaM2)};
+  // the answer: RMS in the linear steady state
   Three exact_m{};
   std::ranges::transform(scenes, exact_m.begin(), [](const sim::Scene& scene) {
     return sim::SolveSteadyState(scene).skin_rms_m;
@@ -151,6 +157,7 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
   rows.reserve(scenes.size() + 1);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     ThesisRow row{.key = kKeys[i], .ours = exact_m[i]};
+    // candidate causes: a short run, then a sampled drive, then rounded inputs
     row.candidates.push_back(ShortRun(scenes[i]));
     if (run) {
       row.candidates.push_back(
@@ -164,6 +171,7 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
     }
     rows.push_back(std::move(row));
   }
+  // one set of inputs for all three rows
   const auto rounded = FromRoundedInputs(model, TableMeasures());
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].candidates.push_back(rounded[i]);
   rows.front().remark = RangeRemark(model);
@@ -175,7 +183,7 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
 // Resonance, impedances (Figure 2.4) and sensitivity (Figure 2.5).
 namespace {
 
-// about the drive; the system's other resonances lie outside of what was drawn
+// times the drive's frequency; the system's other resonances are outside of the figure
 constexpr double kLowestPart = 0.5;
 constexpr double kHighestPart = 1.5;
 
@@ -187,13 +195,14 @@ double SkinRmsAt(sim::Scene scene, double frequency_hz) {
 std::string PolesRemark(const sim::Scene& scene) {
   std::string text = "poles of the assembled system at";
   for (const std::complex<double>& pole : sim::Poles(sim::AssembleModel(scene))) {
+    // real poles have no frequency, and of a pair one is enough
     if (pole.imag() <= 0) continue;  // one of a pair
     text += fmt::format(" {:.2f}", std::abs(pole) / (2 * std::numbers::pi));
   }
   return text + " Hz";
 }
 
-// sqrt(Ka/Ma2)/2 pi of the printed numbers, Ma2 to its last digit
+// f = sqrt(Ka/Ma2) / (2 pi) of the printed values, with the interval of Ma2's last digit
 CandidateCause AdapterAlone() {
   const ThesisNumber& mass = ThesisNumberOf("grid-skin-side-mass");
   const double stiffness = SiValue(ThesisNumberOf("grid-stiffness"));
@@ -206,6 +215,7 @@ CandidateCause AdapterAlone() {
           .from_rounded = dsp::Interval{alone(1), alone(-1)}};
 }
 
+// frequency in Hz of the largest RMS of the skin within 0.5 to 1.5 times the drive's
 ThesisRow ResonanceRow(const sim::Scene& scene) {
   const double drive_hz = scene.drive.frequency_hz;
   const double peak_hz = LargestAt([&](double f) { return SkinRmsAt(scene, f); },
@@ -216,20 +226,24 @@ ThesisRow ResonanceRow(const sim::Scene& scene) {
           .remark = PolesRemark(scene)};
 }
 
+// where driver and skin have impedances of equal magnitude, below and above the dip
 std::vector<ThesisRow> ImpedanceRows(const sim::Scene& scene) {
   const double drive_hz = scene.drive.frequency_hz;
   const double low_hz = kLowestPart * drive_hz;
   const double high_hz = kHighestPart * drive_hz;
+  // abs(Zd) of actuator and adapter at the skin, N s/m
   const auto driver = [&](double f) { return std::abs(sim::DriverImpedance(scene, f)); };
   const auto ratio = [&](double f) {
     return driver(f) / std::abs(sim::SkinImpedance(scene.skin, f));
   };
+  // the dip of abs(Zd) is its resonance, and divides the search into two
   const double dip_hz = LargestAt([&](double f) { return -driver(f); }, low_hz, high_hz);
   const auto excess = [&](double f) { return ratio(f) - 1; };
   const auto below_hz = CrossingOf(excess, low_hz, dip_hz);
   const auto above_hz = CrossingOf(excess, dip_hz, high_hz);
   ThesisRow match{.key = "impedance-match", .ours = below_hz};
   if (above_hz) match.remark = fmt::format("and again at {:.2f} Hz", *above_hz);
+  // maximum power transfer: Zd is the conjugate of Zs
   const std::complex<double> z = sim::DriverImpedance(scene, drive_hz);
   return {match,
           {.key = "impedance-dip", .ours = dip_hz},
@@ -240,6 +254,7 @@ std::vector<ThesisRow> ImpedanceRows(const sim::Scene& scene) {
                                  z.real(), z.imag())}};
 }
 
+// largest relative change of the RMS for one of six numbers from -50 % to +50 %
 std::vector<ThesisRow> SensitivityRows(const sim::Scene& scene) {
   static constexpr std::array kSensitivityKeys{"sensitivity-Ma1", "sensitivity-Ma2",
                                                "sensitivity-Ka",  "sensitivity-Ba",
@@ -248,6 +263,7 @@ std::vector<ThesisRow> SensitivityRows(const sim::Scene& scene) {
   rows.reserve(kSensitivityKeys.size());
   for (std::size_t i = 0; i < kSensitivityKeys.size(); ++i) {
     double most = 0;
+    // in steps of 1 %, so that a maximum within the range is found
     for (int percent = -50; percent <= 50; ++percent) {
       const double factor = 1 + percent / 100.0;
       most =
@@ -274,10 +290,13 @@ std::vector<ThesisRow> FrequencyRows(const ThesisModel& model) {
 // Figure 2.3: displacement over time from rest.
 namespace {
 
+// level of the thesis's comparison of the begin of the motion (2.3, p. 20)
 constexpr double kEarlyLevelM = 25e-6;
+// "full": 90 % of the steady peak
 constexpr double kFullPart = 0.9;
 constexpr double kErrorsFromS = 25e-3;  // Lindsay 2013, p. 4
 
+// steady peak of the skin in m: sqrt(2) RMS
 double PeakOf(const sim::Scene& scene) {
   return std::numbers::sqrt2 * sim::SolveSteadyState(scene).skin_rms_m;
 }
@@ -294,6 +313,7 @@ std::string Judged(const std::optional<double>& full_s) {
       *full_s > kErrorsFromS ? "beyond" : "within");
 }
 
+// times in s; 1 s (longest run) where the level is not reached
 double FullTime(const ThesisModel& model) {
   const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
   return TimeToReach(adapter, kFullPart * PeakOf(adapter)).value_or(1);

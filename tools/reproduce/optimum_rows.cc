@@ -12,7 +12,7 @@
 #include "sim/tuning/adapter_optimum.h"
 #include "tools/reproduce/thesis_model.h"
 
-// Table 2.4: the adapter of the grid search, the true optimum, and the power that could be had.
+// Table 2.4: the adapter of the grid search, the true optimum, and the largest power.
 
 namespace haptometer::tools {
 namespace {
@@ -33,7 +33,7 @@ std::vector<ThesisRow> PointRows(bool grid, const sim::AdapterPoint& point) {
       {.key = grid ? "grid-contact-area" : "optimum-contact-area", .ours = point.contact_area_m2}};
 }
 
-// how little is lost along Ma1, the others chosen anew
+// RMS along the ridge: at each Ma1 the best of all other numbers
 std::string RidgeRemark(const sim::TuningProblem& problem) {
   const auto ridge = sim::RidgeOf(sim::Objective::kSkinRms, problem, {}, kRidgePoints);
   const auto [least, most] = std::ranges::minmax_element(ridge, {}, &sim::RidgePoint::value);
@@ -43,7 +43,7 @@ std::string RidgeRemark(const sim::TuningProblem& problem) {
       1e3 * least->value, 1e3 * most->value);
 }
 
-// the neighbours of a printed number among equal steps
+// the two values of the grid around a printed number; empty where it is outside of the grid
 std::string StepsRemark(std::string_view key, const sim::Range& range) {
   const auto values = sim::EqualSteps(range, kValuesPerAxis);
   const ThesisNumber& number = ThesisNumberOf(key);
@@ -54,6 +54,7 @@ std::string StepsRemark(std::string_view key, const sim::Range& range) {
       kValuesPerAxis, *(above - 1) / number.unit.si, *above / number.unit.si, number.unit.name);
 }
 
+// best of the thesis's grid, 20 values per axis
 std::vector<ThesisRow> GridRows(const sim::TuningProblem& problem, double printed_rms_m) {
   const sim::GridBest best = sim::BestOnGrid(problem, kValuesPerAxis);
   std::vector<ThesisRow> rows = PointRows(true, best.point);
@@ -69,6 +70,7 @@ std::vector<ThesisRow> GridRows(const sim::TuningProblem& problem, double printe
   return rows;
 }
 
+// resonance in Hz of the adapter's spring and skin-side mass alone
 double AloneHz(double stiffness_n_per_m, double mass_kg) {
   return std::sqrt(stiffness_n_per_m / mass_kg) / (2 * std::numbers::pi);
 }
@@ -80,6 +82,7 @@ std::string AloneRemark(const sim::Adapter& ours) {
                              SiValue(ThesisNumberOf("optimum-skin-side-mass"))));
 }
 
+// maximum over the same ranges without steps, with a proved upper bound
 std::vector<ThesisRow> ContinuousRows(const sim::TuningProblem& problem, double printed_rms_m) {
   const sim::AdapterOptimum best =
       sim::FindAdapterOptimum(sim::Objective::kSkinRms, problem, sim::ReceptorField{});
@@ -97,13 +100,14 @@ std::vector<ThesisRow> ContinuousRows(const sim::TuningProblem& problem, double 
   return rows;
 }
 
-// the objective that 4.1 names, and the one beside it
+// most power into the skin (4.1), and most RMS per watt of input
 std::vector<ThesisRow> FurtherRows(const sim::TuningProblem& problem) {
   const sim::AdapterPoint power =
       sim::BestAdapter(sim::Objective::kSkinPower, problem, sim::ReceptorField{});
   const sim::AdapterPoint per_watt =
       sim::BestAdapter(sim::Objective::kRmsPerWatt, problem, sim::ReceptorField{});
   const sim::MotorSource source = sim::SourceOf(problem.actuator, problem.drive);
+  // v = w abs(Xs), peak, m/s
   const double w = source.omega_rad_per_s;
   const auto amplitude_m = [&](const sim::AdapterPoint& point) {
     return std::abs(
@@ -111,6 +115,7 @@ std::vector<ThesisRow> FurtherRows(const sim::TuningProblem& problem) {
   };
   const double velocity_m_per_s = w * amplitude_m(power);
   const sim::Skin skin = sim::SkinOf(problem, power.contact_area_m2);
+  // P = Bs v^2 / 2, v peak
   return {{.key = "most-skin-power",
            .ours = skin.damping_n_s_per_m * velocity_m_per_s * velocity_m_per_s / 2,
            .remark = fmt::format(
@@ -119,6 +124,7 @@ std::vector<ThesisRow> FurtherRows(const sim::TuningProblem& problem) {
                1e3 * power.adapter.skin_side_mass_kg, power.adapter.stiffness_n_per_m,
                1e6 * power.contact_area_m2)},
           {.key = "most-rms-per-watt",
+           // RMS in m at the optimum of RMS per watt
            .ours = amplitude_m(per_watt) / std::sqrt(2.0),
            .remark =
                fmt::format("Ma2 {:.3f} g, Ka {:.0f} N/m", 1e3 * per_watt.adapter.skin_side_mass_kg,
@@ -141,23 +147,26 @@ namespace {
 constexpr double kLeastRadiusM = 1e-3;  // of the contactors (p. 12)
 constexpr double kMostRadiusM = 7.5e-3;
 
+// S = Nr x RMS in m (thesis, equation 2.7)
 double AdapterStimulus(const ThesisModel& model, const sim::ReceptorField& field, double radius_m) {
   const sim::Scene scene = WithAdapter(model, sim::ContactArea(radius_m));
   return sim::SkinStimulus(field, radius_m, sim::SolveSteadyState(scene).skin_rms_m);
 }
 
+// largest stimulus over the contact's radius
 struct Largest {
   double radius_m = 0;
   double stimulus_m = 0;
 };
 
-// Between its steps the count stands still and the RMS falls as the contact grows, so the largest
-// is at a step or at the least radius; 1e-12 beyond the step, where it counts.
+// Between two steps of the count Nr the RMS decreases as the contact grows, so the maximum is at a
+// step or at the least radius; 1e-12 beyond the step, where the next receptors are counted.
 Largest LargestStimulus(const ThesisModel& model, sim::ReceptorGrid grid) {
   const sim::ReceptorField field{.grid = grid};
   std::vector<double> radii{kLeastRadiusM};
   for (const double step_m : sim::SteppingRadii(field)) {
     const double radius_m = step_m * (1 + 1e-12);
+    // the skin's law ends at 100 mm2
     if (radius_m > kLeastRadiusM && sim::ContactArea(radius_m) <= sim::kSkinAreaMaxM2) {
       radii.push_back(radius_m);
     }
@@ -180,6 +189,7 @@ std::string LargestRemark(const Largest& cell, const Largest& edge) {
       1e3 * cell.radius_m, 1e3 * edge.stimulus_m, 1e3 * edge.radius_m);
 }
 
+// other readings of the text: the second grid, and all receptors at IA#1's area
 std::vector<CandidateCause> StimulusCauses(const ThesisModel& model, const Largest& edge) {
   ThesisModel table = model;
   table.skin_range = sim::SkinRange::kTable;
@@ -192,7 +202,7 @@ std::vector<CandidateCause> StimulusCauses(const ThesisModel& model, const Large
           {.text = "all receptors at 64 mm2, Ks up to 1200 N/m", .gives = at_64(table)}};
 }
 
-// 49 times the printed RMS, within its last digit
+// Nr of the whole pad times the printed RMS, with the interval of its last digit
 CandidateCause PrintedDirect() {
   const ThesisNumber& rms = ThesisNumberOf("rms-direct");
   const double all = AllReceptors({});
@@ -204,7 +214,7 @@ CandidateCause PrintedDirect() {
           .from_rounded = dsp::Interval{stimulus(-1), stimulus(1)}};
 }
 
-// when no further receptor is reached
+// contact radius in m from which all receptors are reached
 double AllFrom(sim::ReceptorGrid grid) {
   return sim::SteppingRadii(sim::ReceptorField{.grid = grid}).back();
 }
@@ -221,6 +231,7 @@ std::vector<ThesisRow> ReceptorRows(const ThesisModel& model) {
   const double printed_ratio =
       ThesisNumberOf("stimulus-adapter").value / ThesisNumberOf("stimulus-direct").value;
   std::vector<ThesisRow> rows{
+      // receptors under the largest contactor of the thesis
       {.key = "receptors", .ours = sim::StimulatedReceptors(field, kMostRadiusM)},
       {.key = "all-receptors-cell", .ours = AllFrom(sim::ReceptorGrid::kCellCentred)},
       {.key = "all-receptors-edge", .ours = AllFrom(sim::ReceptorGrid::kEdgeToEdge)},

@@ -30,7 +30,7 @@ struct Wanted {
   document::Outputs outputs;
 };
 
-// before the work: folder and page can be written
+// folder and page are checked before the computation
 Result<void> CheckPlaces(const Wanted& wanted) {
   if (auto good = document::CheckOutputs(wanted.outputs); !good) return good;
   if (wanted.figures.empty()) return {};
@@ -42,7 +42,7 @@ Result<void> CheckPlaces(const Wanted& wanted) {
   return {};
 }
 
-// the paths of the pictures that were drawn
+// draws the figures; returns the paths of the files
 Result<std::vector<std::string>> DrawFigures(const std::string& folder,
                                              const std::vector<ThesisFigure>& figures) {
   std::vector<std::string> written;
@@ -58,6 +58,7 @@ Result<std::vector<std::string>> DrawFigures(const std::string& folder,
 
 Result<document::Document> Answer(const Wanted& wanted, const Reproduction& reproduction) {
   std::vector<ThesisFigure> figures;
+  // figures are computed only where they are drawn
   if (!wanted.figures.empty() || wanted.outputs.HasFigures()) figures = FiguresOf(reproduction);
   auto files = DrawFigures(wanted.figures, figures);
   if (!files) return std::unexpected(files.error());
@@ -65,7 +66,7 @@ Result<document::Document> Answer(const Wanted& wanted, const Reproduction& repr
   return ReproductionDocument(reproduction, figures, *files);
 }
 
-// in the thesis's order, each once
+// rows in the order of the thesis; each number has exactly one row
 std::vector<ThesisRow> InOrder(std::vector<ThesisRow> rows) {
   const auto numbers = ThesisNumbers();
   HAPTOMETER_CHECK(rows.size() == numbers.size(), "{} rows, {} numbers", rows.size(),
@@ -91,6 +92,7 @@ Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain) {
     for (ThesisRow& row : group(model)) rows.push_back(std::move(row));
   }
   Reproduction reproduction{model, *std::move(study), InOrder(std::move(rows)), std::nullopt};
+  // scene, sensor, record, analysis: only with --chain
   if (!with_chain) return reproduction;
   auto chain = RunChain(model);
   if (!chain) return std::unexpected(chain.error());
@@ -114,11 +116,12 @@ int RunReproduce(int argc, const char* const* argv) {
   if (auto places = CheckPlaces(wanted); !places) return cli::ReportError(kVerb, places.error());
   const auto reproduction = Reproduce({}, wanted.chain);
   if (!reproduction) return cli::ReportError(kVerb, reproduction.error());
-  // the trials that were generated are no inputs
+  // the generated trials are no inputs of the user
   ForgetInputs();
   const auto document = Answer(wanted, *reproduction);
   if (!document) return cli::ReportError(kVerb, document.error());
   const int status = document::Present(*document, wanted.outputs, argc, argv);
+  // status 1 where an interval of the chain misses the truth
   const bool holds =
       !reproduction->chain || std::ranges::all_of(*reproduction->chain, &ChainRow::holds);
   return cli::WorseStatus(status, holds ? 0 : 1);

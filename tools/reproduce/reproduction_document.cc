@@ -15,13 +15,14 @@ using document::Section;
 using document::Unit;
 using document::Value;
 
-// one digit more than is printed
+// resolution of a computed value: one digit more than is printed
 constexpr double kFurtherDigit = 0.1;
+// half of the last digit of a value that is printed without decimals
 constexpr double kHalf = 0.5;
-// of a deviation
+// resolution of a relative deviation
 constexpr double kLeastShare = 1e-4;
 
-// said in the unit that the thesis prints
+// printed in the unit of the thesis, SI in JSON
 Unit UnitOf(const ThesisUnit& unit) { return {"", unit.si_name, {{{1 / unit.si, unit.name}}}}; }
 
 // the last printed digit in SI; 0 where no value is printed, or only a bound
@@ -81,7 +82,7 @@ Findings<ReproduceFinding> FindingsOf(std::size_t circular) {
 
 // --- rows ---
 
-// a remark, and candidate causes with what each gives; stands below the row's table
+// a remark, and candidate causes with the value that each gives; placed below the row's table
 Section ReasonsSection(std::string heading, const std::string& remark) {
   Section reasons{.heading = std::move(heading), .detail = Detail::kAll};
   reasons.Add({"remark", "remark"}, document::TextOrNotKnown(remark));
@@ -93,6 +94,7 @@ Section CandidatesSection(const ThesisRow& row) {
   Section list{.name = "candidates", .shape = Section::Shape::kArray};
   for (const CandidateCause& cause : row.candidates) {
     const bool hits = Hits(number, cause);
+    // value by this cause, in the thesis's unit
     const double gives = cause.gives / number.unit.si;
     Section& section = list.sections.emplace_back();
     section.Add({document::kText.name, Name(cause.kind)}, cause.text).note = fmt::format(
@@ -107,7 +109,7 @@ Section CandidatesSection(const ThesisRow& row) {
   return list;
 }
 
-// `some_generated`: some row of its group is
+// `some_generated`: a row of its group is of generated data, so the table has a column for it
 Section RowSection(const ThesisRow& row, bool some_generated) {
   const ThesisNumber& number = row.number();
   const Unit unit = UnitOf(number.unit);
@@ -119,8 +121,7 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add({document::kWhat.name, "quantity"}, number.what);
   section.Add({"where", "in the thesis"}, document::TextOrNotKnown(number.where));
   section.Add({"relation", "relation"}, Name(number.relation));
-  // zeros behind the point are printed too; before it a digit is as it stands, whatever it is true
-  // to
+  // decimals are printed as in the thesis, with final zeros; integers as they are
   section.Add({"printed", "printed", unit}, is_printed ? Value(SiValue(number)) : Value())
       .resolution = number.half_step < kHalf ? step : 0;
   section.Add({"printed_half_step"}, step > 0 ? Value(step / 2) : Value());
@@ -136,7 +137,7 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   return section;
 }
 
-// a table for each group
+// a table for each group: rows of a group follow each other
 std::vector<Section> GroupsOf(const std::vector<ThesisRow>& rows) {
   std::vector<Section> groups;
   for (auto row = rows.begin(); row != rows.end();) {
@@ -153,6 +154,7 @@ std::vector<Section> GroupsOf(const std::vector<ThesisRow>& rows) {
   return groups;
 }
 
+// counts over the rows that are not circular
 void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
   const auto count = [&](const auto& is_counted) {
     return std::ranges::count_if(
@@ -161,6 +163,7 @@ void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
   const auto of_verdict = [&](RowVerdict verdict) {
     return count([&](const ThesisRow& row) { return VerdictOf(row) == verdict; });
   };
+  // rows explained by causes of this kind alone
   const auto by_cause = [&](CauseKind kind) {
     return count([&](const ThesisRow& row) { return ExplainedBy(row) == kind; });
   };
@@ -178,6 +181,7 @@ void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
 // --- chain ---
 
 Section ChainRowSection(const ChainRow& row) {
+  // six digits: the truth is exact to rounding
   constexpr double kDigits = 1e-6;  // of the truth
   Section section;
   section.Add(document::kKey, row.key);
@@ -189,6 +193,7 @@ Section ChainRowSection(const ChainRow& row) {
   document::Item& answer = section.Add({"answer", "answer", row.unit, document::Form::kInterval},
                                        row.answer, row.standard_uncertainty);
   answer.interval = row.interval;
+  // relative deviation from the truth
   const bool is_compared = row.truth && row.answer;
   section
       .Add({"", "deviation", document::kShare},
@@ -205,6 +210,7 @@ Section ChainSection(const std::optional<std::vector<ChainRow>>& rows) {
   chain.is_known = rows.has_value();
   if (!rows) return chain;
   chain = ListOf(std::move(chain), *rows, ChainRowSection);
+  // a row holds if its interval contains the truth
   chain.Add({"", "rows that hold"}, std::ranges::count_if(*rows, &ChainRow::holds));
   return chain;
 }

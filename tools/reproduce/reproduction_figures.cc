@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMm = 1e-3;
 
-// `steps` + 1 even places from `low` to `high`
+// `steps` + 1 uniform places from `low` to `high`
 std::vector<double> Even(double low, double high, int steps) {
   std::vector<double> places;
   places.reserve(static_cast<std::size_t>(steps) + 1);
@@ -28,13 +28,14 @@ std::vector<double> Even(double low, double high, int steps) {
   return places;
 }
 
+// a line through function(x) at the places x
 template <typename Function>
 plot::Series Curve(std::string title, plot::Colour colour, const std::vector<double>& x,
                    const Function& function) {
   return {std::move(title), plot::Lines(colour), x, Mapped(x, function)};
 }
 
-// closed, and ended by a break
+// a closed circle in mm; a point without value interrupts the line to the next one
 void AppendCircle(const sim::ReceptorPosition& centre, double radius_m, plot::Series& series) {
   constexpr int kCorners = 60;
   for (int i = 0; i <= kCorners; ++i) {
@@ -46,6 +47,7 @@ void AppendCircle(const sim::ReceptorPosition& centre, double radius_m, plot::Se
   series.y.push_back(std::numeric_limits<double>::quiet_NaN());
 }
 
+// receptive fields of the pad, those that the contactor touches in another colour
 plot::Panel FieldsPanel(sim::ReceptorGrid grid, std::string_view name) {
   constexpr double kContactorM = 2e-3;
   const sim::ReceptorField field{.grid = grid};
@@ -54,6 +56,7 @@ plot::Panel FieldsPanel(sim::ReceptorGrid grid, std::string_view name) {
   plot::Series contactor{"contactor, radius 2 mm", plot::Lines(plot::kBlue, 2)};
   for (const sim::ReceptorPosition& receptor : sim::ReceptorPositions(field)) {
     const double distance_m = std::hypot(receptor.x_m, receptor.y_m);
+    // touched: distance of the centres at most the sum of the radii
     const bool touched = distance_m <= kContactorM + field.field_radius_m;
     AppendCircle(receptor, field.field_radius_m, touched ? reached : others);
   }
@@ -75,6 +78,7 @@ ThesisFigure FieldsFigure() {
            FieldsPanel(sim::ReceptorGrid::kEdgeToEdge, "grid edge to edge")}};
 }
 
+// displacement of the skin in mm over the first 0.1 s from rest
 plot::Series Motion(std::string title, plot::Colour colour, sim::Scene scene) {
   constexpr double kDurationS = 0.1;
   scene.start = sim::Start::kRest;
@@ -96,6 +100,7 @@ ThesisFigure RiseFigure(const ThesisModel& model) {
 
 ThesisFigure ImpedanceFigure(const ThesisModel& model) {
   const sim::Scene scene = WithAdapter(model, kIa2AreaM2);
+  // 50 to 500 Hz in steps of 0.25 Hz
   const std::vector<double> hertz = Even(50, 500, 1800);
   return {"figure-2.4",
           "(2.4) Impedance of the skin, and of LRA with adapter at the skin",
@@ -118,6 +123,7 @@ ThesisFigure SensitivityFigure(const ThesisModel& model) {
   for (std::size_t i = 0; i < kColours.size(); ++i) {
     const sim::SceneNumber number = sim::kSceneNumbers[i];
     panel.series.push_back(Curve(
+        // relative RMS with one number changed by -50 % to +50 %
         std::string(sim::Symbol(number)), kColours[i], Even(-50, 50, 100),
         [&](double percent) { return sim::RelativeSkinRms(scene, number, 1 + percent / 100); }));
   }
@@ -127,6 +133,7 @@ ThesisFigure SensitivityFigure(const ThesisModel& model) {
 plot::Series Count(std::string title, plot::Colour colour, sim::ReceptorGrid grid) {
   const sim::ReceptorField field{.grid = grid};
   plot::Series series{std::move(title), plot::Lines(colour)};
+  // radii of the thesis's contactors, in steps of 5 um
   for (const double radius_m : Even(1e-3, 7.5e-3, 1300)) {
     series.x.push_back(sim::ContactArea(radius_m) / (kMm * kMm));
     series.y.push_back(sim::StimulatedReceptors(field, radius_m));
@@ -145,6 +152,7 @@ ThesisFigure ReceptorsFigure() {
 }
 
 ThesisFigure StimulusFigure(const ThesisModel& model) {
+  // up to the radius at which the skin's law ends, less rounding
   const std::vector<double> radii_mm =
       Even(1, sim::ContactRadius(sim::kSkinAreaMaxM2) / kMm * (1 - 1e-12), 1000);
   const auto stimulus = [&](const auto& scene_of, sim::ReceptorGrid grid, double radius_mm) {
@@ -181,6 +189,7 @@ std::vector<ThesisFigure> ModelFigures(const ThesisModel& model) {
 
 namespace {
 
+// every panel of generated data states that it is not measured
 std::vector<plot::Panel> Generated(std::vector<plot::Panel> panels) {
   for (plot::Panel& panel : panels) panel.title = "generated, not measured: " + panel.title;
   return panels;

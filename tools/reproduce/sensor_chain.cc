@@ -19,17 +19,18 @@
 namespace haptometer::tools {
 namespace {
 
+// record of 2 s; the least sampling interval of the IL-030, s
 constexpr double kDurationS = 2;
 constexpr double kFastestIl030S = 0.33e-3;
 
-// a sensor and what is said of it
+// a sensor, its key in the rows and its name in the text
 struct ChainSensor {
   std::string key;
   std::string words;
   sim::Sensor sensor;
 };
 
-// a scene and what is said of it
+// a scene, its key in the rows and its name in the text
 struct ChainScene {
   std::string key;
   std::string words;
@@ -43,6 +44,7 @@ ChainSensor Stream() {
 ChainSensor FastIl030() {
   sim::Sensor sensor{.head = trial::Il030(), .rate_hz = 1 / kFastestIl030S};
   sensor.head.sampling_s = kFastestIl030S;
+  // one average: each sample is a reading
   sensor.head.averages = 1;
   return {"il-030", "IL-030, 0.33 ms, 1 average", sensor};
 }
@@ -51,6 +53,7 @@ ChainSensor FactoryIl030() {
   const trial::SensorHead head = trial::Il030();
   return {"il-030-factory",
           fmt::format("IL-030, 1 ms, {} averages", head.averages),
+          // rate of readings: one per block of averaged samples
           {.head = head, .rate_hz = 1 / head.sampling_s / head.averages}};
 }
 
@@ -65,11 +68,12 @@ trial::Record Sensed(sim::Scene scene, const ChainSensor& sensor) {
   return sim::SimulateRecord(scene, kDurationS);
 }
 
-// the drive-off record has noise of its own
+// noise floor of a record without drive, with noise of another seed
 Result<std::optional<dsp::NoiseFloor>> FloorUnder(sim::Scene scene, ChainSensor sensor) {
   scene.drive.amplitude_v = 0;
   ++sensor.sensor.seed;
   dsp::BandQuestion of_silence;
+  // the whole record: without drive there is no steady part to choose
   of_silence.choice = dsp::WindowChoice::kAll;
   of_silence.keep_filtered = false;
   const auto analysis = dsp::AnalyzeBand(Sensed(scene, sensor), of_silence);
@@ -94,6 +98,7 @@ ChainRow RowOf(const ChainSensor& sensor, const ChainScene& scene, std::string_v
           .unit = unit};
 }
 
+// a refusal instead of a value where the analysis does not answer
 void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer, double uncertainty,
             dsp::Interval interval) {
   if (!analysis.answered) {
@@ -106,6 +111,7 @@ void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer, dou
 }
 
 ChainRow RmsRow(const ChainSensor& sensor, const ChainScene& scene,
+                // band RMS against the exact RMS of the scene
                 const dsp::BandAnalysis& analysis, double truth_m) {
   ChainRow row = RowOf(sensor, scene, "rms", "RMS", document::kMetre);
   row.truth = truth_m;
@@ -115,11 +121,13 @@ ChainRow RmsRow(const ChainSensor& sensor, const ChainScene& scene,
   return row;
 }
 
+// RMS, amplitude and frequency of the tone against the linear steady state
 std::vector<ChainRow> SteadyRows(const ChainSensor& sensor, const ChainScene& scene,
                                  const dsp::BandAnalysis& analysis) {
   const double rms_m = sim::SolveSteadyState(scene.scene).skin_rms_m;
   ChainRow amplitude = RowOf(sensor, scene, "amplitude", "tone's amplitude", document::kMetre);
   ChainRow frequency = RowOf(sensor, scene, "frequency", "tone's frequency", document::kHertz);
+  // peak amplitude = sqrt(2) RMS
   amplitude.truth = std::numbers::sqrt2 * rms_m;
   frequency.truth = scene.scene.drive.frequency_hz;
   if (analysis.numbers && analysis.numbers->tone) {
@@ -132,7 +140,7 @@ std::vector<ChainRow> SteadyRows(const ChainSensor& sensor, const ChainScene& sc
   return {RmsRow(sensor, scene, analysis, rms_m), amplitude, frequency};
 }
 
-// The truth is that of the very window that the analysis chose.
+// from rest: the truth is the exact RMS over the window that the analysis chose
 Result<ChainRow> FromRestRow(const ThesisModel& model) {
   const ChainSensor sensor = Stream();
   ChainScene scene{"rest", "adapter from rest", WithAdapter(model, kIa2AreaM2)};
@@ -152,7 +160,7 @@ Result<ChainRow> FromRestRow(const ThesisModel& model) {
   return row;
 }
 
-// what a trial.bin keeps is what was handed to it
+// a record and the trial.bin of it give the same RMS, bit by bit
 Result<ChainRow> FileRow(const ThesisModel& model) {
   const ChainSensor sensor = Stream();
   const ChainScene scene{"file", "adapter", WithAdapter(model, kIa2AreaM2)};
@@ -176,7 +184,7 @@ Result<ChainRow> FileRow(const ThesisModel& model) {
   return row;
 }
 
-// 62.5 readings a second hold nothing of 20 to 500 Hz: no number is the right answer
+// 62.5 readings per second have no content in 20 to 500 Hz: the right answer is a refusal
 Result<ChainRow> FactoryRow(const ThesisModel& model) {
   const ChainSensor sensor = FactoryIl030();
   const ChainScene scene{"adapter", "adapter", WithAdapter(model, kIa2AreaM2)};
@@ -190,6 +198,7 @@ Result<ChainRow> FactoryRow(const ThesisModel& model) {
 
 }  // namespace
 
+// a refusal is right without a truth; without an interval only equality; else the truth is within
 bool ChainRow::holds() const {
   if (!truth) return !answer.has_value();
   if (!answer) return false;

@@ -30,7 +30,7 @@
 #include "trial/record.h"
 #include "trial/sensor_head.h"
 
-// What the study code answers on generated trials, settings and readings.
+// Answers of the study's code to generated trials, settings and readings.
 
 namespace haptometer::tools {
 namespace {
@@ -50,6 +50,7 @@ const MatchedCondition& MatchOf(const GeneratedStudy& study, std::string_view na
   return *std::ranges::find(study.matching.conditions, name, &MatchedCondition::name);
 }
 
+// ratio of geometric means with its 95 % interval, and Student's paired test as a remark
 ThesisRow FactorRow(std::string_view key, const Contrast& contrast) {
   ThesisRow row{.key = key, .ours = std::nullopt, .generated = true};
   if (!contrast.ratio) return row;
@@ -64,6 +65,7 @@ ThesisRow FactorRow(std::string_view key, const Contrast& contrast) {
   return row;
 }
 
+// largest p of both contrasts: the thesis states one bound for both
 ThesisRow FactorPRow(const GeneratedStudy& study) {
   MaybeNumber largest;
   for (const Contrast& contrast : study.trials.contrasts) {
@@ -72,6 +74,7 @@ ThesisRow FactorPRow(const GeneratedStudy& study) {
   return {.key = "factor-p", .ours = largest, .generated = true};
 }
 
+// reduction of voltage 1 - ratio; the ends of the interval change places
 ThesisRow ReductionRow(std::string_view key, const MatchedCondition& condition) {
   ThesisRow row{.key = key, .ours = 1 - condition.overall.ratio(), .generated = true};
   if (const auto ratio = condition.overall.ratio_interval()) {
@@ -81,15 +84,17 @@ ThesisRow ReductionRow(std::string_view key, const MatchedCondition& condition) 
   return row;
 }
 
-// Student's p against a ratio of 1 of one level
+// p of Student's test of one level against a ratio of 1
 MaybeNumber LevelP(const MatchedLevel& level) {
   const auto& test = level.ratio.log_ratio.test;
   return test ? MaybeNumber(test->p) : std::nullopt;
 }
 
+// p at 1 V, from 2 V on, and of the two controls
 std::vector<ThesisRow> LevelRows(const GeneratedStudy& study) {
   MaybeNumber least_at_1v;
   MaybeNumber most_from_2v;
+  // the least p at 1 V has to be large, the largest p from 2 V on has to be small
   for (const char* name : {"ia1", "ia2"}) {
     for (const MatchedLevel& level : MatchOf(study, name).levels) {
       const MaybeNumber p = LevelP(level);
@@ -101,6 +106,7 @@ std::vector<ThesisRow> LevelRows(const GeneratedStudy& study) {
       }
     }
   }
+  // the controls have a ratio of 1: their p should not be significant
   MaybeNumber controls;
   for (const char* name : {"stock", "cone"}) {
     if (const auto& test = MatchOf(study, name).overall.log_ratio.test) {
@@ -115,12 +121,14 @@ std::vector<ThesisRow> LevelRows(const GeneratedStudy& study) {
           {.key = "matching-p-controls", .ours = controls, .generated = true}};
 }
 
+// least p of curvature and least r^2 over both skins, with the slopes as a remark
 std::vector<ThesisRow> LinearityRows(const GeneratedStudy& study) {
   MaybeNumber p;
   MaybeNumber r_squared;
   std::string slopes;
   for (const DriveLine& line : study.linearity.lines) {
     if (!line.line) continue;
+    // the poorest line, and the strongest evidence of curvature
     KeepLeast(r_squared, line.line->r_squared);
     if (line.curvature && line.curvature->p) KeepLeast(p, *line.curvature->p);
     slopes += fmt::format("{}{} skin {:.3f} um/V", slopes.empty() ? "" : ", ", line.subject,
@@ -154,6 +162,7 @@ constexpr int kGeneratedRepeats = 3;
 std::vector<double> CentredDeviates(std::mt19937_64& random, int count, double standard_deviation) {
   std::normal_distribution<double> normal(0, standard_deviation);
   std::vector<double> deviates(static_cast<std::size_t>(count));
+  // centred by subtraction of the sample's own mean
   for (double& deviate : deviates) deviate = normal(random);
   const double mean = std::reduce(deviates.begin(), deviates.end()) / count;
   for (double& deviate : deviates) deviate -= mean;
@@ -167,8 +176,10 @@ struct GeneratedMatch {
   std::map<double, double> ratio_at_v;
 };
 
+// standard deviations of the logarithm of a ratio: between subjects, between settings
 constexpr double kSettingsBetweenSubjects = 0.10;
 constexpr double kBetweenSettings = 0.03;
+// factor by which a setting is above (started high) or below (started low) the match
 constexpr double kStartBias = 1.05;
 
 // The settings of eight subjects, at each level one started high and one low, as the table that
@@ -188,6 +199,7 @@ TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint
       const auto own = CentredDeviates(random, kGeneratedSubjects, kSettingsBetweenSubjects);
       for (std::size_t s = 0; s < own.size(); ++s) {
         for (const bool high : {true, false}) {
+          // ln(ratio) = truth + subject + start + setting
           const double bias = (high ? 1 : -1) * std::log(kStartBias);
           const double log = std::log(ratio) + own[s] + bias + between_settings(random);
           add("reference_v", fmt::format("{:g}", level_v));
@@ -203,10 +215,13 @@ TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint
   return table;
 }
 
+// a second per reading: the thesis's levels from 1 V, and 0 V for the noise floor
 constexpr double kDurationS = 1;
 constexpr std::array kLevelsV{0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0};
+// skins a fifth softer and stiffer than the model's
 constexpr std::array kSkinFactors{0.8, 1.2};
 
+// band RMS in m with the noise included
 Result<double> RmsWithFloor(const sim::Scene& scene) {
   dsp::BandQuestion question;
   question.keep_filtered = false;
@@ -218,6 +233,7 @@ Result<double> RmsWithFloor(const sim::Scene& scene) {
                         refusal.empty() ? "has no RMS" : refusal);
   }
   const dsp::RmsEstimate& rms = analysis->numbers->rms;
+  // rms_m has its floor subtracted in mean square, so it is added again: sqrt(rms^2 + floor^2)
   return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
 }
 
@@ -257,17 +273,19 @@ struct GeneratedCondition {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kRateHz = 2000;
 constexpr std::size_t kRows = 2400;
+// standard deviations of the logarithm of an RMS: between subjects, within condition, per trial
 constexpr double kTrialsBetweenSubjects = 0.25;
 constexpr double kWithinCondition = 0.12;
 constexpr double kBetweenTrials = 0.05;
 
+// what a trial of the generated study is made of
 struct TrialTruth {
   double rms_m = 0;
   double frequency_hz = 0;
   std::uint64_t seed = 0;
 };
 
-// tone, tremor, distance and drift; phases and sizes are drawn
+// displacement in m: tone, tremor, distance and drift; phases and sizes are random
 trial::Displacement MotionOf(const TrialTruth& truth) {
   std::mt19937_64 random(truth.seed);
   const auto between = [&](double low, double high) {
@@ -276,6 +294,7 @@ trial::Displacement MotionOf(const TrialTruth& truth) {
   const double phase = between(0, kTwoPi), tremor_phase = between(0, kTwoPi);
   const double tremor_hz = between(8, 11), tremor_m = between(20e-6, 40e-6);
   const double offset_m = between(1e-3, 3e-3), drift_m_per_s = between(-30e-6, 30e-6);
+  // peak from RMS of a sine: a = sqrt(2) rms
   const double amplitude_m = std::numbers::sqrt2 * truth.rms_m;
   return [=, frequency_hz = truth.frequency_hz](double t_s) {
     return offset_m + drift_m_per_s * t_s +
@@ -284,6 +303,7 @@ trial::Displacement MotionOf(const TrialTruth& truth) {
   };
 }
 
+// a record of one displacement channel (m), as a sensor head with noise and steps reads it
 trial::Record RecordOf(const TrialTruth& truth) {
   const trial::SensorHead head{.name = "generated",
                                .sampling_s = 1 / kRateHz,
@@ -323,11 +343,12 @@ trial::Record RecordOf(const TrialTruth& truth) {
   return record;
 }
 
-// A new file at `path` that is not worth waiting for the disk: Sync() hands the bytes to the
-// system only. For trials that go with the run that made them; a hundred syncs cost seconds.
+// A new file at `path` without synchronisation to the disk: Sync() gives the bytes to the system
+// only. For trials that are removed at the end of the run; a hundred syncs take seconds.
 class PassingFile : public trial::ByteSink {
  public:
   explicit PassingFile(const std::string& path)
+      // "x" in the mode: an existing file is an error, not replaced
       : path_(path), file_(std::fopen(path.c_str(), "wbx"), &std::fclose) {}
 
   Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
@@ -358,11 +379,14 @@ Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, d
                             std::uint64_t seed, const std::filesystem::path& folder) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> between_trials(0, kBetweenTrials);
+  // the subject's level, common to all conditions
   const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
   for (const GeneratedCondition& condition : conditions) {
+    // the subject's own deviation within this condition, common to its repeats
     const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
     for (std::size_t s = 0; s < subjects.size(); ++s) {
       for (int repeat = 1; repeat <= kGeneratedRepeats; ++repeat) {
+        // ln(rms) = condition + subject + subject in condition + trial
         const double log = subjects[s] + own[s] + between_trials(random);
         trial::Record record = RecordOf({condition.rms_m * std::exp(log), frequency_hz, random()});
         record.metadata.labels = {{"subject", std::to_string(s + 1)},
@@ -391,8 +415,10 @@ const std::vector<PlannedContrast>& Planned() {
   return planned;
 }
 
+// skin RMS in m of the linear steady state
 double Rms(const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; }
 
+// control: the model without adapter; treatment: control times the thesis's factor
 std::vector<GeneratedCondition> TrialTruths(const ThesisModel& model) {
   const double stock_m = Rms(WithoutAdapter(model, kCaseAreaM2));
   const double cone_m = Rms(WithoutAdapter(model, kSmallControlAreaM2));
@@ -421,7 +447,7 @@ Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
   return study;
 }
 
-// equal at 1 V; from 2 V on so much lower that the mean of all five is `mean`
+// ratio 1 at 1 V; from 2 V on r^(5/4), so that the geometric mean of all five levels is `mean`
 GeneratedMatch MatchTruth(const std::string& condition, double mean) {
   constexpr double kLevels = 5;
   GeneratedMatch match{condition, {{1, 1}}};
@@ -471,6 +497,7 @@ TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
     : path_(std::exchange(other.path_, {})) {}
 
 TemporaryFolder::~TemporaryFolder() {
+  // errors of removal are ignored: a destructor has no way to report them
   std::error_code ignored;
   if (!path_.empty()) fs::remove_all(path_, ignored);
 }

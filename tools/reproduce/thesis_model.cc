@@ -15,12 +15,15 @@
 
 namespace haptometer::tools {
 
+// the skin at that area (m2) by the thesis's law, with the changes of its two ends
 sim::Skin SkinOf(const ThesisModel& model, double contact_area_m2) {
   const auto law = [&](double area_m2) { return sim::SkinUnderArea(area_m2, model.skin_range); };
   const double least = law(sim::kSkinAreaMinM2).stiffness_n_per_m;
   const double largest = law(sim::kSkinAreaMaxM2).stiffness_n_per_m;
   sim::Skin skin = law(contact_area_m2);
+  // position of this stiffness between the ends of the law, 0 to 1
   const double part = (skin.stiffness_n_per_m - least) / (largest - least);
+  // changes of the ends are interpolated linearly in stiffness
   skin.stiffness_n_per_m +=
       (1 - part) * model.least_skin.stiffness_n_per_m + part * model.largest_skin.stiffness_n_per_m;
   skin.damping_n_s_per_m +=
@@ -42,6 +45,7 @@ sim::Scene WithAdapter(const ThesisModel& model, double contact_area_m2) {
   return scene;
 }
 
+// Ma2 of the prototype is the mass of its base as built, not the tuned one
 sim::Scene Prototype(const ThesisModel& model, double contact_area_m2) {
   sim::Scene scene = WithAdapter(model, contact_area_m2);
   scene.adapter->skin_side_mass_kg = kBuiltBaseMassKg;
@@ -58,7 +62,7 @@ sim::TuningProblem SearchOf(const ThesisModel& model) {
 
 namespace {
 
-// an input of the simulation, as it is printed
+// a printed input of the simulation, and half of its last digit
 struct RoundedInput {
   std::string_view symbol;
   ThesisUnit unit;
@@ -67,10 +71,12 @@ struct RoundedInput {
   double skin_area_m2 = 0;  // of an end of the skin's law, whose place holds a difference
 };
 
+// units of the printed inputs, with their SI values
 constexpr ThesisUnit kGram{"g", "kg", 1e-3};
 constexpr ThesisUnit kNPerM{"N/m", "N/m", 1};
 constexpr ThesisUnit kNsPerM{"N s/m", "N s/m", 1};
 
+// half a unit in the last printed digit of each input: the true one lies within
 constexpr auto kInputs = std::to_array<RoundedInput>({
     {"Mv", kGram, 0.05e-3, [](ThesisModel& m) -> double& { return m.actuator.moving_mass_kg; }},
     {"Mc", kGram, 0.05e-3, [](ThesisModel& m) -> double& { return m.actuator.case_mass_kg; }},
@@ -113,7 +119,7 @@ ThesisModel ModelAt(ThesisModel model, const Place& place) {
   return model;
 }
 
-// an input of the model, in its unit
+// value of an input in its printed unit; an end of the skin's law with the law's own value added
 double ShownOf(const RoundedInput& input, ThesisModel model) {
   double value = input.place(model);
   if (input.skin_area_m2 > 0) {
@@ -123,21 +129,24 @@ double ShownOf(const RoundedInput& input, ThesisModel model) {
   return value / input.unit.si;
 }
 
-// How far a value lies beyond the middle four fifths of what is printed, in half steps; of a bound
-// in parts of it.
+// distance of a value from the middle four fifths of the rounding interval of the printed one, in
+// half steps; of a bound relative to it
 double DistanceOf(const ThesisNumber& number, double value) {
+  // the inner 80 % of the rounding interval: a result on its edge would not round reliably
   constexpr double kInner = 0.8;
   const double printed = SiValue(number);
   if (number.relation == Relation::kEquals) {
+    // equality: deviation from the printed value in half steps, 0 within the inner part
     const double off = (value - printed) / (number.half_step * number.unit.si);
     return off - std::clamp(off, -kInner, kInner);
   }
+  // bound: relative deviation, 1e-3 beyond the bound at least
   const double off = value / printed - 1;
   return number.relation == Relation::kBelow ? std::max(off + 1e-3, 0.0)
                                              : std::min(off - 1e-3, 0.0);
 }
 
-// the rows' numbers where the inputs are at that place
+// values of the rows with the inputs at that place
 std::vector<double> ValuesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
                              const Place& place) {
   const ThesisModel moved = ModelAt(model, place);
@@ -160,14 +169,14 @@ double SquareOf(const std::vector<double>& distances) {
   return sum;
 }
 
-// by how much each of `values`, which are those of the place, grows with each input, in the units
-// of DistanceOf
+// derivatives d(value k)/d(input i) at `values` of the place, in the units of DistanceOf
 std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
                             const Place& place, const std::vector<double>& values) {
   constexpr double kStep = 1e-3;
   std::vector<Place> slopes(rows.size());
   for (std::size_t i = 0; i < kInputs.size(); ++i) {
     Place moved = place;
+    // one-sided difference, towards the middle, so that the place stays within the bounds
     moved[i] += moved[i] > 0 ? -kStep : kStep;
     const std::vector<double> there = ValuesAt(model, rows, moved);
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -180,9 +189,8 @@ std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const RowMeasure
   return slopes;
 }
 
-// The place within the bounds at which the linearised distances are least, one input after the
-// other until they stand still; a little weight on the way itself, so that inputs that do nothing
-// stay.
+// minimum of the linearised squared distances within the bounds by coordinate descent; a small
+// weight on the place itself, so that inputs without influence stay at the printed values
 Place LinearBest(const std::vector<double>& distances, const std::vector<Place>& slopes,
                  const Place& place) {
   constexpr int kSweeps = 300;
@@ -190,14 +198,17 @@ Place LinearBest(const std::vector<double>& distances, const std::vector<Place>&
   Place best = place;
   std::vector<double> left = distances;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    // derivative and curvature of (weight x^2 + sum of left^2) / 2 along this input
     for (std::size_t i = 0; i < best.size(); ++i) {
       double gradient = kWeight * best[i];
       double curvature = kWeight;
       for (std::size_t k = 0; k < left.size(); ++k) {
+        // rows within their rounding already have no weight
         if (distances[k] == 0) continue;
         gradient += slopes[k][i] * left[k];
         curvature += slopes[k][i] * slopes[k][i];
       }
+      // Newton step of one coordinate, clamped to the box
       const double moved = std::clamp(best[i] - gradient / curvature, -1.0, 1.0);
       for (std::size_t k = 0; k < left.size(); ++k) left[k] += slopes[k][i] * (moved - best[i]);
       best[i] = moved;
@@ -206,7 +217,7 @@ Place LinearBest(const std::vector<double>& distances, const std::vector<Place>&
   return best;
 }
 
-// a place and how far its rows are from what is printed
+// a place and the sum of squared distances of its rows
 struct SearchEnd {
   Place place{};
   double square = 0;
@@ -218,6 +229,7 @@ SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const Row
   std::vector<double> values = ValuesAt(model, rows, place);
   std::vector<double> distances = DistancesOf(rows, values);
   for (int step = 0; step < kMostSteps && SquareOf(distances) > 0; ++step) {
+    // Gauss-Newton direction within the box, then halving until the squared distance decreases
     const Place wanted = LinearBest(distances, SlopesAt(model, rows, place, values), place);
     bool is_nearer = false;
     for (double part = 1; part > 1e-3 && !is_nearer; part /= 2) {
@@ -235,20 +247,21 @@ SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const Row
   return {place, SquareOf(distances)};
 }
 
-// Evenly spread over the bounds (a Kronecker sequence of square roots of primes); the first are the
-// printed values.
+// uniformly spread over the box (a Kronecker sequence of square roots of primes); number 0 is the
+// printed values
 Place StartOf(int number) {
   constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47};
   static_assert(kPrimes.size() == kInputs.size());
   Place place{};
   for (std::size_t i = 0; i < place.size() && number > 0; ++i) {
+    // fractional part of number x sqrt(prime), mapped to -1 to 1
     const double turns = number * std::sqrt(kPrimes[i]);
     place[i] = 2 * (turns - std::floor(turns)) - 1;
   }
   return place;
 }
 
-// the best of searches from several places: each may end where only its own surroundings are worse
+// best of several searches, because each ends in a local minimum
 Place Nearest(const ThesisModel& model, std::span<const RowMeasure> rows) {
   constexpr int kStarts = 8;
   SearchEnd best = NearestFrom(StartOf(0), model, rows);
@@ -304,6 +317,7 @@ void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& 
 
 namespace {
 
+// steps of the first search over an interval
 constexpr int kSteps = 1000;
 
 double PlaceOf(int step, double low, double high) {
@@ -313,6 +327,7 @@ double PlaceOf(int step, double low, double high) {
 
 }  // namespace
 
+// position of the maximum: a scan, then golden section between the neighbours of the best
 double LargestAt(const std::function<double(double)>& function, double low, double high) {
   int best = 0;
   double most = -std::numeric_limits<double>::infinity();
@@ -338,6 +353,7 @@ double LargestAt(const std::function<double(double)>& function, double low, doub
   return (a + b) / 2;
 }
 
+// the last change of sign below `high`: a scan downwards, then bisection to rounding
 std::optional<double> CrossingOf(const std::function<double(double)>& function, double low,
                                  double high) {
   const bool sign = function(high) > 0;
@@ -353,11 +369,13 @@ std::optional<double> CrossingOf(const std::function<double(double)>& function, 
   return std::nullopt;
 }
 
+// first time in s at which abs(xs) reaches the level, in a run from rest of 1 s at most
 std::optional<double> TimeToReach(sim::Scene scene, double level_m) {
   constexpr double kLongestS = 1;
   constexpr double kStepsPerPeriod = 100;
   scene.start = sim::Start::kRest;
   const trial::Displacement motion = sim::MotionOf(scene, sim::SensorTarget::kSkin);
+  // 100 steps per period: a crest between two steps is missed by at most 5e-4 of its height
   const double rate_hz = kStepsPerPeriod * scene.drive.frequency_hz;
   for (int step = 1; step <= kLongestS * rate_hz; ++step) {
     double after_s = step / rate_hz;

@@ -11,6 +11,7 @@ namespace {
 
 using enum Relation;
 
+// units of the printed numbers: name, name in SI, SI value of one
 constexpr ThesisUnit kMm{"mm", "m", 1e-3};
 constexpr ThesisUnit kUm{"um", "m", 1e-6};
 constexpr ThesisUnit kMa{"mA", "A", 1e-3};
@@ -27,6 +28,7 @@ constexpr ThesisUnit kMs{"ms", "s", 1e-3};
 constexpr ThesisUnit kStimulus{"mm x Nr", "m", 1e-3};
 constexpr ThesisUnit kNewton{"N", "N", 1};
 
+// headings of the groups of rows, in the order of the thesis
 constexpr std::string_view kDisplacement = "Steady displacement of the skin";
 constexpr std::string_view kInput = "Electrical input without adapter";
 constexpr std::string_view kSaving = "What the adapter saves at the input";
@@ -47,6 +49,7 @@ constexpr std::string_view kLinearity = "Linearity, 1 to 5 V";
 constexpr std::string_view kAssumed = "What the model takes for granted";
 constexpr std::string_view kBeyond = "Future work";
 
+// key, group, place, quantity, relation, unit, value, half of the last printed digit (in unit)
 constexpr auto kNumbers = std::to_array<ThesisNumber>({
     {"rms-direct", kDisplacement, "Table 2.3, p. 12", "LRA direct, 78.5 mm2", kEquals, kMm, 0.0438,
      0.00005},
@@ -189,7 +192,7 @@ double SiValue(const ThesisNumber& number) { return number.value * number.unit.s
 
 namespace {
 
-// whether some number of the interval is what is printed
+// whether the interval contains a number that rounds to the printed one
 bool Overlaps(const ThesisNumber& number, const dsp::Interval& interval) {
   const double nearest = std::clamp(SiValue(number), interval.lower, interval.upper);
   return IsAsPrinted(number, nearest);
@@ -215,6 +218,7 @@ std::string_view Name(Relation relation) {
 
 bool IsAsPrinted(const ThesisNumber& number, double value) {
   const double printed = SiValue(number);
+  // a bound is reproduced on its side; 1e-9 for the rounding of doubles at the edge of half a step
   switch (number.relation) {
     case Relation::kEquals:
       return std::abs(value - printed) <= number.half_step * number.unit.si * (1 + 1e-9);
@@ -229,6 +233,7 @@ bool IsAsPrinted(const ThesisNumber& number, double value) {
 }
 
 bool Hits(const ThesisNumber& number, const CandidateCause& cause) {
+  // an interval of a cause: from inputs that are rounded themselves
   return cause.from_rounded ? Overlaps(number, *cause.from_rounded)
                             : IsAsPrinted(number, cause.gives);
 }
@@ -236,6 +241,7 @@ bool Hits(const ThesisNumber& number, const CandidateCause& cause) {
 RowVerdict VerdictOf(const ThesisRow& row) {
   const ThesisNumber& number = row.number();
   if (number.relation == Relation::kNotPrinted) return RowVerdict::kNotPrinted;
+  // a row with a coverage interval is reproduced if the interval contains the printed value
   if (row.ours && std::isfinite(*row.ours)) {
     const bool holds =
         row.interval ? Overlaps(number, *row.interval) : IsAsPrinted(number, *row.ours);
@@ -248,6 +254,7 @@ RowVerdict VerdictOf(const ThesisRow& row) {
 
 std::optional<CauseKind> ExplainedBy(const ThesisRow& row) {
   if (VerdictOf(row) != RowVerdict::kExplained) return std::nullopt;
+  // the kinds in the order of their strength; a tuned cause counts only if no other one does
   for (const CauseKind kind : {CauseKind::kReading, CauseKind::kRounding}) {
     const bool hits = std::ranges::any_of(row.candidates, [&](const CandidateCause& cause) {
       return cause.kind == kind && Hits(row.number(), cause);
@@ -257,6 +264,7 @@ std::optional<CauseKind> ExplainedBy(const ThesisRow& row) {
   return CauseKind::kTuned;
 }
 
+// relative deviation from the printed value; nothing for bounds
 std::optional<double> DeviationOf(const ThesisRow& row) {
   const ThesisNumber& number = row.number();
   if (number.relation != Relation::kEquals || !row.ours) return std::nullopt;

@@ -28,16 +28,18 @@
 namespace haptometer::tools {
 namespace {
 
+// ten periods of the drive: the window of window_rms_m
 constexpr double kWindowPeriods = 10;
 constexpr document::Key kCaseRms{"case_rms_m", "case displacement (RMS)", document::kMetre};
 
-// The last ten periods of the run, where it has as many.
+// RMS over the last ten periods of the run, where it is as long
 std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   if (!scene.duration_s) return std::nullopt;
   const double length_s = kWindowPeriods / scene.drive.frequency_hz;
   // a run of exactly ten periods may miss them by a rounding
   const double begin_s = *scene.duration_s - length_s;
   if (begin_s < -1e-12 * length_s) return std::nullopt;
+  // an offset or a stated start is outside of TimeResponse: the run is played instead
   if (scene.drive.offset_v != 0 || scene.initial.Any()) {
     const sim::SceneRun run = sim::RunScene({.scene = scene, .piecewise = {}}, *scene.duration_s);
     return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
@@ -53,6 +55,7 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
   if (!answer.effects) return AnswerWindow(answer.scene);
   const sim::SceneRun& run = answer.effects->run;
   const double length_s = kWindowPeriods / answer.scene.drive.frequency_hz;
+  // a run with effects whose window is shorter than ten periods by more than rounding has none
   if (!answer.scene.duration_s || run.end_s - run.begin_s < length_s * (1 - 1e-9)) return {};
   if (answer.effects->end) {
     // the run's numbers may be of other whole periods
@@ -63,7 +66,7 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
   return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
 }
 
-// why a steady state does not answer
+// why the linear scene has no steady state: no spring, an undamped resonance, or rounding
 Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
   if (scene.drive.offset_v != 0 && !sim::IsHeldInPlace(scene)) {
     return {Cause::kCannotAnswer, where,
@@ -71,6 +74,7 @@ Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
             "give [skin] a stiffness, or a duration and start = \"rest\""};
   }
   constexpr double kClose = 1e-6;  // relative: what damps a resonance is far more
+  // frequencies of the drive in Hz: one, or one per tone
   std::vector<double> frequencies_hz{scene.drive.frequency_hz};
   if (scene.drive.kind == sim::DriveKind::kTones) {
     frequencies_hz.clear();
@@ -78,6 +82,7 @@ Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
   }
   const auto poles = sim::Poles(sim::AssembleModel(scene));
   for (const double frequency_hz : frequencies_hz) {
+    // drive at s = j w in rad/s; an undamped pole lies on the imaginary axis
     const std::complex<double> drive(0, 2 * std::numbers::pi * frequency_hz);
     const bool meets = std::ranges::any_of(poles, [&](const std::complex<double>& pole) {
       return std::abs(pole - drive) <= kClose * std::abs(drive);
@@ -87,6 +92,7 @@ Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
             "has no steady state: the drive meets an undamped resonance",
             "add damping or change frequency_hz"};
   }
+  // neither: the motion is so small that its rounding exceeds it, first at the lowest frequency
   const double lowest_hz = *std::ranges::min_element(frequencies_hz);
   return {Cause::kCannotAnswer, where,
           fmt::format("at {:g} Hz the skin moves so little that rounding exceeds it", lowest_hz),
@@ -103,6 +109,7 @@ Result<void> CheckRun(const sim::Scene& scene, const std::string& where) {
   }
   const double duration_s = scene.duration_s.value_or(0);
   const double steps = scene.duration_s ? sim::StepsOfRun(scene, duration_s) : 0;
+  // the number of steps is limited, so that a long run is refused and not begun
   if (!(steps > sim::MostSteps(scene))) return {};
   return CannotAnswer(where, fmt::format("{:g} s are {:.2g} steps", duration_s, steps),
                       fmt::format("shorten duration_s to {:.3g} s or less",
@@ -111,6 +118,7 @@ Result<void> CheckRun(const sim::Scene& scene, const std::string& where) {
 
 Result<SceneAnswer> AnswerTones(SceneAnswer answer, const std::string& where) {
   answer.tones = sim::SolveSteadyTones(answer.scene);
+  // an error estimate of 1 or more: no steady state exists
   if (answer.tones->error_estimate < 1) return answer;
   return std::unexpected(NoSteadyState(answer.scene, where));
 }
@@ -122,6 +130,7 @@ Result<SceneAnswer> AnswerRun(SceneAnswer answer, const std::string& where) {
   if (scene.drive.kind == sim::DriveKind::kTones && !scene.duration_s && !asks) {
     return AnswerTones(std::move(answer), where);
   }
+  // effects need a run: it decides which of them act
   if (asks) {
     auto choice = DecideEffects(scene, where);
     if (!choice) return std::unexpected(choice.error());
@@ -129,6 +138,7 @@ Result<SceneAnswer> AnswerRun(SceneAnswer answer, const std::string& where) {
     return answer;
   }
   if (auto check = CheckRun(scene, where); !check) return std::unexpected(check.error());
+  // a run from the steady state requires that one exists
   if (sim::StartOf(scene) == sim::Start::kSteady &&
       !(sim::SolveSteadyTones(scene).error_estimate < 1)) {
     return std::unexpected(NoSteadyState(scene, where));
@@ -145,6 +155,7 @@ const sim::SceneRun* RunOf(const SceneAnswer& answer) {
 }
 
 const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
+  // without a duration, where the linear steady motion does not hold
   const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
   return settled ? &answer.effects->run : nullptr;
 }
@@ -156,6 +167,7 @@ bool IsSuperposed(const SceneAnswer& answer) {
 
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
   if (auto check = CheckRun(scene, where); !check) return std::unexpected(check.error());
+  // period and attractor are searched for a sine only
   if (scene.drive.kind != sim::DriveKind::kSine && sim::StartOf(scene) == sim::Start::kSteady) {
     return CannotAnswer(where,
                         "begins with effects in the steady motion of tones, which is not "
@@ -171,19 +183,22 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
   SceneAnswer answer;
   answer.scene = scene;
   if (scene.drive.kind != sim::DriveKind::kSine) return AnswerRun(std::move(answer), where);
+  // X = (j w I - A)^-1 B V, refused where the bound of its error is 1 or more
   const sim::SteadyState linear = sim::SolveSteadyState(scene);
   if (!(linear.error_estimate < 1)) return std::unexpected(NoSteadyState(scene, where));
   answer.steady = linear;
+  // effects: the scene with those that act is solved again, and the limits are checked
   if (scene.effects.Asked()) {
     auto choice = DecideEffects(scene, where);
     if (!choice) return std::unexpected(choice.error());
     const sim::EffectiveScene effective = sim::WithEffects(scene, choice->on);
     answer.steady = sim::SolveSteadyState(effective.scene);
-    // the transient from the start may lead to a limited motion beside a free one
+    // a motion with limits and one without may both exist: the transient from the start decides
     const bool limited = choice->periodic || choice->chaotic;
     if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
     answer.effects = std::move(*choice);
   }
+  // from the actuator's constants, by derivatives of the linear steady state
   if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
   answer.window = WindowOf(answer);
   return answer;
@@ -191,6 +206,7 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
 
 namespace {
 
+// part of the input energy that the skin dissipates, 0 to 1
 double SkinShare(const sim::EnergyLedger& ledger) {
   return ledger.dissipated_j[static_cast<std::size_t>(sim::SceneElement::kSkin)] / ledger.input_j;
 }
@@ -200,8 +216,10 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
   if (answer.steady) {
     // without the constant part of the motion
     const Eigen::Index skin = sim::AssembleModel(EffectiveOf(answer).scene).skin();
+    // RMS speed in m/s: w abs(X) / sqrt(2), X the peak phasor of the skin
     const double speed = 2 * std::numbers::pi * answer.scene.drive.frequency_hz *
                          std::abs(answer.steady->phasors(skin)) / std::numbers::sqrt2;
+    // mean power Bs v^2 over the input power
     share = answer.scene.skin.damping_n_s_per_m * speed * speed / answer.steady->power_w;
   } else if (answer.tones) {
     share = answer.tones->skin_power_w / answer.tones->power_w;
@@ -211,14 +229,17 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
   return std::isfinite(share) ? std::optional(share) : std::nullopt;
 }
 
+// least force on the contact in N; below 0 the contact would break
 std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
+  // of a run: static force plus the least dynamic force
   if (const sim::SceneRun* run = RunOf(answer); run != nullptr && !IsSuperposed(answer)) {
     return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
   }
   if (played != nullptr) return played->force_least_n;
   if (answer.scene.duration_s) return std::nullopt;
+  // of a linear steady state: static force minus the peak
   const double resting_n = sim::RestingForceN(EffectiveOf(answer));
-  // an offset shifts what swings
+  // an offset shifts the centre of the oscillation
   const auto least_n = [&](const auto& steady) {
     return resting_n - steady.skin_force_peak_n + std::abs(steady.mean_skin_force_n) +
            steady.mean_skin_force_n;
@@ -228,6 +249,7 @@ std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms
   return std::nullopt;
 }
 
+// part of the run in which the amplitude of the drive is constant; nothing without one
 std::optional<sim::SteadyPart> SteadyPartOf(const sim::Scene& scene, double duration_s) {
   const sim::Drive& drive = scene.drive;
   if (drive.kind == sim::DriveKind::kSine) return sim::SteadyPart{.end_s = duration_s};
@@ -242,7 +264,7 @@ sim::Finding NoRise(sim::FindingKind why, FindingNumber number) {
   return {Severity::kNote, why, {std::move(number)}};
 }
 
-// Adds the rise, or why there is none.
+// adds the rise of the skin's motion, or why there is none
 void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumbers& numbers) {
   const double duration_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
   const auto part = SteadyPartOf(scene, duration_s);
@@ -250,6 +272,7 @@ void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumber
     numbers.no_rise = NoRise(sim::FindingKind::kDriveVaries, {"drive", KindText(scene.drive.kind)});
     return;
   }
+  // the rise is measured on whole periods, so a short drive determines none
   if (!sim::LastsForARise(*part, scene.drive.frequency_hz)) {
     numbers.no_rise =
         NoRise(sim::FindingKind::kDriveShort, {"least_periods", sim::kLeastRisePeriods});
@@ -269,10 +292,12 @@ sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
 
 sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
   const bool settled = SettledRun(answer) != nullptr;
+  // the run starts from a point of the periodic or chaotic motion
   const bool repeats = settled && answer.effects->periodic;
   if (!repeats && !(settled && answer.effects->chaotic)) return sim::BeginningOf(effective);
   const sim::PeriodPoint& point =
       repeats ? answer.effects->periodic->point : answer.effects->chaotic->point;
+  // the point is one of the period's map: it is expanded to a full state
   const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
                            effective.scene.drive);
   // the coil's temperature is a point's last coordinate
@@ -298,19 +323,19 @@ namespace {
 
 using Number = std::optional<double>;
 
-// of the steady motion, where that is known
+// a number of the linear steady state; nothing where that does not hold
 template <double sim::SteadyState::* kMember>
 Number Steady(const SceneAnswer& answer) {
   return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
 }
 
-// the same, also of tones
+// the same, or of the steady state under tones
 template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones>
 Number SteadyOrTones(const SceneAnswer& answer) {
   return answer.tones ? Number((*answer.tones).*kOfTones) : Steady<kMember>(answer);
 }
 
-// the same, or of the motion that a limited scene settles to
+// the same, or of the steady motion of a scene that stops, lost contact or smooth effects limit
 template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones,
           double sim::SceneRun::* kSettled>
 Number Settled(const SceneAnswer& answer) {
@@ -318,7 +343,7 @@ Number Settled(const SceneAnswer& answer) {
   return settled != nullptr ? Number(settled->*kSettled) : SteadyOrTones<kMember, kOfTones>(answer);
 }
 
-// of the run of a scene with effects, or under a drive that is no sine
+// a number of the run of a scene with effects, or under a drive that is no sine
 template <double sim::SceneRun::* kMember>
 Number OfRun(const SceneAnswer& answer) {
   const sim::SceneRun* run = RunOf(answer);
@@ -406,7 +431,7 @@ std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectCh
     const auto effect = static_cast<sim::Effect>(k);
     if (!HasConstants(scene, effect)) continue;
     sim::EffectSet on = choice.on;
-    // what the scene does not call for may be impossible in it
+    // an effect that the scene does not name may leave it without a position of rest
     if (!sim::CanRest(sim::WithEffects(scene, on.set(k)))) continue;
     if (!sim::CanRest(sim::WithEffects(scene, on.reset(k)))) continue;
     const TimedRun with = BestRun(scene, on.set(k));

@@ -25,6 +25,7 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "simulate";
+// length of files of a scene without a duration, s
 constexpr double kDefaultFileS = 1;
 constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
 
@@ -74,7 +75,7 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
 }
 
-// How long files last; of a scene without a duration that is noted.
+// length of files in s; a scene without a duration gets a note
 double LengthOfFiles(const sim::Scene& scene, Findings<SimulateFinding>& findings) {
   if (!scene.duration_s && !findings.Has(SimulateFinding::kDurationAssumed)) {
     findings.Note(SimulateFinding::kDurationAssumed, {{"duration_s", kDefaultFileS}});
@@ -82,7 +83,7 @@ double LengthOfFiles(const sim::Scene& scene, Findings<SimulateFinding>& finding
   return scene.duration_s.value_or(kDefaultFileS);
 }
 
-// Fills in what a trial needs and the scene does not have, and notes it.
+// writes the readings of the scene's sensor, an ideal one where it has none
 Result<void> Record(const SimulateOptions& wanted, sim::Scene scene,
                     Findings<SimulateFinding>& findings) {
   if (!scene.sensor) {
@@ -90,6 +91,7 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene,
     findings.Note(SimulateFinding::kIdealSensor, {{"rate_hz", scene.sensor->rate_hz}});
   }
   const double duration_s = LengthOfFiles(scene, findings);
+  // number of readings: at least one, and few enough for the memory
   const double rows = duration_s * scene.sensor->rate_hz;
   if (rows < 1 || rows > kMostRows) {
     return Usage(wanted.output,
@@ -103,17 +105,19 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene,
   return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
 }
 
-// A drive that ends is played until its motion has rung down.
+// a drive that ends is run until its motion has decayed to a thousandth
 Result<void> AddDuration(const std::string& where, sim::Scene& scene,
                          Findings<SimulateFinding>& findings) {
+  // lasting drives (sine, tones) have a steady state and need no duration
   if (scene.duration_s || sim::IsLasting(scene.drive)) return {};
   const auto ring_down_s = sim::RingDownS(scene);
   if (!ring_down_s) {
     return CannotAnswer(where, "has no duration, and its motion does not decay",
                         "give duration_s in [run], or --duration");
   }
+  // end of the drive plus the time in which the slowest motion decays
   const double end_s = sim::EndOfDriveS(scene.drive);
-  // whole milliseconds, where many drives' pieces and outputs meet
+  // whole milliseconds: at these, pieces of many drives end on an output
   const double rung_down_s = std::ceil((end_s + *ring_down_s) * 1e3) / 1e3;
   scene.duration_s = std::min(rung_down_s, sim::kLongestRunS);
   findings.Note(
@@ -122,7 +126,7 @@ Result<void> AddDuration(const std::string& where, sim::Scene& scene,
   return {};
 }
 
-// The scene with what the command line says over it.
+// the scene with the options of the command line, which override it
 Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
   auto scene = sim::ReadSceneFile(wanted.scene_path);
   if (!scene) return scene;
@@ -149,7 +153,7 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
   return scene;
 }
 
-// also of a scene that names no effects
+// effects of the scene, each forced on and off; also for a scene that names none
 Result<Explanation> Explained(const SceneAnswer& solved, const std::string& where) {
   Result<sim::EffectChoice> choice = solved.effects ? Result<sim::EffectChoice>(*solved.effects)
                                                     : DecideEffects(solved.scene, where);
@@ -158,7 +162,7 @@ Result<Explanation> Explained(const SceneAnswer& solved, const std::string& wher
   return Explanation{.choice = *std::move(choice), .trials = std::move(trials)};
 }
 
-// constants of effects that the scene does not call for are no mistake, but may be one
+// constants of an effect that is off: possible, but perhaps forgotten
 void NoteIdleConstants(const sim::Scene& scene, Findings<SimulateFinding>& findings) {
   const sim::Effects& effects = scene.effects;
   if (effects.travel_stops && effects[sim::Effect::kTravelStops] == sim::Wish::kOff) {
@@ -169,7 +173,7 @@ void NoteIdleConstants(const sim::Scene& scene, Findings<SimulateFinding>& findi
   }
 }
 
-// The motion as a file and figures need it, where they are asked for.
+// the motion over time for the waveforms' file and the figures, where one of them is requested
 Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer) {
   const bool has_figures = wanted.outputs.HasFigures();
   if (wanted.waveforms.empty() && !has_figures) return {};
@@ -177,6 +181,7 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
   const double own_hz = effective.RateHz();
   const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : own_hz;
   const double duration_s = LengthOfFiles(answer.solved.scene, answer.findings);
+  // rows of the file and of the figures, which have a rate of their own
   const double rows = duration_s * std::max(rate_hz, has_figures ? own_hz : 0);
   if (!(rows >= 1 && rows <= kMostWaveformRows)) {
     const std::string figures = wanted.outputs.plot.empty() ? "--report" : "--plot";
@@ -185,6 +190,7 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
                  fmt::format("give a --duration or --rate for 1 to {:g}", kMostWaveformRows));
   }
   const sim::Beginning start = StartOf(answer.solved, effective);
+  // exact motion at uniform times, from the start that the answer has
   const sim::Waveforms waves = sim::PlayWaveforms(effective, start, duration_s, rate_hz);
   if (waves.stalled_at_s) {
     answer.findings.Doubt(SimulateFinding::kWaveformsStalled, {{"at_s", *waves.stalled_at_s}});
@@ -196,6 +202,7 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
     answer.waveforms_path = wanted.waveforms;
   }
   if (!has_figures) return {};
+  // figures have the scene's own rate; a file with that rate is not computed twice
   const bool is_own = rate_hz == own_hz;
   auto panels = WaveformPanels(
       is_own ? waves : sim::PlayWaveforms(effective, start, duration_s, own_hz), effective.scene);
@@ -205,8 +212,8 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
   return {};
 }
 
-// The motion over the scene's duration, or over some periods of what it settles to; nothing where
-// that is not asked about or too long.
+// the motion over the scene's duration, or over 8 periods of the one that is reached without one;
+// nothing where neither exists or is too long
 std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
   constexpr double kPlayedPeriods = 8;
   if (!solved.scene.duration_s && SettledRun(solved) == nullptr) return std::nullopt;
@@ -220,7 +227,7 @@ std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
   return sim::PlayWaveforms(effective, StartOf(solved, effective), duration_s, rate_hz, true);
 }
 
-// what is asked for must be possible before the work
+// outputs are checked before the computation
 Result<void> CheckFiles(const SimulateOptions& wanted) {
   if (auto check = document::CheckOutputs(wanted.outputs); !check) return check;
   if (!wanted.output.empty()) {
@@ -253,12 +260,14 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   if (!scene) return std::unexpected(scene.error());
   SimulateAnswer answer{.scene_path = wanted.scene_path};
   NoteIdleConstants(*scene, answer.findings);
+  // before the solution: the duration is part of the scene
   if (auto added = AddDuration(wanted.scene_path, *scene, answer.findings); !added) {
     return std::unexpected(added.error());
   }
   auto solved = Solve(*scene, wanted.scene_path);
   if (!solved) return std::unexpected(solved.error());
   answer.solved = *std::move(solved);
+  // least force and rise are taken from the played motion
   const auto played = Played(answer.solved);
   answer.numbers = NumbersOf(answer.solved, played ? &*played : nullptr);
   if (wanted.explain) {

@@ -105,14 +105,16 @@ bool IsNamed(const SceneAnswer& solved, sim::Effect effect) {
   return solved.scene.effects[effect] != sim::Wish::kOff;
 }
 
-// springs, stops and contact
+// assumptions about springs, stops, preload and contact
 void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
                 Findings<SimulateFinding>& findings) {
+  // a spring law or stops act on the mover only; without them every spring is linear
   if (IsNamed(solved, sim::Effect::kStiffening) || IsNamed(solved, sim::Effect::kTravelStops)) {
     findings.Note(SimulateFinding::kOtherSpringsLinear);
   } else {
     of_sim.Note(sim::FindingKind::kLinearSprings);
   }
+  // without the effect contact cannot break: the peak force is the least preload that keeps it
   if (!IsNamed(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
     const double peak_n =
         solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n;
@@ -123,6 +125,7 @@ void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
   const sim::EffectiveScene effective = EffectiveOf(solved);
   FindingOf<SimulateFinding> preload{
       Severity::kNote,
+      // static displacement of the mover in m, under weight too and by the cubic law where it is on
       SimulateFinding::kMoverPreload,
       {{"preload_n", preload_n},
        {"displacement_m", sim::MoverSag(solved.scene, IsNamed(solved, sim::Effect::kGravity),
@@ -131,6 +134,7 @@ void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
   findings.Add(std::move(preload));
 }
 
+// with a resistance of the source the terminal voltage differs from the stated one
 void NoteSource(const SceneAnswer& solved, Findings<SimulateFinding>& findings) {
   const double source_ohm = solved.scene.drive.source_resistance_ohm;
   const auto kind = IsNamed(solved, sim::Effect::kCoilHeating)
@@ -141,8 +145,9 @@ void NoteSource(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
   findings.Add(std::move(source));
 }
 
-// of a motion that something limits: how it ends, and how far it is known
+// how a run under limits or effects ends, and until when its numbers are valid
 void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) {
+  // a sine with a duration and no steady state: stops, lost contact or a smooth effect limit it
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (is_sine && solved.scene.duration_s && !solved.steady) {
     findings.Note(SimulateFinding::kSteadyNotLinear);
@@ -151,18 +156,21 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
   if (is_sine && solved.scene.duration_s && !solved.window) {
     findings.Note(SimulateFinding::kNoWindow, {{"run_s", *solved.scene.duration_s}});
   }
+  // the run is valid until its error exceeds the tolerance
   const sim::SceneRun* run = RunOf(solved);
   if (run != nullptr && run->known_until_s) {
     findings.Doubt(SimulateFinding::kKnownUntil,
                    {{"tolerance", solved.scene.tolerance}, {"known_until_s", *run->known_until_s}});
   }
   if (!solved.effects) return;
+  // chaos: growth is the largest Lyapunov exponent per drive period, with its uncertainty
   if (const auto& chaotic = solved.effects->chaotic) {
     findings.Note(SimulateFinding::kChaotic,
                   {{"growth", chaotic->exponent},
                    {"growth_uncertainty", chaotic->exponent_standard_uncertainty},
                    {"periods", chaotic->periods}});
   }
+  // a run whose end repeats after whole drive periods needs no doubt about its window
   if (!solved.effects->end || solved.effects->end->drive_periods) return;
   if (const auto uncertainty = solved.effects->end->window_uncertainty) {
     findings.Doubt(SimulateFinding::kEndVaries, {{"relative_uncertainty", *uncertainty}});
@@ -171,6 +179,7 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
   }
 }
 
+// findings of this verb and those of sim, in one list of the document
 void AddAllFindings(const SimulateAnswer& answer, Section& root) {
   sim::Findings of_sim;
   Findings<SimulateFinding> findings = answer.findings;
@@ -184,6 +193,7 @@ void AddAllFindings(const SimulateAnswer& answer, Section& root) {
 
 // --- the motion ---
 
+// the computations that gave the numbers, joined by "; "
 std::string Method(const SceneAnswer& solved) {
   std::vector<std::string_view> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
@@ -191,6 +201,7 @@ std::string Method(const SceneAnswer& solved) {
     methods.emplace_back("exact phasors of the linear model, superposed");
   }
   if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
+  // with a smooth effect CVODES integrates the run, its window included
   const bool smooth = solved.effects && solved.effects->run.solver;
   if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
   if (solved.effects && solved.effects->periodic) methods.emplace_back("transient and shooting");
@@ -206,7 +217,7 @@ std::string Method(const SceneAnswer& solved) {
   return fmt::format("{}", fmt::join(methods, "; "));
 }
 
-// of all that is answered
+// largest relative error estimate of all numbers of the answer
 double ErrorOfAll(const SceneAnswer& solved) {
   double largest = 0;
   if (solved.steady) largest = solved.steady->error_estimate;
@@ -215,7 +226,7 @@ double ErrorOfAll(const SceneAnswer& solved) {
   return largest;
 }
 
-// nothing is shown below the error of the number
+// resolution of a number: its relative error times its value, so no digit below it is printed
 void AddNumbers(std::span<const AnswerNumber> numbers, const SceneAnswer& solved, double error,
                 Section& section) {
   for (const AnswerNumber& number : numbers) {
@@ -227,13 +238,15 @@ void AddNumbers(std::span<const AnswerNumber> numbers, const SceneAnswer& solved
 Section SteadySection(const SceneAnswer& solved) {
   Section steady;
   AddNumbers(SteadyNumbers(), solved, ErrorOfAll(solved), steady);
+  // the skin's RMS is the first of SteadyNumbers()
   Item& skin = steady.items.front();
   skin.form = document::Form::kUncertain;
+  // from the actuator's constants: u = relative u x RMS, where the steady motion is the linear one
   if (solved.skin_rms_relative_uncertainty > 0 && solved.steady) {
     skin.standard_uncertainty = solved.skin_rms_relative_uncertainty * solved.steady->skin_rms_m;
     skin.note = "standard uncertainty from the actuator's constants";
   }
-  // of a constant voltage
+  // constant part of the motion, caused by an offset of the voltage; absent without one
   Section mean{.is_known = solved.steady && solved.scene.drive.offset_v != 0};
   const double skin_m =
       mean.is_known ? solved.steady->mean(sim::AssembleModel(solved.scene).skin()) : 0;
@@ -246,6 +259,7 @@ Section SteadySection(const SceneAnswer& solved) {
   return steady;
 }
 
+// preload and weight act on the contact; a least force below 0 N means that contact is lost
 Section ContactSection(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
   Section contact;
@@ -268,6 +282,7 @@ std::string_view StartName(const sim::Scene& scene) {
   return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "the steady state";
 }
 
+// RMS over the last ten periods of the run, and the motion that the run starts from
 Section WindowSection(const SceneAnswer& solved) {
   Section section{.is_known = solved.window.has_value()};
   const WindowAnswer window = solved.window.value_or(WindowAnswer{});
@@ -297,14 +312,17 @@ Section RunSection(const SceneAnswer& solved) {
   Section section{.name = "run", .heading = "run", .is_known = played != nullptr};
   if (played == nullptr) return section;
   const sim::SceneRun& run = *played;
-  // numbers of what a scene settles to stand above
+  // numbers of the motion reached in the end are printed in the steady section instead
   if (SettledRun(solved) != nullptr || solved.steady) section.detail = Detail::kAll;
+  // interval of time that the numbers of the run are of
   section.Add(document::kWindowS, document::Range{run.begin_s, run.end_s});
   AddNumbers(RunNumbers(), solved, run.error_estimate, section);
   const sim::RunEnd end =
       solved.effects ? solved.effects->end.value_or(sim::RunEnd{}) : sim::RunEnd{};
+  // whole drive periods after which the end repeats, else the uncertainty of its window
   section.Add(kDrivePeriods, end.drive_periods);
   section.Add({"window_relative_uncertainty"}, end.window_uncertainty);
+  // labels are empty where the coil does not warm: the keys remain in JSON
   const bool warms = solved.effects && solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)];
   section.Add({"temperature_rise_k", warms ? "temperature rise of the coil at the end" : "",
                document::kKelvin},
@@ -315,6 +333,7 @@ Section RunSection(const SceneAnswer& solved) {
   section.Add({kErrorEstimate.name}, run.error_estimate);
   section.Add({"known_until_s"}, run.known_until_s);
   section.Add({"solver_steps", run.solver ? "steps of the solver" : ""}, run.work.steps);
+  // a tenth of the imbalance: two digits of a quantity that is itself an error
   section.Add(kEnergyImbalance, run.ledger.Imbalance()).resolution =
       std::abs(run.ledger.Imbalance()) / 10;
   section.sections.push_back(EventsTable(run));
@@ -327,10 +346,12 @@ Section PeriodicSection(const SceneAnswer& solved) {
   if (!is_known) return section;
   const sim::PeriodicMotion& motion = *solved.effects->periodic;
   section.Add(kDrivePeriods, motion.drive_periods);
+  // magnitude of the largest Floquet multiplier: part of a deviation that remains after a period
   if (motion.multipliers.size() > 0) {
     section.Add({"", "deviation left after each"}, std::abs(motion.multipliers(0))).resolution =
         1e-4;
   }
+  // complex numbers as pairs [real, imaginary]
   std::vector<std::vector<double>> multipliers;
   for (const auto& multiplier : motion.multipliers) {
     multipliers.push_back({multiplier.real(), multiplier.imag()});
@@ -340,6 +361,7 @@ Section PeriodicSection(const SceneAnswer& solved) {
   return section;
 }
 
+// averages over a chaotic motion, with standard uncertainties from batches of periods
 Section AverageSection(const SceneAnswer& solved) {
   const bool is_known = solved.effects && solved.effects->chaotic;
   Section section{.name = "average", .is_known = is_known};
@@ -347,6 +369,7 @@ Section AverageSection(const SceneAnswer& solved) {
   const sim::ChaoticMotion& motion = *solved.effects->chaotic;
   const sim::SceneRun& run = solved.effects->run;
   const Eigen::Index skin = sim::AssembleModel(EffectiveOf(solved).scene).skin();
+  // u(rms) = u(mean square) / (2 rms), by the derivative of the root
   const sim::PeriodMeans& uncertain = motion.standard_uncertainties;
   const auto of_rms = [&](double rms, Eigen::Index state) {
     return uncertain.mean_squares(state) / (2 * rms);
@@ -396,6 +419,7 @@ std::string GroundText(const sim::EffectVerdict& verdict) {
     case sim::Ground::kCompared:
       break;
   }
+  // verdict by comparison of runs: relative change of the asked quantity
   if (verdict.change == 0) return "without it the answer is the same";
   if (std::isinf(verdict.change)) return "without it the answer is not known";
   return fmt::format("without it the answer changes by {:.2g}", verdict.change);
@@ -403,18 +427,22 @@ std::string GroundText(const sim::EffectVerdict& verdict) {
 
 // an object for each effect; in the text a line for those that the scene names, or for all
 Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanation>& explanation) {
+  // --explain decides on every effect, so its choice replaces that of the run
   const sim::EffectChoice* choice = nullptr;
   if (solved.effects) choice = &*solved.effects;
   if (explanation) choice = &explanation->choice;
   const sim::Scene& scene = solved.scene;
   Section effects{.name = "effects", .is_known = choice != nullptr};
   if (choice == nullptr) return effects;
+  // heading: the quantity that the effects were decided by, its tolerance and the number of runs
   effects.heading = fmt::format("effects, by {} to {:g} ({} runs)",
                                 sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)],
                                 scene.tolerance, choice->runs);
   for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
     const sim::EffectVerdict& verdict = choice->verdicts[k];
+    // in the text only effects that the scene names, or all of them with --explain
     const bool is_shown = explanation || scene.effects.wishes[k] != sim::Effects{}.wishes[k];
+    // an effect that the scene names or omits has no measured change
     const bool is_asked =
         verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
     Section& effect = effects.sections.emplace_back();
@@ -436,6 +464,7 @@ Section ExplainedTable(const std::optional<Explanation>& explanation) {
   for (const EffectTrial& trial : explanation->trials) {
     Section& row = table.sections.emplace_back();
     row.Add({"effect", "effect"}, sim::kEffectNames[sim::PlaceOf(trial.effect)]);
+    // two digits of the change; times in steps of a microsecond
     row.Add(kChange, trial.change).resolution = trial.change / 10;
     row.Add({"with_s", "with it", document::kSecond}, trial.with_s).resolution = 1e-6;
     row.Add({"without_s", "without it", document::kSecond}, trial.without_s).resolution = 1e-6;
@@ -515,7 +544,7 @@ document::Document SimulateDocument(const SimulateAnswer& answer) {
 
 namespace {
 
-// the tones one after the other
+// amplitude and frequency of each tone
 std::string DriveTonesText(const sim::Drive& drive) {
   std::string text = "tones of ";
   for (std::size_t k = 0; k < drive.tones.size(); ++k) {
@@ -526,6 +555,7 @@ std::string DriveTonesText(const sim::Drive& drive) {
   return text;
 }
 
+// description of the drive without source resistance and offset
 std::string KindPlays(const sim::Drive& drive) {
   const std::string when =
       fmt::format("from {:g} to {:g} s", drive.start_s, sim::EndOfDriveS(drive));
@@ -562,6 +592,7 @@ std::string DriveText(const sim::Drive& drive) {
 }
 
 std::string KindText(sim::DriveKind kind) {
+  // kinds without an article: several tones, several samples
   const bool is_plural = kind == sim::DriveKind::kTones || kind == sim::DriveKind::kSamples;
   return fmt::format("{}{}", is_plural ? "" : "a ", Name(kind));
 }

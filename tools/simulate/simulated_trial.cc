@@ -24,6 +24,7 @@ std::vector<trial::ChannelFormat> FormatsOf(const trial::Record& record) {
   return Mapped(record.channels, FormatOf);
 }
 
+// a simulated record has one segment at a uniform rate
 trial::TrialHeader SimulatedHeaderOf(const trial::Record& record) {
   return {.timing = trial::Timing::kUniform,
           .rate_hz = record.stretches.front().rate_hz,
@@ -31,6 +32,7 @@ trial::TrialHeader SimulatedHeaderOf(const trial::Record& record) {
           .metadata = record.metadata};
 }
 
+// row by row, as a recorder writes them
 Result<void> WriteRows(const trial::Record& record, Result<trial::TrialWriter> writer) {
   if (!writer) return std::unexpected(writer.error());
   const std::vector<trial::ChannelFormat> formats = FormatsOf(record);
@@ -48,7 +50,7 @@ Result<void> WriteRows(const trial::Record& record, Result<trial::TrialWriter> w
   return {};
 }
 
-// a trial's bytes into a file that takes its place when they are whole
+// writes a trial into a file that replaces an older one when it is complete
 class OutputSink final : public trial::ByteSink {
  public:
   explicit OutputSink(cli::OutputFile* file) : file_(file) {}
@@ -59,7 +61,7 @@ class OutputSink final : public trial::ByteSink {
     return bytes.size();
   }
 
-  // Finish() does
+  // Finish() of the file synchronises
   Result<void> Sync() override { return {}; }
 
  private:
@@ -83,6 +85,7 @@ Result<void> WriteSimulatedTrialIn(std::unique_ptr<trial::ByteSink> sink, const 
                                                         SimulatedHeaderOf(record), {}, clock));
 }
 
+// format of a channel's values in the file
 trial::ChannelFormat FormatOf(const trial::Channel& channel) {
   trial::ChannelFormat format{.name = channel.name,
                               .role = channel.role,
@@ -91,6 +94,7 @@ trial::ChannelFormat FormatOf(const trial::Channel& channel) {
                               .range_max = channel.range_max,
                               .resolution = channel.resolution};
   const double largest = std::max(std::abs(channel.range_min), std::abs(channel.range_max));
+  // steps of the sensor as integers, where the range fits into 32 bits; else doubles
   if (channel.resolution > 0 &&
       largest / channel.resolution < std::numeric_limits<std::int32_t>::max()) {
     format.encoding = trial::Encoding::kI32;
@@ -101,10 +105,12 @@ trial::ChannelFormat FormatOf(const trial::Channel& channel) {
 
 trial::RawValue RawOf(const trial::ChannelFormat& format, double value) {
   if (format.encoding == trial::Encoding::kF64) return trial::RawValue::F64(value);
+  // a value that is not a number has a status of its own; its count is not used
   if (std::isnan(value)) return trial::RawValue::Counts(0);
   return trial::RawValue::Counts(static_cast<std::int32_t>(std::lround(value / format.scale)));
 }
 
+// command, version, time and inputs with their digests, so that a trial can be computed again
 void AddProvenance(const document::Provenance& provenance, trial::Metadata& metadata) {
   metadata.command_line = provenance.command;
   metadata.fields["version"] = "haptometer " + provenance.version;
@@ -119,6 +125,7 @@ void AddProvenance(const document::Provenance& provenance, trial::Metadata& meta
 Result<sim::Scene> ReadPlayedScene(const std::string& path) {
   auto scene = sim::ReadSceneFile(path);
   if (!scene) return scene;
+  // a start in the steady state requires that it exists
   if (sim::StartOf(*scene) != sim::Start::kSteady) return scene;
   const double error = scene->drive.kind == sim::DriveKind::kTones
                            ? sim::SolveSteadyTones(*scene).error_estimate

@@ -22,6 +22,7 @@
 namespace haptometer::tools {
 namespace {
 
+// file is written in pieces of 64 KiB
 constexpr std::size_t kPieceBytes = 1U << 16;
 
 std::string EndingOf(const std::string& path) {
@@ -47,13 +48,14 @@ trial::Channel ChannelOf(std::string name, trial::ChannelRole role, std::string 
   return channel;
 }
 
+// the displacement channel is that of the sensor's target, the skin without a sensor
 const Eigen::VectorXd& TargetOf(const sim::Waveforms& waves, const sim::Scene& scene) {
   const auto target = scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin;
   if (target == sim::SensorTarget::kMover) return waves.mover_m;
   return target == sim::SensorTarget::kCase ? waves.case_m : waves.skin_m;
 }
 
-// a channel's name as a column, with its unit
+// name of a channel as a column of the CSV, with its unit
 std::string ColumnOf(const trial::Channel& channel) {
   switch (channel.role) {
     case trial::ChannelRole::kDisplacement:
@@ -67,8 +69,10 @@ std::string ColumnOf(const trial::Channel& channel) {
   }
 }
 
+// metadata as comment lines, so that the CSV is read back with all of it
 std::string HeadOf(const trial::Record& record) {
   std::string head = trial::CsvMetadataLines(record.metadata);
+  // times on a grid: begin and rate are exact, not computed from rounded times
   head += trial::CsvCommentLine("times", "grid");
   const trial::Stretch& stretch = record.stretches.front();
   head += trial::CsvCommentLine(
@@ -77,12 +81,14 @@ std::string HeadOf(const trial::Record& record) {
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const trial::Channel& channel = record.channels[c];
     columns += "," + ColumnOf(channel);
+    // units of channels without a role of their own
     if (channel.role != trial::ChannelRole::kOther) continue;
     head += trial::CsvCommentLine(fmt::format("channel.{}.unit", c + 1), channel.unit);
   }
   return head + columns + "\n";
 }
 
+// shortest digits that give the same double
 Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
   std::string text = HeadOf(record);
   for (std::size_t row = 0; row < record.rows; ++row) {
@@ -105,6 +111,7 @@ Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file)
   if (!writer) return std::unexpected(writer.error());
   trial::Recording recording;
   recording.record = record;
+  // a simulated record has no recorder that could be interrupted
   recording.report.closed = true;
   auto done = writer->Add("waveforms", recording, nullptr);
   return done ? writer->Close() : done;
@@ -120,6 +127,7 @@ trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
                      ChannelOf("voltage", Role::kVoltage, "V", waves.voltage_v),
                      ChannelOf("current", Role::kCurrent, "A", waves.current_a)};
   const auto add = [&](const document::Key& key, const Eigen::VectorXd& values) {
+    // absent bodies have no values (no finger without tremor)
     if (values.size() == 0) return;
     record.channels.push_back(
         ChannelOf(std::string(key.name), Role::kOther, std::string(key.unit.symbol), values));
@@ -133,6 +141,7 @@ trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
   add({"finger_m", {}, document::kMetre}, waves.finger_m);
   add({"force_n", {}, document::kNewton}, waves.force_n);
   add(document::kEvents, waves.events);
+  // one segment at a uniform rate from 0 s
   record.rows = static_cast<std::size_t>(waves.rows());
   record.stretches.push_back(
       {.first_row = 0, .rows = record.rows, .start_s = 0, .rate_hz = waves.rate_hz});
@@ -172,10 +181,10 @@ namespace {
 constexpr double kUm = 1e-6;  // in metres
 constexpr double kMa = 1e-3;  // in amperes
 constexpr double kShownPeriods = 10;
-constexpr double kLeastShown = 1e-6;  // of the largest amplitude in the spectrum
+constexpr double kLeastShown = 1e-6;  // of the spectrum's largest amplitude
 constexpr double kShownPart = 0.125;  // of the rate
 
-// rows `first` on, in units of `unit`
+// values from row `first` on, in units of `unit`, over time in s
 plot::Series Curve(std::string title, plot::Colour colour, const Eigen::VectorXd& values,
                    double unit, Eigen::Index first, double rate_hz) {
   plot::Series series{.title = std::move(title), .style = plot::Lines(colour)};
@@ -187,6 +196,7 @@ plot::Series Curve(std::string title, plot::Colour colour, const Eigen::VectorXd
 }
 
 plot::Panel MotionPanel(const sim::Waveforms& waves, std::string title, Eigen::Index first) {
+  // travel of the mover in its case: xv - xa
   const Eigen::VectorXd travel_m = waves.mover_m - waves.case_m;
   return {std::move(title),
           "time / s",
@@ -195,6 +205,7 @@ plot::Panel MotionPanel(const sim::Waveforms& waves, std::string title, Eigen::I
            Curve("skin", plot::kBlue, waves.skin_m, kUm, first, waves.rate_hz)}};
 }
 
+// current in units of 10 mA, so that both curves share an axis
 plot::Panel ElectricalPanel(const sim::Waveforms& waves) {
   return {"at the coil",
           "time / s",
@@ -204,6 +215,7 @@ plot::Panel ElectricalPanel(const sim::Waveforms& waves) {
 }
 
 Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
+  // one segment of Welch's method: the whole run with a Hann window
   const auto spectrum =
       dsp::WelchSpectrum({waves.skin_m.data(), static_cast<std::size_t>(waves.rows())},
                          {.rate_hz = waves.rate_hz,
@@ -213,10 +225,12 @@ Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
   const std::vector<double> amplitudes_m = dsp::AmplitudeSpectrum(*spectrum);
   const double least_m = kLeastShown * std::ranges::max(amplitudes_m);
   plot::Series series{.style = plot::Lines(plot::kBlue)};
+  // from bin 1: the constant part is no vibration
   for (std::size_t k = 1; k < amplitudes_m.size(); ++k) {
     const double frequency_hz = static_cast<double>(k) * spectrum->grid.resolution_hz;
     if (frequency_hz > kShownPart * waves.rate_hz) break;
     series.x.push_back(frequency_hz);
+    // below 1e-6 of the largest amplitude: leakage and rounding, drawn as a gap
     series.y.push_back(amplitudes_m[k] >= least_m && least_m > 0
                            ? amplitudes_m[k] / kUm
                            : std::numeric_limits<double>::quiet_NaN());
@@ -240,6 +254,7 @@ Result<std::vector<plot::Panel>> WaveformPanels(const sim::Waveforms& waves,
       highest_hz > 0
           ? static_cast<Eigen::Index>(std::ceil(kShownPeriods * waves.rate_hz / highest_hz))
           : waves.rows();
+  // the end has its own panel where the run is twice as long
   if (2 * shown < waves.rows() && sim::IsLasting(scene.drive)) {
     panels.push_back(MotionPanel(waves, "its end", waves.rows() - shown - 1));
   }

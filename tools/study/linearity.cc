@@ -19,7 +19,7 @@
 namespace haptometer::tools {
 namespace {
 
-// a table that has its RMS already, by its header
+// a CSV with drive and RMS, recognised by its header
 bool IsSweepTable(const std::string& path) {
   if (std::filesystem::path(path).extension() != ".csv") return false;
   return ReadTextTable(path, {"drive_v", "rms_m"}).has_value();
@@ -32,6 +32,7 @@ Result<void> TakeTable(const std::string& path, DriveReadings& taken) {
   if (!drive) return std::unexpected(drive.error());
   const auto rms = NumbersOf(*table, "rms_m");
   if (!rms) return std::unexpected(rms.error());
+  // subject and condition are optional columns
   const auto text = [&](const std::string& column, std::size_t row) {
     const auto found = table->columns.find(column);
     return found == table->columns.end() ? std::string() : found->second[row];
@@ -46,8 +47,8 @@ Result<void> TakeTable(const std::string& path, DriveReadings& taken) {
   return {};
 }
 
-// The other trials are used all the same. The floor is subtracted from all readings alike, by
-// AnalyzeLinearity, so they are taken without a correction for noise.
+// An error of a trial excludes that trial only. The RMS includes the noise, because
+// AnalyzeLinearity subtracts the same floor from all readings.
 Result<DriveReading> ReadingOf(const StudyTrial& trial) {
   if (trial.error) return std::unexpected(*trial.error);
   if (!trial.rms_with_floor_m) {
@@ -75,6 +76,7 @@ DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
     } else if (auto read = TakeTable(path, taken); !read) {
       taken.errors.push_back(read.error());
     } else {
+      // a table's origin is not stated in it
       sources.insert(document::DataSource::kImported);
     }
   }
@@ -92,7 +94,7 @@ DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
 
 namespace {
 
-// of the readings at 0 V, together
+// RMS of the readings at 0 V: root of their mean square
 std::optional<double> DriveOffRms(const std::vector<DriveReading>& readings) {
   std::vector<double> off;
   for (const DriveReading& reading : readings) {
@@ -101,15 +103,18 @@ std::optional<double> DriveOffRms(const std::vector<DriveReading>& readings) {
   return off.empty() ? std::nullopt : std::optional(dsp::Rms(off));
 }
 
+// line RMS = intercept + slope x drive, after subtraction of the floor in mean square
 DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<double>& floor_m) {
   DriveLine line;
   line.subject = readings.front().subject;
   line.condition = readings.front().condition;
+  // a stated floor overrides the readings at 0 V
   line.floor_m = floor_m ? floor_m : DriveOffRms(readings);
   const double floor_power = line.floor_m ? *line.floor_m * *line.floor_m : 0;
   for (const DriveReading& reading : readings) {
     if (reading.drive_v == 0) continue;
     const double power = reading.rms_m * reading.rms_m - floor_power;
+    // at or below the floor no amplitude remains; counted
     if (!(power > 0)) {
       ++line.below_floor;
       continue;
@@ -117,8 +122,10 @@ DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<
     line.drive_v.push_back(reading.drive_v);
     line.rms_m.push_back(std::sqrt(power));
   }
+  // straight line, and parabola for the test of curvature
   line.line = dsp::FitLine(line.drive_v, line.rms_m);
   line.curvature = dsp::FitCurvature(line.drive_v, line.rms_m);
+  // full scale: value of the line at the highest drive, m
   if (line.line) {
     const double highest = *std::ranges::max_element(line.drive_v);
     line.full_scale_m = line.line->intercept + line.line->slope * highest;
@@ -130,6 +137,7 @@ DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<
 
 LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
                                  const std::optional<double>& floor_m) {
+  // a line per condition and subject
   std::map<std::pair<std::string, std::string>, std::vector<DriveReading>> groups;
   for (const DriveReading& reading : readings) {
     groups[{reading.condition, reading.subject}].push_back(reading);
@@ -144,6 +152,7 @@ LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
     const auto& curvature = result.lines.back().curvature;
     if (curvature) curvatures[name.first].push_back(curvature->quadratic);
   }
+  // means over subjects need two lines of a condition
   for (const auto& [condition, values] : slopes) {
     if (values.size() < 2) continue;
     result.slopes.push_back({condition, dsp::TestMean(values), {}});

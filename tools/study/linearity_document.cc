@@ -30,13 +30,14 @@ constexpr Key kSlope{"slope_m_per_v", "slope", document::kMetrePerVolt, Form::kI
 constexpr Key kCurvature{"curvature_m_per_v2", "curvature", kMetrePerSquareVolt, Form::kInterval};
 constexpr Key kCurvatureP{"curvature_p"};
 
+// condition and subject, as far as they are stated
 std::string NameOf(const DriveLine& line) {
   std::string name = line.condition;
   if (!line.subject.empty()) name += (name.empty() ? "subject " : ", subject ") + line.subject;
   return name.empty() ? "drive sweep" : name;
 }
 
-// with Student's interval of `df` degrees of freedom
+// a fitted value with its t interval; u = half width / t(df)
 Item& AddFitted(Section& section, const Key& key, double value, const dsp::Interval& interval,
                 double df) {
   Item& item = section.Add(key, value, StandardUncertaintyOf(interval, df));
@@ -46,9 +47,10 @@ Item& AddFitted(Section& section, const Key& key, double value, const dsp::Inter
 
 // slope, value at 0 V and deviations; all not known where there is no line
 Section FitSection(const DriveLine& line) {
+  // without a line: n = 3 gives the interval a degree of freedom, and all is marked as not known
   const dsp::Line fit = line.line.value_or(dsp::Line{.n = 3});
   const auto df = static_cast<double>(fit.n - 2);
-  // rounding of doubles is no deviation
+  // deviations below 1e-6 of full scale are rounding
   const double resolution_m = std::abs(line.full_scale_m) * 1e-6;
   Section section{.is_known = line.line.has_value()};
   AddFitted(section, kSlope, fit.slope, fit.slope_interval, df);
@@ -63,6 +65,7 @@ Section FitSection(const DriveLine& line) {
   Item& largest = section.Add({"largest_deviation_m", "largest deviation", document::kMetre},
                               fit.largest_deviation);
   largest.resolution = deviation_resolution_m;
+  // full scale: the line's value at the highest drive
   const double of_full_scale = fit.largest_deviation / std::abs(line.full_scale_m);
   largest.note = fmt::format("{:.2g} % of full scale", 100 * of_full_scale);
   section.Add({"largest_deviation_of_full_scale"}, of_full_scale);
@@ -72,6 +75,7 @@ Section FitSection(const DriveLine& line) {
 Section CurvatureSection(const std::optional<dsp::Curvature>& curvature) {
   const dsp::Curvature known = curvature.value_or(dsp::Curvature{.df = 1});
   Section section{.is_known = curvature.has_value()};
+  // points without residuals leave no scatter for a test
   AddFitted(section, kCurvature, known.quadratic, known.interval, known.df).note =
       known.p ? fmt::format("t({:g}) = {:.4g}, p = {:.3g}", known.df, *known.t, *known.p)
               : "not tested, as all points are on the parabola";
@@ -81,6 +85,7 @@ Section CurvatureSection(const std::optional<dsp::Curvature>& curvature) {
   return section;
 }
 
+// no floor, readings at or below it, too few readings for line or curvature
 StudyFindings FindingsOf(const DriveLine& line) {
   StudyFindings findings;
   const auto add = [&](Severity severity, StudyFinding kind, std::size_t readings) {
@@ -113,6 +118,7 @@ Section LineSection(const DriveLine& line) {
   return section;
 }
 
+// one slope per subject: mean with its t interval
 Section SlopeSection(const SlopeOverSubjects& over) {
   const auto bend = over.curvature_m_per_v2.value_or(dsp::OneSample{});
   Section section{.heading = fmt::format("{}{}mean over subjects", over.condition,
@@ -145,6 +151,7 @@ document::Document LinearityDocument(const LinearityResult& result, bool has_fig
 std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
   constexpr plot::Colour kColours[] = {plot::kBlue, plot::kOrange, plot::kGreen, plot::kPurple};
   plot::Panel panel;
+  // the title states whether the noise was subtracted
   const bool is_corrected = std::ranges::any_of(
       result.lines, [](const DriveLine& line) { return line.floor_m.has_value(); });
   panel.title =
@@ -160,6 +167,7 @@ std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
     for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
     panel.series.push_back(std::move(points));
     if (!line.line) continue;
+    // the line from 0 V to the highest drive
     const double high = *std::ranges::max_element(line.drive_v);
     const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
     panel.series.push_back({"", plot::Lines(colour), {0, high}, {at(0), at(high)}});

@@ -22,6 +22,7 @@
 namespace haptometer::tools {
 namespace {
 
+// a group of files with labels or a pattern of its own
 TrialGroup ReadGroup(TomlTable& table) {
   TrialGroup group;
   group.files = table.Text("files").value_or("");
@@ -47,6 +48,7 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.floor = table->Text("floor").value_or("");
   manifest.groups =
       Mapped(table->Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
+  // contrasts are pairs [treatment, control]
   const auto contrasts = table->TextLists("contrasts");
   manifest.contrasts.reserve(contrasts.size());
   for (const auto& pair : contrasts) {
@@ -57,6 +59,7 @@ Result<Manifest> ReadManifest(const std::string& path) {
     }
     manifest.contrasts.push_back({pair[0], pair[1]});
   }
+  // unknown keys and wrong types are reported together at the end
   if (auto done = table->Finish(); !done) return std::unexpected(done.error());
   return manifest;
 }
@@ -65,6 +68,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// enough for the header of a CSV, without the whole file
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
 
 constexpr std::array<std::string_view, 3> kLabels{"subject", "condition", "repeat"};
@@ -74,21 +78,24 @@ bool IsRecording(const fs::path& path) {
   return ending == ".bin" || ending == ".csv" || ending == ".lvm";
 }
 
-// the pattern as a regular expression, and the labels of its groups
+// a pattern as regular expression, and the label of each of its groups
 struct Compiled {
   std::regex expression;
   std::vector<std::string> labels;
 };
 
 Compiled Compile(const std::string& pattern) {
+  // characters with a meaning in regular expressions are escaped
   static const std::regex special(R"([.^$|()\[\]*+?\\])");
   static const std::regex label(R"(\{([a-z]*)\})");
   Compiled compiled;
+  // the pattern describes the end of a path; folders before it are free
   std::string expression = "(?:.*/)?";
   auto begin = pattern.begin();
   for (std::sregex_iterator at(pattern.begin(), pattern.end(), label), end; at != end; ++at) {
     const auto literal_end = pattern.begin() + at->position();
     expression += std::regex_replace(std::string(begin, literal_end), special, R"(\$&)");
+    // a label is the shortest text without a slash
     expression += "([^/]+?)";
     compiled.labels.push_back((*at)[1]);
     begin = literal_end + at->length();
@@ -98,7 +105,7 @@ Compiled Compile(const std::string& pattern) {
   return compiled;
 }
 
-// Whether a CSV holds results and no recording, by the names in its header.
+// whether a CSV is a table of results and not a recording, by the names in its header
 bool IsTableOfResults(const std::string& path) {
   if (fs::path(path).extension() != ".csv") return false;
   std::ifstream file(path, std::ios::binary);
@@ -112,10 +119,12 @@ bool IsTableOfResults(const std::string& path) {
   }
   const auto names = cli::CellsOf(rest.substr(0, rest.find_first_of("\r\n")));
   const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
+  // columns of study, matching and sweeps; a frequency without time is a spectrum
   return has(document::kSubject.name) || has(document::kRms.name) || has(document::kBandRms.name) ||
          has("matched_v") || (has(document::kFrequency.name) && !has(document::kTime.name));
 }
 
+// labels from the file's name; a name that does not fit is an error of this file alone
 TrialFile Labelled(const std::string& path, const std::string& pattern) {
   TrialFile file{.path = path};
   if (pattern.empty()) return file;
@@ -135,6 +144,7 @@ Result<std::vector<std::string>> Expand(const std::string& pattern) {
   const int failure = ::glob(pattern.c_str(), 0, nullptr, &found);
   if (failure == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   ::globfree(&found);
+  // a wildcard finds folders too
   std::erase_if(paths, [](const std::string& path) { return fs::is_directory(path); });
   if (paths.empty()) return CannotAnswer(pattern, "finds no file", "correct files in the manifest");
   return paths;
@@ -164,11 +174,13 @@ Result<void> CheckPattern(const std::string& pattern) {
 std::optional<std::map<std::string, std::string>> LabelsOf(const std::string& path,
                                                            const std::string& pattern) {
   const Compiled compiled = Compile(pattern);
+  // without the ending, with / on every system
   const std::string name = fs::path(path).replace_extension().generic_string();
   std::smatch match;
   if (!std::regex_match(name, match, compiled.expression)) return std::nullopt;
   std::map<std::string, std::string> labels;
   for (std::size_t i = 0; i < compiled.labels.size(); ++i) {
+    // a label from a name may be any text: made printable
     labels[compiled.labels[i]] = Printable(match[i + 1].str());
   }
   return labels;
@@ -183,6 +195,7 @@ Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
     std::error_code ignored;
     if (at->is_regular_file(ignored) && IsRecording(at->path())) paths.push_back(at->path());
   }
+  // the order of the folder is arbitrary
   std::ranges::sort(paths);
   std::vector<TrialFile> files;
   files.reserve(paths.size());
@@ -196,6 +209,7 @@ Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
   return files;
 }
 
+// groups of files in the manifest's folder; without groups the folder itself
 Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Manifest& manifest) {
   const fs::path folder = fs::path(path).parent_path();
   if (manifest.groups.empty()) {
@@ -211,6 +225,7 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
         return CannotAnswer(found, "is in two groups of trials", "name it once in the manifest");
       }
       files.push_back(Labelled(found, group.pattern.empty() ? manifest.pattern : group.pattern));
+      // labels of the group override those of the pattern
       auto& labels = files.back().labels;
       if (!group.subject.empty()) labels["subject"] = group.subject;
       if (!group.condition.empty()) labels["condition"] = group.condition;
@@ -247,6 +262,7 @@ Result<std::vector<PlannedContrast>> ParseContrasts(const std::vector<std::strin
   return contrasts;
 }
 
+// contrasts without a plan: each condition against the first
 std::vector<PlannedContrast> AllAgainstTheFirst(const std::vector<std::string>& conditions) {
   std::vector<PlannedContrast> planned;
   planned.reserve(conditions.size());

@@ -25,7 +25,7 @@ struct Halves {
   std::vector<double> low;
 
   [[nodiscard]] bool is_whole() const { return !high.empty() && !low.empty(); }
-  // each start counts alike, however often it was asked
+  // both starts have equal weight, independent of the number of settings of each
   [[nodiscard]] double mean() const {
     if (high.empty()) return dsp::Mean(low);
     if (low.empty()) return dsp::Mean(high);
@@ -41,10 +41,12 @@ struct Settings {
   std::map<std::string, Levels> of;     // by condition
 };
 
+// order of first appearance: the first condition is the control without a plan
 void AppendOnce(std::vector<std::string>& names, const std::string& name) {
   if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
+// settings by condition, level and subject, as ln(matched / reference)
 Result<Settings> Sort(const TextTable& table) {
   const auto reference = NumbersOf(table, "reference_v");
   if (!reference) return std::unexpected(reference.error());
@@ -53,6 +55,7 @@ Result<Settings> Sort(const TextTable& table) {
   Settings settings;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const std::string where = fmt::format("{}:{}", table.name, table.lines[i]);
+    // logarithms need voltages above 0
     if (!((*reference)[i] > 0) || !((*matched)[i] > 0)) {
       return CannotAnswer(where, "has a voltage that is not above 0", "correct that line");
     }
@@ -77,7 +80,7 @@ Result<Settings> Sort(const TextTable& table) {
 // one logarithm of a ratio by level and subject
 using LogRatios = std::map<double, std::map<std::string, double>>;
 
-// of the settings; or of those that started high to those that started low, where there are both
+// mean log ratio of the settings, or with `of_starts` started high minus started low, if both exist
 LogRatios LogRatiosOf(const Levels& levels, bool of_starts = false) {
   LogRatios logs;
   for (const auto& [level, subjects] : levels) {
@@ -91,7 +94,7 @@ LogRatios LogRatiosOf(const Levels& levels, bool of_starts = false) {
   return logs;
 }
 
-// where both have a setting
+// treatment minus control for subjects that have both at a level
 LogRatios Differences(const LogRatios& treatment, const LogRatios& control) {
   LogRatios differences;
   for (const auto& [level, subjects] : treatment) {
@@ -105,12 +108,13 @@ LogRatios Differences(const LogRatios& treatment, const LogRatios& control) {
   return differences;
 }
 
-// value(ln of the ratio) of each subject of a level
+// t test over the subjects of a level, of value(ln of the ratio)
 template <typename Function>
 dsp::OneSample TestLevel(const std::map<std::string, double>& subjects, const Function& value) {
   return dsp::TestMean(Mapped(subjects, [&](const auto& of) { return value(of.second); }));
 }
 
+// Holm's step-down correction over the ratios that have a test
 void CorrectByHolm(const std::vector<MatchedRatio*>& ratios) {
   std::vector<std::optional<double>> p(ratios.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -120,7 +124,7 @@ void CorrectByHolm(const std::vector<MatchedRatio*>& ratios) {
   for (std::size_t i = 0; i < p.size(); ++i) ratios[i]->p_holm = adjusted[i];
 }
 
-// with Holm's correction over the levels
+// t tests of the levels, with Holm's correction over them
 std::vector<MatchedRatio> LevelsOf(const LogRatios& logs) {
   std::vector<MatchedRatio> levels;
   levels.reserve(logs.size());
@@ -133,7 +137,8 @@ std::vector<MatchedRatio> LevelsOf(const LogRatios& logs) {
   return levels;
 }
 
-// one mean a subject, over the levels that it has; n = 0 of nobody
+// one mean per subject over its levels; n = 0 without subjects
+// a subject counts once in the test, with any number of levels
 dsp::OneSample TestSubjects(const LogRatios& logs) {
   std::map<std::string, std::vector<double>> by_subject;
   for (const auto& [level, subjects] : logs) {
@@ -143,11 +148,13 @@ dsp::OneSample TestSubjects(const LogRatios& logs) {
   return means.empty() ? dsp::OneSample{} : dsp::TestMean(means);
 }
 
+// ratios per level and over all levels, and the bias by the start
 MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
   MatchedCondition condition{.name = name};
   const LogRatios logs = LogRatiosOf(levels);
   for (MatchedRatio& level : LevelsOf(logs)) {
     const double reference_v = *level.reference_v;
+    // matched voltage in V: reference x ratio
     const auto volts = [&](double log) { return reference_v * std::exp(log); };
     condition.levels.push_back({std::move(level), TestLevel(logs.at(reference_v), volts)});
   }
@@ -162,6 +169,7 @@ MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& setti
                                      LogRatiosOf(settings.of.at(planned.control)));
   MatchedContrast contrast{.planned = planned, .levels = LevelsOf(logs)};
   if (!logs.empty()) contrast.overall = {{}, TestSubjects(logs)};
+  // subjects without a level in both conditions
   for (const std::string& subject : settings.subjects) {
     const auto has = [&](const auto& level) { return level.second.contains(subject); };
     if (std::ranges::none_of(logs, has)) contrast.left_out.push_back(subject);
@@ -169,7 +177,7 @@ MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& setti
   return contrast;
 }
 
-// with Holm's correction over those that can be tested
+// contrasts with Holm's correction over those that have a test
 Result<std::vector<MatchedContrast>> ContrastsOf(const std::vector<PlannedContrast>& planned,
                                                  const Settings& settings) {
   std::vector<MatchedContrast> contrasts;
@@ -187,6 +195,7 @@ Result<std::vector<MatchedContrast>> ContrastsOf(const std::vector<PlannedContra
   return contrasts;
 }
 
+// settings without which a subject's mean is of fewer levels, or of one start only
 void NameMissing(const Settings& settings, const std::string& condition,
                  std::vector<MissingSetting>& missing) {
   for (const auto& [level, subjects] : settings.of.at(condition)) {
@@ -205,6 +214,7 @@ void NameMissing(const Settings& settings, const std::string& condition,
 
 double MatchedRatio::ratio() const { return std::exp(log_ratio.mean); }
 
+// exp of the interval of the mean logarithm
 std::optional<dsp::Interval> MatchedRatio::ratio_interval() const {
   if (!log_ratio.test) return std::nullopt;
   return dsp::Interval{std::exp(log_ratio.test->mean.lower), std::exp(log_ratio.test->mean.upper)};
@@ -223,6 +233,7 @@ Result<MatchingResult> AnalyzeMatching(const TextTable& table,
     NameMissing(*settings, name, result.missing);
   }
   result.planned = !planned.empty();
+  // without a plan: each condition against the first of the file
   auto contrasts =
       ContrastsOf(result.planned ? planned : AllAgainstTheFirst(settings->conditions), *settings);
   if (!contrasts) return std::unexpected(contrasts.error());

@@ -20,6 +20,7 @@ using document::Value;
 
 // --- findings ---
 
+// tests that are not possible, missing settings, and the assumption behind the power
 StudyFindings FindingsOf(const MatchingResult& result) {
   StudyFindings findings;
   for (const MatchedCondition& condition : result.conditions) {
@@ -36,6 +37,7 @@ StudyFindings FindingsOf(const MatchingResult& result) {
         .numbers = {{"reference_v", missing.reference_v}},
         .subject = fmt::format("subject {}, {} at {:g} V", missing.subject, missing.condition,
                                missing.reference_v)};
+    // a subject with one start only: its bias by the start remains in the mean
     if (!missing.started.empty()) {
       finding.kind = StudyFinding::kOneStart;
       finding.numbers.emplace_back("missing", missing.started);
@@ -52,12 +54,13 @@ StudyFindings FindingsOf(const MatchingResult& result) {
 
 // --- sections ---
 
-// 1 - r^power of a ratio r and of its interval, whose ends change places
+// reduction 1 - r^power of a ratio r; the ends of the interval change places
 void AddReduction(Section& section, const Key& key, const dsp::OneSample& log_ratio, int power) {
   Item& item = AddRatio(section, key, log_ratio);
   const double ratio = std::exp(log_ratio.mean);
   const auto reduction = [&](double of) { return 1 - std::pow(of, power); };
   if (log_ratio.n > 0) item.value = reduction(ratio);
+  // u(1 - r^p) = p r^(p - 1) u(r)
   if (item.standard_uncertainty) *item.standard_uncertainty *= power * std::pow(ratio, power - 1);
   if (item.interval) {
     item.interval = Range{reduction(item.interval->upper), reduction(item.interval->lower)};
@@ -68,6 +71,7 @@ void AddRatioItems(Section& section, const MatchedRatio& ratio) {
   section.Add({"reference_v", "reference", document::kVolt}, ratio.reference_v);
   section.Add(kN, ratio.log_ratio.n);
   AddRatio(section, kRatio, ratio.log_ratio);
+  // voltage: p = 1; power by the square of the voltage: p = 2
   AddReduction(section, {"reduction", "voltage reduction", document::kShare, Form::kInterval},
                ratio.log_ratio, 1);
   AddReduction(section, {"power_saving", "power saving", document::kShare, Form::kInterval},
@@ -88,6 +92,7 @@ Section OverallSection(const MatchedRatio* overall) {
   return section;
 }
 
+// bias by the start: ratio of settings that started high to those that started low
 Section StartSection(const std::optional<dsp::OneSample>& log_ratio) {
   const dsp::OneSample known = log_ratio.value_or(dsp::OneSample{});
   Section section{.name = "started_high_over_low", .is_known = log_ratio.has_value()};
@@ -102,6 +107,7 @@ Section StartSection(const std::optional<dsp::OneSample>& log_ratio) {
 Section MatchedConditionSection(const MatchedCondition& condition) {
   Section levels = LevelsSection();
   for (const MatchedLevel& level : condition.levels) {
+    // mean and standard deviation of the matched voltage over subjects, V
     Section& row = levels.sections.emplace_back();
     AddRatioItems(row, level.ratio);
     row.Add({"matched_mean_v", "matched", document::kVolt}, level.matched_v.mean,
@@ -164,6 +170,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
   panels.reserve(result.conditions.size());
   for (const MatchedCondition& condition : result.conditions) {
     plot::Panel panel;
+    // a key in the first panel serves all
     const bool is_first = panels.empty();  // the one with a key
     plot::Series points{is_first ? "mean and standard deviation over subjects" : "",
                         plot::Style{.mark = plot::Mark::kErrorBars, .colour = plot::kBlue}};
@@ -179,6 +186,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     panel.y_label = "matched / V";
     panel.y_from_zero = true;
     panel.series.push_back(
+        // the line matched = reference
         {is_first ? "equal" : "", plot::Lines(plot::kGrey, 1, 2), points.x, points.x});
     panel.series.push_back(std::move(points));
     panels.push_back(std::move(panel));

@@ -16,7 +16,7 @@ using document::Range;
 using document::Section;
 using document::Value;
 
-// the numbers for JSON, and what a line says of them
+// adds t, df and p for JSON; returns the text of the line
 std::string TestText(Section& section, const std::optional<dsp::StudentTest>& test) {
   const dsp::StudentTest known = test.value_or(dsp::StudentTest{});
   section.Add({"t"}, MemberOf(test, &dsp::StudentTest::t));
@@ -35,15 +35,18 @@ void AddRounded(Section& section, const Key& key, Value value, double resolution
   section.Add(key, std::move(value)).resolution = resolution;
 }
 
+// u = s / sqrt(n)
 std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample) {
   if (!sample.standard_deviation) return std::nullopt;
   return *sample.standard_deviation / std::sqrt(static_cast<double>(sample.n));
 }
 
+// half width over Student's critical value
 double StandardUncertaintyOf(const dsp::Interval& interval, double df) {
   return (interval.upper - interval.lower) / 2 / dsp::StudentCritical(df);
 }
 
+// two significant digits of the standard uncertainty
 double ResolutionBy(std::optional<double> standard_uncertainty) {
   const double known = standard_uncertainty.value_or(0);
   return known > 0 ? std::pow(10, std::floor(std::log10(known)) - 1) : 0;
@@ -52,6 +55,7 @@ double ResolutionBy(std::optional<double> standard_uncertainty) {
 void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
                     StudyFindings& findings) {
   if (sample.test) return;
+  // fewer than two subjects, or equal values of all subjects: no test
   const bool is_few = sample.n < 2;
   findings.Add({Severity::kRefusal,
                 is_few ? StudyFinding::kTooFewSubjects : StudyFinding::kNoSpread,
@@ -66,12 +70,15 @@ Item& AddMean(Section& section, const Key& key, const dsp::OneSample& sample) {
   return item;
 }
 
+// ratio = exp(mean of logarithms)
 Item& AddRatio(Section& section, const Key& key, const dsp::OneSample& logarithms) {
   Item& item = AddMean(section, key, logarithms);
   if (logarithms.n == 0) return item;
   const double ratio = std::exp(logarithms.mean);
   item.value = ratio;
+  // u(r) = r u(ln r)
   if (item.standard_uncertainty) *item.standard_uncertainty *= ratio;
+  // the interval of a ratio is not symmetric
   if (item.interval) {
     item.interval = Range{std::exp(item.interval->lower), std::exp(item.interval->upper)};
   }

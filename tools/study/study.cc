@@ -24,7 +24,7 @@
 #include "tools/verbs.h"
 
 // study DIR|MANIFEST.toml: trials x subjects x conditions; `study matching` and `study linearity`
-// are what is no table of trials.
+// read a table of settings, and readings over the drive, instead.
 
 namespace haptometer::tools {
 namespace {
@@ -42,6 +42,7 @@ constexpr cli::VerbText kText{
                  "haptometer study study.toml --all --plot study.svg --methods methods.md",
                  "haptometer study study.toml --verify results.json"}};
 
+// the command line as it was typed
 struct Wanted {
   std::string source;
   std::vector<std::string> contrasts;
@@ -57,7 +58,7 @@ struct Wanted {
   cli::ImportWords import;
 };
 
-// what all three have
+// options of all three verbs
 void DeclareOutputs(cli::Options& options, document::Outputs& outputs, std::string_view all,
                     std::string_view plot) {
   options.Flag("--all", &outputs.all, all);
@@ -92,7 +93,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
   cli::DeclareImport(&options, &wanted.import);
 }
 
-// what is asked, from command line and manifest: the command line counts
+// the question from command line and manifest; the command line overrides
 struct Task {
   std::vector<TrialFile> files;
   std::vector<std::string> ignored;  // tables of results among them
@@ -103,6 +104,7 @@ struct Task {
 
 Result<void> FindFiles(const Wanted& wanted, Task& task) {
   std::error_code ignored;
+  // a .toml is a manifest, every other file a usage error
   const bool is_folder = fs::is_directory(wanted.source, ignored);
   if (!is_folder && fs::path(wanted.source).extension() != ".toml") {
     return Usage(wanted.source, "is neither a folder nor a manifest",
@@ -113,7 +115,9 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
     if (!manifest) return std::unexpected(manifest.error());
     task.manifest = *std::move(manifest);
   }
+  // a pattern on the command line replaces the manifest's common one
   if (!wanted.pattern.empty()) task.manifest.pattern = wanted.pattern;
+  // all patterns are checked before any file is read
   std::vector<std::string> patterns{task.manifest.pattern};
   for (const TrialGroup& group : task.manifest.groups) patterns.push_back(group.pattern);
   for (const std::string& pattern : patterns) {
@@ -123,6 +127,7 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   auto files = is_folder ? FilesInFolder(wanted.source, task.manifest.pattern)
                          : FilesOfManifest(wanted.source, task.manifest);
   if (!files) return std::unexpected(files.error());
+  // tables of results are listed as ignored, so that a folder may contain earlier output
   for (TrialFile& file : *files) {
     if (file.is_table) {
       task.ignored.push_back(Printable(file.path));
@@ -133,14 +138,15 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   return {};
 }
 
-// where the floor is read from; empty: each trial's own quiet part serves
+// path of the drive-off trial; empty: each trial's own quiet part is its floor
 std::string FloorPath(const Wanted& wanted, const Manifest& manifest) {
   if (!wanted.floor.empty()) return wanted.floor;
   if (manifest.floor.empty()) return {};
+  // paths in a manifest are relative to its folder
   return fs::path(wanted.source).parent_path() / manifest.floor;
 }
 
-// the drive-off trial's noise, which is no trial of the study then
+// noise of the drive-off trial, which is then no trial of the study
 Result<void> TakeFloor(const Wanted& wanted, Task& task) {
   const std::string path = FloorPath(wanted, task.manifest);
   if (path.empty()) return {};
@@ -148,6 +154,7 @@ Result<void> TakeFloor(const Wanted& wanted, Task& task) {
   auto floor = ReadFloor(path, task.question, task.import, threads);
   if (!floor) return std::unexpected(floor.error());
   task.question.floor = *std::move(floor);
+  // equivalent() finds the file under another spelling of its path too
   std::erase_if(task.files, [&](const TrialFile& file) {
     std::error_code ignored;
     return fs::equivalent(file.path, path, ignored);
@@ -166,6 +173,7 @@ Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
 }
 
 Result<Task> TaskOf(const Wanted& wanted) {
+  // outputs are checked before the analysis
   if (auto good = document::CheckOutputs(wanted.outputs); !good) {
     return std::unexpected(good.error());
   }
@@ -179,6 +187,7 @@ Result<Task> TaskOf(const Wanted& wanted) {
   Task task;
   if (auto found = FindFiles(wanted, task); !found) return std::unexpected(found.error());
   if (auto taken = TakeContrasts(wanted, task); !taken) return std::unexpected(taken.error());
+  // band, order and corner: command line first, then manifest, then the defaults
   cli::BandWords band = wanted.band;
   if (band.band.empty()) band.band = task.manifest.band;
   if (!band.order) band.order = task.manifest.order;
@@ -189,6 +198,7 @@ Result<Task> TaskOf(const Wanted& wanted) {
   auto import = cli::ImportOf(wanted.import);
   if (!import) return std::unexpected(import.error());
   task.import = *std::move(import);
+  // after the question: the floor is computed in the band of the trials
   if (auto taken = TakeFloor(wanted, task); !taken) return std::unexpected(taken.error());
   return task;
 }
@@ -226,10 +236,10 @@ Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc
 
 using Json = nlohmann::json;
 
-// what another processor's mathematical library may change
+// relative; last digits differ with the mathematical library of another processor
 constexpr double kTolerance = 1e-9;
 
-// keys that earlier versions gave, and what they are called now
+// keys of earlier versions, and their present names
 constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{
     {{"ratio_interval", "ratio_interval_95"},
      {"mean_difference_interval_m", "mean_difference_interval_95_m"},
@@ -239,26 +249,30 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{
      {"icc_interval", "icc_interval_95"},
      {"log_slope_interval", "log_slope_per_trial_interval_95"}}};
 
-// what is said in words, and how the document came about
+// text, and the origin of the document: not numbers of the answer
 constexpr std::array<std::string_view, 4> kNotCompared{"provenance", "findings", "reasons",
                                                        "deviations"};
 
+// the name of the present version for a key of an earlier one
 std::string_view PresentName(const std::string& key) {
   const auto* found = std::ranges::find(kRenamed, key, [](const auto& pair) { return pair.first; });
   return found == kRenamed.end() ? std::string_view(key) : found->second;
 }
 
 bool IsSame(const Json& a, const Json& b) {
+  // texts, lists and booleans have to be equal, numbers within the tolerance
   if (!a.is_number() || !b.is_number()) return a == b;
   const double x = a.get<double>();
   const double y = b.get<double>();
+  // relative to the larger, so that the order of the two does not matter
   return std::abs(x - y) <= kTolerance * std::max(std::abs(x), std::abs(y));
 }
 
-// what `before` has at `place` and `now` has not, a sentence each
+// a sentence for each part of `before`, at `place`, that is missing or different in `now`
 void Compare(const Json& before, const Json& now, const std::string& place,
              std::vector<std::string>& differences) {
   if (before.is_object() && now.is_object()) {
+    // keys that only the new document has are no difference
     for (const auto& [key, part] : before.items()) {
       if (std::ranges::count(kNotCompared, key) > 0) continue;
       const auto found = now.find(PresentName(key));
@@ -274,6 +288,7 @@ void Compare(const Json& before, const Json& now, const std::string& place,
       differences.push_back(
           fmt::format("{} had {} entries, has {}", place, before.size(), now.size()));
     }
+    // elements in common are compared even if the lengths differ
     for (std::size_t k = 0; k < std::min(before.size(), now.size()); ++k) {
       Compare(before[k], now[k], fmt::format("{}/{}", place, k), differences);
     }
@@ -311,6 +326,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
   const auto study = Answer(wanted, *task);
   if (!study) return cli::ReportError(kVerb, study.error());
 
+  // an unreadable trial worsens the status; the others are answered
   int status = 0;
   for (const StudyTrial& trial : study->table.trials) {
     if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
@@ -321,6 +337,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
   if (auto written = WriteFiles(wanted, *study, argc, argv); !written) {
     return cli::ReportError(kVerb, written.error());
   }
+  // last, so that all outputs exist where a difference is found
   if (wanted.verify.empty()) return status;
   const auto verified = Verify(wanted.verify, document);
   if (!verified) return cli::ReportError(kVerb, verified.error());
@@ -403,6 +420,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   if (!question) return cli::ReportError(kLinearity, question.error());
   const auto import = cli::ImportOf(words);
   if (!import) return cli::ReportError(kLinearity, import.error());
+  // errors of single files are reported, the others are used
   const DriveReadings taken = ReadDriveReadings(files, *question, *import);
   const int status = cli::ReportErrors(kLinearity, taken.errors);
   if (taken.readings.empty()) return status;
@@ -417,6 +435,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
 }  // namespace
 
 int RunStudy(int argc, const char* const* argv) {
+  // the second word selects the verb: matching, linearity, else a study of trials
   const std::string_view word = argc > 1 ? argv[1] : "";
   if (word == "matching") return RunStudyMatching(argc, argv);
   if (word == "linearity") return RunStudyLinearity(argc, argv);

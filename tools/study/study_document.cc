@@ -32,10 +32,11 @@ constexpr Key kOutlying{"outlying"};
 
 // --- findings ---
 
-// why trials have no value: where they are errors of files, or else
+// why trials have no value: errors of files, or refusals of the analysis
 StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
   StudyFindings findings;
   for (const StudyTrial& trial : study.table.trials) {
+    // a file error is printed when it happens, so that it appears among the trials only (--all)
     if (trial.answered || trial.error.has_value() != of_errors) continue;
     const auto refuse = [&](FindingOf<StudyFinding> finding) {
       finding.subject = trial.file;
@@ -52,9 +53,11 @@ StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
 
 StudyFindings FindingsOf(const StudyResult& study) {
   StudyFindings findings = RefusalsOf(study, false);
+  // contrasts chosen by the program weaken the tests: every condition against the first
   if (!study.planned && !study.contrasts.empty()) {
     findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});
   }
+  // a contrast of fewer than two subjects has no test
   for (const Contrast& contrast : study.contrasts) {
     RefuseUntested(NameOf(contrast.planned), contrast.difference, findings);
   }
@@ -82,10 +85,12 @@ Section BandSection(const dsp::BandPass& band) {
 
 Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
   const dsp::NoiseFloor known = floor.value_or(dsp::NoiseFloor{});
+  // RMS in m of the noise floor, sqrt of its mean square
   const double rms_m = std::sqrt(known.power.mean_square);
   Section section{.name = "floor", .is_known = floor.has_value()};
   section.Add(document::kFile, known.source);
   section
+      // u(rms) = u(mean square) / (2 rms)
       .Add({document::kRms.name, "noise correction", document::kMetre}, rms_m,
            std::sqrt(known.power.variance) / 2 / rms_m)
       .note = fmt::format("RMS of {}, subtracted in mean square", known.source);
@@ -94,6 +99,7 @@ Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
 }
 
 Section ConditionRow(const ConditionSummary& condition) {
+  // digits of mean and standard deviation follow from the standard uncertainty of the mean
   const double resolution = ResolutionBy(StandardUncertaintyOf(condition.subjects));
   const auto& repeats = condition.repeats;
   Section row;
@@ -109,12 +115,13 @@ Section ConditionRow(const ConditionSummary& condition) {
   row.Add({"morey_half_width_m"}, condition.morey_m);
   row.Add({"icc"}, MemberOf(repeats, &dsp::Reliability::icc));
   row.Add({"icc_interval_95"}, MemberOf(repeats, &dsp::Reliability::interval));
+  // sd of logarithms s as a relative variation, dimensionless
   row.Add({"within_cell_variation"},
           repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value());
   return row;
 }
 
-// what --all adds to the table of conditions, under no further names
+// additions of --all to the table of conditions; JSON has the same values in ConditionRow
 Section RepeatsRow(const ConditionSummary& condition) {
   const auto& repeats = condition.repeats;
   Section row;
@@ -129,18 +136,20 @@ Section RepeatsRow(const ConditionSummary& condition) {
   return row;
 }
 
-// what --all adds to a contrast
+// additions of --all to a contrast
 Section FurtherSection(const Contrast& contrast) {
   const auto& ratio = contrast.ratio;
   const auto& means = contrast.ratio_of_means;
   Section section{.detail = Detail::kAll};
   AddRounded(section, {"d_av", "effect size d_av"},
              MemberOf(contrast.effect, &dsp::EffectSize::d_av), 0.01);
+  // paired t test of the logarithms: the test of the ratio, not of the difference
   const auto& test = ratio ? ratio->log_ratio.test : std::nullopt;
   section.Add({"ratio_p"}, MemberOf(test, &dsp::StudentTest::p));
   section.Add({"", "of the ratio"},
               test ? Value(fmt::format("p = {:.3g}, paired t of logarithms", test->p)) : Value());
   section.Add({"sign_flip_p"}, contrast.sign_flip_p);
+  // exact sign-flip test: 2^n choices of signs, up to 20 subjects
   std::string flips = "not computed, more than 20 subjects";
   if (contrast.sign_flip_p) {
     flips = fmt::format("p = {:.3g}, exact over 2^{} choices", *contrast.sign_flip_p,
@@ -149,6 +158,7 @@ Section FurtherSection(const Contrast& contrast) {
   section.Add({"", "sign flips"}, contrast.difference.n > 0 ? Value(flips) : Value());
   std::optional<dsp::Interval> fieller;
   double resolution = 0;
+  // a 95 % interval is about 4 standard uncertainties wide
   if (means && means->interval) {
     fieller = means->interval;
     resolution = ResolutionBy((fieller->upper - fieller->lower) / 4);
@@ -156,6 +166,7 @@ Section FurtherSection(const Contrast& contrast) {
   AddRounded(section, {"ratio_of_means", "ratio of means"},
              MemberOf(means, &dsp::RatioOfMeans::ratio), resolution);
   AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller, resolution);
+  // Fieller's interval is unbounded where the control's mean does not differ from 0
   Item& unbounded = section.Add({"ratio_of_means_unbounded"}, Value());
   if (means) unbounded.value = !means->interval;
   return section;
@@ -168,11 +179,13 @@ Section ContrastSection(const Contrast& contrast) {
   section.Add(kN, contrast.difference.n);
   Item& left_out = section.Add(kLeftOutSubjects, contrast.left_out);
   if (!contrast.left_out.empty()) left_out.note = "one of the two conditions is missing";
+  // exp of the mean difference of logarithms
   AddRatio(section, kRatio, contrast.ratio ? contrast.ratio->log_ratio : dsp::OneSample{}).note =
       "of geometric means";
   AddMean(section,
           {"mean_difference_m", "mean difference", document::kMetre, document::Form::kInterval},
           contrast.difference);
+  // Hedges g with the interval of the population's effect, from the noncentral t
   AddTest(section, "paired t", contrast.difference.test, contrast.p_holm);
   const auto& effect = contrast.effect;
   const std::optional<dsp::Interval> population = effect ? effect->interval : std::nullopt;
@@ -182,6 +195,7 @@ Section ContrastSection(const Contrast& contrast) {
              MemberOf(effect, &dsp::EffectSize::hedges_g), resolution);
   AddRounded(section, {"d_z", "effect size d_z"}, MemberOf(effect, &dsp::EffectSize::d_z),
              resolution);
+  // one interval for both estimates
   Item& interval = section.Add({"effect_interval_95", "95 %"}, population);
   interval.resolution = resolution;
   interval.note = "of the population's mean difference / sd";
@@ -199,9 +213,11 @@ Section AnovaSection(const Key& key, const std::optional<dsp::RepeatedMeasuresAn
   section.Add({"df_conditions"}, known.df_conditions);
   section.Add({"df_error"}, known.df_error);
   section.Add(kP, known.p);
+  // F test of repeated measures; p without and with the correction for sphericity
   section.Add({"", "repeated measures"},
               fmt::format("F({:g}, {:g}) = {:.4g}, p = {:.3g}", known.df_conditions, known.df_error,
                           known.f, known.p));
+  // epsilon 1: sphericity holds; 1 / (conditions - 1): strongest violation
   section.Add({"greenhouse_geisser_epsilon"}, known.greenhouse_geisser);
   section.Add({"p_greenhouse_geisser"}, known.p_greenhouse_geisser);
   section.Add({"", "Greenhouse-Geisser"},
@@ -220,6 +236,7 @@ Section TrendSection(const std::optional<OrderTrend>& trend) {
   section.Add(Key{document::kOrder.name, "by"}, known.by_start ? "utc_start" : kRepeat.name);
   section.Add(kSubjects, slope.n);
   AddMean(section, {"log_slope_per_trial", "", document::kNone, document::Form::kInterval}, slope);
+  // a slope b of ln(rms) per trial is a relative change exp(b) - 1
   Item& percent = section.Add({"", "change a trial", document::kShare}, std::expm1(slope.mean),
                               StandardUncertaintyOf(slope));
   if (slope.test) {
@@ -239,6 +256,7 @@ Section AllConditions(const StudyResult& study) {
                                further.log_anova, further.whole_subjects),
                   TrendSection(further.trend)};
   StudyFindings findings;
+  // subjects that have a value in every condition are too few
   if (!further.anova) {
     findings.Note(StudyFinding::kAnovaNotDetermined, {{"subjects", further.whole_subjects}});
   }
@@ -246,8 +264,9 @@ Section AllConditions(const StudyResult& study) {
   return all;
 }
 
-// how its analysis differs from what was asked, the kinds
+// kinds of the differences between a trial's analysis and the question
 std::vector<std::string> DeviationsOf(const StudyTrial& trial) {
+  // refusals are among the reasons
   std::vector<std::string> kinds;
   for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
     if (finding.severity == Severity::kRefusal) continue;
@@ -256,7 +275,7 @@ std::vector<std::string> DeviationsOf(const StudyTrial& trial) {
   return kinds;
 }
 
-// whose it is
+// subject, condition and repeat
 void AddPlace(const StudyTrial& trial, Section& row) {
   row.Add(document::kSubject, TextOrNotKnown(trial.subject));
   row.Add(kCondition, TextOrNotKnown(trial.condition));
@@ -298,12 +317,12 @@ Section TrialsSection(const StudyResult& study) {
   Section section{.detail = Detail::kAll};
   section.sections.push_back(
       ListOf({.name = document::kTrials.name, .heading = "trials"}, study.table.trials, TrialRow));
-  // they were reported when the files were read
+  // errors of files were reported when the files were read
   document::AddFindings(section, RefusalsOf(study, true));
   return section;
 }
 
-// of all trials together, in the order of the enumeration
+// data sources of all answered trials, without duplicates, in the order of the enumeration
 std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
   std::set<document::DataSource> sources;
   for (const StudyTrial& trial : table.trials) {
@@ -316,9 +335,10 @@ std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
 
 StudyFindings ExceptionsOf(const StudyResult& study) {
   StudyFindings findings;
+  // deviations concern trials with a value only
   const std::size_t answered = study.CountAnswered([](const StudyTrial&) { return true; });
   for (Deviation& deviation : FindDeviations(study.table)) {
-    // with how many trials it is of, and which unless it is all
+    // number of trials that it concerns, and their files unless it concerns all
     FindingOf<StudyFinding>& finding = deviation.finding;
     finding.numbers.emplace_back("trials", deviation.files.size());
     finding.numbers.emplace_back("of_trials", answered);
@@ -327,6 +347,7 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
     }
     findings.Add(std::move(finding));
   }
+  // place of a subject's mean in a message
   const auto cell = [](const auto& of) {
     return fmt::format("subject {} in {}", of.subject, of.condition);
   };
@@ -336,6 +357,7 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
                   {{"answered", missing.answered}, {"expected", missing.expected}},
                   cell(missing)});
   }
+  // an outlying trial is named by its file, an outlying mean by subject and condition
   for (const Outlying& outlying : study.outlying) {
     const bool is_cell = outlying.file.empty();
     findings.Add({Severity::kDoubt,
@@ -351,6 +373,7 @@ std::vector<std::string> ReasonsOf(const StudyTrial& trial) {
   std::vector<std::string> reasons = trial.reasons;
   for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
     if (finding.severity != Severity::kRefusal) continue;
+    // a refusal of the study (such as RMS below the noise) as a sentence with its numbers
     reasons.push_back(document::Fill(SentenceOf(finding.kind).text, finding.numbers));
   }
   return reasons;
@@ -383,6 +406,7 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
   return document;
 }
 
+// a row per trial, for statistics programs; numbers in SI units
 document::Section LongTable(const StudyResult& study) {
   return ListOf({}, study.table.trials, [&](const StudyTrial& trial) {
     const bool is_outlying = std::ranges::count(study.outlying, trial.file, &Outlying::file) > 0;
@@ -400,6 +424,7 @@ document::Section LongTable(const StudyResult& study) {
   });
 }
 
+// a row per subject: mean and number of trials of each condition
 document::Section WideTable(const StudyResult& study) {
   Section table{.shape = Section::Shape::kTable};
   for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
@@ -431,6 +456,7 @@ void AppendCondition(const StudyResult& study, std::size_t condition, double x,
     panel.series.push_back({"",
                             plot::Style{plot::Mark::kErrorBars, plot::kBlack, 1.5, 1, 0.7},
                             {x},
+                            // half length of the error bar: one standard deviation
                             {mean_um},
                             {*sd / kUm}});
   }
@@ -439,7 +465,7 @@ void AppendCondition(const StudyResult& study, std::size_t condition, double x,
   for (std::size_t s = 0; s < cells.size(); ++s) {
     const auto mean_m = cells[s][condition].mean_m();
     if (!mean_m) continue;
-    // beside each other, in the order of the subjects
+    // side by side within +-0.15 of the bar's centre, in the order of the subjects
     const double share = (static_cast<double>(s) + 0.5) / static_cast<double>(cells.size());
     points.x.push_back(x + 0.3 * (share - 0.5));
     points.y.push_back(*mean_m / kUm);
@@ -467,6 +493,7 @@ std::vector<plot::Panel> StudyPanels(const StudyResult& study) {
       AppendCondition(study, *study.table.Condition(name), x++, panels.back());
     }
   }
+  // without contrasts: one panel with all conditions
   if (!panels.empty()) return panels;
   panels.push_back(EmptyPanel(std::string(kWhat)));
   for (std::size_t c = 0; c < study.table.conditions.size(); ++c) {

@@ -23,7 +23,7 @@ std::string CountsText(const std::map<std::string, std::size_t>& counts) {
   return text;
 }
 
-// where the data come from, and by which sensor
+// sources and sensors of the answered trials, with their counts
 std::string DataText(const StudyResult& study) {
   std::map<std::string, std::size_t> sources;
   std::map<std::string, std::size_t> sensors;
@@ -39,6 +39,7 @@ std::string DataText(const StudyResult& study) {
                      CountsText(sensors));
 }
 
+// band, order and corners, and the trials with a model of the motion below the band
 std::string FilterText(const StudyResult& study) {
   const dsp::BandPass& band = study.question.band;
   const std::size_t below = study.CountAnswered(&StudyTrial::below_band_removed);
@@ -53,7 +54,8 @@ std::string FilterText(const StudyResult& study) {
                                Counted(below, "trial")));
 }
 
-// `all`: trials with a value
+// `all`: number of trials with a value
+// the window: the steady part of the drive, or all that is free of transients
 std::string WindowText(const StudyResult& study, std::size_t all) {
   const std::size_t drive = study.CountAnswered(&StudyTrial::is_of_drive);
   const std::string rest = "everything that was free of filter transients";
@@ -68,6 +70,7 @@ std::string WindowText(const StudyResult& study, std::size_t all) {
       window);
 }
 
+// subtraction of the noise, gain of the sensor, and what uncertainties exclude
 std::string CorrectionsText(const StudyResult& study) {
   const auto& floor = study.question.floor;
   const std::size_t noise = study.CountAnswered([](const StudyTrial& trial) {
@@ -84,6 +87,7 @@ std::string CorrectionsText(const StudyResult& study) {
       Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"));
 }
 
+// numbers of trials, subjects and conditions, and the unit of analysis
 std::string SubjectsText(const StudyResult& study, std::size_t all) {
   const StudyTable& table = study.table;
   return fmt::format(
@@ -96,6 +100,7 @@ std::string SubjectsText(const StudyResult& study, std::size_t all) {
           : "each subject gave one trial in a condition");
 }
 
+// tests and intervals of the contrasts, with their methods
 std::string ContrastsText(const StudyResult& study) {
   if (study.contrasts.empty()) return {};
   const auto names =
@@ -113,6 +118,7 @@ std::string ContrastsText(const StudyResult& study) {
       fmt::join(names, "; "), is_one ? "was" : "were", names.size(), is_one ? "" : "s");
 }
 
+// outlying values are named and retained; limits from study_table.h
 std::string OutliersText() {
   return fmt::format(
       "Trials farther than {:g} robust standard deviations from the median of their cell, and "
@@ -123,7 +129,7 @@ std::string OutliersText() {
       kOutlyingScore, 100 * kLeastScatter);
 }
 
-// what differs from the paragraph, an item each
+// trials that differ from the paragraph, an item each
 std::string ExceptionsText(const StudyResult& study) {
   std::string list;
   for (const StudyTrial& trial : study.table.trials) {

@@ -11,7 +11,7 @@
 namespace haptometer::tools {
 namespace {
 
-// one value a subject that has both conditions
+// values of the subjects that have both conditions, one per subject
 struct Pairs {
   std::vector<double> treatment;
   std::vector<double> control;
@@ -23,6 +23,7 @@ std::vector<double> Differences(const Pairs& pairs) {
   return differences;
 }
 
+// all statistics of one contrast, over subjects
 Contrast Compare(const StudyTable& table, const PlannedContrast& planned, std::size_t treatment,
                  std::size_t control) {
   Contrast contrast;
@@ -32,16 +33,19 @@ Contrast Compare(const StudyTable& table, const PlannedContrast& planned, std::s
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
     const Cell& a = table.cells[s][treatment];
     const Cell& b = table.cells[s][control];
+    // a subject without one of the conditions is excluded and named
     if (a.rms_m.empty() || b.rms_m.empty()) {
       contrast.left_out.push_back(table.subjects[s]);
       continue;
     }
+    // arithmetic means for the difference, geometric ones for the ratio
     means.treatment.push_back(*a.mean_m());
     means.control.push_back(*b.mean_m());
     geometric.treatment.push_back(std::exp(*a.mean_log()));
     geometric.control.push_back(std::exp(*b.mean_log()));
   }
   if (means.treatment.empty()) return contrast;
+  // paired t of differences, paired t of logarithms, effect sizes, Fieller, sign flips
   contrast.difference = dsp::ComparePairs(means.treatment, means.control);
   contrast.ratio = dsp::RatioOfPairs(geometric.treatment, geometric.control);
   contrast.effect = dsp::EffectOfPairs(means.treatment, means.control);
@@ -50,6 +54,7 @@ Contrast Compare(const StudyTable& table, const PlannedContrast& planned, std::s
   return contrast;
 }
 
+// Holm's step-down correction over the contrasts that have a test
 void CorrectByHolm(std::vector<Contrast>& contrasts) {
   std::vector<std::optional<double>> p(contrasts.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -78,6 +83,7 @@ Result<std::vector<Contrast>> CompareConditions(const StudyTable& table,
 
 namespace {
 
+// mean over subjects, geometric mean and reliability of repeats (ICC) of a condition
 ConditionSummary Summarize(const StudyTable& table, std::size_t condition) {
   ConditionSummary summary;
   summary.name = table.conditions[condition];
@@ -99,7 +105,7 @@ ConditionSummary Summarize(const StudyTable& table, std::size_t condition) {
   return summary;
 }
 
-// the trials of a subject in the order of their start, or nothing where one has none
+// a subject's trials in the order of their start; nothing where a start is missing or not unique
 std::optional<std::vector<std::size_t>> ByStart(const StudyTable& table, std::size_t subject) {
   std::vector<std::size_t> order;
   std::set<std::string> starts;
@@ -110,11 +116,12 @@ std::optional<std::vector<std::size_t>> ByStart(const StudyTable& table, std::si
       order.push_back(trial);
     }
   }
+  // UTC in ISO 8601 sorts as text
   std::ranges::sort(order, {}, [&](std::size_t i) { return table.trials[i].utc_start; });
   return order;
 }
 
-// place of each trial in its subject's order; by repeats where a start is not known
+// position of each trial in its subject's order, or within its cell by repeat without start times
 std::vector<double> PlacesOf(const StudyTable& table, bool* by_start) {
   std::vector<double> places(table.trials.size());
   *by_start = true;
@@ -130,6 +137,7 @@ std::vector<double> PlacesOf(const StudyTable& table, bool* by_start) {
     for (const Cell& cell : row) {
       std::vector<std::size_t> order = cell.trials;
       std::ranges::sort(order, {}, [&](std::size_t i) {
+        // shorter first, so that repeat 2 precedes repeat 10
         const std::string& repeat = table.trials[i].repeat;
         return std::pair(repeat.size(), repeat);
       });
@@ -139,7 +147,7 @@ std::vector<double> PlacesOf(const StudyTable& table, bool* by_start) {
   return places;
 }
 
-// slope of ln(RMS) over place, both about their cell's mean
+// slope of ln(RMS) per trial, within cells, so that the conditions' means do not enter
 std::optional<double> SlopeOf(const StudyTable& table, std::size_t subject,
                               const std::vector<double>& places) {
   std::vector<dsp::Points> cells(table.conditions.size());
@@ -158,6 +166,7 @@ std::optional<OrderTrend> TrendOf(const StudyTable& table) {
     if (const auto slope = SlopeOf(table, s, places)) slopes.push_back(*slope);
   }
   if (slopes.empty()) return std::nullopt;
+  // one slope per subject: t test against 0
   trend.per_trial = dsp::TestMean(slopes);
   return trend;
 }
@@ -170,11 +179,13 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
   for (std::size_t c = 0; c < table.conditions.size(); ++c) {
     further.conditions.push_back(Summarize(table, c));
   }
+  // analysis of variance needs subjects with all conditions
   std::vector<std::size_t> whole;
   const dsp::CompleteTable means = table.Complete(&Cell::mean_m, &whole);
   further.whole_subjects = whole.size();
   further.anova = dsp::AnalyzeRepeatedMeasures(means);
   further.log_anova = dsp::AnalyzeRepeatedMeasures(table.Complete(&Cell::mean_log, &whole));
+  // error bars within subjects (Morey): without the differences between subjects
   if (means.subjects() >= 2 && means.conditions() >= 2) {
     const std::vector<double> bars = dsp::MoreyHalfWidths(means);
     for (std::size_t c = 0; c < bars.size(); ++c) further.conditions[c].morey_m = bars[c];

@@ -27,10 +27,11 @@
 namespace haptometer::tools {
 namespace {
 
-// text in front of the last run of digits that ends a name, and that number: s2 before s10
+// a name without the digits at its end, and their number: s2 sorts before s10
 std::tuple<std::string_view, double, std::string_view> NaturalKey(const std::string& name) {
   std::size_t digits = name.size();
   while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1])) != 0) --digits;
+  // a name without digits at its end sorts before its numbered forms
   const double number = digits < name.size() ? std::stod(name.substr(digits)) : -1;
   return {std::string_view(name).substr(0, digits), number, name};
 }
@@ -41,6 +42,7 @@ std::vector<std::string> Sorted(const std::set<std::string>& names) {
   return sorted;
 }
 
+// a trial without subject or condition belongs to no cell
 void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
   for (StudyTrial& trial : trials) {
     if (trial.error || (!trial.subject.empty() && !trial.condition.empty())) continue;
@@ -53,8 +55,9 @@ void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
   }
 }
 
-// numbers repeats that are not labelled, in the order of the files
+// numbers unlabelled repeats in the order of the files, with numbers that no label uses
 void NumberRepeats(std::vector<StudyTrial>& trials) {
+  // labelled repeats first, so that no number is given twice
   std::map<std::pair<std::string, std::string>, std::set<std::string>> taken;
   for (const StudyTrial& trial : trials) {
     if (!trial.repeat.empty()) taken[{trial.subject, trial.condition}].insert(trial.repeat);
@@ -85,12 +88,14 @@ void FillCells(StudyTable& table) {
     if (trial.subject.empty() || trial.condition.empty()) continue;
     Cell& cell =
         table.cells[place(table.subjects, trial.subject)][place(table.conditions, trial.condition)];
+    // an RMS of 0 has no logarithm
     if (!trial.answered || !(*trial.rms_m > 0)) {
       ++cell.not_answered;
       continue;
     }
     cell.trials.push_back(i);
     cell.rms_m.push_back(*trial.rms_m);
+    // expected repeats: the largest number of answered trials in a cell
     table.repeats = std::max(table.repeats, cell.trials.size());
   }
 }
@@ -123,6 +128,7 @@ std::vector<double> StudyTable::Logs(std::size_t subject, std::size_t condition)
 dsp::CompleteTable StudyTable::Complete(std::optional<double> (Cell::*mean)() const,
                                         std::vector<std::size_t>* whole) const {
   whole->clear();
+  // repeated measures need every condition of a subject: incomplete subjects are excluded
   for (std::size_t s = 0; s < subjects.size(); ++s) {
     const bool has_all =
         std::ranges::none_of(cells[s], [](const Cell& cell) { return cell.rms_m.empty(); });
@@ -159,7 +165,7 @@ StudyTable MakeStudyTable(std::vector<StudyTrial> trials, const std::vector<std:
 
 namespace {
 
-// what was said from outside, else the file's own label
+// a label of manifest or pattern, else the file's own
 std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
                     const std::string& name) {
   for (const auto* labels : {&file.labels, &metadata.labels}) {
@@ -169,10 +175,11 @@ std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
   return {};
 }
 
-// how the analysis of an answered trial differs from what was asked
+// differences between the analysis of an answered trial and the question
 void FindDeviations(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
                     StudyFindings& findings) {
   const dsp::BandNumbers& numbers = *analysis.numbers;
+  // a lower order than asked for, because of the transients of a short record
   if (analysis.band.order != question.band.order) {
     findings.Note(StudyFinding::kOrderLowered, {{"order", analysis.band.order}});
   }
@@ -191,8 +198,10 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   const dsp::BandNumbers& numbers = *analysis.numbers;
   const dsp::RmsEstimate& rms = numbers.rms;
   const double floor_m = rms.floor_m.value_or(0);
+  // with the floor in mean square: sqrt(rms^2 + floor^2), for the linearity over the drive
   trial.rms_with_floor_m = rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, floor_m);
   trial.answered = !rms.below_floor;
+  // at or below the noise an RMS has an upper limit only
   if (rms.below_floor) {
     trial.findings.Refuse(StudyFinding::kBelowNoise,
                           {{"noise_m", floor_m}, {"at_most_m", rms.at_most_m}});
@@ -217,6 +226,7 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
     trial.error = std::move(error);
     return trial;
   };
+  // an error of the pattern comes before any reading
   if (file.error) return fail(*file.error);
   const auto recording = trial::ReadRecording(file.path, import);
   if (!recording) return fail(recording.error());
@@ -229,11 +239,13 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   trial.sensor = metadata.sensor;
   if (!metadata.head.empty()) trial.sensor += (trial.sensor.empty() ? "" : " ") + metadata.head;
   trial.sources = trial::SourcesOf(metadata, recording->report);
+  // only the numbers are used, not the filtered samples
   dsp::BandQuestion numbers_alone = question;
   numbers_alone.keep_filtered = false;
   const auto analysis = dsp::AnalyzeBand(recording->record, numbers_alone);
   if (!analysis) return fail(analysis.error());
   TakeAnalysis(*analysis, question, trial);
+  // losses and gaps of the recording that may change the RMS
   for (const trial::Finding& found : recording->report.AllFindings().list()) {
     if (found.severity == Severity::kNote) continue;
     trial.findings.Doubt(StudyFinding::kDataMissing, {{"what", document::WordsOf(found)}});
@@ -244,7 +256,7 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
 std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                       const dsp::BandQuestion& question,
                                       const trial::ImportOptions& import) {
-  // inputs are named in the order of the files, whichever is read first
+  // inputs are noted in the order of the files, independent of the threads
   for (const TrialFile& file : files) {
     if (!file.error) NoteInput(file.path);
   }
@@ -268,29 +280,34 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
 
 namespace {
 
-// of an answered trial's RMS, as it states it
+// relative standard uncertainty of an answered trial's RMS
 double RelativeUncertainty(const StudyTrial& trial) {
   return trial.rms_uncertainty_m.value_or(0) / *trial.rms_m;
 }
 
+// of a mean: the median of its trials, which a single poor trial does not change
 double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
   return dsp::Median(
       Mapped(cell.trials, [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); }));
 }
 
 void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {
+  // logarithms of all cells: the scatter within cells is common, as a relative one
   std::vector<std::vector<double>> all;
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
     for (std::size_t c = 0; c < table.conditions.size(); ++c) all.push_back(table.Logs(s, c));
   }
+  // robust standard deviation, at least kLeastScatter, so that equal repeats flag nothing
   const double scatter = std::max(kLeastScatter, dsp::RobustWithinDeviation(all).value_or(0));
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
     for (std::size_t c = 0; c < table.conditions.size(); ++c) {
       const std::vector<double>& logs = all[s * table.conditions.size() + c];
+      // with two trials the median cannot show which of them is outlying
       if (logs.size() < 3) continue;
       const double median = dsp::Median(logs);
       for (std::size_t i = 0; i < logs.size(); ++i) {
         const StudyTrial& trial = table.trials[table.cells[s][c].trials[i]];
+        // a trial with a large uncertainty of its own may deviate more
         const double scale = std::max(scatter, RelativeUncertainty(trial));
         const double score = std::abs(logs[i] - median) / scale;
         if (score <= kOutlyingScore) continue;
@@ -301,15 +318,18 @@ void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlyi
   }
 }
 
+// a subject's mean in one condition that fits neither subject nor condition
 void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlying) {
   std::vector<std::size_t> whole;
   dsp::CompleteTable medians = table.Complete(&Cell::mean_log, &whole);
+  // a residual needs at least four subjects and three conditions
   if (medians.subjects() < 4 || medians.conditions() < 3) return;
   for (std::size_t row = 0; row < whole.size(); ++row) {
     for (std::size_t c = 0; c < medians.conditions(); ++c) {
       medians.At(row, c) = dsp::Median(table.Logs(whole[row], c));
     }
   }
+  // median polish: ln(rms) = subject + condition + residual
   const dsp::CompleteTable left = dsp::MedianPolish(medians);
   const double scatter = std::max(kLeastScatter, dsp::DeviationOfPolished(left));
   for (std::size_t row = 0; row < whole.size(); ++row) {
@@ -324,6 +344,7 @@ void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlyin
   }
 }
 
+// the same kind with the same numbers: reported once for all trials
 bool IsSame(const FindingOf<StudyFinding>& a, const FindingOf<StudyFinding>& b) {
   return a.kind == b.kind &&
          std::ranges::equal(a.numbers, b.numbers, [](const auto& one, const auto& other) {

@@ -15,16 +15,18 @@
 namespace haptometer::tools {
 namespace {
 
+// without spaces, tabs and the CR of Windows
 std::string_view Trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t\r");
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
+// 16 MiB and 4096 columns: limits of what is read into memory
 constexpr std::uint64_t kMostBytes = 1ULL << 24;
 constexpr std::size_t kMostNames = 4096;
 
-// cells of anybody's file, made printable here
+// cells of a user's file may contain control characters: made printable
 std::vector<std::string> PrintableCellsOf(std::string_view line) {
   std::vector<std::string> cells = cli::CellsOf(line);
   for (std::string& cell : cells) cell = Printable(cell);
@@ -55,6 +57,7 @@ Result<void> TakeRow(const std::vector<std::string>& names, std::string_view lin
   return {};
 }
 
+// required columns, with the most similar name for typing errors
 Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>& names,
                           const std::vector<std::string>& required) {
   for (const std::string& column : required) {
@@ -77,17 +80,20 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
   table.name = path;
   std::vector<std::string> names;
   std::string_view rest = *text;
+  // byte order mark of UTF-8
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::string_view line = Trimmed(rest.substr(0, rest.find('\n')));
     rest.remove_prefix(std::min(rest.size(), rest.find('\n')));
     if (!rest.empty()) rest.remove_prefix(1);
+    // empty lines and comments count as lines of the file, so that errors name the right one
     if (line.empty() || line.starts_with('#')) continue;
     if (static_cast<std::size_t>(std::ranges::count(line, ',')) > kMostNames) {
       return CannotAnswer(fmt::format("{}:{}", path, number),
                           fmt::format("has more than {} columns", kMostNames),
                           "is it a table of one row a line?");
     }
+    // the first line is the header
     if (names.empty()) {
       names = PrintableCellsOf(line);
       if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());
@@ -104,6 +110,7 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
   return table;
 }
 
+// numbers of a column, finite and within the range of quantities
 Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string& column) {
   const std::vector<std::string>& cells = table.columns.at(column);
   std::vector<double> numbers(cells.size());

@@ -34,12 +34,14 @@ constexpr cli::VerbText kText{
                  "skin.damping_n_s_per_m=0.75:2.38 --samples 10000 --seed 7 -o s.csv --resume",
                  "haptometer sweep --merge s1.csv s2.csv -o s.csv --best skin_rms_m --json"}};
 
-// Makes the rows that are not there yet; how many are there in the end.
+// computes the missing rows; returns the number of rows that the table then has
 Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, TableFile& file,
                                const std::string& path) {
+  // rows of this shard
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   cli::Progress progress(path);
   auto made = MakeRowsInOrder(
+      // first: the rows that --resume found in the table
       {.first = file.rows(),
        .count = rows,
        .threads = threads,
@@ -51,11 +53,12 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
            },
        .stop = &cli::Interrupted()});
   if (!made) return made;
+  // synced before the summary reads the table
   if (auto synced = file.Finish(); !synced) return std::unexpected(synced.error());
   return made;
 }
 
-// What a table is made of in this run.
+// state of a table after this run
 struct Made {
   bool is_whole = true;      // or a signal stopped it
   std::uint64_t mended = 0;  // rows that did not match their checksums
@@ -65,21 +68,25 @@ Result<Made> Compute(const SweepWords& words) {
   const auto question = ReadQuestion(words);
   if (!question) return std::unexpected(question.error());
   const TableHeader header = HeaderOf(*question, document::CollectProvenance(words.command));
+  // the picture is checked before the first row is computed
   if (auto fit = CheckPicture(words.plot, header); !fit) return std::unexpected(fit.error());
   auto file = words.resume ? TableFile::Resume(words.output, header, *question)
                            : TableFile::Begin(words.output, header, words.overwrite);
   if (!file) return std::unexpected(file.error());
+  // from here on a signal ends the run between two rows, with a valid table
   cli::CatchInterrupts();
   const auto made =
       MakeRows(*question, cli::ThreadsOf(words.threads, kMostSweepThreads), *file, words.output);
   if (!made) return std::unexpected(made.error());
   const std::uint64_t rows = question->shard.RowsOf(question->points.size());
+  // all rows exist
   if (*made == rows) return Made{.mended = file->mended_rows()};
   cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
                                  words.output, *made, rows));
   return Made{.is_whole = false};
 }
 
+// joins the shards' tables; the header of the first one, without its shard, is that of the whole
 Result<Made> Merge(const SweepWords& words) {
   const auto tables = ReadMerge(words);
   if (!tables) return std::unexpected(tables.error());
@@ -101,6 +108,7 @@ int RunSweep(int argc, const char* const* argv) {
   SweepWords words;
   Declare(options, words);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  // the column of --best is checked before the computation
   const auto wish = ReadBestWish(words.best);
   if (!wish) return cli::ReportError(kVerb, wish.error());
   words.command = {"haptometer", std::string(kVerb)};
@@ -108,10 +116,11 @@ int RunSweep(int argc, const char* const* argv) {
   const auto made = words.merge.empty() ? Compute(words) : Merge(words);
   if (!made) return cli::ReportError(kVerb, made.error());
   if (!made->is_whole) return cli::InterruptedStatus(1);
+  // the summary reads the table again, so that a resumed or merged one is complete
   auto summary = Summarise(words.output, *wish);
   if (!summary) return cli::ReportError(kVerb, summary.error());
   summary->mended = made->mended;
-  // a map is no panel: the picture is not one of the document's
+  // a map is no panel, so the picture is not a figure of the document
   if (!words.plot.empty()) {
     if (auto drawn = DrawSweep(words.plot, words.output, wish->column); !drawn) {
       return cli::ReportError(kVerb, drawn.error());
@@ -130,6 +139,7 @@ using document::Section;
 
 constexpr std::string_view kLeast = ":least";
 
+// largest or least value of the column; the first of equal ones
 void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   const auto value = NumberFrom<double>(cells[column]);
   if (!value) return;
@@ -146,9 +156,11 @@ void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std:
 
 void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   ++summary.rows;
+  // columns: point, varied keys, answers, remark, checksum
   const auto first = cells.begin() + 1 + static_cast<std::ptrdiff_t>(summary.header.varied);
   const std::size_t remark = summary.header.columns.size() - 2;
   const auto end = cells.begin() + static_cast<std::ptrdiff_t>(remark);
+  // any number in the answers: the point is answered
   if (std::any_of(first, end, [](const std::string& cell) { return !cell.empty(); })) {
     ++summary.answered;
     TakeBest(summary, cells, column);
@@ -163,6 +175,7 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   BestWish wish;
   wish.least = word.ends_with(kLeast);
   wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
+  // columns of the answers only, not of the varied keys
   const std::vector<std::string> names = Mapped(AnswerColumns(), &AnswerColumn::name);
   if (std::ranges::find(names, wish.column) != names.end()) return wish;
   const std::string nearest = Nearest(wish.column, names);
@@ -182,6 +195,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
                         "name one of its columns by --best");
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
+  // rows with another number of cells are ignored
   for (auto row = reader->Next(); row; row = reader->Next()) {
     const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() == columns.size()) TakeRow(summary, cells, column);
@@ -222,6 +236,7 @@ document::Sentence SentenceOf(SweepFinding kind) {
 Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
   Findings<SweepFinding> findings;
   if (summary.mended > 0) findings.Doubt(SweepFinding::kMended, {{"mended", summary.mended}});
+  // no point answered: a refusal (status 3) with the first reason
   if (summary.answered == 0 && summary.rows > 0) {
     findings.Refuse(SweepFinding::kNothingAnswered, {{"first", summary.first_remark}});
     return findings;
@@ -242,7 +257,7 @@ Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
   return findings;
 }
 
-// numbers in the unit that their name ends with
+// value of a cell: a number in the unit that the column's name ends with, else a text
 document::Value CellValue(const std::string& cell) {
   const auto number = NumberFrom<double>(cell);
   return number ? document::Value(*number) : document::Value(cell);
@@ -261,6 +276,7 @@ Section BestSection(const SweepSummary& summary) {
   best.Add({kPointColumn, "at point"}, summary.best->point);
   Section& values = best.sections.emplace_back();
   values.name = "values";
+  // column 0 is the point
   for (std::size_t k = 0; k < summary.best->values.size(); ++k) {
     const std::string& name = summary.header.columns[k + 1];
     values.Add({name, name, document::UnitOfName(name)}, CellValue(summary.best->values[k]));

@@ -16,6 +16,7 @@
 namespace haptometer::tools {
 namespace {
 
+// one curve per colour
 constexpr std::size_t kMostCurves = 8;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -25,7 +26,7 @@ constexpr std::array<plot::Colour, kMostCurves> kColours{
 
 double NumberOrNaN(const std::string& cell) { return NumberFrom<double>(cell).value_or(kNaN); }
 
-// A varied key's column: its values in the order of their first appearance, and each row's.
+// column of a varied key: distinct values in the order of first appearance, and that of each row
 struct KeyColumn {
   std::string name;
   bool is_logarithmic = false;
@@ -33,6 +34,7 @@ struct KeyColumn {
   std::vector<std::size_t> of_row;
   std::map<std::string, std::size_t> places;
 
+  // place of the value of the next row
   void Take(const std::string& text) {
     const auto [found, is_new] = places.emplace(text, texts.size());
     if (is_new) texts.push_back(text);
@@ -42,7 +44,7 @@ struct KeyColumn {
     return std::ranges::all_of(
         texts, [](const std::string& text) { return std::isfinite(NumberOrNaN(text)); });
   }
-  // where a value lies on the axis: texts lie in a row
+  // positions of the values on the axis: numbers, or 0, 1, 2 ... for texts
   [[nodiscard]] std::vector<double> Positions() const {
     const bool are_numbers = AreNumbers();
     std::vector<double> positions(texts.size());
@@ -53,6 +55,7 @@ struct KeyColumn {
   }
 };
 
+// the table's columns that a picture needs
 struct SweepColumns {
   bool is_sampled = false;
   std::string column{};
@@ -66,11 +69,13 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
   for (std::size_t k = 0; k < header.varied; ++k) {
     KeyColumn key;
     key.name = header.columns[k + 1];
+    // a range with equal ratios is drawn on a logarithmic axis
     const std::string log = fmt::format("# vary = {}=log:", key.name);
     key.is_logarithmic = std::ranges::any_of(
         header.question, [&](const std::string& line) { return line.starts_with(log); });
     columns.keys.push_back(std::move(key));
   }
+  // samples of a Latin hypercube have no order: points without lines
   columns.is_sampled = std::ranges::any_of(header.question, [](const std::string& line) {
     return line.starts_with("# sampling = latin");
   });
@@ -78,6 +83,7 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
       static_cast<std::size_t>(std::ranges::find(header.columns, column) - header.columns.begin());
   for (auto row = reader.Next(); row; row = reader.Next()) {
     const std::vector<std::string> cells = cli::CellsOf(*row);
+    // damaged rows are not drawn
     if (cells.size() != header.columns.size() || place >= cells.size()) continue;
     for (std::size_t k = 0; k < header.varied; ++k) columns.keys[k].Take(cells[k + 1]);
     columns.values.push_back(NumberOrNaN(cells[place]));
@@ -89,13 +95,14 @@ plot::Panel PanelOver(const KeyColumn& key, const std::string& column) {
   plot::Panel panel{.x_label = key.name, .y_label = column};
   panel.log_axes = key.is_logarithmic ? plot::LogAxes::kX : plot::LogAxes::kNone;
   if (key.AreNumbers()) return panel;
+  // texts are names at the ticks
   for (std::size_t k = 0; k < key.texts.size(); ++k) {
     panel.ticks.push_back({static_cast<double>(k), key.texts[k]});
   }
   return panel;
 }
 
-// the rows that `keep` lets through, by their place on the axis
+// rows for which `keep` holds, in the order of their positions
 template <typename Keep>
 plot::Series SeriesOver(const KeyColumn& key, const SweepColumns& columns, const Keep& keep) {
   const std::vector<double> positions = key.Positions();
@@ -120,11 +127,12 @@ plot::Style StyleOf(const SweepColumns& columns, std::size_t curve) {
           .size = 0.3};
 }
 
-// One panel: every curve of `other`, evenly chosen where there are more than can be told apart.
+// one panel with a curve for each value of `other`, uniformly chosen where there are more than 8
 plot::Panel CurvesOver(const KeyColumn& key, const KeyColumn& other, const SweepColumns& columns) {
   plot::Panel panel = PanelOver(key, columns.column);
   const std::size_t curves = std::min(other.texts.size(), kMostCurves);
   for (std::size_t k = 0; k < curves; ++k) {
+    // first and last value are always among the chosen ones
     const std::size_t value = curves < 2 ? 0 : k * (other.texts.size() - 1) / (curves - 1);
     plot::Series series =
         SeriesOver(key, columns, [&](std::size_t row) { return other.of_row[row] == value; });
@@ -135,6 +143,7 @@ plot::Panel CurvesOver(const KeyColumn& key, const KeyColumn& other, const Sweep
   return panel;
 }
 
+// uniform steps, to 1e-6: the cells of a map are of equal size
 bool IsEven(const KeyColumn& key) {
   if (!key.AreNumbers() || key.texts.size() < 2) return false;
   const std::vector<double> x = key.Positions();
@@ -157,6 +166,7 @@ plot::Map MapOf(const SweepColumns& columns) {
                 .x_step = x[1] - x[0],
                 .y_start = y[0],
                 .y_step = y[1] - y[0]};
+  // points without an answer remain empty
   map.values.assign(x.size(), std::vector<double>(y.size(), kNaN));
   for (std::size_t row = 0; row < columns.values.size(); ++row) {
     map.values[across.of_row[row]][up.of_row[row]] = columns.values[row];
@@ -179,6 +189,7 @@ Result<void> DrawPoints(const std::string& path, const SweepColumns& columns) {
 }  // namespace
 
 Result<void> CheckPicture(const std::string& path, const TableHeader& header) {
+  // a picture is checked against the header before the sweep
   if (path.empty()) return {};
   if (!header.shard.empty()) {
     return Usage("--plot", "draws whole sweeps, not a shard", "give it to --merge");
@@ -198,10 +209,13 @@ Result<void> DrawSweep(const std::string& path, const std::string& table,
   const bool has_value =
       std::ranges::any_of(columns.values, [](double v) { return std::isfinite(v); });
   if (!has_value) return CannotAnswer(path, fmt::format("no point has a {} to draw", column));
+  // one key, or samples: a panel per key
   if (columns.keys.size() == 1 || columns.is_sampled) return DrawPoints(path, columns);
+  // the longer axis is horizontal
   const bool first_is_longer = columns.keys[0].texts.size() >= columns.keys[1].texts.size();
   const KeyColumn& longer = columns.keys[first_is_longer ? 0 : 1];
   const KeyColumn& shorter = columns.keys[first_is_longer ? 1 : 0];
+  // more values than curves on a uniform grid: a map
   if (shorter.texts.size() > kMostCurves && IsEven(longer) && IsEven(shorter)) {
     return plot::DrawMap(path, MapOf(columns));
   }

@@ -24,6 +24,7 @@ constexpr std::uint64_t kMostShards = 1'000'000;
 
 Result<Shard> ReadShard(const std::string& text) {
   if (text.empty()) return Shard{};
+  // "I/N": without a slash the number is 0, which is refused
   const std::string_view word = text;
   const std::size_t slash = std::min(word.find('/'), word.size() - 1);
   const std::uint64_t number = NumberFrom<std::uint64_t>(word.substr(0, slash)).value_or(0);
@@ -39,6 +40,7 @@ Result<std::vector<sim::SweepAxis>> ReadAxes(const SweepWords& words) {
   if (words.vary.empty()) {
     return Usage("--vary", "is missing", "add --vary drive.frequency_hz=100Hz:400Hz:301");
   }
+  // with --samples a range has no count
   const RangesAre ranges = words.samples ? RangesAre::kSampled : RangesAre::kGrid;
   std::vector<sim::SweepAxis> axes;
   axes.reserve(words.vary.size());
@@ -57,6 +59,7 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
     return Usage("--seed", "needs --samples", "a grid has nothing random");
   }
   std::optional<sim::LatinHypercube> sampling;
+  // Latin hypercube; seed 1 unless stated, so that a sweep is reproducible
   if (words.samples) {
     sampling = {.samples = static_cast<std::uint64_t>(*words.samples),
                 .seed = static_cast<std::uint64_t>(words.seed.value_or(1))};
@@ -120,10 +123,12 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
   const std::vector<std::string> keys = Mapped(points->axes(), &sim::SweepAxis::key);
   auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
   if (!scene) {
+    // an error about a varied key names the option
     Error error = scene.error();
     if (std::ranges::find(keys, error.where) != keys.end()) error.where = "--vary " + error.where;
     return std::unexpected(std::move(error));
   }
+  // before the first row: values at the ends of every axis must be accepted by the scene's reader
   if (auto taken = CheckAxes(*scene, *points); !taken) return std::unexpected(taken.error());
   return SweepQuestion{.scene = *std::move(scene), .points = *std::move(points), .shard = *shard};
 }
@@ -131,6 +136,7 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
 Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   std::vector<std::string> tables;
   for (const auto& group : words.merge) tables.insert(tables.end(), group.begin(), group.end());
+  // a merge computes nothing: options of a computation are refused
   const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
                           words.seed || words.resume || words.threads || !words.shard.empty();
   if (has_others) {
@@ -166,10 +172,11 @@ constexpr auto kKeyUnits = std::to_array<KeyUnit>({
     {"_h", Dimension::kInductance},
 });
 
-// of the unit in the key's name; plain where it has none that base/quantity.h knows
+// dimension of the unit in the key's name; none where base/quantity.h has no such unit
 Dimension DimensionOf(std::string_view key) {
   for (const KeyUnit& unit : kKeyUnits) {
     if (!key.ends_with(unit.ending)) continue;
+    // "..._per_kg" is a quotient whose unit is not in the table: a plain number
     const bool is_quotient = unit.ending.find("_per_") == std::string_view::npos &&
                              key.substr(0, key.size() - unit.ending.size()).ends_with("_per");
     return is_quotient ? Dimension::kNone : unit.dimension;
@@ -189,7 +196,7 @@ std::vector<std::string> SplitAt(const std::string& text, char separator) {
   return parts;
 }
 
-// an exact number of the key's dimension
+// a number in SI units of the key's dimension, without uncertainty
 Result<double> ReadNumber(const std::string& word, Dimension dimension, const std::string& where) {
   const auto quantity = ParseQuantity(word, dimension, where);
   if (!quantity) return std::unexpected(quantity.error());
@@ -203,12 +210,14 @@ Result<double> ReadNumber(const std::string& word, Dimension dimension, const st
 // one value of a list
 Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
                                   const std::string& where) {
+  // control characters would break the lines of the table
   const bool has_control = std::ranges::any_of(
       word, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
   if (word.empty() || has_control) {
     return Usage(where, "has a value that is empty or not printable", "write it as KEY=A,B,C");
   }
   if (dimension == Dimension::kNone) {
+    // without a dimension: integer, boolean, number, else a text
     if (const auto whole = NumberFrom<std::int64_t>(word))
       return sim::PlainValue(fmt::format("{}", *whole));
     if (word == "true" || word == "false") return sim::PlainValue(word);
@@ -219,7 +228,7 @@ Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
   return sim::NumberValue(*number);
 }
 
-// a text may hold a colon ("C:/actuator.toml"); a range begins with a number
+// a range begins with a number or "log:"; a text may contain a colon ("C:/actuator.toml")
 bool IsRange(const std::string& text) {
   if (text.starts_with(kLogarithmic)) return true;
   return text.find(':') != std::string::npos &&
@@ -262,10 +271,11 @@ Result<sim::SweepRange> ReadRange(std::string text, Dimension dimension, RangesA
   if (!end) return std::unexpected(end.error());
   range.begin = *begin;
   range.end = *end;
-  // infinite ends are equal too, in this sense
+  // equal or infinite ends: their difference is 0 or not a number
   if (!(range.end - range.begin != 0 && std::isfinite(range.end - range.begin))) {
     return Usage(where, "has ends between which there is nothing", "give a single value alone");
   }
+  // a logarithmic range has equal ratios, which need ends above 0
   if (range.spacing == sim::Spacing::kLogarithmic && !(range.begin > 0 && range.end > 0)) {
     return Usage(where, "is logarithmic and reaches to 0 or below", "give ends above 0");
   }
@@ -302,13 +312,15 @@ Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
 
 namespace {
 
+// values per axis that are read through the scene before the sweep
 constexpr std::size_t kMostChecked = 1000;  // of an axis
 constexpr std::uint64_t kSampledChecked = 8;
 
-// up to about kMostChecked values of an axis, its ends among them
+// about kMostChecked values of an axis at most, with both ends
 std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::size_t number) {
   const sim::SweepAxis& axis = points.axes()[number];
   std::vector<sim::SweepValue> values;
+  // a grid or a list: every step-th value and the last one
   if (const std::size_t count = CountOf(axis); count > 0) {
     const std::size_t step = (count + kMostChecked - 1) / kMostChecked;
     values.reserve(count / step + 2);
@@ -318,6 +330,7 @@ std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::
     values.push_back(ValueOf(axis, count - 1));
     return values;
   }
+  // a sampled range: both ends and the first samples
   const auto& range = std::get<sim::SweepRange>(axis.values);
   values.push_back(sim::NumberValue(range.begin));
   for (std::uint64_t point = 0; point < std::min(points.size(), kSampledChecked); ++point) {
@@ -327,7 +340,7 @@ std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::
   return values;
 }
 
-// whether the reader's error is about this key, or about the first table on its way
+// whether the reader's error concerns this key, or the first table on its path
 bool IsAbout(const Error& error, const std::string& key) {
   const std::size_t dot = key.rfind('.');
   const std::string leaf = dot == std::string::npos ? key : key.substr(dot + 1);
@@ -337,10 +350,11 @@ bool IsAbout(const Error& error, const std::string& key) {
          error.what == fmt::format("key {} is not known", root);
 }
 
-// A fault that the file has without the sweep is told with its line, one of a key with its value.
+// an error of the file itself is reported with its line, one of a varied key with its value
 Error Told(const sim::VariedScene& scene, const sim::SweepPoints& points,
            const std::vector<sim::SweepValue>& values, Error error) {
   const auto as_it_stands = sim::ReadSceneFile(scene.path());
+  // the file without the sweep has the same error
   if (!as_it_stands && as_it_stands.error().what == error.what) return as_it_stands.error();
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
     const std::string& key = points.axes()[axis].key;
@@ -361,6 +375,7 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
   for (std::size_t axis = 0; axis < points.axes().size(); ++axis) {
     values.push_back(ValuesToCheck(points, axis));
   }
+  // every value is tried beside the first and beside the last values of all other axes
   const auto first = Mapped(values, [](const auto& of_axis) { return of_axis.front(); });
   const auto last = Mapped(values, [](const auto& of_axis) { return of_axis.back(); });
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
@@ -369,6 +384,7 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
       beside_first[axis] = value;
       auto read = scene.Read(beside_first);
       if (read) continue;
+      // valid in one of both combinations: the error belongs to a point, not to the axis
       auto beside_last = last;
       beside_last[axis] = value;
       if (scene.Read(beside_last)) continue;

@@ -30,11 +30,12 @@ std::string SamplingOf(const sim::SweepPoints& points) {
                      points.sampling()->seed);
 }
 
+// CRC-32 of the row's characters before the last comma
 std::uint32_t ChecksumOf(std::string_view row) {
   return trial::Crc32(std::as_bytes(std::span(row)));
 }
 
-// the texts that an axis may give the scene: files, perhaps
+// texts among the values of the axes: paths of files, whose content the digest includes
 std::vector<std::string> TextsOf(const std::vector<sim::SweepAxis>& axes) {
   std::vector<std::string> texts;
   for (const sim::SweepAxis& axis : axes) {
@@ -47,7 +48,7 @@ std::vector<std::string> TextsOf(const std::vector<sim::SweepAxis>& axes) {
   return texts;
 }
 
-// the numbers of an answer and its remark
+// numbers of an answer as cells, empty where it has none, and its remark or error
 void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::string_view scene) {
   for (const AnswerColumn& column : AnswerColumns()) {
     const auto number = answer ? column.of(*answer) : std::nullopt;
@@ -66,6 +67,7 @@ Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
 
 }  // namespace
 
+// lines of the question, shard, provenance, then the names of the columns
 std::string TableHeader::Text() const {
   std::string text = fmt::format("{}\n", fmt::join(question, "\n"));
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
@@ -87,7 +89,7 @@ TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& 
   }
   header.question.push_back(fmt::format("# sampling = {}", SamplingOf(question.points)));
   header.question.push_back(fmt::format("# points = {}", question.points.size()));
-  // last: another one also follows from keys that differ, and those are to be told first
+  // last, because other keys also change the digest, and those are reported first
   header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
   for (const AnswerColumn& column : AnswerColumns()) header.columns.push_back(column.name);
   header.columns.emplace_back("remark");
@@ -95,12 +97,14 @@ TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& 
   header.provenance = document::CommentOf(provenance, kProvenance);
   header.varied = axes.size();
   header.points = question.points.size();
+  // the shard is no part of the question: shards of one sweep merge
   if (question.shard.count > 1) {
     header.shard = fmt::format("{}/{}", question.shard.number, question.shard.count);
   }
   return header;
 }
 
+// the first line or the columns in which two tables differ; empty where they are the same sweep
 std::string DifferenceOf(const TableHeader& there, const TableHeader& here) {
   const std::size_t lines = std::max(there.question.size(), here.question.size());
   const auto line = [](const TableHeader& header, std::size_t k) {
@@ -116,6 +120,7 @@ std::string DifferenceOf(const TableHeader& there, const TableHeader& here) {
                      fmt::join(here.columns, ","));
 }
 
+// point from 1 and varied values: the part of a row that no computation changes
 std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values) {
   std::string row = fmt::format("{},", point + 1);
   for (const sim::SweepValue& value : values) {
@@ -140,6 +145,7 @@ bool MatchesChecksum(std::string_view row) {
 
 namespace {
 
+// number of events in the run: impacts, take-offs, landings
 std::optional<double> Events(const SceneAnswer& answer) {
   const sim::SceneRun* run = RunOf(answer);
   if (run == nullptr) return std::nullopt;
@@ -157,12 +163,13 @@ std::optional<double> WindowRms(const SceneAnswer& answer) {
   return answer.window ? std::optional(answer.window->skin_rms_m) : std::nullopt;
 }
 
-// of the steady motion alone
+// error estimate of the steady motion alone
 std::optional<double> SteadyError(const SceneAnswer& answer) {
   if (answer.tones) return answer.tones->error_estimate;
   return answer.steady ? std::optional(answer.steady->error_estimate) : std::nullopt;
 }
 
+// order of the columns: steady motion, window, error, run
 std::vector<AnswerColumn> MakeColumns() {
   std::vector<AnswerColumn> columns;
   const auto add = [&columns](std::string_view before, const AnswerNumber& number) {
@@ -171,6 +178,7 @@ std::vector<AnswerColumn> MakeColumns() {
   for (const AnswerNumber& number : SteadyNumbers()) add("", number);
   add("", {kWindowRms, WindowRms});
   add("", {kErrorEstimate, SteadyError});
+  // names of the run's columns begin with run_, because both have an RMS
   for (const AnswerNumber& number : RunNumbers()) add(kOfRun, number);
   add(kOfRun, {document::kEvents, Events});
   add(kOfRun, {kEnergyImbalance, Imbalance});
@@ -184,6 +192,7 @@ const std::vector<AnswerColumn>& AnswerColumns() {
   return columns;
 }
 
+// why columns of a row are empty
 std::string AnswerRemark(const SceneAnswer& answer) {
   if (answer.tones) return "";
   if (answer.scene.drive.kind != sim::DriveKind::kSine)
@@ -196,7 +205,9 @@ std::string AnswerRemark(const SceneAnswer& answer) {
 
 namespace {
 
+// 5 ms: aim for the work in a block
 constexpr MonotonicNs kBlockNs = kNsPerS / 200;
+// limits of a block and of the rows that may wait for an earlier one
 constexpr std::uint64_t kMostInBlock = 256;
 constexpr std::uint64_t kMostAhead = 16384;
 
@@ -212,18 +223,19 @@ struct Share {
   std::uint64_t end = 0;
 };
 
-// Hands out rows to make, and writes them in order.
+// Distributes rows to threads and writes them in order.
 class Rows {
  public:
   explicit Rows(const RowWork& work) : work_(work), taken_(work.first), written_(work.first) {}
 
-  // At most `wanted` rows for the caller alone, fewer towards the end, so that all threads end
-  // together; waits while they would be too far ahead.
+  // At most `wanted` rows for one thread, fewer towards the end, so that all threads end together;
+  // waits while these rows would be too far ahead of the written ones.
   std::optional<Share> Take(std::uint64_t wanted) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return Stopped() || taken_ < written_ + kMostAhead; });
     if (Stopped() || taken_ >= work_.count) return std::nullopt;
     const std::uint64_t left = work_.count - taken_;
+    // a quarter of an equal share of what is left
     const auto parts = 4 * static_cast<std::uint64_t>(work_.threads);
     const Share share{taken_, taken_ + std::clamp<std::uint64_t>(left / parts, 1, wanted)};
     taken_ = share.end;
@@ -232,6 +244,7 @@ class Rows {
 
   void Put(std::uint64_t first, Block block) {
     const std::scoped_lock lock(mutex_);
+    // write all blocks that follow the last written row without a gap
     waiting_.emplace(first, std::move(block));
     std::string ready;
     while (!waiting_.empty() && waiting_.begin()->first == written_) {
@@ -241,6 +254,7 @@ class Rows {
       waiting_.erase(waiting_.begin());
     }
     if (!ready.empty() && !error_) {
+      // under the lock: one writer, and rows in their order
       if (auto done = work_.write(ready, written_); !done) error_ = std::move(done.error());
     }
     changed_.notify_all();
@@ -273,10 +287,12 @@ void Work(const RowWork& work, Rows& rows) {
       block.text += work.make(row);
       ++block.rows;
     }
+    // time per block in ns, for the size of the next one
     const MonotonicNs took_ns = std::max<MonotonicNs>(clock.Now() - begun_ns, 1);
     const auto in_time =
         block.rows * static_cast<std::uint64_t>(kBlockNs) / static_cast<std::uint64_t>(took_ns);
     rows.Put(share->begin, std::move(block));
+    // from block to block at most twice the number of rows
     wanted = std::clamp<std::uint64_t>(in_time, 1, std::min(2 * wanted, kMostInBlock));
   }
 }

@@ -24,12 +24,13 @@
 namespace haptometer::tools {
 namespace {
 
+// time between two syncs: a power failure loses about a second of rows
 constexpr MonotonicNs kSyncNs = kNsPerS;
 
-// Whether the file ends within its header, in whichever command wrote it: then nothing was computed
-// yet.
+// whether the file ends within its header, of any command line: then no row was computed
 bool IsBegunOnly(const std::string& path, TableHeader header) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  // provenance differs from run to run and is ignored in the comparison
   header.provenance.clear();
   const std::string whole = header.Text();
   std::ifstream file(path, std::ios::binary);
@@ -38,16 +39,19 @@ bool IsBegunOnly(const std::string& path, TableHeader header) {
   text.resize(static_cast<std::size_t>(file.gcount()));
   std::string begin;
   for (std::string_view left = text; !left.empty();) {
+    // the file is compared line by line, without its lines of provenance
     const std::size_t end = left.find('\n');
     const std::string_view line = left.substr(0, end == left.npos ? end : end + 1);
     left.remove_prefix(line.size());
-    // the last one may be cut
+    // the last line may be incomplete
     const bool is_cut = end == std::string_view::npos;
     if (!line.starts_with(kProvenance) && !(is_cut && kProvenance.starts_with(line))) begin += line;
   }
+  // shorter than a whole header: no row exists
   return begin.size() < whole.size() && whole.starts_with(begin);
 }
 
+// the same question (scene, keys, points, columns), then the same shard
 Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header) {
   const std::string difference = DifferenceOf(reader.header(), header);
   if (!difference.empty()) {
@@ -69,21 +73,24 @@ struct ChangedRow {
   std::size_t length = 0;   // with its line end
 };
 
-// What stands in a table that is gone on with.
+// rows of a table that --resume continues
 struct OldRows {
   std::uint64_t count = 0;
   std::vector<ChangedRow> changed;
 };
 
-// The rows that stand there, each as this question makes it, or changed since.
+// the rows of the table: each must be as this question makes it, or fail its checksum
 Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) {
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   OldRows old;
   std::uint64_t begin = reader.read_bytes();
   for (auto line = reader.Next(); line; line = reader.Next(), ++old.count) {
+    // row k of a shard is the point shard.PointOf(k) of the sweep
     const std::uint64_t point = question.shard.PointOf(old.count);
+    // point and varied values are compared; the numbers of the answer are protected by the checksum
     const bool is_ours = old.count < rows && reader.IsRow(*line) &&
                          line->starts_with(RowBegin(point, question.points.At(point)));
+    // a checksum that does not match: damaged or edited, computed again
     const bool is_changed = old.count < rows && !MatchesChecksum(*line);
     if (!is_ours && !is_changed) {
       return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", old.count + 1),
@@ -95,12 +102,13 @@ Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) 
   return old;
 }
 
-// The changed rows, computed again; each has to fit into its place.
+// the changed rows, computed again; each has to fit into its place
 Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& changed,
                                            const SweepQuestion& question, const std::string& path) {
   std::vector<std::string> rows;
   for (const ChangedRow& old : changed) {
     rows.push_back(RowOf(question, question.shard.PointOf(old.row)));
+    // in place: another length would shift all rows behind it
     if (rows.back().size() == old.length) continue;
     return Usage(path, fmt::format("row {} was changed and has another length", old.row + 1),
                  "remove it and all rows below, then continue with --resume");
@@ -133,6 +141,7 @@ Result<TableFile> TableFile::Open(const std::string& path) {
   if (fstat(file.descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
     return Usage(path, "exists and is not a file", "name another");
   }
+  // one writer at a time; the lock ends with the descriptor
   if (flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
     return Usage(path, "is being written by another run", "wait for it, or name another file");
   }
@@ -147,7 +156,7 @@ Result<void> TableFile::CutAt(std::uint64_t bytes) {
 
 Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& header,
                                    bool replace) {
-  // an older table keeps its place until the new one has begun
+  // an older table is replaced only when the header of the new one is complete
   const std::string text = header.Text();
   auto begun = cli::OutputFile::Begin(path, cli::kSweepTableOutput, replace);
   if (!begun) {
@@ -162,12 +171,14 @@ Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& h
   auto written = begun->Write(text);
   if (written) written = begun->Finish();
   if (!written) return std::unexpected(written.error());
+  // reopened under the lock, because OutputFile renames a temporary file
   auto file = Open(path);
   if (!file) return file;
   if (auto cut = file->CutAt(text.size()); !cut) return std::unexpected(cut.error());
   return file;
 }
 
+// order: lock, check, recompute changed rows, then cut an incomplete last row
 Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
                                     const SweepQuestion& question) {
   if (IsBegunOnly(path, header)) return Begin(path, header, true);
@@ -180,6 +191,7 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
   if (!old) return std::unexpected(old.error());
   const auto rows = RowsAgain(old->changed, question, path);
   if (!rows) return std::unexpected(rows.error());
+  // before the cut and before new rows, so that a second interruption leaves a valid table
   for (std::size_t k = 0; k < rows->size(); ++k) {
     if (auto put = file->PutAt(old->changed[k].begin, (*rows)[k]); !put) {
       return std::unexpected(put.error());
@@ -191,6 +203,7 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
   return file;
 }
 
+// at a fixed offset, without a change of the append position
 Result<void> TableFile::PutAt(std::uint64_t begin, std::string_view row) {
   const auto written = pwrite(descriptor_, row.data(), row.size(), static_cast<off_t>(begin));
   if (written == static_cast<ssize_t>(row.size())) return {};
@@ -205,7 +218,7 @@ Result<void> TableFile::Append(std::string_view rows) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int failure = errno;
-      // no part of a row is left behind
+      // an incomplete row is removed
       if (ftruncate(descriptor_, end) != 0) { /* --resume cuts it off */
       }
       return Failed(path_, std::string("cannot be written: ") + std::strerror(failure),
@@ -215,6 +228,7 @@ Result<void> TableFile::Append(std::string_view rows) {
   }
   const MonotonicNs now_ns = clock_.Now();
   if (now_ns - synced_ns_ < kSyncNs) return {};
+  // at most one sync per second
   synced_ns_ = now_ns;
   return Finish();
 }
@@ -232,6 +246,7 @@ constexpr std::string_view kVary = "# vary = ";
 constexpr std::string_view kPoints = "# points = ";
 constexpr std::string_view kShard = "# shard = ";
 
+// longest row that is read: a file without line ends does not exhaust memory
 constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
 
 std::optional<std::uint64_t> LeadingCount(std::string_view text) {
@@ -259,6 +274,7 @@ Result<void> TableReader::ReadHeader() {
   };
   auto line = Next();
   if (!line || !line->starts_with(kTitle)) return unknown();
+  // comment lines: provenance and shard belong to a run, all others to the question
   for (; line && line->starts_with('#'); line = Next()) {
     if (line->starts_with(kProvenance)) {
       header_.provenance += *line + '\n';
@@ -277,8 +293,10 @@ Result<void> TableReader::ReadHeader() {
   if (!line) return unknown();
   header_.columns = cli::CellsOf(*line);
   const std::size_t columns = header_.columns.size();
+  // point, varied keys, at least one number, checksum
   const bool is_known =
       header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == kPointColumn;
+  // tables of older versions end with "remark"
   if (is_known && header_.columns.back() == "remark") {
     return CannotAnswer(path_, "was made by an older version, without checksums of its rows",
                         "make it again");
@@ -296,7 +314,7 @@ std::optional<std::string> TableReader::Next() {
       read_bytes_ += bytes;
       return line;
     }
-    // of a longer line only the beginning, which is no row
+    // only the beginning of a longer line is stored; it has no valid checksum
     if (line.size() < kMostRowBytes) line += static_cast<char>(c);
   }
   ends_amid_row_ = !line.empty();
@@ -324,6 +342,7 @@ struct Head {
   bool operator>(const Head& other) const { return point > other.point; }
 };
 
+// the lowest point first: a merge of sorted tables
 using Heads = std::priority_queue<Head, std::vector<Head>, std::greater<>>;
 
 Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables) {
@@ -333,6 +352,7 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
     auto reader = TableReader::Open(path);
     if (!reader) return std::unexpected(reader.error());
     if (!readers.empty()) {
+      // all tables must be of one question
       const std::string difference = DifferenceOf(reader->header(), readers.front().header());
       if (!difference.empty()) {
         return Usage(path,
@@ -346,7 +366,7 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
   return readers;
 }
 
-// Brings the next row of a table into line.
+// reads the next row of a table into the queue
 Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads& heads) {
   TableReader& reader = readers[table];
   auto row = reader.Next();
@@ -370,7 +390,7 @@ Result<void> Missing(std::uint64_t point, const TableReader& reader) {
       "give every shard, each run to its end");
 }
 
-// All rows in their order, each point once.
+// writes all rows in the order of the points, each point once
 Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole) {
   constexpr std::size_t kPieceBytes = 1U << 16;
   std::string rows;
@@ -384,12 +404,14 @@ Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole
   while (!heads.empty()) {
     const Head head = heads.top();
     heads.pop();
+    // below the expected point: the same shard twice
     if (head.point < expected) {
       return Usage(
           readers[head.table].path(),
           fmt::format("holds point {}, which {} holds too", head.point, readers[last_table].path()),
           "give every shard once");
     }
+    // above it: a shard is missing or incomplete
     if (head.point > expected) return Missing(expected, readers.front());
     rows += head.row + '\n';
     if (rows.size() >= kPieceBytes) {
@@ -411,6 +433,7 @@ Result<void> MergeTables(const std::vector<std::string>& tables, const std::stri
   if (!readers) return std::unexpected(readers.error());
   auto file = cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace);
   if (!file) return std::unexpected(file.error());
+  // the merged table has no shard, and the provenance of this command
   TableHeader header = readers->front().header();
   header.shard.clear();
   header.provenance = document::CommentOf(document::CollectProvenance(command), kProvenance);

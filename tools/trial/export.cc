@@ -51,7 +51,7 @@ struct Wanted {
   cli::ImportWords import;
 };
 
-// a recording of a folder's, told by its ending
+// recordings of a folder are recognised by the ending
 bool IsRecording(const fs::directory_entry& entry) {
   std::error_code ignored;
   const std::string ending = entry.path().extension();
@@ -59,7 +59,7 @@ bool IsRecording(const fs::directory_entry& entry) {
          (ending == ".bin" || ending == ".csv" || ending == ".lvm");
 }
 
-// folders stand for the recordings in them, by name
+// a folder means the recordings in it, in the order of their names
 Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) {
   std::vector<std::string> files;
   for (const std::string& word : words) {
@@ -87,7 +87,7 @@ const cli::OutputKind& KindOf(Format format) {
   return *kKinds.at(static_cast<std::size_t>(format));
 }
 
-// what goes out as one run of bytes
+// formats that are a stream of bytes; WAV reports what it cannot contain
 Result<void> WriteBytes(Format format, const trial::Record& record, const trial::PieceSink& sink) {
   if (format == Format::kCsv) return trial::WriteCsv(record, sink);
   if (format == Format::kNpy) return trial::WriteNpy(record, sink);
@@ -97,7 +97,7 @@ Result<void> WriteBytes(Format format, const trial::Record& record, const trial:
   return {};
 }
 
-// `error` with the export's own words where the disk failed
+// `error` with an advice of the export where the disk failed; other errors with the input's name
 Error Explained(Error error, const std::string& input, const std::string& output) {
   if (error.cause != Cause::kFailed) {
     if (error.where.empty()) error.where = input;
@@ -111,6 +111,7 @@ Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& i
                        const trial::ImportOptions& import) {
   const auto recording = ReadAndTell(kText.name, input, import);
   if (!recording) return std::unexpected(recording.error());
+  // without -o: CSV to standard output
   const std::string output = wanted.output.empty() ? "/dev/stdout" : wanted.output;
   auto file = cli::OutputFile::Begin(output, KindOf(format), wanted.overwrite);
   if (!file) return std::unexpected(file.error());
@@ -121,7 +122,7 @@ Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& i
   return {};
 }
 
-// names of groups and structs: the file's, made an identifier, no two alike
+// names of groups and structs: the file's name as an identifier, unique within the export
 class Names {
  public:
   std::string Of(const std::string& path) {
@@ -133,9 +134,11 @@ class Names {
     }
     constexpr std::size_t kMostLetters = 50;  // MATLAB takes 63
     const bool begins_well = !stem.empty() && (stem[0] < '0' || stem[0] > '9') && stem[0] != '_';
+    // MATLAB names begin with a letter
     if (!begins_well) stem = "trial_" + stem;
     stem.resize(std::min(stem.size(), kMostLetters));
     std::string name = stem;
+    // the second of equal names gets _2
     for (int n = 2; !taken_.insert(name).second; ++n) name = fmt::format("{}_{}", stem, n);
     return name;
   }
@@ -146,6 +149,7 @@ class Names {
 
 std::string Say(const trial::Finding& found) { return Printable(document::WordsOf(found)); }
 
+// a trial.bin is opened again for its raw values
 Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std::string& input,
                    const trial::Recording& recording) {
   if (recording.report.kind != trial::FileKind::kTrial) {
@@ -161,7 +165,7 @@ Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std:
   return writer->Add(name, recording);
 }
 
-// all `inputs` into one file; what cannot be read is reported and the others are exported still.
+// All `inputs` into one file; an unreadable one is reported and the others are exported.
 // Returns the exit status.
 template <typename Writer>
 Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std::string>& inputs,
@@ -178,6 +182,7 @@ Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std
   for (const std::string& input : inputs) {
     const auto recording = ReadAndTell(kText.name, input, import);
     if (!recording) {
+      // a single unreadable input is the error of the export itself
       if (inputs.size() == 1) return std::unexpected(recording.error());
       status = cli::WorseStatus(status, cli::ReportError(kText.name, recording.error()));
       continue;
@@ -186,6 +191,7 @@ Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std
     if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
     ++added;
   }
+  // an export without trials is not written
   if (added == 0) return CannotAnswer(wanted.output, "is not written: no file could be read");
   auto done = writer->Close();
   if (done) done = file->Finish();
@@ -196,6 +202,7 @@ Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std
 Result<int> Export(const Wanted& wanted) {
   const auto format = wanted.output.empty() ? Format::kCsv : FormatOf(wanted.output);
   std::error_code ignored;
+  // a character device (/dev/stdout) has no ending: CSV
   const bool is_device = fs::is_character_file(wanted.output, ignored);
   if (!format && !is_device) {
     return Usage(wanted.output, "has an ending that no export writes",
@@ -211,6 +218,7 @@ Result<int> Export(const Wanted& wanted) {
   if (format == Format::kMat) {
     return ExportAll<trial::MatWriter>(wanted, *format, *inputs, *import);
   }
+  // CSV, NumPy and WAV have no groups
   if (inputs->size() > 1) {
     return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs->size()),
                  "give one, or write all into one .h5 or .mat");
@@ -237,6 +245,7 @@ int RunTrialExport(int argc, const char* const* argv) {
                                          "use haptometer trial info FILE --json"});
   }
   const auto status = Export(wanted);
+  // a reader that closed the pipe (head) is no error
   if (!status && wanted.output.empty() && cli::IsUnread()) return cli::kUnreadStatus;
   return status ? *status : cli::ReportError(kText.name, status.error());
 }

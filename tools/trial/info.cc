@@ -42,7 +42,7 @@ StatusCounts CountStatuses(const Channel& channel) {
   return counts;
 }
 
-// a hole between two stretches
+// a gap between two segments
 struct Gap {
   std::size_t row = 0;  // the first after it
   double at_s = 0;      // when the row before it ended
@@ -53,6 +53,7 @@ double EndOf(const Stretch& stretch) {
   return stretch.start_s + static_cast<double>(stretch.rows) / stretch.rate_hz;
 }
 
+// gaps in the order of time; a segment ends one sample interval after its last row
 std::vector<Gap> GapsOf(const Record& record) {
   std::vector<Gap> gaps;
   for (std::size_t i = 1; i < record.stretches.size(); ++i) {
@@ -62,12 +63,13 @@ std::vector<Gap> GapsOf(const Record& record) {
   return gaps;
 }
 
-// rows a second within the stretches; nothing where no stretch has two rows
+// rows per second within the segments; nothing where no segment has two rows
 std::optional<double> MeanRate(const Record& record) {
   double intervals = 0;
   double duration_s = 0;
   for (const Stretch& stretch : record.stretches) {
     if (stretch.rows < 2 || !std::isfinite(stretch.rate_hz)) continue;
+    // n rows enclose n - 1 intervals, and a segment of one row has no rate
     intervals += static_cast<double>(stretch.rows - 1);
     duration_s += static_cast<double>(stretch.rows - 1) / stretch.rate_hz;
   }
@@ -81,6 +83,7 @@ std::optional<double> Duration(const Record& record) {
   return TimeOf(record, record.rows - 1) - TimeOf(record, 0);
 }
 
+// largest time uncertainty of the segments, s
 double WorstUncertainty(const Record& record) {
   double worst_s = 0;
   for (const Stretch& stretch : record.stretches) {
@@ -95,7 +98,7 @@ double WorstUncertainty(const Record& record) {
 constexpr Key kLabels{"labels", "label"};
 constexpr Key kRow{"row", "before row"};
 
-// a name in a file is a key here
+// names from the file become keys of the document
 Section TextsSection(const Key& list, const std::map<std::string, std::string>& texts) {
   Section section{.name = list.name};
   for (const auto& [key, text] : texts) {
@@ -118,6 +121,7 @@ Section HeaderSection(const Metadata& metadata) {
   section.Add({"drive_frequency_hz", "drive", document::kHertz}, metadata.drive_frequency_hz);
   section.Add({"drive_amplitude_v", "drive amplitude", document::kVolt},
               metadata.drive_amplitude_v);
+  // a tare of 0 is given in JSON only
   Item& tare = section.Add({"tare_m", "tare", document::kMetre}, metadata.tare_m);
   if (metadata.tare_m == 0) tare.label.clear();
   section.Add({"notes", metadata.notes.empty() ? "" : "notes"}, metadata.notes);
@@ -134,7 +138,7 @@ Section OriginSection(const Metadata& metadata) {
   return section;
 }
 
-// in words "90 ok, 10 over"
+// counts of all statuses for JSON, and of those that occur as words, "90 ok, 10 over"
 Section StatusSection(const StatusCounts& counts, std::string& words) {
   Section section{.name = "statuses"};
   for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -147,6 +151,7 @@ Section StatusSection(const StatusCounts& counts, std::string& words) {
 
 Section ChannelSection(const Channel& channel, StatusCounts& all) {
   const StatusCounts counts = CountStatuses(channel);
+  // sum over all channels
   for (std::size_t i = 0; i < counts.size(); ++i) all[i] += counts[i];
   const std::string_view role = Name(channel.role);
   Section section{.heading =
@@ -154,7 +159,7 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
                                   channel.name == role ? "" : role)};
   std::string words;
   section.sections = {StatusSection(counts, words)};
-  // its unit is the file's
+  // the unit of the file; metres are shown with a prefix
   const document::Unit unit =
       channel.unit == document::kMetre.symbol
           ? document::kMetre
@@ -165,7 +170,7 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
   section.Add(document::kUnit, channel.unit);
   section.Add({"range_min"}, channel.range_min);
   section.Add({"range_max"}, channel.range_max);
-  // nothing measures below a picometre
+  // resolution of the document: a picometre, below which no sensor resolves
   section
       .Add({"resolution", "resolution", unit},
            channel.resolution > 0 ? Number(channel.resolution) : Number())
@@ -178,6 +183,7 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
   return section;
 }
 
+// row after the gap, its begin and length in s
 Section GapsSection(const Record& record) {
   Section list{.name = document::kGaps.name, .heading = "gaps", .shape = Section::Shape::kTable};
   for (const Gap& gap : GapsOf(record)) {
@@ -205,17 +211,19 @@ Section StretchesSection(const Record& record) {
   return list;
 }
 
-// of labels that were given later the header has the last ones
+// events in the order of the file; the header has the latest value of each label
 Section EventsSection(const std::vector<Event>& events) {
   Section list{.name = document::kEvents.name, .shape = Section::Shape::kArray};
   for (const Event& event : events) {
     Section& section = list.sections.emplace_back();
+    // time of the event in s; not every event has one
     std::optional<double> time_s;
     if (event.time_ns) time_s = 1e-9 * static_cast<double>(*event.time_ns);
     section.Add({"event"}, Name(event.kind));
     section.Add({kRow.name}, event.row);
     section.Add(document::kTime, time_s);
     Item& text = section.Add(document::kText, event.text);
+    // in the text only events with a text and no time base
     if (event.kind != EventKind::kTimeBase && !event.text.empty()) {
       text.label = Name(event.kind);
       text.note = fmt::format("before row {}", event.row);
@@ -230,6 +238,7 @@ Section EventsSection(const std::vector<Event>& events) {
   return list;
 }
 
+// parts of the file that could not be read, with the rows that they contained
 Section LossesSection(const std::vector<trial::Loss>& losses) {
   Section list{.name = "losses", .shape = Section::Shape::kArray};
   for (const trial::Loss& loss : losses) {
@@ -243,7 +252,7 @@ Section LossesSection(const std::vector<trial::Loss>& losses) {
   return list;
 }
 
-// what the file states of its own end
+// end of the file: finished, cut short, or unknown for imported files
 std::string FileText(const trial::ReadReport& report) {
   const char* end =
       report.closed ? "finished by its recorder" : "cut short, or still being recorded";
@@ -255,7 +264,7 @@ std::string FileText(const trial::ReadReport& report) {
 Section RowsSection(const std::string& path, const Recording& recording) {
   const Record& record = recording.record;
   const trial::ReadReport& report = recording.report;
-  // a table cannot show whether it is whole
+  // a table (CSV, LVM) has no end mark
   const bool is_end_known =
       report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
   Section section;
@@ -266,6 +275,7 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   section.Add(document::kDuration, Duration(record));
   section.Add(document::kRate, MeanRate(record));
   section.Add({"timing"}, Name(record.timing));
+  // a uniform record has one clock and no uncertainty of single times
   Item& uncertainty = section.Add(document::kTimeUncertainty, WorstUncertainty(record));
   if (record.timing == trial::Timing::kUniform) uncertainty.label.clear();
   section.Add({"", "file"}, FileText(report));
@@ -274,7 +284,7 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   return section;
 }
 
-// the displacement, or what there is first, in characters; nothing where gnuplot is not there
+// the displacement, or the first channel, drawn in characters; empty without gnuplot
 std::string Thumbnail(const Record& record) {
   constexpr int kColumns = 79;
   constexpr int kLines = 14;
@@ -283,7 +293,7 @@ std::string Thumbnail(const Record& record) {
   const auto panel = PanelOf(record, shown != nullptr ? *shown : record.channels.front());
   const auto text = plot::DrawText(panel, kColumns, kLines);
   if (!text) return {};
-  // gnuplot leaves room above the title
+  // empty lines above the title are removed
   const std::size_t first = std::min(text->find_first_not_of(" \n"), text->size());
   const std::size_t line_end = text->rfind('\n', first);
   return text->substr(line_end == std::string::npos ? 0 : line_end + 1);
@@ -302,6 +312,7 @@ document::Document TrialDocument(std::string_view verb, const std::string& path,
   for (const Channel& channel : record.channels) {
     channels.sections.push_back(ChannelSection(channel, all));
   }
+  // the words of the sum are not printed, only its counts
   std::string ignored;
   root.sections = {HeaderSection(record.metadata),
                    OriginSection(record.metadata),
@@ -350,6 +361,7 @@ int RunTrialInfo(int argc, const char* const* argv) {
   if (!recording) return cli::ReportError(kText.name, recording.error());
   const int status = document::Present(
       TrialDocument(kText.name, path, *recording, outputs.HasFigures()), outputs, argc, argv);
+  // the drawing in characters is for the text only
   if (!outputs.json) cli::Print(Thumbnail(recording->record));
   return status;
 }

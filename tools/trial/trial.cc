@@ -54,6 +54,7 @@ void PrintHelp() {
 }  // namespace
 
 int RunTrial(int argc, const char* const* argv) {
+  // without a word the help is printed, with status 2
   const std::string_view name = argc > 1 ? argv[1] : "--help";
   const auto word = std::ranges::find(kWords, name, &Word::name);
   if (word != kWords.end()) return word->run(argc - 1, argv + 1);
@@ -64,6 +65,7 @@ int RunTrial(int argc, const char* const* argv) {
   const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
   return cli::ReportError("trial",
                           {Cause::kUsage, std::string(name), "is not something trial can do",
+                           // the most similar word, for typing errors
                            nearest.empty() ? "see haptometer trial --help"
                                            : fmt::format("did you mean trial {}?", nearest)});
 }
@@ -78,7 +80,7 @@ constexpr cli::VerbText kLabelText{
                  "haptometer trial label trial.bin subject=4 --reason 'wrong subject noted'",
                  "haptometer trial label trial.bin 'condition=with adapter'"}};
 
-// a file of another kind has its labels elsewhere
+// files of other kinds have labels in another form: the error gets its remedy
 Error Explained(Error error, const std::string& path) {
   if (error.what != "is not a trial") return error;
   const auto other = trial::ReadRecording(path);
@@ -99,6 +101,7 @@ Result<void> Label(const std::string& path, const std::vector<std::string>& word
   if (!labels) return std::unexpected(labels.error());
   const trial::Event event{
       .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(*labels)};
+  // a label is appended as an event: the recorded bytes do not change
   auto done = trial::AppendEvent(path, event);
   if (!done) return std::unexpected(Explained(done.error(), path));
   return {};
@@ -114,7 +117,7 @@ int RunTrialLabel(int argc, const char* const* argv) {
   cli::Options options(kLabelText);
   options.Positional("file", &path, "trial.bin");
   options.Positionals("labels", &words, "key=value ...", 0);
-  // the way acquire takes them
+  // accepted as in acquire
   options.Repeated("--label", &more, "KEY=VALUE", "The same as the positional key=value",
                    cli::Shown::kHelpAll);
   options.Text("--reason", &reason, "TEXT", "Reason, stored with the labels");
@@ -153,6 +156,7 @@ Result<void> Draw(const std::string& input, const std::string& output,
   if (!import) return std::unexpected(import.error());
   const auto recording = ReadAndTell(kPlotText.name, input, *import);
   if (!recording) return std::unexpected(recording.error());
+  // at most kMostPanels channels are drawn; a remark states the others
   const trial::Record& record = recording->record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
   if (record.channels.size() > kMostPanels) {
@@ -182,12 +186,14 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// a measurement (status ok or repeated) with a finite value
 bool IsGood(const trial::Channel& channel, std::size_t row) {
   return IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row]);
 }
 
 // of the measurements; 0 where there is none
 double MeanOf(const trial::Channel& channel) {
+  // differences from the first value, so that a large offset costs no digits
   double sum = 0;
   double count = 0;
   double first = 0;
@@ -208,6 +214,7 @@ std::string Title(const trial::Channel& channel, double mean) {
 
 }  // namespace
 
+// displacement in um about its mean; samples without measurement are marked at the lowest value
 plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) {
   HAPTOMETER_CHECK(record.rows > 0, "no rows to draw");
   const double factor = channel.unit == "m" ? 1e6 : 1;
@@ -218,13 +225,14 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
       .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2}};
   double lowest = 0;
   for (const trial::Stretch& stretch : record.stretches) {
-    // a row that is not there breaks the line between two stretches
+    // a point without value interrupts the line between two segments
     if (!line.x.empty()) {
       line.x.push_back(stretch.start_s);
       line.y.push_back(kNan);
     }
     for (std::size_t i = 0; i < stretch.rows; ++i) {
       const std::size_t row = stretch.first_row + i;
+      // time of row i in s: begin of the segment plus i / rate
       const double time_s = stretch.start_s + static_cast<double>(i) / stretch.rate_hz;
       const bool is_good = IsGood(channel, row);
       const double y = is_good ? (channel.values[row] - mean) * factor : kNan;

@@ -16,7 +16,9 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "tune";
+// points of the ridge that --all prints
 constexpr std::size_t kRidgePoints = 6;
+// relative deviation of a built spring from the best one
 constexpr double kSpringError = 0.05;
 
 constexpr cli::VerbText kText{
@@ -25,7 +27,8 @@ constexpr cli::VerbText kText{
     .examples = {"haptometer tune", "haptometer tune scene.toml --stiffness 5000:9000 --json",
                  "haptometer tune --objective stimulus --skin table"}};
 
-// one an area of the grid, so that the best score is the best of the objective
+// a weight for each area of the grid, by which the grid's RMS is the objective: Nr for the stimulus
+// (S = Nr RMS), sqrt(Bs) for the power (Bs v^2)
 std::vector<double> GridWeights(const TuneQuestion& question) {
   std::vector<double> weights;
   if (question.objective == sim::Objective::kSkinRms || question.problem.fixed_skin) return weights;
@@ -40,36 +43,39 @@ std::vector<double> GridWeights(const TuneQuestion& question) {
   return weights;
 }
 
-// The best adapter of the problem, which is the question's or that with one spring. A latency limit
-// leaves the bound as it is without it; its search is added to the answer's.
+// The best adapter of the problem, which is the question's or that with one spring. With a latency
+// limit the bound is that without the limit; the numbers of the search are added to the answer's.
 sim::AdapterOptimum OptimumOf(const sim::TuningProblem& problem, TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   sim::AdapterOptimum best =
       sim::FindAdapterOptimum(question.objective, problem, question.receptors);
   if (!question.latency_limit_s) return best;
+  // a search over simulated runs, from the optimum without the limit
   const sim::PromptBest prompt =
       sim::BestWithinLatency(problem, *question.latency_limit_s, best.point);
   LatencySearch search = answer.latency.value_or(LatencySearch{});
   search.runs += prompt.runs;
   search.least_limit_s = std::max(search.least_limit_s, prompt.least_limit_s);
-  // of several springs the best without the limit decides
+  // of several springs the best one without the limit decides whether the answer is proved
   if (!answer.latency || best.value > search.unlimited.value) {
     search.unlimited = {.point = best.point, .value = best.value};
     search.proved = prompt.is_unlimited;
   }
   answer.latency = search;
+  // the answer is the best within the limit, below the bound
   best.point = prompt.point;
   best.value = prompt.value;
   return best;
 }
 
-// The best with each listed spring, one after the other; the bound is the largest of theirs, which
-// another spring than the best one may have.
+// The best with each listed spring; the bound is the largest of theirs, which may belong to another
+// spring than the best one.
 sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   sim::AdapterOptimum best;
   for (const double spring_n_per_m : question.springs_n_per_m) {
     sim::TuningProblem held = question.problem;
+    // a range of one value holds the spring
     held.bounds.stiffness_n_per_m = {.lower = spring_n_per_m, .upper = spring_n_per_m};
     const sim::AdapterOptimum found = OptimumOf(held, answer);
     answer.listed.push_back({.point = found.point, .value = found.value});
@@ -85,11 +91,11 @@ sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   return best;
 }
 
-// Grid and ridge, of all that the bounds hold: not where only some springs can be had.
+// grid and ridge over the bounds; not for a list of springs
 void AddGridAndRidge(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   if (!question.springs_n_per_m.empty()) return;
-  // the grid knows neither power nor travel
+  // the grid includes neither input power nor a limit of the travel
   if (question.objective != sim::Objective::kRmsPerWatt &&
       std::isinf(question.problem.mover_limit_m)) {
     answer.grid = sim::BestOnGrid(question.problem, question.grid_values, GridWeights(question));
@@ -107,6 +113,7 @@ sim::SteadyState SteadyOf(const sim::TuningProblem& problem, const sim::AdapterP
                                problem.drive, skin);
 }
 
+// objective and travel with a spring that deviates from the best
 void AddWrongSprings(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   for (const double factor : {1 - kSpringError, 1 + kSpringError}) {
@@ -119,12 +126,13 @@ void AddWrongSprings(TuneAnswer& answer) {
   }
 }
 
-// upwards to three digits
+// rounds up to three significant digits
 double RoundedUp(double value) {
   const double step = std::pow(10, std::floor(std::log10(value)) - 2);
   return std::ceil(value / step) * step;
 }
 
+// why no adapter keeps to the latency: no rise, a limit below the uncertainty, or none found
 std::unexpected<Error> NothingPrompt(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   const double least_ms = answer.latency->least_limit_s * 1e3;
@@ -172,16 +180,18 @@ Result<TuneAnswer> Answer(const TuneQuestion& question) {
   answer.question = question;
   answer.optimum =
       question.springs_n_per_m.empty() ? OptimumOf(problem, answer) : ChooseSpring(answer);
+  // matched load: no adapter exceeds it (docs/explanation/notation.md)
   answer.matched_load_bound =
       sim::MatchedLoadBound(question.objective, problem,
                             sim::SourceOf(problem.actuator, problem.drive), question.receptors);
 
   if (!(answer.optimum.value > 0)) return NothingFound(answer);
 
-  // the numbers that simulate gives, by its seven states
+  // the numbers that simulate gives, from the model with seven states
   const sim::AdapterPoint& best = answer.optimum.point;
   const sim::Skin skin = sim::SkinOf(problem, best.contact_area_m2);
   answer.steady = SteadyOf(problem, best);
+  // power into the skin: Bs v^2, v RMS
   const double velocity_rms =
       2 * std::numbers::pi * problem.drive.frequency_hz * answer.steady.skin_rms_m;
   answer.skin_power_w = skin.damping_n_s_per_m * velocity_rms * velocity_rms;
@@ -190,7 +200,7 @@ Result<TuneAnswer> Answer(const TuneQuestion& question) {
         question.receptors, sim::ContactRadius(best.contact_area_m2), answer.steady.skin_rms_m);
   }
   answer.rise = sim::RiseWith(problem, best);
-  // none of these knows a latency
+  // grid, ridge and other springs have no latency
   if (question.latency_limit_s) return answer;
   AddGridAndRidge(answer);
   AddWrongSprings(answer);

@@ -26,6 +26,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 Unit ObjectiveUnit(sim::Objective objective) {
   switch (objective) {
     case sim::Objective::kStimulus:
+      // RMS of the skin times the number of receptive fields (thesis, equation 2.7)
       return {"_m", "m", {{{1e3, "mm x receptors"}}}};
     case sim::Objective::kSkinPower:
       return document::kWatt;
@@ -76,6 +77,7 @@ document::Sentence SentenceOf(TuneFinding kind) {
   return {"stops-left-out", "the stops are not modelled: limit the travel with --mover-travel"};
 }
 
+// a run too long to simulate, or a run whose rise determines no latency
 sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
   using enum sim::FindingKind;
   return {.severity = Severity::kDoubt,
@@ -83,7 +85,7 @@ sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoin
           .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
 }
 
-// what the numbers rest on
+// assumptions of the numbers: skin, latency and omitted effects
 Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
   using enum TuneFinding;
   const TuneQuestion& question = answer.question;
@@ -93,6 +95,7 @@ Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
   if (answer.latency && !answer.latency->proved) {
     findings.Note(kLatencySearched, {{"runs", answer.latency->runs}});
   }
+  // effects of the scene that tuning does not include: its model is linear and steady
   if (question.left_out.empty()) return findings;
   findings.Note(kLeftOut, {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
   if (question.has_stops && std::isinf(question.problem.mover_limit_m)) {
@@ -101,9 +104,10 @@ Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
   return findings;
 }
 
-// of every scene, and of the rise
+// findings of every scene (linear springs, kept contact), and of the rise
 sim::Findings SimFindingsOf(const TuneAnswer& answer) {
   sim::Findings findings;
+  // steady phasors assume linear springs and a contact that is kept
   findings.Note(sim::FindingKind::kLinearSprings);
   findings.Note(sim::FindingKind::kContactKept,
                 {{"least_force_n", answer.steady.skin_force_peak_n}});
@@ -113,7 +117,7 @@ sim::Findings SimFindingsOf(const TuneAnswer& answer) {
 
 // --- the proof ---
 
-// whom the bound of boxes holds for
+// the adapters that the bound of branch and bound holds for
 std::string BoundedText(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   std::string text = "no adapter within the bounds";
@@ -153,6 +157,7 @@ std::string_view ProofName(sim::Proof proof) {
 Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
   Section best{.name = document::kBest.name};
   const auto add = [&best](const Key& key, double value, const sim::Range& range) {
+    // a value at a bound: more may be possible beyond it
     Item& item = best.Add(key, value);
     if (value == range.lower || value == range.upper) item.note = "at a bound";
   };
@@ -167,6 +172,7 @@ Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem&
   add({"damping_n_s_per_m", "damper", document::kNewtonSecondPerMetre}, adapter.damping_n_s_per_m,
       bounds.damping_n_s_per_m);
   add({document::kContactArea.name, "contact's area", document::kSquareMetre},
+      // with the scene's skin the area has no influence
       problem.fixed_skin ? kNaN : point.contact_area_m2, bounds.contact_area_m2);
   return best;
 }
@@ -180,8 +186,10 @@ Section ObjectiveSection(const TuneAnswer& answer) {
   objective.Add(document::kUnit, sim::UnitOf(question.objective));
   objective.Add({"skin_variation"}, question.problem.skin_variation);
   objective.Add({document::kValue.name, sim::Name(question.objective), unit}, optimum.value);
+  // gap between answer and proved bound, in percent of the answer
   objective.Add({"upper_bound", "upper bound", unit}, optimum.upper_bound).note = fmt::format(
       "{:.2g} % above: {}", (optimum.upper_bound / optimum.value - 1) * 100, ProofText(answer));
+  // bound of the matched load for any adapter (docs/explanation/notation.md)
   objective.Add({"matched_load_bound", "any adapter", unit}, answer.matched_load_bound).note =
       "matched load with the lowest dampings";
   objective.Add({"proof"}, ProofName(optimum.proof));
@@ -193,7 +201,7 @@ Section MotionSection(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   const sim::SteadyState& steady = answer.steady;
   const double limit_m = question.problem.mover_limit_m;
-  // a bound of the RMS alone, where that is what was made largest
+  // an upper bound of the RMS exists only where the RMS was maximised
   const bool is_bound =
       question.objective == sim::Objective::kSkinRms && question.problem.skin_variation == 0;
   Section motion;
@@ -209,7 +217,7 @@ Section MotionSection(const TuneAnswer& answer) {
   return motion;
 }
 
-// as simulate has it of the adapter in a run of that length
+// rise of the skin with this adapter, as simulate computes it from a run of that length
 Section RiseOfRun(const TuneAnswer& answer) {
   Section rise = RiseSection(answer.rise);
   rise.Add({"run_s", "in a run from rest of", document::kSecond},
@@ -219,6 +227,7 @@ Section RiseOfRun(const TuneAnswer& answer) {
 
 Section SearchSection(const TuneAnswer& answer) {
   Section section;
+  // proved: the optimum without the limit keeps to it; otherwise a search
   section.Add({"latency_limit_s", "latency allowed", document::kSecond},
               answer.question.latency_limit_s);
   Section search{.name = "latency_search", .is_known = answer.latency.has_value()};
@@ -231,6 +240,7 @@ Section SearchSection(const TuneAnswer& answer) {
 Section GridSection(const TuneAnswer& answer) {
   const sim::GridBest best = answer.grid.value_or(sim::GridBest{});
   Section grid{.name = "grid",
+               // independent check of the optimum: best of a uniform grid over all numbers
                .heading = "best of a grid",
                .detail = Detail::kAll,
                .is_known = answer.grid.has_value()};
@@ -250,6 +260,7 @@ Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& 
                .shape = Section::Shape::kTable,
                .detail = detail};
   for (const sim::RidgePoint& point : points) {
+    // value 0: no adapter was found for this row
     const bool is_found = point.value > 0;
     Section& row = list.sections.emplace_back();
     row.Add({document::kValue.name, sim::Name(objective), ObjectiveUnit(objective)},
@@ -262,7 +273,7 @@ Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& 
 
 Section WrongSprings(const TuneAnswer& answer) {
   const Unit unit = ObjectiveUnit(answer.question.objective);
-  // the limit holds to rounding
+  // the limit with a margin for rounding
   const double limit_m = answer.question.problem.mover_limit_m * (1 + 1e-9);
   Section list{.name = "spring_off",
                .heading = "a spring that is off",
@@ -271,6 +282,7 @@ Section WrongSprings(const TuneAnswer& answer) {
   for (const auto& [spring, mover_peak_m] : answer.springs) {
     Section& row = list.sections.emplace_back();
     row.Add({"factor", "of the best", document::kShare}, spring.factor);
+    // the objective with the spring alone changed, then with Ma2 optimised again
     row.Add({document::kValue.name, sim::Name(answer.question.objective), unit}, spring.as_built);
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
     row.Add({"value_with_new_skin_side_mass", "skin side's mass optimised again", unit},
@@ -294,7 +306,7 @@ struct Number {
   const char* name;
   plot::Colour colour;
 };
-// apart in grey too (Okabe and Ito, 2008)
+// distinguishable in grey too (Okabe and Ito, 2008)
 constexpr std::array<Number, 5> kNumbers{{{"motor side's mass", plot::kBlue},
                                           {"skin side's mass", plot::kOrange},
                                           {"spring", plot::kGreen},
@@ -317,13 +329,15 @@ double& PartOf(sim::AdapterPoint& point, std::size_t number) {
   }
 }
 
+// factors 0.7 to 1.3: +-30 % around the optimum
 std::vector<double> Factors() { return sim::EqualSteps({.lower = 0.7, .upper = 1.3}, kFactors); }
 
-// a curve for each number; value(point) at the optimum with one number times a factor
+// a curve for each number: value(point) at the optimum with that number times a factor
 template <typename Value>
 std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& value) {
   std::vector<plot::Series> curves;
   for (std::size_t number = 0; number < kNumbers.size(); ++number) {
+    // with the scene's skin the objective has no dependence on the area
     if (number == kArea && answer.question.problem.fixed_skin) continue;
     plot::Series curve{.title = kNumbers[number].name,
                        .style = plot::Lines(kNumbers[number].colour, 1.5),
@@ -331,7 +345,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
     for (const double factor : curve.x) {
       sim::AdapterPoint point = answer.optimum.point;
       PartOf(point, number) *= factor;
-      // the skin's law holds for these areas
+      // outside of these areas the skin's law does not hold
       const bool known = number != kArea || (point.contact_area_m2 >= sim::kSkinAreaMinM2 &&
                                              point.contact_area_m2 <= sim::kSkinAreaMaxM2);
       curve.y.push_back(known ? value(point) : kNaN);
@@ -346,6 +360,7 @@ plot::Series Rebalanced(const TuneAnswer& answer) {
   plot::Series curve{.title = "spring, the skin side's mass optimised again",
                      .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
                      .x = Factors()};
+  // each point is a maximisation over Ma2 at a fixed spring
   for (const double factor : curve.x) {
     const sim::SpringCost cost = sim::CostOfSpring(
         question.objective, question.problem, question.receptors, answer.optimum.point, factor);
@@ -379,10 +394,12 @@ plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source
                     .x_label = "one number / its best",
                     .y_label = "mover travel / um",
                     .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
+                      // travel of the mover in its case from the motion of the case, peak in um
                       const sim::Skin skin = sim::SkinOf(problem, point.contact_area_m2);
                       const sim::AdapterMotion motion = sim::MotionOf(source, point.adapter, skin);
                       return sim::MoverTravel(source, motion.case_m) * 1e6;
                     })};
+  // an infinite limit has no line
   if (std::isinf(problem.mover_limit_m)) return panel;
   const double limit_um = problem.mover_limit_m * 1e6;
   panel.series.push_back({.title = "allowed",
@@ -400,6 +417,7 @@ plot::Panel RidgePanel(const TuneAnswer& answer) {
     ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);
     ridge.y.push_back(point.value * SpokenOf(question.objective).factor);
   }
+  // how flat the ridge is: best over least value, in percent
   const auto [least, most] = std::ranges::minmax_element(ridge.y);
   const std::string title = ridge.y.empty()
                                 ? "the ridge"
@@ -413,13 +431,14 @@ plot::Panel RidgePanel(const TuneAnswer& answer) {
 
 std::vector<plot::Panel> PanelsOf(const TuneAnswer& answer) {
   const sim::TuningProblem& problem = answer.question.problem;
+  // force Fc behind a stiffness kc, the same for all adapters
   const sim::MotorSource source = sim::SourceOf(problem.actuator, problem.drive);
   std::vector<plot::Panel> panels{ObjectivePanel(answer, source), TravelPanel(answer, source)};
   if (!answer.ridge.empty()) panels.push_back(RidgePanel(answer));
   return panels;
 }
 
-// what the objective asks of the skins
+// with a varied skin the least favourable skin is maximised
 std::string TitleOf(const TuneQuestion& question) {
   std::string title = fmt::format(
       "{}: {:g} V at {:g} Hz, largest {}", question.name, question.problem.drive.amplitude_v,

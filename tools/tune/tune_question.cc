@@ -13,10 +13,10 @@ namespace haptometer::tools {
 namespace {
 
 constexpr double kM2PerMm2 = 1e-6;
-// where scenes lie; beyond it answers are no numbers any more
+// range of scenes; beyond it results overflow
 constexpr double kLeastStiffness = 1e-9, kMostStiffness = 1e9;
 
-// areas are the one quantity in mm2
+// an area in m2 from a number in mm2, with or without "mm2"
 Result<double> ReadArea(std::string text) {
   if (text.ends_with("mm2")) text.resize(text.size() - 3);
   const auto number = ParseQuantity(text, Dimension::kNone, "--contact-area");
@@ -24,6 +24,7 @@ Result<double> ReadArea(std::string text) {
   return number->value * kM2PerMm2;
 }
 
+// "LOW:HIGH", or one value as both ends
 Result<void> ReadAreas(const std::string& text, sim::Range& range) {
   const std::size_t colon = text.find(':');
   const auto lower = ReadArea(text.substr(0, colon));
@@ -34,7 +35,7 @@ Result<void> ReadAreas(const std::string& text, sim::Range& range) {
   return {};
 }
 
-// the stiffnesses that can be had
+// stiffnesses of available springs, in N/m, separated by commas
 Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n_per_m) {
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
@@ -49,7 +50,7 @@ Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n
   return {};
 }
 
-// A bare number is refused, which a time elsewhere may be: 25 would be 25 s.
+// a number without unit is refused: 25 would mean 25 s
 Result<void> ReadLatency(const std::string& text, std::optional<double>& limit_s) {
   if (ParseQuantity(text, Dimension::kNone, "--latency")) {
     return Usage("--latency", fmt::format("'{}' has no unit, and a latency needs one", text),
@@ -64,8 +65,9 @@ Result<void> ReadLatency(const std::string& text, std::optional<double>& limit_s
   return {};
 }
 
-// what the scene names beyond the linear motion under its drive
+// effects that the scene names beyond the linear motion: listed as omitted
 void NoteEffects(const sim::Effects& effects, TuneQuestion& question) {
+  // inductance is part of the linear model: off means L = 0
   if (effects[sim::Effect::kInductance] == sim::Wish::kOff) {
     question.problem.actuator.inductance_h = 0;
   }
@@ -74,10 +76,11 @@ void NoteEffects(const sim::Effects& effects, TuneQuestion& question) {
     if (effects.wishes[k] == sim::Wish::kOff) continue;
     question.left_out.emplace_back(sim::kEffectNames[k]);
   }
+  // stops limit the travel in the scene, and --mover-travel does so here
   question.has_stops = effects[sim::Effect::kTravelStops] != sim::Wish::kOff;
 }
 
-// actuator, drive and, where it is asked for, the skin of the scene
+// actuator, drive and, with --skin scene, the skin of the scene
 Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   if (words.scenes.size() > 1) {
     return Usage(words.scenes[1], "is a second scene", "tune one at a time");
@@ -89,6 +92,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   const auto scene = sim::ReadSceneFile(words.scenes.front());
   if (!scene) return std::unexpected(scene.error());
   question.name = Printable(words.scenes.front());
+  // the optimum is that of a free case under one sine without offset
   if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0 || scene->grip.holds) {
     return CannotAnswer(words.scenes.front(), "holds the case, and tune has no held case",
                         "set [mounting] kind = \"free\"");
@@ -104,6 +108,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
                         "remove offset_v: it adds a constant to the motion");
   }
   question.problem.actuator = scene->actuator;
+  // a resistance of the source is in series with the coil
   question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;
   question.problem.drive = scene->drive;
   NoteEffects(scene->effects, question);
@@ -111,6 +116,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   return {};
 }
 
+// receptors on the pad: density x side^2, at most 1e4
 Result<void> CheckReceptors(const sim::ReceptorField& field) {
   constexpr double kMostReceptors = 1e4;
   if (field.density_per_m2 * field.pad_side_m * field.pad_side_m <= kMostReceptors) return {};
@@ -127,7 +133,7 @@ Result<void> CheckDrive(const TuneQuestion& question) {
       "give --voltage and --frequency above 0");
 }
 
-// what is answered for some objectives only
+// combinations of options that have no answer for an objective
 Result<void> CheckObjective(const TuneWords& words, const TuneQuestion& question) {
   using enum sim::Objective;
   const sim::TuningProblem& problem = question.problem;
@@ -136,6 +142,7 @@ Result<void> CheckObjective(const TuneWords& words, const TuneQuestion& question
     return Usage("--skin-varies", "is answered for skin-rms and stimulus only",
                  "leave it out for the other objectives");
   }
+  // the stimulus depends on the contact's area through the law of the skin
   if (question.objective == kStimulus && problem.fixed_skin) {
     return Usage("--skin scene", "gives no law of the contact's area",
                  "leave it out for the objective stimulus");
@@ -152,13 +159,14 @@ Result<void> CheckObjective(const TuneWords& words, const TuneQuestion& question
   return Usage("--grid", "is not answered for rms-per-watt", "leave it out");
 }
 
-// numbers of the adapter, each from a least to a largest value
+// options for the ranges of the adapter's numbers
 void DeclareBounds(cli::Options& options, TuneWords& words) {
   sim::AdapterBounds& bounds = words.asked.problem.bounds;
   const auto declare = [&](std::string_view name, sim::Range& range, Dimension dimension,
                            cli::Bounds within, std::string_view what) {
     options.Range(name, &range.lower, &range.upper, dimension, within, what);
   };
+  // wider than any adapter
   constexpr double kLeastMassKg = 1e-9, kMostMassKg = 1e6, kMostDamping = 1e9;
   declare("--motor-side-mass", bounds.motor_side_mass_kg, Dimension::kMass,
           cli::Within(0, kMostMassKg), "Mass on the motor's side");
@@ -206,6 +214,7 @@ void DeclareReceptors(cli::Options& options, TuneWords& words) {
 
 void Declare(cli::Options& options, TuneWords& words) {
   TuneQuestion& asked = words.asked;
+  // bounds of voltage in V and frequency in Hz
   constexpr cli::Bounds kDrive = cli::Within(1e-9, 1e9);
   options.Positionals("scene", &words.scenes,
                       "A scene.toml: its actuator and drive; without it the thesis's", 0);
@@ -237,6 +246,7 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Count("--grid", &words.grid, 1, 60, "Number of values per axis of the grid")
       .Default(fmt::format("{}", asked.grid_values));
   DeclareReceptors(options, words);
+  // combinations that are refused before the scene is read
   options.Exclude("--grid", {"--springs"}, "the grid has no list of springs");
   options.Exclude("--grid", {"--mover-travel", "--latency"},
                   "the grid is without limits of travel and latency");
@@ -251,8 +261,10 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   if (auto read = ReadScene(words, question); !read) return std::unexpected(read.error());
   sim::TuningProblem& problem = question.problem;
   if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
+  // options override the scene
   problem.drive.amplitude_v = words.voltage_v.value_or(problem.drive.amplitude_v);
   problem.drive.frequency_hz = words.frequency_hz.value_or(problem.drive.frequency_hz);
+  // listed springs replace the range of stiffness
   if (!question.springs_n_per_m.empty()) {
     const auto [least, most] = std::ranges::minmax(question.springs_n_per_m);
     problem.bounds.stiffness_n_per_m = {.lower = least, .upper = most};

@@ -14,6 +14,7 @@ namespace {
 // which status columns are needed
 enum class StatusColumns : std::uint8_t { kNone, kOne, kOneAChannel };
 
+// no column if all samples are ok, one if all channels have the same statuses, else one each
 StatusColumns StatusColumnsOf(const Record& record) {
   const std::vector<SampleStatus>& first = record.channels.front().statuses;
   const bool are_alike = std::ranges::all_of(
@@ -24,7 +25,7 @@ StatusColumns StatusColumnsOf(const Record& record) {
   return are_ok ? StatusColumns::kNone : StatusColumns::kOne;
 }
 
-// what the column names do not say of a channel
+// what the column names do not state of a channel
 std::string ChannelLines(const Channel& channel, std::size_t number, bool has_own_unit) {
   auto line = [&](const char* key, std::string_view value) {
     return CsvCommentLine(fmt::format("channel.{}.{}", number, key), value);
@@ -41,12 +42,14 @@ std::string ChannelLines(const Channel& channel, std::size_t number, bool has_ow
   return lines;
 }
 
+// where the times come from, as the value of the key "times"
 std::string_view TimesWord(const Record& record) {
   if (record.raw_times_s.empty()) return "grid";
   if (record.times_are_known) return "known";
   return record.timing == Timing::kPolled ? "polled" : "arrived";
 }
 
+// metadata, time base, channels, and the line of column names
 std::string Head(const Record& record, StatusColumns status_columns) {
   std::string head = CsvMetadataLines(record.metadata);
   head += CsvCommentLine("times", TimesWord(record));
@@ -58,6 +61,7 @@ std::string Head(const Record& record, StatusColumns status_columns) {
   std::string columns = HasArrivalTimes(record) ? "time_s,arrival_s" : "time_s";
   const std::vector<std::string> names = CsvColumnNames(record.channels);
   for (std::size_t c = 0; c < names.size(); ++c) {
+    // the names of these columns have no unit
     const bool has_own_unit = names[c].starts_with("channel_") || names[c].starts_with("trig");
     head += ChannelLines(record.channels[c], c + 1, has_own_unit);
     columns += "," + names[c];
@@ -71,12 +75,14 @@ std::string Head(const Record& record, StatusColumns status_columns) {
   return head + columns + "\n";
 }
 
+// one line: times, values, statuses; numbers with the fewest digits that restore the double
 void AppendRow(const Record& record, std::size_t row, StatusColumns status_columns,
                std::string* text) {
   auto out = std::back_inserter(*text);
   fmt::format_to(out, "{}", ExportedTimeOf(record, row));
   if (HasArrivalTimes(record)) fmt::format_to(out, ",{}", record.raw_times_s[row]);
   for (const Channel& channel : record.channels) {
+    // no measurement: an empty cell, for which the status gives the reason
     if (IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row])) {
       fmt::format_to(out, ",{}", channel.values[row]);
     } else {
@@ -94,6 +100,7 @@ void AppendRow(const Record& record, std::size_t row, StatusColumns status_colum
 
 }  // namespace
 
+// pieces of 64 KiB or more, so that a long record is not in memory as text
 Result<void> WriteInPieces(std::string bytes, std::size_t rows,
                            const std::function<void(std::size_t row, std::string* bytes)>& append,
                            const PieceSink& sink) {

@@ -32,14 +32,17 @@ Result<void> WriteData(const Hdf5Id& group, const std::string& name, hid_t type,
       H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Dclose);
   if (!dataset.ok()) return NotWritten();
+  // a dataset of no rows has no data to write
   const bool is_empty = shape.front() == 0;
   if (!is_empty && H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
     return NotWritten();
   }
+  // a failed close is an error too: libhdf5 may write only then
   if (!dataset.Close()) return NotWritten();
   return {};
 }
 
+// types in the file are little-endian on every machine
 template <typename T>
 hid_t TypeOf() {
   if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
@@ -53,7 +56,7 @@ Result<void> WriteColumn(const Hdf5Id& group, const std::string& name,
   return WriteData(group, name, TypeOf<T>(), {values.size()}, values.data());
 }
 
-// a scalar of UTF-8 bytes; HDF5 knows none of length 0, so an empty text is one NUL
+// a scalar of UTF-8 bytes; HDF5 has none of length 0, so an empty text is one NUL
 Result<void> WriteText(const Hdf5Id& group, const std::string& name, const std::string& text) {
   const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   const std::string stored = text.empty() ? std::string(1, '\0') : text;
@@ -71,6 +74,7 @@ Result<void> WriteText(const Hdf5Id& group, const std::string& name, const std::
   return {};
 }
 
+// an attribute of one byte: 0 or 1
 Result<void> WriteFlag(const Hdf5Id& group, const std::string& name, bool value) {
   const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
   const Hdf5Id attribute(
@@ -81,18 +85,19 @@ Result<void> WriteFlag(const Hdf5Id& group, const std::string& name, bool value)
   return {};
 }
 
-// what a trial.bin holds besides: raw values in their encoding, times in nanoseconds
+// a column of the group `raw`: raw values in their encoding, or times in nanoseconds
 struct RawColumn {
   hid_t type;
   std::function<void(const Chunk& chunk, std::size_t row, std::string* bytes)> append;
   Hdf5Id dataset;
 };
 
-// the columns of a trial of `rows` rows, not yet written
+// the datasets of a trial of `rows` rows, filled chunk by chunk
 class RawColumns {
  public:
   RawColumns(const Hdf5Id& group, hsize_t rows) : group_(group), rows_(rows) {}
 
+  // the times that the source's timing has: place on the grid, arrival, or request and reply
   Result<void> AddTimes(Timing timing) {
     if (timing == Timing::kUniform) {
       return Add("index", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
@@ -111,6 +116,7 @@ class RawColumns {
   }
 
   Result<void> AddChannel(const std::string& name, std::size_t channel, Encoding encoding) {
+    // in the order of Encoding
     const hid_t types[] = {H5T_STD_I32LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
     return Add(name, types[static_cast<std::size_t>(encoding)],
                [channel, size = BytesOf(encoding)](const Chunk& chunk, std::size_t row,
@@ -120,16 +126,18 @@ class RawColumns {
                });
   }
 
-  // rows from `first` on; those behind the last one are left out
+  // writes rows from `first` on; those behind the last one are omitted
   Result<void> Write(hsize_t first, const Chunk& chunk) {
     const hsize_t count = std::min<hsize_t>(chunk.rows(), rows_ - first);
     if (count == 0) return {};
+    // a range of the dataset's rows, of the size of the chunk
     const Hdf5Id rows_in_memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
     const Hdf5Id rows_in_file(H5Screate_simple(1, &rows_, nullptr), H5Sclose);
     if (H5Sselect_hyperslab(rows_in_file.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr) <
         0) {
       return NotWritten();
     }
+    // rows are packed in the trial, columns are contiguous here
     for (const RawColumn& column : columns_) {
       bytes_.clear();
       for (std::size_t row = 0; row < count; ++row) column.append(chunk, row, &bytes_);
@@ -166,7 +174,7 @@ class RawColumns {
   std::string bytes_;  // of one column and chunk
 };
 
-// chunk by chunk: of a long trial, the bytes that the source sent are never all in memory
+// chunk by chunk, so that the raw values of a long trial are never all in memory
 Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names, std::size_t rows,
                       TrialReader* reader) {
   const Hdf5Id group(H5Gcreate2(trial.id(), hdf5::kRaw, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
@@ -179,6 +187,7 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
     done = columns.AddChannel(names[c], c, header.channels[c].encoding);
   }
   hsize_t written = 0;
+  // a file that grows meanwhile is written as far as its length at the beginning
   while (done && written < rows) {
     HAPTOMETER_LET(const auto chunk, reader->Next());
     if (chunk == nullptr) {
@@ -192,6 +201,7 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
   return columns.Close();
 }
 
+// time of each row, raw times where there are any, and a table of the segments
 Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
   std::vector<double> times_s(record.rows);
   for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
@@ -199,6 +209,7 @@ Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
   if (done && !record.raw_times_s.empty()) {
     done = WriteColumn(group, hdf5::kRawTimes, record.raw_times_s);
   }
+  // one row of five numbers for each segment
   std::vector<double> numbers;
   for (const Stretch& stretch : record.stretches) {
     numbers.insert(numbers.end(),
@@ -221,7 +232,7 @@ Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& 
   return done;
 }
 
-// header, events and what was said when it was read
+// header, events, and the findings of the reader
 Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHeader header,
                         const FindingSayer& say) {
   header.metadata = recording.record.metadata;  // with the labels as last given
@@ -244,7 +255,7 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
 }  // namespace
 
 Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
-  // errors are told by us, not by libhdf5 on stderr
+  // errors are reported by this program, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) return NotWritten();
@@ -261,6 +272,7 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
   auto done = WriteTimes(group, record);
   if (done) done = WriteChannels(group, columns, record);
   if (done) {
+    // without a trial.bin the header is made from the record
     done = WriteWords(group, recording, raw != nullptr ? raw->header() : HeaderOf(record), say);
   }
   if (done && raw != nullptr) done = WriteRaw(group, columns, record.rows, raw);
@@ -268,7 +280,7 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
 }
 
 Result<void> Hdf5Writer::Close() {
-  // flushed first: a close that fails leaves nothing to say
+  // flushed first, because a failed close gives no reason
   const bool is_flushed = H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0;
   if (!file_.Close() || !is_flushed) return NotWritten();
   return {};

@@ -21,9 +21,10 @@ std::unexpected<Error> NotWritten() {
                 "is there room, and may you write there?");
 }
 
-// whether the file at `path` holds `variables` whole elements, by their own lengths: libmatio looks
-// at no write's outcome
+// whether the file at `path` holds `variables` whole elements, by the lengths in it: libmatio
+// does not check whether a write succeeds
 Result<void> CheckWhole(const std::string& path, std::size_t variables) {
+  // a MAT file of version 5: a header of 128 bytes, then elements of tag and data
   constexpr std::size_t kHeadBytes = 128;
   const auto file = OpenFileSource(path);
   if (!file) return NotWritten();
@@ -53,7 +54,7 @@ class Struct {
   void Statuses(const std::string& name, const std::vector<SampleStatus>& statuses) {
     Add(name, MAT_C_UINT8, MAT_T_UINT8, {statuses.size(), 1}, statuses.data());
   }
-  // `text` is ASCII: what libmatio does with more depends on the reader
+  // `text` is ASCII, because what libmatio makes of other characters depends on the reader
   void Text(const std::string& name, const std::string& text) {
     Add(name, MAT_C_CHAR, MAT_T_UINT8, {text.empty() ? 0U : 1U, text.size()}, text.data());
   }
@@ -81,17 +82,18 @@ class Struct {
   bool is_whole_ = true;
 };
 
-// the same JSON in ASCII
+// the same JSON with all other characters escaped
 std::string Ascii(const std::string& json) {
   return nlohmann::ordered_json::parse(json).dump(-1, ' ', true);
 }
 
+// time of each row, raw times where there are any, and a matrix of the segments
 void AddTimes(const Record& record, Struct* variable) {
   std::vector<double> times_s(record.rows);
   for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
   variable->Column("time_s", times_s);
   if (!record.raw_times_s.empty()) variable->Column("raw_time_s", record.raw_times_s);
-  // column by column, as MATLAB keeps a matrix
+  // column by column, as MATLAB stores a matrix
   std::vector<double> numbers;
   numbers.reserve(5 * record.stretches.size());
   for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.first_row));
@@ -129,9 +131,10 @@ Result<MatWriter> MatWriter::Create(const std::string& path) {
 
 Result<void> MatWriter::Add(const std::string& name, const Recording& recording) {
   const Record& record = recording.record;
-  // a variable's length is kept in 32 bits, and some readers take them as signed
+  // the length of a variable has 32 bits, which some readers treat as signed
   constexpr double kLargestBytes = 2e9;
   const double channels = static_cast<double>(record.channels.size());
+  // bytes per row: 16 for two times, 9 for the value and status of each channel
   if (static_cast<double>(record.rows) * (16 + 9 * channels) > kLargestBytes) {
     return CannotAnswer("", "is larger than the 2 GiB that a MATLAB file can hold",
                         "export it as .h5");
@@ -155,6 +158,7 @@ Result<void> MatWriter::Add(const std::string& name, const Recording& recording)
 }
 
 Result<void> MatWriter::Close() {
+  // the file is closed first, so that all of it is on the disk when its length is checked
   Mat_Close(std::exchange(state_->file, nullptr));
   return CheckWhole(state_->path, state_->variables);
 }

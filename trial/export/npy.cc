@@ -11,7 +11,7 @@
 namespace haptometer::trial {
 namespace {
 
-// the Python dictionary that says what follows
+// the Python dictionary that describes the fields of a row and the number of rows
 std::string Dictionary(const Record& record) {
   std::string fields = "('time_s', '<f8'), ";
   for (const std::string& column : CsvColumnNames(record.channels)) {
@@ -24,9 +24,11 @@ std::string Dictionary(const Record& record) {
 // magic, version, length and dictionary; the data begin at a multiple of 64
 std::string Head(const Record& record) {
   std::string dictionary = Dictionary(record);
+  // version 1.0 has a length of 16 bits, version 2.0 one of 32
   const bool is_short = dictionary.size() + 128 < 1U << 16;
   const std::size_t before = is_short ? 10 : 12;
   constexpr std::size_t kAlignment = 64;
+  // blanks and a line end fill the head to a multiple of 64 bytes
   dictionary.append(kAlignment - 1 - (before + dictionary.size()) % kAlignment, ' ');
   dictionary += '\n';
   std::string head = "\x93NUMPY";
@@ -44,6 +46,7 @@ std::string Head(const Record& record) {
 
 Result<void> WriteNpy(const Record& record, const PieceSink& sink) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
+  // a row is packed without gaps: time, then value and status of each channel
   const auto append = [&](std::size_t row, std::string* bytes) {
     AppendLittleEndian(ExportedTimeOf(record, row), bytes);
     for (const Channel& channel : record.channels) {

@@ -26,6 +26,7 @@ void AppendChunk(std::string_view name, std::string_view content, std::string* b
   if (content.size() % 2 == 1) *bytes += '\0';
 }
 
+// lengths in a WAV are 32 bits, and the bytes of a row of all tracks 16 bits
 Result<void> CheckRoom(const Record& record) {
   if (record.rows == 0 || record.channels.empty()) return CannotAnswer("", "holds no samples");
   constexpr double kLargestBytes = 4.2e9;
@@ -37,7 +38,7 @@ Result<void> CheckRoom(const Record& record) {
   return {};
 }
 
-// one clock without a hole, at a rate that a WAV can say
+// the rate in Hz of a record of one segment, which a WAV has as a whole number
 Result<std::uint32_t> RateOf(const Record& record) {
   if (record.stretches.size() != 1) {
     return CannotAnswer(
@@ -58,6 +59,7 @@ Result<std::uint32_t> RateOf(const Record& record) {
   return static_cast<std::uint32_t>(whole_hz);
 }
 
+// a WAV cannot mark a missing value, so one is enough for a refusal
 Result<void> CheckMeasured(const Record& record) {
   std::size_t bad = 0;
   for (const Channel& channel : record.channels) {
@@ -73,13 +75,14 @@ Result<void> CheckMeasured(const Record& record) {
       kOtherFormats);
 }
 
-// sums of differences from the first value: a mean of 1e8 values near 30 mm keeps its nanometres
+// mean of differences from the first value: 1e8 values near 30 mm retain their nanometres
 double MeanOf(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value - values.front();
   return values.front() + sum / static_cast<double>(values.size());
 }
 
+// what restores the values: the offset of each channel, and the rate before it was rounded
 std::string Comment(const Record& record, const std::vector<double>& offsets,
                     std::uint32_t rate_hz) {
   std::string comment = "samples in SI units, offset removed:";
@@ -93,6 +96,7 @@ std::string Comment(const Record& record, const std::vector<double>& offsets,
   return comment;
 }
 
+// chunks fmt, fact, LIST INFO and the beginning of data, in the order of the file
 std::string Head(const Record& record, std::uint32_t rate_hz, const std::string& comment) {
   const std::size_t channels = record.channels.size();
   const auto data_bytes = static_cast<std::uint32_t>(8 * record.rows * channels);
@@ -102,13 +106,16 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
   AppendLittleEndian(kIeeeFloat, &format);
   AppendLittleEndian(static_cast<std::uint16_t>(channels), &format);
   AppendLittleEndian(rate_hz, &format);
+  // bytes per second, for players; limited to 32 bits
   AppendLittleEndian(static_cast<std::uint32_t>(std::min<std::uint64_t>(
                          std::uint64_t{rate_hz} * kSampleBytes * channels, UINT32_MAX)),
                      &format);
+  // bytes of a row, bits of a sample
   AppendLittleEndian(static_cast<std::uint16_t>(kSampleBytes * channels), &format);
   AppendLittleEndian(static_cast<std::uint16_t>(8 * kSampleBytes), &format);
   AppendLittleEndian(std::uint16_t{0}, &format);  // no extension
   std::string fact;
+  // fact: the number of rows, required for formats other than PCM
   AppendLittleEndian(static_cast<std::uint32_t>(record.rows), &fact);
   std::string info = "INFO";
   AppendChunk("ICMT", comment + '\0', &info);
@@ -120,6 +127,7 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
   chunks += "data";
   AppendLittleEndian(data_bytes, &chunks);
   std::string head = "RIFF";
+  // length of the file behind this field
   AppendLittleEndian(static_cast<std::uint32_t>(chunks.size() + data_bytes), &head);
   return head + chunks;
 }
@@ -132,6 +140,7 @@ Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
   HAPTOMETER_TRY(CheckMeasured(record));
   std::vector<double> offsets;
   offsets.reserve(record.channels.size());
+  // the mean of each channel is subtracted; the comment gives it in full
   for (const Channel& channel : record.channels) offsets.push_back(MeanOf(channel.values));
   std::string comment = Comment(record, offsets, rate_hz);
   const auto append = [&](std::size_t row, std::string* bytes) {

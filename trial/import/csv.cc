@@ -23,6 +23,7 @@ namespace haptometer::trial {
 
 namespace {
 
+// rows in which a column of times is searched, and by how much its steps may differ, relative
 constexpr std::size_t kRows = 8;
 constexpr double kEven = 0.05;
 
@@ -35,12 +36,13 @@ bool GrowsEvenly(const std::vector<double>& values) {
   return true;
 }
 
-// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
-// where their counts differ.
+// finds each column whose unit in the options (`read`) differs from that in the file (`said`);
+// none where the numbers of columns differ
 void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
                          Findings& findings) {
   if (said.size() != read.size()) return;
   for (std::size_t i = 0; i < read.size(); ++i) {
+    // no unit in the file, so nothing is overridden
     if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
     if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
     findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
@@ -74,12 +76,13 @@ std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except
   return 0;
 }
 
+// whether a cell is the header of a time column of this program's CSV
 bool IsOurTime(std::string_view cell) {
   const auto column = ReadCsvColumn(cell, "");
   return column && column->kind == CsvColumnKind::kTime;
 }
 
-// what a table was taken for
+// the finding of the layout as which a table is read
 Finding FormatFinding(const ForeignTable& table, bool is_given) {
   const TableFormatFacts& facts = FactsOf(table.format);
   std::string channels;
@@ -106,6 +109,7 @@ class Parser {
   }
 
   Result<Record> Parse() {
+    // limits first, then the join of Hantek's blocks: both need the whole text
     HAPTOMETER_TRY(CheckLines(whole_, name_));
     HAPTOMETER_TRY(JoinBlocks());
     while (NextLine()) {
@@ -119,6 +123,7 @@ class Parser {
   }
 
  private:
+  // Hantek writes its channels below each other; they are joined to a table of columns
   Result<void> JoinBlocks() {
     if (options_.format.value_or(FindTableFormat(whole_)) != TableFormat::kHantek) return {};
     HAPTOMETER_LET(auto joined, JoinHantekBlocks(whole_, name_));
@@ -145,6 +150,7 @@ class Parser {
   [[nodiscard]] std::string Here() const { return fmt::format("{}: line {}", name_, line_number_); }
 
   Result<void> ReadHeaderLine() {
+    // a time_s in the first line and no options: a table of this program, else one of another
     TableCells header = CellsOf(line_);
     const bool is_told = !options_.columns.empty() || options_.rate_hz || options_.scale_m ||
                          options_.scale_v || options_.format || options_.segment;
@@ -167,6 +173,7 @@ class Parser {
   // where the options read a column otherwise than the file names it
   void NoteOverridden(const std::vector<CsvColumn>& columns) {
     if (options_.columns.empty() && !options_.scale_m && !options_.scale_v) return;
+    // the columns as the file alone would name them
     ImportOptions own_words = options_;
     own_words.columns.clear();
     own_words.scale_m.reset();
@@ -188,7 +195,7 @@ class Parser {
                                     even));
   }
 
-  // # lines between another program's words count as those at the top
+  // # lines within another program's header have the same meaning as those at the top
   Result<void> ReadCommentsTo(const ForeignTable& table) {
     while (line_number_ < table.line && NextLine() && line_number_ <= table.line) {
       if (!line_.starts_with('#')) continue;
@@ -197,8 +204,9 @@ class Parser {
     return {};
   }
 
-  // goes on behind the head of another program's table
+  // continues behind the header of another program's table
   void Begin(ForeignTable table) {
+    // the header was read from the whole text: rows begin at the offset that was found
     rest_ = whole_.substr(table.offset);
     line_number_ = table.line;
     for (auto& [key, value] : table.fields) comments_.metadata.fields[key] = std::move(value);
@@ -225,7 +233,7 @@ class Parser {
 
   void BeginRows(CsvRows::Layout layout) {
     separator_ = layout.separator;
-    // of arrival times and the straightened ones beside them one is read; the other follows from it
+    // of arrival times and the fitted ones beside them one is read; the other follows from it
     const bool reads_arrivals =
         !layout.is_foreign && comments_.timing != Timing::kUniform &&
         std::ranges::count(layout.columns, CsvColumnKind::kArrival, &CsvColumn::kind) > 0;
@@ -235,11 +243,12 @@ class Parser {
       column.kind = is_arrival == reads_arrivals ? CsvColumnKind::kTime : CsvColumnKind::kLeftOut;
     }
     for (const CsvColumn& column : layout.columns) {
+      // numbers of the channels in the file, to which the keys channel.N refer
       if (column.kind == CsvColumnKind::kValue) channel_numbers_.push_back(column.channel);
     }
     const auto time = std::ranges::find(layout.columns, CsvColumnKind::kTime, &CsvColumn::kind);
     time_column_ = static_cast<std::size_t>(time - layout.columns.begin()) + 1;
-    // a row takes a byte a column, its line end among them
+    // a row has at least one byte for each column, its line end included: a bound on the rows
     const std::size_t most_rows = rest_.size() / layout.columns.size();
     rows_.Begin(std::move(layout));
     const auto lines = static_cast<std::size_t>(std::ranges::count(rest_, '\n'));
@@ -259,6 +268,7 @@ class Parser {
     record_.rows = rows_.rows();
     record_.channels = std::move(rows_.channels());
     record_.metadata = std::move(comments_.metadata);
+    // a file that states no source is an import
     if (record_.metadata.source.empty()) record_.metadata.source = "imported";
     HAPTOMETER_TRY(rows_.CheckCommas());
     SetChannelKeys();
@@ -274,6 +284,7 @@ class Parser {
       return SetOwnTimes(name_, comments_.timing, std::move(comments_.stretches), &rows_, &record_,
                          &findings_);
     }
+    // a row count in the header that differs is a reason to doubt that the file is complete
     if (stated_rows_ && *stated_rows_ != record_.rows) {
       findings_.Doubt(FindingKind::kStatedRowsDiffer,
                       {{"stated_rows", *stated_rows_}, {"rows", record_.rows}});
@@ -304,7 +315,7 @@ class Parser {
     }
   }
 
-  // two statements about the rate must be one
+  // a rate of the user and the rate of the times must agree to 1 %
   [[nodiscard]] Result<void> CheckRate() const {
     constexpr double kTolerance = 0.01;
     if (!options_.rate_hz) return {};

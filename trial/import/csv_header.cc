@@ -24,6 +24,7 @@ struct Quantity {
   std::string_view examples;
 };
 
+// name, role, SI unit and examples for messages
 constexpr std::array<Quantity, 4> kQuantities{
     {{"time", ChannelRole::kOther, "s", "time_s, time_ms or time_us"},
      {"displacement", ChannelRole::kDisplacement, "m",
@@ -42,6 +43,7 @@ bool BeginsWithWord(std::string_view name, std::string_view word) {
 // the channel number behind "status_"
 std::optional<std::size_t> NumberAfter(std::string_view name, std::string_view prefix) {
   if (!name.starts_with(prefix)) return std::nullopt;
+  // a whole number of at least 1 up to the end of the name
   std::size_t number = 0;
   const char* end = name.data() + name.size();
   const auto parsed = std::from_chars(name.data() + prefix.size(), end, number);
@@ -51,8 +53,10 @@ std::optional<std::size_t> NumberAfter(std::string_view name, std::string_view p
 
 // the name of the `number`th channel; `ordinal` counts the channels of its role from 1
 std::string ColumnName(const Channel& channel, std::size_t number, std::size_t ordinal) {
+  // "displacement_m", "displacement_2_m", "trigger", or "channel_3" where the name has no unit
   const std::string count = ordinal > 1 ? fmt::format("_{}", ordinal) : "";
   if (channel.role == ChannelRole::kTrigger) return "trigger" + count;
+  // only a channel in the SI unit of its role has the name of its quantity
   const auto quantity = std::ranges::find_if(kQuantities, [&](const Quantity& q) {
     return channel.role != ChannelRole::kOther && q.role == channel.role &&
            q.si_unit == channel.unit;
@@ -74,6 +78,7 @@ void SetPrintedUnit(std::string_view printed, CsvColumn* column) {
 }
 
 Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where) {
+  // "-" omits a column
   if (cell == "-") return CsvColumn{.kind = CsvColumnKind::kLeftOut};
   const std::string name = LowerCase(cell);
   if (name == "status") return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = ""};
@@ -87,12 +92,13 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
     return CsvColumn{
         .role = ChannelRole::kTrigger, .name = name, .unit = "", .printed = std::string(cell)};
   }
+  // the quantity is before the first underscore, the unit behind the last one
   const auto quantity = std::ranges::find_if(
       kQuantities, [&](const Quantity& q) { return BeginsWithWord(name, q.name); });
+  // a name without a known quantity is a channel in unknown units
   if (quantity == kQuantities.end()) {
     return CsvColumn{.name = std::string(cell), .unit = "", .printed = std::string(cell)};
   }
-  // the unit stands behind the last underscore
   const std::size_t bar = name.rfind('_');
   const std::string_view suffix =
       bar == std::string::npos ? "" : std::string_view(name).substr(bar + 1);
@@ -109,6 +115,7 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
                    .printed = std::string(cell)};
 }
 
+// channels count from 1, in the order of the value columns
 void NumberChannels(std::vector<CsvColumn>* columns) {
   std::size_t number = 0;
   for (CsvColumn& column : *columns) {
@@ -123,6 +130,7 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
     HAPTOMETER_LET(auto column, ReadCsvColumn(cell, where));
     columns.push_back(std::move(column));
   }
+  // one time, at most one arrival time, at least one channel
   const auto times = std::ranges::count(columns, CsvColumnKind::kTime, &CsvColumn::kind);
   const auto values = std::ranges::count(columns, CsvColumnKind::kValue, &CsvColumn::kind);
   if (times == 0) {
@@ -135,6 +143,7 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
   if (values == 0) {
     return CannotAnswer(where, "no column beside the time holds values", kHeaderRemedy);
   }
+  // status columns refer to channels by their numbers
   for (const CsvColumn& column : columns) {
     if (column.channel > static_cast<std::size_t>(values)) {
       return CannotAnswer(
@@ -175,7 +184,7 @@ std::unexpected<Error> NoNumber(const std::string& where, std::string_view key,
                       "write a plain number in the unit that the key names");
 }
 
-// a key with a numeric place of its own; false where it is another key
+// a key whose value is a number; false where it is another key
 Result<bool> TakeNumber(std::string_view key, std::string_view value, const std::string& where,
                         Metadata* metadata) {
   const auto number = ReadNumber(value);
@@ -192,6 +201,7 @@ Result<bool> TakeNumber(std::string_view key, std::string_view value, const std:
     metadata->tare_m = *number;
     return true;
   }
+  // averages is a count of raw samples, so a whole number
   if (*number < 1 || *number > 1e9 || *number != std::floor(*number)) {
     return NoNumber(where, key, value);
   }
@@ -199,7 +209,7 @@ Result<bool> TakeNumber(std::string_view key, std::string_view value, const std:
   return true;
 }
 
-// FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S
+// value of a line "stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S"
 std::optional<Stretch> ReadStretch(std::string_view value) {
   std::vector<double> numbers;
   while (!value.empty()) {
@@ -209,6 +219,7 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
     numbers.push_back(*number);
     value = blank == std::string_view::npos ? "" : Trimmed(value.substr(blank));
   }
+  // counts below 2^53 are exact as doubles
   constexpr double kMaxRows = 1e15;
   const bool is_sound = numbers.size() == 5 && numbers[0] >= 0 && numbers[0] < kMaxRows &&
                         numbers[1] >= 1 && numbers[1] < kMaxRows && std::isfinite(numbers[2]) &&
@@ -221,8 +232,9 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
                  .time_uncertainty_s = numbers[4]};
 }
 
-// keys about the time base and the channels; false where it is another key
+// keys of the time base and of the channels; false where it is another key
 bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comments) {
+  // grid is the default; known: the readings' own times, on no grid
   if (key == "times") {
     if (value == "arrived") comments->timing = Timing::kArrival;
     if (value == "polled" || value == "known") comments->timing = Timing::kPolled;
@@ -230,6 +242,7 @@ bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comme
     return true;
   }
   if (key == "stretch") {
+    // a line that is damaged is ignored: then the times are fitted again
     if (const auto stretch = ReadStretch(value)) comments->stretches.push_back(*stretch);
     return true;
   }
@@ -242,17 +255,20 @@ bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comme
 
 Result<void> ReadCsvComment(std::string_view line, const std::string& where,
                             CsvComments* comments) {
+  // without the signs # and blanks at the beginning
   line.remove_prefix(line.find_first_not_of("# \t") == std::string_view::npos
                          ? line.size()
                          : line.find_first_not_of("# \t"));
   Metadata& metadata = comments->metadata;
   const std::size_t equals = line.find('=');
+  // a comment without "=" is a note
   if (equals == std::string_view::npos) {
     if (!Trimmed(line).empty()) metadata.notes.emplace_back(Trimmed(line));
     return {};
   }
   const std::string_view key = Trimmed(line.substr(0, equals));
   const std::string_view value = Trimmed(line.substr(equals + 1));
+  // order: texts, numbers, time base and channels, labels; any other key is a field
   for (const auto& [name, member] : kMetadataTexts) {
     if (key != name) continue;
     metadata.*member = value;
@@ -271,6 +287,7 @@ Result<void> ReadCsvComment(std::string_view line, const std::string& where,
 }
 
 std::string CsvCommentLine(std::string_view key, std::string_view value) {
+  // an empty value has no line, as an absent one
   if (value.empty()) return "";
   return Printable(fmt::format("# {} = {}", key, value)) + "\n";
 }
@@ -278,6 +295,7 @@ std::string CsvCommentLine(std::string_view key, std::string_view value) {
 std::string CsvMetadataLines(const Metadata& metadata) {
   std::string lines;
   for (const auto& [key, member] : kMetadataTexts) lines += CsvCommentLine(key, metadata.*member);
+  // numbers with the fewest digits that restore the double
   for (const auto& [key, member] : kNumberKeys) {
     if (metadata.*member) lines += CsvCommentLine(key, fmt::format("{}", *(metadata.*member)));
   }

@@ -17,15 +17,16 @@ constexpr double kDayS = 86400;
 // more are unsorted rows
 constexpr std::size_t kMostSegments = 100'000;
 
-// a value that is not there is no measurement, and a number that is none is not kept
+// a missing value is no measurement, and a number with such a status is not retained
 void SetStatus(SampleStatus status, Channel* channel) {
   if (IsMeasurement(status) && std::isnan(channel->values.back())) return;
   channel->statuses.back() = status;
   if (!IsMeasurement(status)) channel->values.back() = kNan;
 }
 
-// what else stands in a cell that should be a number
+// a reason why a cell that should be a number is none
 std::string_view WhatElse(std::string_view cell) {
+  // two signs or more: "1.234.567" or "12.03.2024"
   const auto points = std::ranges::count(cell, '.') + std::ranges::count(cell, ',');
   if (points < 2) return "";
   return ": a spreadsheet may have grouped its digits or made a date of it";
@@ -44,6 +45,7 @@ void CsvRows::Begin(Layout layout) {
   segments_.emplace_back();
 }
 
+// memory for the rows at once; the number is an upper bound
 void CsvRows::Reserve(std::size_t rows) {
   for (Channel& channel : channels_) {
     channel.values.reserve(rows);
@@ -57,11 +59,13 @@ std::string CsvRows::Here() const { return fmt::format("{}: line {}", name_, lin
 Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
   line_number_ = line_number;
   SplitCells(line, layout_.separator, &cells_);
+  // a row of empty cells at the end of a table is no row; followed by another row it is a gap
   if (layout_.is_foreign && std::ranges::all_of(cells_, &std::string_view::empty)) {
     empty_line_ = line_number;
     return {};
   }
   HAPTOMETER_TRY(CheckWidth());
+  // number of the value column in this row
   std::size_t channel = 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
@@ -86,6 +90,7 @@ Result<void> CsvRows::CheckWidth() {
   while (layout_.is_foreign && cells_.size() > columns.size() && cells_.back().empty()) {
     cells_.pop_back();
   }
+  // omitted columns at the end may be absent
   while (layout_.is_foreign && cells_.size() < columns.size() &&
          columns[cells_.size()].kind == CsvColumnKind::kLeftOut) {
     cells_.emplace_back();
@@ -96,7 +101,7 @@ Result<void> CsvRows::CheckWidth() {
       "complete or remove the line");
 }
 
-// a row of empty cells is lost where nothing but its place tells the time
+// without a time column only its place gives a row its time, so an empty row between rows is a gap
 Result<void> CsvRows::CheckEmptyRow() {
   const std::size_t line = std::exchange(empty_line_, 0);
   if (line == 0 || has_times_ || rows_ == 0) return {};
@@ -105,8 +110,8 @@ Result<void> CsvRows::CheckEmptyRow() {
                       "write its values, or remove it where no row is missing");
 }
 
-// a comma is a decimal comma where it does not separate cells, unless points stand in other cells
-// and three digits behind it
+// a comma is a decimal comma where it does not separate cells; with points in other cells and three
+// digits behind it, it may group thousands
 std::optional<double> CsvRows::CellNumber(std::string_view cell) {
   const std::size_t comma = cell.find(',');
   if (comma == std::string_view::npos) {
@@ -114,16 +119,18 @@ std::optional<double> CsvRows::CellNumber(std::string_view cell) {
     return ReadNumber(cell);
   }
   const std::size_t end = std::min(cell.find_first_not_of("0123456789", comma + 1), cell.size());
+  // "1,234" may be 1234; "0,234" and "1,23" may not
   const bool may_group = end - comma == 4 && cell.find_first_of("123456789") < comma;
   if (comma_.empty() && may_group) comma_ = fmt::format("line {}: '{}'", line_number_, cell);
   return ReadNumberWithComma(cell);
 }
 
-// seconds since the first row's time on the clock, midnights between them counted
+// seconds since the first row's time of day, plus whole days for the midnights between them
 double CsvRows::OnOneDay(double clock_s) {
   if (!first_clock_s_) first_clock_s_ = clock_s;
   const auto& times_s = segments_.back().times.times_s();
   double time_s = clock_s - *first_clock_s_ + days_s_;
+  // a fall by more than half a day is a midnight
   if (!times_s.empty() && time_s < times_s.back() - kDayS / 2) {
     days_s_ += kDayS;
     time_s += kDayS;
@@ -133,6 +140,7 @@ double CsvRows::OnOneDay(double clock_s) {
 
 Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
   const auto printed = column.is_clock ? ReadClock(cell) : CellNumber(cell);
+  // time in s = printed * factor + offset
   const double time_s = !printed          ? kNan
                         : column.is_clock ? OnOneDay(*printed)
                                           : *printed * column.factor + column.offset;
@@ -145,6 +153,7 @@ Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
 
 Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvColumn& column) {
   const auto& times_s = segments_.back().times.times_s();
+  // a time that falls begins a segment in a foreign table, and is an error in one of this program
   if (!times_s.empty() && time_s < times_s.back()) {
     if (!layout_.is_foreign || segments_.size() == kMostSegments) {
       is_time_falling_ = true;
@@ -155,13 +164,14 @@ Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvC
     }
     segments_.push_back({.first_row = rows_, .line = line_number_});
   }
-  // lines that came in one burst have one arrival time, and too few digits give several rows one
+  // rows of one burst have one arrival time; too few digits give several rows the same time
   Segment& segment = segments_.back();
   if (!segment.times.times_s().empty() && time_s == segment.times.times_s().back() &&
       segment.repeat_line == 0) {
     segment.repeat_line = line_number_;
   }
   PrintedTimes& times = segment.times;
+  // counts of a column of row numbers have no digits that were rounded
   if (column.is_count) {
     times.AddCount(time_s);
   } else {
@@ -171,9 +181,11 @@ Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvC
 }
 
 Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
+  // an empty cell is an invalid sample
   const auto number = cell.empty() ? std::nullopt : CellNumber(cell);
   auto status = SampleStatus::kInvalid;
   if (!cell.empty() && (!number || !std::isfinite(*number))) {
+    // foreign tables mark missing values by words such as OVER or ----
     const auto word = layout_.is_foreign ? ReadNoNumber(cell) : std::nullopt;
     if (!word && !number) {
       return CannotAnswer(
@@ -183,6 +195,7 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
     }
     status = word.value_or(status);
   }
+  // in SI units: value = number * factor
   const double si_value = number.value_or(kNan) * column.factor;
   const bool is_value = std::isfinite(si_value);
   channel->values.push_back(is_value ? si_value : kNan);
@@ -190,7 +203,7 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
   return {};
 }
 
-// after the row's values: what their statuses say
+// statuses are taken behind all values of the row, because they override them
 Result<void> CsvRows::TakeStatuses() {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
@@ -202,6 +215,7 @@ Result<void> CsvRows::TakeStatuses() {
                           "late, clipped, bad_frame");
     }
     for (std::size_t c = 0; c < channels_.size(); ++c) {
+      // 0: the status is valid for all channels
       if (column.channel != 0 && column.channel != c + 1) continue;
       SetStatus(*status, &channels_[c]);
     }
@@ -209,6 +223,7 @@ Result<void> CsvRows::TakeStatuses() {
   return {};
 }
 
+// a file with both signs is ambiguous by a factor of 1000
 Result<void> CsvRows::CheckCommas() const {
   if (comma_.empty() || point_.empty()) return {};
   return CannotAnswer(

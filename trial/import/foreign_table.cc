@@ -50,6 +50,7 @@ std::vector<std::string_view> SplitAtWideBlanks(std::string_view words) {
   return cells;
 }
 
+// keeps a line above the numbers, as key, comment or line of words
 void Keep(TableLine line, char separator, TableBeginning* found) {
   line.key = ReadTableKey(line.text, separator);
   if (line.key) {
@@ -69,13 +70,14 @@ void Keep(TableLine line, char separator, TableBeginning* found) {
 
 std::vector<std::string_view> TableBeginning::CellsOfWords(std::string_view words) const {
   auto cells = SplitCells(words, rows[0].separator);
-  // above numbers between blanks names may have blanks of their own
+  // names above numbers that are separated by blanks may contain blanks
   if (rows[0].separator == ' ' && cells.size() != width()) {
     for (const char other : {'\t', ';', ','}) {
       if (auto split = SplitCells(words, other); split.size() == width()) return split;
     }
     if (auto split = SplitAtWideBlanks(words); split.size() == width()) return split;
   }
+  // separators at the end of a header line make no names
   while (cells.size() > width() && cells.back().empty()) cells.pop_back();
   return cells;
 }
@@ -85,6 +87,7 @@ std::vector<std::string_view> TableBeginning::Above(std::size_t back) const {
   return CellsOfWords(above[above.size() - back].text);
 }
 
+// the last comment, if it stands directly above the numbers, without its #
 std::vector<std::string_view> TableBeginning::LastComment() const {
   if (comments.empty() || !ends_in_comment) return {};
   const std::size_t first = comments.back().find_first_not_of("# \t");
@@ -92,12 +95,14 @@ std::vector<std::string_view> TableBeginning::LastComment() const {
                                          : CellsOfWords(comments.back().substr(first));
 }
 
+// a table begins at two lines of numbers with the same separator and the same number of cells
 std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
   TableBeginning found;
   std::optional<TableLine> last;  // a line of numbers whose like has not come yet
   Lines lines(text);
   while (auto line = lines.Next()) {
     TableCells cells = CellsOf(line->text);
+    // a line of numbers without a like one below it belongs to the words above
     if (line->text.starts_with('#') || !IsNumbers(cells.cells)) {
       if (last) Keep(*std::exchange(last, std::nullopt), cells.separator, &found);
       Keep(*std::move(line), cells.separator, &found);
@@ -117,15 +122,18 @@ std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
   return std::nullopt;
 }
 
+// a table with keys in its first columns and numbers from column `first` on
 std::optional<TableBeginning> FindSideTable(std::string_view text, std::size_t first) {
   TableBeginning found;
   Lines lines(text);
+  // keys are searched in the first 32 lines
   for (std::size_t n = 0; n < 32; ++n) {
     const auto line = lines.Next();
     if (!line) break;
     TableCells cells = CellsOf(line->text);
     const bool is_row = cells.cells.size() > first + 1 && ReadNumberWithComma(cells.cells[first]);
     if (!is_row && n < 2) return std::nullopt;
+    // the first two lines must be rows; keys are taken from rows only
     if (n < 2) found.rows[n] = cells;
     if (!is_row || cells.cells[0].empty() || cells.cells[1].empty()) continue;
     found.keys.push_back({cells.cells[0], {cells.cells[1]}, line->number + 1});
@@ -137,13 +145,14 @@ std::optional<TableBeginning> FindSideTable(std::string_view text, std::size_t f
 
 namespace {
 
-// a channel's name as somebody may type it
+// a channel's name without case, blanks and underscores, as a user may type it
 std::string Typed(std::string_view name) {
   std::string typed = LowerCase(name);
   std::erase_if(typed, [](char c) { return c == ' ' || c == '_'; });
   return typed;
 }
 
+// the names of the value columns, for messages
 std::string NamesOf(const std::vector<CsvColumn>& columns) {
   std::string names;
   for (const CsvColumn& column : columns) {
@@ -159,7 +168,7 @@ void KeepWords(const TableBeginning& beginning, std::size_t lines_used, ForeignT
     const TableLine& line = beginning.above[i];
     const bool is_pair = line.key && line.key->values.size() == 1 &&
                          line.key->key.find('=') == std::string_view::npos;
-    // under a prefix, because a key of our own means something else
+    // under a prefix, because a key of this program has another meaning
     if (is_pair) {
       table->fields["table." + std::string(line.key->key)] = line.key->values[0];
     } else {
@@ -168,14 +177,16 @@ void KeepWords(const TableBeginning& beginning, std::size_t lines_used, ForeignT
   }
 }
 
+// sets role, SI unit and factor of the channels that a user's scale applies to
 Result<void> ApplyScale(std::optional<double> scale, ChannelRole role,
                         std::vector<CsvColumn>* columns) {
   if (!scale) return {};
   const auto is_value = [](const CsvColumn& c) { return c.kind == CsvColumnKind::kValue; };
+  // a scale for displacement is no reason to scale a voltage, except where it is the only channel
   const bool is_alone = std::ranges::count_if(*columns, is_value) == 1;
   bool is_used = false;
   for (CsvColumn& column : *columns) {
-    // the only channel there is, of which nothing says what it measures, is meant
+    // a single channel without a stated quantity is meant, too
     const bool is_meant = column.role == role || (is_alone && column.role == ChannelRole::kOther);
     if (!is_value(column) || !is_meant) continue;
     column.role = role;
@@ -188,6 +199,7 @@ Result<void> ApplyScale(std::optional<double> scale, ChannelRole role,
                fmt::format("say <columns> time_s,{}", Name(role)));
 }
 
+// finds table, columns and clock of a file of another program
 class Finder {
  public:
   Finder(std::string_view text, const std::string& name, const ImportOptions& options)
@@ -196,6 +208,7 @@ class Finder {
   }
 
   Result<std::optional<ForeignTable>> Find() {
+    // Tektronix TDS files have the keys beside the first rows, not above
     const bool is_beside = table_.format == TableFormat::kTektronixTds;
     constexpr std::size_t kSideColumns = 3;
     const auto beginning =
@@ -208,6 +221,7 @@ class Finder {
       table_.fields["table." + std::string(key.key)] = key.values[0];
     }
     HAPTOMETER_LET(auto read, ReadColumns(*beginning));
+    // order: columns first, then what instruments state of them, then the user's selection
     NumberChannels(&table_.columns);
     KeepWords(*beginning, read, &table_);
     HAPTOMETER_TRY(AddInstrumentWords(*beginning, name_, &table_));
@@ -217,7 +231,7 @@ class Finder {
   }
 
  private:
-  // what was said about the table needs one
+  // an error where an option needs a table, else nothing
   Result<std::optional<ForeignTable>> NoTable() const {
     if (options_.format) {
       return CannotAnswer(
@@ -233,6 +247,7 @@ class Finder {
 
   // columns and clock; how many lines above were used for it
   Result<std::size_t> ReadColumns(const TableBeginning& beginning) {
+    // a clock stated above the rows is found first: it determines the unit of unnamed times
     HAPTOMETER_LET(auto clock, FindStatedClock(beginning.keys, name_));
     table_.clock = std::move(clock);
     table_.stated_rows = FindStatedRows(beginning.keys);
@@ -250,11 +265,12 @@ class Finder {
     return named.lines_used;
   }
 
-  // what holds for any source of the names
+  // conditions for any source of the names
   Result<void> Check() {
     const auto times = std::ranges::count(table_.columns, CsvColumnKind::kTime, &CsvColumn::kind);
     const auto values = std::ranges::count(table_.columns, CsvColumnKind::kValue, &CsvColumn::kind);
     if (times > 1) return CannotAnswer(name_, "two columns are times", "say <columns>");
+    // times come from a column, from the rate or from a stated interval
     if (times == 0 && !options_.rate_hz && !table_.clock) {
       return CannotAnswer(name_, "no column is a time and no line above states the sample interval",
                           "name one time_s (<columns>), or give the rows per second (<rate>)");
@@ -262,6 +278,7 @@ class Finder {
     if (values == 0) {
       return CannotAnswer(name_, "no column beside the time holds values", "say <columns>");
     }
+    // a status column refers to a value column by its number
     for (const CsvColumn& column : table_.columns) {
       if (column.kind == CsvColumnKind::kStatus &&
           column.channel > static_cast<std::size_t>(values)) {
@@ -289,6 +306,7 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
            (Typed(column.name) == wanted || Typed(column.printed) == wanted);
   };
   const auto found = std::ranges::count_if(*columns, is_it);
+  // exactly one channel must have the name
   if (found != 1) {
     return CannotAnswer(
         name,
@@ -300,6 +318,7 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
   const std::size_t number = std::ranges::find_if(*columns, is_it)->channel;
   for (CsvColumn& column : *columns) {
     const bool is_value = column.kind == CsvColumnKind::kValue;
+    // the status column of the selected channel remains and refers to the only channel
     const bool is_status = column.kind == CsvColumnKind::kStatus && column.channel != 0;
     if ((is_value || is_status) && column.channel != number) {
       column = CsvColumn{.kind = CsvColumnKind::kLeftOut};

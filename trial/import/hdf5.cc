@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kRemedy = "export the trial again with haptometer trial export";
 
-// no dataset beyond this is read, whatever a file claims: 2 GiB of doubles
+// no larger dataset is read, regardless of the size that a file states: 2 GiB of doubles
 constexpr hsize_t kMostNumbers = 1ULL << 28;
 
 // Reads the objects of one trial's group; errors name file and object.
@@ -42,6 +42,7 @@ class Group {
   template <typename T>
   Result<std::vector<T>> Numbers(const std::string& name, hid_t type, H5T_class_t kind,
                                  hsize_t width = 1) const {
+    // existence, type, class and shape are checked before the memory is allocated
     const Hdf5Id dataset(H5Dopen2(group_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) return Wrong(name, "is missing");
     const Hdf5Id stored(H5Dget_type(dataset.id()), H5Tclose);
@@ -49,12 +50,14 @@ class Group {
       return Wrong(name, "holds numbers of another type");
     }
     const Hdf5Id space(H5Dget_space(dataset.id()), H5Sclose);
+    // one or two dimensions; a vector has the width 1
     hsize_t shape[2] = {0, 1};
     const int rank = H5Sget_simple_extent_ndims(space.id());
     if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(space.id(), shape, nullptr) < 0 ||
         shape[1] != width) {
       return Wrong(name, "has another shape");
     }
+    // a claimed length above the limit is refused
     if (shape[0] > kMostNumbers / width) return Wrong(name, "is too long to be read");
     std::vector<T> numbers(shape[0] * width);
     if (!numbers.empty() &&
@@ -75,6 +78,7 @@ class Group {
     if (!dataset.ok()) return Wrong(name, "is missing");
     const Hdf5Id type(H5Dget_type(dataset.id()), H5Tclose);
     const Hdf5Id space(H5Dget_space(dataset.id()), H5Sclose);
+    // a file may state any length, so it is limited
     const std::size_t bytes = H5Tget_size(type.id());
     if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 ||
         H5Sget_simple_extent_type(space.id()) != H5S_SCALAR || bytes > kMostBytes) {
@@ -88,6 +92,7 @@ class Group {
     return text;
   }
 
+  // an attribute of one integer; absent or of another type: false
   [[nodiscard]] bool Flag(const std::string& name) const {
     std::uint8_t value = 0;
     const Hdf5Id attribute(H5Aopen(group_.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
@@ -105,6 +110,7 @@ class Group {
   std::string where_;
 };
 
+// the lines of a text, without empty ones
 std::vector<std::string> Lines(const std::string& text) {
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < text.size();) {
@@ -121,6 +127,7 @@ std::vector<std::string> NamesIn(const Hdf5Id& file, hsize_t most) {
   H5G_info_t info{};
   if (H5Gget_info(file.id(), &info) < 0) return names;
   for (hsize_t i = 0; i < std::min(info.nlinks, most); ++i) {
+    // longer names are ignored: no trial's group has one
     char name[1024];
     const auto length = H5Lget_name_by_idx(file.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name,
                                            sizeof name, H5P_DEFAULT);
@@ -134,6 +141,7 @@ std::vector<std::string> TrialsIn(const Hdf5Id& file) {
   std::vector<std::string> names;
   for (std::string& name : NamesIn(file, std::numeric_limits<hsize_t>::max())) {
     const std::string header = name + "/" + hdf5::kHeader;
+    // objects at the root of other kinds than groups are no trials
     H5O_info_t object{};
     if (H5Oget_info_by_name(file.id(), name.c_str(), &object, H5P_DEFAULT) < 0 ||
         object.type != H5O_TYPE_GROUP) {
@@ -166,6 +174,7 @@ std::string ObjectsIn(const Hdf5Id& file) {
   return fmt::format("{}{}", fmt::join(objects, ", "), is_more ? " and more" : "");
 }
 
+// the group to read: the named one, or the only one; else an error that lists the groups
 Result<std::string> Choose(const Hdf5Id& file, const std::string& path, const std::string& name) {
   const std::vector<std::string> names = TrialsIn(file);
   if (names.empty()) {
@@ -188,7 +197,7 @@ Result<std::string> Choose(const Hdf5Id& file, const std::string& path, const st
                       fmt::format("name one as {}/{}", path, names.front()));
 }
 
-// whether the stretches cover `rows` rows in order
+// whether the segments cover `rows` rows in order
 bool Covers(const std::vector<Stretch>& stretches, std::size_t rows) {
   std::size_t row = 0;
   for (const Stretch& stretch : stretches) {
@@ -200,10 +209,12 @@ bool Covers(const std::vector<Stretch>& stretches, std::size_t rows) {
 }
 
 Result<void> ReadTimes(const Group& group, Record* record) {
+  // five numbers per segment: first_row, rows, start_s, rate_hz, time_uncertainty_s
   HAPTOMETER_LET(const auto numbers, group.Doubles(hdf5::kStretches, hdf5::kStretchNumbers));
   constexpr double kMostRows = kMostNumbers;
   for (std::size_t i = 0; i < numbers.size(); i += hdf5::kStretchNumbers) {
     const double* n = numbers.data() + i;
+    // counts are stored as doubles: checked before they are converted
     const bool is_count = n[0] >= 0 && n[0] <= kMostRows && n[1] >= 0 && n[1] <= kMostRows;
     if (!is_count) return group.Wrong(hdf5::kStretches, "do not describe its rows");
     record->stretches.push_back({.first_row = static_cast<std::size_t>(n[0]),
@@ -215,6 +226,7 @@ Result<void> ReadTimes(const Group& group, Record* record) {
   if (!Covers(record->stretches, record->rows)) {
     return group.Wrong(hdf5::kStretches, "do not describe its rows");
   }
+  // raw times only where the source's times lie on no grid
   if (!group.Has(hdf5::kRawTimes)) return {};
   HAPTOMETER_LET(auto raw, group.Doubles(hdf5::kRawTimes));
   if (raw.size() != record->rows) return group.Wrong(hdf5::kRawTimes, "has another length");
@@ -223,6 +235,7 @@ Result<void> ReadTimes(const Group& group, Record* record) {
   return {};
 }
 
+// values and statuses of one channel, of equal length, without numbers that are no measurements
 Result<void> ReadChannel(const Group& group, const std::string& column, std::size_t rows,
                          Channel* channel) {
   HAPTOMETER_LET(auto values, group.Doubles(column));
@@ -242,10 +255,12 @@ Result<void> ReadChannel(const Group& group, const std::string& column, std::siz
   return {};
 }
 
+// the header comes first: it names the channels, whose columns have the names of a CSV
 Result<Record> ReadRecordOf(const Group& group) {
   HAPTOMETER_LET(const auto json, group.Text(hdf5::kHeader));
   const auto header = HeaderFromJson(json);
   if (!header) return group.Wrong(hdf5::kHeader, "is not a trial's header");
+  // the times give the number of rows; they are computed again from the segments
   HAPTOMETER_LET(const auto times_s, group.Doubles(hdf5::kTimes));
   Record record;
   record.rows = times_s.size();
@@ -266,6 +281,7 @@ Result<Recording> ReadGroup(const Group& group) {
   ReadReport& report = recording.report;
   report.kind = FileKind::kHdf5;
   report.closed = group.Flag(hdf5::kClosed);
+  // an export is complete: no rows beyond those that it holds
   report.rows = report.next_row = recording.record.rows;
   if (group.Has(hdf5::kEvents)) {
     HAPTOMETER_LET(const auto events, group.Text(hdf5::kEvents));
@@ -287,8 +303,9 @@ Result<Recording> ReadGroup(const Group& group) {
 }  // namespace
 
 Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
-  // errors are told by us, not by libhdf5 on stderr
+  // errors are reported by this program, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  // no output of the same command may replace this file
   NoteInput(path);
   const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) {

@@ -13,6 +13,7 @@ namespace {
 
 using enum TableFormat;
 
+// format, name in options, title in messages, assumed units of time and of values
 constexpr std::array<TableFormatFacts, 21> kFormats{{
     {kPlain, "plain", "plain table", "", ""},
     {kTektronixTds, "tektronix-tds", "Tektronix TDS/TBS/DPO2000", "s", ""},
@@ -37,6 +38,7 @@ constexpr std::array<TableFormatFacts, 21> kFormats{{
     {kNiElvis, "ni-elvis", "NI ELVIS", "", "V"},
 }};
 
+// layouts are recognised by the first lines alone
 constexpr std::size_t kLinesLookedAt = 64;
 
 // the lines in lower case with commas between cells, without quotes and blanks: what separates and
@@ -46,11 +48,12 @@ std::vector<std::string> BareLines(std::string_view text) {
   lines.reserve(kLinesLookedAt);
   while (!text.empty() && lines.size() < kLinesLookedAt) {
     const std::size_t end = std::min(text.find('\n'), text.size());
+    // longer lines are compared by their beginning
     constexpr std::size_t kLongest = 400;
     std::string line = LowerCase(text.substr(0, std::min(end, kLongest)));
     text.remove_prefix(std::min(end + 1, text.size()));
     std::erase_if(line, [](char c) { return c == ' ' || c == '"' || c == '\r'; });
-    // where something else separates cells, a comma is a decimal one
+    // where another sign separates cells, a comma is a decimal one
     if (line.find_first_of(";\t") != std::string::npos) std::ranges::replace(line, ',', '.');
     std::ranges::replace(line, '\t', ',');
     std::ranges::replace(line, ';', ',');
@@ -59,6 +62,7 @@ std::vector<std::string> BareLines(std::string_view text) {
   return lines;
 }
 
+// what the lines of a file begin with or contain, by which its layout is recognised
 class Signs {
  public:
   explicit Signs(std::string_view text) : lines_(BareLines(text)) {}
@@ -87,6 +91,7 @@ class Signs {
   std::vector<std::string> lines_;
 };
 
+// layouts of oscilloscopes; the order matters, because several begin with the same words
 TableFormat FindScope(const Signs& signs) {
   if (signs.Begins("#digilentwaveforms")) return kDigilent;
   if (signs.Begins("#channel:ch") || (signs.Begins("#clock=") && signs.Begins("#size="))) {
@@ -109,6 +114,7 @@ TableFormat FindScope(const Signs& signs) {
   return kPlain;
 }
 
+// layouts of data loggers and of programs, whose signs are weaker: after the oscilloscopes
 TableFormat FindOther(const Signs& signs) {
   if (signs.Pair("x-axis,", "second,")) return kKeysightInfiniivision;
   if (signs.Begins("revision:") || signs.Begins("xinc:")) return kKeysightInfiniium;

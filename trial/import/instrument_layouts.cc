@@ -13,11 +13,13 @@ namespace {
 
 using Cells = std::vector<std::string_view>;
 
+// the first value of a key above the table, or ""
 std::string_view FirstValue(const TableBeginning& beginning, std::string_view key) {
   const auto values = ValuesOf(beginning.keys, key);
   return values.empty() ? "" : values[0];
 }
 
+// the cells of the line `down` lines below the one whose first cell begins with `first_cell`
 Cells CellsBelow(const TableBeginning& beginning, std::string_view first_cell, std::size_t down) {
   for (std::size_t i = 0; i + down < beginning.above.size(); ++i) {
     const char separator = beginning.rows[0].separator;
@@ -42,6 +44,7 @@ void NameChannels(const Cells& names, ForeignTable* table) {
 // "Segments,2,SegmentSize,502", and "#2,22-Jan-2015 11:35:11,0.00123"
 Result<void> AddLecroySegments(const TableBeginning& beginning, const std::string& name,
                                ForeignTable* table) {
+  // a histogram is a table of counts, no waveform
   if (!beginning.above.empty()) {
     const Cells first = SplitCells(beginning.above[0].text, beginning.rows[0].separator);
     if (first.size() > 2 && LowerCase(first[2]) == "histogram") {
@@ -49,6 +52,7 @@ Result<void> AddLecroySegments(const TableBeginning& beginning, const std::strin
                           "save the trace itself as a waveform");
     }
   }
+  // a line for each segment: number, date, start in s since the first trigger
   for (const std::string_view comment : beginning.comments) {
     const Cells cells = SplitCells(comment, beginning.rows[0].separator);
     const auto start = ReadNumberWithComma(cells.back());
@@ -63,6 +67,7 @@ Result<void> AddLecroySegments(const TableBeginning& beginning, const std::strin
 // "Physical channel, Start Time, Sample Interval, Sample Count" and a line for each channel
 Result<void> AddPxiClock(const TableBeginning& beginning, const std::string& name,
                          ForeignTable* table) {
+  // the columns are found by their titles, not by their order
   const Cells titles = CellsBelow(beginning, "physical channel", 0);
   const auto at = [&](const Cells& cells, std::string_view title) -> std::optional<double> {
     for (std::size_t i = 0; i < std::min(titles.size(), cells.size()); ++i) {
@@ -79,6 +84,7 @@ Result<void> AddPxiClock(const TableBeginning& beginning, const std::string& nam
     const auto rows = at(cells, "sample count");
     if (rows && *rows >= 1 && *rows < 1e15) table->stated_rows = static_cast<std::size_t>(*rows);
     const StatedClock clock{*interval_s, at(cells, "start time"), "Sample Interval"};
+    // one table of rows needs one clock for all channels
     const bool differs = table->clock && (table->clock->interval_s != clock.interval_s ||
                                           table->clock->start_s != clock.start_s);
     if (!(*interval_s > 0) || !std::isfinite(1 / *interval_s) || differs) {
@@ -90,7 +96,7 @@ Result<void> AddPxiClock(const TableBeginning& beginning, const std::string& nam
   return {};
 }
 
-// "t0,5/7/2021  12:00:47.056435,5/7/2021  12:00:47.056436"
+// "t0,5/7/2021  12:00:47.056435,5/7/2021  12:00:47.056436": a note of how far the starts differ
 void AddElvisStarts(const TableBeginning& beginning, ForeignTable* table) {
   const auto starts = ValuesOf(beginning.keys, "t0");
   double latest_s = 0;
@@ -113,6 +119,7 @@ struct HantekBlock {
   Cells values{};
 };
 
+// adds one # line: kept in the head, and read as key where it is one
 void TakeHantekKey(std::string_view line, HantekBlock* block) {
   block->head += line;
   block->head += '\n';
@@ -127,6 +134,7 @@ void TakeHantekKey(std::string_view line, HantekBlock* block) {
 // the blocks of `text`, or none where it is a table
 std::vector<HantekBlock> HantekBlocks(std::string_view text) {
   std::vector<HantekBlock> blocks;
+  // a # line behind values begins the next channel
   bool is_in_values = true;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -138,6 +146,7 @@ std::vector<HantekBlock> HantekBlocks(std::string_view text) {
       TakeHantekKey(line, &blocks.back());
       continue;
     }
+    // several cells in a line: a table with all channels, which needs no joining
     if (blocks.empty() || CellsOf(line).cells.size() > 1) return {};
     blocks.back().values.push_back(line);
     is_in_values = true;
@@ -169,6 +178,7 @@ SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
                : SplitCells(beginning.above[beginning.above.size() - back].text,
                             beginning.rows[0].separator);
   };
+  // the header is "X,CH1,Start,Increment," above units, or one line with "t0 =" and "tInc ="
   Cells units = cells_of(1);
   const bool is_one_line = std::ranges::any_of(
       units, [](std::string_view cell) { return LowerCase(cell).starts_with("tinc"); });
@@ -179,6 +189,7 @@ SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
     const std::string title = LowerCase(names[i]);
     std::string_view name = names[i];
     std::string_view unit = units[i];
+    // in one line the unit is the last letter of the name: "CH1V"
     if (is_one_line && name.size() > 1 && FindUnit(name.substr(name.size() - 1))) {
       unit = name.substr(name.size() - 1);
       name.remove_suffix(1);
@@ -189,6 +200,7 @@ SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
     if (title.starts_with("tinc")) head.increment_s = NumberBehindSign(names[i]);
     const bool is_clock = title == "start" || title == "increment" || title.starts_with("t0") ||
                           title.starts_with("tinc");
+    // a first column of row numbers is converted to times by Start and Increment
     if (i == 0) head.has_numbers = title == "x" || LowerCase(unit) == "sequence";
     if (is_clock || (i == 0 && head.has_numbers)) name = "";
     head.channels.emplace_back(name, unit);
@@ -198,6 +210,7 @@ SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
 
 // Saleae's digital channels are 0, 1 or X; analog ones have decimals, and their unit is the volt
 void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
+  // the cells of a digital channel
   const auto is_level = [](std::string_view cell) {
     return cell == "0" || cell == "1" || cell == "X" || cell == "x" || cell.empty();
   };
@@ -206,6 +219,7 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
   for (std::size_t i = 0; i < table->columns.size(); ++i) {
     CsvColumn& column = table->columns[i];
     if (column.kind != CsvColumnKind::kValue || !column.unit.empty()) continue;
+    // two rows without other cells than levels: a digital channel
     const bool has_levels = std::ranges::all_of(
         beginning.rows, [&](const TableCells& row) { return is_level(row.cells[i]); });
     is_digital = is_digital || has_levels;
@@ -213,6 +227,7 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
     SetPrintedUnit("V", &column);
     is_assumed = true;
   }
+  // digital channels are exported at their transitions only, so rows are no samples
   if (is_digital) {
     table->findings.Doubt(FindingKind::kTransitionsOnly);
   }
@@ -226,6 +241,7 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
 }  // namespace
 
 std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
+  // Tektronix TDS: keys in columns 1 and 2, column 3 empty, time and value in columns 4 and 5
   std::vector<CsvColumn> columns(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
   columns[3] = {.kind = CsvColumnKind::kTime, .name = "time", .unit = "s"};
   if (const auto unit = FindUnit(FirstValue(beginning, "Horizontal Units"));
@@ -240,6 +256,7 @@ std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
 
 Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::string& name,
                                  ForeignTable* table) {
+  // time of row i: Start + (number in the first column) * Increment
   const SequenceHead head = SequenceHeadOf(beginning);
   if (!head.start_s || !head.increment_s || !std::isfinite(*head.start_s) ||
       !std::isfinite(1 / *head.increment_s) || !(*head.increment_s > 0)) {
@@ -254,6 +271,7 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
     SetPrintedUnit(unit, &table->columns[i]);
   }
   table->clock = StatedClock{*head.increment_s, head.start_s, "Increment"};
+  // without row numbers the rows are at Start + i * Increment
   if (!head.has_numbers) return head.lines;
   table->columns[0] = {.kind = CsvColumnKind::kTime,
                        .name = "time",
@@ -262,6 +280,7 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
                        .offset = *head.start_s,
                        .is_count = true};
   const double first = ReadNumber(beginning.rows[0].cells[0]).value_or(0);
+  // a file that begins at a later row has a later start
   *table->clock->start_s += first * *head.increment_s;
   if (first != 0) {
     table->findings.Doubt(FindingKind::kRowsBeginAt,
@@ -298,6 +317,7 @@ Result<std::optional<std::string>> JoinHantekBlocks(std::string_view text,
                                                     const std::string& name) {
   const auto blocks = HantekBlocks(text);
   if (blocks.empty()) return std::nullopt;
+  // blocks become columns only if they have one length and one clock
   for (const HantekBlock& block : blocks) {
     if (block.values.size() == blocks[0].values.size() && block.clock == blocks[0].clock) continue;
     return CannotAnswer(name,
@@ -305,6 +325,7 @@ Result<std::optional<std::string>> JoinHantekBlocks(std::string_view text,
                                     blocks[0].values.size(), block.values.size()),
                         "save the channels into files of their own");
   }
+  // the joined text is a table: keys of the first block, a line of names, rows
   std::string joined = blocks[0].head;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const HantekBlock& block = blocks[b];

@@ -21,11 +21,13 @@
 namespace haptometer::trial {
 namespace {
 
+// first cells of the file, end of each header
 constexpr std::string_view kMagic = "LabVIEW Measurement";
 constexpr std::string_view kHeaderEnd = "***End_of_Header***";
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kRemedy = "write the file again, or export it as a CSV with time_s";
 
+// X_Columns of the file header: no X, one X for all channels, or one before each channel
 enum class XColumns : std::uint8_t { kNone, kOne, kMulti };
 
 using Keys = std::map<std::string, std::vector<std::string>, std::less<>>;
@@ -43,10 +45,12 @@ struct Segment {
   CsvRows::Segment rows{};
 };
 
+// equality within 1e-6, relative
 bool AreEqual(double a, double b) {
   return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b));
 }
 
+// turns the lines of a LabVIEW measurement file into a record, one segment after another
 class Parser {
  public:
   Parser(std::string_view text, const std::string& name, const ImportOptions& options,
@@ -57,6 +61,7 @@ class Parser {
     HAPTOMETER_TRY(CheckLines(rest_, name_));
     HAPTOMETER_TRY(ReadFileHeader());
     while (NextLine()) {
+      // a key of a segment header ends the segment before it
       HAPTOMETER_TRY(BeginsSegment() ? ReadSegmentHeader() : ReadDataLine());
     }
     HAPTOMETER_TRY(FinishSegment());
@@ -96,6 +101,7 @@ class Parser {
     do {
       const auto cells = Cells();
       if (cells.front() == kHeaderEnd) return {};
+      // guards against a file without the line that ends the header
       if (keys->size() == kMostHeaderLines) return Wrong("the header has too many lines");
       auto& values = (*keys)[std::string(cells.front())];
       values.assign(cells.begin() + 1, cells.end());
@@ -114,7 +120,7 @@ class Parser {
 
   Result<void> ReadFileHeader() {
     if (!NextLine()) return Wrong("is empty");
-    // the separator is told by the header, which is separated by it
+    // the header is separated by the separator that it states, so this is found first
     separator_ =
         line_.find(',') != std::string_view::npos && line_.find('\t') == line_.npos ? ',' : '\t';
     if (separator_ == '\t' && rest_.substr(0, rest_.find('\n')).find('\t') == rest_.npos) {
@@ -123,10 +129,12 @@ class Parser {
     }
     HAPTOMETER_TRY(ReadKeys(&file_keys_));
     const std::string decimal = ValueOf(file_keys_, "Decimal_Separator");
+    // without the key both decimal signs are accepted, unless commas separate cells
     decimal_comma_ = decimal.empty() ? separator_ != ',' : decimal == ",";
     const std::string x_columns = LowerCase(ValueOf(file_keys_, "X_Columns"));
     if (x_columns == "no") x_columns_ = XColumns::kNone;
     if (x_columns == "multi") x_columns_ = XColumns::kMulti;
+    // the keys of the file header are kept as metadata fields lvm.KEY
     for (const auto& [key, values] : file_keys_) {
       if (key == kMagic || values.empty()) continue;
       record_.metadata.fields["lvm." + key] = values.front();
@@ -141,6 +149,7 @@ class Parser {
     segment_.rows.first_row = record_.rows;
     is_in_data_ = false;
     HAPTOMETER_TRY(ReadKeys(&segment_.keys));
+    // a spectrum has frequencies as X
     const std::string dimension = ValueOf(segment_.keys, "X_Dimension");
     if (!dimension.empty() && LowerCase(dimension) != "time") {
       return CannotAnswer(Here(), fmt::format("its X is not a time: X_Dimension is {}", dimension),
@@ -155,7 +164,7 @@ class Parser {
     if (cells.front() == kHeaderEnd) return {};
     if (!is_in_data_ && LowerCase(cells.front()) == "x_value") return ReadNames(cells);
     if (std::ranges::all_of(cells, &std::string_view::empty)) return {};
-    // a special block holds what its writer likes
+    // a special block is in the format of its writer
     if (LowerCase(cells.front()) == "***start_special***") {
       while (NextLine() && LowerCase(Cells().front()) != "***end_special***") {
       }
@@ -172,6 +181,7 @@ class Parser {
     is_in_data_ = true;
     for (std::size_t i = 1; i < cells.size(); ++i) {
       const std::string lower = LowerCase(cells[i]);
+      // with one X for each channel X_Value is repeated; Comment is the last column
       if (lower == "x_value") continue;
       if (lower == "comment") break;
       if (!cells[i].empty()) segment_.names.emplace_back(cells[i]);
@@ -180,6 +190,7 @@ class Parser {
       return Wrong("names no channel, or too many");
     }
     if (columns_.empty()) return SetChannels();
+    // later segments continue the channels of the first
     if (segment_.names.size() != columns_.size()) {
       return Wrong(fmt::format("begins a segment of {} channels where the first has {}",
                                segment_.names.size(), columns_.size()));
@@ -187,10 +198,11 @@ class Parser {
     return {};
   }
 
-  // the channels by the first segment's header and by what is said of them
+  // the channels by the first segment's header and by the options
   Result<void> SetChannels() {
     for (std::size_t c = 0; c < segment_.names.size(); ++c) {
       CsvColumn column{.name = segment_.names[c], .printed = segment_.names[c]};
+      // Y_Unit_Label holds one unit for each channel
       const auto units = segment_.keys.find("Y_Unit_Label");
       if (units != segment_.keys.end() && c < units->second.size()) {
         column.unit = units->second[c];
@@ -198,6 +210,7 @@ class Parser {
       }
       columns_.push_back(std::move(column));
     }
+    // names of the user replace those of the file before numbers and scales are given
     HAPTOMETER_TRY(TakeToldColumns());
     NumberChannels(&columns_);
     HAPTOMETER_TRY(KeepChannel(options_, name_, &columns_));
@@ -224,6 +237,7 @@ class Parser {
     }
     for (std::size_t i = 0; i < told; ++i) {
       HAPTOMETER_LET(auto column, ReadToldColumn(options_.columns[i], options_));
+      // the first of channels + 1 names is for X_Value, which must be a time or omitted
       const bool is_x = has_x && i == 0;
       const bool is_left_out = column.kind == CsvColumnKind::kLeftOut;
       if (is_x ? !is_left_out && column.kind != CsvColumnKind::kTime
@@ -253,6 +267,7 @@ class Parser {
     // without X its column is mostly there and empty
     const bool has_x_cell =
         x_columns_ != XColumns::kNone || cells.size() > channels || cells.front().empty();
+    // a row is X, Y, Y, ... or, with one X for each channel, X, Y, X, Y, ...
     const std::size_t first = has_x_cell ? 1 : 0;
     const std::size_t needed = is_multi ? 2 * channels : first + channels;
     if (cells.size() < needed) {
@@ -262,6 +277,7 @@ class Parser {
     if (x_columns_ != XColumns::kNone && x_is_read_) {
       HAPTOMETER_TRY(TakeX(cells, is_multi ? channels : 1));
     }
+    // number of the channel among those that are read
     std::size_t number = 0;
     for (std::size_t c = 0; c < channels; ++c) {
       if (columns_[c].kind != CsvColumnKind::kValue) continue;
@@ -270,13 +286,14 @@ class Parser {
     }
     ++segment_.rows.rows;
     ++record_.rows;
+    // a cell behind the last channel is the row's comment
     if (cells.size() > needed && !cells[needed].empty()) {
       record_.metadata.notes.push_back(fmt::format("row {}: {}", record_.rows - 1, cells[needed]));
     }
     return {};
   }
 
-  // the row's X; of several columns all must say the same
+  // the row's X; several X columns must agree
   Result<void> TakeX(const std::vector<std::string_view>& cells, std::size_t columns) {
     const auto x = Number(cells[0]);
     if (!x || !std::isfinite(*x * x_factor_)) {
@@ -293,6 +310,7 @@ class Parser {
     }
     const double time_s = *x * x_factor_;
     PrintedTimes& times = segment_.rows.times;
+    // a decreasing time is an error; of repeated ones the first line is kept for a message
     if (!times.times_s().empty() && time_s <= times.times_s().back()) {
       if (time_s < times.times_s().back()) {
         return Wrong(fmt::format("X value {} does not grow", cells[0]));
@@ -303,6 +321,7 @@ class Parser {
     return {};
   }
 
+  // the value of one cell in SI units; an empty cell is an invalid sample, no error
   Result<void> TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
     std::optional<double> value = kNan;
     if (!cell.empty()) value = Number(cell);
@@ -326,7 +345,7 @@ class Parser {
     clock.samples = Number(ValueOf(segment_.keys, "Samples", channel));
     const bool is_sound = clock.interval_s > 0 && std::isfinite(1 / clock.interval_s) &&
                           std::isfinite(clock.interval_s) && std::isfinite(clock.start_s);
-    // a single sample has no interval, whatever Delta_X says
+    // a single sample has no interval, regardless of Delta_X
     if (!is_sound || (clock.samples && *clock.samples <= 1)) return std::nullopt;
     return clock;
   }
@@ -343,6 +362,7 @@ class Parser {
         first = c;
         continue;
       }
+      // channels that begin within half an interval of each other share their rows' times
       const bool is_late = std::abs(clock->start_s - common->start_s) > 0.5 * common->interval_s;
       if (AreEqual(clock->interval_s, common->interval_s) && !is_late) continue;
       return CannotAnswer(
@@ -361,6 +381,7 @@ class Parser {
   Result<void> FinishSegment() {
     if (segment_.rows.rows == 0) return {};
     ++segments_;
+    // rows of segments that the user did not select are discarded
     if (options_.segment && *options_.segment != segments_) {
       Truncate(0);
       return {};
@@ -368,15 +389,17 @@ class Parser {
     HAPTOMETER_LET(const auto clock, CommonClock());
     TimeWords words;
     if (clock) words.clock = StatedClock{clock->interval_s, clock->start_s, "Delta_X"};
-    // X values are those of the first channel
+    // X values are those of channel 1: valid for the others only at the same interval
     const auto first = ClockOf(0);
     const bool x_is_ours = x_columns_ == XColumns::kMulti || !clock || !first ||
                            AreEqual(first->interval_s, clock->interval_s);
+    // rows beyond Samples hold no values of the channels that are read
     if (!x_is_ours && clock->samples && *clock->samples < static_cast<double>(segment_.rows.rows)) {
       Truncate(static_cast<std::size_t>(*clock->samples));
     }
     Record part;
     part.rows = segment_.rows.rows;
+    // without usable X the times are start + i * interval of the stated clock or rate
     if (x_columns_ == XColumns::kNone || !x_is_read_ || !x_is_ours) {
       if (!words.clock && !options_.rate_hz) {
         return Wrong("its segment has neither X values nor a Delta_X above 0");
@@ -400,11 +423,13 @@ class Parser {
     segment_.rows.rows = rows;
   }
 
+  // adds a segment's times; where X begins again, behind the pause that the wall clock gives
   Result<void> Append(const Record& part) {
     const std::string time = ValueOf(segment_.keys, "Time");
     const auto clock_s = ReadClock(time.empty() ? ValueOf(file_keys_, "Time") : time);
     const double start_s = part.stretches.front().start_s;
     double shift_s = 0;
+    // the first segment is the reference of the wall clock
     if (!has_first_) {
       has_first_ = true;
       first_clock_s_ = clock_s;
@@ -412,7 +437,7 @@ class Parser {
       first_start_s_ = start_s;
     } else if (!times_.IsBehind(start_s) && clock_s && first_clock_s_ && !time.empty() &&
                ValueOf(segment_.keys, "Date") == first_date_) {
-      // X begins again: only the clock on the wall tells the pause
+      // shift in s: wall-clock time since the first segment, less the difference of their X
       shift_s = *clock_s - *first_clock_s_ + first_start_s_ - start_s;
     }
     if (times_.Append(part, shift_s)) return {};
@@ -434,6 +459,7 @@ class Parser {
                           "a measurement needs at least two");
     }
     if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
+    // rows are excluded last, because their numbers are those of the whole record
     std::move(times_).Complete(&record_);
     LeaveOutRows(left_out_, &record_);
     return std::move(record_);

@@ -18,6 +18,7 @@ bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> word
   return std::ranges::find(words, LowerCase(word)) != words.end();
 }
 
+// names of time columns in exports of oscilloscopes and data loggers, some of them German
 bool IsTimeName(std::string_view name) {
   return IsOneOf(name, {"time", "t", "x-axis", "x", "second", "seconds", "zeit", "x_value",
                         "relative time", "elapsed time", "timestamp", "time stamp"});
@@ -45,6 +46,7 @@ NameAndUnit SplitUnit(std::string_view cell) {
     return {Trimmed(cell.substr(0, at)), Trimmed(cell.substr(at + sign.size()))};
   }
   if (cell.starts_with("in ")) return {"", Trimmed(cell.substr(3))};
+  // an underscore separates a unit only behind a time: other names may contain it
   const std::size_t bar = cell.rfind('_');
   if (bar != std::string_view::npos && IsTimeName(cell.substr(0, bar)) &&
       IsUnitOfTime(cell.substr(bar + 1))) {
@@ -60,6 +62,7 @@ std::string_view UnitCell(std::string_view cell) {
   return before.empty() ? inside : "";
 }
 
+// names the columns of a foreign table from its header lines, its comments or the options
 class Head {
  public:
   Head(const TableBeginning& beginning, const TableWords& words, const std::string& name,
@@ -80,7 +83,7 @@ class Head {
 
   Result<void> FromOptions() {
     std::size_t width = Width();
-    // separators at the ends of rows make columns that nobody sees
+    // separators at the ends of rows make columns without content
     while (width > options_.columns.size() && IsEmptyBelow(width - 1)) --width;
     if (options_.columns.size() != width) {
       return Usage(
@@ -96,23 +99,28 @@ class Head {
       HAPTOMETER_LET(auto column, ReadToldColumn(word, options_));
       named_.columns.push_back(std::move(column));
     }
+    // columns behind the named ones are empty
     named_.columns.resize(Width(), CsvColumn{.kind = CsvColumnKind::kLeftOut});
     return {};
   }
 
+  // names in the line above the numbers, or above a line of units, or in the last comment
   Result<void> FromHeader() {
     std::vector<std::string_view> names = beginning_.Above(1);
     std::vector<std::string_view> units;
     auto names_above = beginning_.Above(2);
+    // a line of units has the names one line higher
     if (IsLineOfUnits(names) && names_above.size() == names.size() && !AreKeys(names_above)) {
       units = std::exchange(names, std::move(names_above));
     }
+    // a comment as header (np.savetxt) must name a time: other comments may have as many cells
     auto comment = beginning_.LastComment();
     const bool is_in_comment = comment.size() == Width() && NamesTime(comment);
     if (is_in_comment) {
       names = std::move(comment);
       units.clear();
     }
+    // two cells for each name: decimal commas split at commas
     if (names.size() * 2 == Width() && beginning_.rows[0].separator == ',') {
       return CommaError(names);
     }
@@ -122,6 +130,7 @@ class Head {
     }
     if (names.size() != Width() || AreKeys(names)) return WithoutNames();
     units.resize(Width());
+    // lines above the rows that are header and become no notes
     named_.lines_used = is_in_comment ? 0 : units[0].empty() ? 1 : 2;
     for (std::size_t i = 0; i < names.size(); ++i) {
       HAPTOMETER_LET(auto column, ColumnOf(names[i], UnitCell(units[i]), i));
@@ -134,6 +143,7 @@ class Head {
   // "second,Volt", "(ms),(V)"; Siglent's "Second,Value" too
   [[nodiscard]] bool IsLineOfUnits(const std::vector<std::string_view>& cells) const {
     const bool is_wide = cells.size() == Width() || EndsEmpty(cells.size());
+    // a line of units: each cell is a unit or empty; "value" stands for one beside a time
     return is_wide && !cells.empty() && std::ranges::all_of(cells, [&](std::string_view cell) {
              return cell.empty() || FindUnit(UnitCell(cell)) || cell.starts_with('(') ||
                     (IsUnitOfTime(UnitCell(cells[0])) && IsOneOf(cell, {"value"}));
@@ -151,6 +161,7 @@ class Head {
     return beginning_.rows[0].cells[column].empty() && beginning_.rows[1].cells[column].empty();
   }
 
+  // whether one of the cells is a time column's name, of this program or of another
   [[nodiscard]] bool NamesTime(const std::vector<std::string_view>& cells) const {
     const auto is_time = [&](std::string_view cell) {
       const auto own = ReadCsvColumn(cell, name_);
@@ -181,6 +192,7 @@ class Head {
   // first may be the time
   Result<void> WithoutNames() {
     std::size_t width = Width();
+    // empty columns at the end do not count
     while (width > 1 && IsEmptyBelow(width - 1)) --width;
     std::vector<std::size_t> filled;
     for (std::size_t i = 0; i < width; ++i) {
@@ -188,6 +200,7 @@ class Head {
     }
     const bool is_infiniium = facts_.format == TableFormat::kKeysightInfiniium;
     const bool is_timeless = options_.rate_hz || facts_.format == TableFormat::kHantek;
+    // Infiniium files without names: one column of values, or time in s and values
     if (is_infiniium && filled.size() <= 2) {
       named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
       if (filled.size() == 2) SetTime(PrintedUnit{"s", 1}, filled[0]);
@@ -195,11 +208,13 @@ class Head {
       FillUnits();
       return {};
     }
+    // a single column beside a rate or keys needs no name
     if (filled.size() == 1 && (is_timeless || is_infiniium || !beginning_.keys.empty())) {
       named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
       named_.columns[filled[0]] = CsvColumn{.name = "channel_1"};
       return {};
     }
+    // the key TraceName names the channels of a table that has a clock but no line of names
     const auto traces = ValuesOf(beginning_.keys, "TraceName");
     if (clock_ && !filled.empty() && traces.size() == filled.size()) {
       named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
@@ -212,6 +227,7 @@ class Head {
     return NoNames(filled);
   }
 
+  // the error for columns without names; the step of the first gives the rates it would mean
   std::unexpected<Error> NoNames(const std::vector<std::size_t>& filled) const {
     constexpr const char* kRemedy =
         "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil), "
@@ -234,7 +250,7 @@ class Head {
         "give <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>");
   }
 
-  // by how much the first two rows differ
+  // difference of the first two rows, which is the period if the column is a time
   [[nodiscard]] double Step(std::size_t column) const {
     return ReadNumberWithComma(beginning_.rows[1].cells[column]).value_or(0) -
            ReadNumberWithComma(beginning_.rows[0].cells[column]).value_or(0);
@@ -247,7 +263,7 @@ class Head {
 
   Result<CsvColumn> ColumnOf(std::string_view cell, std::string_view unit_text,
                              std::size_t number) {
-    // a name of our own says its unit
+    // a name of this program contains its unit
     if (unit_text.empty()) {
       auto own = ReadCsvColumn(cell, name_);
       if (own && (own->kind != CsvColumnKind::kValue || own->role != ChannelRole::kOther)) {
@@ -256,12 +272,15 @@ class Head {
     }
     auto [title, bracket] = SplitUnit(cell);
     const std::string_view printed = unit_text.empty() ? bracket : unit_text;
+    // frequency and level columns of a spectrum, and all columns behind them, are omitted
     if (IsOneOf(printed, {"hz", "khz", "db", "dbv"})) is_spectrum_ = true;
+    // a first column of row numbers is no channel
     const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
     if ((cell.empty() && unit_text.empty()) || is_spectrum_ || is_number) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
+    // a first column in a unit of time is the time, regardless of its name
     const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed));
     if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
     CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell),
@@ -270,16 +289,20 @@ class Head {
     return column;
   }
 
+  // unit of a time column: printed, else the instrument's, else the one that fits a stated rate
   Result<CsvColumn> TimeOfColumn(std::string_view cell, std::optional<PrintedUnit> unit,
                                  std::size_t number) {
     CsvColumn column{.kind = CsvColumnKind::kTime, .name = "time", .unit = "s"};
+    // times of day need no unit
     if (ReadClock(beginning_.rows[0].cells[number])) {
       column.is_clock = true;
       return column;
     }
     if (!unit && facts_.assumed_time_unit == "s") {
+      // the unit of the time axis may be a key of the header
       const auto stated = ValuesOf(beginning_.keys, "Horizontal Units");
       if (!stated.empty()) unit = FindUnit(stated[0]);
+      // LeCroy states no unit of time: s, with a note
       if (!unit && facts_.format == TableFormat::kLecroy) {
         unit = PrintedUnit{"s", 1};
         named_.findings.Note(FindingKind::kTimeUnitAssumed,
@@ -287,6 +310,7 @@ class Head {
       }
       if (!unit && facts_.format != TableFormat::kTektronixDpo) unit = PrintedUnit{"s", 1};
     }
+    // a stated rate or sample interval determines the unit from the step of the times
     if (!unit && options_.rate_hz) unit = UnitByRate(Step(number), *options_.rate_hz);
     if (!unit && clock_) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
     if (!unit || unit->si_unit != "s") return TimeError(cell, number);
@@ -294,7 +318,7 @@ class Head {
     return column;
   }
 
-  // the unit in which the rows come at a rate that was said
+  // the unit in which the rows have the stated rate, to 1 %; nothing where none has
   [[nodiscard]] static std::optional<PrintedUnit> UnitByRate(double step, double rate_hz) {
     for (const double factor : {1.0, 1e-3, 1e-6, 1e-9}) {
       if (std::abs(step * factor * rate_hz - 1) < 0.01) return PrintedUnit{"s", factor};
@@ -302,7 +326,7 @@ class Head {
     return std::nullopt;
   }
 
-  // a time that may be seconds or milliseconds
+  // the error for a time that may be in seconds or milliseconds
   std::unexpected<Error> TimeError(std::string_view cell, std::size_t number) const {
     const double step = Step(number);
     return CannotAnswer(name_,
@@ -322,12 +346,14 @@ class Head {
     bool is_assumed = false;
     for (CsvColumn& column : named_.columns) {
       if (column.kind != CsvColumnKind::kValue) continue;
+      // one stated unit is valid for all channels, several are in the order of the channels
       const std::size_t at = stated.size() == 1 ? 0 : channel;
       ++channel;
       if (!column.unit.empty() || column.role != ChannelRole::kOther) continue;
       if (at < stated.size()) {
         if (const auto unit = FindUnit(stated[at])) SetUnit(*unit, &column);
       } else if (const auto unit = FindUnit(facts_.assumed_value_unit)) {
+        // the instrument's usual unit, reported as assumed
         SetUnit(*unit, &column);
         is_assumed = true;
       }
@@ -352,9 +378,11 @@ class Head {
 
 Result<CsvColumn> ReadToldColumn(const std::string& word, const ImportOptions& options) {
   std::string name = word;
+  // with a scale the unit need not be in the name
   if (options.scale_m && word == "displacement") name = "displacement_m";
   if (options.scale_v && word == "voltage") name = "voltage_v";
   auto column = ReadCsvColumn(name, "<columns>");
+  // an invalid name in the options is an error of usage, not of the file
   if (!column) {
     Error error = column.error();
     error.cause = Cause::kUsage;

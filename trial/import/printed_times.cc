@@ -20,6 +20,7 @@ namespace haptometer::trial {
 
 namespace {
 
+// rows that follow each other without a missing one
 struct Run {
   std::size_t first = 0;
   std::size_t rows = 0;
@@ -31,7 +32,7 @@ double AsDouble(std::size_t n) { return static_cast<double>(n); }
 // intervals
 double MedianPeriod(std::span<const double> times_s) {
   const std::size_t lag = std::min<std::size_t>(8, times_s.size() - 1);
-  // of a long record a part says as much
+  // of a long record a part of the differences is enough
   constexpr std::size_t kEnough = 1U << 16U;
   const std::size_t step = 1 + times_s.size() / kEnough;
   std::vector<double> spans;
@@ -62,9 +63,11 @@ std::vector<Run> Runs(std::span<const double> times_s, std::span<const double> r
 bool Fits(const Run& run, double period_s, std::span<const double> times_s,
           std::span<const double> resolutions_s) {
   const std::size_t last = run.first + run.rows - 1;
+  // the grid begins at a printed time, so the end points' digits count too
   const double ends_s = std::max(resolutions_s[run.first], resolutions_s[last]);
   for (std::size_t j = 0; j < run.rows; ++j) {
     const double grid_s = times_s[run.first] + AsDouble(j) * period_s;
+    // a millionth of a period for clocks that were summed up
     const double bound_s = ends_s + resolutions_s[run.first + j] + 1e-6 * period_s;
     if (std::abs(times_s[run.first + j] - grid_s) > bound_s) return false;
   }
@@ -82,11 +85,13 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
   double sum = 0;
   double sum_x = 0;
   double sum_t = 0;
+  // weight 1 / resolution^2, relative to the last row's, limited for times of exact digits
   const auto weight = [&](std::size_t i) {
     const double relative = resolutions_s.back() / std::max(resolutions_s[i], 1e-300);
     return std::clamp(relative * relative, 1e-12, 1e12);
   };
   for (std::size_t i = 0; i < times_s.size(); ++i) {
+    // weighted means of row and time
     sum += weight(i);
     sum_x += weight(i) * AsDouble(i);
     sum_t += weight(i) * times_s[i];
@@ -94,6 +99,7 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
   double sum_xx = 0;
   double sum_xt = 0;
   for (std::size_t i = 0; i < times_s.size(); ++i) {
+    // about the means: period = sum(w x t) / sum(w x^2)
     const double x = AsDouble(i) - sum_x / sum;
     sum_xx += weight(i) * x * x;
     sum_xt += weight(i) * x * (times_s[i] - sum_t / sum);
@@ -109,38 +115,42 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
   return Stretch{.rows = times_s.size(), .start_s = start_s, .rate_hz = 1 / period_s};
 }
 
-// The clocked stretches behind printed times, or nothing where the times' resolution does not
+// The clocked segments behind printed times, or nothing where the times' resolution does not
 // explain how they differ from grids.
 //
-// A new stretch begins where an interval is more than half a period longer than the median one.
-// Within a stretch of n rows the period is (last - first) / (n - 1); short stretches take the
+// A new segment begins where an interval is more than half a period longer than the median one.
+// Within a segment of n rows the period is (last - first) / (n - 1); short segments take the
 // longest one's period where it fits them. A time may differ from its grid by its own
 // resolution and the end points', plus a millionth of a period for clocks that were summed up.
 //
-// Times that repeat, because their digits are coarser than the period, are one stretch on the
+// Times that repeat, because their digits are coarser than the period, are one segment on the
 // least-squares line, each time weighted by its resolution, if that gives every time back within
-// twice that; rows that are missing cannot be seen there.
+// twice that; rows that are missing cannot be detected there.
 //
 // `times_s`: at least two, not falling; `resolutions_s`: how far each may lie from what was
 // meant (PrintedTimes). Cost: O(rows).
 std::optional<std::vector<Stretch>> PrintedGrid(std::span<const double> times_s,
                                                 std::span<const double> resolutions_s) {
+  // repeated times: digits coarser than the period
   if (std::ranges::adjacent_find(times_s) != times_s.end()) {
     const auto line = LineThroughCoarse(times_s, resolutions_s);
     if (!line) return std::nullopt;
     return std::vector<Stretch>{*line};
   }
   const std::vector<Run> runs = Runs(times_s, resolutions_s);
+  // (last - first) / (n - 1)
   auto own_period_s = [&](const Run& run) {
     return (times_s[run.first + run.rows - 1] - times_s[run.first]) / AsDouble(run.rows - 1);
   };
   const Run& longest = *std::ranges::max_element(runs, {}, &Run::rows);
   if (longest.rows < 2) return std::nullopt;
+  // the longest run has the smallest error of the period: 2 resolutions / (n - 1)
   const double common_period_s = own_period_s(longest);
   std::vector<Stretch> stretches;
   for (const Run& run : runs) {
     double period_s = common_period_s;
     if (!Fits(run, period_s, times_s, resolutions_s)) {
+      // a run that the common period does not fit may have another rate
       period_s = own_period_s(run);
       if (!Fits(run, period_s, times_s, resolutions_s)) return std::nullopt;
     }
@@ -159,14 +169,16 @@ constexpr double kShortestPeriodS = 1e-6;
 
 // whether `number` is `rounded` printed with the fewest digits that give it back
 bool IsShortest(double number, float rounded) {
+  // as a float printed by a program: shortest text that gives the float back
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), rounded).ptr;
   double shortest = 0;
   std::from_chars(text.data(), end, shortest);
+  // equal within the rounding of two conversions of a double
   return std::abs(shortest - number) <= 4 * 0x1p-53 * std::abs(number);
 }
 
-// The least-squares line through times that grow, and how far they lie from it (RMS).
+// the least-squares line through increasing times, and how far they lie from it (RMS)
 std::optional<Stretch> MeanLine(std::span<const double> times_s) {
   const auto count = static_cast<double>(times_s.size());
   const double middle = (count - 1) / 2;
@@ -175,6 +187,7 @@ std::optional<Stretch> MeanLine(std::span<const double> times_s) {
   double sum_xx = 0;
   double sum_xt = 0;
   for (std::size_t i = 0; i < times_s.size(); ++i) {
+    // rows centred on their mean: period = sum(x t) / sum(x^2)
     const double x = static_cast<double>(i) - middle;
     sum_xx += x * x;
     sum_xt += x * (times_s[i] - mean_s);
@@ -183,6 +196,7 @@ std::optional<Stretch> MeanLine(std::span<const double> times_s) {
   if (!(period_s > 0) || !std::isfinite(1 / period_s)) return std::nullopt;
   double sum_squares = 0;
   for (std::size_t i = 0; i < times_s.size(); ++i) {
+    // residual against the line, s
     const double off_s = times_s[i] - mean_s - (static_cast<double>(i) - middle) * period_s;
     sum_squares += off_s * off_s;
   }
@@ -194,6 +208,7 @@ std::optional<Stretch> MeanLine(std::span<const double> times_s) {
 
 }  // namespace
 
+// decimals may be negative: 1e3 has -3; zeros before the first digit are not significant
 PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
   Digits digits;
   bool is_behind_point = false;
@@ -204,6 +219,7 @@ PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
     if (is_behind_point) ++digits.decimals;
     if (c != '0' || digits.significant > 0) ++digits.significant;
   }
+  // an exponent shifts the last printed place; the limits guard against absurd ones
   const std::size_t exponent = text.find_first_of("eE");
   if (exponent != std::string_view::npos) {
     const auto power = ReadNumber(text.substr(exponent + 1));
@@ -231,7 +247,9 @@ void PrintedTimes::AddCount(double time_s) {
 double PrintedTimes::HalfDigit(double time_s) const {
   if (is_count_) return 0;
   const double printed = std::abs(time_s / factor_);
+  // power of ten of the leading digit
   const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most_.decimals;
+  // last place: by the most decimals or by the most significant digits of the column
   const double place = std::max<double>(-most_.decimals, magnitude + 1 - most_.significant);
   return 0.5 * std::pow(10.0, place) * factor_;
 }
@@ -239,13 +257,15 @@ double PrintedTimes::HalfDigit(double time_s) const {
 // whether the digits of every row may be those of a 32-bit float, of the time since `origin_s` in
 // units of 1/`scale` of the printed one
 bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
-  // no float needs more digits to be told from its neighbours
+  // 9 digits are enough to distinguish any two 32-bit floats
   const bool may_be_shortest = most_.significant <= 9 && scale == 1 && origin_s == 0;
+  // the origin has an uncertainty of its own digits
   const double origin_half_s = origin_s == 0 ? 0 : HalfDigit(origin_s);
   return std::ranges::all_of(times_s_, [&](double time_s) {
     const double number = (time_s - origin_s) / factor_ * scale;
     const double half = (HalfDigit(time_s) + origin_half_s) / factor_ * scale;
     const auto rounded = static_cast<float>(number);
+    // rounding of the double arithmetic on the time
     const double arithmetic = 4 * 0x1p-53 * std::abs(time_s / factor_ * scale);
     if (std::abs(number - static_cast<double>(rounded)) <= half + arithmetic) return true;
     return may_be_shortest && IsShortest(number, rounded);
@@ -256,9 +276,12 @@ bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
 double PrintedTimes::FloatRounding() const {
   const double span_s = times_s_.back() - times_s_.front();
   const double largest_s = std::max(std::abs(times_s_.front()), std::abs(times_s_.back()));
+  // half a unit in the last place of a 24-bit significand
   const double rounding_s = 0x1p-24 * (largest_s + span_s);
+  // a rounding below a thousandth of the period needs no proof
   constexpr double kNegligible = 1e-3;
   if (rounding_s <= kNegligible * span_s / static_cast<double>(times_s_.size())) return rounding_s;
+  // floats of the printed time or of the time since the first row, in s or another unit
   for (const double origin_s : {0.0, times_s_.front()}) {
     for (const double scale : {1.0, 1e-3, 1e-6, 1e-9, 1e3, 1e6}) {
       if (MayBeFloats(scale, origin_s)) return rounding_s;
@@ -267,6 +290,7 @@ double PrintedTimes::FloatRounding() const {
   return 0;
 }
 
+// how far each time may lie from the meant one, s: half its last digit and a float's rounding
 std::vector<double> PrintedTimes::Resolutions() const {
   const double rounding_s = is_count_ ? 0 : FloatRounding();
   std::vector<double> resolutions_s;
@@ -278,8 +302,8 @@ std::vector<double> PrintedTimes::Resolutions() const {
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
   const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
   const std::vector<double> resolutions_s = Resolutions();
-  // the starts that all rows leave; where some are cut off instead of rounded, that
-  // moves the start alone; a little more for the arithmetic on clock times
+  // the interval of starts that all rows allow; digits that are cut off instead of rounded
+  // move the start alone; a little more for the arithmetic on clock times
   double least_s = -std::numeric_limits<double>::infinity();
   double most_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < times_s_.size(); ++i) {
@@ -289,6 +313,7 @@ std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
   }
   if (!(least_s <= most_s)) return std::nullopt;
   Stretch stretch{.rows = times_s_.size(), .rate_hz = 1 / clock.interval_s};
+  // a stated start may be printed with fewer digits than the rows
   const double slack_s = 2 * resolutions_s[0] + 1e-6 * clock.interval_s;
   if (clock.start_s) {
     if (*clock.start_s < least_s - slack_s || *clock.start_s > most_s + slack_s) {
@@ -296,15 +321,16 @@ std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
     }
     stretch.start_s = *clock.start_s;
   } else {
-    // the first row's own time where that will do
+    // the first row's own time where it lies in the interval
     const bool is_first = times_s_[0] >= least_s && times_s_[0] <= most_s;
     stretch.start_s = is_first ? times_s_[0] : std::midpoint(least_s, most_s);
   }
   return stretch;
 }
 
-// whether `stretches` still describe the rows: somebody may have edited them
+// whether `stretches` still describe the rows, which a user may have edited
 bool PrintedTimes::Describe(std::span<const Stretch> stretches, Timing timing) const {
+  // arrival times lie behind their line by the delay of the host, grid times on it
   constexpr double kLargestDelayS = 1;
   std::size_t row = 0;
   for (const Stretch& stretch : stretches) {
@@ -322,6 +348,7 @@ bool PrintedTimes::Describe(std::span<const Stretch> stretches, Timing timing) c
 std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
   const double span_s = times_s_.back() - times_s_.front();
   const double shortest_s = kShortestPeriodS * static_cast<double>(times_s_.size() - 1);
+  // periods below 1 us: nanoseconds would be too coarse
   if (record.times_are_known && span_s < shortest_s) {
     const auto line = MeanLine(times_s_);
     return line ? std::vector{*line} : std::vector<Stretch>{};
@@ -329,6 +356,7 @@ std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
   std::vector<std::int64_t> time_ns;
   time_ns.reserve(times_s_.size());
   for (const double t : times_s_) {
+    // limited to the range of 64 bits: a file may hold any times
     time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
   }
   const auto nominal_rate_hz = record.metadata.nominal_rate_hz;
@@ -337,6 +365,7 @@ std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
 }
 
 bool PrintedTimes::HasFewRepeated() const {
+  // at most one repeated time in 100 rows (docs/reference/formats.md)
   constexpr std::size_t kRowsARepeat = 100;
   return repeated_.size() * kRowsARepeat <= times_s_.size();
 }
@@ -348,6 +377,7 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
   record->timing = timing;
   record->rows = times_s_.size();
   std::vector<std::size_t> left_out;
+  // the file's own time base, where it agrees with the rows
   if (Describe(stated, timing)) {
     record->stretches = std::move(stated);
     if (times_are_raw) record->raw_times_s = std::move(times_s_);
@@ -355,6 +385,7 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
   }
   if (!times_are_raw) {
     auto grid = PrintedGrid(times_s_, Resolutions());
+    // a few repeated times may mask a grid: those rows are excluded
     if (!grid && !repeated_.empty()) {
       if (!HasFewRepeated()) return std::nullopt;
       left_out = std::move(repeated_);
@@ -366,12 +397,14 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
       record->stretches = std::move(*grid);
       return left_out;
     }
+    // no grid explains the times: they are retained as the readings' own
     record->timing = Timing::kPolled;
     record->times_are_known = true;
   }
   // neither a grid nor explained: the mean line, beside the times as they stand
   record->stretches = MeanLines(*record);
   record->raw_times_s = std::move(times_s_);
+  // times of no extent give no finite rate
   const bool is_sound =
       !record->stretches.empty() && std::ranges::all_of(record->stretches, [](const Stretch& s) {
         return std::isfinite(s.rate_hz);

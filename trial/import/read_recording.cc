@@ -19,9 +19,10 @@ namespace haptometer::trial {
 namespace {
 
 // whether these first bytes can be text: no control characters but tabs and line ends. UTF-16
-// counts as text, because the CSV reader knows what to say about it.
+// counts as text, because the CSV reader has a message for it.
 bool IsText(std::span<const std::byte> start) {
   const auto first = std::to_integer<unsigned>(start[0]);
+  // byte order marks ff fe and fe ff
   if (start.size() >= 2 && (first == 0xff || first == 0xfe)) {
     return first + std::to_integer<unsigned>(start[1]) == 0xff + 0xfe;
   }
@@ -31,13 +32,14 @@ bool IsText(std::span<const std::byte> start) {
   });
 }
 
+// the signature at the beginning of an HDF5 file
 bool IsHdf5(std::span<const std::byte> start) {
   constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
   return start.size() >= kSignature.size() &&
          std::ranges::equal(start.first(kSignature.size()), BytesOfText(kSignature));
 }
 
-// a kind of file that is known and not read
+// a kind of file that is recognised and not read
 struct UnreadKind {
   std::string_view signature;
   std::size_t at;  // of the signature's first byte
@@ -68,6 +70,7 @@ constexpr std::array<UnreadKind, 20> kUnreadKinds{{
     {"PAR1", 0, "an Apache Parquet table"},
 }};
 
+// the first kind whose signature is at its place in the file
 const UnreadKind* FindUnreadKind(std::span<const std::byte> start) {
   const auto is_it = [&](const UnreadKind& kind) {
     return start.size() >= kind.at + kind.signature.size() &&
@@ -80,6 +83,7 @@ const UnreadKind* FindUnreadKind(std::span<const std::byte> start) {
 
 // "FILE.h5/NAME": a trial in an HDF5 file, the file and the name
 std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
+  // a path below a regular file can only be FILE.h5/NAME
   std::error_code ignored;
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   if (!std::filesystem::is_regular_file(parent, ignored)) return {path, ""};
@@ -89,18 +93,20 @@ std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
 Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions& options) {
   HAPTOMETER_LET(const auto text, ReadInputFile(path));
   Recording recording;
+  // LabVIEW measurement files have a magic line; all other text is a table
   const bool is_lvm = IsLvm(text);
   HAPTOMETER_LET(auto record, is_lvm ? ParseLvm(text, path, options, &recording.report.findings)
                                      : ParseCsv(text, path, options, &recording.report.findings));
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
+  // a text file has no closing block: it is complete as it is
   recording.report.closed = true;
   recording.report.rows = recording.report.next_row = record.rows;
   recording.record = std::move(record);
   return recording;
 }
 
-// Names, units, labels and notes of a foreign file, which anybody may have written: made printable
-// here, so that nothing behind this place meets a control character.
+// Names, units, labels and notes of a foreign file, which any program may have written, are made
+// printable here: the code behind this place meets no control character.
 void MakePrintable(Recording* recording) {
   for (Channel& channel : recording->record.channels) {
     channel.name = Printable(channel.name);
@@ -123,10 +129,12 @@ void MakePrintable(Recording* recording) {
 Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptions& options) {
   const auto [path, name] = SplitTrialName(whole_path);
   HAPTOMETER_LET(auto source, OpenFileSource(path));
+  // 512 bytes are enough for all signatures
   std::array<std::byte, 512> bytes;
   HAPTOMETER_LET(const auto got, source->ReadAt(0, bytes));
   const std::span<const std::byte> start = std::span(bytes).first(got);
   const std::uint64_t file_bytes = source->size();
+  // kinds with a signature of their own first, for a message that names them
   if (const UnreadKind* kind = FindUnreadKind(start)) {
     return CannotAnswer(path, fmt::format("is {}", kind->what),
                         "give the trial itself, or export its columns as a CSV whose header line "
@@ -139,6 +147,7 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
     return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
   } else if (got > 0 && !IsText(start)) {
     recording = ReadRecordFrom(std::move(source), path);
+    // the message of the trial reader, with the alternative of a table
     if (!recording && recording.error().remedy == kGiveATrial) {
       recording.error().remedy += ", or a CSV whose header line begins with time_s";
     }
@@ -172,7 +181,7 @@ class OwnedRows final : public RowSource {
 }  // namespace
 
 Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options, int threads) {
-  // what is no trial, or none that can be read, is left to ReadRecording and its messages
+  // what is no trial, or none that can be read by range, gets the messages of ReadRecording
   if (auto reader = TrialReader::Open(path); reader && TrialRows::CanRead(reader->header())) {
     HAPTOMETER_LET(auto rows, TrialRows::From(std::move(*reader), path, threads));
     OpenedRows opened{.rows = nullptr, .report = rows->report()};

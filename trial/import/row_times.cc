@@ -11,15 +11,17 @@ namespace {
 
 using Segment = CsvRows::Segment;
 
+// relative deviation of the rate within `tolerance`
 bool IsRate(double rate_hz, double wanted_hz, double tolerance) {
   return std::abs(rate_hz / wanted_hz - 1) <= tolerance;
 }
 
+// rate of the longest segment, Hz
 double RateOf(const Record& part) {
   return std::ranges::max_element(part.stretches, {}, &Stretch::rows)->rate_hz;
 }
 
-// why the times of `segment` are of no use
+// the error for times that determine no rate
 std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::size_t repeated,
                                std::size_t repeat_line) {
   if (repeated == 0) {
@@ -40,6 +42,7 @@ void NoteExcluded(std::size_t excluded, std::size_t rows, std::size_t repeat_lin
                  {{"excluded", excluded}, {"rows", rows}, {"line", repeat_line}});
 }
 
+// times of one or several segments of a table, by printed times and stated clock
 class TimeSetter {
  public:
   TimeSetter(const std::string& name, const TimeWords& words, const ImportOptions& options,
@@ -56,7 +59,7 @@ class TimeSetter {
     return {};
   }
 
-  // all segments, each when the file says
+  // all segments, each at the start that the file states
   Result<void> All(std::vector<Segment> segments, Record* record) {
     if (words_.segment_starts_s.size() != segments.size()) return WhichSegment(segments);
     SegmentedTimes times;
@@ -79,11 +82,13 @@ class TimeSetter {
   Result<Record> Read(Segment segment) {
     Record part;
     part.rows = segment.rows;
+    // one row has no interval, hence no rate
     if (segment.rows < 2) {
       return CannotAnswer(fmt::format("{}: line {}", name_, segment.line),
                           "is a segment of one row, which has no rate", "remove the line");
     }
     const std::size_t repeated = segment.times.repeated().size();
+    // the stated clock overrides the printed times where their digits explain the difference
     if (words_.clock) {
       if (const auto stretch = segment.times.By(*words_.clock)) {
         part.stretches = {*stretch};
@@ -91,12 +96,15 @@ class TimeSetter {
       }
     }
     const double first_s = segment.times.times_s().front();
+    // else the printed times: as grid where one agrees with them, or as they are
     const auto left_out = std::move(segment.times).Complete(Timing::kUniform, {}, &part);
     if (!left_out) return NoTimes(name_, segment.rows, repeated, segment.repeat_line);
+    // rows of the segment become rows of the record
     for (const std::size_t row : *left_out) left_out_.push_back(segment.first_row + row);
     if (!left_out->empty()) {
       NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, findings_);
     } else if (repeated > 0) {
+      // repeated times that a grid explains are replaced by it
       findings_.Note(FindingKind::kTimesRebuilt, {{"repeated", repeated}, {"rows", segment.rows}});
     }
     return Agree(std::move(part), first_s);
@@ -114,7 +122,7 @@ class TimeSetter {
         fmt::format("read one of them (<segment> 1 to {}), or sort the rows", segments.size()));
   }
 
-  // times and header must say the same
+  // printed times and stated clock must agree to 0.1 %; a rate of the user decides between them
   Result<Record> Agree(Record part, double first_s) {
     if (!words_.clock) return part;
     const double stated_hz = 1 / words_.clock->interval_s;
@@ -130,6 +138,7 @@ class TimeSetter {
                    {{"rate_hz", rate_hz},
                     {"stated_hz", stated_hz},
                     {"stated_by", std::string(words_.clock->from)}});
+    // the user's rate is that of the times, to 1 %, or else that of the header
     if (IsRate(rate_hz, *options_.rate_hz, 0.01)) return part;
     Record stated;
     stated.rows = part.rows;
@@ -159,6 +168,7 @@ void Cut(const Segment& segment, Record* record) {
 
 void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record) {
   if (rows.empty()) return;
+  // each channel is compacted in place, in one pass
   for (Channel& channel : record->channels) {
     std::size_t kept = 0;
     auto next = rows.begin();
@@ -177,6 +187,7 @@ void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record) {
   record->rows -= rows.size();
 }
 
+// start + i / rate; the rate of the user overrides the stated one
 Stretch UniformTimes(const TimeWords& words, const ImportOptions& options, std::size_t rows,
                      Findings* findings) {
   const auto& clock = words.clock;
@@ -184,6 +195,7 @@ Stretch UniformTimes(const TimeWords& words, const ImportOptions& options, std::
   stretch.rate_hz = options.rate_hz ? *options.rate_hz : 1 / clock->interval_s;
   const bool is_replaced =
       options.rate_hz && clock && !IsRate(*options.rate_hz, 1 / clock->interval_s, 1e-3);
+  // the stated start belongs to the stated interval, so it is not used with another rate
   if (is_replaced) {
     findings->Note(FindingKind::kRateReplaced, {{"rate_hz", *options.rate_hz},
                                                 {"stated_hz", 1 / clock->interval_s},
@@ -205,6 +217,7 @@ Result<Record> ReadSegmentTimes(const std::string& name, const TimeWords& words,
   return part;
 }
 
+// times of a table of this program: one segment
 Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Stretch> stretches,
                          CsvRows* rows, Record* record, Findings* findings) {
   Segment segment = std::move(rows->segments()[0]);
@@ -222,6 +235,7 @@ Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Str
 Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                              const ImportOptions& options, CsvRows* rows, Record* record,
                              Findings* findings) {
+  // one segment by number, or all of them
   std::vector<Segment> segments = std::move(rows->segments());
   TimeSetter setter(name, words, options, findings);
   if (options.segment) {
@@ -230,13 +244,16 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
           name, fmt::format("has {} segment{}", segments.size(), segments.size() == 1 ? "" : "s"),
           "give <segment> with one of them, counted from 1");
     }
+    // without times segments cannot be distinguished
     if (rows->has_times()) {
       Segment wanted = std::move(segments[*options.segment - 1]);
       Cut(wanted, record);
+      // rows of the segment now begin at row 0 of the record
       wanted.first_row = 0;
       return setter.One(std::move(wanted), record);
     }
   }
+  // no time column: the rate or the stated clock alone
   if (!rows->has_times()) {
     record->stretches = {UniformTimes(words, options, record->rows, findings)};
     return {};
@@ -248,14 +265,16 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
 bool SegmentedTimes::IsBehind(double start_s) const {
   if (stretches_.empty()) return true;
   const Stretch& last = stretches_.back();
+  // time of the last row = start + (rows - 1) / rate
   return start_s > last.start_s + static_cast<double>(last.rows - 1) / last.rate_hz;
 }
 
+// all times of the part are shifted by `shift_s`; rows follow those of the parts before
 bool SegmentedTimes::Append(const Record& part, double shift_s) {
   if (!IsBehind(part.stretches.front().start_s + shift_s)) return false;
   const std::size_t before =
       stretches_.empty() ? 0 : stretches_.back().first_row + stretches_.back().rows;
-  // raw times for all rows or for none: a grid's rows are where the grid says
+  // raw times for all rows or for none: rows of a grid have the grid's times
   if (!part.raw_times_s.empty() && !has_raw_) {
     has_raw_ = true;
     Record taken;

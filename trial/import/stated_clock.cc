@@ -11,7 +11,7 @@
 namespace haptometer::trial {
 namespace {
 
-// letters and digits alone, in lower case
+// letters and digits alone, in lower case; bytes above 0x7f are retained
 std::string Bare(std::string_view text) {
   std::string bare = LowerCase(text);
   std::erase_if(bare, [](char c) {
@@ -20,7 +20,7 @@ std::string Bare(std::string_view text) {
   return bare;
 }
 
-// "CH1:0.05" without the channel
+// "CH1:0.05" without its channel
 std::string_view WithoutChannel(std::string_view value) {
   const std::size_t colon = value.find(':');
   if (colon == std::string_view::npos || !value.starts_with("CH")) return value;
@@ -30,12 +30,14 @@ std::string_view WithoutChannel(std::string_view value) {
   return Trimmed(value.substr(colon + 1));
 }
 
+// a number with the unit behind it, as printed: "20.0uS", "1 MSa/s"
 struct Measured {
   double number = 0;
   std::string_view unit{};
 };
 
 std::optional<Measured> ReadMeasured(std::string_view text) {
+  // the number ends at its last digit or point
   const std::size_t end = std::min(text.find_last_of("0123456789."), text.size() - 1);
   if (text.empty() || end == std::string_view::npos) return std::nullopt;
   const auto number = ReadNumberWithComma(Trimmed(text.substr(0, end + 1)));
@@ -43,6 +45,7 @@ std::optional<Measured> ReadMeasured(std::string_view text) {
   return Measured{*number, Trimmed(text.substr(end + 1))};
 }
 
+// the interval in s of a text with a unit of time, by default s
 std::optional<double> IntervalOf(std::string_view text) {
   const auto measured = ReadMeasured(text);
   if (!measured) return std::nullopt;
@@ -51,12 +54,13 @@ std::optional<double> IntervalOf(std::string_view text) {
   return measured->number * unit->factor;
 }
 
-// the interval of a rate: "100000Hz", "1 MSa/s", "5e8"
+// the interval in s of a rate: "100000Hz", "1 MSa/s", "5e8"
 std::optional<double> IntervalOfRate(std::string_view text) {
   const auto measured = ReadMeasured(text);
   if (!measured || !(measured->number > 0)) return std::nullopt;
   std::string_view unit = measured->unit;
   double factor = 1;
+  // prefixes are case-sensitive: M is mega
   constexpr std::array<std::pair<char, double>, 4> kPrefixes{
       {{'k', 1e3}, {'K', 1e3}, {'M', 1e6}, {'G', 1e9}}};
   for (const auto& [letter, times] : kPrefixes) {
@@ -66,10 +70,12 @@ std::optional<double> IntervalOfRate(std::string_view text) {
     break;
   }
   const std::string bare = Bare(unit);
+  // units of a rate without prefix: Hz, Sa/s, S/s
   if (!bare.empty() && bare != "hz" && bare != "sas" && bare != "ss") return std::nullopt;
   return 1 / (measured->number * factor);
 }
 
+// a key by which instruments state their clock, and how its value is read
 struct IntervalKey {
   std::string_view name;  // Bare()
   std::optional<double> (*read)(std::string_view);
@@ -89,9 +95,10 @@ constexpr std::array kIntervalKeys{IntervalKey{"sampleinterval", IntervalOf},
                                    IntervalKey{"samplingfrequencyhz", IntervalOfRate},
                                    IntervalKey{"samplingfrequency", IntervalOfRate}};
 
+// equal within 1e-6: the same number printed twice
 bool Agree(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); }
 
-// the start by a key that counts intervals or seconds
+// time of the first row in s: from the index of the trigger, or as printed
 std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval_s) {
   const auto number = [&](std::string_view name) -> std::optional<double> {
     const auto values = ValuesOf(keys, name);
@@ -99,6 +106,7 @@ std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval
     const auto read = ReadNumberWithComma(values[0]);
     return read && std::isfinite(*read) ? read : std::nullopt;
   };
+  // the trigger is time 0, so the first row is `index` intervals before it
   for (const char* key : {"Trigger Point", "Zero Index"}) {
     if (const auto index = number(key)) return -*index * interval_s;
   }
@@ -111,6 +119,7 @@ std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval
 std::optional<TableKey> ReadTableKey(std::string_view line, char separator) {
   line = Trimmed(line);
   if (line.starts_with('#')) line = Trimmed(line.substr(1));
+  // "key, value, value" or, in one cell, "key: value" or "key = value"
   auto cells = SplitCells(line, separator);
   while (cells.size() > 1 && cells.back().empty()) cells.pop_back();
   TableKey key{.key = cells[0]};
@@ -140,6 +149,7 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
                                                    const std::string& name) {
   std::optional<StatedClock> clock;
   for (const TableKey& key : keys) {
+    // every statement of an interval or rate in the header must agree with the first
     const auto known = std::ranges::find(kIntervalKeys, Bare(key.key), &IntervalKey::name);
     if (known == kIntervalKeys.end()) continue;
     for (const std::string_view value : key.values) {
@@ -159,6 +169,7 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
   return clock;
 }
 
+// the number of rows that the header states, for a comparison with the rows that are read
 std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys) {
   constexpr double kMost = 1e15;
   for (const char* key :
@@ -166,6 +177,7 @@ std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys) {
     const auto values = ValuesOf(keys, key);
     if (values.empty()) continue;
     std::string_view value = values[0];
+    // Siglent: "Record Length,Analog:7000"
     if (LowerCase(value).starts_with("analog:")) value.remove_prefix(7);
     const auto rows = ReadNumber(value);
     if (rows && *rows >= 1 && *rows < kMost && *rows == std::floor(*rows)) {
@@ -177,13 +189,14 @@ std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys) {
 
 namespace {
 
-// the number directly before `end`, blanks in between aside
+// the number directly before `end`, with blanks between them
 std::optional<double> NumberBefore(std::string_view text, std::size_t end) {
   const std::string_view before = Trimmed(text.substr(0, end));
   const std::size_t other = before.find_last_not_of("0123456789.eE+-");
   return ReadNumber(before.substr(other == std::string_view::npos ? 0 : other + 1));
 }
 
+// the first number with Hz, kHz, MHz or GHz in a text, in Hz
 std::optional<double> RateIn(std::string_view text) {
   const std::size_t unit = text.find("Hz");
   if (unit == std::string_view::npos || unit == 0) return std::nullopt;
@@ -194,6 +207,7 @@ std::optional<double> RateIn(std::string_view text) {
   return *number * factor;
 }
 
+// whether a key or note is about a rate or sampling ("ampl" is in "sample")
 bool SpeaksOfRate(std::string_view text) {
   for (const char* word : {"ampl", "rate", "RATE", "AMPL", "Rate"}) {
     if (text.find(word) != std::string_view::npos) return true;
@@ -204,6 +218,7 @@ bool SpeaksOfRate(std::string_view text) {
 }  // namespace
 
 std::optional<double> StatedRate(const Metadata& metadata) {
+  // nominal_rate_hz first, then fields, then notes
   if (metadata.nominal_rate_hz) return metadata.nominal_rate_hz;
   for (const auto& [key, value] : metadata.fields) {
     if (!SpeaksOfRate(key)) continue;
@@ -223,8 +238,9 @@ void FindContradictedRate(const Record& record, Findings& findings) {
   const auto stated_hz = StatedRate(record.metadata);
   if (!stated_hz || record.stretches.empty()) return;
   const double rate_hz = std::ranges::max_element(record.stretches, {}, &Stretch::rows)->rate_hz;
+  // thousands = log10(stated / measured) / 3, a whole number if units of the time are confused
   const double thousands = std::log10(*stated_hz / rate_hz) / 3;
-  // within 5 %, as rates are stated
+  // within 5 % (0.021 decades), as rates are stated
   const double whole = std::round(thousands);
   if (!std::isfinite(thousands) || whole == 0 || std::abs(thousands - whole) * 3 > 0.021) return;
   findings.Doubt(FindingKind::kTimesInOtherUnit, {{"rate_hz", rate_hz}, {"stated_hz", *stated_hz}});

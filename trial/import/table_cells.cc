@@ -16,6 +16,7 @@ namespace {
 
 unsigned Byte(char c) { return static_cast<unsigned char>(c); }
 
+// UTF-8 of one code point in 1 to 4 bytes: lead byte with the length, then 6 bits a byte
 void AppendUtf8(std::uint32_t code, std::string* text) {
   const auto put = [text](std::uint32_t byte) { text->push_back(static_cast<char>(byte)); };
   if (code < 0x80) {
@@ -35,6 +36,7 @@ void AppendUtf8(std::uint32_t code, std::string* text) {
   }
 }
 
+// UTF-8 of UTF-16 text; an unpaired surrogate becomes the replacement character U+FFFD
 std::string FromUtf16(std::string_view raw, bool is_big_endian) {
   constexpr std::uint32_t kReplacement = 0xfffd;
   const auto unit = [&](std::size_t i) -> std::uint32_t {
@@ -47,6 +49,7 @@ std::string FromUtf16(std::string_view raw, bool is_big_endian) {
   for (std::size_t i = 0; i + 1 < raw.size(); i += 2) {
     std::uint32_t code = unit(i);
     const bool is_high = code >= 0xd800 && code < 0xdc00;
+    // a high and a low surrogate are one code point above U+FFFF, 10 bits each
     if (is_high && i + 3 < raw.size() && unit(i + 2) >= 0xdc00 && unit(i + 2) < 0xe000) {
       code = 0x10000 + ((code - 0xd800) << 10U) + (unit(i + 2) - 0xdc00);
       i += 2;
@@ -67,7 +70,9 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+// UTF-8 of Windows-1252 text; any bytes are such text
 std::string FromWindows1252(std::string_view raw) {
+  // code points of the bytes 0x80 to 0x9f; the others are those of Latin-1
   constexpr std::array<std::uint16_t, 32> kAbove7f{
       0x20ac, 0xfffd, 0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
       0x2039, 0x0152, 0xfffd, 0x017d, 0xfffd, 0xfffd, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
@@ -85,16 +90,19 @@ std::string FromWindows1252(std::string_view raw) {
 
 std::string_view Utf8Text(std::string_view raw, std::string* storage) {
   std::string_view text = raw;
+  // byte order marks: UTF-16 little endian, UTF-16 big endian, UTF-8
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     *storage = FromUtf16(text.substr(2), text.starts_with("\xfe\xff"));
     text = *storage;
   } else if (text.starts_with("\xef\xbb\xbf")) {
     text.remove_prefix(3);
   }
+  // bytes that are no UTF-8 are read as Windows-1252
   if (!IsUtf8(text)) {
     *storage = FromWindows1252(text);
     text = *storage;
   }
+  // NUL bytes are removed; line ends of CR alone become LF
   const bool has_nul = text.find('\0') != std::string_view::npos;
   const bool ends_in_cr =
       text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
@@ -122,6 +130,7 @@ std::string LowerCase(std::string_view text) {
 }
 
 std::optional<double> ReadNumber(std::string_view text) {
+  // from_chars accepts no plus sign
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double number = 0;
   const auto parsed = std::from_chars(text.begin(), text.end(), number);
@@ -129,6 +138,7 @@ std::optional<double> ReadNumber(std::string_view text) {
   return number;
 }
 
+// the number with a decimal point or a decimal comma; nothing for "1,000.5"
 std::optional<double> ReadNumberWithComma(std::string_view text) {
   if (text.find(',') == std::string_view::npos) return ReadNumber(text);
   std::string with_point(text);
@@ -137,18 +147,22 @@ std::optional<double> ReadNumberWithComma(std::string_view text) {
 }
 
 std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
+  // longer cells are text, not a mark for a missing value
   constexpr std::size_t kLongest = 12;
   if (cell.size() > kLongest) return std::nullopt;
   std::string word = LowerCase(cell);
+  // "****": a display that overflows
   if (!word.empty() && word.find_first_not_of('*') == std::string::npos) {
     return SampleStatus::kClipped;
   }
+  // empty, or dashes alone: no reading
   if (word.find_first_not_of('-') == std::string::npos) return SampleStatus::kInvalid;
   constexpr std::array<std::string_view, 8> kNone{"nan",     "-nan", "x",   "#num!",
                                                   "#value!", "#n/a", "n/a", "invalid"};
   if (std::ranges::find(kNone, word) != kNone.end()) return SampleStatus::kInvalid;
   if (word == "under" || word == "underflow") return SampleStatus::kUnder;
   const bool is_negative = word.starts_with('-');
+  // the sign of an overflow distinguishes over from under
   if (is_negative || word.starts_with('+')) word.erase(0, 1);
   constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf", "infinity",
                                                   "over",         "ol",  "overflow"};
@@ -156,10 +170,12 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
 }
 
+// seconds since midnight of h:min:s; a date before it is ignored
 std::optional<double> ReadClock(std::string_view text) {
   text = Trimmed(text);
   // "2024-05-06T12:00:00.5Z"
   if (text.ends_with('Z')) text.remove_suffix(1);
+  // the date ends at the last blank or T
   if (const std::size_t blank = text.find_last_of(" T"); blank != std::string_view::npos) {
     text.remove_prefix(blank + 1);
   }
@@ -168,6 +184,7 @@ std::optional<double> ReadClock(std::string_view text) {
     const std::size_t colon = text.find(':');
     if ((colon == std::string_view::npos) != (part == 2)) return std::nullopt;
     const auto number = ReadNumberWithComma(text.substr(0, colon));
+    // one limit for hours, minutes and seconds, which rejects text that is no clock time
     if (!number || !(*number >= 0 && *number < 61)) return std::nullopt;
     seconds = 60 * seconds + *number;
     text = part == 2 ? "" : text.substr(colon + 1);
@@ -177,12 +194,13 @@ std::optional<double> ReadClock(std::string_view text) {
 
 namespace {
 
-// the names of a unit in lower case, between blanks
+// the names of a unit in lower case, each between blanks
 struct UnitNames {
   PrintedUnit unit;
   std::string_view names;
 };
 
+// SI unit and factor; both code points of the micro sign (U+00B5, U+03BC) occur in files
 constexpr std::array kUnits{
     UnitNames{{"s", 1}, " s sec second seconds sekunden "},
     UnitNames{{"s", 1e-3}, " ms msec millisecond milliseconds "},
@@ -207,6 +225,7 @@ constexpr std::array kUnits{
 }  // namespace
 
 std::optional<PrintedUnit> FindUnit(std::string_view text) {
+  // a unit is compared in lower case, so that "MV" would be read as millivolts
   const bool is_mega = text.size() > 1 && text[0] == 'M' && text.size() < 3;
   if (is_mega) return std::nullopt;
   if (text.contains(' ')) return std::nullopt;
@@ -233,7 +252,7 @@ std::size_t CellEnd(std::string_view line, char separator) {
   const std::size_t open = line.find_first_not_of(" \t");
   if (open >= end || line[open] != '"') return end;
   const std::size_t close = line.find('"', open + 1);
-  // a quote that nothing closes is a character like others
+  // a quote without a closing one is an ordinary character
   return close == std::string_view::npos ? end : line.find(separator, close + 1);
 }
 
@@ -260,7 +279,9 @@ std::size_t CellEndAtBlanks(std::string_view line) {
     if (c == '"') is_quoted = !is_quoted;
     if (c == '(' || c == '[') ++open;
     if (c == ')' || c == ']') --open;
+    // a blank inside quotes or brackets belongs to the cell
     if ((c != ' ' && c != '\t') || is_quoted || open > 0) continue;
+    // blanks before a bracket belong to the cell: "Time (s)"
     const std::size_t next = line.find_first_not_of(" \t", i);
     if (next == std::string_view::npos) return i;
     if (i == 0 || (line[next] != '(' && line[next] != '[')) return i;
@@ -277,8 +298,9 @@ void SplitAtBlanks(std::string_view line, std::vector<std::string_view>* cells) 
   } while (!line.empty());
 }
 
-// at most so many cells, whichever of the separators it is split at
+// upper limit of the number of cells, for each of the separators
 std::size_t MostCells(std::string_view line) {
+  // a line has at most one cell more than characters
   if (line.size() < kMostColumns) return line.size() + 1;
   std::size_t cells = 0;
   for (const char separator : {',', ';', '\t'}) {
@@ -290,6 +312,7 @@ std::size_t MostCells(std::string_view line) {
 
 }  // namespace
 
+// guards memory and time against files that are no tables: long lines, columns, comments
 Result<void> CheckLines(std::string_view text, const std::string& name) {
   std::size_t comments = 0;
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -313,6 +336,7 @@ Result<void> CheckLines(std::string_view text, const std::string& name) {
   return {};
 }
 
+// without blanks at the ends; tabs there separate empty cells
 std::string_view LineWithTabs(std::string_view line) {
   constexpr std::string_view kBlanks = " \r";
   const std::size_t first = line.find_first_not_of(kBlanks);
@@ -340,6 +364,7 @@ std::vector<std::string_view> SplitCells(std::string_view line, char separator) 
   return cells;
 }
 
+// separator by precedence: semicolon, tab, comma; blanks only where that gives a row of numbers
 TableCells CellsOf(std::string_view line) {
   if (HasOutsideQuotes(line, ';')) return {';', SplitCells(line, ';')};
   if (HasOutsideQuotes(line, '\t')) return {'\t', SplitCells(line, '\t')};
@@ -357,6 +382,7 @@ std::string_view NameOfSeparator(char separator) {
   return separator == ' ' ? "blanks" : "commas";
 }
 
+// whether all cells are numbers or marks for missing values, and at least one is a number
 bool IsNumbers(const std::vector<std::string_view>& cells) {
   bool has_number = false;
   for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -11,6 +11,7 @@
 
 namespace haptometer::acquire {
 
+// splits a line at its commas; more than kMost fields are marked as too many
 Fields::Fields(std::string_view line) {
   while (size_ < kMost) {
     const std::size_t comma = line.find(',');
@@ -33,6 +34,7 @@ std::optional<Command> CommandOf(const Spelling& spelling, std::string_view word
   return known == spelling.commands.end() ? std::nullopt : std::optional(*known);
 }
 
+// fields of a request, with the command itself
 std::size_t FieldsOf(Command command) {
   switch (command) {
     case Command::kM0:
@@ -48,6 +50,7 @@ std::size_t FieldsOf(Command command) {
   return 0;
 }
 
+// commands that address one amplifier
 bool HasUnit(Command command) {
   return command == Command::kSr || command == Command::kSw || command == Command::kFr;
 }
@@ -89,8 +92,10 @@ bool ReadPairs(const Spelling& spelling, std::span<const std::string_view> field
 bool ReadDirect(Command command, std::span<const std::string_view> fields, Reply& reply) {
   const bool has_unit = HasUnit(command);
   const bool has_data = command == Command::kSr || command == Command::kFr;
+  // fields behind the command
   const std::size_t size = 1 + (has_unit ? 1U : 0U) + (has_data ? 1U : 0U);
   if (fields.size() != size) return false;
+  // identification number of 2 digits, data number of 3
   const std::optional<int> unit = has_unit ? FixedDigits(fields[0], 2) : std::optional(0);
   const std::optional<int> number = FixedDigits(fields[has_unit ? 1 : 0], 3);
   if (!unit || !number) return false;
@@ -100,6 +105,7 @@ bool ReadDirect(Command command, std::span<const std::string_view> fields, Reply
   return reply.data.size() <= kMostData && IsPrintable(reply.data);
 }
 
+// ER,CC,nn: command and error number
 bool ReadError(const Spelling& spelling, std::span<const std::string_view> fields, Reply& reply) {
   if (fields.size() != 2 || !IsPrintable(fields[0])) return false;
   const std::optional<int> number = FixedDigits(fields[1], spelling.error_digits);
@@ -123,6 +129,7 @@ std::string_view Name(Command command) {
 
 ParsedRequest ParseRequest(const Spelling& spelling, std::string_view line) {
   const Fields fields(line);
+  // checked in this order: command, number of fields, their content
   ParsedRequest parsed{.request = std::nullopt, .refusal = {fields[0], spelling.invalid_command}};
   const std::optional<Command> command = CommandOf(spelling, fields[0]);
   if (!command) return parsed;
@@ -150,6 +157,7 @@ ParsedRequest ParseRequest(const Spelling& spelling, std::string_view line) {
   return parsed;
 }
 
+// a request with its line end; numbers have fixed widths
 std::string FormatRequest(const Request& request) {
   const std::string_view name = Name(request.command);
   switch (request.command) {
@@ -174,6 +182,7 @@ std::optional<Reply> ParseReply(const Spelling& spelling, std::string_view line)
   const std::span<const std::string_view> rest = fields.Rest();
   Reply reply;
   bool valid = false;
+  // ER: error; DR: sent without request; else the command itself
   if (fields[0] == "ER") {
     reply.kind = ReplyKind::kError;
     valid = ReadError(spelling, rest, reply);
@@ -193,6 +202,7 @@ std::optional<Reply> ParseReply(const Spelling& spelling, std::string_view line)
   return valid ? std::optional(reply) : std::nullopt;
 }
 
+// values in the order of the amplifiers
 std::string FormatM0Reply(const Spelling& spelling, std::span<const Value> values) {
   std::string line = "M0";
   for (const Value& value : values) line.append(",").append(spelling.format_value(value));
@@ -227,6 +237,7 @@ std::string FormatErrorReply(const Spelling& spelling, const Refusal& refusal) {
                      kLineEnd);
 }
 
+// an integer with optional sign; nothing where other characters follow
 std::optional<int> NumberOf(std::string_view data) {
   if (data.starts_with('+')) data.remove_prefix(1);
   int number = 0;
@@ -236,6 +247,7 @@ std::optional<int> NumberOf(std::string_view data) {
 }
 
 bool Answers(const Reply& reply, Command command) {
+  // an error reply repeats the command, possibly with bytes of an earlier one before it
   return reply.kind == KindOf(command) ||
          (reply.kind == ReplyKind::kError && reply.data.ends_with(Name(command)));
 }

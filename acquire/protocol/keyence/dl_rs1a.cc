@@ -16,6 +16,7 @@ namespace {
 using dl::Command;
 
 constexpr std::size_t kValueWidth = 7;  // sign, five digits, point
+// 99999: above the range; -99999: below; -99998: invalid
 constexpr std::int32_t kMostCounts = 99'999;
 constexpr std::int32_t kInvalidCounts = -99'998;
 constexpr std::array kCommands = {Command::kM0, Command::kMs, Command::kSr, Command::kSw,
@@ -38,13 +39,16 @@ std::string WithPoint(char sign, std::string_view five, int decimals) {
 
 std::optional<Value> ParseValue(std::string_view text) {
   if (text.size() != kValueWidth || (text[0] != '+' && text[0] != '-')) return std::nullopt;
+  // two to four digits before the point, so 1 to 3 decimals
   const std::size_t point = text.find('.');
   if (point == std::string_view::npos || point < 3 || point > 5) return std::nullopt;
   const std::string five = std::string(text.substr(1, point - 1)).append(text.substr(point + 1));
   const int decimals = static_cast<int>(kValueWidth - 1 - point);
+  // EEEEE: the amplifier reports an error
   if (ConsistsOf(five, 'E')) return Value{kNoCounts, decimals, trial::SampleStatus::kDeviceError};
   const std::optional<std::int32_t> digits = ParseDigits(five);
   if (!digits) return std::nullopt;
+  // counts of the last decimal
   const std::int32_t counts = text[0] == '-' ? -*digits : *digits;
   return Value{counts, decimals, StatusOf(counts)};
 }
@@ -61,6 +65,7 @@ std::string FormatValue(const Value& value) {
     case trial::SampleStatus::kOk:
     case trial::SampleStatus::kRepeated:
       break;
+    // every other status has no value: -99998
     default:
       return WithPoint('-', "99998", value.decimals);
   }
@@ -99,10 +104,13 @@ constexpr std::array<Head, 9> kHeads = {{
 
 constexpr std::array<std::string_view, 6> kHolds = {"sample",       "peak",      "bottom",
                                                     "peak-to-peak", "auto peak", "auto bottom"};
+// codes 1 to 4 of data 132; code 0 is the default
 constexpr std::array<double, 4> kSamplings_s = {0.33e-3, 1e-3, 2e-3, 5e-3};
 constexpr std::array<double, 10> kHighPasses_hz = {0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100};
+// T2 of one to eight amplifiers; kRefreshNs for one
 constexpr std::array<MonotonicNs, 8> kRefreshes_ns = {
     kRefreshNs, 9'000'000, 13'000'000, 15'000'000, 19'000'000, 21'000'000, 25'000'000, 27'000'000};
+// 2^12 = 4096 averages; codes above select filters
 constexpr int kMostAveragingCode = 12;
 
 }  // namespace
@@ -144,6 +152,7 @@ std::optional<int> Averages(int code) {
 }
 
 std::optional<int> SamplingCode(double sampling_s) {
+  // a tolerance of 1 ns: 0.33 ms has no exact double
   const auto known = std::ranges::find_if(
       kSamplings_s, [=](double known_s) { return std::abs(known_s - sampling_s) < 1e-9; });
   if (known == kSamplings_s.end()) return std::nullopt;
@@ -167,17 +176,20 @@ std::optional<double> HighPassHz(int code) {
   return kHighPasses_hz[static_cast<std::size_t>(code)];
 }
 
+// wire time of request and reply, in ns, without processing: no reply comes sooner
 MonotonicNs LeastExchangeNs(int baud, std::size_t units, Command command) {
   const std::size_t value_bytes = command == Command::kMs ? 10 : 8;
   return WireTimeNs(8 + value_bytes * units, baud);
 }
 
+// request, reply and the maker's processing time T4
 MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command) {
   constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4, and 8 for each value
   const std::size_t value_bytes = command == Command::kMs ? 11 : 8;
   return WireTimeNs(kRequestBytes + 4 + value_bytes * units, baud) + kProcessingNs;
 }
 
+// more amplifiers than in the table: the longest refresh
 MonotonicNs RefreshNs(std::size_t units) {
   const std::size_t amplifiers = std::clamp<std::size_t>(units, 1, kRefreshes_ns.size());
   return kRefreshes_ns[amplifiers - 1];

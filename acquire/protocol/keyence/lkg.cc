@@ -16,16 +16,19 @@ namespace {
 using trial::SampleStatus;
 
 constexpr std::size_t kValueWidth = 8;  // sign and seven characters
+// display: seven characters with the point, at least one digit before it
 constexpr int kMostDecimals = 5;
 constexpr std::array kCommands = {Command::kM0, Command::kM1, Command::kM2, Command::kQ0,
                                   Command::kR0};
 
+// the controller accepts small letters too
 char Upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
 bool SameWord(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, [](char x, char y) { return Upper(x) == Upper(y); });
 }
 
+// values behind the command, in the order of the outputs
 bool ReadValues(std::span<const std::string_view> fields, Reply& reply) {
   if (fields.size() > kMostOuts) return false;
   for (const std::string_view field : fields) {
@@ -36,6 +39,7 @@ bool ReadValues(std::span<const std::string_view> fields, Reply& reply) {
   return true;
 }
 
+// ER,CC,nn
 bool ReadError(std::span<const std::string_view> fields, Reply& reply) {
   if (fields.size() != 2 || fields[1].size() != 2) return false;
   const std::optional<int> number = ParseDigits(fields[1]);
@@ -53,6 +57,7 @@ std::string_view Name(Command command) {
   return kNames.Of(command);
 }
 
+// values in the reply to a command; Q0 and R0 have none
 std::size_t ValuesOf(Command command) {
   if (command == Command::kM0) return 2;
   return command == Command::kM1 || command == Command::kM2 ? 1 : 0;
@@ -73,15 +78,18 @@ std::string_view ErrorText(int number) {
 
 std::optional<Value> ParseValue(std::string_view text) {
   if (text.size() != kValueWidth) return std::nullopt;
+  // all places X or -: no valid value
   if (ConsistsOf(text, 'X') || ConsistsOf(text, '-')) {
     return Value{kNoCounts, 0, SampleStatus::kInvalid};
   }
   const char sign = text[0];
   if (sign != '+' && sign != '-') return std::nullopt;
   text.remove_prefix(1);
+  // F: beyond the range of the display, on the side of the sign
   if (ConsistsOf(text, 'F')) {
     return Value{kNoCounts, 0, sign == '-' ? SampleStatus::kUnder : SampleStatus::kOver};
   }
+  // a point is optional, but not at either end
   const std::size_t point = text.find('.');
   if (point == 0 || point + 1 == text.size()) return std::nullopt;
   std::string digits(text.substr(0, point));
@@ -99,6 +107,7 @@ std::string FormatValue(const Value& value) {
   if (!trial::IsMeasurement(value.status)) return std::string(kValueWidth, 'X');
   HAPTOMETER_CHECK(value.decimals >= 0 && value.decimals <= kMostDecimals, "decimals = {}",
                    value.decimals);
+  // seven characters: the point takes the place of a digit
   const int digits = value.decimals == 0 ? 7 : 6;
   const std::int32_t size = std::abs(value.counts);
   HAPTOMETER_CHECK(size < PowerOfTen(digits), "counts = {}", value.counts);
@@ -124,6 +133,7 @@ std::optional<Reply> ParseReply(std::string_view line) {
   if (fields[0] == "ER") {
     valid = ReadError(rest, reply);
   } else if (fields[0] == "G1" || fields[0] == "G2") {
+    // lines without request, from the timing input
     reply.kind = ReplyKind::kOutput;
     valid = rest.size() == 1 && ReadValues(rest, reply);
   } else if (const std::optional<Command> command = ParseRequest(fields[0])) {
@@ -145,6 +155,7 @@ std::string FormatErrorReply(std::string_view command, int number) {
 
 bool Answers(const Reply& reply, Command command) {
   const std::string_view name = Name(command);
+  // an error reply may hold bytes of an earlier command before its own name
   if (reply.kind == ReplyKind::kError) {
     const std::size_t before = reply.refused.size() - std::min(name.size(), reply.refused.size());
     return SameWord(reply.refused.substr(before), name);

@@ -14,6 +14,7 @@
 namespace haptometer::acquire::il_setting {
 namespace {
 
+// a setting by its name in <set>
 struct Key {
   std::string_view name;
   int number;
@@ -50,6 +51,7 @@ std::string CodeName(int number, int code) {
   }
 }
 
+// all values that <set> accepts for a key
 std::vector<std::string> Values(const Key& key) {
   std::vector<std::string> values;
   if (key.number == dl_rs1a::kHighPassCutoff) values.emplace_back(kOff);
@@ -60,6 +62,7 @@ std::vector<std::string> Values(const Key& key) {
 }  // namespace
 
 Result<std::vector<Write>> Parse(std::string_view text) {
+  // KEY=VALUE; "auto peak" and "auto-peak" are the same
   const std::size_t equals = text.find('=');
   const std::string_view name = text.substr(0, equals);
   const auto key = std::ranges::find(kKeys, name, &Key::name);
@@ -70,12 +73,14 @@ Result<std::vector<Write>> Parse(std::string_view text) {
   std::string value(text.substr(equals + 1));
   std::ranges::replace(value, ' ', '-');
   const bool is_high_pass = key->number == dl_rs1a::kHighPassCutoff;
+  // off: averaging is set to code 0 (1 average) where it selects the high-pass filter now
   if (is_high_pass && value == kOff) {
     return std::vector{Write{std::string(name), dl_rs1a::kAveraging, 0, dl_rs1a::kHighPassFilter}};
   }
   for (int code = 0; code < key->codes; ++code) {
     if (CodeName(key->number, code) != value) continue;
     std::vector writes{Write{std::string(name), key->number, code}};
+    // the corner has an effect only while averaging selects the high-pass filter
     if (is_high_pass) {
       writes.push_back({std::string(name), dl_rs1a::kAveraging, dl_rs1a::kHighPassFilter});
     }
@@ -140,11 +145,13 @@ void UnitSettings::AddFields(trial::Metadata& metadata, std::string_view suffix)
 }
 
 double UnitSettings::ResponseSeconds() const {
+  // response time in s = sampling cycle * averages; 0 where one of them is not known
   return SamplingSeconds().value_or(0) * Averages().value_or(0);
 }
 
 Findings UnitSettings::Found() const {
   Findings found;
+  // moving average: corner (-3 dB) = 0.443 / (averages * sampling cycle)
   if (const auto sampling_s = SamplingSeconds(), averages = std::optional<double>(Averages());
       sampling_s && averages && *averages > 1) {
     found.Note(FindingKind::kAveragingCorner,
@@ -153,6 +160,7 @@ Findings UnitSettings::Found() const {
                 {"corner_hz", kMeanCorner / (*averages * *sampling_s)}});
   }
   const auto averaging = Code(dl_rs1a::kAveraging);
+  // filters and hold change the displacement: each of them is a doubt
   if (averaging == dl_rs1a::kDifferenceFilter) found.Doubt(FindingKind::kDifferenceFilter);
   if (const auto cutoff = Code(dl_rs1a::kHighPassCutoff);
       averaging == dl_rs1a::kHighPassFilter && cutoff && dl_rs1a::HighPassHz(*cutoff)) {
@@ -161,6 +169,7 @@ Findings UnitSettings::Found() const {
   if (const auto hold = Code(dl_rs1a::kHold); hold && *hold != 0) {
     found.Doubt(FindingKind::kHold, {{"hold", std::string(dl_rs1a::HoldName(*hold))}});
   }
+  // data 033: 0 without an error
   if (const auto flags = Code(dl_rs1a::kErrorFlags); flags && *flags != 0) {
     found.Doubt(FindingKind::kAmplifierError, {{"flags", std::string(Text(dl_rs1a::kErrorFlags))}});
   }
@@ -179,6 +188,7 @@ std::string DataLike(const std::optional<std::string>& data, int code, const IlT
   return fmt::format("{}{:0{}}", is_signed ? "+" : "", code, digits);
 }
 
+// the setting's name, the data as sent where it has no code, or "unknown"
 std::string TextOf(int number, const std::optional<std::string>& data) {
   if (!data) return std::string(kUnknown);
   const auto code = dl::NumberOf(*data);
@@ -187,10 +197,12 @@ std::string TextOf(int number, const std::optional<std::string>& data) {
 
 // one setting of one amplifier; nothing where it held the code already
 Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_setting::Write& write) {
+  // read first: what holds the code already is not written
   HAPTOMETER_LET(const auto before, talk.Read(unit, write.number));
   const auto code = before ? dl::NumberOf(*before) : std::nullopt;
   if (code == write.code || (write.only_where && code != write.only_where)) return std::nullopt;
   HAPTOMETER_TRY(talk.Write(unit, write.number, DataLike(before, write.code, talk)));
+  // read back: an amplifier may acknowledge a code and keep the old one
   HAPTOMETER_LET(const auto after, talk.Read(unit, write.number));
   if (!after || dl::NumberOf(*after) != write.code) {
     return CannotAnswer(
@@ -202,13 +214,13 @@ Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_settin
   return IlChange{unit, write.key, TextOf(write.number, before), TextOf(write.number, after)};
 }
 
-// an error that says what had been changed before it
+// an error that names what had been changed before it
 std::unexpected<Error> AfterChanges(Error error, const std::vector<IlChange>& changes) {
   for (const IlChange& change : changes) error.what += "; already changed: " + change.Text();
   return std::unexpected(std::move(error));
 }
 
-// data 054: 0 as long as the amplifier is at it; an amplifier that does not tell is believed
+// data 054: 0 while the shift is in progress; without data 054, success is assumed
 Result<void> WaitForShift(IlTalk& talk, int unit, Clock& clock) {
   constexpr int kFailed = 2;
   const MonotonicNs deadline = clock.Now() + kNsPerS;
@@ -222,24 +234,28 @@ Result<void> WaitForShift(IlTalk& talk, int unit, Clock& clock) {
     }
     if (code != 0) return {};
   }
+  // no result within 1 s: success is assumed
   return {};
 }
 
 Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
   HAPTOMETER_LET(const auto before, talk.Read(unit, dl_rs1a::kPresentValue));
   const std::string off = talk.traits().format_number(0);
+  // 0, 1, 0: some models act on the edge, some on the level
   for (const std::string& data : {off, talk.traits().format_number(1), off}) {
     auto done = talk.Write(unit, dl_rs1a::kZeroShift, data);
     if (done) continue;
     // an amplifier that acts on the level must not be left shifting: an interruption ends the
     // waiting, and this request still goes out
     Error error = done.error();
+    // after an error the request must not remain at 1
     if (data != off && !talk.Write(unit, dl_rs1a::kZeroShift, off)) {
       error.what += fmt::format("; data 001 of amplifier {:02} may still be 1", unit);
     }
     return std::unexpected(std::move(error));
   }
   HAPTOMETER_TRY(WaitForShift(talk, unit, clock));
+  // the present value after the shift, as sent
   HAPTOMETER_LET(const auto after, talk.Read(unit, dl_rs1a::kPresentValue));
   return IlChange{unit, "zero", before.value_or(std::string(kUnknown)),
                   after.value_or(std::string(kUnknown))};
@@ -259,6 +275,7 @@ Result<std::vector<IlChange>> WriteSettings(IlTalk& talk, std::span<const int> u
   for (const int unit : units) {
     for (const il_setting::Write& write : writes) {
       auto change = WriteOne(talk, unit, write);
+      // the first failure ends the writing; changes before it stay and are named
       if (!change) return AfterChanges(change.error(), changes);
       if (*change) changes.push_back(std::move(**change));
     }
@@ -279,11 +296,12 @@ Result<std::vector<IlChange>> ShiftZeros(IlTalk& talk, std::span<const int> unit
 Result<bool> WaitUntilValid(IlTalk& talk, MonotonicNs refresh_ns, MonotonicNs longest_ns,
                             Clock& clock) {
   const MonotonicNs deadline = clock.Now() + longest_ns;
-  clock.SleepUntil(clock.Now() + refresh_ns);  // until then the unit hands out the old value
+  clock.SleepUntil(clock.Now() + refresh_ns);  // until then the unit repeats the old value
   while (clock.Now() < deadline) {
     HAPTOMETER_LET(const auto reply, talk.Ask({}));
     if (!reply || reply->kind != dl::ReplyKind::kM0) continue;
     const auto values = std::span(reply->values).first(reply->units);
+    // all amplifiers must show a valid value
     if (std::ranges::find(values, trial::SampleStatus::kInvalid, &Value::status) == values.end()) {
       return true;
     }

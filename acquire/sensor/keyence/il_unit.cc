@@ -10,6 +10,7 @@
 namespace haptometer::acquire {
 namespace {
 
+// M0 and MS read the buffer; the others name a data number
 bool IsDirect(dl::Command command) {
   return command != dl::Command::kM0 && command != dl::Command::kMs;
 }
@@ -17,6 +18,7 @@ bool IsDirect(dl::Command command) {
 // whether `reply` is to `request`
 bool IsReplyTo(const dl::Request& request, const dl::Reply& reply) {
   if (!dl::Answers(reply, request.command)) return false;
+  // replies to direct commands repeat identification and data number
   return reply.kind == dl::ReplyKind::kError || !IsDirect(request.command) ||
          (reply.unit == request.unit && reply.number == request.number);
 }
@@ -56,6 +58,7 @@ Result<std::optional<dl::Reply>> IlTalk::Ask(const dl::Request& request) {
     return reply.has_value();
   };
   HAPTOMETER_LET(const auto answered, line_.Exchange(dl::FormatRequest(request), take, stop_));
+  // requests in a row without a reply: the caller can stop polling for data
   silences_ = answered ? 0 : silences_ + 1;
   return reply;
 }
@@ -63,6 +66,7 @@ Result<std::optional<dl::Reply>> IlTalk::Ask(const dl::Request& request) {
 Result<std::optional<std::string>> IlTalk::Read(int unit, int number) {
   HAPTOMETER_LET(const auto reply,
                  Ask({.command = dl::Command::kSr, .unit = unit, .number = number}));
+  // a refusal: the amplifier has no such data
   if (!reply || reply->kind != dl::ReplyKind::kSr) return std::nullopt;
   return std::string(reply->data);
 }
@@ -76,6 +80,7 @@ Result<void> IlTalk::Write(int unit, int number, std::string_view data) {
         fmt::format("the {} does not answer the writing of data {:03}", traits_.name, number),
         "check cable and power");
   }
+  // SW acknowledges the write; all other replies are refusals
   if (reply->kind == dl::ReplyKind::kSw) return {};
   const int error = reply->number;
   return CannotAnswer(
@@ -94,6 +99,7 @@ using dl::ReplyKind;
 IlPoll::IlPoll(const dl::Spelling& spelling, Command command)
     : spelling_(spelling),
       command_(command),
+      // step after a lost reply: the other of M0 and MS, whose reply differs in its first word
       step_command_(command == Command::kM0 ? Command::kMs : Command::kM0),
       poll_(dl::FormatRequest({.command = command})),
       step_(dl::FormatRequest({.command = step_command_})) {
@@ -101,6 +107,7 @@ IlPoll::IlPoll(const dl::Spelling& spelling, Command command)
                    dl::Name(command));
 }
 
+// MS adds one channel of outputs per amplifier
 std::size_t IlPoll::samples() const {
   return channels_.size() * (command_ == Command::kMs ? 2 : 1);
 }
@@ -122,7 +129,7 @@ bool IlPoll::Fits(const Reply& reply) const {
 LineMeaning IlPoll::Read(std::string_view line, std::span<trial::Sample> samples) const {
   const auto reply = dl::ParseReply(spelling_, line);
   if (!reply) return LineMeaning::kDamaged;
-  // a hardware trigger's line was asked by nobody, and the step before this poll
+  // DR lines of a hardware trigger come without request; a step's reply belongs to an older step
   if (reply->kind == ReplyKind::kDr || dl::Answers(*reply, step_command_)) {
     return LineMeaning::kOther;
   }
@@ -130,9 +137,11 @@ LineMeaning IlPoll::Read(std::string_view line, std::span<trial::Sample> samples
     return dl::Answers(*reply, command_) ? LineMeaning::kRefusal : LineMeaning::kOther;
   }
   if (!Fits(*reply)) return LineMeaning::kDamaged;
+  // values first, then the outputs of MS
   const std::size_t amplifiers = channels_.size();
   for (std::size_t i = 0; i < amplifiers; ++i) {
     const Value& sent = reply->values[i];
+    // without a point on the wire, the IL specials (99999 and so on) depend on the head
     const Value value = channels_[i].has_il_specials ? dl_en1::WithIlSpecials(sent) : sent;
     samples[i] = {trial::RawValue::Counts(value.counts), value.status};
     if (command_ == Command::kMs) {

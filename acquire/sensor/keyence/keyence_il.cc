@@ -17,8 +17,9 @@ using dl::Command;
 using dl::Reply;
 using dl::ReplyKind;
 
+// requests M0 before the unit counts as absent
 constexpr int kProbes = 3;
-constexpr int kMostSilences = 2;  // a unit that does not know SR is not asked for long
+constexpr int kMostSilences = 2;  // a unit without SR is not polled for settings any longer
 
 // "2400, 4800, 9600 or 19200": the rates of the unit but `baud`
 std::string OtherBauds(int baud) {
@@ -33,7 +34,7 @@ std::string OtherBauds(int baud) {
   return text;
 }
 
-// what is behind a channel's or field's name for an amplifier that is not the first
+// suffix of a channel's or field's name; "" for the first amplifier
 std::string Suffix(std::size_t place, int unit) {
   return place == 0 ? "" : fmt::format("_{:02}", unit);
 }
@@ -48,6 +49,7 @@ KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup,
       poll_(traits_.spelling, setup_.command) {}
 
 Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
+  // order: values, settings of the amplifiers, their decimals, changes; the header shows the result
   IlTalk talk(line_, traits_, stop);
   HAPTOMETER_TRY(Probe(talk));
   HAPTOMETER_TRY(ReadSettings(talk));
@@ -64,11 +66,12 @@ Result<void> KeyenceIl::Probe(IlTalk& talk) {
   for (int probe = 0; probe < kProbes; ++probe) {
     HAPTOMETER_LET(const auto reply, talk.Ask({}));
     if (!reply) continue;
-    // half a command left in the unit by somebody else spoils our first one: ask again
+    // half a command of another program makes the first request invalid: it is sent again
     if (reply->kind == ReplyKind::kError) {
       refusal = reply->number;
       continue;
     }
+    // one value per amplifier: the reply states how many there are
     for (std::size_t i = 0; i < reply->units; ++i) {
       decimals_.push_back(reply->values[i].decimals);
     }
@@ -85,6 +88,7 @@ Result<void> KeyenceIl::Probe(IlTalk& talk) {
 }
 
 Error KeyenceIl::NoAnswer() const {
+  // bytes without a reply: wrong baud rate, or another device
   const bool heard_bytes = discarded_bytes() > 0;
   Error error{Cause::kCannotAnswer, line_.name(), {}, {}};
   if (setup_.unit == IlUnit::kDlEn1) {
@@ -110,6 +114,7 @@ Error KeyenceIl::NoAnswer() const {
   return error;
 }
 
+// identification numbers: from 00 (DL-RS1A) or 01 (DL-EN1), without gaps
 std::vector<int> KeyenceIl::Units() const {
   std::vector<int> units;
   units.reserve(settings_.size());
@@ -124,6 +129,7 @@ Result<void> KeyenceIl::ReadSettings(IlTalk& talk) {
   for (std::size_t i = 0; i < units.size(); ++i) {
     for (const int number : UnitSettings::kNumbers) {
       HAPTOMETER_LET(const auto data, talk.Read(units[i], number));
+      // silence also ends it: a unit without SR would need one second per number
       if (talk.silences() == kMostSilences) return {};
       if (data) settings_[i].Set(number, *data);
     }
@@ -131,16 +137,18 @@ Result<void> KeyenceIl::ReadSettings(IlTalk& talk) {
   return {};
 }
 
-// where a line's values have no point: FR tells, else the head, else the user
+// where a line's values have no point: <decimals>, else FR, else the head's table
 Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
   std::vector<IlChannel> channels;
   channels.reserve(decimals_.size());
   for (std::size_t i = 0; i < decimals_.size(); ++i) {
     const dl_rs1a::Head* head = settings_[i].head();
     channels.push_back({.sent_decimals = decimals_[i],
+                        // only of a known head are the special values of the IL series certain
                         .has_il_specials = setup_.unit == IlUnit::kDlEn1 && head != nullptr});
   }
   poll_.SetChannels(std::move(channels));
+  // a DL-RS1A sends the point with each value
   if (setup_.unit == IlUnit::kDlRs1a) return {};
 
   const std::vector<int> units = Units();
@@ -152,6 +160,7 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
           talk.Ask({.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue}));
       if (reply && reply->kind == ReplyKind::kFr) told = dl::NumberOf(reply->data);
     }
+    // decimals of the connected head by its code (data 195)
     if (!told && settings_[i].head() != nullptr) told = settings_[i].head()->decimals;
     if (!told || *told < 0 || *told > 9) {
       return CannotAnswer(
@@ -163,15 +172,16 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
   return {};
 }
 
-// --- what the user wants changed ---
+// --- changes that the user requires ---
 
 Result<void> KeyenceIl::Change(IlTalk& talk) {
   const std::vector<int> units = Units();
   HAPTOMETER_LET(auto changes, WriteSettings(talk, units, setup_.writes));
   changes_ = std::move(changes);
+  // the header shows the settings after the changes
   if (!changes_.empty()) {
     HAPTOMETER_TRY(ReadSettings(talk));
-    // the longest averaging of all, twice, and what the amplifier needs besides
+    // two response times of the slowest amplifier, and 2 s
     double longest_s = 2;
     for (const UnitSettings& settings : settings_) {
       longest_s = std::max(longest_s, 2 + 2 * settings.ResponseSeconds());
@@ -180,19 +190,20 @@ Result<void> KeyenceIl::Change(IlTalk& talk) {
                    WaitUntilValid(talk, RefreshNs(), NsFromSeconds(longest_s), clock_));
     is_unsettled_ = !valid;
   }
+  // the zero shift comes last: it uses readings of the final settings
   if (!setup_.device_zero) return {};
   HAPTOMETER_LET(auto shifts, ShiftZeros(talk, units, clock_));
   changes_.insert(changes_.end(), shifts.begin(), shifts.end());
   return {};
 }
 
-// --- what is said of it ---
+// --- header and findings ---
 
 MonotonicNs KeyenceIl::RefreshNs() const {
   return setup_.refresh_ns.value_or(traits_.refresh_ns(settings_.size()));
 }
 
-// what the wire allows (nobody knows how fast a DL-EN1 answers), or what the user wants
+// in Hz: limit of the wire or the requested rate; the time of a DL-EN1 reply is not known
 std::optional<double> KeyenceIl::NominalRateHz() const {
   if (setup_.unit == IlUnit::kDlEn1) return setup_.rate_hz;
   const double most_hz =
@@ -200,14 +211,17 @@ std::optional<double> KeyenceIl::NominalRateHz() const {
   return setup_.rate_hz ? std::min(most_hz, *setup_.rate_hz) : most_hz;
 }
 
+// channels: displacements of all amplifiers, then, with MS, their outputs
 void KeyenceIl::MakeHeader() {
   header_.timing = trial::Timing::kPolled;
   header_.channels.clear();
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
+    // one count is 10^-decimals mm, in m
     trial::ChannelFormat channel = trial::DisplacementCounts("displacement" + Suffix(i, units[i]),
                                                              1e-3 * std::pow(10.0, -decimals_[i]));
     if (const dl_rs1a::Head* head = settings_[i].head(); head && head->farthest_mm > 0) {
+      // the reading is reference - distance, so the farthest distance is the least reading
       channel.range_min = 1e-3 * (head->reference_mm - head->farthest_mm);
       channel.range_max = 1e-3 * (head->reference_mm - head->nearest_mm);
     }
@@ -226,6 +240,7 @@ void KeyenceIl::MakeHeader() {
   for (std::size_t i = 0; i < units.size(); ++i) {
     settings_[i].AddFields(metadata, Suffix(i, units[i]));
   }
+  // "changed_KEY": before -> after
   for (const IlChange& change : changes_) {
     const auto place = static_cast<std::size_t>(change.unit - traits_.first_unit);
     metadata.fields["changed_" + change.key + Suffix(place, change.unit)] =
@@ -235,8 +250,10 @@ void KeyenceIl::MakeHeader() {
 
 Findings KeyenceIl::Found() const {
   const bool is_serial = setup_.unit == IlUnit::kDlRs1a;
+  // new readings per second; polls beyond that give repeated values
   const double fresh_hz = 1.0 / SecondsFromNs(RefreshNs());
   const double poll_hz = NominalRateHz().value_or(fresh_hz);
+  // the fastest that the unit can do at all: one amplifier, highest baud rate
   const double best_hz =
       1.0 / SecondsFromNs(is_serial ? dl_rs1a::PollPeriodNs(38400, 1) : traits_.refresh_ns(1));
   const std::string device(traits_.name);
@@ -250,6 +267,7 @@ Findings KeyenceIl::Found() const {
   found.Add(std::move(rate));
   found.Note(FindingKind::kUnitTooSlow,
              {{"device", device}, {"rate_hz", best_hz}, {"needed_hz", kNeededRateHz}});
+  // cost of the adapter's latency timer per poll period
   if (is_serial) {
     found.AddAll(line_.link().transport().LatencyCost(
         dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command)));
@@ -260,9 +278,11 @@ Findings KeyenceIl::Found() const {
          .numbers = {{"setting", change.key}, {"before", change.before}, {"after", change.after}},
          .subject = AmplifierName(change.unit)});
   }
+  // readings were still invalid after the waiting time
   if (is_unsettled_) found.Doubt(FindingKind::kNotSettled);
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
+    // findings of the first amplifier have no subject
     for (Finding finding : settings_[i].Found().list()) {
       if (i > 0) finding.subject = AmplifierName(units[i]);
       found.Add(std::move(finding));
@@ -273,6 +293,7 @@ Findings KeyenceIl::Found() const {
 }
 
 MonotonicNs KeyenceIl::Begin() {
+  // over Ethernet no wire time limits the exchange: 0
   const bool has_baud = setup_.unit == IlUnit::kDlRs1a;
   return line_.Begin(
       poll_,

@@ -17,6 +17,7 @@ using lkg::Command;
 using lkg::Reply;
 using lkg::ReplyKind;
 
+// requests before the controller counts as absent
 constexpr int kProbes = 3;
 
 // `value` in steps of `decimals`; nothing where that would lose a digit
@@ -24,6 +25,7 @@ std::optional<std::int32_t> CountsAt(const Value& value, int decimals) {
   if (value.counts == kNoCounts) return kNoCounts;
   if (value.decimals > decimals) return std::nullopt;
   const std::int64_t counts = std::int64_t{value.counts} * PowerOfTen(decimals - value.decimals);
+  // at most 10^9 counts, which 32 bits hold
   if (std::abs(counts) > PowerOfTen(9)) return std::nullopt;
   return static_cast<std::int32_t>(counts);
 }
@@ -36,6 +38,7 @@ std::optional<int> DecimalsOf(const Reply& reply) {
   return std::nullopt;
 }
 
+// M0 gives OUT1 and OUT2, M1 OUT1 alone, M2 OUT2 alone
 std::string OutName(Command command, std::size_t place) {
   if (command == Command::kM2) return "displacement_OUT2";
   return place == 0 ? "displacement" : "displacement_OUT2";
@@ -45,6 +48,7 @@ std::string OutName(Command command, std::size_t place) {
 
 LkgPoll::LkgPoll(Command command)
     : command_(command),
+      // step after a lost reply: another output's command, whose reply has another first word
       step_command_(command == Command::kM1 ? Command::kM2 : Command::kM1),
       poll_(lkg::FormatRequest(command)),
       step_(lkg::FormatRequest(step_command_)) {
@@ -59,14 +63,16 @@ bool LkgPoll::AnswersStep(std::string_view line) const {
 LineMeaning LkgPoll::Read(std::string_view line, std::span<trial::Sample> samples) const {
   const auto reply = lkg::ParseReply(line);
   if (!reply) return LineMeaning::kDamaged;
-  // what comes at the timing input was asked by nobody, and the step before this poll
+  // lines at the timing input come without request, and the step's reply belongs to an older step
   if (reply->kind == ReplyKind::kOutput || lkg::Answers(*reply, step_command_)) {
     return LineMeaning::kOther;
   }
   if (reply->kind == ReplyKind::kError) {
     return lkg::Answers(*reply, command_) ? LineMeaning::kRefusal : LineMeaning::kOther;
   }
+  // a reply to another command, though in the right form
   if (reply->command != command_) return LineMeaning::kDamaged;
+  // all values in steps of one count of the channel
   for (std::size_t i = 0; i < reply->outs; ++i) {
     const auto counts = CountsAt(reply->values[i], decimals_);
     if (!counts) return LineMeaning::kDamaged;
@@ -80,6 +86,7 @@ KeyenceLkg::KeyenceLkg(std::unique_ptr<Transport> transport, KeyenceLkgSetup set
       line_(std::move(transport), clock, Delimiter::kCr, lkg::kLongestLine),
       poll_(setup.command) {}
 
+// one exchange before the recording; nothing where no reply to the command came
 Result<std::optional<Reply>> KeyenceLkg::Ask(const std::atomic<bool>& stop) {
   std::optional<Reply> reply;
   const auto take = [&](std::string_view line) {
@@ -99,6 +106,7 @@ Result<void> KeyenceLkg::Start(const std::atomic<bool>& stop) {
     if (!reply) continue;
     last = *reply;
     if (last->kind == ReplyKind::kError) continue;
+    // the display's decimals fix the step of the channel: stated, or from the first number
     const std::optional<int> decimals = setup_.decimals ? setup_.decimals : DecimalsOf(*last);
     if (!decimals) continue;
     MakeHeader(*decimals);
@@ -117,6 +125,7 @@ Error KeyenceLkg::NoNumber(const std::optional<Reply>& last) const {
         "give the controller's <baud>, and check that it is set to 8 data bits without parity, "
         "that its delimiter is CR, and the cable the maker's";
   } else if (last->kind == ReplyKind::kError) {
+    // status error: the controller is in communication mode (Q0) and gives no values
     error.what = fmt::format("the controller refuses {} with error {:02}: {}",
                              lkg::Name(setup_.command), last->error, lkg::ErrorText(last->error));
     error.remedy = last->error == lkg::kStatus
@@ -134,6 +143,7 @@ void KeyenceLkg::MakeHeader(int decimals) {
   poll_.SetDecimals(decimals);
   header_.timing = trial::Timing::kPolled;
   header_.channels.clear();
+  // one channel per output; one count is 10^-decimals mm, in m
   for (std::size_t out = 0; out < lkg::ValuesOf(setup_.command); ++out) {
     header_.channels.push_back(
         trial::DisplacementCounts(OutName(setup_.command, out), 1e-3 * std::pow(10.0, -decimals)));
@@ -145,6 +155,7 @@ void KeyenceLkg::MakeHeader(int decimals) {
 }
 
 Findings KeyenceLkg::Found() const {
+  // upper limit: the controller's own processing time is not stated
   const double wire_hz = 1.0 / SecondsFromNs(LeastExchangeNs());
   const double most_hz = setup_.rate_hz ? std::min(*setup_.rate_hz, wire_hz) : wire_hz;
   Findings found;
@@ -158,6 +169,7 @@ Findings KeyenceLkg::Found() const {
 
 // request and reply on the wire; what the controller needs comes on top
 MonotonicNs KeyenceLkg::LeastExchangeNs() const {
+  // "M1" CR, then "M1" CR and ",+01.2345" for each value
   const std::size_t bytes = poll_.PollRequest().size() + 3 + 9 * lkg::ValuesOf(setup_.command);
   return WireTimeNs(bytes, setup_.baud);
 }
