@@ -153,6 +153,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
   trial::Calibration calibration;
   if (!calibration_path.empty()) {
     std::vector<trial::ChannelFormat> names;
+    names.reserve(words.size());
     for (const Word& word : words) {
       names.push_back({.name = word.name, .role = RoleOf(word.name)});
     }

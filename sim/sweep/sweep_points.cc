@@ -26,11 +26,12 @@ SweepValue TextValue(std::string_view text) {
 }
 
 double ValueAt(const SweepRange& range, double numerator, double denominator) {
+  // end n / n rounds: 0.10000000000000002 for 0.1 and n = 3
+  if (numerator == denominator) return range.end;
   // the mean of both ends, weighted by the part of the range
   if (range.spacing == Spacing::kLinear) {
     return (range.begin * (denominator - numerator) + range.end * numerator) / denominator;
   }
-  if (numerator == denominator) return range.end;
   // rounding grows with the exponent of a power: 30000.000000000015 in double
   const auto begin = static_cast<long double>(range.begin);
   const auto ratio = static_cast<long double>(range.end) / begin;

@@ -135,6 +135,13 @@ TEST(SweepPoints, GiveRoundNumbersTheirDigits) {
   EXPECT_EQ(NumberValue(-0.0).text, "0");
 }
 
+TEST(SweepPoints, EndWhereTheRangeEnds) {
+  for (const double end : {0.1, 0.3, 0.7, 1.1, 225.3}) {
+    const SweepRange range{.begin = 0, .end = end, .count = 4};
+    EXPECT_EQ(ValueAt(range, 3, 3), end) << "the same double";
+  }
+}
+
 TEST(SweepPoints, StepEvenlyInTheLogarithm) {
   const SweepRange range{.begin = 3, .end = 3e5, .spacing = Spacing::kLogarithmic, .count = 6};
   for (int k = 0; k < 6; ++k) {
