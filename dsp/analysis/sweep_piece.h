@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/findings.h"
 #include "dsp/analysis/segments.h"
+#include "dsp/findings.h"
 #include "trial/row_source.h"
 
 /// The reading step of AnalyzeSweep.

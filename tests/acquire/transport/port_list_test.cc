@@ -1,5 +1,7 @@
 // Serial ports by a device tree made for the test, and what a latency timer costs.
 
+#include "acquire/transport/port_list.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "acquire/transport/port_list.h"
 #include "tests/findings.h"
 #include "tests/residual.h"
 

@@ -85,8 +85,7 @@ TEST(ImpulseRecord, OfSeveralVoltagesNoneIsTaken) {
   recording.channels.back().name = "CH2";
   const auto file = ImpulseFromRecord(recording, "impulse.csv");
   ASSERT_FALSE(file);
-  EXPECT_NE(file.error().Text().find("CH2; name the channel that is the coil's"),
-            std::string::npos)
+  EXPECT_NE(file.error().Text().find("CH2; name the channel that is the coil's"), std::string::npos)
       << file.error().Text();
 }
 
