@@ -401,6 +401,7 @@ template <typename Find>
 std::vector<std::size_t> StartsIn(const Rows& rows, const std::vector<Piece>& pieces,
                                   const Find& find) {
   std::vector<std::size_t> starts;
+  starts.reserve(pieces.size());
   for (const Piece& piece : pieces) {
     starts.push_back(piece.first);
     for (const std::size_t row : find(rows.Of(piece))) starts.push_back(piece.first + row);

@@ -75,6 +75,7 @@ CheckItem Point(const std::string& name, const trial::TrialHeader& header,
 TEST(CheckList, OfASoundSensorIsReady) {
   const auto items = CheckList(SoundHeader(), SoundFindings(), kQuestion);
   std::vector<std::string> names;
+  names.reserve(items.size());
   for (const CheckItem& item : items) {
     names.push_back(item.name);
     EXPECT_EQ(item.verdict, Verdict::kOk) << item.name << ": " << item.finding;

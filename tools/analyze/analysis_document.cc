@@ -195,7 +195,7 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
 
 // how the window was chosen
 std::string WindowText(const dsp::UsedPart& part) {
-  const std::string text = document::TextOf(part.why);
+  std::string text = document::TextOf(part.why);
   if (!part.from_drive || !part.drive.why) return text;
   return fmt::format("{}: {}", text, document::TextOf(*part.drive.why));
 }
@@ -327,6 +327,7 @@ Section DriveSection(const dsp::UsedPart& part) {
   section.Add({"window_is_a_part_of_the_drive", "window is a part of it"}, part.from_drive);
   section.Add({"told_by_a_drive_channel", "found by a drive channel"}, part.from_channel);
   std::vector<std::vector<double>> quiet_s;
+  quiet_s.reserve(part.drive.quiet.size());
   for (const dsp::TimeWindow& quiet : part.drive.quiet) {
     quiet_s.push_back({quiet.begin_s, quiet.end_s});
   }

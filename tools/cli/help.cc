@@ -31,7 +31,7 @@ constexpr std::array kUnits{document::kNone,
 // a bound in the usual unit (mm, ms), or in the SI unit where that needs no power of ten
 std::string EndText(const Option& option, double end) {
   if (end == 0) return "0";
-  const std::string text = NumberText(end, option.dimension);
+  std::string text = NumberText(end, option.dimension);
   const std::string_view unit = SiUnit(option.dimension);
   // a power of ten only where the value is too large for the usual unit
   if (text.find('e') == std::string::npos || unit.empty()) return text;

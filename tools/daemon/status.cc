@@ -132,8 +132,8 @@ std::string StatusJson(const DaemonStatus& status) {
 }
 
 Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
-  const auto refused = CannotAnswer(where, "answers with no status of a daemon",
-                                    "is it haptometer's, and of this version?");
+  auto refused = CannotAnswer(where, "answers with no status of a daemon",
+                              "is it haptometer's, and of this version?");
   // without exceptions: a document that is no JSON is discarded, and no object
   const ordered_json document = ordered_json::parse(json, nullptr, false);
   if (!document.is_object() || !document.contains(document::kSensors.name)) return refused;

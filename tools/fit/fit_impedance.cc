@@ -113,6 +113,7 @@ Section PointsSection(const ImpedanceFit& fit) {
 // of the logarithms; type A
 Section CorrelationSection(const ImpedanceFit& fit) {
   std::vector<std::vector<double>> relative;
+  relative.reserve(fit.relative_covariance.size());
   for (const auto& row : fit.relative_covariance) relative.emplace_back(row.begin(), row.end());
   Section section;
   section.Add({"relative_covariance_kv_bv_km_r_l"}, std::move(relative));

@@ -202,6 +202,7 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
 
 std::vector<document::Figure> FiguresOf(const FitSkinAnswer& answer) {
   std::vector<document::Figure> figures;
+  figures.reserve(answer.contacts.size());
   for (const SkinFit& contact : answer.contacts) {
     figures.push_back({.caption = contact.name + ": amplitudes, fit and residual",
                        .panels = ContactPanels(contact)});

@@ -486,6 +486,7 @@ plot::Panel EmptyPanel(std::string title) {
 std::vector<plot::Panel> StudyPanels(const StudyResult& study) {
   constexpr std::string_view kWhat = "mean and standard deviation over subjects; points: subjects";
   std::vector<plot::Panel> panels;
+  panels.reserve(study.contrasts.size());
   for (const Contrast& contrast : study.contrasts) {
     panels.push_back(EmptyPanel(fmt::format("{}: {}", NameOf(contrast.planned), kWhat)));
     double x = 0;

@@ -106,6 +106,7 @@ Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) 
 Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& changed,
                                            const SweepQuestion& question, const std::string& path) {
   std::vector<std::string> rows;
+  rows.reserve(changed.size());
   for (const ChangedRow& old : changed) {
     rows.push_back(RowOf(question, question.shard.PointOf(old.row)));
     // in place: another length would shift all rows behind it
