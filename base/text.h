@@ -21,9 +21,8 @@ namespace haptometer {
 template <typename Number>
 [[nodiscard]] std::optional<Number> NumberFrom(std::string_view text) {
   Number number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, number);
-  if (failure != std::errc{} || stop != end) return std::nullopt;
+  const auto [stop, failure] = std::from_chars(text.begin(), text.end(), number);
+  if (failure != std::errc{} || stop != text.end()) return std::nullopt;
   return number;
 }
 

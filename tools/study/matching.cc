@@ -152,11 +152,11 @@ dsp::OneSample TestSubjects(const LogRatios& logs) {
 MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
   MatchedCondition condition{.name = name};
   const LogRatios logs = LogRatiosOf(levels);
-  for (MatchedRatio& level : LevelsOf(logs)) {
+  for (const MatchedRatio& level : LevelsOf(logs)) {
     const double reference_v = *level.reference_v;
     // matched voltage in V: reference x ratio
     const auto volts = [&](double log) { return reference_v * std::exp(log); };
-    condition.levels.push_back({std::move(level), TestLevel(logs.at(reference_v), volts)});
+    condition.levels.push_back({level, TestLevel(logs.at(reference_v), volts)});
   }
   condition.overall = {{}, TestSubjects(logs)};
   const dsp::OneSample start = TestSubjects(LogRatiosOf(levels, true));
