@@ -353,7 +353,7 @@ Section PeriodicSection(const SceneAnswer& solved) {
   }
   // complex numbers as pairs [real, imaginary]
   std::vector<std::vector<double>> multipliers;
-  multipliers.reserve(motion.multipliers.size());
+  multipliers.reserve(static_cast<std::size_t>(motion.multipliers.size()));
   for (const auto& multiplier : motion.multipliers) {
     multipliers.push_back({multiplier.real(), multiplier.imag()});
   }
