@@ -44,6 +44,8 @@ bool IsShown(double uncertainty, double value) {
 
 std::string PlainText(double value, double resolution, int digits) {
   if (value == 0) return "0";
+  // an open end of a range has no decimal place
+  if (!std::isfinite(value)) return fmt::format("{:g}", value);
   // the resolution limits the digits where it is coarser than the last of `digits`
   const bool is_limited =
       resolution > 0 && PlaceOf(resolution) > PlaceOf(std::abs(value)) - digits + 1;
