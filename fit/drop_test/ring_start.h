@@ -20,8 +20,9 @@ struct RingStart {
   double impact_voltage_v = 0;  ///< the ring-down's voltage at that instant, signed, without offset
   double release_s = 0;         ///< the ring-down's zero that is nearest to the blow
   double release_slope_v_per_s = 0;  ///< its slope there
-  /// How long the blow may last (95 %), as a half sine of force: see ContactOf in ring_start.cc.
-  /// Both 0: not looked for, because no drop height is stated or nothing quiet precedes the blow.
+  /// How long the impact may last (95 %), as a half sine of force: see WriteContact in
+  /// ring_start.cc. Both 0: not looked for, because no drop height is stated or nothing quiet
+  /// precedes the blow.
   double shortest_contact_s = 0;  ///< 0: no sample shows that the blow lasts
   double longest_contact_s = 0;
   double offset_v = 0;
