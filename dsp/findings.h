@@ -47,40 +47,36 @@ enum class FindingKind : std::uint8_t {
   kTooShort,           ///< settled_s, order, needed_s, record_s; lower_hz where a lower order leaks
   kBelowBand,          ///< amplitude_m, frequency_hz, leaked_m
   kBelowBandModelled,  ///< the same, subtracted
-  // drive and window; the first five say how a window was chosen (UsedPart::why)
+  // drive and window; the first four say how a window was chosen (UsedPart::why)
   kAllSettled,
-  kWindowAsked,     ///< from_s, to_s
-  kSteadyDrive,     ///< the longest steady part
-  kSettledOfDrive,  ///< of a drive most of which has not
-  kWhereFrequencyMoves,
-  // the course of the drive (DriveParts::why)
-  kTooShortForParts,
-  kNothingStandsOut,  ///< of: "vibration", "drive" or "tone"
-  kOneLevel,          ///< of
-  kStandsOut,         ///< of, ratio, from_s, to_s of the longest; parts where there are several
-  kToneNeverPauses,
-  kOnlyTransients,
-  kSweepIsNoDrive,
-  kDriveOn,             ///< from_s, to_s: by a drive channel
-  kVibrationStandsOut,  ///< frequency_hz, rms_m, from_s, to_s
-  // what goes with them
-  kTransientsExcluded,  ///< parts, ringing_s
-  kLevelChanges,        ///< the tone never pauses
-  kDriveTooShort,      ///< as kDriveOn; settled_s, needed_s; window_from_s, window_to_s of what has
-                       ///< settled, where that is long enough
-  kDriveNotSettled,    ///< the same without needed_s
-  kVibrationTooShort,  ///< as kVibrationStandsOut, and the same
-  kVibrationNotSettled,
-  kWindowMixed,  ///< off_s, window_s
+  kWindowAsked,  ///< from_s, to_s
+  kSteadyDrive,  ///< the longest steady state that is on
+  kOneState,     ///< the drive is on throughout
+  // what speaks against a window, or goes with it
+  kNoDrive,        ///< noise_m, at_most_m: no state is on
+  kNothingSteady,  ///< on_s: none of what is on is steady for long enough
+  kBeats,          ///< components, from_s, to_s: several tones beat, no state is steady
+  kWindowMixed,    ///< off_s, window_s
   kDriveOffInWindow,
-  kDriveUnsteady,     ///< drift
-  kFrequencyMoves,    ///< from_hz, to_hz
-  kWindowOutside,     ///< from_s, to_s, record_from_s, record_to_s
-  kWindowNotSettled,  ///< from_s, to_s, settled_s
-  kWindowShortened,   ///< excluded_s, from_s, to_s
-  kWindowClipped,     ///< share
+  kDriveUnsteady,      ///< drift
+  kFrequencyMoves,     ///< from_hz, to_hz
+  kFrequencyDrifts,    ///< the same, less than a sweep
+  kDriveContradicted,  ///< from_s, to_s: the drive channel is off in the window; its subject
+  kDriveDelayed,       ///< delay_s, uncertainty_s: of the vibration after the drive channel
+  kBumpsExcluded,      ///< count, excluded_s, from_s
+  kOtherDrive,         ///< frequency_hz, expected_hz: the header's drive frequency
+  kWindowOutside,      ///< from_s, to_s, record_from_s, record_to_s
+  kWindowNotSettled,   ///< from_s, to_s, settled_s
+  kWindowShortened,    ///< excluded_s, from_s, to_s
+  kWindowClipped,      ///< share
+  kCornerLoss,         ///< frequency_hz, gain, rms_m: as it would be without the filter
+  // hum of the mains
+  kHumSubtracted,   ///< frequency_hz, amplitude_m, lines
+  kHumAtDrive,      ///< frequency_hz, amplitude_m: too near to the drive to be told apart
+  kMainsFrequency,  ///< frequency_hz: of the drive itself, and never off
   // noise floor; its file is the subject
   kNoFloor,
+  kQuietHasDrive,     ///< amplitude_m, frequency_hz: what the tone leaves where it is off
   kFloorOfOtherRate,  ///< floor_per_s, readings_per_s
   kFloorHasTone,      ///< amplitude_m, frequency_hz
   kFloorHasTheTone,   ///< the same: the trial's own
@@ -89,6 +85,7 @@ enum class FindingKind : std::uint8_t {
   // the numbers
   kRmsTooLarge,           ///< rms_m
   kRmsTooSmall,           ///< rms_m
+  kQuantised,             ///< share, step_m: of the RMS that steps without noise may hide
   kGainInBand,            ///< least, greatest
   kGainTooLow,            ///< gain, frequency_hz, least_gain, averages: that leave it
   kGainCorrected,         ///< gain

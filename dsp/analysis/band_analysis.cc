@@ -20,7 +20,7 @@
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/analysis/slow_record.h"
-#include "dsp/analysis/used_part.h"
+#include "dsp/analysis/window_choice.h"
 #include "dsp/analysis/window_numbers.h"
 
 namespace haptometer::dsp {
@@ -130,7 +130,7 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto all = FilterSettledEnough(displacement, segments, question, analysis);
   if (!all) return std::unexpected(all.error());
   if (all->empty()) return {};
-  const auto chosen = ChoosePart(displacement, segments, *all, question, analysis);
+  const auto chosen = ChoosePart(*all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
     // readings that rarely change are no measurement of vibration
@@ -257,10 +257,14 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
 
 std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
   if (!drive_off.numbers) return std::nullopt;
-  NoiseFloor floor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
+  NoiseFloor floor{.power = drive_off.numbers->power,
+                   .duration_s = drive_off.numbers->part.window.duration_s(),
+                   .file = source};
   floor.rate_hz = drive_off.record.rate_hz;
-  std::ranges::copy_if(drive_off.findings.list(), std::back_inserter(floor.refusals),
-                       [](const Finding& found) { return found.severity == Severity::kRefusal; });
+  std::ranges::copy_if(
+      drive_off.findings.list(), std::back_inserter(floor.refusals), [](const Finding& found) {
+        return found.severity == Severity::kRefusal && found.kind != FindingKind::kNoDrive;
+      });
   if (const auto& tone = drive_off.numbers->tone) {
     floor.tone_hz = tone->fit.frequency_hz;
     floor.tone_amplitude_m = tone->fit.amplitude;

@@ -8,9 +8,8 @@
 
 #include "base/error.h"
 #include "dsp/analysis/band_question.h"
-#include "dsp/analysis/drive_part.h"
+#include "dsp/analysis/drive_states.h"
 #include "dsp/analysis/faults.h"
-#include "dsp/analysis/frequency_move.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
@@ -62,13 +61,13 @@ struct RecordFacts {
 
 /// Which rows the numbers are of, and how they were chosen.
 struct UsedPart {
-  TimeWindow window;  ///< all settled; whole periods of the tone
+  TimeWindow window;  ///< all free of transients; whole periods of the tone
   std::size_t first_row = 0;
   std::size_t rows = 0;
-  DriveParts drive;           ///< what was found of the drive in the piece the window is in
-  bool from_drive = false;    ///< whether the window is a part of the drive
-  bool from_channel = false;  ///< whether a drive channel said so, not the vibration itself
-  Finding why;                ///< how they were chosen; a driven part by `drive.why` besides
+  bool from_drive = false;        ///< whether the window lies in a state that is on
+  StateInterval state;            ///< that state
+  std::vector<TimeWindow> quiet;  ///< intervals of the segment without drive, away from it
+  Finding why;                    ///< how they were chosen
 };
 
 /// Motion below the band and what of it the filter lets through.
@@ -120,9 +119,19 @@ struct SensorNumbers {
   bool amplitude_verified = false;         ///< false: "sensor averaging unknown", or below 0.5
 };
 
+/// How long after the drive's channel the vibration changes.
+struct DriveDelay {
+  double delay_s = 0;
+  double uncertainty_s = 0;  ///< standard; half a block / sqrt(3 changes) at least
+  std::size_t changes = 0;   ///< that it is the mean of
+};
+
 /// What a window says of the band.
 struct BandNumbers {
   UsedPart part;
+  std::vector<TimeWindow> excluded;  ///< parts of the window that no number is of
+  std::vector<SteadyLine> hum;       ///< subtracted; times count from the segment's first sample
+  std::optional<DriveDelay> delay;   ///< nothing without a drive channel that changes
   RmsEstimate rms;
   /// Too much of the window is clipped: rms.lower_m and the tone's amplitude_lower_m are lower
   /// limits, and nothing is known above them.
@@ -168,8 +177,7 @@ struct BandAnalysis {
   BandPass band;                       ///< as used: the order may have been lowered
   std::optional<BandNumbers> numbers;  ///< nothing where no part could be filtered
   std::optional<KnownTone> known_tone;
-  /// Of the window: there `numbers` have no tone, and the quiet parts are no floor.
-  std::optional<FrequencyMove> frequency_move;
+  std::vector<StateInterval> states;  ///< of the drive, in order of time
   /// Drift and tremor of all rows, by means of 4 ms or more; nothing for a record with holes that
   /// long, or of uneven stretches.
   std::optional<SlowMotion> slow_motion;

@@ -1,9 +1,11 @@
 #include "dsp/analysis/band_noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
 
 #include "base/error.h"
 #include "dsp/spectrum/fft.h"
@@ -57,6 +59,104 @@ BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double u
   for (std::size_t k = 1; k < noise.bins.size(); ++k) {
     noise.bins[k] = 2 * std::norm(spectrum[k]) / (n * n);
     noise.power.variance += 0.5 * noise.bins[k] * noise.bins[k];
+  }
+  return noise;
+}
+
+namespace {
+
+constexpr double kPartRatio = 1.5;
+constexpr std::size_t kLeastBins = 8;
+// bins of Blackman and Harris's window that noise correlates over
+constexpr double kCorrelatedBins = 2.0;
+
+// four terms, -92 dB
+std::vector<double> Tapered(std::span<const double> samples) {
+  constexpr std::array<double, 4> kTerms{0.35875, -0.48829, 0.14128, -0.01168};
+  std::vector<double> tapered(samples.size());
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const double turn =
+        2 * std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(samples.size());
+    double weight = 0;
+    for (std::size_t k = 0; k < kTerms.size(); ++k) {
+      weight += kTerms[k] * std::cos(static_cast<double>(k) * turn);
+    }
+    tapered[n] = weight * samples[n];
+  }
+  return tapered;
+}
+
+// mean square of the window: 0.35875^2 + (0.48829^2 + 0.14128^2 + 0.01168^2) / 2
+constexpr double kTaperPower = 0.2579635;
+
+// densities of the bins in [from, to) that are not excluded
+std::vector<double> BinsWithin(std::span<const std::complex<double>> spectrum, double bin_hz,
+                               double to_density, const FrequencyRange& part,
+                               std::span<const FrequencyRange> excluded) {
+  std::vector<double> bins;
+  const auto end =
+      std::min(spectrum.size(), static_cast<std::size_t>(std::ceil(part.to_hz / bin_hz)));
+  for (auto k = static_cast<std::size_t>(std::ceil(part.from_hz / bin_hz)); k < end; ++k) {
+    const double at_hz = static_cast<double>(k) * bin_hz;
+    const bool is_excluded = std::ranges::any_of(excluded, [&](const FrequencyRange& range) {
+      return at_hz >= range.from_hz && at_hz <= range.to_hz;
+    });
+    if (!is_excluded) bins.push_back(to_density * std::norm(spectrum[k]));
+  }
+  return bins;
+}
+
+}  // namespace
+
+double NoiseBeside::DensityAt(double frequency_hz) const {
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (frequency_hz < parts[k].to_hz) return densities[k];
+  }
+  return densities.empty() ? 0 : densities.back();
+}
+
+NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
+                               const BandPass& band, std::span<const FrequencyRange> excluded) {
+  const auto n = static_cast<double>(samples.size());
+  const auto spectrum = RealSpectrum(Tapered(samples));
+  const double bin_hz = rate_hz / n;
+  // one-sided density: 2 |X|^2 / (rate sum of w^2)
+  const double to_density = 2 / (rate_hz * n * kTaperPower);
+  NoiseBeside noise;
+  std::vector<std::size_t> counts;
+  for (double from_hz = band.lower_hz; from_hz < band.upper_hz * 0.999; from_hz *= kPartRatio) {
+    const FrequencyRange part{from_hz, std::min(from_hz * kPartRatio, band.upper_hz)};
+    std::vector<double> bins = BinsWithin(spectrum, bin_hz, to_density, part, excluded);
+    noise.parts.push_back(part);
+    counts.push_back(bins.size());
+    double density = 0;
+    if (!bins.empty()) {
+      const auto middle = bins.begin() + static_cast<std::ptrdiff_t>(bins.size() / 2);
+      std::ranges::nth_element(bins, middle);
+      density = *middle / std::numbers::ln2;
+    }
+    noise.densities.push_back(density);
+  }
+  // a part that is excluded takes the density of the nearest one that is not
+  const auto usable = [&](std::size_t k) { return counts[k] >= kLeastBins; };
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (usable(k)) continue;
+    for (std::size_t away = 1; away < counts.size(); ++away) {
+      const bool above = k + away < counts.size() && usable(k + away);
+      const bool below = away <= k && usable(k - away);
+      if (!above && !below) continue;
+      noise.densities[k] = noise.densities[above ? k + away : k - away];
+      counts[k] = counts[above ? k + away : k - away];
+      break;
+    }
+  }
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const double power = noise.densities[k] * (noise.parts[k].to_hz - noise.parts[k].from_hz);
+    const double relative =
+        kCorrelatedBins / static_cast<double>(std::max<std::size_t>(counts[k], 1));
+    noise.power.mean_square += power;
+    noise.power.variance += 2.08 * relative * power * power;
+    noise.variance_of_rest += 1.08 * relative * power * power;
   }
   return noise;
 }

@@ -44,6 +44,37 @@ struct BandNoise {
 [[nodiscard]] BandNoise MeasureNoise(std::span<const double> samples, double rate_hz,
                                      double upper_hz);
 
+/// Frequencies that noise is not looked for in.
+struct FrequencyRange {
+  double from_hz = 0;
+  double to_hz = 0;
+};
+
+/// Noise beside lines, by the median of a tapered periodogram in parts of the band.
+struct NoiseBeside {
+  NoisePower power;
+  /// Var(sum of the bins - this estimate): what is left of the window's own noise, m4.
+  double variance_of_rest = 0;
+  std::vector<FrequencyRange> parts;
+  std::vector<double> densities;  ///< one-sided, of each part, units^2/Hz
+
+  [[nodiscard]] double DensityAt(double frequency_hz) const;
+};
+
+/// Measures what `samples` hold of noise outside of `excluded`.
+///
+/// The spectrum (Blackman and Harris's window of four terms: side lobes below -92 dB; F. J. Harris,
+/// Proc. IEEE 66, 1978, p. 51) between the corners is cut at ratios of 1.5. A part's density is the
+/// median of its bins / ln 2 (a periodogram's bin of noise is exponential), so lines and bursts
+/// that fill less than half of it change little; a part without eight bins takes its neighbour's.
+/// The power is the sum of density x width over the band, widened by the filter's skirts. With n
+/// independent bins of a part, var(median / ln 2) = 2.08 / n of its square, and var(sum of the bins
+/// - estimate) = 1.08 / n: the mean is efficient, so that its covariance with the median is its own
+/// variance. Zero where no part has bins.
+[[nodiscard]] NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
+                                             const BandPass& band,
+                                             std::span<const FrequencyRange> excluded);
+
 /// The mean square over windows of unequal length, weighted by it. Empty: all 0.
 struct WeightedPower {
   NoisePower power;

@@ -22,11 +22,20 @@ enum class WindowChoice : std::uint8_t {
   kGiven,  ///< a window that was asked for, as far as it has settled
 };
 
+/// Where a noise level is from.
+enum class NoiseSource : std::uint8_t {
+  kFile,    ///< a drive-off trial
+  kQuiet,   ///< intervals of the record without drive
+  kBeside,  ///< the spectrum beside the drive, in the window itself
+};
+
 /// Noise without drive, in a band.
 struct NoiseFloor {
   NoisePower power;
   double duration_s = 0;  ///< that it was measured over
-  std::string source;     ///< "0.000 s to 0.375 s of the record", or a file
+  NoiseSource from = NoiseSource::kFile;
+  std::string file{};               ///< of kFile
+  std::vector<TimeWindow> quiet{};  ///< of kQuiet
   // the rest is of a file only
   double rate_hz = 0;
   std::optional<double> tone_hz{};  ///< its strongest tone

@@ -36,18 +36,19 @@ std::size_t SampleAt(const BandSignal& signal, double time_s) {
 
 // the last quiet part before the drive, the rise, the first second of the steady part
 std::optional<Around> AroundOnset(const ChosenPart& chosen) {
-  const OnPart* on = chosen.part.drive.Longest();
-  if (!chosen.part.from_drive || on == nullptr) return std::nullopt;
+  const StateInterval& on = chosen.part.state;
+  if (!chosen.part.from_drive) return std::nullopt;
   const TimeWindow* before = nullptr;
-  for (const TimeWindow& quiet : chosen.part.drive.quiet) {
-    if (quiet.end_s <= on->whole.begin_s) before = &quiet;
+  for (const TimeWindow& quiet : chosen.part.quiet) {
+    if (quiet.end_s <= on.time.begin_s) before = &quiet;
   }
   if (before == nullptr) return std::nullopt;
   const double quiet_s = std::max(before->begin_s, before->end_s - kLongestSideS);
-  const double steady_s = std::min(on->steady.end_s, on->steady.begin_s + kLongestSideS);
   const BandSignal& signal = *chosen.signal;
-  return Around{SampleAt(signal, quiet_s), SampleAt(signal, before->end_s),
-                SampleAt(signal, on->steady.begin_s), SampleAt(signal, steady_s)};
+  const double begin_s = TimeOfSample(signal, chosen.begin);
+  const double steady_s = std::min(TimeOfSample(signal, chosen.end), begin_s + kLongestSideS);
+  return Around{SampleAt(signal, quiet_s), SampleAt(signal, before->end_s), chosen.begin,
+                SampleAt(signal, steady_s)};
 }
 
 // a drive's readings around the onset

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/analysis/used_part.h"
+#include "dsp/analysis/window_choice.h"
 #include "trial/row_source.h"
 
 /// The step of AnalyzeBand that finds when the drive and the vibration began.

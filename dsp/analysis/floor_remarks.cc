@@ -31,7 +31,7 @@ std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
   }
   for (Finding& doubt : doubts) {
     doubt.severity = Severity::kDoubt;
-    doubt.subject = floor.source;
+    doubt.subject = floor.file;
   }
   return doubts;
 }
@@ -48,7 +48,7 @@ void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
         {.severity = Severity::kRefusal,
          .kind = FindingKind::kFloorAboveSignal,
          .numbers = {{"floor_m", floor_m}, {"measured_m", numbers.rms.as_measured_m}},
-         .subject = numbers.floor->source});
+         .subject = numbers.floor->file});
   } else if (numbers.rms.below_floor) {
     analysis->findings.Note(FindingKind::kBelowFloor,
                             {{"floor_m", floor_m}, {"at_most_m", numbers.rms.at_most_m}});

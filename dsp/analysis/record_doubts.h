@@ -7,7 +7,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/raw_summary.h"
-#include "dsp/analysis/used_part.h"
+#include "dsp/analysis/window_choice.h"
 #include "trial/record.h"
 
 /// The steps of AnalyzeBand that ask whether a record is what it says: slips of a unit, a setting

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/used_part.h"
+#include "dsp/analysis/window_choice.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
 

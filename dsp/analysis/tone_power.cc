@@ -53,7 +53,8 @@ TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone, const Ba
   std::vector<double> rest = samples.values_m;
   for (const Harmonic& line : lines) TakeLine(line, samples.rate_hz, rest);
   const BandNoise noise = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band));
-  TonePower split{.rest = noise.power};
+  TonePower split{.density = noise.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz),
+                  .rest = noise.power};
   for (const Harmonic& line : lines) {
     // S / T: the noise's mean square in a line of width 1 / T
     const double square =

@@ -10,6 +10,7 @@ namespace haptometer::dsp {
 struct TonePower {
   double mean_square = 0;  ///< noise's share taken off; below 0 where that is the larger
   double variance = 0;     ///< of `mean_square`, from the noise about each line
+  double density = 0;      ///< one-sided, of the noise about the tone
   NoisePower rest;         ///< of the samples
 };
 

@@ -28,6 +28,11 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLeastFloorS = 0.1;
 // share of clipped rows above which the RMS is a lower limit only
 constexpr double kMostClipped = 1e-3;
+// bins about the drive and its harmonics that are the drive's: sidebands of a motor lie within
+constexpr double kDriveReachHz = 8;
+constexpr double kDriveReachBins = 5;
+// part of the power above which the tone is all of the drive
+constexpr double kPureTone = 0.9;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
@@ -40,8 +45,11 @@ struct Window {
   const BandQuestion& question;
   BandAnalysis& analysis;
   BandNumbers numbers{};
-  ThinnedSamples samples{};  // filtered, of the chosen part, or of its middle
-  std::size_t rows = 0;      // of the window
+  ThinnedSamples samples{};         // filtered, of the chosen part, or of its middle
+  NoiseBeside beside{};             // of these
+  double tone_variance = 0;         // of the tone's mean square
+  std::optional<double> density{};  // of the noise at the drive, m2/Hz
+  std::size_t rows = 0;             // of the window
   BandPower power{};
 
   [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
@@ -71,7 +79,25 @@ void DescribePart(Window& window) {
   part.window = {begin_s, begin_s + window.duration_s()};
 }
 
-// the window's power as tone and rest
+// ranges about the drive and its harmonics that hold no bins of noise
+std::vector<FrequencyRange> DriveRanges(const Window& window) {
+  const UsedPart& part = window.chosen.part;
+  const double reach_hz = std::max(kDriveReachHz, kDriveReachBins / window.samples.duration_s());
+  std::vector<FrequencyRange> ranges;
+  const auto add = [&](double from_hz, double to_hz) {
+    const auto [least, most] = std::minmax(from_hz, to_hz);
+    for (int order = 1; order * least - reach_hz < window.band().upper_hz; ++order) {
+      ranges.push_back({order * least - reach_hz, order * most + reach_hz});
+    }
+  };
+  if (part.from_drive) add(part.state.from_hz, part.state.to_hz);
+  if (window.numbers.tone) {
+    add(window.numbers.tone->fit.frequency_hz, window.numbers.tone->fit.frequency_hz);
+  }
+  return ranges;
+}
+
+// the window's mean square, its tone, and the noise beside the drive
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
   const std::size_t begin = window.chosen.begin;
@@ -83,16 +109,21 @@ Result<void> MeasurePower(Window& window) {
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
   const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
+  window.beside = MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz, window.band(),
+                                     DriveRanges(window));
   // without a tone all of the power is rest
-  TonePower split{.rest = whole.power};
+  window.numbers.residual_rms_m = std::sqrt(whole.power.mean_square);
   if (window.numbers.tone) {
-    split = SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
+    const TonePower split =
+        SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
+    window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
+    window.tone_variance = split.variance;
+    // beside a tone alone: the density next to it
+    if (split.mean_square > kPureTone * mean_square) window.density = split.density;
   }
-  window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
-  // rest = all - tone, so that both add to the mean square exactly; 0 <= tone <= all
-  window.power.tone_mean_square = std::clamp(split.mean_square, 0.0, mean_square);
-  window.power.tone_variance = split.variance;
-  window.power.rest = {mean_square - window.power.tone_mean_square, split.rest.variance * longer};
+  if (!window.density && window.chosen.part.from_drive) {
+    window.density = window.beside.DensityAt(window.chosen.part.state.from_hz);
+  }
   const auto extremes = window.signal().ExtremesOf(begin, begin + window.rows);
   if (!extremes) return std::unexpected(extremes.error());
   window.numbers.peak_to_peak_m = extremes->most - extremes->least;
@@ -136,32 +167,60 @@ void DescribeSensor(Window& window) {
   }
 }
 
-// the floor of the question, or else that of the quiet parts beside the drive
+// noise of the intervals without drive, pooled by their durations; nothing where these are short
+Result<std::optional<NoiseFloor>> NoiseOfQuiet(const Window& window) {
+  std::vector<WeightedPower> parts;
+  NoiseFloor floor;
+  floor.from = NoiseSource::kQuiet;
+  for (const TimeWindow& quiet : window.chosen.part.quiet) {
+    const auto [begin, end] = SettledWithin(window.signal(), quiet);
+    const double part_s = static_cast<double>(end - begin) / window.rate_hz();
+    if (part_s < kLeastFloorS / 2) continue;
+    const auto samples = ReadMiddle(window.signal(), begin, end);
+    if (!samples) return std::unexpected(samples.error());
+    const BandNoise noise = MeasureNoise(*samples, window.rate_hz(), NoiseReachHz(window.band()));
+    parts.push_back({noise.power, part_s});
+    floor.quiet.push_back(
+        {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
+    floor.duration_s += part_s;
+  }
+  if (floor.duration_s < kLeastFloorS) return std::nullopt;
+  floor.power = Pooled(parts);
+  return floor;
+}
+
+// Noise from the question's file, the intervals without drive, or the spectrum beside the drive;
+// then what is drive:  mean square - noise, with the variance 2 drive S / T of its beat with noise.
 Result<void> TakeFloor(Window& window) {
-  window.numbers.floor = window.question.floor;
-  if (!window.numbers.floor && window.chosen.part.from_drive) {
-    std::vector<WeightedPower> parts;
-    std::string source;
-    // quiet parts that are free of transients, pooled by their durations
-    double duration_s = 0;
-    for (const TimeWindow& quiet : window.chosen.part.drive.quiet) {
-      const auto [begin, end] = SettledWithin(window.signal(), quiet);
-      const double part_s = static_cast<double>(end - begin) / window.rate_hz();
-      if (part_s < kLeastFloorS / 2) continue;
-      const auto samples = ReadMiddle(window.signal(), begin, end);
-      if (!samples) return std::unexpected(samples.error());
-      const BandNoise noise = MeasureNoise(*samples, window.rate_hz(), NoiseReachHz(window.band()));
-      parts.push_back({noise.power, part_s});
-      source +=
-          fmt::format("{}{:.3f} s to {:.3f} s", source.empty() ? "" : ", ",
-                      TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end));
-      duration_s += part_s;
-    }
-    if (duration_s >= kLeastFloorS) {
-      window.numbers.floor = NoiseFloor{Pooled(parts), duration_s, source + " of the record"};
+  std::optional<NoiseFloor> floor = window.question.floor;
+  if (!floor && window.chosen.part.from_drive) {
+    auto quiet = NoiseOfQuiet(window);
+    if (!quiet) return std::unexpected(quiet.error());
+    floor = *std::move(quiet);
+    if (!floor) {
+      floor = NoiseFloor{.power = window.beside.power,
+                         .duration_s = window.duration_s(),
+                         .from = NoiseSource::kBeside};
     }
   }
-  if (window.numbers.floor) window.power.floor = window.numbers.floor->power;
+  const double mean_square = window.numbers.power.mean_square;
+  BandPower& power = window.power;
+  if (!floor || !window.density) {
+    power.rest = window.numbers.power;
+    if (floor) power.floor = floor->power;
+  } else {
+    const double noise = std::min(mean_square, floor->power.mean_square);
+    power.tone_mean_square = mean_square - noise;
+    power.tone_variance = 2 * power.tone_mean_square * *window.density / window.duration_s();
+    // the window's own noise scatters about the floor's as it does over that duration
+    power.rest = {noise, floor->power.variance * floor->duration_s / window.duration_s()};
+    power.floor = {floor->power.mean_square, floor->power.variance};
+    if (floor->from == NoiseSource::kBeside) {
+      power.rest.variance = window.beside.variance_of_rest;
+      power.floor = {noise, 0};
+    }
+  }
+  window.numbers.floor = std::move(floor);
   return {};
 }
 
@@ -254,8 +313,8 @@ void FinishTone(Window& window) {
   tone.sine_rms_m = fit.amplitude / std::numbers::sqrt2;
   tone.share_of_rms = tone.sine_rms_m / std::sqrt(window.numbers.power.mean_square);
   // noise near the tone differs from white noise: all uncertainties by the same factor
-  if (window.power.tone_variance > 0) {
-    const double shape = std::sqrt(window.power.tone_variance) / fit.amplitude /
+  if (window.tone_variance > 0) {
+    const double shape = std::sqrt(window.tone_variance) / fit.amplitude /
                          std::max(fit.amplitude_uncertainty, 1e-300);
     fit.amplitude_uncertainty *= shape;
     fit.frequency_uncertainty_hz *= shape;
@@ -347,13 +406,9 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
       Thinned(std::move(*samples), window.rate_hz(), window.signal().design(), window.band());
   // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
-    std::optional<SineFit> tone;
-    // a frequency that moves has no single tone
-    if (!analysis->frequency_move) {
-      tone =
-          StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
-                                                  analysis->band.upper_hz, window.bandwidth_hz()});
-    }
+    const auto tone =
+        StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
+                                                analysis->band.upper_hz, window.bandwidth_hz()});
     window.rows = WholePeriods(window, tone);
     DescribePart(window);
     if (tone) {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "dsp/analysis/used_part.h"
+#include "dsp/analysis/window_choice.h"
 #include "dsp/findings.h"
 #include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/kinematics.h"

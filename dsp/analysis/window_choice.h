@@ -2,18 +2,19 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/segments.h"
 
-/// The step of AnalyzeBand that chooses which rows its numbers are of.
+/// The step of AnalyzeBand that chooses which rows its numbers are of: from the states of the drive
+/// to the window, and to the intervals without drive that noise is measured in.
 namespace haptometer::dsp {
 
-/// Samples [begin, end) of a signal, all settled.
+/// Samples [begin, end) of a signal, all free of transients.
 struct ChosenPart {
   const BandSignal* signal = nullptr;
   std::size_t begin = 0;
@@ -31,13 +32,14 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
   return size <= kMostFitted ? size : kFittedOfLonger;
 }
 
-/// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
-/// nothing, and a refusal, where a given window has not settled. `all` are `segments`, filtered, at
-/// least one.
-/// Errors: as RowSource::Read.
-[[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
-                                                           const Segments& segments,
-                                                           const std::vector<BandSignal>& all,
+/// Finds the states of the drive in `all` (at least one), fills `analysis.states`, and chooses as
+/// `question` says (see AnalyzeBand).
+///
+/// The longest steady state that is on, a block shorter at each end at which it changes. Where no
+/// state is on in blocks of a period of the lower corner, blocks of 4 and 16 times that are tried:
+/// they show tones below the noise. Nothing, and a refusal, where a given window is not free of
+/// transients. Errors: as RowSource::Read.
+[[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);
 
@@ -45,7 +47,7 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 [[nodiscard]] Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
                                                      std::size_t end);
 
-/// Samples of `window` in `signal`'s count, within what has settled; begin == end: none.
+/// Samples of `window` in `signal`'s count, within what is free of transients; begin == end: none.
 [[nodiscard]] std::pair<std::size_t, std::size_t> SettledWithin(const BandSignal& signal,
                                                                 const TimeWindow& window);
 
