@@ -15,6 +15,9 @@ constexpr std::array<double, 3> kBlockLengths{1, 4, 16};
 constexpr double kShortestBlockS = 0.015;
 constexpr double kLeastBlocks = 24;  // in a segment, before blocks are made longer
 constexpr std::size_t kLeastLongBlocks = 8;
+// tones up to this multiple of the lower corner, below this part of the drive, are of tremor
+constexpr double kFoot = 1.6;
+constexpr double kFootLevel = 0.5;
 // noise is measured this far from a drive, in periods of the lower corner: the filter rings there
 constexpr double kQuietPeriods = 2.5;
 // a bump: residual this far above its median, in logarithms; the blocks beside it ring
@@ -83,13 +86,21 @@ std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size
   return SettledWithin(*course.signal, inner);
 }
 
-// intervals that are off, away from everything else
-std::vector<TimeWindow> QuietOf(const Course& course, double lower_hz) {
+// whether a state is no drive beside one of `level_m`: off, or a harmonic of tremor at the band's
+// foot
+bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
+  if (state.state == DriveState::kOff) return true;
+  return state.state == DriveState::kOn && state.to_hz < kFoot * lower_hz &&
+         state.from_hz < kFoot * lower_hz && state.level_m < kFootLevel * level_m;
+}
+
+// intervals without the drive of `level_m`, away from everything else
+std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double lower_hz) {
   const BandSignal& signal = *course.signal;
   const std::vector<StateInterval>& states = course.states;
   std::vector<TimeWindow> quiet;
   for (std::size_t k = 0; k < states.size(); ++k) {
-    if (states[k].state != DriveState::kOff) continue;
+    if (!IsQuiet(states[k], level_m, lower_hz)) continue;
     TimeWindow window = states[k].time;
     if (k > 0) window.begin_s += kQuietPeriods / lower_hz;
     window.end_s = k + 1 < states.size() ? window.end_s - kQuietPeriods / lower_hz
@@ -164,7 +175,7 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   }
   if (!best) return best;
   best->hum = of->hum;
-  best->part.quiet = QuietOf(*of, lower_hz);
+  best->part.quiet = QuietOf(*of, best->part.state.level_m, lower_hz);
   best->excluded = BumpsIn(*of, best->begin, best->end);
   // bumps throughout are no bumps
   if (2 * SizeOf(best->excluded) > best->end - best->begin) best->excluded.clear();
@@ -273,7 +284,7 @@ void DescribeGiven(const std::vector<Course>& courses, double lower_hz, ChosenPa
     chosen.part.state = state;
   }
   chosen.hum = course->hum;
-  chosen.part.quiet = QuietOf(*course, lower_hz);
+  chosen.part.quiet = QuietOf(*course, chosen.part.state.level_m, lower_hz);
   // up to a period of the lower corner beside the drive is no mixture
   const double off_s = window.duration_s() - on_s;
   chosen.part.from_drive = on_s > 0 && off_s <= 1 / lower_hz + course->blocks.block_s;

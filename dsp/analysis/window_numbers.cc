@@ -33,6 +33,8 @@ constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
 // part of the power above which the tone is all of the drive
 constexpr double kPureTone = 0.9;
+// change of the amplitude over the window that is a doubt
+constexpr double kUnsteadyDrift = 0.02;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
@@ -340,6 +342,16 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   // a share s of the power changes the RMS by s / 2 of it
   add(RmsCause::kSpikes, 0.5 * rms * FaultShare(window, FaultKind::kSpike));
   add(RmsCause::kSteps, 0.5 * rms * FaultShare(window, FaultKind::kStep));
+  const UsedPart& part = window.chosen.part;
+  if (!part.from_drive) return bounds;
+  // a quiet interval holds the foot and the hum, too, and is subtracted
+  if (numbers.floor && numbers.floor->from == NoiseSource::kBeside) {
+    add(RmsCause::kFoot, window.beside.foot_mean_square / (2 * rms));
+    add(RmsCause::kHum, 0.5 * std::abs(window.hum_square) / (2 * rms));
+  }
+  if (std::abs(part.state.drift) > kUnsteadyDrift) {
+    add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
+  }
   return bounds;
 }
 
