@@ -9,11 +9,12 @@ namespace haptometer::dsp {
 ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz, const FilterDesign& design,
                        const BandPass& band) {
   constexpr double kFolded = 1e-9;
-  constexpr std::size_t kLeastSamples = std::size_t{1} << 17U;
+  constexpr std::size_t kLeastSamples = std::size_t{1} << 12U;
   constexpr double kRatePerUpper = 5;
   std::size_t every = 1;
   const auto rate_of = [&](std::size_t n) { return rate_hz / static_cast<double>(n); };
-  while (filtered.size() >= kLeastSamples && rate_of(2 * every) >= kRatePerUpper * band.upper_hz &&
+  while (filtered.size() / (2 * every) >= kLeastSamples &&
+         rate_of(2 * every) >= kRatePerUpper * band.upper_hz &&
          std::norm(Response(design, rate_of(2 * every) - NoiseReachHz(band))) <= kFolded) {
     every *= 2;
   }

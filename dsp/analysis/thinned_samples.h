@@ -17,8 +17,8 @@ struct ThinnedSamples {
 /// Of `filtered` at `rate_hz`, behind the two passes of `design`, every n-th.
 ///
 /// n is the highest power of two by which at least five times the upper corner is left and what
-/// folds to NoiseReachHz or below is 1e-9 of what was there before the filter. n is 1 for fewer
-/// than 2^17 samples, which cost little.
+/// folds to NoiseReachHz or below is 1e-9 of what was there before the filter, and at least 2^12
+/// samples.
 [[nodiscard]] ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz,
                                      const FilterDesign& design, const BandPass& band);
 

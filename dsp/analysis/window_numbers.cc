@@ -458,7 +458,7 @@ Result<void> DescribeHarmonics(Window& window) {
   std::vector<double> samples(FittedOf(window.rows));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   if (auto read = window.signal().samples().Read(first, samples); !read) return read;
-  if (window.samples.duration_s() <= kLongestModelledS) {
+  if (window.numbers.below_band && window.samples.duration_s() <= kLongestModelledS) {
     const auto model = BelowBandModel::Fit(samples, window.rate_hz(), window.band().lower_hz,
                                            window.band().upper_hz);
     if (model) model->Subtract(0, samples);
@@ -526,6 +526,17 @@ void RemarkTone(Window& window) {
     window.analysis.findings.Doubt(FindingKind::kOtherDrive,
                                    {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
   }
+}
+
+// the refusal of a window without a drive states what there was, and what a drive is below
+void RefuseWithoutDrive(const Window& window) {
+  if (!window.chosen.refusal) return;
+  Finding refusal = *window.chosen.refusal;
+  if (refusal.kind == FindingKind::kNoDrive) {
+    refusal.numbers = {{"noise_m", window.numbers.rms.as_measured_m},
+                       {"at_most_m", window.numbers.rms.upper_m}};
+  }
+  window.analysis.findings.Add(std::move(refusal));
 }
 
 // hum: what was subtracted, where it was not seen alone, and where it may hide in the drive
@@ -617,6 +628,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   if (auto compared = CompareChannel(displacement.source, window); !compared) return compared;
   if (has_tone) RemarkTone(window);
   RemarkHum(window);
+  RefuseWithoutDrive(window);
   RemarkFloor(window.numbers, analysis);
   analysis->numbers = std::move(window.numbers);
   return {};
