@@ -8,14 +8,12 @@
 #include <span>
 
 #include "base/jobs.h"
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/drive_onset.h"
-#include "dsp/analysis/floor_remarks.h"
 #include "dsp/analysis/quantisation.h"
-#include "dsp/analysis/thinned_samples.h"
-#include "dsp/analysis/tone_power.h"
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/transient.h"
