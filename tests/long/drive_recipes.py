@@ -181,13 +181,13 @@ def swept_resonance(pick, length):
     t = np.arange(int(length * rate)) / rate
     force = chirp(t, 60, length, 350, phi=-90)
     w0, damping = 2 * np.pi * f0 / rate, 1 / (2 * q)
-    # bilinear in time; at 350 Hz of 10 kHz the frequency is warped by 0.4 %, so prewarped at f0
+    # bilinear in time, prewarped at f0; its width there shrinks by sin(w0)/w0
     k = w0 / np.tan(w0 / 2)
     b = np.array([1.0, 2.0, 1.0]) * w0 ** 2
     a = np.array([k * k + 2 * damping * w0 * k + w0 ** 2, 2 * (w0 ** 2 - k * k),
                   k * k - 2 * damping * w0 * k + w0 ** 2])
     x = 2e-6 * lfilter(b / a[0], a / a[0], force)
-    return Record(rate, t, x, options=["--sweep"], truth={"f0": f0, "q": q})
+    return Record(rate, t, x, options=["--sweep"], truth={"f0": f0, "q": q * w0 / np.sin(w0)})
 
 
 @recipe("8a", hard=True)
