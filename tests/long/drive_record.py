@@ -166,4 +166,4 @@ def write_bin(record, path):
             sequence += 1
         invalid = int(np.count_nonzero(rows["status0"]))
         close = {"rows": rows.size, "statuses": {"ok": rows.size - invalid, "invalid": invalid}}
-        file.write(block(4, sequence, json.dumps(close).encode()))
+        file.write(block(4, sequence, json.dumps(close).encode(), first=rows.size))
