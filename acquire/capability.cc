@@ -13,6 +13,7 @@
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/modbus_profile.h"
 #include "base/error.h"
+#include "base/mapped.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::acquire {
@@ -122,9 +123,8 @@ Capability Judge(const SensorAbility& sensor, const CapabilityQuestion& question
 
 std::vector<Capability> Judge(const std::vector<SensorAbility>& sensors,
                               const CapabilityQuestion& question) {
-  std::vector<Capability> capabilities;
-  capabilities.reserve(sensors.size());
-  for (const SensorAbility& sensor : sensors) capabilities.push_back(Judge(sensor, question));
+  auto capabilities = Mapped<Capability>(
+      sensors, [&](const SensorAbility& sensor) { return Judge(sensor, question); });
   // sensors that can answer first, then by highest observable frequency
   std::ranges::sort(capabilities, [](const Capability& a, const Capability& b) {
     return std::tuple(!a.can_answer, -a.highest_hz, a.sensor.name) <

@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
-
 namespace haptometer {
 namespace {
 

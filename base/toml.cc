@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <sstream>
 #include <utility>
 
-#include "base/error.h"
 #include "base/input_file.h"
 #include "base/text.h"
 
@@ -434,9 +432,7 @@ Result<void> TomlTable::Finish() const {
   }
   if (state_->first_error) return std::unexpected(*state_->first_error);
   // a table's own error comes before those below it
-  for (const auto& [key, child] : state_->children) {
-    HAPTOMETER_TRY(child.Finish());
-  }
+  for (const auto& [key, child] : state_->children) HAPTOMETER_TRY(child.Finish());
   return {};
 }
 

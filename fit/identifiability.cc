@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "fit/least_squares.h"
 
 namespace haptometer::fit {
 namespace {

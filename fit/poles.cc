@@ -6,7 +6,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <vector>
 
 #include "base/error.h"
 #include "dsp/spectrum/fft.h"

@@ -6,7 +6,6 @@
 #include <complex>
 #include <numbers>
 #include <ranges>
-#include <span>
 #include <utility>
 
 #include "base/error.h"

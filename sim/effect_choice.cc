@@ -1,7 +1,6 @@
 #include "sim/effect_choice.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
@@ -12,7 +11,6 @@
 #include "sim/steady_run.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // stops and contact are distinguished by the names of their events

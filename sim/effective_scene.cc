@@ -13,7 +13,6 @@
 #include "sim/scene_run.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // least rate, outputs per period of an own frequency, its limit (sim/effective_scene.h)

@@ -11,7 +11,6 @@
 #include "sim/smooth/smooth_mode.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // relative error of an exact motion over a period

@@ -17,7 +17,6 @@
 #include "base/jobs.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr int kMostHalvings = 8;

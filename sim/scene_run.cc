@@ -10,18 +10,14 @@
 
 #include "base/error.h"
 #include "base/jobs.h"
-#include "sim/effective_scene.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/scene_mode.h"
 #include "sim/piecewise/guard.h"
-#include "sim/piecewise/piecewise_motion.h"
-#include "sim/smooth/ode_solver.h"
 #include "sim/smooth/smooth_motion.h"
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // outputs between two evaluations of the error: before the first event, and after it

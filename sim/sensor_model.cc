@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <functional>
 #include <limits>
@@ -22,12 +21,10 @@
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"
 #include "sim/piecewise/piecewise_motion.h"
-#include "sim/scene/scene.h"
 #include "sim/smooth/ode_solver.h"
 #include "sim/smooth/smooth_motion.h"
 #include "sim/smooth/smooth_system.h"
 #include "sim/waveforms.h"
-#include "trial/sensor_head.h"
 
 namespace haptometer::sim {
 

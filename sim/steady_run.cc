@@ -14,7 +14,6 @@
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // periods of the drive that a steady motion is played for, at least
@@ -82,9 +81,7 @@ bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady)
 SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   SteadyRun steady;
   const SteadyTones motion = Superpose(scene.scene);
-  if (!(motion.error_estimate < 1)) {
-    return NoRun(FindingKind::kTremorAtResonance);
-  }
+  if (!(motion.error_estimate < 1)) return NoRun(FindingKind::kTremorAtResonance);
   if (!SteadyMotionIsFree(scene, motion)) return NoRun(FindingKind::kTremorWithLimits);
   EffectiveScene linear = scene;
   linear.piecewise = {};

@@ -19,7 +19,6 @@
 #include "sim/steady_run.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // Plays a motion and records its waveforms.

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "base/finding.h"
 
@@ -35,6 +37,31 @@ template <typename Kind>
 std::string NumbersOf(const Findings<Kind>& findings, Kind kind) {
   const auto found = std::ranges::find(findings.list(), kind, &FindingOf<Kind>::kind);
   return found == findings.list().end() ? "none" : NumbersOf(*found);
+}
+
+/// The kinds of the findings of a severity, in their order.
+template <typename Kind>
+std::vector<Kind> KindsOf(const Findings<Kind>& findings, Severity severity) {
+  std::vector<Kind> kinds;
+  for (const FindingOf<Kind>& finding : findings.list()) {
+    if (finding.severity == severity) kinds.push_back(finding.kind);
+  }
+  return kinds;
+}
+
+template <typename Kind>
+std::vector<Kind> DoubtsOf(const Findings<Kind>& findings) {
+  return KindsOf(findings, Severity::kDoubt);
+}
+
+/// A number of the first finding of a kind; T{} where there is none.
+template <typename T = double, typename Kind>
+T NumberOf(const Findings<Kind>& findings, Kind kind, std::string_view name) {
+  const auto found = std::ranges::find(findings.list(), kind, &FindingOf<Kind>::kind);
+  if (found == findings.list().end()) return T{};
+  const auto number = std::ranges::find(found->numbers, name, &FindingNumber::name);
+  const T* value = number == found->numbers.end() ? nullptr : std::get_if<T>(&number->value);
+  return value == nullptr ? T{} : *value;
 }
 
 }  // namespace haptometer::tests

@@ -3,16 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <mutex>
-#include <span>
 #include <utility>
-#include <vector>
 
-#include "base/error.h"
 #include "base/jobs.h"
-#include "trial/byte_io.h"
 
 namespace haptometer::trial {
 namespace {
@@ -317,7 +311,7 @@ Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset,
   std::size_t sound = payloads.size();  // the first that is damaged
   std::mutex mutex;
   const std::size_t jobs = (payloads.size() + kBlocksPerJob - 1) / kBlocksPerJob;
-  const auto checked = RunJobs(jobs, threads, [&]() -> Worker {
+  HAPTOMETER_TRY(RunJobs(jobs, threads, [&]() -> Worker {
     return [&, buffer = std::vector<std::byte>()](std::size_t job) mutable -> Result<void> {
       const std::size_t end = std::min((job + 1) * kBlocksPerJob, payloads.size());
       for (std::size_t k = job * kBlocksPerJob; k < end; ++k) {
@@ -330,8 +324,7 @@ Result<std::uint64_t> SoundUntil(const ByteSource& source, std::uint64_t offset,
       }
       return {};
     };
-  });
-  if (!checked) return std::unexpected(checked.error());
+  }));
   // sound up to the head of the first damaged block
   if (sound < payloads.size()) return payloads[sound].offset - kBlockHeadBytes;
   if (payloads.empty()) return offset;

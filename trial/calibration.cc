@@ -7,7 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/error.h"
 #include "base/toml.h"
 
 namespace haptometer::trial {

@@ -1,7 +1,5 @@
 #include "trial/record.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/names.h"
 

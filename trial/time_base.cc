@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 
 /// What the fits of arrival times and of polled times share. All times are nanoseconds since the
 /// first row, as doubles: exact below 2^53 ns = 104 days.
 namespace haptometer::trial {
-
 namespace {
 
 constexpr double kNsPerSecond = 1e9;
@@ -73,12 +69,9 @@ double RateOf(double period_ns) {
 
 // times in ns after the first row
 std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
-  std::vector<double> times;
-  times.reserve(time_ns.size());
-  for (const std::int64_t t : time_ns) {
-    times.push_back(static_cast<double>(t) - static_cast<double>(time_ns.front()));
-  }
-  return times;
+  return Mapped<double>(time_ns, [&](const std::int64_t t) {
+    return static_cast<double>(t) - static_cast<double>(time_ns.front());
+  });
 }
 
 }  // namespace
@@ -474,10 +467,7 @@ Line FitPiece(const Rows& part, const Cut& cut, std::optional<double> common_per
 double Scatter(const Rows& part, const Line& line, std::size_t window_rows) {
   // fewer than two windows give one minimum, hence a scatter of 0
   const std::size_t count = part.size() < 2 * window_rows ? part.size() : window_rows;
-  std::vector<double> levels;
-  for (const Window& window : WindowsOf(part, line.period_ns, count)) {
-    levels.push_back(window.level_ns);
-  }
+  auto levels = Mapped<double>(WindowsOf(part, line.period_ns, count), &Window::level_ns);
   // 1.4826 * MAD about the median
   const double middle = Median(levels);
   for (double& level : levels) level = std::abs(level - middle);

@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
 
-#include "base/error.h"
 #include "base/names.h"
 #include "base/text.h"
 
 namespace haptometer::trial {
-
 namespace {
 
 constexpr Names<Encoding, 3> kEncodingNames{{"i32", "f32", "f64"}};
@@ -238,7 +235,7 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
 Result<void> CheckTexts(const std::string& what, const std::map<std::string, std::string>& texts) {
   for (const auto& [key, value] : texts) {
     HAPTOMETER_TRY(CheckPrintable("the name of a " + what, key));
-    if (auto fit = CheckPrintable(fmt::format("{} {}", what, key), value); !fit) return fit;
+    HAPTOMETER_TRY(CheckPrintable(fmt::format("{} {}", what, key), value));
   }
   return {};
 }
@@ -292,9 +289,7 @@ Result<void> CheckTexts(const TrialHeader& header) {
   for (const auto& [key, member] : kMetadataTexts) {
     HAPTOMETER_TRY(CheckPrintable(std::string(key), metadata.*member));
   }
-  for (const std::string& note : metadata.notes) {
-    HAPTOMETER_TRY(CheckPrintable("a note", note));
-  }
+  for (const std::string& note : metadata.notes) HAPTOMETER_TRY(CheckPrintable("a note", note));
   HAPTOMETER_TRY(CheckTexts("field", metadata.fields));
   return CheckTexts("label", metadata.labels);
 }

@@ -10,11 +10,10 @@
 #include <utility>
 
 #include "base/clock.h"
-#include "base/error.h"
+#include "base/mapped.h"
 #include "base/names.h"
 #include "trial/block.h"
 #include "trial/time_base.h"
-#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {
@@ -404,9 +403,8 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
 
 // where rows are missing: blocks lost in the file, or losses that the recorder noted
 std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& report) {
-  std::vector<MissingRows> missing;
-  missing.reserve(gathered.breaks.size());
-  for (const std::size_t row : gathered.breaks) missing.push_back({row, std::nullopt});
+  auto missing = Mapped<MissingRows>(
+      gathered.breaks, [](const std::size_t row) { return MissingRows{row, std::nullopt}; });
   // event.row counts the rows that were written, so it applies only where all were read
   if (report.losses.empty()) {
     for (const Event& event : report.events) {
@@ -444,9 +442,7 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
   const std::vector<MissingRows> missing = Missing(gathered, report);
   const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
   if (header.timing == Timing::kPolled) {
-    std::vector<std::size_t> breaks;
-    breaks.reserve(missing.size());
-    for (const MissingRows& at : missing) breaks.push_back(at.row);
+    const auto breaks = Mapped<std::size_t>(missing, &MissingRows::row);
     record->stretches =
         FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks);
     return;

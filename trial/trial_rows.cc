@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 
-#include "base/error.h"
 #include "trial/block.h"
 #include "trial/record.h"
 #include "trial/time_base.h"

@@ -8,10 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/error.h"
 #include "trial/block.h"
-#include "trial/byte_io.h"
-#include "trial/trial_format.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::trial {
@@ -168,9 +165,7 @@ Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::s
   }
   // twice, because no row can be read without it
   const std::string json = HeaderToJson(state->header);
-  for (int copy = 0; copy < 2; ++copy) {
-    HAPTOMETER_TRY(state->WriteText(BlockKind::kHeader, json));
-  }
+  for (int copy = 0; copy < 2; ++copy) HAPTOMETER_TRY(state->WriteText(BlockKind::kHeader, json));
   // the header is on the disk before the first row comes
   HAPTOMETER_TRY(state->Flush());
   return TrialWriter(std::move(state));
@@ -187,15 +182,11 @@ Result<void> TrialWriter::Append(const Row& row) {
   const std::int64_t index = is_uniform ? row.index : static_cast<std::int64_t>(state.totals.rows);
   HAPTOMETER_CHECK(index >= state.next_index, "index {} after {}", index, state.next_index - 1);
   // rows of one block follow each other on the grid
-  if (index != state.next_index && state.rows_waiting > 0) {
-    HAPTOMETER_TRY(state.WriteRows());
-  }
+  if (index != state.next_index && state.rows_waiting > 0) HAPTOMETER_TRY(state.WriteRows());
   if (state.rows_waiting == 0) state.first_index = index;
   state.next_index = index + 1;
   state.Store(row);
-  if (state.rows_waiting == state.rows_per_block) {
-    HAPTOMETER_TRY(state.WriteRows());
-  }
+  if (state.rows_waiting == state.rows_per_block) HAPTOMETER_TRY(state.WriteRows());
   return state.FlushIfDue();
 }
 

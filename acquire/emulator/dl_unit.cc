@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "acquire/protocol/keyence/dl_en1.h"
-#include "acquire/protocol/wire.h"
-#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {
@@ -331,9 +329,7 @@ Result<void> Validate(const DlRs1aSetup& setup) {
   if (setup.expansions.size() >= dl_rs1a::kMostUnits) {
     return Usage("<amplifiers>", "a DL-RS1A has no more than 15", "give 1 to 15");
   }
-  for (const MovingHead& head : setup.expansions) {
-    HAPTOMETER_TRY(ValidateIlHead(head.head));
-  }
+  for (const MovingHead& head : setup.expansions) HAPTOMETER_TRY(ValidateIlHead(head.head));
   return ValidateIlHead(setup.head.head);
 }
 
@@ -375,9 +371,7 @@ Result<void> Validate(const DlEn1Setup& setup) {
   if (setup.heads.empty() || setup.heads.size() > dl::kMostUnits) {
     return Usage("<amplifiers>", "a DL-EN1 has 1 to 15", "give as many");
   }
-  for (const MovingHead& head : setup.heads) {
-    HAPTOMETER_TRY(ValidateIlHead(head.head));
-  }
+  for (const MovingHead& head : setup.heads) HAPTOMETER_TRY(ValidateIlHead(head.head));
   return {};
 }
 

@@ -157,9 +157,7 @@ void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
     refusal = RefusalOf(asked);
   }
   // an injected refusal: exception 04
-  if (fault != nullptr && fault->refuses) {
-    refusal = ModbusException::kDeviceFailure;
-  }
+  if (fault != nullptr && fault->refuses) refusal = ModbusException::kDeviceFailure;
   const bool is_refused = refusal != ModbusException::kNone;
   const std::string data =
       is_refused ? std::string{static_cast<char>(refusal)} : DataOf(asked, at_ns, fault);
@@ -186,9 +184,7 @@ ModbusException ModbusUnit::RefusalOf(const ReadRequest& request) const {
   for (int i = 0; i < request.count; ++i) {
     const int address = request.address + i + profile.address_base;
     const bool is_read = address >= profile.address && address < profile.address + profile.count;
-    if (!is_read && address != profile.scale_address) {
-      return ModbusException::kIllegalAddress;
-    }
+    if (!is_read && address != profile.scale_address) return ModbusException::kIllegalAddress;
   }
   // an exact sensor accepts the two requests of its profile only
   const auto asks = [&](const ReadRequest& known) {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

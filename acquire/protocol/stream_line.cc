@@ -4,8 +4,6 @@
 
 #include <cstdlib>
 
-#include "acquire/protocol/wire.h"
-#include "base/error.h"
 #include "base/quantity.h"
 
 namespace haptometer::acquire {

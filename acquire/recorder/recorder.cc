@@ -11,7 +11,6 @@
 
 #include "acquire/recorder/recording_statistics.h"
 #include "acquire/recorder/row_ring.h"
-#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <utility>
-
 #include "trial/block.h"
 
 namespace haptometer::acquire {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "base/error.h"
 #include "base/names.h"
 
 namespace haptometer::acquire {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -11,7 +10,6 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "acquire/sensor/modbus_profile.h"
 #include "acquire/transport/port_list.h"
 #include "trial/trial_format.h"
 

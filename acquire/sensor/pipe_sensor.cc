@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "trial/import/csv_header.h"
 
@@ -154,9 +153,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
   if (!calibration_path.empty()) {
     std::vector<trial::ChannelFormat> names;
     names.reserve(words.size());
-    for (const Word& word : words) {
-      names.push_back({.name = word.name, .role = RoleOf(word.name)});
-    }
+    for (const Word& word : words) names.push_back({.name = word.name, .role = RoleOf(word.name)});
     HAPTOMETER_LET(auto read, trial::ReadCalibrationFile(calibration_path, names));
     calibration = std::move(read);
   }

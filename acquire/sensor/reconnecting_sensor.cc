@@ -1,8 +1,5 @@
 #include "acquire/sensor/reconnecting_sensor.h"
 
-#include <algorithm>
-#include <utility>
-
 namespace haptometer::acquire {
 namespace {
 

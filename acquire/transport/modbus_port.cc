@@ -13,7 +13,6 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
-#include <optional>
 #include <utility>
 
 #include "acquire/protocol/wire.h"

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
-
 namespace haptometer::dsp {
 namespace {
 
@@ -111,7 +109,7 @@ double DecayPerSample(const DeltaSection& section) {
 }  // namespace
 
 Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
-  if (auto checked = Check(band, rate_hz); !checked) return std::unexpected(checked.error());
+  HAPTOMETER_TRY(Check(band, rate_hz));
   const WarpedBand warped = Warp(band, rate_hz);
   const int n = band.order;
 

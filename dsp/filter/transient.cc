@@ -5,19 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
-#include "dsp/filter/butterworth.h"
-#include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
 
@@ -166,12 +161,12 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   // both lead-ins overlap: each sample may depend on both ends, so all samples are computed at once
   const bool is_short = size <= 2 * lead_in;
   std::vector<double> seen(is_short ? size : lead_in + 1);
-  if (auto done = read(0, seen); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(read(0, seen));
   std::ranges::reverse(seen);  // so that its end is the signal's begin
   const EndContinuations before = ContinueEnd(design, seen, lead_in);
   // far ends are measured separately, each over one lead-in
   if (!is_short) dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
-  if (auto done = read(size - seen.size(), seen); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(read(size - seen.size(), seen));
   const EndContinuations after = ContinueEnd(design, seen, lead_in);
   if (is_short) {
     dependence.first = DependenceOf(blocks, before, size, after, scratch);

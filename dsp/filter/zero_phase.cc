@@ -9,8 +9,6 @@
 #include <cstring>
 #include <thread>
 
-#include "base/error.h"
-
 namespace haptometer::dsp {
 namespace {
 
@@ -92,8 +90,7 @@ class ZeroPhaseBlocks::Continued {
   // indices first .. first + out.size() - 1, all beyond the end point p: 2 x[p] - x[2 p - k]
   Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t first, std::ptrdiff_t pivot) const {
     if (out.empty()) return {};
-    const auto end_value = Sample(pivot);
-    if (!end_value) return std::unexpected(end_value.error());
+    HAPTOMETER_LET(const auto end_value, Sample(pivot));
     // of these the ones whose mirror image lies in the signal; they are read in reversed order
     const std::ptrdiff_t end = first + std::ssize(out);
     const std::ptrdiff_t near = std::clamp(pivot - reach_, first, end);
@@ -102,15 +99,14 @@ class ZeroPhaseBlocks::Continued {
         out.subspan(static_cast<std::size_t>(near - first), static_cast<std::size_t>(far - near));
     if (!turned.empty()) {
       const std::ptrdiff_t from = 2 * pivot - (far - 1);
-      if (auto read = read_(static_cast<std::size_t>(from), turned); !read) return read;
+      HAPTOMETER_TRY(read_(static_cast<std::size_t>(from), turned));
       std::ranges::reverse(turned);
-      for (double& value : turned) value = 2 * *end_value - value;
+      for (double& value : turned) value = 2 * end_value - value;
     }
     if (turned.size() == out.size()) return {};
     // further out the continuation keeps the value of the last mirrored sample
-    const auto last = Sample(first < pivot ? pivot + reach_ : pivot - reach_);
-    if (!last) return std::unexpected(last.error());
-    const double beyond = reach_ == 0 ? *end_value : 2 * *end_value - *last;
+    HAPTOMETER_LET(const auto last, Sample(first < pivot ? pivot + reach_ : pivot - reach_));
+    const double beyond = reach_ == 0 ? end_value : 2 * end_value - last;
     std::fill(out.begin(), out.begin() + (near - first), beyond);
     std::fill(out.end() - (end - far), out.end(), beyond);
     return {};
@@ -118,9 +114,7 @@ class ZeroPhaseBlocks::Continued {
 
   Result<double> Sample(std::ptrdiff_t index) const {
     double value = 0;
-    if (auto read = read_(static_cast<std::size_t>(index), {&value, 1}); !read) {
-      return std::unexpected(read.error());
-    }
+    HAPTOMETER_TRY(read_(static_cast<std::size_t>(index), {&value, 1}));
     return value;
   }
 
@@ -254,8 +248,7 @@ Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& 
   LaneCascade cascade(plan_);
   // both passes resume from the kept states, so no lead-in is needed
   cascade.GoOnFrom(states.forward);
-  auto done = FilterForward(range.first, signal, rows, scratch, cascade);
-  if (!done) return done;
+  HAPTOMETER_TRY(FilterForward(range.first, signal, rows, scratch, cascade));
   cascade.GoOnFrom(states.backward);
   cascade.ProcessBackward(rows, out);
   return {};
@@ -267,7 +260,7 @@ Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal,
   const auto begin = static_cast<std::ptrdiff_t>(first) - static_cast<std::ptrdiff_t>(lead_in_);
   for (std::size_t at = 0; at < lead_in_;) {
     const auto part = std::span(scratch.read_).first(std::min(kReadSamples, lead_in_ - at));
-    if (auto done = signal.Read(begin + static_cast<std::ptrdiff_t>(at), part); !done) return done;
+    HAPTOMETER_TRY(signal.Read(begin + static_cast<std::ptrdiff_t>(at), part));
     // as if the first value had been constant before the lead-in
     if (at == 0) cascade.StartFrom(part.front());
     cascade.AdvanceForward(part);
@@ -286,7 +279,7 @@ Result<void> ZeroPhaseBlocks::FilterForward(std::size_t first, const Continued& 
   scratch.read_.resize(kReadSamples);
   for (std::size_t at = tiles.size(); at < rows.size();) {
     const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
-    if (auto done = signal.Read(static_cast<std::ptrdiff_t>(first + at), part); !done) return done;
+    HAPTOMETER_TRY(signal.Read(static_cast<std::ptrdiff_t>(first + at), part));
     cascade.ProcessForward(part, rows.subspan(at, part.size()));
     at += part.size();
   }

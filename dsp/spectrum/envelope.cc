@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <span>
 
 #include "base/error.h"
 #include "dsp/spectrum/fft.h"

@@ -4,17 +4,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <utility>
-#include <vector>
 
-#include "base/error.h"
+#include "base/mapped.h"
 #include "dsp/spectrum/envelope.h"
 #include "dsp/statistics/repeated_measures.h"
 
@@ -86,25 +83,24 @@ Result<std::vector<ResponsePoint>> MeasureResponse(std::span<const double> drive
                                                    std::span<const double> displacement,
                                                    const WelchOptions& options, double lower_hz,
                                                    double upper_hz) {
-  auto cross = WelchCrossSpectrum(drive, displacement, options);
-  if (!cross) return std::unexpected(std::move(cross.error()));
-  if (cross->grid.segments < 2) {
+  HAPTOMETER_LET(auto cross, WelchCrossSpectrum(drive, displacement, options));
+  if (cross.grid.segments < 2) {
     return Usage("sweep", "holds one segment, which gives no coherence",
                  "choose shorter segments, or record longer");
   }
-  const std::vector<double> coherence = Coherence(*cross);
+  const std::vector<double> coherence = Coherence(cross);
   // bins nearly without drive have a ratio of noise to noise
-  const double least = kLeastDrive * std::ranges::max(cross->from_density);
+  const double least = kLeastDrive * std::ranges::max(cross.from_density);
   std::vector<ResponsePoint> points;
-  points.reserve(cross->cross.size());
-  for (std::size_t k = 0; k < cross->cross.size(); ++k) {
-    const double frequency_hz = static_cast<double>(k) * cross->grid.resolution_hz;
+  points.reserve(cross.cross.size());
+  for (std::size_t k = 0; k < cross.cross.size(); ++k) {
+    const double frequency_hz = static_cast<double>(k) * cross.grid.resolution_hz;
     if (frequency_hz < lower_hz || frequency_hz > upper_hz) continue;
-    if (!(cross->from_density[k] > least) || !(coherence[k] > 0)) continue;
+    if (!(cross.from_density[k] > least) || !(coherence[k] > 0)) continue;
     const double c = std::min(1.0, coherence[k]);
     // H1 = cross / drive; u^2 = (1 - c) / (c degrees of freedom)
-    points.push_back({frequency_hz, cross->cross[k] / cross->from_density[k], c,
-                      std::sqrt((1 - c) / (c * cross->grid.degrees_of_freedom))});
+    points.push_back({frequency_hz, cross.cross[k] / cross.from_density[k], c,
+                      std::sqrt((1 - c) / (c * cross.grid.degrees_of_freedom))});
   }
   return points;
 }
@@ -368,9 +364,7 @@ Resonance Fit(const Problem& problem) {
                               (square_sum / freedom);
   // the residual's share is taken of the equally weighted power of the points
   double weighted_power = 0;
-  for (const Point& point : problem.points) {
-    weighted_power += std::norm(point.weight * point.value);
-  }
+  for (const Point& point : problem.points) weighted_power += std::norm(point.weight * point.value);
   Resonance found;
   found.frequency_hz = at[f0];
   found.frequency_uncertainty_hz = std::sqrt(covariance(f0, f0));
@@ -397,9 +391,7 @@ std::vector<double> Deviations(std::span<const ResponsePoint> points) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t begin = k - std::min(k, kNeighbours);
     const auto near = points.subspan(begin, std::min(k + kNeighbours + 1, points.size()) - begin);
-    std::vector<double> all;
-    all.reserve(near.size());
-    for (const ResponsePoint& point : near) all.push_back(DeviationOf(point));
+    auto all = Mapped<double>(near, DeviationOf);
     const double own = DeviationOf(points[k]);
     const double median = Median(std::move(all));
     deviations.push_back(own > kUnlike * median ? own : median);

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -379,9 +378,7 @@ SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> t
   CheckOptions(options);
   HAPTOMETER_CHECK(values.size() == times_s.size(), "{} values, {} times", values.size(),
                    times_s.size());
-  if (values.size() < 4 + static_cast<std::size_t>(drift_degree)) {
-    return NotConverged(frequency_hz);
-  }
+  if (values.size() < 4 + static_cast<std::size_t>(drift_degree)) return NotConverged(frequency_hz);
   const Signal signal = TimedSignal(values, times_s);
   // less than half a period does not determine amplitude and offset separately
   if (!(2 * signal.half * frequency_hz >= 0.5)) return NotConverged(frequency_hz);

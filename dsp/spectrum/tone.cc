@@ -8,11 +8,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <vector>
 
 #include "base/error.h"
 #include "dsp/spectrum/fft.h"
-#include "dsp/spectrum/sine_fit.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
@@ -165,9 +163,7 @@ std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneS
   const bool inside = fit.frequency_hz > search.lower_hz - slack_hz &&
                       fit.frequency_hz < search.upper_hz + slack_hz;
   if (!fit.converged || !inside) return std::nullopt;
-  if (level.values == 0 && !StandsOutOfResidual(fit, bins, search.false_alarm)) {
-    return std::nullopt;
-  }
+  if (level.values == 0 && !StandsOutOfResidual(fit, bins, search.false_alarm)) return std::nullopt;
   return fit;
 }
 

@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <utility>
-#include <vector>
 
-#include "base/error.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
@@ -292,16 +287,15 @@ double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz
 
 Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchOptions& options) {
   // errors are those of the averaged spectrum, whose grid is used too
-  const auto mean = WelchSpectrum(signal, options);
-  if (!mean) return std::unexpected(mean.error());
+  HAPTOMETER_LET(const auto mean, WelchSpectrum(signal, options));
   SegmentTransform transform(options);
   Spectrogram result;
-  result.resolution_hz = mean->grid.resolution_hz;
-  result.noise_bandwidth_hz = mean->grid.noise_bandwidth_hz;
+  result.resolution_hz = mean.grid.resolution_hz;
+  result.noise_bandwidth_hz = mean.grid.noise_bandwidth_hz;
   result.start_s = 0.5 * static_cast<double>(transform.size() - 1) / options.rate_hz;
   result.step_s = static_cast<double>(transform.step()) / options.rate_hz;
-  result.density.reserve(mean->grid.segments);
-  for (std::size_t m = 0; m < mean->grid.segments; ++m) {
+  result.density.reserve(mean.grid.segments);
+  for (std::size_t m = 0; m < mean.grid.segments; ++m) {
     const std::span<const std::complex<double>> bins = transform.Of(signal, m);
     std::vector<double> density(bins.size());
     for (std::size_t k = 0; k < bins.size(); ++k) {
@@ -350,9 +344,7 @@ std::span<const std::complex<double>> SegmentTransform::Of(std::span<const doubl
   const std::span<const double> segment = signal.subspan(index * step_, size());
   // the mean is removed before the window, which would spread an offset over the low bins
   const double mean = detrend_ == Detrend::kMean ? Mean(segment) : 0;
-  for (std::size_t k = 0; k < segment.size(); ++k) {
-    samples_[k] = (segment[k] - mean) * window_[k];
-  }
+  for (std::size_t k = 0; k < segment.size(); ++k) samples_[k] = (segment[k] - mean) * window_[k];
   fft_.Forward(samples_, bins_);
   return bins_;
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 namespace {

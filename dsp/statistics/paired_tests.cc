@@ -4,11 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <vector>
 
 #include "base/error.h"
-#include "dsp/statistics/distributions.h"
-#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {

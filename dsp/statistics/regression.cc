@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "base/error.h"
-#include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {

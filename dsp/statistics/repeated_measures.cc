@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <vector>
 
-#include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {

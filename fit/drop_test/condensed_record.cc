@@ -5,7 +5,6 @@
 #include <cmath>
 #include <span>
 
-#include "fit/drop_test/ringing_model.h"
 #include "fit/least_squares.h"
 #include "sim/ring_down.h"
 

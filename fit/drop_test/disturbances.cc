@@ -9,8 +9,6 @@
 #include <limits>
 #include <numbers>
 
-#include "fit/drop_test/impulse_record.h"
-#include "fit/drop_test/ring_fit.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {

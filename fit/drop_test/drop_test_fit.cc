@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "fit/drop_test/drop_test_model.h"
 #include "fit/drop_test/drop_test_solution.h"
-#include "fit/residuals.h"
 
 namespace haptometer::fit {
 namespace {

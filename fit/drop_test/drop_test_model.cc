@@ -97,9 +97,7 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
   if (some_loaded) {
     add(Kind::kResistance, "coil resistance", "ohm", knowns.resistance_ohm);
     add(Kind::kInductance, "coil inductance", "H", knowns.inductance_h);
-    if (!knowns.inductance_h) {
-      model.findings.Note(FindingKind::kInductanceAssumedZero);
-    }
+    if (!knowns.inductance_h) model.findings.Note(FindingKind::kInductanceAssumedZero);
   }
 }
 
@@ -270,7 +268,7 @@ Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
   bool some_loaded = false;
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const ImpulseRecord& record = model.records[r].record;
-    if (auto good = CheckKind(record); !good) return std::unexpected(good.error());
+    HAPTOMETER_TRY(CheckKind(record));
     AddRecordInputs(model.records[r], r, model);
     some_loaded = some_loaded || (record.load_ohm && std::isfinite(record.load_ohm->value));
   }

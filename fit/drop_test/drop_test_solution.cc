@@ -5,9 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <span>
-#include <vector>
-
-#include "fit/residuals.h"
 
 namespace haptometer::fit {
 namespace {

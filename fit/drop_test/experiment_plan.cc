@@ -2,13 +2,13 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "fit/drop_test/ring_down_problem.h"
 #include "sim/ring_down.h"
 
@@ -319,9 +319,7 @@ LoadChoice ChooseLoad(const PlannedDrops& drops) {
 
   // the E12 resistor of least uncertainty, and the range of those nearly as good
   const auto resistors = Resistors(least_ohm, most_ohm);
-  std::vector<double> uncertainties;
-  uncertainties.reserve(resistors.size());
-  for (const double ohm : resistors) uncertainties.push_back(uncertainty(ohm));
+  const auto uncertainties = Mapped(resistors, uncertainty);
   const auto best = std::ranges::min_element(uncertainties) - uncertainties.begin();
   choice.resistor_ohm = resistors[static_cast<std::size_t>(best)];
   for (std::size_t k = 0; k < resistors.size(); ++k) {

@@ -126,9 +126,8 @@ std::string_view Name(CaseCondition condition) {
 }
 
 Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::string& name) {
-  const auto found = FindSignal(record, name);
-  if (!found) return std::unexpected(found.error());
-  const trial::Channel& signal = **found;
+  HAPTOMETER_LET(const auto found, FindSignal(record, name));
+  const trial::Channel& signal = *found;
   // one segment on the source's own clock, because the fit needs a uniform grid
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
     return CannotAnswer(name, "has gaps or a non-uniform time base",

@@ -4,16 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "dsp/statistics/repeated_measures.h"
-#include "fit/drop_test/impulse_record.h"
-#include "fit/drop_test/ring_start.h"
-#include "fit/poles.h"
 
 namespace haptometer::fit {
 namespace {
@@ -283,9 +277,8 @@ namespace {
 
 // a drop for the fit; what is sampled more finely than that has use for is averaged
 Result<PreparedRecord> PrepareThinned(ImpulseRecord& drop, Findings& findings) {
-  auto prepared = PrepareRecord(drop);
-  if (!prepared) return prepared;
-  auto thinned = Thinned(drop, prepared->start.poles);
+  HAPTOMETER_LET(auto prepared, PrepareRecord(drop));
+  auto thinned = Thinned(drop, prepared.start.poles);
   if (!thinned) return prepared;
   std::vector<FindingNumber> numbers{{"samples", drop.voltage_v.size()}, {"block", thinned->block}};
   if (thinned->clipped > 0) numbers.emplace_back("clipped", thinned->clipped);

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "fit/drop_test/condensed_record.h"
 #include "fit/drop_test/ringing_model.h"
-#include "fit/least_squares.h"
 
 namespace haptometer::fit {
 namespace {
@@ -161,9 +160,7 @@ LeastSquares RingDownProblem::Whole() const {
 LeastSquares RingDownProblem::Condensed() const {
   const std::size_t columns = kSharedCount + kOwnCount * records_.size();
   // one condenser per record, which keeps its rows while the poles do not change
-  std::vector<Condenser> condensers;
-  condensers.reserve(records_.size());
-  for (const RingDownSamples& record : records_) condensers.emplace_back(record);
+  auto condensers = Mapped<Condenser>(records_, std::identity{});
   const auto evaluate = [this, columns, condensers = std::move(condensers)](
                             std::span<const double> point, std::span<double> residuals,
                             std::span<double> jacobian) mutable {

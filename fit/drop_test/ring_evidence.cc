@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/mapped.h"
 #include "fit/poles.h"
 
 namespace haptometer::fit {
@@ -94,12 +95,9 @@ std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
 
 // the weights of EvidenceOf: of the ringing's own power
 std::vector<double> PowerWeights(const RingSamples& samples, const RingFit& fit) {
-  std::vector<double> weights;
-  weights.reserve(samples.times_s.size());
-  for (const double time_s : samples.times_s) {
-    weights.push_back(std::exp(-2 * fit.poles.decay_per_s * (time_s - samples.times_s.front())));
-  }
-  return weights;
+  return Mapped<double>(samples.times_s, [&](const double time_s) {
+    return std::exp(-2 * fit.poles.decay_per_s * (time_s - samples.times_s.front()));
+  });
 }
 
 // The misfit in standard deviations, of the logarithm of the residuals' power over the noise's: of

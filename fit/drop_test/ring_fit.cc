@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "base/error.h"
 #include "fit/drop_test/condensed_record.h"

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -271,9 +270,7 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
       amplitudes.begin());
   // the amplitude at n is that of the period behind n: a period and a quarter later, only ringing
   const std::size_t known = risen + period + period / 4;
-  if (known + 3 * period > values.size()) {
-    return BestParting(values, step_s, blow, first_large);
-  }
+  if (known + 3 * period > values.size()) return BestParting(values, step_s, blow, first_large);
   const std::size_t first = risen > period ? risen - period : 0;
   return PartQuietFromRinging(values, step_s, blow, first, known);
 }
@@ -446,19 +443,18 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
                  "a ring-down needs at least 32 samples");
   }
   const auto values = Filled(record.voltage_v);
-  const auto blow = LocateBlow(record, values);
-  if (!blow) return std::unexpected(blow.error());
+  HAPTOMETER_LET(const auto blow, LocateBlow(record, values));
 
   // an eighth of a period behind the impact the fit begins; a quarter before it the quiet ends
   RingStart start;
-  const auto eighth = static_cast<std::size_t>(std::ceil(blow->period_samples / 8));
-  start.first_sample = blow->sample + eighth;
-  start.blow_s = record.start_s + static_cast<double>(blow->sample) * record.step_s;
-  start.quiet_samples = blow->sample > 2 * eighth ? blow->sample - 2 * eighth : 0;
+  const auto eighth = static_cast<std::size_t>(std::ceil(blow.period_samples / 8));
+  start.first_sample = blow.sample + eighth;
+  start.blow_s = record.start_s + static_cast<double>(blow.sample) * record.step_s;
+  start.quiet_samples = blow.sample > 2 * eighth ? blow.sample - 2 * eighth : 0;
   if (start.quiet_samples < kLeastQuietSamples) start.quiet_samples = 0;
   if (start.quiet_samples > 0) start.quiet_noise_v = RmsAboutMean(values, start.quiet_samples);
 
-  const auto ringing = From(values, start.first_sample, blow->middle_v);
+  const auto ringing = From(values, start.first_sample, blow.middle_v);
   const auto poles = EstimatePoles(ringing, record.step_s);
   if (!poles) {
     return Unfit(record, "shows no ring-down",
@@ -468,12 +464,12 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
                     ? BestHeavilyDamped(record, start.first_sample, ringing, *poles)
                     : BestOscillating(record, start.first_sample, *poles);
   const LinearFit fit = FitLinear(ringing, record.step_s, start.poles);
-  if (auto good = CheckQuality(record, *blow, fit); !good) return std::unexpected(good.error());
-  start.offset_v = blow->middle_v + fit.offset_v;
+  HAPTOMETER_TRY(CheckQuality(record, blow, fit));
+  start.offset_v = blow.middle_v + fit.offset_v;
   start.residual_rms_v = fit.residual_rms_v;
 
   // backwards to the impact, which lies before its first sample
-  const double blow_s = static_cast<double>(blow->sample) - (blow->sample > 0 ? 0.5 : 0.0);
+  const double blow_s = static_cast<double>(blow.sample) - (blow.sample > 0 ? 0.5 : 0.0);
   const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
   const double first_s = record.start_s + static_cast<double>(start.first_sample) * record.step_s;
   const Swing swing{fit.even_v, fit.odd_v_per_s};

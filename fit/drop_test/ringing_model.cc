@@ -2,7 +2,6 @@
 
 #include <ceres/jet.h>
 
-#include <cmath>
 #include <utility>
 
 #include "sim/ring_down.h"

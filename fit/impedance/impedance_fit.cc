@@ -3,16 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
-#include "fit/drop_test/impulse_record.h"
 #include "fit/uncertainty.h"
 
 namespace haptometer::fit {
@@ -366,14 +363,10 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
                                   const std::string& name) {
   Solved solved;
   solved.points = Measured(points);
-  if (auto good = CheckPoints(solved.points, name); !good) return std::unexpected(good.error());
+  HAPTOMETER_TRY(CheckPoints(solved.points, name));
   const auto start = StartImpedance(solved.points);
-  if (auto good = CheckPhases(solved.points, start, name); !good) {
-    return std::unexpected(good.error());
-  }
-  if (auto good = CheckResonance(solved.points, start, name); !good) {
-    return std::unexpected(good.error());
-  }
+  HAPTOMETER_TRY(CheckPhases(solved.points, start, name));
+  HAPTOMETER_TRY(CheckResonance(solved.points, start, name));
 
   // R is the sweep's own unless the sweep does not determine it
   solved.parameters = start->parameters;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "dsp/statistics/distributions.h"
 #include "sim/skin/skin.h"
 
@@ -107,11 +108,9 @@ struct Which {
 };
 
 std::vector<std::vector<double>> Covariance(const SkinFit& contact) {
-  std::vector<std::vector<double>> covariance;
-  covariance.reserve(contact.actuator_covariance.size());
-  for (const auto& row : contact.actuator_covariance)
-    covariance.emplace_back(row.begin(), row.end());
-  return covariance;
+  return Mapped<std::vector<double>>(contact.actuator_covariance, [](const auto& row) {
+    return std::vector<double>(row.begin(), row.end());
+  });
 }
 
 AreaPoint PointOf(const SkinFit& contact, const Which& which) {

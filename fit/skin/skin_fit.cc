@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "dsp/statistics/distributions.h"
-#include "fit/residuals.h"
 #include "fit/uncertainty.h"
 
 namespace haptometer::fit {
@@ -157,7 +154,7 @@ Result<void> CheckSweep(const std::vector<SkinPoint>& points, const std::string&
   }
   std::size_t different = 1;
   for (std::size_t n = 0; n < points.size(); ++n) {
-    if (auto good = CheckPoint(points[n], points.front(), name); !good) return good;
+    HAPTOMETER_TRY(CheckPoint(points[n], points.front(), name));
     if (n > 0 && points[n].frequency_hz > points[n - 1].frequency_hz) ++different;
   }
   if (different >= kLeastFrequencies) return {};
@@ -353,14 +350,13 @@ void NameSecondSolution(const std::vector<SkinStart>& starts, SkinFit* fit) {
 }  // namespace
 
 Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& stated) {
-  const auto actuator = sim::Complete(stated);
-  if (!actuator) return std::unexpected(actuator.error());
+  HAPTOMETER_LET(const auto actuator, sim::Complete(stated));
   const auto points = Measured(sweep.points);
-  if (auto good = CheckSweep(points, sweep.name); !good) return std::unexpected(good.error());
+  HAPTOMETER_TRY(CheckSweep(points, sweep.name));
   SkinFit fit;
   fit.name = sweep.name;
   fit.area_m2 = sweep.area_m2;
-  SkinProblem problem(*actuator, sweep.drive, points);
+  SkinProblem problem(actuator, sweep.drive, points);
   // the coil's polarity is free: both signs of the phases are tried
   const auto starts = BestStarts(&problem, &fit.findings);
   if (starts.empty()) {
@@ -377,7 +373,7 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   const auto inputs = Inputs(problem, covariance, parameters, solution);
   fit.stiffness = Logarithmic(parameters, solution, inputs, covariance, P::kStiffness, "N/m");
   fit.damping = Logarithmic(parameters, solution, inputs, covariance, P::kDamping, "N s/m");
-  fit.mass = Mass(actuator->case_mass_kg, parameters, solution, inputs, covariance);
+  fit.mass = Mass(actuator.case_mass_kg, parameters, solution, inputs, covariance);
   // per percent of an input: percent of Ks and of Bs, kg of m
   for (const auto& input : inputs) {
     fit.influences.push_back(

@@ -10,7 +10,6 @@
 #include "sim/linear/mode.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // Scales column i by the power of two that brings it closest to row i; true if that is worth it.

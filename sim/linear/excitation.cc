@@ -10,7 +10,6 @@
 #include "sim/linear/driven_step.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 using Kind = ExcitationTerm::Kind;

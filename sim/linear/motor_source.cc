@@ -8,7 +8,6 @@
 #include "sim/linear/steady_state.h"
 
 namespace haptometer::sim {
-
 namespace {
 using Complex = std::complex<double>;
 }  // namespace

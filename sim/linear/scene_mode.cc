@@ -5,7 +5,6 @@
 #include "sim/linear/linear_model.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 using Row = Eigen::RowVectorXd;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -14,13 +13,11 @@
 
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
-#include "sim/linear/linear_model.h"
 #include "sim/linear/scene_mode.h"
 #include "sim/linear/time_response.h"
 #include "sim/scene_run.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 using Complex = std::complex<double>;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "base/error.h"
-#include "sim/linear/driven_step.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
 #include "sim/linear/steady_state.h"
@@ -95,9 +93,7 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
   if (mode.a_rest.size() > 0) long_generator_ = LongDrivenGenerator(mode, shape);
   // each exponential on its own: squaring the smallest would lose what distinguishes it from 1
   powers_.reserve(kPowers);
-  for (int k = 0; k < kPowers; ++k) {
-    powers_.push_back(Step(std::ldexp(1.0, k + kSmallestExponent)));
-  }
+  for (int k = 0; k < kPowers; ++k) powers_.push_back(Step(std::ldexp(1.0, k + kSmallestExponent)));
 }
 
 Eigen::VectorXd TimeResponse::StateAt(double t_s) const {

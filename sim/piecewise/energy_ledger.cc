@@ -11,7 +11,6 @@
 #include "sim/piecewise/piecewise_motion.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // S(h) as its Taylor series, |G| h <= 1/4: terms h^(k+1) / (k+1)! M_k with M_0 = Q and

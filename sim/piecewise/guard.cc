@@ -1,14 +1,11 @@
 #include "sim/piecewise/guard.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include "sim/linear/driven_step.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // grid of the bounds: spacing x |G|_1, and its points at the longest horizon (guard.h)

@@ -3,10 +3,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "sim/linear/driven_step.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 std::size_t PlaceOf(int level) {

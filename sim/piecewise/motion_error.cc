@@ -7,7 +7,6 @@
 #include "sim/piecewise/piecewise_motion.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // error of a guard over g'^2 / (2 abs(g'')) up to which an event is moved in time only

@@ -1,15 +1,11 @@
 #include "sim/piecewise/piecewise_motion.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/error.h"
-#include "sim/linear/driven_step.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // so many events, each within kCrowdedTicks of the one before, are a stall
@@ -230,9 +226,7 @@ void PiecewiseMotion::Play() {
 // An output step without guards, split at ends of pieces only.
 void PiecewiseMotion::Pass() {
   while (PieceEndsWithin()) {
-    if (now_.tick < piece_end_tick_) {
-      now_ = Travelled(now_, piece_end_tick_ - now_.tick, true);
-    }
+    if (now_.tick < piece_end_tick_) now_ = Travelled(now_, piece_end_tick_ - now_.tick, true);
     BeginPiece(place_ + 1);
   }
   now_ = Travelled(now_, kTicks - now_.tick, true);

@@ -13,7 +13,6 @@
 #include "sim/piecewise/stop_modes.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // bounces below this part of the travel are over: some hundred times the rounding of a position

@@ -8,7 +8,6 @@
 #include "sim/linear/scene_mode.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr Eigen::Index kMover = LinearModel::kMover;

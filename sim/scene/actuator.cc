@@ -8,7 +8,6 @@
 #include "base/toml.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr std::string_view kThesisC10100 = "thesis-c10-100";
@@ -143,7 +142,7 @@ Result<StatedActuator> FindActuator(const std::string& name_or_path) {
     return std::unexpected(error);
   }
   StatedActuator stated = ReadActuator(*table);
-  if (auto done = table->Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table->Finish());
   return stated;
 }
 

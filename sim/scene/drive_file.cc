@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "base/input_file.h"
+#include "base/mapped.h"
 #include "sim/linear/excitation.h"
 #include "sim/scene/scene_file.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr std::string_view kColumn = "voltage_v";
@@ -111,10 +111,9 @@ std::string_view NextLine(std::string_view* text) {
 
 // the file's voltages, or what is wrong with it
 Result<std::vector<double>> ReadVoltages(const std::string& path) {
-  const auto text = ReadInputFile(path, kLargestFileBytes);
-  if (!text) return std::unexpected(text.error());
+  HAPTOMETER_LET(const auto text, ReadInputFile(path, kLargestFileBytes));
   // line 1 has the column's name, each further line one voltage
-  std::string_view rest = Content(*text);
+  std::string_view rest = Content(text);
   if (NextLine(&rest) != kColumn) {
     return CannotAnswer(path + ":1", fmt::format("is not the column's name {}", kColumn),
                         "begin the file with it");
@@ -160,9 +159,7 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   drive.offset_v = Signed(table, "offset_v", Dimension::kVoltage);
   drive.source_resistance_ohm =
       NotNegativeOr(table, "source_resistance_ohm", Dimension::kResistance, 0);
-  std::vector<std::string> names;
-  names.reserve(kKinds.size());
-  for (const DriveKind known : kKinds) names.emplace_back(Name(known));
+  const auto names = Mapped<std::string>(kKinds, [](const DriveKind known) { return Name(known); });
   if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
   const auto kind = table.Choice("kind", names);
   // an unknown kind is refused; its other keys are not examined

@@ -8,7 +8,6 @@
 #include "sim/scene/scene_file.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr double kLeastCubic = 1;

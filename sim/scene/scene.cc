@@ -1,13 +1,11 @@
 #include "sim/scene/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "base/error.h"
-#include "sim/scene/effects.h"
 
 namespace haptometer::sim {
 
@@ -77,15 +75,9 @@ double LargestVoltageV(const Drive& drive) {
 }
 
 std::string_view Name(SensorTarget target) {
-  switch (target) {
-    case SensorTarget::kSkin:
-      return "skin";
-    case SensorTarget::kCase:
-      return "case";
-    case SensorTarget::kMover:
-      return "mover";
-  }
-  return "skin";
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 3> kNames{"skin", "case", "mover"};
+  return kNames[static_cast<std::size_t>(target)];
 }
 
 Sensor IdealSensor() {

@@ -7,16 +7,13 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "base/input_file.h"
-#include "base/toml.h"
 #include "sim/effective_scene.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // limits of every number of a scene in its SI unit; one outside has a wrong unit
@@ -83,7 +80,7 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
                    "give one or the other");
     }
   }
-  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table.Finish());
   return FindActuator(model ? *model : Beside(scene_path, *file));
 }
 
@@ -94,9 +91,7 @@ void RefuseUnrealActuator(TomlTable& table, const Actuator& actuator) {
   RefuseUnlessReal(table, "stiffness_n_per_m", actuator.stiffness_n_per_m);
   RefuseUnlessReal(table, "force_constant_n_per_a", actuator.force_constant_n_per_a);
   RefuseUnlessReal(table, "resistance_ohm", actuator.resistance_ohm);
-  if (actuator.inductance_h != 0) {
-    RefuseUnlessReal(table, "inductance_h", actuator.inductance_h);
-  }
+  if (actuator.inductance_h != 0) RefuseUnlessReal(table, "inductance_h", actuator.inductance_h);
   if (actuator.damping_n_s_per_m != 0) {
     RefuseUnlessReal(table, "damping_n_s_per_m", actuator.damping_n_s_per_m);
   }
@@ -137,9 +132,7 @@ Skin ReadSkinUnderArea(TomlTable& table) {
 Skin ReadSkin(TomlTable& table) {
   if (table.Has("contact_area_m2")) return ReadSkinUnderArea(table);
   for (const std::string_view key : {"law", "range"}) {
-    if (table.Has(key)) {
-      table.Refuse(key, "needs contact_area_m2", "add it or remove this");
-    }
+    if (table.Has(key)) table.Refuse(key, "needs contact_area_m2", "add it or remove this");
   }
   return {.stiffness_n_per_m = NotNegative(table, "stiffness_n_per_m", Dimension::kStiffness),
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
@@ -336,11 +329,10 @@ void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& sce
 }  // namespace
 
 Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
-  auto root = TomlTable::ParseText(text, where);
-  if (!root) return std::unexpected(root.error());
-  TomlTable* actuator_table = root->Table("actuator");
-  TomlTable* skin_table = root->Table("skin");
-  TomlTable* drive_table = root->Table("drive");
+  HAPTOMETER_LET(auto root, TomlTable::ParseText(text, where));
+  TomlTable* actuator_table = root.Table("actuator");
+  TomlTable* skin_table = root.Table("skin");
+  TomlTable* drive_table = root.Table("drive");
 
   Scene scene;
   Result<StatedActuator> stated = StatedActuator{};
@@ -348,23 +340,23 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
     scene.mover_preload_n = Signed(*actuator_table, "preload_n", Dimension::kNone);
     stated = ReadActuatorTable(*actuator_table, where);
   }
-  scene.adapter = ReadAdapter(root->Table("adapter"));
-  scene.effects = ReadEffects(*root, skin_table);
+  scene.adapter = ReadAdapter(root.Table("adapter"));
+  scene.effects = ReadEffects(root, skin_table);
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
   if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table, where);
-  ReadRun(root->Table("run"), scene);
-  scene.sensor = ReadSensor(root->Table("sensor"));
-  const Mounting mounting = ReadMounting(root->Table("mounting"));
+  ReadRun(root.Table("run"), scene);
+  scene.sensor = ReadSensor(root.Table("sensor"));
+  const Mounting mounting = ReadMounting(root.Table("mounting"));
   scene.grip = mounting.grip;
   // a drop begins with the impact's speed; [start] adds to it
   scene.initial.mover_m_per_s = mounting.blow_m_per_s;
-  if (TomlTable* start = root->Table("start")) ReadStart(*start, scene);
-  if (TomlTable* tremor = root->Table("tremor")) scene.finger = ReadFingerMotion(*tremor);
+  if (TomlTable* start = root.Table("start")) ReadStart(*start, scene);
+  if (TomlTable* tremor = root.Table("tremor")) scene.finger = ReadFingerMotion(*tremor);
 
   // a misspelt key explains a missing table, so missing tables are reported last
-  if (auto done = root->Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(root.Finish());
   for (const std::string_view key : {"actuator", "skin", "drive"}) {
-    if (!root->Has(key)) {
+    if (!root.Has(key)) {
       return Usage(where, fmt::format("has no [{}]", key),
                    "add that table (docs/reference/scene.md)");
     }
@@ -372,23 +364,20 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
 
   // an actuator's file has reported its own errors; its numbers have the same limits
   if (!stated) return std::unexpected(stated.error());
-  const auto actuator = Complete(*stated);
-  if (!actuator) return std::unexpected(actuator.error());
-  scene.actuator = *actuator;
+  HAPTOMETER_LET(scene.actuator, Complete(*stated));
   scene.actuator_covariance = RelativeCovariance(*stated);
   RefuseUnrealActuator(*actuator_table, scene.actuator);
   // checks across tables, once each table is complete
-  RefuseBesideHeldCase(*root, *skin_table, scene);
+  RefuseBesideHeldCase(root, *skin_table, scene);
   RefuseImpossibleRest(*actuator_table, *skin_table, scene);
-  RefuseStartBeyondStops(*root, scene);
-  if (auto done = root->Finish(); !done) return std::unexpected(done.error());
+  RefuseStartBeyondStops(root, scene);
+  HAPTOMETER_TRY(root.Finish());
   return scene;
 }
 
 Result<Scene> ReadSceneFile(const std::string& path) {
-  const auto text = ReadInputFile(path, 1ULL << 20);
-  if (!text) return std::unexpected(text.error());
-  return ReadSceneText(*text, path);
+  HAPTOMETER_LET(const auto text, ReadInputFile(path, 1ULL << 20));
+  return ReadSceneText(text, path);
 }
 
 }  // namespace haptometer::sim

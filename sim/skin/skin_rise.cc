@@ -9,7 +9,6 @@
 #include "dsp/spectrum/envelope.h"
 
 namespace haptometer::sim {
-
 namespace {
 constexpr double kQuietPeriods = 6;  // of rest put before the motion
 // last periods of the motion that give the steady amplitude

@@ -5,13 +5,11 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // below this a state counts as never moved; its weight stays a number

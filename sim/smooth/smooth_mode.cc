@@ -7,7 +7,6 @@
 #include <numbers>
 
 namespace haptometer::sim {
-
 namespace {
 
 // of the growing oscillation that scales are taken from, over its angular frequency

@@ -4,17 +4,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numbers>
-#include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "sim/piecewise/guard.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // the solver's local tolerance over that of the whole motion: errors add up over the steps of

@@ -5,7 +5,6 @@
 #include "sim/linear/scene_mode.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // added to Kv to find where the spring acts; large, so that differences keep their digits

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/mapped.h"
 #include "sim/scene/scene_file.h"
 #include "trial/byte_io.h"
 
@@ -27,17 +28,13 @@ VariedScene::VariedScene(std::string path, TomlTemplate document, std::size_t ke
 
 Result<VariedScene> VariedScene::ReadFile(const std::string& path,
                                           const std::vector<std::string>& keys) {
-  const auto text = ReadInputFile(path, 1ULL << 20);
-  if (!text) return std::unexpected(text.error());
-  auto document = TomlTemplate::ParseText(*text, path, keys);
-  if (!document) return std::unexpected(document.error());
-  return VariedScene(path, std::move(*document), keys.size());
+  HAPTOMETER_LET(const auto text, ReadInputFile(path, 1ULL << 20));
+  HAPTOMETER_LET(auto document, TomlTemplate::ParseText(text, path, keys));
+  return VariedScene(path, std::move(document), keys.size());
 }
 
 Result<Scene> VariedScene::Read(std::span<const SweepValue> values) const {
-  std::vector<std::string> literals;
-  literals.reserve(values.size());
-  for (const SweepValue& value : values) literals.push_back(value.literal);
+  const auto literals = Mapped<std::string>(values, &SweepValue::literal);
   auto scene = ReadSceneText(document_.Fill(literals), path_);
   if (scene || !scene.error().where.starts_with(path_)) return scene;
   // line numbers belong to the filled text, not to the user's file: they are removed

@@ -6,7 +6,6 @@
 #include "base/error.h"
 
 namespace haptometer::sim {
-
 namespace {
 using Number = Slope<Interval, kBoxAxes>;
 }  // namespace

@@ -9,7 +9,6 @@
 #include "sim/linear/motor_source.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 using Complex = std::complex<double>;

@@ -7,7 +7,6 @@
 #include <numbers>
 
 namespace haptometer::sim {
-
 namespace {
 
 struct Words {

@@ -9,13 +9,11 @@
 #include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
-#include "sim/tuning/adapter_objective.h"
 #include "sim/tuning/search.h"
 #include "sim/tuning/travel_limit.h"
 #include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 // sets Ma2 to that of the skin's largest motion within its bounds

@@ -13,11 +13,9 @@
 #include "sim/effective_scene.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/travel_limit.h"
-#include "sim/tuning/tuning_problem.h"
 #include "sim/waveforms.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();

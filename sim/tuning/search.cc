@@ -3,15 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <queue>
 #include <utility>
-#include <vector>
 
 namespace haptometer::sim {
-
 namespace {
 
 using CubeView = std::function<LimitedView(const CubePlace&)>;

@@ -5,19 +5,13 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
-#include "sim/tuning/adapter_objective.h"
 #include "sim/tuning/interval.h"
-#include "sim/tuning/search.h"
-#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
-
 namespace {
 
 using Complex = std::complex<double>;

@@ -52,9 +52,7 @@ std::optional<FindingKind> Fault(const TuningProblem& problem) {
   }
   if (!(bounds.skin_side_mass_kg.lower > 0)) return kSkinSideMassNotPositive;
   if (!(bounds.stiffness_n_per_m.lower > 0)) return kStiffnessNotPositive;
-  if (!(problem.skin_variation >= 0 && problem.skin_variation < 1)) {
-    return kSkinVariationOutside;
-  }
+  if (!(problem.skin_variation >= 0 && problem.skin_variation < 1)) return kSkinVariationOutside;
   if (!(problem.mover_limit_m > 0)) return kTravelNotPositive;
   if (problem.fixed_skin) {
     return problem.fixed_skin->damping_n_s_per_m > 0 ? std::nullopt : std::optional(kSkinUndamped);

@@ -11,7 +11,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -91,11 +90,11 @@ void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
 // the tare in m, where --tare is given
 Result<std::optional<double>> Tare(Sensor& sensor, const AcquireOptions& wanted, Clock& clock) {
   if (!wanted.recording.tare) return std::nullopt;
-  const auto tare_m = MeasureTare(sensor, clock, cli::Interrupted(), PortName(wanted.sensor));
-  if (!tare_m) return std::unexpected(tare_m.error());
+  HAPTOMETER_LET(const auto tare_m,
+                 MeasureTare(sensor, clock, cli::Interrupted(), PortName(wanted.sensor)));
   cli::Remark(kVerb, fmt::format("zero: {:.6g} mm, the mean of the second before the recording",
-                                 *tare_m * 1e3));
-  return *tare_m;
+                                 tare_m * 1e3));
+  return tare_m;
 }
 
 // a file as named, or a new name in the directory (start, sensor and labels)
@@ -194,18 +193,17 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
                        [] { cli::InterruptAsBy(SIGPIPE); });
   }
   // checked a second time: the sensor may have opened further input files since the command line
-  if (auto free = cli::CheckOutput(file, cli::kTrialOutput, overwrite); !free) {
-    return std::unexpected(free.error());
-  }
+  HAPTOMETER_TRY(cli::CheckOutput(file, cli::kTrialOutput, overwrite));
   // a device such as /dev/null exists and is written without --overwrite
   const bool is_device = std::filesystem::is_other(file);
-  auto writer = trial::TrialWriter::Create(
-      file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock);
-  if (!writer) return std::unexpected(writer.error());
-  acquire::SingleTrial sink(*writer);
+  HAPTOMETER_LET(
+      auto writer,
+      trial::TrialWriter::Create(
+          file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock));
+  acquire::SingleTrial sink(writer);
   auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
   // the file was renamed during the recording: its data are complete under the new path
-  if (const std::string& moved_to = writer->totals().moved_to; summary && !moved_to.empty()) {
+  if (const std::string& moved_to = writer.totals().moved_to; summary && !moved_to.empty()) {
     return Failed(file, "was moved while it was recorded", "it is complete, at " + moved_to);
   }
   return summary;
@@ -250,15 +248,13 @@ int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::Band
 }
 
 Result<document::Document> ListPorts() {
-  const auto ports = acquire::ListPorts();
-  if (!ports) return std::unexpected(ports.error());
-  return PortsDocument(*ports);
+  HAPTOMETER_LET(const auto ports, acquire::ListPorts());
+  return PortsDocument(ports);
 }
 
 Result<document::Document> ListSensors(const AcquireOptions& wanted) {
-  const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
-  if (!question) return std::unexpected(question.error());
-  return SensorsDocument(*question);
+  HAPTOMETER_LET(const auto question, ReadCapabilityQuestion(wanted.band, wanted.resolution_m));
+  return SensorsDocument(question);
 }
 
 }  // namespace

@@ -4,19 +4,15 @@
 
 #include <algorithm>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <utility>
 
-#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/acquire.h"
-#include "tools/acquire/check_list.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
 #include "trial/byte_io.h"
-#include "trial/record.h"
 #include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 
@@ -95,16 +91,14 @@ Result<MemoryTrial> RecordInMemory(acquire::Sensor& sensor, Clock& clock,
                                    const std::atomic<bool>& stop,
                                    const acquire::RecordingLimits& limits) {
   std::string bytes;
-  auto writer = trial::TrialWriter::CreateIn(std::make_unique<StringSink>(bytes), "memory",
-                                             sensor.header(), {}, clock);
-  if (!writer) return std::unexpected(writer.error());
-  acquire::SingleTrial sink(*writer);
-  const auto summary = acquire::Record(sensor, sink, clock, stop, limits);
-  if (!summary) return std::unexpected(summary.error());
+  HAPTOMETER_LET(auto writer, trial::TrialWriter::CreateIn(std::make_unique<StringSink>(bytes),
+                                                           "memory", sensor.header(), {}, clock));
+  acquire::SingleTrial sink(writer);
+  HAPTOMETER_LET(const auto summary, acquire::Record(sensor, sink, clock, stop, limits));
   // read back as a file would be, so that times are fitted in the same way
-  auto recording = trial::ReadRecordFrom(trial::MakeMemorySource(std::move(bytes)), "memory");
-  if (!recording) return std::unexpected(recording.error());
-  return MemoryTrial{*summary, std::move(recording->record)};
+  HAPTOMETER_LET(auto recording,
+                 trial::ReadRecordFrom(trial::MakeMemorySource(std::move(bytes)), "memory"));
+  return MemoryTrial{summary, std::move(recording.record)};
 }
 
 namespace {

@@ -6,17 +6,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "acquire/capability.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/port_list.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/table_cells.h"
-#include "trial/record.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::tools {
@@ -67,9 +64,7 @@ CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSu
   findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
   findings.level_m = analysis->record.offset_m;
   // a refusal with its reason; numbers may be present all the same
-  if (!analysis->answered) {
-    findings.no_noise_because = document::RefusalOf(analysis->findings);
-  }
+  if (!analysis->answered) findings.no_noise_because = document::RefusalOf(analysis->findings);
   if (!analysis->numbers) return findings;
   // noise is the residual: band RMS without the strongest tone
   findings.noise_m = analysis->numbers->residual_rms_m;

@@ -21,10 +21,8 @@
 #include "acquire/sensor/stream_sensor.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "sim/sensor_model.h"
-#include "tools/acquire/sensor_options.h"
 #include "tools/simulate/simulated_trial.h"
 #include "trial/sensor_head.h"
 
@@ -40,29 +38,24 @@ Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& c
   acquire::StreamSetup setup;
   setup.baud = static_cast<int>(wanted.baud.value_or(kDefaultStreamBaud));
   if (!wanted.format.empty()) {
-    const auto format = acquire::ParseStreamFormat(wanted.format);
-    if (!format) return std::unexpected(format.error());
-    setup.format = *format;
+    HAPTOMETER_LET(setup.format, acquire::ParseStreamFormat(wanted.format));
   }
-  auto port = acquire::OpenPort(wanted.port, setup.baud);
-  if (!port) return std::unexpected(port.error());
-  return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
+  HAPTOMETER_LET(auto port, acquire::OpenPort(wanted.port, setup.baud));
+  return std::make_unique<acquire::StreamSensor>(std::move(port), setup, clock);
 }
 
 // --baud and --slave override the profile; the combination is checked again as a profile
 Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& clock) {
-  auto profile = acquire::FindProfile(wanted.profile);
-  if (!profile) return std::unexpected(profile.error());
-  if (wanted.baud) profile->wire.baud = static_cast<int>(*wanted.baud);
-  if (wanted.slave) profile->wire.slave = static_cast<int>(*wanted.slave);
-  if (const std::string wrong = acquire::WhatIsWrong(*profile); !wrong.empty()) {
+  HAPTOMETER_LET(auto profile, acquire::FindProfile(wanted.profile));
+  if (wanted.baud) profile.wire.baud = static_cast<int>(*wanted.baud);
+  if (wanted.slave) profile.wire.slave = static_cast<int>(*wanted.slave);
+  if (const std::string wrong = acquire::WhatIsWrong(profile); !wrong.empty()) {
     return Usage("--profile " + wanted.profile, wrong, "give another --baud or --slave");
   }
-  auto port = acquire::OpenModbusPort(wanted.port, profile->wire);
-  if (!port) return std::unexpected(port.error());
-  acquire::ModbusSetup setup{.profile = std::move(*profile)};
+  HAPTOMETER_LET(auto port, acquire::OpenModbusPort(wanted.port, profile.wire));
+  acquire::ModbusSetup setup{.profile = std::move(profile)};
   if (wanted.rate_hz) setup.rate_hz = wanted.rate_hz->value;
-  return std::make_unique<acquire::ModbusSensor>(std::move(*port), std::move(setup), clock);
+  return std::make_unique<acquire::ModbusSensor>(std::move(port), std::move(setup), clock);
 }
 
 // samples in one of four forms at the rate of --rate, from standard input, a pipe or a file
@@ -73,24 +66,23 @@ Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clo
                  "use f64, f32, i16 or text");
   }
   // channels and calibration are read before the pipe is opened
-  auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);
-  if (!channels) return std::unexpected(channels.error());
-  auto pipe = acquire::OpenInputPipe(wanted.port);
-  if (!pipe) return std::unexpected(pipe.error());
+  HAPTOMETER_LET(auto channels,
+                 acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration));
+  HAPTOMETER_LET(auto pipe, acquire::OpenInputPipe(wanted.port));
   acquire::PipeSetup setup{
-      .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(*channels)};
-  return std::make_unique<acquire::PipeSensor>(std::move(*pipe), std::move(setup), clock);
+      .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(channels)};
+  return std::make_unique<acquire::PipeSensor>(std::move(pipe), std::move(setup), clock);
 }
 
 // a trial or a scene at its speed
 Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& clock) {
   const bool is_scene = wanted.is_scene();
-  auto played = is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port);
-  if (!played) return played;
+  HAPTOMETER_LET(auto played,
+                 is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port));
   // default speed: a trial is copied at full speed, a scene runs in real time
-  const auto speed = ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed);
-  if (!speed) return std::unexpected(speed.error());
-  return std::make_unique<acquire::PacedSensor>(std::move(*played), *speed, clock);
+  HAPTOMETER_LET(const auto speed,
+                 ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed));
+  return std::make_unique<acquire::PacedSensor>(std::move(played), speed, clock);
 }
 
 }  // namespace
@@ -145,40 +137,36 @@ std::optional<int> DecimalsOf(const SensorOptions& wanted) {
 Result<std::vector<acquire::il_setting::Write>> WritesOf(const SensorOptions& wanted) {
   std::vector<acquire::il_setting::Write> writes;
   for (const std::string& text : wanted.settings) {
-    const auto parsed = acquire::il_setting::Parse(text);
-    if (!parsed) return std::unexpected(parsed.error());
-    writes.insert(writes.end(), parsed->begin(), parsed->end());
+    HAPTOMETER_LET(const auto parsed, acquire::il_setting::Parse(text));
+    writes.insert(writes.end(), parsed.begin(), parsed.end());
   }
   return writes;
 }
 
 Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock) {
   const bool is_en1 = IsEn1(wanted);
-  const auto writes = WritesOf(wanted);
-  if (!writes) return std::unexpected(writes.error());
+  HAPTOMETER_LET(const auto writes, WritesOf(wanted));
   // keyence-en1: what is not a file is a host, completed by the unit's own TCP port
   std::error_code error;
   const bool is_host = is_en1 && !std::filesystem::exists(wanted.port, error);
   const std::string name = is_host ? acquire::dl_en1::WithPort(wanted.port) : wanted.port;
-  auto port = acquire::OpenPort(name, BaudOf(wanted));
-  if (!port) return std::unexpected(port.error());
+  HAPTOMETER_LET(auto port, acquire::OpenPort(name, BaudOf(wanted)));
   acquire::KeyenceIlSetup setup{
       .baud = BaudOf(wanted),
       .refresh_ns = RefreshOf(wanted),
       .unit = is_en1 ? acquire::IlUnit::kDlEn1 : acquire::IlUnit::kDlRs1a,
       .command = wanted.command == "ms" ? acquire::dl::Command::kMs : acquire::dl::Command::kM0,
       .rate_hz = RateOf(wanted),
-      .writes = *writes,
+      .writes = writes,
       .device_zero = wanted.device_zero,
       .decimals = DecimalsOf(wanted)};
-  return std::make_unique<acquire::KeyenceIl>(std::move(*port), std::move(setup), clock);
+  return std::make_unique<acquire::KeyenceIl>(std::move(port), std::move(setup), clock);
 }
 
 // m1 is the default of an LK-G: output 1 alone; m0 reads both outputs
 Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& clock) {
   using acquire::lkg::Command;
-  auto port = acquire::OpenPort(wanted.port, BaudOf(wanted));
-  if (!port) return std::unexpected(port.error());
+  HAPTOMETER_LET(auto port, acquire::OpenPort(wanted.port, BaudOf(wanted)));
   const Command command = wanted.command == "m0"   ? Command::kM0
                           : wanted.command == "m2" ? Command::kM2
                                                    : Command::kM1;
@@ -187,7 +175,7 @@ Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& cloc
                                        .rate_hz = RateOf(wanted),
                                        .refresh_ns = RefreshOf(wanted),
                                        .decimals = DecimalsOf(wanted)};
-  return std::make_unique<acquire::KeyenceLkg>(std::move(*port), setup, clock);
+  return std::make_unique<acquire::KeyenceLkg>(std::move(port), setup, clock);
 }
 
 // whether the read command belongs to the series: m0 both, ms IL, m1 and m2 LK-G
@@ -230,7 +218,7 @@ Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
     return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", BaudOf(wanted)),
                  "use 2400, 4800, 9600, 19200 or 38400");
   }
-  if (auto writes = WritesOf(wanted); !writes) return std::unexpected(writes.error());
+  HAPTOMETER_TRY(WritesOf(wanted));
   return CheckCommand(wanted);
 }
 
@@ -292,19 +280,18 @@ class SceneSensor final : public acquire::Sensor {
 }  // namespace
 
 Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
-  auto scene = ReadPlayedScene(path);
-  if (!scene) return std::unexpected(scene.error());
-  const bool is_ideal = !scene->sensor;
+  HAPTOMETER_LET(auto scene, ReadPlayedScene(path));
+  const bool is_ideal = !scene.sensor;
   // a scene without [sensor] gets an ideal one, with a remark
-  if (is_ideal) scene->sensor = sim::IdealSensor();
+  if (is_ideal) scene.sensor = sim::IdealSensor();
   // duration times rate below 1: not one reading
-  if (scene->duration_s && *scene->duration_s * scene->sensor->rate_hz < 1) {
+  if (scene.duration_s && *scene.duration_s * scene.sensor->rate_hz < 1) {
     return CannotAnswer(path, "is shorter than one reading of its sensor",
                         "give [run] a longer duration_s");
   }
-  auto sensor = std::make_unique<SceneSensor>(*scene, path);
+  auto sensor = std::make_unique<SceneSensor>(scene, path);
   if (is_ideal) {
-    sensor->found.Note(acquire::FindingKind::kIdealSensor, {{"rate_hz", scene->sensor->rate_hz}});
+    sensor->found.Note(acquire::FindingKind::kIdealSensor, {{"rate_hz", scene.sensor->rate_hz}});
   }
   return sensor;
 }

@@ -8,14 +8,10 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <optional>
 #include <sstream>
 #include <system_error>
-#include <vector>
 
 #include "base/mapped.h"
-#include "base/quantity.h"
-#include "tools/acquire/sensor_options.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/shared_options.h"
 #include "trial/record.h"
@@ -46,9 +42,7 @@ Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingP
   }
   if (wanted.samples) plan.limits.readings = static_cast<std::uint64_t>(*wanted.samples);
   if (wanted.until.empty()) return {};
-  const auto until = ParseUntil(wanted.until, now);
-  if (!until) return std::unexpected(until.error());
-  plan.until = *until;
+  HAPTOMETER_LET(plan.until, ParseUntil(wanted.until, now));
   return {};
 }
 
@@ -63,15 +57,11 @@ Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
     if (alone == nullptr) return {};
     return Usage(alone, "is part of a trigger", "add e.g. --trigger 'rising 0.1mm'");
   }
-  auto wish = ParseTrigger(wanted.trigger);
-  if (!wish) return std::unexpected(wish.error());
-  plan.trigger = std::move(*wish);
+  HAPTOMETER_LET(plan.trigger, ParseTrigger(wanted.trigger));
   plan.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
   plan.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
   if (wanted.hold_off_s) {
-    const auto time = ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s");
-    if (!time) return std::unexpected(time.error());
-    plan.hold_off_ns = *time;
+    HAPTOMETER_LET(plan.hold_off_ns, ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s"));
   }
   // without an end of its own the first shot would last until Ctrl-C
   if (plan.shots > 1 && !wanted.duration_s && !wanted.samples) {
@@ -93,11 +83,9 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   }
   plan.reconnects = true;
   if (wanted.reconnect == "forever") return {};
-  const auto quantity = ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect");
-  if (!quantity) return std::unexpected(quantity.error());
-  const auto time = ReadTime("--reconnect", *quantity, "give forever");
-  if (!time) return std::unexpected(time.error());
-  plan.longest_away_ns = *time;
+  HAPTOMETER_LET(const auto quantity,
+                 ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect"));
+  HAPTOMETER_LET(plan.longest_away_ns, ReadTime("--reconnect", quantity, "give forever"));
   return {};
 }
 
@@ -136,9 +124,7 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
 Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
                                     std::time_t now) {
   RecordingPlan plan;
-  auto labels = cli::ReadKeyValues(wanted.labels, "--label");
-  if (!labels) return std::unexpected(labels.error());
-  plan.labels = std::move(*labels);
+  HAPTOMETER_LET(plan.labels, cli::ReadKeyValues(wanted.labels, "--label"));
   for (const auto& planned : {PlanEnd(wanted, now, plan), PlanTrigger(wanted, plan),
                               PlanReconnection(wanted, sensor, plan)}) {
     if (!planned) return std::unexpected(planned.error());
@@ -177,12 +163,11 @@ Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,
     limits.until_ns = clock.Now() + NsFromSeconds(left_s.count());
   }
   if (!plan.trigger) return limits;
-  auto trigger = ResolveTrigger(*plan.trigger, header);
-  if (!trigger) return std::unexpected(trigger.error());
-  trigger->pre_samples = plan.pre_samples;
-  trigger->hold_off_ns = plan.hold_off_ns;
-  trigger->shots = plan.shots;
-  limits.trigger = *trigger;
+  HAPTOMETER_LET(auto trigger, ResolveTrigger(*plan.trigger, header));
+  trigger.pre_samples = plan.pre_samples;
+  trigger.hold_off_ns = plan.hold_off_ns;
+  trigger.shots = plan.shots;
+  limits.trigger = trigger;
   return limits;
 }
 
@@ -239,7 +224,7 @@ Result<TriggerWish> ParseTrigger(const std::string& text) {
   TriggerWish wish{.channel = fmt::format("{}", fmt::join(words.begin(), kind, " ")),
                    .kind = *KindOf(*kind),
                    .threshold = fmt::format("{}", fmt::join(kind + 1, words.end(), " "))};
-  if (auto sound = CheckQuantity(wish.threshold); !sound) return std::unexpected(sound.error());
+  HAPTOMETER_TRY(CheckQuantity(wish.threshold));
   return wish;
 }
 
@@ -261,12 +246,12 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
 
   // threshold in the channel's SI unit
   const trial::ChannelFormat& channel = header.channels[number];
-  const auto threshold = ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption);
-  if (!threshold) return std::unexpected(threshold.error());
+  HAPTOMETER_LET(const auto threshold,
+                 ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption));
   acquire::TriggerSetup setup;
   setup.channel = number;
   setup.kind = wish.kind;
-  setup.threshold = threshold->value;
+  setup.threshold = threshold.value;
   // a displacement's threshold counts from the tare, which the recorded values still contain
   if (displacement == number) setup.threshold += header.metadata.tare_m;
   return setup;
@@ -448,19 +433,17 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
 }
 
 Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
-  const auto corners = cli::ParseBand(wanted.band);
-  if (!corners) return std::unexpected(corners.error());
+  HAPTOMETER_LET(const auto corners, cli::ParseBand(wanted.band));
   dsp::BandPass band;
-  band.lower_hz = corners->lower_hz;
-  band.upper_hz = corners->upper_hz;
+  band.lower_hz = corners.lower_hz;
+  band.upper_hz = corners.upper_hz;
   // at a rate of 4 f_upper each valid band has a design: the band is checked here, not the rate
-  const auto possible = dsp::DesignBandPass(band, 4 * band.upper_hz);
-  if (!possible) return std::unexpected(possible.error());
+  HAPTOMETER_TRY(dsp::DesignBandPass(band, 4 * band.upper_hz));
   return band;
 }
 
 Result<void> CheckAcquire(const AcquireOptions& wanted) {
-  if (auto checked = CheckSensor(wanted.sensor); !checked) return checked;
+  HAPTOMETER_TRY(CheckSensor(wanted.sensor));
   // a requirement on --check alone
   if (wanted.smallest_rms_m && !wanted.check) {
     return Usage("--smallest-rms", "is what a check asks for", "add --check");

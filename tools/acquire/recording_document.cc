@@ -3,13 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "base/input_file.h"
 #include "tools/cli/shared_options.h"
-#include "tools/document/keys.h"
 #include "trial/import/table_cells.h"
 #include "trial/trial_reader.h"
 
@@ -29,17 +29,16 @@ using trial::SampleStatus;
 enum class RecordingFinding : std::uint8_t { kTimesStraightened, kLatencyUnknown };
 
 document::Sentence SentenceOf(RecordingFinding kind) {
-  switch (kind) {
-    case RecordingFinding::kTimesStraightened:
-      return {"times-straightened",
-              "the times of arrival are fitted to a uniform clock; standard uncertainty of a time "
-              "{time_uncertainty_s}"};
-    case RecordingFinding::kLatencyUnknown:
-      break;
-  }
-  return {"latency-unknown",
-          "all times have one constant delay of at least {latency_at_least_s}, whose value is not "
-          "known"};
+  using enum RecordingFinding;
+  static constexpr document::KindSentence<RecordingFinding> kSentences[] = {
+      {kTimesStraightened, "times-straightened",
+       "the times of arrival are fitted to a uniform clock; standard uncertainty of a time "
+       "{time_uncertainty_s}"},
+      {kLatencyUnknown, "latency-unknown",
+       "all times have one constant delay of at least {latency_at_least_s}, whose value is not "
+       "known"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 // standard uncertainty of a time, and where the sensor has one the lower limit of its latency
@@ -214,22 +213,11 @@ using acquire::CapabilityQuestion;
 
 // what limits the sensor's sampling rate, in words
 std::string_view TextOf(acquire::RateLimit limit) {
-  using enum acquire::RateLimit;
-  switch (limit) {
-    case kWire:
-      return "the wire";
-    case kWireAlone:
-      return "the wire alone";
-    case kWireAndSensor:
-      return "the wire and the sensor";
-    case kUnitRefresh:
-      return "the unit's refresh";
-    case kUnitProcessing:
-      return "the unit's processing";
-    case kAmplifierSampling:
-      break;
-  }
-  return "the amplifier's sampling";
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 6> kNames{
+      "the wire",           "the wire alone",        "the wire and the sensor",
+      "the unit's refresh", "the unit's processing", "the amplifier's sampling"};
+  return kNames[static_cast<std::size_t>(limit)];
 }
 
 Section CapabilitySection(const Capability& capability) {
@@ -265,13 +253,12 @@ Section CapabilitySection(const Capability& capability) {
 
 Result<CapabilityQuestion> ReadCapabilityQuestion(const std::string& band,
                                                   const std::optional<Quantity>& resolution_m) {
-  const auto read = cli::ParseBand(band);
-  if (!read) return std::unexpected(read.error());
+  HAPTOMETER_LET(const auto read, cli::ParseBand(band));
   // LOWER below UPPER; 0 Hz is permitted as the lower corner here
-  if (!(read->lower_hz >= 0 && read->lower_hz < read->upper_hz)) {
+  if (!(read.lower_hz >= 0 && read.lower_hz < read.upper_hz)) {
     return Usage("--band", fmt::format("'{}' does not rise", band), "write it as 20-500Hz");
   }
-  CapabilityQuestion question{.lower_hz = read->lower_hz, .upper_hz = read->upper_hz};
+  CapabilityQuestion question{.lower_hz = read.lower_hz, .upper_hz = read.upper_hz};
   if (resolution_m) question.resolution_m = resolution_m->value;
   if (!(question.resolution_m > 0)) {
     return Usage("--resolution", "must be above 0", "write e.g. 1um");

@@ -58,9 +58,7 @@ Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
     return Usage("--profile", "belongs to --sensor modbus, and that needs it",
                  "give both, e.g. --sensor modbus --profile baumer-om20");
   }
-  if (!is_modbus && wanted.slave) {
-    return Usage("--slave", "is for --sensor modbus", "leave it out");
-  }
+  if (!is_modbus && wanted.slave) return Usage("--slave", "is for --sensor modbus", "leave it out");
   return {};
 }
 
@@ -127,10 +125,10 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
     return Usage("--port", "a scene has none", "leave it out");
   }
   // options of one kind first: their messages name the sensor that they belong to
-  if (auto belongs = CheckBelonging(wanted, *kind); !belongs) return belongs;
-  if (auto checked = CheckKeyence(wanted, *kind); !checked) return checked;
-  if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
-  if (auto fits = CheckModbus(wanted, *kind); !fits) return fits;
+  HAPTOMETER_TRY(CheckBelonging(wanted, *kind));
+  HAPTOMETER_TRY(CheckKeyence(wanted, *kind));
+  HAPTOMETER_TRY(ReadSpeed(wanted.speed));
+  HAPTOMETER_TRY(CheckModbus(wanted, *kind));
   // below 1 mHz a row would take over 16 minutes; also refuses NaN
   if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
     return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");

@@ -17,7 +17,6 @@
 #include <span>
 #include <utility>
 
-#include "base/error.h"
 #include "base/input_file.h"
 #include "base/text.h"
 #include "trial/byte_io.h"
@@ -159,7 +158,7 @@ Result<void> CheckPlace(const std::string& path, const Place& place, const Outpu
     }
     return {};
   }
-  if (auto folder = CheckFolder(path, place.target); !folder) return folder;
+  HAPTOMETER_TRY(CheckFolder(path, place.target));
   return place.exists ? CheckReplaceable(path, place.target, kind, overwrite) : Result<void>{};
 }
 
@@ -225,24 +224,21 @@ bool AreOneOutput(const std::string& one, const std::string& other) {
 
 Result<OutputFile> OutputFile::Begin(const std::string& path, const OutputKind& kind,
                                      bool overwrite) {
-  auto place = PlaceOf(path);
-  if (!place) return std::unexpected(place.error());
-  if (auto good = CheckPlace(path, *place, kind, overwrite); !good) {
-    return std::unexpected(good.error());
-  }
+  HAPTOMETER_LET(auto place, PlaceOf(path));
+  HAPTOMETER_TRY(CheckPlace(path, place, kind, overwrite));
   OutputFile file(path, kind, overwrite);
-  file.target_ = place->target;
+  file.target_ = place.target;
   // a regular file: written as a part in the same folder, renamed when it is complete
-  if (place->is_file()) {
-    if (auto made = file.MakePart(); !made) return std::unexpected(made.error());
+  if (place.is_file()) {
+    HAPTOMETER_TRY(file.MakePart());
     return file;
   }
   // buffered output was printed earlier and must precede these bytes
   std::fflush(nullptr);
   // descriptors, pipes and devices: written directly, without truncation
-  file.descriptor_ = place->descriptor
-                         ? fcntl(*place->descriptor, F_DUPFD_CLOEXEC, 0)
-                         : open(place->target.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
+  file.descriptor_ = place.descriptor
+                         ? fcntl(*place.descriptor, F_DUPFD_CLOEXEC, 0)
+                         : open(place.target.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
   if (file.descriptor_ < 0) return file.NotWritten(errno);
   return file;
 }
@@ -342,10 +338,9 @@ Result<void> OutputFile::TakePlace() {
 
 Result<void> WriteOutput(const std::string& path, const OutputKind& kind, bool overwrite,
                          std::string_view content) {
-  auto file = OutputFile::Begin(path, kind, overwrite);
-  if (!file) return std::unexpected(file.error());
-  if (auto written = file->Write(content); !written) return written;
-  return file->Finish();
+  HAPTOMETER_LET(auto file, OutputFile::Begin(path, kind, overwrite));
+  HAPTOMETER_TRY(file.Write(content));
+  return file.Finish();
 }
 
 namespace {

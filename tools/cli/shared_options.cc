@@ -7,8 +7,6 @@
 #include <thread>
 
 #include "base/mapped.h"
-#include "base/quantity.h"
-#include "trial/import/import_options.h"
 
 namespace haptometer::cli {
 
@@ -25,11 +23,9 @@ Result<Band> ParseBand(const std::string& text) {
     const auto unit = upper.find_last_not_of("kMHz") + 1;
     lower += upper.substr(unit);
   }
-  const auto lower_hz = ParseQuantity(lower, Dimension::kFrequency, "--band");
-  if (!lower_hz) return std::unexpected(lower_hz.error());
-  const auto upper_hz = ParseQuantity(upper, Dimension::kFrequency, "--band");
-  if (!upper_hz) return std::unexpected(upper_hz.error());
-  return Band{.lower_hz = lower_hz->value, .upper_hz = upper_hz->value};
+  HAPTOMETER_LET(const auto lower_hz, ParseQuantity(lower, Dimension::kFrequency, "--band"));
+  HAPTOMETER_LET(const auto upper_hz, ParseQuantity(upper, Dimension::kFrequency, "--band"));
+  return Band{.lower_hz = lower_hz.value, .upper_hz = upper_hz.value};
 }
 
 void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
@@ -49,10 +45,9 @@ void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
 Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
   dsp::BandQuestion question;
   if (!words.band.empty()) {
-    const auto band = ParseBand(words.band);
-    if (!band) return std::unexpected(band.error());
-    question.band.lower_hz = band->lower_hz;
-    question.band.upper_hz = band->upper_hz;
+    HAPTOMETER_LET(const auto band, ParseBand(words.band));
+    question.band.lower_hz = band.lower_hz;
+    question.band.upper_hz = band.upper_hz;
   }
   // an order that is stated is used as it is, even where the record is too short for it
   question.may_lower_order = !words.order.has_value();
@@ -63,8 +58,7 @@ Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
   question.band.order = static_cast<int>(words.order.value_or(question.band.order));
   question.band.corners = words.corner == "each" ? dsp::Corners::kEach : dsp::Corners::kWhole;
   // a rate of 4 f_upper permits each valid band: only impossible corners are refused here
-  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
-  if (!possible) return std::unexpected(possible.error());
+  HAPTOMETER_TRY(dsp::DesignBandPass(question.band, 4 * question.band.upper_hz));
   return question;
 }
 
@@ -121,12 +115,8 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   if (words.rate_hz) options.rate_hz = words.rate_hz->value;
-  const auto scale_m = ScaleOf(words.scale_m, "write e.g. 1mm");
-  if (!scale_m) return std::unexpected(scale_m.error());
-  options.scale_m = *scale_m;
-  const auto scale_v = ScaleOf(words.scale_v, "write e.g. 1mV");
-  if (!scale_v) return std::unexpected(scale_v.error());
-  options.scale_v = *scale_v;
+  HAPTOMETER_LET(options.scale_m, ScaleOf(words.scale_m, "write e.g. 1mm"));
+  HAPTOMETER_LET(options.scale_v, ScaleOf(words.scale_v, "write e.g. 1mV"));
   if (!words.format.empty()) options.format = trial::TableFormatFromName(words.format);
   options.channel = words.channel;
   if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);

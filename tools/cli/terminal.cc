@@ -12,8 +12,6 @@
 #include <cstdio>
 #include <cstring>
 #include <iterator>
-#include <string>
-#include <string_view>
 
 #include "base/text.h"
 

@@ -10,10 +10,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "base/clock.h"
 #include "tools/cli/terminal.h"
 #include "tools/daemon/daemon_config.h"
 #include "tools/daemon/sensor_loop.h"
@@ -178,23 +176,20 @@ Result<std::vector<std::string>> SocketsOf(const std::string& asked) {
   }
   // not a regular file: a socket's path
   if (!fs::is_regular_file(asked, error)) return std::vector{asked};
-  const auto config = ReadDaemonConfig(asked);
-  if (!config) return std::unexpected(config.error());
-  if (!config->socket.empty()) return std::vector{config->socket};
+  HAPTOMETER_LET(const auto config, ReadDaemonConfig(asked));
+  if (!config.socket.empty()) return std::vector{config.socket};
   return DefaultStatusSockets(asked);
 }
 
 Result<DaemonStatus> Ask(const std::string& asked) {
-  const auto sockets = SocketsOf(asked);
-  if (!sockets) return std::unexpected(sockets.error());
+  HAPTOMETER_LET(const auto sockets, SocketsOf(asked));
   std::error_code error;
   // the first path at which a socket exists; else the first, for the error message
   const auto there = std::ranges::find_if(
-      *sockets, [&](const std::string& path) { return fs::is_socket(path, error); });
-  const std::string& path = there == sockets->end() ? sockets->front() : *there;
-  const auto answer = AskStatus(path, kAnswerWithinNs);
-  if (!answer) return std::unexpected(answer.error());
-  return ParseStatus(*answer, path);
+      sockets, [&](const std::string& path) { return fs::is_socket(path, error); });
+  const std::string& path = there == sockets.end() ? sockets.front() : *there;
+  HAPTOMETER_LET(const auto answer, AskStatus(path, kAnswerWithinNs));
+  return ParseStatus(answer, path);
 }
 
 int ShowStatus(const std::string& asked, const document::Outputs& outputs, int argc,

@@ -4,18 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <string>
-#include <string_view>
 #include <variant>
 
 #include "base/mapped.h"
-#include "base/toml.h"
 #include "tools/acquire/recording.h"
-#include "tools/acquire/sensor_options.h"
 
 namespace haptometer::tools {
 namespace {
@@ -126,7 +121,7 @@ Result<DaemonConfig> Read(TomlTable table) {
     config.sensors.push_back(ReadSensor(*sensor, labels));
   }
   // errors of keys first (unknown, missing, out of range), then those of their combination
-  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table.Finish());
   for (const auto& checked :
        {CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file"),
         CheckSensors(config, table.where())}) {
@@ -138,15 +133,13 @@ Result<DaemonConfig> Read(TomlTable table) {
 }  // namespace
 
 Result<DaemonConfig> ReadDaemonConfig(const std::string& path) {
-  auto table = TomlTable::ParseFile(path);
-  if (!table) return std::unexpected(table.error());
-  return Read(std::move(*table));
+  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
+  return Read(std::move(table));
 }
 
 Result<DaemonConfig> ParseDaemonConfig(std::string_view text, const std::string& where) {
-  auto table = TomlTable::ParseText(text, where);
-  if (!table) return std::unexpected(table.error());
-  return Read(std::move(*table));
+  HAPTOMETER_LET(auto table, TomlTable::ParseText(text, where));
+  return Read(std::move(table));
 }
 
 namespace {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "acquire/sensor/reconnecting_sensor.h"
 #include "tools/acquire/acquire.h"
 #include "tools/acquire/open_sensor.h"
 #include "tools/cli/terminal.h"
@@ -319,7 +318,7 @@ Result<void> GuardedTrials::Finish() {
     event.kind = trial::EventKind::kRemark;
     event.text =
         fmt::format("closed: less than {} bytes are free on the disk", watched_.reserve_bytes);
-    if (auto added = trials_.AddEvent(std::move(event)); !added) return added;
+    HAPTOMETER_TRY(trials_.AddEvent(std::move(event)));
   }
   return trials_.Finish();
 }

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/document/keys.h"
@@ -221,13 +222,12 @@ Result<void> ClearPlace(const std::string& path, const sockaddr_un& address) {
 }  // namespace
 
 Result<StatusSocket> StatusSocket::Listen(std::string path) {
-  const auto address = AddressOf(path);
-  if (!address) return std::unexpected(address.error());
+  HAPTOMETER_LET(const auto address, AddressOf(path));
   std::error_code error;
   (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind reports what is wrong
-  if (auto cleared = ClearPlace(path, *address); !cleared) return std::unexpected(cleared.error());
+  HAPTOMETER_TRY(ClearPlace(path, address));
   OwnedDescriptor listener = NewSocket();
-  if (listener.get() < 0 || bind(listener.get(), General(*address), sizeof *address) != 0 ||
+  if (listener.get() < 0 || bind(listener.get(), General(address), sizeof address) != 0 ||
       listen(listener.get(), kWaiting) != 0) {
     return NoSocket(path, errno);
   }
@@ -263,13 +263,12 @@ void StatusSocket::AnswerOne(MonotonicNs longest_ns,
 }
 
 Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
-  const auto address = AddressOf(path);
-  if (!address) return std::unexpected(address.error());
+  HAPTOMETER_LET(const auto address, AddressOf(path));
   SystemClock clock;
   // one deadline for the whole answer, not for each read
   const MonotonicNs deadline = clock.Now() + longest_ns;
   const OwnedDescriptor descriptor = NewSocket();
-  if (const int failure = Connect(descriptor, *address); failure != 0) {
+  if (const int failure = Connect(descriptor, address); failure != 0) {
     return CannotAnswer(
         path, fmt::format("no daemon answers: {}", std::generic_category().message(failure)),
         "start one with: acquire --daemon CONFIG.toml");
@@ -300,11 +299,9 @@ std::vector<fs::path> SocketDirectories() {
 }  // namespace
 
 std::vector<std::string> DefaultStatusSockets(const std::string& config_path) {
-  std::vector<std::string> paths;
-  for (const fs::path& directory : SocketDirectories()) {
-    paths.push_back(directory / (fs::path(config_path).stem().string() + ".sock"));
-  }
-  return paths;
+  return Mapped<std::string>(SocketDirectories(), [&](const fs::path& directory) {
+    return directory / (fs::path(config_path).stem().string() + ".sock");
+  });
 }
 
 std::vector<std::string> StatusSockets() {

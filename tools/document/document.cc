@@ -2,11 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "tools/document/keys.h"
 
 namespace haptometer::document {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "acquire/findings.h"
+#include "base/error.h"
 #include "base/finding.h"
 #include "dsp/findings.h"
 #include "dsp/statistics/distributions.h"
@@ -182,6 +185,22 @@ struct Sentence {
   /// Elsewhere a number that is not there, or not finite, is "(not known)".
   std::string_view text;
 };
+
+/// A row of a table of sentences.
+template <typename Kind>
+struct KindSentence {
+  Kind kind;
+  std::string_view name, text;
+};
+
+/// The sentence of a kind; a kind without a row is an error of the program.
+template <typename Kind>
+[[nodiscard]] Sentence SentenceIn(std::type_identity_t<std::span<const KindSentence<Kind>>> table,
+                                  Kind kind) {
+  const auto row = std::ranges::find(table, kind, &KindSentence<Kind>::kind);
+  HAPTOMETER_CHECK(row != table.end(), "a kind without words: {}", static_cast<int>(kind));
+  return {row->name, row->text};
+}
 
 [[nodiscard]] Sentence SentenceOf(trial::FindingKind kind);    ///< findings_trial.cc
 [[nodiscard]] Sentence SentenceOf(acquire::FindingKind kind);  ///< findings_acquire.cc

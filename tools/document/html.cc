@@ -93,10 +93,9 @@ struct HtmlWriter {
   }
 
   Result<void> AddFigure(const Figure& figure) {
-    const auto svg = plot::DrawSvg(figure.panels);
-    if (!svg) return std::unexpected(svg.error());
+    HAPTOMETER_LET(const auto svg, plot::DrawSvg(figure.panels));
     body += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
-                        SvgElement(*svg), ++figures, Escaped(figure.caption));
+                        SvgElement(svg), ++figures, Escaped(figure.caption));
     return {};
   }
 
@@ -154,17 +153,13 @@ Result<void> HtmlWriter::AddSection(const Section& section, int level) {
   if (!section.sources.empty()) items.push_back({"data", SourcesText(section.sources)});
   AddItemRows(section, items);
   AddRows({}, items);
-  for (const Figure& figure : section.figures) {
-    if (auto drawn = AddFigure(figure); !drawn) return drawn;
-  }
+  for (const Figure& figure : section.figures) HAPTOMETER_TRY(AddFigure(figure));
   if (section.shape == Section::Shape::kTable) {
     AddTable(section);
     AddBelow(section);
     return {};
   }
-  for (const Section& inner : section.sections) {
-    if (auto added = AddSection(inner, level); !added) return added;
-  }
+  for (const Section& inner : section.sections) HAPTOMETER_TRY(AddSection(inner, level));
   return {};
 }
 
@@ -176,9 +171,7 @@ Result<std::string> HtmlOf(const Document& document) {
   page.Add("h1", document.title);
   page.Add("p class=\"subtitle\"", fmt::format("haptometer {}, {}: {}", provenance.version,
                                                provenance.utc, provenance.command));
-  if (auto added = page.AddSection(document.root, 0); !added) {
-    return std::unexpected(added.error());
-  }
+  HAPTOMETER_TRY(page.AddSection(document.root, 0));
   // inputs with size and checksum, so that a number can be traced to its file
   Rows inputs;
   for (const InputFile& input : provenance.inputs) {

@@ -146,9 +146,7 @@ std::string JsonOf(const Document& document) {
   // findings of all sections in one list, in the order of the text
   Json& findings = json["findings"] = Json::array();
   for (const Section* section : AllSections(document.root)) {
-    for (const Finding& finding : section->findings) {
-      findings.push_back(FindingJson(finding));
-    }
+    for (const Finding& finding : section->findings) findings.push_back(FindingJson(finding));
   }
   json["provenance"] = ProvenanceJson(document.provenance);
   return JsonText(json);

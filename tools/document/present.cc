@@ -27,9 +27,8 @@ Result<void> DrawFigures(const std::string& path, const Document& document) {
 }
 
 Result<void> WritePage(const std::string& path, const Document& document) {
-  const auto html = HtmlOf(document);
-  if (!html) return std::unexpected(html.error());
-  return cli::WriteOutput(path, cli::kPageOutput, false, cli::Marked(*html));
+  HAPTOMETER_LET(const auto html, HtmlOf(document));
+  return cli::WriteOutput(path, cli::kPageOutput, false, cli::Marked(html));
 }
 
 // 3 where any section holds a refusal, else 0
@@ -65,9 +64,7 @@ Detail DetailOf(const Outputs& outputs) { return outputs.all ? Detail::kAll : De
 
 // checked before the work: a wrong path must not cost a computed result
 Result<void> CheckOutputs(const Outputs& outputs) {
-  if (!outputs.plot.empty()) {
-    if (auto good = plot::CheckPlotPath(outputs.plot); !good) return good;
-  }
+  if (!outputs.plot.empty()) HAPTOMETER_TRY(plot::CheckPlotPath(outputs.plot));
   if (outputs.report.empty()) return {};
   if (std::filesystem::path(outputs.report).extension() != ".html") {
     return Usage(outputs.report, "is to be a report, which is a page", "give it the ending .html");

@@ -217,9 +217,7 @@ std::vector<Column> ColumnsOf(const Section& table) {
   }
   std::vector<Column> columns;
   for (std::size_t k = 0; !rows.empty() && k < rows.front().size(); ++k) {
-    std::vector<Item> items;
-    items.reserve(rows.size());
-    for (const auto& row : rows) items.push_back(row[k]);
+    const auto items = Mapped<Item>(rows, [&](const auto& row) { return row[k]; });
     // a column without any value is omitted
     if (std::ranges::any_of(items, HasValue)) columns.push_back(ColumnOf(items));
   }

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,7 +20,6 @@
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/modbus_profile.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/options.h"
@@ -32,7 +30,6 @@
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
-
 namespace {
 
 namespace emulator = acquire::emulator;
@@ -180,33 +177,29 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
 // The head in front of a played scene: its motion and, where the scene's sensor is of this
 // protocol's kind, its settings. Of another kind only the spot (skin, case or mover) is used.
 Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
-  const auto scene = ReadPlayedScene(path);
-  if (!scene) return std::unexpected(scene.error());
-  if (scene->sensor && scene->sensor->head.name == head.head.name) {
-    head = {.head = scene->sensor->head,
-            .displacement = sim::SensedMotion(*scene),
-            .seed = scene->sensor->seed};
+  HAPTOMETER_LET(const auto scene, ReadPlayedScene(path));
+  if (scene.sensor && scene.sensor->head.name == head.head.name) {
+    head = {.head = scene.sensor->head,
+            .displacement = sim::SensedMotion(scene),
+            .seed = scene.sensor->seed};
     return {};
   }
-  const auto target = scene->sensor ? scene->sensor->target : sim::SensorTarget::kSkin;
-  head.displacement = sim::MotionOf(*scene, target);
+  const auto target = scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin;
+  head.displacement = sim::MotionOf(scene, target);
   return {};
 }
 
 // The displacement of a trial; the remark states its duration and the rows without measurement.
 Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& words,
                               emulator::MovingHead& head) {
-  const auto import = cli::ImportOf(words);
-  if (!import) return std::unexpected(import.error());
-  const auto recording = trial::ReadRecording(path, *import);
-  if (!recording) return std::unexpected(recording.error());
-  auto motion = MotionOf(recording->record, path);
-  if (!motion) return std::unexpected(motion.error());
-  head.displacement = std::move(motion->displacement);
+  HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+  HAPTOMETER_LET(const auto recording, trial::ReadRecording(path, import));
+  HAPTOMETER_LET(auto motion, MotionOf(recording.record, path));
+  head.displacement = std::move(motion.displacement);
   std::string remark =
-      fmt::format("plays {:.6g} s of {}, then holds its last value", motion->duration_s, path);
-  if (motion->left_out > 0) {
-    remark += fmt::format("; {} rows without a measurement are interpolated", motion->left_out);
+      fmt::format("plays {:.6g} s of {}, then holds its last value", motion.duration_s, path);
+  if (motion.left_out > 0) {
+    remark += fmt::format("; {} rows without a measurement are interpolated", motion.left_out);
   }
   return remark;
 }
@@ -245,7 +238,7 @@ Result<Played> MakeEn1(const Wanted& wanted, const emulator::MovingHead& head,
   setup.is_writable = wanted.is_writable;
   setup.refresh_ns = acquire::dl_en1::RefreshNs(setup.heads.size());
   if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
-  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  HAPTOMETER_TRY(Validate(setup));
   std::string remark = fmt::format("{}; new readings every {:g} ms", Describe(head.head),
                                    1e3 * SecondsFromNs(setup.refresh_ns));
   return Played{std::make_unique<emulator::DlEn1Unit>(std::move(setup)), std::move(remark)};
@@ -258,7 +251,7 @@ Result<Played> MakeLkg(const Wanted& wanted, const emulator::MovingHead& head,
   setup.heads = AllHeads(wanted, head);
   setup.faults = faults;
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
-  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  HAPTOMETER_TRY(Validate(setup));
   std::string remark = fmt::format("{}; at {} baud", Describe(head.head), setup.baud);
   return Played{std::make_unique<emulator::LkgUnit>(std::move(setup)), std::move(remark)};
 }
@@ -275,7 +268,7 @@ Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
   setup.refresh_ns = acquire::dl_rs1a::RefreshNs(heads.size());
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
   if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
-  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  HAPTOMETER_TRY(Validate(setup));
   // two limits of the rate: the exchange on the wire, and the refresh of the unit's values
   const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, heads.size()));
   std::string remark = fmt::format(
@@ -289,14 +282,12 @@ Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   emulator::StreamSetup setup;
   if (!wanted.format.empty()) {
-    const auto format = acquire::ParseStreamFormat(wanted.format);
-    if (!format) return std::unexpected(format.error());
-    setup.format = *format;
+    HAPTOMETER_LET(setup.format, acquire::ParseStreamFormat(wanted.format));
   }
   setup.head = std::move(head);
   setup.faults = faults;
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
-  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  HAPTOMETER_TRY(Validate(setup));
   std::string remark =
       fmt::format("{}; {:g} lines/s of {} characters at {} baud", Describe(setup.head.head),
                   1 / setup.head.head.sampling_s, LineBytes(setup.format), setup.baud);
@@ -307,10 +298,9 @@ Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
 Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   const bool over_tcp = !wanted.tcp.empty();
-  auto found = acquire::FindProfile(wanted.profile);
-  if (!found) return std::unexpected(found.error());
+  HAPTOMETER_LET(auto found, acquire::FindProfile(wanted.profile));
   emulator::ModbusUnitSetup setup;
-  setup.profile = std::move(*found);
+  setup.profile = std::move(found);
   // frame with CRC on a serial line, with header and length over TCP
   setup.framing = over_tcp ? acquire::ModbusFraming::kTcp : acquire::ModbusFraming::kRtu;
   setup.head = std::move(head);
@@ -330,9 +320,7 @@ Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
 Result<Played> MakeDevice(const Wanted& wanted) {
   emulator::FaultPlan faults;
   if (!wanted.fault.empty()) {
-    const auto plan = emulator::ParseFaultPlan(wanted.fault);
-    if (!plan) return std::unexpected(plan.error());
-    faults = *plan;
+    HAPTOMETER_LET(faults, emulator::ParseFaultPlan(wanted.fault));
     // CRC, slave, transaction and word order exist in Modbus replies only
     if (faults.fault->is_modbus && !wanted.modbus()) {
       return Usage("--fault", fmt::format("'{}' is for --protocol modbus", faults.fault->name),
@@ -344,12 +332,10 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   head.head = wanted.stream() ? trial::Stream10kHz() : trial::Il030();
   std::string source_remark;
   if (wanted.trial.empty()) {
-    if (auto played = PlayScene(wanted.scene, head); !played)
-      return std::unexpected(played.error());
+    HAPTOMETER_TRY(PlayScene(wanted.scene, head));
   } else {
-    auto played = PlayTrial(wanted.trial, wanted.import, head);
-    if (!played) return std::unexpected(played.error());
-    source_remark = *played + "; ";
+    HAPTOMETER_LET(auto played, PlayTrial(wanted.trial, wanted.import, head));
+    source_remark = played + "; ";
   }
 
   // options override the scene
@@ -367,8 +353,7 @@ Result<Played> MakeDevice(const Wanted& wanted) {
 
 // from here on a device exists: open its endpoint, then serve until the end or Ctrl-C
 Result<void> Emulate(const Wanted& wanted) {
-  const auto played = MakeDevice(wanted);
-  if (!played) return std::unexpected(played.error());
+  HAPTOMETER_LET(const auto played, MakeDevice(wanted));
   const auto endpoint =
       wanted.tcp.empty() ? emulator::OpenPty(wanted.link) : emulator::ListenTcp(wanted.tcp);
   if (!endpoint) return std::unexpected(endpoint.error());
@@ -377,19 +362,19 @@ Result<void> Emulate(const Wanted& wanted) {
   if (wanted.duration_s) duration_ns = NsFromSeconds(wanted.duration_s->value);
   // one remark, while `ready` is printed again whenever the terminal's name has changed
   bool remarked = false;
-  const auto report = emulator::Serve(*played->device, **endpoint, cli::Interrupted(), duration_ns,
-                                      [&](const std::string& name) {
-                                        cli::Print(fmt::format("ready {}\n", Printable(name)));
-                                        std::fflush(stdout);
-                                        if (!std::exchange(remarked, true))
-                                          cli::Remark(kVerb, played->remark);
-                                      });
-  if (!report) return std::unexpected(report.error());
+  HAPTOMETER_LET(const auto report,
+                 emulator::Serve(*played.device, **endpoint, cli::Interrupted(), duration_ns,
+                                 [&](const std::string& name) {
+                                   cli::Print(fmt::format("ready {}\n", Printable(name)));
+                                   std::fflush(stdout);
+                                   if (!std::exchange(remarked, true))
+                                     cli::Remark(kVerb, played.remark);
+                                 }));
   // a free-running sensor does not wait for its reader
-  if (report->dropped_lines > 0) {
+  if (report.dropped_lines > 0) {
     cli::Remark(kVerb,
                 fmt::format("{} lines were lost because the reader did not read them in time",
-                            report->dropped_lines));
+                            report.dropped_lines));
   }
   return {};
 }

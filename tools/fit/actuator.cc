@@ -6,9 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "tools/cli/output_file.h"
 
@@ -64,19 +62,17 @@ Result<void> Check(const ActuatorWords& words) {
 
 Result<ActuatorKnowns> KnownsOfFile(const ActuatorWords& words) {
   if (words.file.empty()) return ActuatorKnowns{};
-  const auto actuator = sim::FindActuator(words.file);
-  if (!actuator) return std::unexpected(actuator.error());
-  return ActuatorKnowns{actuator->moving_mass_kg, actuator->case_mass_kg, actuator->resistance_ohm,
-                        actuator->inductance_h};
+  HAPTOMETER_LET(const auto actuator, sim::FindActuator(words.file));
+  return ActuatorKnowns{actuator.moving_mass_kg, actuator.case_mass_kg, actuator.resistance_ohm,
+                        actuator.inductance_h};
 }
 
 Result<ActuatorKnowns> KnownsOf(const ActuatorWords& words) {
-  auto knowns = KnownsOfFile(words);
-  if (!knowns) return knowns;
+  HAPTOMETER_LET(auto knowns, KnownsOfFile(words));
   // an option replaces the file's value
   for (const auto member : {&ActuatorKnowns::moving_mass_kg, &ActuatorKnowns::case_mass_kg,
                             &ActuatorKnowns::resistance_ohm, &ActuatorKnowns::inductance_h}) {
-    if (words.knowns.*member) (*knowns).*member = words.knowns.*member;
+    if (words.knowns.*member) knowns.*member = words.knowns.*member;
   }
   return knowns;
 }
@@ -193,9 +189,7 @@ std::string TextOf(const StatedActuator& stated, const document::Provenance& pro
   // --overwrite recognises such files by the first line
   std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n" +
                      document::CommentOf(provenance, "# ");
-  for (const Needed& needed : kNeeded) {
-    text += Line(needed.key, stated.*needed.stated, needed.unit);
-  }
+  for (const Needed& needed : kNeeded) text += Line(needed.key, stated.*needed.stated, needed.unit);
   for (const Identified& identified : kIdentified) {
     const auto& value = stated.*identified.stated;
     if (value) text += Line(identified.key, *value, identified.unit);
@@ -216,17 +210,16 @@ bool IsTaken(const fit::ImpedanceFit& fit, std::string_view input) {
 }  // namespace
 
 Result<StatedActuator> FittedActuator(const fit::DropTestFit& fit, const ActuatorKnowns& knowns) {
-  auto stated = Begin(knowns, {&fit.stiffness, &fit.damping, &fit.force_constant});
-  if (!stated) return stated;
+  HAPTOMETER_LET(auto stated, Begin(knowns, {&fit.stiffness, &fit.damping, &fit.force_constant}));
   constexpr std::array<std::pair<std::size_t, std::string_view>, 4> kInputs{
       {{kMovingMass, "moving mass"},
        {kCaseMass, "case mass"},
        {kResistance, "coil resistance"},
        {kInductance, "coil inductance"}}};
   for (const auto& [place, input] : kInputs) {
-    CorrelateGiven(place, input, fit.influences, fit.relative_covariance, *stated);
+    CorrelateGiven(place, input, fit.influences, fit.relative_covariance, stated);
   }
-  CorrelateConstants(fit.relative_covariance, *stated);
+  CorrelateConstants(fit.relative_covariance, stated);
   return stated;
 }
 
@@ -235,12 +228,11 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
   ActuatorKnowns all = knowns;
   if (!all.resistance_ohm && fit.resistance.determined) all.resistance_ohm = Of(fit.resistance);
   if (!all.inductance_h && fit.inductance.determined) all.inductance_h = Of(fit.inductance);
-  auto stated = Begin(all, {&fit.stiffness, &fit.damping, &fit.force_constant});
-  if (!stated) return stated;
+  HAPTOMETER_LET(auto stated, Begin(all, {&fit.stiffness, &fit.damping, &fit.force_constant}));
   const auto& covariance = fit.relative_covariance;
-  CorrelateGiven(kMovingMass, "moving mass", fit.influences, covariance, *stated);
-  CorrelateGiven(kCaseMass, "case mass", fit.influences, covariance, *stated);
-  CorrelateConstants(covariance, *stated);
+  CorrelateGiven(kMovingMass, "moving mass", fit.influences, covariance, stated);
+  CorrelateGiven(kCaseMass, "case mass", fit.influences, covariance, stated);
+  CorrelateConstants(covariance, stated);
   // behind the three constants come R and L, unless an ohmmeter's R stands in the place of the
   // fit's
   const bool has_resistance = !knowns.resistance_ohm || IsTaken(fit, "resistance");
@@ -248,7 +240,7 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
     for (std::size_t k = 0; k < columns; ++k) {
       if (k == 3 && !has_resistance) continue;
       Correlate(kFirstConstant + k, place, covariance[k][row], covariance[k][k],
-                covariance[row][row], *stated);
+                covariance[row][row], stated);
     }
   };
   if (has_resistance) correlate(3, kResistance, 3);
@@ -270,8 +262,7 @@ void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figur
 
 Result<void> CheckFiles(const FitFiles& files) {
   if (!files.save.empty()) {
-    auto free = cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite);
-    if (!free) return free;
+    HAPTOMETER_TRY(cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite));
   }
   return document::CheckOutputs(files.outputs);
 }

@@ -10,7 +10,6 @@
 
 #include "base/text.h"
 #include "base/toml.h"
-#include "fit/drop_test/prepared_record.h"
 #include "tools/fit/fit_document.h"
 #include "trial/import/read_recording.h"
 
@@ -39,16 +38,14 @@ Result<std::optional<Sources>> ListDropsFile(const FitLraOptions& options) {
     return Usage(*path, "cannot be combined with other files",
                  "name them in it, each under [[drop]]");
   }
-  auto file = ReadDropsFile(*path);
-  if (!file) return std::unexpected(file.error());
-  return Sources{std::move(file->drops), file->knowns, *path};
+  HAPTOMETER_LET(auto file, ReadDropsFile(*path));
+  return Sources{std::move(file.drops), file.knowns, *path};
 }
 
 // all drops: those of a drops file, else the command line's with their loads
 Result<Sources> ListSources(const FitLraOptions& options) {
-  auto from_file = ListDropsFile(options);
-  if (!from_file) return std::unexpected(from_file.error());
-  if (*from_file) return std::move(**from_file);
+  HAPTOMETER_LET(auto from_file, ListDropsFile(options));
+  if (from_file) return std::move(*from_file);
   Sources sources;
   const auto add = [&sources](const std::string& path, std::optional<Quantity> load_ohm) {
     sources.drops.push_back({.path = path, .load_ohm = load_ohm});
@@ -62,15 +59,14 @@ Result<Sources> ListSources(const FitLraOptions& options) {
   // --load OHM FILE...: the first word of each group is the load
   for (const auto& group : options.loads) {
     const std::string first = group.empty() ? "" : group.front();
-    auto load = ParseQuantity(first, Dimension::kResistance, "--load");
-    if (!load) return std::unexpected(load.error());
-    if (!(load->value > 0))
+    HAPTOMETER_LET(auto load, ParseQuantity(first, Dimension::kResistance, "--load"));
+    if (!(load.value > 0))
       return Usage("--load", "a short circuit shows no voltage", "write 33ohm");
     if (group.size() < 2) {
       return Usage("--load", fmt::format("no file follows {}", first),
                    "write --load 33ohm loaded.csv");
     }
-    for (std::size_t k = 1; k < group.size(); ++k) add(group[k], *load);
+    for (std::size_t k = 1; k < group.size(); ++k) add(group[k], load);
   }
   if (sources.drops.empty()) return Usage("", "no file is given", "write fit-lra impulse.csv");
   return sources;
@@ -190,17 +186,12 @@ Result<Window> ParseWindow(const std::string& text) {
   const auto read = [&](const std::string& word, double& seconds) -> Result<void> {
     // an empty side of the colon stays infinite
     if (word.empty()) return {};
-    const auto quantity = ParseQuantity(word, Dimension::kTime, kOption);
-    if (!quantity) return std::unexpected(quantity.error());
-    seconds = quantity->value;
+    HAPTOMETER_LET(const auto quantity, ParseQuantity(word, Dimension::kTime, kOption));
+    seconds = quantity.value;
     return {};
   };
-  if (auto good = read(text.substr(0, colon), window.from_s); !good) {
-    return std::unexpected(good.error());
-  }
-  if (auto good = read(text.substr(colon + 1), window.to_s); !good) {
-    return std::unexpected(good.error());
-  }
+  HAPTOMETER_TRY(read(text.substr(0, colon), window.from_s));
+  HAPTOMETER_TRY(read(text.substr(colon + 1), window.to_s));
   if (!(window.from_s < window.to_s)) {
     return Usage(std::string(kOption), fmt::format("{} ends before it begins", text),
                  "write 0.2:0.8");
@@ -234,17 +225,14 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
                                     const FitLraOptions& options, FitLraInput* input) {
-  auto recording = trial::ReadRecording(source.path, options.import);
-  if (!recording) return std::unexpected(recording.error());
-  NoteReading(*recording, source.path, input->reading, input->sources);
-  auto file = fit::ImpulseFromRecord(recording->record, Printable(source.path));
-  if (!file) return std::unexpected(file.error());
-  LayDrop(options, source, said_by, &file->record, &input->replaced);
-  if (options.window.empty()) return *file;
-  const auto window = ParseWindow(options.window);
-  if (!window) return std::unexpected(window.error());
-  if (auto cut = CutTo(*window, &file->record); !cut) return std::unexpected(cut.error());
-  return *file;
+  HAPTOMETER_LET(auto recording, trial::ReadRecording(source.path, options.import));
+  NoteReading(recording, source.path, input->reading, input->sources);
+  HAPTOMETER_LET(auto file, fit::ImpulseFromRecord(recording.record, Printable(source.path)));
+  LayDrop(options, source, said_by, &file.record, &input->replaced);
+  if (options.window.empty()) return file;
+  HAPTOMETER_LET(const auto window, ParseWindow(options.window));
+  HAPTOMETER_TRY(CutTo(window, &file.record));
+  return file;
 }
 
 // one error for a file, regardless of how many of its drops cannot be fitted
@@ -329,8 +317,7 @@ class Statement {
 
 Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
                           const std::vector<fit::ImpulseFile>& files, FitLraInput* input) {
-  const auto of_file = KnownsOfFile(options.actuator);
-  if (!of_file) return std::unexpected(of_file.error());
+  HAPTOMETER_LET(const auto of_file, KnownsOfFile(options.actuator));
   const Statement statements[]{
       {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
       {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
@@ -339,8 +326,8 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
   };
   for (const Statement& statement : statements) {
     const Stated stated =
-        statement.Over(options.actuator.knowns, *of_file, sources, &input->replaced);
-    if (auto settled = statement.Settle(stated, files, input); !settled) return settled;
+        statement.Over(options.actuator.knowns, of_file, sources, &input->replaced);
+    HAPTOMETER_TRY(statement.Settle(stated, files, input));
   }
   return {};
 }
@@ -348,7 +335,7 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
 }  // namespace
 
 Result<void> CheckFitLraOptions(const FitLraOptions& options) {
-  if (auto good = Check(options.actuator); !good) return good;
+  HAPTOMETER_TRY(Check(options.actuator));
   const auto positive = [](const std::optional<Quantity>& value) {
     return !value || value->value > 0;
   };
@@ -370,9 +357,7 @@ Result<void> CheckFitLraOptions(const FitLraOptions& options) {
     return Usage("--time-scale", "is shown over true seconds, about 1",
                  "write it like 1+-5e-5; a column's unit goes by --scale");
   }
-  if (!options.window.empty()) {
-    if (auto window = ParseWindow(options.window); !window) return std::unexpected(window.error());
-  }
+  if (!options.window.empty()) HAPTOMETER_TRY(ParseWindow(options.window));
   if (options.rebound && !(options.rebound->value >= 0 && options.rebound->value <= 1)) {
     return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");
   }
@@ -380,17 +365,15 @@ Result<void> CheckFitLraOptions(const FitLraOptions& options) {
 }
 
 Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
-  if (auto checked = CheckFitLraOptions(options); !checked) return std::unexpected(checked.error());
-  const auto sources = ListSources(options);
-  if (!sources) return std::unexpected(sources.error());
-  if (auto distinct = CheckDistinct(sources->drops); !distinct)
-    return std::unexpected(distinct.error());
+  HAPTOMETER_TRY(CheckFitLraOptions(options));
+  HAPTOMETER_LET(const auto sources, ListSources(options));
+  HAPTOMETER_TRY(CheckDistinct(sources.drops));
 
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
   // a file that cannot be read is excluded with its error; the others are fitted
-  for (const StatedDrop& source : sources->drops) {
-    auto file = ReadSource(source, sources->said_by, options, &input);
+  for (const StatedDrop& source : sources.drops) {
+    auto file = ReadSource(source, sources.said_by, options, &input);
     if (file) {
       TakeDrops(*file, &files, &input);
     } else {
@@ -398,9 +381,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
     }
   }
   // only now: where nothing else states a constant, the headers of all files must agree
-  if (auto settled = SettleKnowns(options, *sources, files, &input); !settled) {
-    return std::unexpected(settled.error());
-  }
+  HAPTOMETER_TRY(SettleKnowns(options, sources, files, &input));
   for (auto& file : files) input.records.push_back(std::move(file.record));
   return input;
 }
@@ -480,7 +461,7 @@ Result<DropsFile> Read(TomlTable table, const std::string& path) {
                  Read(table, "inductance_h", Dimension::kInductance, kNotNegative)};
   const auto directory = std::filesystem::path(path).parent_path();
   for (TomlTable* drop : table.Tables("drop")) ReadDrop(*drop, directory, file.drops);
-  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table.Finish());
   if (file.drops.empty()) {
     return Usage(path, "names no drop",
                  "write a table [[drop]] with file = \"open1.csv\"; an actuator's file goes to "
@@ -494,15 +475,13 @@ Result<DropsFile> Read(TomlTable table, const std::string& path) {
 bool IsDropsFile(std::string_view path) { return path.ends_with(".toml"); }
 
 Result<DropsFile> ReadDropsFile(const std::string& path) {
-  auto table = TomlTable::ParseFile(path);
-  if (!table) return std::unexpected(table.error());
-  return Read(std::move(*table), path);
+  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
+  return Read(std::move(table), path);
 }
 
 Result<DropsFile> ReadDropsText(std::string_view text, const std::string& path) {
-  auto table = TomlTable::ParseText(text, path);
-  if (!table) return std::unexpected(table.error());
-  return Read(std::move(*table), path);
+  HAPTOMETER_LET(auto table, TomlTable::ParseText(text, path));
+  return Read(std::move(table), path);
 }
 
 }  // namespace haptometer::tools

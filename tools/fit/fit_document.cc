@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/text.h"
-#include "tools/document/keys.h"
 
 namespace haptometer::tools {
 

@@ -8,12 +8,12 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "base/error.h"
+#include "base/mapped.h"
 #include "dsp/spectrum/welch.h"
 #include "fit/poles.h"
 #include "tools/plot/gnuplot.h"
@@ -355,12 +355,9 @@ std::vector<document::Figure> FitLraFigures(const fit::DropTestFit& fit,
 }
 
 std::vector<document::Figure> UnfittedFigures(const std::vector<fit::LeftOutDrop>& drops) {
-  std::vector<document::Figure> figures;
-  figures.reserve(drops.size());
-  for (const fit::LeftOutDrop& drop : drops) {
-    figures.push_back(UnfittedFigure(drop.record, drop.why.what));
-  }
-  return figures;
+  return Mapped<document::Figure>(drops, [](const fit::LeftOutDrop& drop) {
+    return UnfittedFigure(drop.record, drop.why.what);
+  });
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/mapped.h"
 #include "fit/impedance/impedance_fit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
@@ -49,24 +50,20 @@ Result<std::vector<double>> Column(const TextTable& table, const std::string& na
 }
 
 Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
-  const auto table = ReadTextTable(path, {});
-  if (!table) return std::unexpected(table.error());
-  const auto hertz = Column(*table, "frequency_hz", "frequency");
-  if (!hertz) return std::unexpected(hertz.error());
-  const auto ohm = Column(*table, "impedance_ohm", "ohm");
-  if (!ohm) return std::unexpected(ohm.error());
-  const auto degrees = Column(*table, "phase_deg", "degrees");
-  if (!degrees) return std::unexpected(degrees.error());
+  HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
+  HAPTOMETER_LET(const auto hertz, Column(table, "frequency_hz", "frequency"));
+  HAPTOMETER_LET(const auto ohm, Column(table, "impedance_ohm", "ohm"));
+  HAPTOMETER_LET(const auto degrees, Column(table, "phase_deg", "degrees"));
   std::vector<fit::ImpedancePoint> points;
-  points.reserve(hertz->size());
-  for (std::size_t n = 0; n < hertz->size(); ++n) {
-    if (!((*hertz)[n] > 0 && (*ohm)[n] > 0)) {
-      return CannotAnswer(fmt::format("{}:{}", path, table->lines[n]),
+  points.reserve(hertz.size());
+  for (std::size_t n = 0; n < hertz.size(); ++n) {
+    if (!(hertz[n] > 0 && ohm[n] > 0)) {
+      return CannotAnswer(fmt::format("{}:{}", path, table.lines[n]),
                           "has a frequency or a magnitude that is not positive",
                           "correct that line");
     }
     // magnitude in ohm and phase in degrees to a complex impedance
-    points.push_back({(*hertz)[n], std::polar((*ohm)[n], (*degrees)[n] / kDegrees)});
+    points.push_back({hertz[n], std::polar(ohm[n], degrees[n] / kDegrees)});
   }
   return points;
 }
@@ -112,9 +109,9 @@ Section PointsSection(const ImpedanceFit& fit) {
 
 // of the logarithms; type A
 Section CorrelationSection(const ImpedanceFit& fit) {
-  std::vector<std::vector<double>> relative;
-  relative.reserve(fit.relative_covariance.size());
-  for (const auto& row : fit.relative_covariance) relative.emplace_back(row.begin(), row.end());
+  auto relative = Mapped<std::vector<double>>(fit.relative_covariance, [](const auto& row) {
+    return std::vector<double>(row.begin(), row.end());
+  });
   Section section;
   section.Add({"relative_covariance_kv_bv_km_r_l"}, std::move(relative));
   Section correlation{.name = document::kCorrelation.name};
@@ -127,18 +124,16 @@ Section CorrelationSection(const ImpedanceFit& fit) {
 enum class ImpedanceFinding : std::uint8_t { kRequired, kNoResonance, kHeldAssumed };
 
 document::Sentence SentenceOf(ImpedanceFinding kind) {
-  switch (kind) {
-    case ImpedanceFinding::kRequired:
-      return {"required-not-determined", "{constant} is required and not determined"};
-    case ImpedanceFinding::kNoResonance:
-      return {"resonance-not-determined",
-              "the natural frequency or the quality factor is not determined"};
-    case ImpedanceFinding::kHeldAssumed:
-      break;
-  }
-  return {"held-assumed",
-          "the case was held (neither --held nor --free is given); free, the ringing mass would be "
-          "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)"};
+  using enum ImpedanceFinding;
+  static constexpr document::KindSentence<ImpedanceFinding> kSentences[] = {
+      {kRequired, "required-not-determined", "{constant} is required and not determined"},
+      {kNoResonance, "resonance-not-determined",
+       "the natural frequency or the quality factor is not determined"},
+      {kHeldAssumed, "held-assumed",
+       "the case was held (neither --held nor --free is given); free, the ringing mass would be "
+       "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 Findings<ImpedanceFinding> FindingsOf(const ImpedanceFit& fit, const ActuatorWords& words) {

@@ -153,9 +153,7 @@ int RunFitLra(int argc, const char* const* argv) {
   if (!answer.fit) return status;
   const auto saved =
       SaveActuator(files, FittedActuator(*answer.fit, answer.input.knowns), kVerb, argc, argv);
-  if (!saved) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
-  }
+  if (!saved) status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
   return status;
 }
 

@@ -278,20 +278,17 @@ Section SearchSection(const DropTestFit& fit) {
 enum class FitLraFinding : std::uint8_t { kRequired, kNoResonance, kNotConverged, kTakenAsExact };
 
 document::Sentence SentenceOf(FitLraFinding kind) {
-  switch (kind) {
-    case FitLraFinding::kRequired:
-      return {"required-not-determined", "{constant} is required and not determined"};
-    case FitLraFinding::kNoResonance:
-      return {"resonance-not-determined",
-              "the natural frequency or the quality factor is not determined; record at least "
-              "three decay times of one free ring-down"};
-    case FitLraFinding::kNotConverged:
-      return {"not-converged", "the search did not converge in {iterations} iterations"};
-    case FitLraFinding::kTakenAsExact:
-      break;
-  }
-  return {"taken-as-exact",
-          "uncertainty neglected: {inputs}; --all shows the effect of 1 % of each"};
+  using enum FitLraFinding;
+  static constexpr document::KindSentence<FitLraFinding> kSentences[] = {
+      {kRequired, "required-not-determined", "{constant} is required and not determined"},
+      {kNoResonance, "resonance-not-determined",
+       "the natural frequency or the quality factor is not determined; record at least three "
+       "decay times of one free ring-down"},
+      {kNotConverged, "not-converged", "the search did not converge in {iterations} iterations"},
+      {kTakenAsExact, "taken-as-exact",
+       "uncertainty neglected: {inputs}; --all shows the effect of 1 % of each"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 Findings<FitLraFinding> FindingsOf(const DropTestFit& fit,

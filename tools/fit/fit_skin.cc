@@ -7,14 +7,10 @@
 #include <numbers>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "base/text.h"
-#include "fit/skin/skin_areas.h"
-#include "fit/skin/skin_fit.h"
 #include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
@@ -75,7 +71,7 @@ Result<sim::StatedActuator> Actuator(const std::string& name) {
   }
   auto stated = sim::FindActuator(name);
   if (!stated) return std::unexpected(stated.error());
-  if (auto complete = sim::Complete(*stated); !complete) return std::unexpected(complete.error());
+  HAPTOMETER_TRY(sim::Complete(*stated));
   return stated;
 }
 
@@ -116,10 +112,9 @@ Result<Column> Find(const TextTable& table, std::span<const Known> known) {
       return CannotAnswer(table.name, fmt::format("has both {} and {}", name, column.name),
                           "leave one out");
     }
-    auto numbers = NumbersOf(table, std::string(column.name));
-    if (!numbers) return std::unexpected(numbers.error());
-    for (double& number : *numbers) number *= column.factor;
-    found = std::move(*numbers);
+    HAPTOMETER_LET(auto numbers, NumbersOf(table, std::string(column.name)));
+    for (double& number : numbers) number *= column.factor;
+    found = std::move(numbers);
     name = column.name;
   }
   return found;
@@ -127,9 +122,8 @@ Result<Column> Find(const TextTable& table, std::span<const Known> known) {
 
 Result<std::vector<double>> Required(const TextTable& table, std::span<const Known> known,
                                      const char* what, const char* remedy) {
-  auto column = Find(table, known);
-  if (!column) return std::unexpected(column.error());
-  if (*column) return std::move(**column);
+  HAPTOMETER_LET(auto column, Find(table, known));
+  if (column) return std::move(*column);
   return CannotAnswer(table.name, fmt::format("has no {} with its unit", what), remedy);
 }
 
@@ -149,11 +143,9 @@ struct Columns {
 Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
   // analyze writes the phase in rad
   constexpr Known kPhase[]{{document::kPhase.name, 180 / std::numbers::pi}};
-  auto per_current = Find(table, kPerCurrent);
-  if (!per_current) return std::unexpected(per_current.error());
-  auto per_voltage = Find(table, kPerVoltage);
-  if (!per_voltage) return std::unexpected(per_voltage.error());
-  if (!*per_current && !*per_voltage) {
+  HAPTOMETER_LET(auto per_current, Find(table, kPerCurrent));
+  HAPTOMETER_LET(auto per_voltage, Find(table, kPerVoltage));
+  if (!per_current && !per_voltage) {
     const bool is_response = table.columns.contains(std::string(document::kAmplitude.name)) ||
                              table.columns.contains("amplitude_m_per_unit");
     if (!is_response) return false;
@@ -161,28 +153,24 @@ Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
         table.name, "is the response of a sweep whose drive was not recorded in A or V",
         "record the coil's current or voltage as a channel beside the displacement");
   }
-  columns->drive = *per_current ? fit::DriveQuantity::kCurrent : fit::DriveQuantity::kVoltage;
-  columns->displacements_m = std::move(*per_current ? **per_current : **per_voltage);
+  columns->drive = per_current ? fit::DriveQuantity::kCurrent : fit::DriveQuantity::kVoltage;
+  columns->displacements_m = std::move(per_current ? *per_current : *per_voltage);
   // per unit of drive: the drive is 1 A or 1 V
   columns->drives.assign(columns->displacements_m.size(), 1);
-  auto phases = Find(table, kPhase);
-  if (!phases) return std::unexpected(phases.error());
-  columns->phases_deg = std::move(*phases);
+  HAPTOMETER_LET(columns->phases_deg, Find(table, kPhase));
   return true;
 }
 
 Result<void> ReadDrive(const TextTable& table, Columns* columns) {
-  auto current = Find(table, kCurrents);
-  if (!current) return std::unexpected(current.error());
-  if (*current) {
-    columns->drives = std::move(**current);
+  HAPTOMETER_LET(auto current, Find(table, kCurrents));
+  if (current) {
+    columns->drives = std::move(*current);
     return {};
   }
-  auto voltage = Required(table, kVoltages, "drive",
+  HAPTOMETER_LET(columns->drives,
+                 Required(table, kVoltages, "drive",
                           "its header needs current_amplitude_a (or _ma, current_rms_a, _ma), or "
-                          "voltage_amplitude_v");
-  if (!voltage) return std::unexpected(voltage.error());
-  columns->drives = std::move(*voltage);
+                          "voltage_amplitude_v"));
   columns->drive = fit::DriveQuantity::kVoltage;
   return {};
 }
@@ -197,23 +185,19 @@ Result<Columns> ReadColumns(const TextTable& table) {
   if (!frequency) return std::unexpected(frequency.error());
   columns.frequencies_hz = std::move(*frequency);
   // a response table has its drive and phase in its own columns
-  const auto is_response = ReadResponse(table, &columns);
-  if (!is_response) return std::unexpected(is_response.error());
-  if (*is_response) return columns;
-  auto displacement = Required(table, kDisplacements, "displacement",
-                               "its header needs displacement_amplitude_um (or _m, _mm, or "
-                               "displacement_rms_um, _m, _mm)");
-  if (!displacement) return std::unexpected(displacement.error());
-  columns.displacements_m = std::move(*displacement);
-  if (auto drive = ReadDrive(table, &columns); !drive) return std::unexpected(drive.error());
+  HAPTOMETER_LET(const auto is_response, ReadResponse(table, &columns));
+  if (is_response) return columns;
+  HAPTOMETER_LET(columns.displacements_m,
+                 Required(table, kDisplacements, "displacement",
+                          "its header needs displacement_amplitude_um (or _m, _mm, or "
+                          "displacement_rms_um, _m, _mm)"));
+  HAPTOMETER_TRY(ReadDrive(table, &columns));
   const std::pair<std::span<const Known>, Column*> kOptional[]{
       {kPhase, &columns.phases_deg},
       {kUncertainties, &columns.uncertainties_m},
       {kArea, &columns.areas_mm2}};
   for (const auto& [known, column] : kOptional) {
-    auto found = Find(table, known);
-    if (!found) return std::unexpected(found.error());
-    *column = std::move(*found);
+    HAPTOMETER_LET(*column, Find(table, known));
   }
   return columns;
 }
@@ -260,31 +244,29 @@ FitSkinAnswer Answer(Sweeps sweeps, const sim::StatedActuator& actuator) {
 }  // namespace
 
 Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
-  const auto table = ReadTextTable(path, {});
-  if (!table) return std::unexpected(table.error());
-  if (auto alone = CheckVariedKeys(*table); !alone) return std::unexpected(alone.error());
-  const auto columns = ReadColumns(*table);
-  if (!columns) return std::unexpected(columns.error());
+  HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
+  HAPTOMETER_TRY(CheckVariedKeys(table));
+  HAPTOMETER_LET(const auto columns, ReadColumns(table));
   // an uncertainty is that of the displacement as its column states it: of an RMS, times sqrt(2)
   bool is_rms = false;
-  for (const auto& [name, cells] : table->columns) {
+  for (const auto& [name, cells] : table.columns) {
     is_rms = is_rms || name.starts_with("displacement_rms");
   }
 
   // in the order of areas; one sweep where none is stated
   std::map<double, fit::SkinSweep> sweeps;
-  for (std::size_t row = 0; row < table->rows(); ++row) {
-    const double area_mm2 = columns->areas_mm2 ? (*columns->areas_mm2)[row] : 0;
-    if (columns->areas_mm2 && !(area_mm2 > 0)) {
-      return CannotAnswer(fmt::format("{}:{}", path, table->lines[row]),
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double area_mm2 = columns.areas_mm2 ? (*columns.areas_mm2)[row] : 0;
+    if (columns.areas_mm2 && !(area_mm2 > 0)) {
+      return CannotAnswer(fmt::format("{}:{}", path, table.lines[row]),
                           "has a contact area that is not positive", "correct that cell");
     }
     fit::SkinSweep& sweep = sweeps[area_mm2];
-    sweep.drive = columns->drive;
-    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
-                                    : Printable(path);
-    if (columns->areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
-    sweep.points.push_back(PointAt(*columns, row, is_rms ? kRms : 1));
+    sweep.drive = columns.drive;
+    sweep.name = columns.areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
+                                   : Printable(path);
+    if (columns.areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
+    sweep.points.push_back(PointAt(columns, row, is_rms ? kRms : 1));
   }
   std::vector<fit::SkinSweep> list;
   list.reserve(sweeps.size());

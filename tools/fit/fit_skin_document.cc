@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/mapped.h"
 #include "tools/document/findings_fit.h"
 #include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
@@ -126,20 +127,18 @@ Section LawSection(const char* name, const std::optional<AreaDependence>& known)
 enum class SkinAnswerFinding : std::uint8_t { kLinearSkin, kTwoAreas, kAreasScatter };
 
 document::Sentence SentenceOf(SkinAnswerFinding kind) {
-  switch (kind) {
-    case SkinAnswerFinding::kLinearSkin:
-      return {"linear-skin",
-              "the case lies on the skin, which is a spring, a damper and a mass to ground; its "
-              "constants and those of the actuator ({actuator}) do not depend on the amplitude"};
-    case SkinAnswerFinding::kTwoAreas:
-      return {"two-areas",
-              "{constant}: two areas do not show whether it follows a power law at all"};
-    case SkinAnswerFinding::kAreasScatter:
-      break;
-  }
-  return {"areas-scatter",
-          "{constant}: the contacts scatter {birge_ratio} times as much as their sweeps explain; "
-          "the interval is widened by that, with Student's t"};
+  using enum SkinAnswerFinding;
+  static constexpr document::KindSentence<SkinAnswerFinding> kSentences[] = {
+      {kLinearSkin, "linear-skin",
+       "the case lies on the skin, which is a spring, a damper and a mass to ground; its "
+       "constants and those of the actuator ({actuator}) do not depend on the amplitude"},
+      {kTwoAreas, "two-areas",
+       "{constant}: two areas do not show whether it follows a power law at all"},
+      {kAreasScatter, "areas-scatter",
+       "{constant}: the contacts scatter {birge_ratio} times as much as their sweeps explain; "
+       "the interval is widened by that, with Student's t"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 Findings<SkinAnswerFinding> FindingsOf(const FitSkinAnswer& answer) {
@@ -201,12 +200,10 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
 }
 
 std::vector<document::Figure> FiguresOf(const FitSkinAnswer& answer) {
-  std::vector<document::Figure> figures;
-  figures.reserve(answer.contacts.size());
-  for (const SkinFit& contact : answer.contacts) {
-    figures.push_back({.caption = contact.name + ": amplitudes, fit and residual",
-                       .panels = ContactPanels(contact)});
-  }
+  auto figures = Mapped<document::Figure>(answer.contacts, [](const SkinFit& contact) {
+    return document::Figure{.caption = contact.name + ": amplitudes, fit and residual",
+                            .panels = ContactPanels(contact)};
+  });
   if (answer.areas.stiffness) {
     figures.push_back({.caption = "Ks over the contact's area",
                        .panels = {AreaPanel(answer.contacts, *answer.areas.stiffness)}});

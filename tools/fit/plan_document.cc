@@ -53,23 +53,10 @@ std::string_view LargestSource(const ExpectedUncertainty& uncertainty) {
 }
 
 std::string_view LimitName(PlanLimit limit) {
-  switch (limit) {
-    case PlanLimit::kNone:
-      return "";
-    case PlanLimit::kMass:
-      return "moving mass";
-    case PlanLimit::kResistance:
-      return "coil resistance";
-    case PlanLimit::kLoad:
-      return "load";
-    case PlanLimit::kTimeScale:
-      return "time base";
-    case PlanLimit::kNoise:
-      return "noise";
-    case PlanLimit::kConverter:
-      break;
-  }
-  return "converter steps";
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 7> kNames{
+      "", "moving mass", "coil resistance", "load", "time base", "noise", "converter steps"};
+  return kNames[static_cast<std::size_t>(limit)];
 }
 
 // half width of the 95 % interval, relative
@@ -249,87 +236,65 @@ Section WishesSection(const TestCard& card) {
 }  // namespace
 
 document::Sentence SentenceOf(PlanFinding kind) {
-  switch (kind) {
-    case PlanFinding::kClamp:
-      return {"clamp-the-case",
-              "clamp the case to something a hundred times as heavy: a case that is free rings at "
-              "another frequency, one that is loose rings with its mount"};
-    case PlanFinding::kWeigh:
-      return {"weigh-the-mover",
-              "weigh the moving mass, of a specimen taken apart: 1 % of it is 1 % of Kv and Bv, "
-              "and 0.5 % of Km"};
-    case PlanFinding::kMeasureOhms:
-      return {"measure-the-ohms",
-              "measure coil and load with one ohmmeter, without its leads' resistance, at the "
-              "test's temperature: copper gains 0.39 % a kelvin"};
-    case PlanFinding::kStrike:
-      return {"strike-once",
-              "let mount and actuator fall {drop_height_m} on something hard, or tap the mount as "
-              "strongly: {speed_m_per_s}, a stroke of {stroke_m}; less, if the moving mass meets "
-              "its stops; one impact a record, along the axis"};
-    case PlanFinding::kRepeat:
-      return {"five-of-each", "five drops of each kind show whether they repeat"};
-    case PlanFinding::kMassAssumed:
-      return {"mass-assumed",
-              "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
-              "--moving-mass 1.4g+-0.006g"};
-    case PlanFinding::kMassExact:
-      return {"mass-exact",
-              "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and "
-              "0.5 % of Km"};
-    case PlanFinding::kResistanceExact:
-      return {"resistance-exact", "the uncertainty of the coil's resistance is neglected"};
-    case PlanFinding::kQualityAssumed:
-      return {"quality-assumed", "Q {quality_factor} is assumed: state --guess \"Q 60\""};
-    case PlanFinding::kForceConstantAssumed:
-      return {"force-constant-assumed",
-              "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\""};
-    case PlanFinding::kHeightAssumed:
-      return {
-          "height-assumed",
-          "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm"};
-    case PlanFinding::kTimeBaseAssumed:
-      return {"time-base-assumed",
-              "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale "
-              "1+-5e-5"};
-    case PlanFinding::kLoadAssumed:
-      return {"load-assumed",
-              "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm"};
-    case PlanFinding::kBitsAssumed:
-      return {"bits-assumed", "{bits} bits over the range are assumed: state --bits 12"};
-    case PlanFinding::kNoiseAssumed:
-      return {"noise-assumed", "noise of half a step is assumed: state --noise 3mV"};
-    case PlanFinding::kLittleNoise:
-      return {"little-noise",
-              "rounding is treated as noise; where it repeats itself, errors are up to 1.6 times "
-              "as large"};
-    case PlanFinding::kLopsided:
-      return {"lopsided-interval",
-              "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % "
-              "it is an upper limit"};
-    case PlanFinding::kNeedsDrops:
-      return {"wish-needs-drops",
-              "{constant} to {half_interval %} is not reached: {expected %} is expected; make "
-              "{open} open and {loaded} loaded drops"};
-    case PlanFinding::kOthersTooMuch:
-      return {"wish-out-of-reach",
-              "{constant} to {half_interval %} is not reached: {expected %} is expected; the "
-              "{limit} limits most, and the other causes alone are too much"};
-    case PlanFinding::kNeedsBits:
-      return {"wish-needs-bits",
-              "{constant} to {half_interval %} is not reached: {expected %} is expected; the "
-              "converter prevents it even over 50 drops of each kind: {bits} bits more would do"};
-    case PlanFinding::kNeedsLessNoise:
-      return {"wish-needs-less-noise",
-              "{constant} to {half_interval %} is not reached: {expected %} is expected; noise and "
-              "steps prevent it even over 50 drops of each kind: {share %} of them would do; "
-              "strike harder, take a finer range, more bits or samples"};
-    case PlanFinding::kNeedsCertainty:
-      break;
-  }
-  return {"wish-needs-certainty",
-          "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
-          "prevents it: {share %} of its present uncertainty would do"};
+  using enum PlanFinding;
+  static constexpr document::KindSentence<PlanFinding> kSentences[] = {
+      {kClamp, "clamp-the-case",
+       "clamp the case to something a hundred times as heavy: a case that is free rings at "
+       "another frequency, one that is loose rings with its mount"},
+      {kWeigh, "weigh-the-mover",
+       "weigh the moving mass, of a specimen taken apart: 1 % of it is 1 % of Kv and Bv, and "
+       "0.5 % of Km"},
+      {kMeasureOhms, "measure-the-ohms",
+       "measure coil and load with one ohmmeter, without its leads' resistance, at the test's "
+       "temperature: copper gains 0.39 % a kelvin"},
+      {kStrike, "strike-once",
+       "let mount and actuator fall {drop_height_m} on something hard, or tap the mount as "
+       "strongly: {speed_m_per_s}, a stroke of {stroke_m}; less, if the moving mass meets its "
+       "stops; one impact a record, along the axis"},
+      {kRepeat, "five-of-each", "five drops of each kind show whether they repeat"},
+      {kMassAssumed, "mass-assumed",
+       "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
+       "--moving-mass 1.4g+-0.006g"},
+      {kMassExact, "mass-exact",
+       "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and 0.5 "
+       "% of Km"},
+      {kResistanceExact, "resistance-exact",
+       "the uncertainty of the coil's resistance is neglected"},
+      {kQualityAssumed, "quality-assumed", "Q {quality_factor} is assumed: state --guess \"Q 60\""},
+      {kForceConstantAssumed, "force-constant-assumed",
+       "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\""},
+      {kHeightAssumed, "height-assumed",
+       "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm"},
+      {kTimeBaseAssumed, "time-base-assumed",
+       "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale 1+-5e-5"},
+      {kLoadAssumed, "load-assumed",
+       "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm"},
+      {kBitsAssumed, "bits-assumed", "{bits} bits over the range are assumed: state --bits 12"},
+      {kNoiseAssumed, "noise-assumed", "noise of half a step is assumed: state --noise 3mV"},
+      {kLittleNoise, "little-noise",
+       "rounding is treated as noise; where it repeats itself, errors are up to 1.6 times as "
+       "large"},
+      {kLopsided, "lopsided-interval",
+       "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % it "
+       "is an upper limit"},
+      {kNeedsDrops, "wish-needs-drops",
+       "{constant} to {half_interval %} is not reached: {expected %} is expected; make {open} "
+       "open and {loaded} loaded drops"},
+      {kOthersTooMuch, "wish-out-of-reach",
+       "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
+       "limits most, and the other causes alone are too much"},
+      {kNeedsBits, "wish-needs-bits",
+       "{constant} to {half_interval %} is not reached: {expected %} is expected; the converter "
+       "prevents it even over 50 drops of each kind: {bits} bits more would do"},
+      {kNeedsLessNoise, "wish-needs-less-noise",
+       "{constant} to {half_interval %} is not reached: {expected %} is expected; noise and "
+       "steps prevent it even over 50 drops of each kind: {share %} of them would do; strike "
+       "harder, take a finer range, more bits or samples"},
+      {kNeedsCertainty, "wish-needs-certainty",
+       "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
+       "prevents it: {share %} of its present uncertainty would do"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 document::Document PlanDocument(const TestCard& card) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 #include <utility>
 
 #include "fit/drop_test/drop_test_fit.h"
@@ -69,12 +68,12 @@ class CardMaker {
   explicit CardMaker(const PlanWords& words) : words_(words) {}
 
   [[nodiscard]] Result<TestCard> Make() {
-    if (auto done = TakeActuator(); !done) return std::unexpected(done.error());
-    if (auto done = TakeConstants(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(TakeActuator());
+    HAPTOMETER_TRY(TakeConstants());
     TakeBlow();
-    if (auto done = TakeLoad(); !done) return std::unexpected(done.error());
-    if (auto done = TakeRecorder(); !done) return std::unexpected(done.error());
-    if (auto done = Answer(); !done) return std::unexpected(done.error());
+    HAPTOMETER_TRY(TakeLoad());
+    HAPTOMETER_TRY(TakeRecorder());
+    HAPTOMETER_TRY(Answer());
     WriteCommand();
     NoteHow();
     return std::move(card_);
@@ -91,31 +90,27 @@ class CardMaker {
   Result<void> TakeActuator() {
     fit::PlannedDrops& drops = card_.drops;
     if (!words_.actuator.file.empty()) {
-      auto found = sim::FindActuator(words_.actuator.file);
-      if (!found) return std::unexpected(found.error());
-      actuator_ = std::move(*found);
+      HAPTOMETER_LET(actuator_, sim::FindActuator(words_.actuator.file));
     }
-    const auto knowns = KnownsOf(words_.actuator);
-    if (!knowns) return std::unexpected(knowns.error());
-    if (!knowns->resistance_ohm) {
+    HAPTOMETER_LET(const auto knowns, KnownsOf(words_.actuator));
+    if (!knowns.resistance_ohm) {
       return Usage("--resistance", "is missing: the best load follows it",
                    "measure the coil with an ohmmeter and write --resistance 27ohm");
     }
-    drops.resistance_ohm = *knowns->resistance_ohm;
-    const auto& mass = knowns->moving_mass_kg;
+    drops.resistance_ohm = *knowns.resistance_ohm;
+    const auto& mass = knowns.moving_mass_kg;
     drops.moving_mass_kg = mass.value_or(Quantity{kUsualMassKg, kUsualMassUncertaintyKg});
     if (!mass) Note(kMassAssumed, {{"moving_mass_kg", kUsualMassKg}});
     if (drops.moving_mass_kg.exact()) Note(kMassExact);
     if (drops.resistance_ohm.exact()) Note(kResistanceExact);
-    drops.inductance_h = knowns->inductance_h ? knowns->inductance_h->value : 0;
+    drops.inductance_h = knowns.inductance_h ? knowns.inductance_h->value : 0;
     return {};
   }
 
   // frequency, damping and force constant
   Result<void> TakeConstants() {
     fit::PlannedDrops& drops = card_.drops;
-    const auto guesses = ParseGuesses(words_.guesses);
-    if (!guesses) return std::unexpected(guesses.error());
+    HAPTOMETER_LET(const auto guesses, ParseGuesses(words_.guesses));
     const double mass = drops.moving_mass_kg.value;
     if (words_.natural_frequency_hz) {
       drops.natural_frequency_hz = words_.natural_frequency_hz->value;
@@ -128,20 +123,20 @@ class CardMaker {
     }
     // w0 Mv: the damping at Q = 1, so that Q = w0 Mv/Bv
     const double critical = 2 * std::numbers::pi * drops.natural_frequency_hz * mass;
-    auto damping = guesses->damping_n_s_per_m;
+    auto damping = guesses.damping_n_s_per_m;
     if (!damping && actuator_ && actuator_->damping_n_s_per_m) {
       damping = actuator_->damping_n_s_per_m->value;
     }
     drops.quality_factor =
-        guesses->quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
-    if (!guesses->quality_factor && !damping) {
+        guesses.quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
+    if (!guesses.quality_factor && !damping) {
       Note(kQualityAssumed, {{"quality_factor", kUsualQuality}});
     }
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
                    "a plan needs an actuator that oscillates");
     }
-    auto km = guesses->force_constant_n_per_a;
+    auto km = guesses.force_constant_n_per_a;
     if (!km && actuator_ && actuator_->force_constant_n_per_a) {
       km = actuator_->force_constant_n_per_a->value;
     }
@@ -231,10 +226,9 @@ class CardMaker {
     }
     // for each requirement the drops that reach it, or what prevents it
     for (const std::string& word : words_.wishes) {
-      const auto wish = ParseWish(word);
-      if (!wish) return std::unexpected(wish.error());
-      const fit::DropCount count = fit::CountDrops(drops, *wish, kMostDrops);
-      card_.wishes.push_back({*wish, count, false});
+      HAPTOMETER_LET(const auto wish, ParseWish(word));
+      const fit::DropCount count = fit::CountDrops(drops, wish, kMostDrops);
+      card_.wishes.push_back({wish, count, false});
     }
     // without --taps as many drops as all requirements that can be reached need
     for (const AnsweredWish& answered : card_.wishes) {
@@ -380,12 +374,11 @@ Result<fit::AccuracyWish> ParseWish(const std::string& word) {
        {fit::Constant::kStiffness, fit::Constant::kDamping, fit::Constant::kForceConstant}) {
     if (SymbolOf(constant) != symbol) continue;
     if (!word.ends_with('%')) return Usage("--want", word + " is not a percentage", example);
-    const auto number = ParseQuantity(percent, Dimension::kNone, "--want");
-    if (!number) return std::unexpected(number.error());
-    if (!(number->value > 0 && number->value <= 25)) {
+    HAPTOMETER_LET(const auto number, ParseQuantity(percent, Dimension::kNone, "--want"));
+    if (!(number.value > 0 && number.value <= 25)) {
       return Usage("--want", fmt::format("{} is not above 0 % and at most 25 %", word), example);
     }
-    return fit::AccuracyWish{constant, number->value / 100 / fit::kCoverage95};
+    return fit::AccuracyWish{constant, number.value / 100 / fit::kCoverage95};
   }
   return Usage("--want", fmt::format("{} is none of Kv, Bv, Km", symbol), example);
 }
@@ -408,19 +401,18 @@ Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words) {
       return Usage("--guess", fmt::format("{} is none of Q, Bv, Km", symbol),
                    "write --guess \"Q 60\"; frequency and masses have options of their own");
     }
-    const auto number = ParseQuantity(text, row->dimension, "--guess");
-    if (!number) return std::unexpected(number.error());
-    if (!(number->value >= 1e-6 && number->value <= 1e6)) {
+    HAPTOMETER_LET(const auto number, ParseQuantity(text, row->dimension, "--guess"));
+    if (!(number.value >= 1e-6 && number.value <= 1e6)) {
       return Usage("--guess", word + " is not from 1e-6 to 1e6", "write \"Q 60\"");
     }
-    guesses.*row->member = number->value;
+    guesses.*row->member = number.value;
   }
   return guesses;
 }
 
 Result<TestCard> MakeTestCard(const PlanWords& words) {
-  if (auto checked = CheckRanges(words); !checked) return std::unexpected(checked.error());
-  if (auto checked = Check(words.actuator); !checked) return std::unexpected(checked.error());
+  HAPTOMETER_TRY(CheckRanges(words));
+  HAPTOMETER_TRY(Check(words.actuator));
   return CardMaker(words).Make();
 }
 

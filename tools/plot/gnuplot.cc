@@ -10,7 +10,6 @@
 #include <limits>
 
 #include "base/clock.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/script.h"
@@ -111,9 +110,7 @@ void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
     }
   }
   // three decades or more: the automatic numbers suffice
-  if (!is_logarithmic || !(most < 1000 * least)) {
-    return script->Add("set {}tics autofreq\n", axis);
-  }
+  if (!is_logarithmic || !(most < 1000 * least)) return script->Add("set {}tics autofreq\n", axis);
   script->Add("set {}tics (", axis);
   Words separator = "";
   const int last = static_cast<int>(std::ceil(std::log10(most)));
@@ -297,11 +294,10 @@ template <typename MakeScript>
 Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
                           const MakeScript& make) {
   const MemoryFile drawing;
-  const auto run = RunGnuplot(make(drawing, terminal), where, kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
+  HAPTOMETER_LET(const auto run, RunGnuplot(make(drawing, terminal), where, kLongestPanelsNs));
   std::string picture = drawing.Content();
   // an incomplete picture (no end mark of its format) is an error
-  if (!*run || !cli::IsWholePicture(picture)) {
+  if (!run || !cli::IsWholePicture(picture)) {
     return Failed(where, "gnuplot drew no whole picture", "is there memory left?");
   }
   return terminal.ending == ".svg" ? WellFormed(std::move(picture)) : picture;
@@ -309,10 +305,9 @@ Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
 
 template <typename MakeScript>
 Result<void> DrawInto(const std::string& path, const MakeScript& make) {
-  if (auto known = CheckPlotPath(path); !known) return known;
-  auto picture = Drawn(path, *TerminalOf(path), make);
-  if (!picture) return std::unexpected(picture.error());
-  return cli::WriteOutput(path, cli::kPictureOutput, false, cli::Marked(*std::move(picture)));
+  HAPTOMETER_TRY(CheckPlotPath(path));
+  HAPTOMETER_LET(auto picture, Drawn(path, *TerminalOf(path), make));
+  return cli::WriteOutput(path, cli::kPictureOutput, false, cli::Marked(std::move(picture)));
 }
 
 }  // namespace
@@ -338,16 +333,15 @@ Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   }
   AddPanel(0, panel, &script);
   script.Add("unset output\n");
-  const auto run = RunGnuplot(script, "plot", kLongestTextNs);
-  if (!run) return std::unexpected(run.error());
+  HAPTOMETER_LET(const auto run, RunGnuplot(script, "plot", kLongestTextNs));
   std::string text = drawing.Content();
-  if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");
+  if (!run || text.empty()) return Failed("plot", "gnuplot drew nothing");
   std::erase(text, '\f');  // ends a page
   return text;
 }
 
 Result<void> CheckPlotPath(const std::string& path) {
-  if (auto printable = CheckPrintable("the plot's path", path); !printable) return printable;
+  HAPTOMETER_TRY(CheckPrintable("the plot's path", path));
   if (TerminalOf(path) == nullptr) {
     return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
   }

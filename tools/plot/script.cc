@@ -1,7 +1,6 @@
 #include "tools/plot/script.h"
 
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -147,13 +146,12 @@ std::optional<int> WaitUntil(pid_t process, MonotonicNs deadline) {
 Result<bool> RunWithin(const std::vector<std::string>& words, const std::string& input,
                        MonotonicNs longest_ns) {
   const MemoryFile script(input);
-  const auto process = Start(words, script.descriptor());
-  if (!process) return std::unexpected(process.error());
-  const auto status = WaitUntil(*process, SystemClock().Now() + longest_ns);
+  HAPTOMETER_LET(const auto process, Start(words, script.descriptor()));
+  const auto status = WaitUntil(process, SystemClock().Now() + longest_ns);
   if (status) return WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
   // beyond the limit: ended, and its entry removed from the process table
-  kill(*process, SIGKILL);
-  waitpid(*process, nullptr, 0);
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
   return Failed("",
                 fmt::format("{} did not end within {:g} s", words[0], SecondsFromNs(longest_ns)));
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "base/mapped.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/motor_source.h"
 #include "sim/linear/steady_state.h"
@@ -79,11 +80,9 @@ std::optional<SampledRun> BestStep(double frequency_hz, double duration_s, const
 std::optional<SampledRun> NearestRun(const Scenes& scenes) {
   constexpr int kTenths = 20;
   std::optional<SampledRun> nearest;
-  std::vector<sim::TimeResponse> responses;
-  responses.reserve(scenes.size());
-  for (const sim::Scene& scene : scenes) {
-    responses.emplace_back(sim::AssembleModel(scene), scene.drive, sim::Start::kRest);
-  }
+  const auto responses = Mapped<sim::TimeResponse>(scenes, [](const sim::Scene& scene) {
+    return sim::TimeResponse(sim::AssembleModel(scene), scene.drive, sim::Start::kRest);
+  });
   for (int tenth = 1; tenth <= kTenths; ++tenth) {
     const double duration_s = tenth / 10.0;
     Three rms_m{};

@@ -32,7 +32,7 @@ struct Wanted {
 
 // folder and page are checked before the computation
 Result<void> CheckPlaces(const Wanted& wanted) {
-  if (auto good = document::CheckOutputs(wanted.outputs); !good) return good;
+  HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
   if (wanted.figures.empty()) return {};
   std::error_code failure;
   fs::create_directories(wanted.figures, failure);
@@ -49,9 +49,7 @@ Result<std::vector<std::string>> DrawFigures(const std::string& folder,
   if (folder.empty()) return written;
   for (const ThesisFigure& figure : figures) {
     written.push_back(fs::path(folder) / (figure.name + ".svg"));
-    if (auto drawn = plot::DrawPanels(written.back(), figure.panels); !drawn) {
-      return std::unexpected(drawn.error());
-    }
+    HAPTOMETER_TRY(plot::DrawPanels(written.back(), figure.panels));
   }
   return written;
 }
@@ -60,10 +58,9 @@ Result<document::Document> Answer(const Wanted& wanted, const Reproduction& repr
   std::vector<ThesisFigure> figures;
   // figures are computed only where they are drawn
   if (!wanted.figures.empty() || wanted.outputs.HasFigures()) figures = FiguresOf(reproduction);
-  auto files = DrawFigures(wanted.figures, figures);
-  if (!files) return std::unexpected(files.error());
-  if (!wanted.outputs.report.empty()) files->push_back(wanted.outputs.report);
-  return ReproductionDocument(reproduction, figures, *files);
+  HAPTOMETER_LET(auto files, DrawFigures(wanted.figures, figures));
+  if (!wanted.outputs.report.empty()) files.push_back(wanted.outputs.report);
+  return ReproductionDocument(reproduction, figures, files);
 }
 
 // rows in the order of the thesis; each number has exactly one row
@@ -84,19 +81,16 @@ std::vector<ThesisRow> InOrder(std::vector<ThesisRow> rows) {
 }  // namespace
 
 Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain) {
-  auto study = RunGeneratedStudy(model);
-  if (!study) return std::unexpected(study.error());
-  std::vector<ThesisRow> rows = StudyRows(*study);
+  HAPTOMETER_LET(auto study, RunGeneratedStudy(model));
+  std::vector<ThesisRow> rows = StudyRows(study);
   for (auto* group : {DisplacementRows, ElectricalRows, OptimumRows, FrequencyRows, RiseRows,
                       ReceptorRows, PrototypeRows}) {
     for (ThesisRow& row : group(model)) rows.push_back(std::move(row));
   }
-  Reproduction reproduction{model, *std::move(study), InOrder(std::move(rows)), std::nullopt};
+  Reproduction reproduction{model, std::move(study), InOrder(std::move(rows)), std::nullopt};
   // scene, sensor, record, analysis: only with --chain
   if (!with_chain) return reproduction;
-  auto chain = RunChain(model);
-  if (!chain) return std::unexpected(chain.error());
-  reproduction.chain = *std::move(chain);
+  HAPTOMETER_LET(reproduction.chain, RunChain(model));
   return reproduction;
 }
 

@@ -41,33 +41,26 @@ enum class ReproduceFinding : std::uint8_t {
 };
 
 document::Sentence SentenceOf(ReproduceFinding kind) {
-  switch (kind) {
-    case ReproduceFinding::kHalfDigit:
-      return {"half-digit",
-              "a printed value is rounded to half of its last digit, 8200 N/m to 50 N/m, 220 Hz to "
-              "5 Hz"};
-    case ReproduceFinding::kCoilReaction:
-      return {"coil-reaction",
-              "equation 2.3 is taken with the coil's reaction on the case, as matrix 2.5 has it"};
-    case ReproduceFinding::kSkinRange:
-      return {"skin-range",
-              "the skin's stiffness goes up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m"};
-    case ReproduceFinding::kReading:
-      return {"reading",
-              "\"reading\" is a candidate cause that is computed; no cause is proved (--all shows "
-              "the causes)"};
-    case ReproduceFinding::kTuned:
-      return {"tuned", "\"tuned\" is a candidate cause with a number chosen by what is printed"};
-    case ReproduceFinding::kRounding:
-      return {"rounding",
-              "\"rounding\" is the set of inputs, among those that round to the printed ones, that "
-              "comes nearest to what is printed; it may miss it"};
-    case ReproduceFinding::kGenerated:
-      break;
-  }
-  return {"generated",
-          "{circular} rows are of trials generated with the printed number, not of the thesis's "
-          "recordings: they test the analysis alone and are counted separately"};
+  using enum ReproduceFinding;
+  static constexpr document::KindSentence<ReproduceFinding> kSentences[] = {
+      {kHalfDigit, "half-digit",
+       "a printed value is rounded to half of its last digit, 8200 N/m to 50 N/m, 220 Hz to 5 Hz"},
+      {kCoilReaction, "coil-reaction",
+       "equation 2.3 is taken with the coil's reaction on the case, as matrix 2.5 has it"},
+      {kSkinRange, "skin-range",
+       "the skin's stiffness goes up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m"},
+      {kReading, "reading",
+       "\"reading\" is a candidate cause that is computed; no cause is proved (--all shows the "
+       "causes)"},
+      {kTuned, "tuned", "\"tuned\" is a candidate cause with a number chosen by what is printed"},
+      {kRounding, "rounding",
+       "\"rounding\" is the set of inputs, among those that round to the printed ones, that "
+       "comes nearest to what is printed; it may miss it"},
+      {kGenerated, "generated",
+       "{circular} rows are of trials generated with the printed number, not of the thesis's "
+       "recordings: they test the analysis alone and are counted separately"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 Findings<ReproduceFinding> FindingsOf(std::size_t circular) {

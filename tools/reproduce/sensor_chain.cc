@@ -76,9 +76,8 @@ Result<std::optional<dsp::NoiseFloor>> FloorUnder(sim::Scene scene, ChainSensor 
   // the whole record: without drive there is no steady part to choose
   of_silence.choice = dsp::WindowChoice::kAll;
   of_silence.keep_filtered = false;
-  const auto analysis = dsp::AnalyzeBand(Sensed(scene, sensor), of_silence);
-  if (!analysis) return std::unexpected(analysis.error());
-  return dsp::FloorOf(*analysis, "drive off");
+  HAPTOMETER_LET(const auto analysis, dsp::AnalyzeBand(Sensed(scene, sensor), of_silence));
+  return dsp::FloorOf(analysis, "drive off");
 }
 
 Result<dsp::BandAnalysis> Analyzed(const trial::Record& record,
@@ -145,15 +144,13 @@ Result<ChainRow> FromRestRow(const ThesisModel& model) {
   const ChainSensor sensor = Stream();
   ChainScene scene{"rest", "adapter from rest", WithAdapter(model, kIa2AreaM2)};
   scene.scene.start = sim::Start::kRest;
-  const auto floor = FloorUnder(scene.scene, sensor);
-  if (!floor) return std::unexpected(floor.error());
-  const auto analysis = Analyzed(Sensed(scene.scene, sensor), *floor);
-  if (!analysis) return std::unexpected(analysis.error());
-  if (!analysis->numbers) return RmsRow(sensor, scene, *analysis, 0);
-  const dsp::TimeWindow window = analysis->numbers->part.window;
+  HAPTOMETER_LET(const auto floor, FloorUnder(scene.scene, sensor));
+  HAPTOMETER_LET(const auto analysis, Analyzed(Sensed(scene.scene, sensor), floor));
+  if (!analysis.numbers) return RmsRow(sensor, scene, analysis, 0);
+  const dsp::TimeWindow window = analysis.numbers->part.window;
   const sim::LinearModel linear = sim::AssembleModel(scene.scene);
   const sim::TimeResponse response(linear, scene.scene.drive, sim::Start::kRest);
-  ChainRow row = RmsRow(sensor, scene, *analysis,
+  ChainRow row = RmsRow(sensor, scene, analysis,
                         response.WindowRms(linear.skin(), window.begin_s, window.end_s));
   row.remark =
       fmt::format("over the window it chose, {:.4f} to {:.4f} s", window.begin_s, window.end_s);
@@ -165,21 +162,15 @@ Result<ChainRow> FileRow(const ThesisModel& model) {
   const ChainSensor sensor = Stream();
   const ChainScene scene{"file", "adapter", WithAdapter(model, kIa2AreaM2)};
   const trial::Record record = Sensed(scene.scene, sensor);
-  const auto folder = TemporaryFolder::Make();
-  if (!folder) return std::unexpected(folder.error());
-  const std::string path = folder->path() / "chain.bin";
-  if (auto written = WriteSimulatedTrial(path, record, false); !written) {
-    return std::unexpected(written.error());
-  }
-  const auto read = trial::ReadRecording(path);
-  if (!read) return std::unexpected(read.error());
-  const auto in_memory = Analyzed(record, std::nullopt);
-  if (!in_memory) return std::unexpected(in_memory.error());
-  const auto from_file = Analyzed(read->record, std::nullopt);
-  if (!from_file) return std::unexpected(from_file.error());
+  HAPTOMETER_LET(const auto folder, TemporaryFolder::Make());
+  const std::string path = folder.path() / "chain.bin";
+  HAPTOMETER_TRY(WriteSimulatedTrial(path, record, false));
+  HAPTOMETER_LET(const auto read, trial::ReadRecording(path));
+  HAPTOMETER_LET(const auto in_memory, Analyzed(record, std::nullopt));
+  HAPTOMETER_LET(const auto from_file, Analyzed(read.record, std::nullopt));
   ChainRow row = RowOf(sensor, scene, "rms", "RMS from trial.bin", document::kMetre);
-  if (in_memory->numbers) row.truth = in_memory->numbers->rms.rms_m;
-  if (from_file->numbers) row.answer = from_file->numbers->rms.rms_m;
+  if (in_memory.numbers) row.truth = in_memory.numbers->rms.rms_m;
+  if (from_file.numbers) row.answer = from_file.numbers->rms.rms_m;
   row.remark = "the same as of the record in memory, bit by bit";
   return row;
 }
@@ -188,11 +179,10 @@ Result<ChainRow> FileRow(const ThesisModel& model) {
 Result<ChainRow> FactoryRow(const ThesisModel& model) {
   const ChainSensor sensor = FactoryIl030();
   const ChainScene scene{"adapter", "adapter", WithAdapter(model, kIa2AreaM2)};
-  const auto analysis = Analyzed(Sensed(scene.scene, sensor), std::nullopt);
-  if (!analysis) return std::unexpected(analysis.error());
+  HAPTOMETER_LET(const auto analysis, Analyzed(Sensed(scene.scene, sensor), std::nullopt));
   ChainRow row = RowOf(sensor, scene, "rms", "RMS: none can be given", document::kMetre);
-  if (analysis->answered && analysis->numbers) row.answer = analysis->numbers->rms.rms_m;
-  row.remark = document::RefusalOf(analysis->findings);
+  if (analysis.answered && analysis.numbers) row.answer = analysis.numbers->rms.rms_m;
+  row.remark = document::RefusalOf(analysis.findings);
   return row;
 }
 
@@ -210,17 +200,14 @@ Result<std::vector<ChainRow>> RunChain(const ThesisModel& model) {
   std::vector<ChainRow> rows;
   for (const ChainSensor& sensor : {Stream(), FastIl030()}) {
     for (const ChainScene& scene : SteadyScenes(model)) {
-      const auto floor = FloorUnder(scene.scene, sensor);
-      if (!floor) return std::unexpected(floor.error());
-      const auto analysis = Analyzed(Sensed(scene.scene, sensor), *floor);
-      if (!analysis) return std::unexpected(analysis.error());
-      for (ChainRow& row : SteadyRows(sensor, scene, *analysis)) rows.push_back(std::move(row));
+      HAPTOMETER_LET(const auto floor, FloorUnder(scene.scene, sensor));
+      HAPTOMETER_LET(const auto analysis, Analyzed(Sensed(scene.scene, sensor), floor));
+      for (ChainRow& row : SteadyRows(sensor, scene, analysis)) rows.push_back(std::move(row));
     }
   }
   for (auto* further : {FromRestRow, FileRow, FactoryRow}) {
-    auto row = further(model);
-    if (!row) return std::unexpected(row.error());
-    rows.push_back(*std::move(row));
+    HAPTOMETER_LET(auto row, further(model));
+    rows.push_back(std::move(row));
   }
   return rows;
 }

@@ -24,7 +24,6 @@
 #include "tools/document/findings_dsp.h"
 #include "tools/simulate/simulated_trial.h"
 #include "tools/study/manifest.h"
-#include "tools/study/study_table.h"
 #include "tools/study/text_table.h"
 #include "trial/byte_io.h"
 #include "trial/record.h"
@@ -225,14 +224,14 @@ constexpr std::array kSkinFactors{0.8, 1.2};
 Result<double> RmsWithFloor(const sim::Scene& scene) {
   dsp::BandQuestion question;
   question.keep_filtered = false;
-  const auto analysis = dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question);
-  if (!analysis) return std::unexpected(analysis.error());
-  if (!analysis->answered || !analysis->numbers) {
-    const std::string refusal = document::RefusalOf(analysis->findings);
+  HAPTOMETER_LET(const auto analysis,
+                 dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question));
+  if (!analysis.answered || !analysis.numbers) {
+    const std::string refusal = document::RefusalOf(analysis.findings);
     return CannotAnswer(fmt::format("{:g} V", scene.drive.amplitude_v),
                         refusal.empty() ? "has no RMS" : refusal);
   }
-  const dsp::RmsEstimate& rms = analysis->numbers->rms;
+  const dsp::RmsEstimate& rms = analysis.numbers->rms;
   // rms_m has its floor subtracted in mean square, so it is added again: sqrt(rms^2 + floor^2)
   return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
 }
@@ -253,12 +252,11 @@ Result<std::vector<DriveReading>> GenerateSweep(const ThesisModel& model) {
     for (const double level_v : kLevelsV) {
       scene.drive.amplitude_v = level_v;
       scene.sensor->seed = ++seed;
-      const auto rms_m = RmsWithFloor(scene);
-      if (!rms_m) return std::unexpected(rms_m.error());
+      HAPTOMETER_LET(const auto rms_m, RmsWithFloor(scene));
       readings.push_back({.subject = factor < 1 ? "soft" : "stiff",
                           .condition = "ia1",
                           .drive_v = level_v,
-                          .rms_m = *rms_m});
+                          .rms_m = rms_m});
     }
   }
   return readings;
@@ -394,8 +392,7 @@ Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, d
                                   {"repeat", std::to_string(repeat)}};
         const std::string path =
             folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
-        auto written = WriteSimulatedTrialIn(std::make_unique<PassingFile>(path), path, record);
-        if (!written) return written;
+        HAPTOMETER_TRY(WriteSimulatedTrialIn(std::make_unique<PassingFile>(path), path, record));
       }
     }
   }
@@ -429,21 +426,17 @@ std::vector<GeneratedCondition> TrialTruths(const ThesisModel& model) {
 }
 
 Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
-  const auto folder = TemporaryFolder::Make();
-  if (!folder) return std::unexpected(folder.error());
+  HAPTOMETER_LET(const auto folder, TemporaryFolder::Make());
   if (auto made =
-          GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed, folder->path());
+          GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed, folder.path());
       !made) {
     return std::unexpected(made.error());
   }
-  const auto files = FilesInFolder(folder->path(), {});
-  if (!files) return std::unexpected(files.error());
+  HAPTOMETER_LET(const auto files, FilesInFolder(folder.path(), {}));
   StudyResult study;
   study.source = "generated trials";
-  study.table = MakeStudyTable(AnalyzeTrials(*files, study.question, {}), Conditions());
-  if (auto compared = study.Compare(Planned()); !compared) {
-    return std::unexpected(compared.error());
-  }
+  study.table = MakeStudyTable(AnalyzeTrials(files, study.question, {}), Conditions());
+  HAPTOMETER_TRY(study.Compare(Planned()));
   return study;
 }
 
@@ -469,14 +462,11 @@ Result<MatchingResult> AnalyzeSettings() {
 }  // namespace
 
 Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model) {
-  auto trials = AnalyzeGenerated(model);
-  if (!trials) return std::unexpected(trials.error());
-  auto matching = AnalyzeSettings();
-  if (!matching) return std::unexpected(matching.error());
-  const auto sweep = GenerateSweep(model);
-  if (!sweep) return std::unexpected(sweep.error());
-  return GeneratedStudy{*std::move(trials), *std::move(matching),
-                        AnalyzeLinearity(*sweep, std::nullopt)};
+  HAPTOMETER_LET(auto trials, AnalyzeGenerated(model));
+  HAPTOMETER_LET(auto matching, AnalyzeSettings());
+  HAPTOMETER_LET(const auto sweep, GenerateSweep(model));
+  return GeneratedStudy{std::move(trials), std::move(matching),
+                        AnalyzeLinearity(sweep, std::nullopt)};
 }
 
 namespace fs = std::filesystem;

@@ -36,10 +36,10 @@ struct ThesisNumber {
   std::string_view group;  ///< of quantities that belong together
   std::string_view where;  ///< "Table 2.3, p. 12"
   std::string_view what;
-  Relation relation = Relation::kEquals;
   ThesisUnit unit;
   double value = 0;      ///< in `unit`; of kNotPrinted nothing
   double half_step = 0;  ///< half a unit of the last printed digit, in `unit`; of a bound nothing
+  Relation relation = Relation::kEquals;
 };
 
 /// All of them, in the order of the thesis. Nothing but what is printed stands here; what we get

@@ -10,10 +10,8 @@
 #include <cstddef>
 #include <iterator>
 #include <numbers>
-#include <optional>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "sim/effective_scene.h"
 #include "sim/linear/linear_model.h"
@@ -22,7 +20,6 @@
 #include "sim/period_map.h"
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
-#include "tools/document/keys.h"
 #include "tools/simulate/simulate_document.h"
 
 namespace haptometer::tools {
@@ -132,12 +129,10 @@ Result<SceneAnswer> AnswerRun(SceneAnswer answer, const std::string& where) {
   }
   // effects need a run: it decides which of them act
   if (asks) {
-    auto choice = DecideEffects(scene, where);
-    if (!choice) return std::unexpected(choice.error());
-    answer.effects = std::move(*choice);
+    HAPTOMETER_LET(answer.effects, DecideEffects(scene, where));
     return answer;
   }
-  if (auto check = CheckRun(scene, where); !check) return std::unexpected(check.error());
+  HAPTOMETER_TRY(CheckRun(scene, where));
   // a run from the steady state requires that one exists
   if (sim::StartOf(scene) == sim::Start::kSteady &&
       !(sim::SolveSteadyTones(scene).error_estimate < 1)) {
@@ -166,7 +161,7 @@ bool IsSuperposed(const SceneAnswer& answer) {
 }
 
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
-  if (auto check = CheckRun(scene, where); !check) return std::unexpected(check.error());
+  HAPTOMETER_TRY(CheckRun(scene, where));
   // period and attractor are searched for a sine only
   if (scene.drive.kind != sim::DriveKind::kSine && sim::StartOf(scene) == sim::Start::kSteady) {
     return CannotAnswer(where,
@@ -189,14 +184,13 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
   answer.steady = linear;
   // effects: the scene with those that act is solved again, and the limits are checked
   if (scene.effects.Asked()) {
-    auto choice = DecideEffects(scene, where);
-    if (!choice) return std::unexpected(choice.error());
-    const sim::EffectiveScene effective = sim::WithEffects(scene, choice->on);
+    HAPTOMETER_LET(auto choice, DecideEffects(scene, where));
+    const sim::EffectiveScene effective = sim::WithEffects(scene, choice.on);
     answer.steady = sim::SolveSteadyState(effective.scene);
     // a motion with limits and one without may both exist: the transient from the start decides
-    const bool limited = choice->periodic || choice->chaotic;
+    const bool limited = choice.periodic || choice.chaotic;
     if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
-    answer.effects = std::move(*choice);
+    answer.effects = std::move(choice);
   }
   // from the actuator's constants, by derivatives of the linear steady state
   if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);

@@ -128,17 +128,16 @@ Result<void> AddDuration(const std::string& where, sim::Scene& scene,
 
 // the scene with the options of the command line, which override it
 Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
-  auto scene = sim::ReadSceneFile(wanted.scene_path);
-  if (!scene) return scene;
+  HAPTOMETER_LET(auto scene, sim::ReadSceneFile(wanted.scene_path));
   if (!wanted.quantity.empty()) {
     const auto* const place = std::ranges::find(sim::kAskedQuantityNames, wanted.quantity);
-    scene->quantity = static_cast<sim::AskedQuantity>(place - sim::kAskedQuantityNames.begin());
+    scene.quantity = static_cast<sim::AskedQuantity>(place - sim::kAskedQuantityNames.begin());
   }
   if (wanted.tolerance) {
-    scene->tolerance = wanted.tolerance->value;
-    if (!(scene->tolerance >= sim::kLeastTolerance && scene->tolerance < 1)) {
+    scene.tolerance = wanted.tolerance->value;
+    if (!(scene.tolerance >= sim::kLeastTolerance && scene.tolerance < 1)) {
       return Usage("--tolerance",
-                   fmt::format("{:g} is not {:g} or more and below 1", scene->tolerance,
+                   fmt::format("{:g} is not {:g} or more and below 1", scene.tolerance,
                                sim::kLeastTolerance),
                    "it is relative: 1e-3 asks for three digits");
     }
@@ -149,17 +148,16 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
     return Usage("--duration", fmt::format("{:g} s is not between 0 and 1e6 s", duration_s),
                  "give the length of the run");
   }
-  scene->duration_s = duration_s;
+  scene.duration_s = duration_s;
   return scene;
 }
 
 // effects of the scene, each forced on and off; also for a scene that names none
 Result<Explanation> Explained(const SceneAnswer& solved, const std::string& where) {
-  Result<sim::EffectChoice> choice = solved.effects ? Result<sim::EffectChoice>(*solved.effects)
-                                                    : DecideEffects(solved.scene, where);
-  if (!choice) return std::unexpected(choice.error());
-  std::vector<EffectTrial> trials = TryEffects(solved.scene, *choice);
-  return Explanation{.choice = *std::move(choice), .trials = std::move(trials)};
+  HAPTOMETER_LET(auto choice, solved.effects ? Result<sim::EffectChoice>(*solved.effects)
+                                             : DecideEffects(solved.scene, where));
+  std::vector<EffectTrial> trials = TryEffects(solved.scene, choice);
+  return Explanation{.choice = std::move(choice), .trials = std::move(trials)};
 }
 
 // constants of an effect that is off: possible, but perhaps forgotten
@@ -198,16 +196,16 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
   if (!wanted.waveforms.empty()) {
     trial::Record record = RecordOf(waves, answer.solved.scene, wanted.scene_path);
     AddProvenance(document::CollectProvenance(wanted.command), record.metadata);
-    if (auto done = WriteWaveforms(wanted.waveforms, record, wanted.overwrite); !done) return done;
+    HAPTOMETER_TRY(WriteWaveforms(wanted.waveforms, record, wanted.overwrite));
     answer.waveforms_path = wanted.waveforms;
   }
   if (!has_figures) return {};
   // figures have the scene's own rate; a file with that rate is not computed twice
   const bool is_own = rate_hz == own_hz;
-  auto panels = WaveformPanels(
-      is_own ? waves : sim::PlayWaveforms(effective, start, duration_s, own_hz), effective.scene);
-  if (!panels) return std::unexpected(panels.error());
-  answer.panels = *std::move(panels);
+  HAPTOMETER_LET(
+      answer.panels,
+      WaveformPanels(is_own ? waves : sim::PlayWaveforms(effective, start, duration_s, own_hz),
+                     effective.scene));
   answer.plot_path = wanted.outputs.plot;
   return {};
 }
@@ -229,10 +227,9 @@ std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
 
 // outputs are checked before the computation
 Result<void> CheckFiles(const SimulateOptions& wanted) {
-  if (auto check = document::CheckOutputs(wanted.outputs); !check) return check;
+  HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
   if (!wanted.output.empty()) {
-    auto check = cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite);
-    if (!check) return check;
+    HAPTOMETER_TRY(cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite));
   }
   if (wanted.waveforms.empty()) {
     if (!wanted.rate_hz) return {};
@@ -255,31 +252,22 @@ Result<SceneAnswer> Solve(const sim::Scene& scene, const std::string& where) {
 }
 
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
-  if (auto check = CheckFiles(wanted); !check) return std::unexpected(check.error());
-  auto scene = ReadScene(wanted);
-  if (!scene) return std::unexpected(scene.error());
+  HAPTOMETER_TRY(CheckFiles(wanted));
+  HAPTOMETER_LET(auto scene, ReadScene(wanted));
   SimulateAnswer answer{.scene_path = wanted.scene_path};
-  NoteIdleConstants(*scene, answer.findings);
+  NoteIdleConstants(scene, answer.findings);
   // before the solution: the duration is part of the scene
-  if (auto added = AddDuration(wanted.scene_path, *scene, answer.findings); !added) {
-    return std::unexpected(added.error());
-  }
-  auto solved = Solve(*scene, wanted.scene_path);
-  if (!solved) return std::unexpected(solved.error());
-  answer.solved = *std::move(solved);
+  HAPTOMETER_TRY(AddDuration(wanted.scene_path, scene, answer.findings));
+  HAPTOMETER_LET(answer.solved, Solve(scene, wanted.scene_path));
   // least force and rise are taken from the played motion
   const auto played = Played(answer.solved);
   answer.numbers = NumbersOf(answer.solved, played ? &*played : nullptr);
   if (wanted.explain) {
-    auto explanation = Explained(answer.solved, wanted.scene_path);
-    if (!explanation) return std::unexpected(explanation.error());
-    answer.explanation = *std::move(explanation);
+    HAPTOMETER_LET(answer.explanation, Explained(answer.solved, wanted.scene_path));
   }
-  if (auto done = AddWaveforms(wanted, answer); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(AddWaveforms(wanted, answer));
   if (wanted.output.empty()) return answer;
-  if (auto written = Record(wanted, *scene, answer.findings); !written) {
-    return std::unexpected(written.error());
-  }
+  HAPTOMETER_TRY(Record(wanted, scene, answer.findings));
   answer.trial_path = wanted.output;
   return answer;
 }

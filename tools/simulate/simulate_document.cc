@@ -4,14 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "sim/linear/linear_model.h"
 #include "tools/document/keys.h"
-#include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
 namespace {
@@ -30,73 +31,55 @@ constexpr Key kChange{"change", "change"};
 // --- findings ---
 
 document::Sentence SentenceOf(SimulateFinding kind) {
-  switch (kind) {
-    case SimulateFinding::kOtherSpringsLinear:
-      return {"other-springs-linear",
-              "springs and dampers without an effect of their own are linear at any travel"};
-    case SimulateFinding::kMoverPreload:
-      return {"mover-preload",
-              "{preload_n} act on the mover, towards the skin positive; positions count from "
-              "static equilibrium, where the force holds it {displacement_m} from where its spring "
-              "is unloaded[, beyond the {stop} on which it therefore rests]"};
-    case SimulateFinding::kSourceHoldsVoltage:
-      return {"source-holds-voltage",
-              "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
-              "phase include], and the coil keeps its resistance"};
-    case SimulateFinding::kOnlyCoilWarms:
-      return {"only-coil-warms",
-              "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
-              "phase include], and only the coil warms"};
-    case SimulateFinding::kStopsOff:
-      return {"stops-off",
-              "travel_stops are stated and off: write travel_stops = true in the table effects to "
-              "include them"};
-    case SimulateFinding::kPreloadOff:
-      return {"preload-off",
-              "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let "
-              "it break"};
-    case SimulateFinding::kSteadyNotLinear:
-      return {"steady-not-linear",
-              "the steady motion is not the linear one and is not known; leave out --duration to "
-              "have it searched for"};
-    case SimulateFinding::kPeaksAreSums:
-      return {"peaks-are-sums",
-              "travel and force on the skin are upper limits, the sums of the tones' amplitudes: "
-              "the tones have no short common period"};
-    case SimulateFinding::kNoWindow:
-      return {"no-window", "{run_s} are less than ten periods, so there is no window_rms_m"};
-    case SimulateFinding::kChaotic:
-      return {"chaotic",
-              "the motion is chaotic: small deviations grow by {growth} +-{growth_uncertainty} "
-              "(logarithm, each period of the drive); RMS values and power are averages over "
-              "{periods} periods"};
-    case SimulateFinding::kEndVaries:
-      return {"end-varies",
-              "the run's end does not repeat itself: the RMS over its window has a relative "
-              "standard uncertainty of {relative_uncertainty} (standard deviation from window to "
-              "window)"};
-    case SimulateFinding::kEndNotKnown:
-      return {"end-not-known",
-              "the run's end does not repeat itself, and the run is too short to state what the "
-              "uncertainty of its window is"};
-    case SimulateFinding::kKnownUntil:
-      return {"known-until",
-              "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"};
-    case SimulateFinding::kDurationOfDrive:
-      return {"duration-of-drive",
-              "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
-              "{ring_down_s} in which the slowest motion falls to a thousandth"};
-    case SimulateFinding::kDurationAssumed:
-      return {"duration-assumed", "no duration is given: files last {duration_s}"};
-    case SimulateFinding::kIdealSensor:
-      return {
-          "ideal-sensor",
-          "the scene has no sensor: the trial is that of an ideal one on the skin at {rate_hz}"};
-    case SimulateFinding::kWaveformsStalled:
-      break;
-  }
-  return {"waveforms-stalled",
-          "waveforms end at {at_s}, where events follow each other without end"};
+  using enum SimulateFinding;
+  static constexpr document::KindSentence<SimulateFinding> kSentences[] = {
+      {kOtherSpringsLinear, "other-springs-linear",
+       "springs and dampers without an effect of their own are linear at any travel"},
+      {kMoverPreload, "mover-preload",
+       "{preload_n} act on the mover, towards the skin positive; positions count from static "
+       "equilibrium, where the force holds it {displacement_m} from where its spring is "
+       "unloaded[, beyond the {stop} on which it therefore rests]"},
+      {kSourceHoldsVoltage, "source-holds-voltage",
+       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+       "phase include], and the coil keeps its resistance"},
+      {kOnlyCoilWarms, "only-coil-warms",
+       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+       "phase include], and only the coil warms"},
+      {kStopsOff, "stops-off",
+       "travel_stops are stated and off: write travel_stops = true in the table effects to "
+       "include them"},
+      {kPreloadOff, "preload-off",
+       "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let it "
+       "break"},
+      {kSteadyNotLinear, "steady-not-linear",
+       "the steady motion is not the linear one and is not known; leave out --duration to have "
+       "it searched for"},
+      {kPeaksAreSums, "peaks-are-sums",
+       "travel and force on the skin are upper limits, the sums of the tones' amplitudes: the "
+       "tones have no short common period"},
+      {kNoWindow, "no-window", "{run_s} are less than ten periods, so there is no window_rms_m"},
+      {kChaotic, "chaotic",
+       "the motion is chaotic: small deviations grow by {growth} +-{growth_uncertainty} "
+       "(logarithm, each period of the drive); RMS values and power are averages over {periods} "
+       "periods"},
+      {kEndVaries, "end-varies",
+       "the run's end does not repeat itself: the RMS over its window has a relative standard "
+       "uncertainty of {relative_uncertainty} (standard deviation from window to window)"},
+      {kEndNotKnown, "end-not-known",
+       "the run's end does not repeat itself, and the run is too short to state what the "
+       "uncertainty of its window is"},
+      {kKnownUntil, "known-until",
+       "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"},
+      {kDurationOfDrive, "duration-of-drive",
+       "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
+       "{ring_down_s} in which the slowest motion falls to a thousandth"},
+      {kDurationAssumed, "duration-assumed", "no duration is given: files last {duration_s}"},
+      {kIdealSensor, "ideal-sensor",
+       "the scene has no sensor: the trial is that of an ideal one on the skin at {rate_hz}"},
+      {kWaveformsStalled, "waveforms-stalled",
+       "waveforms end at {at_s}, where events follow each other without end"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 namespace {
@@ -266,9 +249,7 @@ Section ContactSection(const SimulateAnswer& answer) {
   Item& least = contact.Add({"contact_force_least_n", "least force on the skin", document::kNewton},
                             answer.numbers.contact_force_least_n);
   least.note = "preload and weight included";
-  if (answer.numbers.contact_force_least_n.value_or(0) < 0) {
-    least.note += ": contact is lost";
-  }
+  if (answer.numbers.contact_force_least_n.value_or(0) < 0) least.note += ": contact is lost";
   contact.Add({"efficiency", "part of the power into the skin", document::kShare},
               answer.numbers.efficiency);
   const auto& tones = solved.tones;
@@ -352,11 +333,9 @@ Section PeriodicSection(const SceneAnswer& solved) {
         1e-4;
   }
   // complex numbers as pairs [real, imaginary]
-  std::vector<std::vector<double>> multipliers;
-  multipliers.reserve(static_cast<std::size_t>(motion.multipliers.size()));
-  for (const auto& multiplier : motion.multipliers) {
-    multipliers.push_back({multiplier.real(), multiplier.imag()});
-  }
+  auto multipliers = Mapped<std::vector<double>>(motion.multipliers, [](const auto& multiplier) {
+    return std::vector<double>{multiplier.real(), multiplier.imag()};
+  });
   section.Add({"floquet_multipliers"}, std::move(multipliers));
   section.Add({"residual"}, motion.residual);
   return section;
@@ -391,19 +370,10 @@ Section AverageSection(const SceneAnswer& solved) {
 // --- effects ---
 
 std::string_view NameOf(sim::Ground ground) {
-  switch (ground) {
-    case sim::Ground::kNotNamed:
-      return "not named";
-    case sim::Ground::kNamed:
-      return "named";
-    case sim::Ground::kNeverReached:
-      return "never reached";
-    case sim::Ground::kSuperposed:
-      return "superposed";
-    case sim::Ground::kCompared:
-      break;
-  }
-  return "compared";
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 5> kNames{"not named", "named", "never reached",
+                                                          "superposed", "compared"};
+  return kNames[static_cast<std::size_t>(ground)];
 }
 
 std::string GroundText(const sim::EffectVerdict& verdict) {

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "base/clock.h"
 #include "base/mapped.h"
@@ -43,10 +42,9 @@ Result<void> WriteRows(const trial::Record& record, Result<trial::TrialWriter> w
       samples[c] = {RawOf(formats[c], channel.values[row]), channel.statuses[row]};
     }
     const trial::Row next{.index = static_cast<std::int64_t>(row), .samples = samples};
-    if (auto appended = writer->Append(next); !appended) return appended;
+    HAPTOMETER_TRY(writer->Append(next));
   }
-  auto totals = writer->Finish();
-  if (!totals) return std::unexpected(totals.error());
+  HAPTOMETER_TRY(writer->Finish());
   return {};
 }
 
@@ -56,8 +54,7 @@ class OutputSink final : public trial::ByteSink {
   explicit OutputSink(cli::OutputFile* file) : file_(file) {}
 
   Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
-    auto written = file_->Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    if (!written) return std::unexpected(written.error());
+    HAPTOMETER_TRY(file_->Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
     return bytes.size();
   }
 
@@ -72,10 +69,9 @@ class OutputSink final : public trial::ByteSink {
 
 Result<void> WriteSimulatedTrial(const std::string& path, const trial::Record& record,
                                  bool overwrite) {
-  auto file = cli::OutputFile::Begin(path, cli::kTrialOutput, overwrite);
-  if (!file) return std::unexpected(file.error());
-  auto written = WriteSimulatedTrialIn(std::make_unique<OutputSink>(&*file), path, record);
-  return written ? file->Finish() : written;
+  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(path, cli::kTrialOutput, overwrite));
+  auto written = WriteSimulatedTrialIn(std::make_unique<OutputSink>(&file), path, record);
+  return written ? file.Finish() : written;
 }
 
 Result<void> WriteSimulatedTrialIn(std::unique_ptr<trial::ByteSink> sink, const std::string& name,
@@ -123,13 +119,12 @@ void AddProvenance(const document::Provenance& provenance, trial::Metadata& meta
 }
 
 Result<sim::Scene> ReadPlayedScene(const std::string& path) {
-  auto scene = sim::ReadSceneFile(path);
-  if (!scene) return scene;
+  HAPTOMETER_LET(auto scene, sim::ReadSceneFile(path));
   // a start in the steady state requires that it exists
-  if (sim::StartOf(*scene) != sim::Start::kSteady) return scene;
-  const double error = scene->drive.kind == sim::DriveKind::kTones
-                           ? sim::SolveSteadyTones(*scene).error_estimate
-                           : sim::SolveSteadyState(*scene).error_estimate;
+  if (sim::StartOf(scene) != sim::Start::kSteady) return scene;
+  const double error = scene.drive.kind == sim::DriveKind::kTones
+                           ? sim::SolveSteadyTones(scene).error_estimate
+                           : sim::SolveSteadyState(scene).error_estimate;
   if (!(error < 1)) {
     return CannotAnswer(path, "has no steady state: the drive excites an undamped resonance",
                         "add damping, or start = \"rest\" to [run]");

@@ -98,23 +98,21 @@ Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
     }
     text += '\n';
     if (text.size() < kPieceBytes && row + 1 < record.rows) continue;
-    if (auto done = file.Write(text); !done) return done;
+    HAPTOMETER_TRY(file.Write(text));
     text.clear();
   }
   return {};
 }
 
 Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file) {
-  const auto part = file.PathForLibrary();
-  if (!part) return std::unexpected(part.error());
-  auto writer = trial::Hdf5Writer::Create(*part);
-  if (!writer) return std::unexpected(writer.error());
+  HAPTOMETER_LET(const auto part, file.PathForLibrary());
+  HAPTOMETER_LET(auto writer, trial::Hdf5Writer::Create(part));
   trial::Recording recording;
   recording.record = record;
   // a simulated record has no recorder that could be interrupted
   recording.report.closed = true;
-  auto done = writer->Add("waveforms", recording, nullptr);
-  return done ? writer->Close() : done;
+  auto done = writer.Add("waveforms", recording, nullptr);
+  return done ? writer.Close() : done;
 }
 
 }  // namespace
@@ -164,13 +162,11 @@ Result<void> CheckWaveformPath(const std::string& path, bool overwrite) {
 }
 
 Result<void> WriteWaveforms(const std::string& path, const trial::Record& record, bool overwrite) {
-  const auto kind = KindOf(path);
-  if (!kind) return std::unexpected(kind.error());
+  HAPTOMETER_LET(const auto kind, KindOf(path));
   if (EndingOf(path) == ".bin") return WriteSimulatedTrial(path, record, overwrite);
-  auto file = cli::OutputFile::Begin(path, *kind, overwrite);
-  if (!file) return std::unexpected(file.error());
-  auto done = EndingOf(path) == ".csv" ? WriteCsv(record, *file) : WriteHdf5(record, *file);
-  if (done) return file->Finish();
+  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(path, kind, overwrite));
+  auto done = EndingOf(path) == ".csv" ? WriteCsv(record, file) : WriteHdf5(record, file);
+  if (done) return file.Finish();
   Error error = done.error();
   error.where = path;
   return std::unexpected(std::move(error));
@@ -259,9 +255,8 @@ Result<std::vector<plot::Panel>> WaveformPanels(const sim::Waveforms& waves,
     panels.push_back(MotionPanel(waves, "its end", waves.rows() - shown - 1));
   }
   panels.push_back(ElectricalPanel(waves));
-  auto spectrum = SpectrumPanel(waves);
-  if (!spectrum) return std::unexpected(spectrum.error());
-  panels.push_back(std::move(*spectrum));
+  HAPTOMETER_LET(auto spectrum, SpectrumPanel(waves));
+  panels.push_back(std::move(spectrum));
   return panels;
 }
 

@@ -7,11 +7,8 @@
 #include <filesystem>
 #include <map>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "dsp/statistics/moments.h"
 #include "tools/study/study_document.h"
 #include "tools/study/study_table.h"
 #include "tools/study/text_table.h"
@@ -26,23 +23,20 @@ bool IsSweepTable(const std::string& path) {
 }
 
 Result<void> TakeTable(const std::string& path, DriveReadings& taken) {
-  const auto table = ReadTextTable(path, {"drive_v", "rms_m"});
-  if (!table) return std::unexpected(table.error());
-  const auto drive = NumbersOf(*table, "drive_v");
-  if (!drive) return std::unexpected(drive.error());
-  const auto rms = NumbersOf(*table, "rms_m");
-  if (!rms) return std::unexpected(rms.error());
+  HAPTOMETER_LET(const auto table, ReadTextTable(path, {"drive_v", "rms_m"}));
+  HAPTOMETER_LET(const auto drive, NumbersOf(table, "drive_v"));
+  HAPTOMETER_LET(const auto rms, NumbersOf(table, "rms_m"));
   // subject and condition are optional columns
   const auto text = [&](const std::string& column, std::size_t row) {
-    const auto found = table->columns.find(column);
-    return found == table->columns.end() ? std::string() : found->second[row];
+    const auto found = table.columns.find(column);
+    return found == table.columns.end() ? std::string() : found->second[row];
   };
-  for (std::size_t i = 0; i < table->rows(); ++i) {
-    if ((*drive)[i] < 0 || (*rms)[i] < 0) {
-      return CannotAnswer(fmt::format("{}:{}", path, table->lines[i]),
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    if (drive[i] < 0 || rms[i] < 0) {
+      return CannotAnswer(fmt::format("{}:{}", path, table.lines[i]),
                           "has a negative amplitude or RMS", "correct that line");
     }
-    taken.readings.push_back({text("subject", i), text("condition", i), (*drive)[i], (*rms)[i]});
+    taken.readings.push_back({text("subject", i), text("condition", i), drive[i], rms[i]});
   }
   return {};
 }

@@ -37,30 +37,29 @@ TrialGroup ReadGroup(TomlTable& table) {
 }  // namespace
 
 Result<Manifest> ReadManifest(const std::string& path) {
-  auto table = TomlTable::ParseFile(path);
-  if (!table) return std::unexpected(table.error());
+  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
   Manifest manifest;
-  manifest.pattern = table->Text("pattern").value_or("");
-  manifest.conditions = table->TextList("conditions");
-  manifest.band = table->Text("band").value_or("");
-  manifest.order = table->Integer("order");
-  manifest.corner = table->Choice("corner", {"whole", "each"}).value_or("");
-  manifest.floor = table->Text("floor").value_or("");
+  manifest.pattern = table.Text("pattern").value_or("");
+  manifest.conditions = table.TextList("conditions");
+  manifest.band = table.Text("band").value_or("");
+  manifest.order = table.Integer("order");
+  manifest.corner = table.Choice("corner", {"whole", "each"}).value_or("");
+  manifest.floor = table.Text("floor").value_or("");
   manifest.groups =
-      Mapped(table->Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
+      Mapped(table.Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
   // contrasts are pairs [treatment, control]
-  const auto contrasts = table->TextLists("contrasts");
+  const auto contrasts = table.TextLists("contrasts");
   manifest.contrasts.reserve(contrasts.size());
   for (const auto& pair : contrasts) {
     if (pair.size() != 2 || pair[0].empty() || pair[1].empty() || pair[0] == pair[1]) {
-      table->Refuse("contrasts", "holds something other than pairs of two conditions",
-                    R"(write it as [["ia1", "stock"]])");
+      table.Refuse("contrasts", "holds something other than pairs of two conditions",
+                   R"(write it as [["ia1", "stock"]])");
       break;
     }
     manifest.contrasts.push_back({pair[0], pair[1]});
   }
   // unknown keys and wrong types are reported together at the end
-  if (auto done = table->Finish(); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(table.Finish());
   return manifest;
 }
 
@@ -218,9 +217,8 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
   std::vector<TrialFile> files;
   std::set<std::string> seen;
   for (const TrialGroup& group : manifest.groups) {
-    const auto paths = Expand((folder / group.files).string());
-    if (!paths) return std::unexpected(paths.error());
-    for (const std::string& found : *paths) {
+    HAPTOMETER_LET(const auto paths, Expand((folder / group.files).string()));
+    for (const std::string& found : paths) {
       if (!seen.insert(found).second) {
         return CannotAnswer(found, "is in two groups of trials", "name it once in the manifest");
       }
@@ -255,9 +253,8 @@ Result<std::vector<PlannedContrast>> ParseContrasts(const std::vector<std::strin
   std::vector<PlannedContrast> contrasts;
   contrasts.reserve(words.size());
   for (const std::string& word : words) {
-    auto contrast = ParseContrast(word);
-    if (!contrast) return std::unexpected(contrast.error());
-    contrasts.push_back(*std::move(contrast));
+    HAPTOMETER_LET(auto contrast, ParseContrast(word));
+    contrasts.push_back(std::move(contrast));
   }
   return contrasts;
 }

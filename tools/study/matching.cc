@@ -6,15 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/mapped.h"
 #include "base/text.h"
-#include "dsp/statistics/moments.h"
 #include "dsp/statistics/paired_tests.h"
-#include "tools/study/text_table.h"
 
 namespace haptometer::tools {
 namespace {
@@ -48,15 +44,13 @@ void AppendOnce(std::vector<std::string>& names, const std::string& name) {
 
 // settings by condition, level and subject, as ln(matched / reference)
 Result<Settings> Sort(const TextTable& table) {
-  const auto reference = NumbersOf(table, "reference_v");
-  if (!reference) return std::unexpected(reference.error());
-  const auto matched = NumbersOf(table, "matched_v");
-  if (!matched) return std::unexpected(matched.error());
+  HAPTOMETER_LET(const auto reference, NumbersOf(table, "reference_v"));
+  HAPTOMETER_LET(const auto matched, NumbersOf(table, "matched_v"));
   Settings settings;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const std::string where = fmt::format("{}:{}", table.name, table.lines[i]);
     // logarithms need voltages above 0
-    if (!((*reference)[i] > 0) || !((*matched)[i] > 0)) {
+    if (!(reference[i] > 0) || !(matched[i] > 0)) {
       return CannotAnswer(where, "has a voltage that is not above 0", "correct that line");
     }
     const std::string& started = table.columns.at("started")[i];
@@ -70,9 +64,8 @@ Result<Settings> Sort(const TextTable& table) {
     }
     AppendOnce(settings.conditions, condition);
     AppendOnce(settings.subjects, subject);
-    Halves& halves = settings.of[condition][(*reference)[i]][subject];
-    (started == "high" ? halves.high : halves.low)
-        .push_back(std::log((*matched)[i] / (*reference)[i]));
+    Halves& halves = settings.of[condition][reference[i]][subject];
+    (started == "high" ? halves.high : halves.low).push_back(std::log(matched[i] / reference[i]));
   }
   return settings;
 }
@@ -185,9 +178,7 @@ Result<std::vector<MatchedContrast>> ContrastsOf(const std::vector<PlannedContra
   std::vector<MatchedRatio*> ratios;
   ratios.reserve(planned.size());
   for (const PlannedContrast& pair : planned) {
-    if (auto known = CheckConditions(pair, settings.conditions); !known) {
-      return std::unexpected(known.error());
-    }
+    HAPTOMETER_TRY(CheckConditions(pair, settings.conditions));
     contrasts.push_back(ContrastOf(pair, settings));
     if (auto& overall = contrasts.back().overall) ratios.push_back(&*overall);
   }
@@ -222,23 +213,22 @@ std::optional<dsp::Interval> MatchedRatio::ratio_interval() const {
 
 Result<MatchingResult> AnalyzeMatching(const TextTable& table,
                                        const std::vector<PlannedContrast>& planned) {
-  auto settings = Sort(table);
-  if (!settings) return std::unexpected(settings.error());
+  HAPTOMETER_LET(auto settings, Sort(table));
   MatchingResult result;
   result.source = Printable(table.name);
   result.settings = table.rows();
-  result.conditions.reserve(settings->conditions.size());
-  for (const std::string& name : settings->conditions) {
-    result.conditions.push_back(ConditionOf(name, settings->of.at(name)));
-    NameMissing(*settings, name, result.missing);
+  result.conditions.reserve(settings.conditions.size());
+  for (const std::string& name : settings.conditions) {
+    result.conditions.push_back(ConditionOf(name, settings.of.at(name)));
+    NameMissing(settings, name, result.missing);
   }
   result.planned = !planned.empty();
   // without a plan: each condition against the first of the file
   auto contrasts =
-      ContrastsOf(result.planned ? planned : AllAgainstTheFirst(settings->conditions), *settings);
+      ContrastsOf(result.planned ? planned : AllAgainstTheFirst(settings.conditions), settings);
   if (!contrasts) return std::unexpected(contrasts.error());
   result.contrasts = *std::move(contrasts);
-  result.subjects = std::move(settings->subjects);
+  result.subjects = std::move(settings.subjects);
   return result;
 }
 

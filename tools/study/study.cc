@@ -111,9 +111,7 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
                  "give a folder of trials or a .toml (docs/reference/study.md)");
   }
   if (!is_folder) {
-    auto manifest = ReadManifest(wanted.source);
-    if (!manifest) return std::unexpected(manifest.error());
-    task.manifest = *std::move(manifest);
+    HAPTOMETER_LET(task.manifest, ReadManifest(wanted.source));
   }
   // a pattern on the command line replaces the manifest's common one
   if (!wanted.pattern.empty()) task.manifest.pattern = wanted.pattern;
@@ -122,13 +120,12 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   for (const TrialGroup& group : task.manifest.groups) patterns.push_back(group.pattern);
   for (const std::string& pattern : patterns) {
     if (pattern.empty()) continue;
-    if (auto sound = CheckPattern(pattern); !sound) return sound;
+    HAPTOMETER_TRY(CheckPattern(pattern));
   }
-  auto files = is_folder ? FilesInFolder(wanted.source, task.manifest.pattern)
-                         : FilesOfManifest(wanted.source, task.manifest);
-  if (!files) return std::unexpected(files.error());
+  HAPTOMETER_LET(auto files, is_folder ? FilesInFolder(wanted.source, task.manifest.pattern)
+                                       : FilesOfManifest(wanted.source, task.manifest));
   // tables of results are listed as ignored, so that a folder may contain earlier output
-  for (TrialFile& file : *files) {
+  for (TrialFile& file : files) {
     if (file.is_table) {
       task.ignored.push_back(Printable(file.path));
     } else {
@@ -151,9 +148,7 @@ Result<void> TakeFloor(const Wanted& wanted, Task& task) {
   const std::string path = FloorPath(wanted, task.manifest);
   if (path.empty()) return {};
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  auto floor = ReadFloor(path, task.question, task.import, threads);
-  if (!floor) return std::unexpected(floor.error());
-  task.question.floor = *std::move(floor);
+  HAPTOMETER_LET(task.question.floor, ReadFloor(path, task.question, task.import, threads));
   // equivalent() finds the file under another spelling of its path too
   std::erase_if(task.files, [&](const TrialFile& file) {
     std::error_code ignored;
@@ -166,40 +161,31 @@ Result<void> TakeFloor(const Wanted& wanted, Task& task) {
 
 Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
   if (wanted.contrasts.empty()) return {};
-  auto contrasts = ParseContrasts(wanted.contrasts);
-  if (!contrasts) return std::unexpected(contrasts.error());
-  task.manifest.contrasts = *std::move(contrasts);
+  HAPTOMETER_LET(task.manifest.contrasts, ParseContrasts(wanted.contrasts));
   return {};
 }
 
 Result<Task> TaskOf(const Wanted& wanted) {
   // outputs are checked before the analysis
-  if (auto good = document::CheckOutputs(wanted.outputs); !good) {
-    return std::unexpected(good.error());
-  }
+  HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
   for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
                                    std::pair(&wanted.wide, cli::kStudyTableOutput),
                                    std::pair(&wanted.methods, cli::kMethodsOutput)}) {
     if (path->empty()) continue;
-    auto free = cli::CheckOutput(*path, kind, wanted.overwrite);
-    if (!free) return std::unexpected(free.error());
+    HAPTOMETER_TRY(cli::CheckOutput(*path, kind, wanted.overwrite));
   }
   Task task;
-  if (auto found = FindFiles(wanted, task); !found) return std::unexpected(found.error());
-  if (auto taken = TakeContrasts(wanted, task); !taken) return std::unexpected(taken.error());
+  HAPTOMETER_TRY(FindFiles(wanted, task));
+  HAPTOMETER_TRY(TakeContrasts(wanted, task));
   // band, order and corner: command line first, then manifest, then the defaults
   cli::BandWords band = wanted.band;
   if (band.band.empty()) band.band = task.manifest.band;
   if (!band.order) band.order = task.manifest.order;
   if (band.corner.empty()) band.corner = task.manifest.corner;
-  auto question = cli::BandQuestionOf(band);
-  if (!question) return std::unexpected(question.error());
-  task.question = *question;
-  auto import = cli::ImportOf(wanted.import);
-  if (!import) return std::unexpected(import.error());
-  task.import = *std::move(import);
+  HAPTOMETER_LET(task.question, cli::BandQuestionOf(band));
+  HAPTOMETER_LET(task.import, cli::ImportOf(wanted.import));
   // after the question: the floor is computed in the band of the trials
-  if (auto taken = TakeFloor(wanted, task); !taken) return std::unexpected(taken.error());
+  HAPTOMETER_TRY(TakeFloor(wanted, task));
   return task;
 }
 
@@ -210,9 +196,7 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   study.ignored = task.ignored;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
-  if (auto compared = study.Compare(task.manifest.contrasts); !compared) {
-    return std::unexpected(compared.error());
-  }
+  HAPTOMETER_TRY(study.Compare(task.manifest.contrasts));
   return study;
 }
 
@@ -227,8 +211,8 @@ Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc
     return write(path, cli::kStudyTableOutput,
                  [&] { return document::CsvOf(section_of(study), provenance); });
   };
-  if (auto ok = table(wanted.table, LongTable); !ok) return ok;
-  if (auto ok = table(wanted.wide, WideTable); !ok) return ok;
+  HAPTOMETER_TRY(table(wanted.table, LongTable));
+  HAPTOMETER_TRY(table(wanted.wide, WideTable));
   return write(wanted.methods, cli::kMethodsOutput, [&] { return MethodsText(study, provenance); });
 }
 
@@ -299,9 +283,8 @@ void Compare(const Json& before, const Json& now, const std::string& place,
 
 // the exit status: 0 where nothing differs
 Result<int> Verify(const std::string& path, const document::Document& document) {
-  const auto earlier = ReadInputFile(path);
-  if (!earlier) return std::unexpected(earlier.error());
-  const Json before = Json::parse(*earlier, nullptr, false);
+  HAPTOMETER_LET(const auto earlier, ReadInputFile(path));
+  const Json before = Json::parse(earlier, nullptr, false);
   if (before.is_discarded() || !before.is_object()) {
     return CannotAnswer(path, "is not a JSON document", "give what study --json printed");
   }
@@ -357,12 +340,11 @@ constexpr cli::VerbText kMatchingText{
 
 Result<MatchingResult> AnswerMatching(const std::string& file,
                                       const std::vector<std::string>& words) {
-  const auto contrasts = ParseContrasts(words);
-  if (!contrasts) return std::unexpected(contrasts.error());
+  HAPTOMETER_LET(const auto contrasts, ParseContrasts(words));
   const auto table =
       ReadTextTable(file, {"reference_v", "condition", "subject", "matched_v", "started"});
   if (!table) return std::unexpected(table.error());
-  return AnalyzeMatching(*table, *contrasts);
+  return AnalyzeMatching(*table, contrasts);
 }
 
 int RunStudyMatching(int argc, const char* const* argv) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <set>
 
-#include "tools/document/keys.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {

@@ -71,9 +71,7 @@ Result<std::vector<Contrast>> CompareConditions(const StudyTable& table,
   std::vector<Contrast> contrasts;
   contrasts.reserve(planned.size());
   for (const PlannedContrast& pair : planned) {
-    if (auto known = CheckConditions(pair, table.conditions); !known) {
-      return std::unexpected(known.error());
-    }
+    HAPTOMETER_TRY(CheckConditions(pair, table.conditions));
     contrasts.push_back(
         Compare(table, pair, *table.Condition(pair.treatment), *table.Condition(pair.control)));
   }
@@ -196,9 +194,8 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
 
 Result<void> StudyResult::Compare(const std::vector<PlannedContrast>& wanted) {
   planned = !wanted.empty();
-  auto compared = CompareConditions(table, planned ? wanted : AllAgainstTheFirst(table.conditions));
-  if (!compared) return std::unexpected(compared.error());
-  contrasts = *std::move(compared);
+  HAPTOMETER_LET(contrasts,
+                 CompareConditions(table, planned ? wanted : AllAgainstTheFirst(table.conditions)));
   missing = FindMissing(table);
   outlying = FindOutlying(table);
   further = DescribeFurther(table);

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <map>
@@ -18,8 +17,6 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/statistics/moments.h"
-#include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/progress.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/read_recording.h"

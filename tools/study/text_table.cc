@@ -74,12 +74,11 @@ Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>
 }  // namespace
 
 Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::string>& required) {
-  const auto text = ReadInputFile(path, kMostBytes);
-  if (!text) return std::unexpected(text.error());
+  HAPTOMETER_LET(const auto text, ReadInputFile(path, kMostBytes));
   TextTable table;
   table.name = path;
   std::vector<std::string> names;
-  std::string_view rest = *text;
+  std::string_view rest = text;
   // byte order mark of UTF-8
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
   for (std::size_t number = 1; !rest.empty(); ++number) {
@@ -96,16 +95,12 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     // the first line is the header
     if (names.empty()) {
       names = PrintableCellsOf(line);
-      if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());
+      HAPTOMETER_TRY(TakeNames(names, &table));
       continue;
     }
-    if (auto taken = TakeRow(names, line, number, &table); !taken) {
-      return std::unexpected(taken.error());
-    }
+    HAPTOMETER_TRY(TakeRow(names, line, number, &table));
   }
-  if (auto there = CheckColumns(table, names, required); !there) {
-    return std::unexpected(there.error());
-  }
+  HAPTOMETER_TRY(CheckColumns(table, names, required));
   if (table.lines.empty()) return CannotAnswer(path, "holds no row", "give a line a trial");
   return table;
 }

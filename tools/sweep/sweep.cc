@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "base/mapped.h"
@@ -18,7 +17,6 @@
 #include "tools/document/present.h"
 #include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
-#include "tools/sweep/table_file.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -54,7 +52,7 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
        .stop = &cli::Interrupted()});
   if (!made) return made;
   // synced before the summary reads the table
-  if (auto synced = file.Finish(); !synced) return std::unexpected(synced.error());
+  HAPTOMETER_TRY(file.Finish());
   return made;
 }
 
@@ -65,22 +63,20 @@ struct Made {
 };
 
 Result<Made> Compute(const SweepWords& words) {
-  const auto question = ReadQuestion(words);
-  if (!question) return std::unexpected(question.error());
-  const TableHeader header = HeaderOf(*question, document::CollectProvenance(words.command));
+  HAPTOMETER_LET(const auto question, ReadQuestion(words));
+  const TableHeader header = HeaderOf(question, document::CollectProvenance(words.command));
   // the picture is checked before the first row is computed
-  if (auto fit = CheckPicture(words.plot, header); !fit) return std::unexpected(fit.error());
-  auto file = words.resume ? TableFile::Resume(words.output, header, *question)
-                           : TableFile::Begin(words.output, header, words.overwrite);
-  if (!file) return std::unexpected(file.error());
+  HAPTOMETER_TRY(CheckPicture(words.plot, header));
+  HAPTOMETER_LET(auto file, words.resume ? TableFile::Resume(words.output, header, question)
+                                         : TableFile::Begin(words.output, header, words.overwrite));
   // from here on a signal ends the run between two rows, with a valid table
   cli::CatchInterrupts();
   const auto made =
-      MakeRows(*question, cli::ThreadsOf(words.threads, kMostSweepThreads), *file, words.output);
+      MakeRows(question, cli::ThreadsOf(words.threads, kMostSweepThreads), file, words.output);
   if (!made) return std::unexpected(made.error());
-  const std::uint64_t rows = question->shard.RowsOf(question->points.size());
+  const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   // all rows exist
-  if (*made == rows) return Made{.mended = file->mended_rows()};
+  if (*made == rows) return Made{.mended = file.mended_rows()};
   cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
                                  words.output, *made, rows));
   return Made{.is_whole = false};
@@ -88,16 +84,12 @@ Result<Made> Compute(const SweepWords& words) {
 
 // joins the shards' tables; the header of the first one, without its shard, is that of the whole
 Result<Made> Merge(const SweepWords& words) {
-  const auto tables = ReadMerge(words);
-  if (!tables) return std::unexpected(tables.error());
-  auto first = TableReader::Open(tables->front());
-  if (!first) return std::unexpected(first.error());
-  TableHeader whole = first->header();
+  HAPTOMETER_LET(const auto tables, ReadMerge(words));
+  HAPTOMETER_LET(auto first, TableReader::Open(tables.front()));
+  TableHeader whole = first.header();
   whole.shard.clear();
-  if (auto fit = CheckPicture(words.plot, whole); !fit) return std::unexpected(fit.error());
-  if (auto done = MergeTables(*tables, words.output, words.overwrite, words.command); !done) {
-    return std::unexpected(done.error());
-  }
+  HAPTOMETER_TRY(CheckPicture(words.plot, whole));
+  HAPTOMETER_TRY(MergeTables(tables, words.output, words.overwrite, words.command));
   return Made{};
 }
 
@@ -185,9 +177,8 @@ Result<BestWish> ReadBestWish(const std::string& word) {
 }
 
 Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
-  auto reader = TableReader::Open(table);
-  if (!reader) return std::unexpected(reader.error());
-  SweepSummary summary{.table = table, .header = reader->header(), .wish = wish};
+  HAPTOMETER_LET(auto reader, TableReader::Open(table));
+  SweepSummary summary{.table = table, .header = reader.header(), .wish = wish};
   const std::vector<std::string>& columns = summary.header.columns;
   const auto found = std::ranges::find(columns, wish.column);
   if (found == columns.end()) {
@@ -196,7 +187,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
   // rows with another number of cells are ignored
-  for (auto row = reader->Next(); row; row = reader->Next()) {
+  for (auto row = reader.Next(); row; row = reader.Next()) {
     const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() == columns.size()) TakeRow(summary, cells, column);
   }
@@ -214,23 +205,18 @@ enum class SweepFinding : std::uint8_t {
 };
 
 document::Sentence SentenceOf(SweepFinding kind) {
-  switch (kind) {
-    case SweepFinding::kNothingAnswered:
-      return {"nothing-answered", "no point is answered; {first}"};
-    case SweepFinding::kNotAnswered:
-      return {"points-not-answered",
-              "{points_not_answered} of {points} points are not answered, the first: {first}"};
-    case SweepFinding::kNoNumber:
-      return {"no-number", "no row has a number in the column {column}"};
-    case SweepFinding::kSomeCompared:
-      return {
-          "some-compared",
-          "{compared} of {answered} rows have a number in the column {column} and are compared"};
-    case SweepFinding::kMended:
-      break;
-  }
-  return {"rows-computed-again",
-          "{mended} row{mended s} did not match the row checksum and had to be computed again"};
+  using enum SweepFinding;
+  static constexpr document::KindSentence<SweepFinding> kSentences[] = {
+      {kNothingAnswered, "nothing-answered", "no point is answered; {first}"},
+      {kNotAnswered, "points-not-answered",
+       "{points_not_answered} of {points} points are not answered, the first: {first}"},
+      {kNoNumber, "no-number", "no row has a number in the column {column}"},
+      {kSomeCompared, "some-compared",
+       "{compared} of {answered} rows have a number in the column {column} and are compared"},
+      {kMended, "rows-computed-again",
+       "{mended} row{mended s} did not match the row checksum and had to be computed again"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {

@@ -203,9 +203,8 @@ Result<void> CheckPicture(const std::string& path, const TableHeader& header) {
 
 Result<void> DrawSweep(const std::string& path, const std::string& table,
                        const std::string& column) {
-  auto reader = TableReader::Open(table);
-  if (!reader) return std::unexpected(reader.error());
-  const SweepColumns columns = ReadColumns(*reader, column);
+  HAPTOMETER_LET(auto reader, TableReader::Open(table));
+  const SweepColumns columns = ReadColumns(reader, column);
   const bool has_value =
       std::ranges::any_of(columns.values, [](double v) { return std::isfinite(v); });
   if (!has_value) return CannotAnswer(path, fmt::format("no point has a {} to draw", column));

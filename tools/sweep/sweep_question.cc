@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "base/mapped.h"
 #include "base/quantity.h"
@@ -45,16 +43,14 @@ Result<std::vector<sim::SweepAxis>> ReadAxes(const SweepWords& words) {
   std::vector<sim::SweepAxis> axes;
   axes.reserve(words.vary.size());
   for (const std::string& word : words.vary) {
-    auto axis = ReadVaryWord(word, ranges);
-    if (!axis) return std::unexpected(axis.error());
-    axes.push_back(*std::move(axis));
+    HAPTOMETER_LET(auto axis, ReadVaryWord(word, ranges));
+    axes.push_back(std::move(axis));
   }
   return axes;
 }
 
 Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
-  auto axes = ReadAxes(words);
-  if (!axes) return std::unexpected(axes.error());
+  HAPTOMETER_LET(auto axes, ReadAxes(words));
   if (!words.samples && words.seed) {
     return Usage("--seed", "needs --samples", "a grid has nothing random");
   }
@@ -64,7 +60,7 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
     sampling = {.samples = static_cast<std::uint64_t>(*words.samples),
                 .seed = static_cast<std::uint64_t>(words.seed.value_or(1))};
   }
-  sim::SweepPoints points(*std::move(axes), sampling);
+  sim::SweepPoints points(std::move(axes), sampling);
   if (points.size() > kMostPoints) {
     return Usage("--vary",
                  fmt::format("makes more than {:.0e} points", static_cast<double>(kMostPoints)),
@@ -115,12 +111,10 @@ void Declare(cli::Options& options, SweepWords& words) {
 }
 
 Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
-  if (auto sound = CheckWords(words); !sound) return std::unexpected(sound.error());
-  const auto shard = ReadShard(words.shard);
-  if (!shard) return std::unexpected(shard.error());
-  auto points = ReadPoints(words);
-  if (!points) return std::unexpected(points.error());
-  const std::vector<std::string> keys = Mapped(points->axes(), &sim::SweepAxis::key);
+  HAPTOMETER_TRY(CheckWords(words));
+  HAPTOMETER_LET(const auto shard, ReadShard(words.shard));
+  HAPTOMETER_LET(auto points, ReadPoints(words));
+  const std::vector<std::string> keys = Mapped(points.axes(), &sim::SweepAxis::key);
   auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
   if (!scene) {
     // an error about a varied key names the option
@@ -129,8 +123,8 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
     return std::unexpected(std::move(error));
   }
   // before the first row: values at the ends of every axis must be accepted by the scene's reader
-  if (auto taken = CheckAxes(*scene, *points); !taken) return std::unexpected(taken.error());
-  return SweepQuestion{.scene = *std::move(scene), .points = *std::move(points), .shard = *shard};
+  HAPTOMETER_TRY(CheckAxes(*scene, points));
+  return SweepQuestion{.scene = *std::move(scene), .points = std::move(points), .shard = shard};
 }
 
 Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
@@ -198,13 +192,12 @@ std::vector<std::string> SplitAt(const std::string& text, char separator) {
 
 // a number in SI units of the key's dimension, without uncertainty
 Result<double> ReadNumber(const std::string& word, Dimension dimension, const std::string& where) {
-  const auto quantity = ParseQuantity(word, dimension, where);
-  if (!quantity) return std::unexpected(quantity.error());
-  if (!quantity->exact()) {
+  HAPTOMETER_LET(const auto quantity, ParseQuantity(word, dimension, where));
+  if (!quantity.exact()) {
     return Usage(where, fmt::format("'{}' has an uncertainty", word),
                  "give exact values to a sweep");
   }
-  return quantity->value;
+  return quantity.value;
 }
 
 // one value of a list
@@ -223,9 +216,8 @@ Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
     if (word == "true" || word == "false") return sim::PlainValue(word);
     if (!ParseQuantity(word, dimension, where)) return sim::TextValue(word);
   }
-  const auto number = ReadNumber(word, dimension, where);
-  if (!number) return std::unexpected(number.error());
-  return sim::NumberValue(*number);
+  HAPTOMETER_LET(const auto number, ReadNumber(word, dimension, where));
+  return sim::NumberValue(number);
 }
 
 // a range begins with a number or "log:"; a text may contain a colon ("C:/actuator.toml")
@@ -262,15 +254,11 @@ Result<sim::SweepRange> ReadRange(std::string text, Dimension dimension, RangesA
     text = text.substr(kLogarithmic.size());
   }
   const std::vector<std::string> parts = SplitAt(text, ':');
-  const auto count = ReadCount(parts, ranges, where);
-  if (!count) return std::unexpected(count.error());
-  range.count = *count;
-  const auto begin = ReadNumber(parts[0], dimension, where);
-  if (!begin) return std::unexpected(begin.error());
-  const auto end = ReadNumber(parts[1], dimension, where);
-  if (!end) return std::unexpected(end.error());
-  range.begin = *begin;
-  range.end = *end;
+  HAPTOMETER_LET(range.count, ReadCount(parts, ranges, where));
+  HAPTOMETER_LET(const auto begin, ReadNumber(parts[0], dimension, where));
+  HAPTOMETER_LET(const auto end, ReadNumber(parts[1], dimension, where));
+  range.begin = begin;
+  range.end = end;
   // equal or infinite ends: their difference is 0 or not a number
   if (!(range.end - range.begin != 0 && std::isfinite(range.end - range.begin))) {
     return Usage(where, "has ends between which there is nothing", "give a single value alone");
@@ -295,16 +283,13 @@ Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
   const std::string text = word.substr(equals + 1);
   const Dimension dimension = DimensionOf(axis.key);
   if (IsRange(text)) {
-    auto range = ReadRange(text, dimension, ranges, where);
-    if (!range) return std::unexpected(range.error());
-    axis.values = *range;
+    HAPTOMETER_LET(axis.values, ReadRange(text, dimension, ranges, where));
     return axis;
   }
   std::vector<sim::SweepValue> values;
   for (const std::string& part : SplitAt(text, ',')) {
-    auto value = ReadValue(part, dimension, where);
-    if (!value) return std::unexpected(value.error());
-    values.push_back(*std::move(value));
+    HAPTOMETER_LET(auto value, ReadValue(part, dimension, where));
+    values.push_back(std::move(value));
   }
   axis.values = std::move(values);
   return axis;

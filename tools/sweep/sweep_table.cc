@@ -9,7 +9,6 @@
 #include <iterator>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -60,9 +59,8 @@ void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::stri
 
 Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
                              const std::vector<sim::SweepValue>& values) {
-  const auto scene = question.scene.Read(values);
-  if (!scene) return std::unexpected(scene.error());
-  return AnswerScene(*scene, question.scene.path());
+  HAPTOMETER_LET(const auto scene, question.scene.Read(values));
+  return AnswerScene(scene, question.scene.path());
 }
 
 }  // namespace
@@ -302,13 +300,12 @@ void Work(const RowWork& work, Rows& rows) {
 Result<std::uint64_t> MakeRowsInOrder(const RowWork& work) {
   Rows rows(work);
   const auto threads = static_cast<std::size_t>(work.threads);
-  const auto done = RunJobs(threads, work.threads, [&]() -> Worker {
+  HAPTOMETER_TRY(RunJobs(threads, work.threads, [&]() -> Worker {
     return [&](std::size_t) -> Result<void> {
       Work(work, rows);
       return {};
     };
-  });
-  if (!done) return std::unexpected(done.error());
+  }));
   return rows.result();
 }
 

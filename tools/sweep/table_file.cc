@@ -11,11 +11,9 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <queue>
 #include <utility>
-#include <vector>
 
 #include "base/input_file.h"
 #include "tools/cli/csv_cell.h"
@@ -168,14 +166,13 @@ Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& h
     return std::unexpected(std::move(error));
   }
   // rows are appended to it, and read again for the summary
-  if (auto part = begun->PathForLibrary(); !part) return std::unexpected(part.error());
+  HAPTOMETER_TRY(begun->PathForLibrary());
   auto written = begun->Write(text);
   if (written) written = begun->Finish();
   if (!written) return std::unexpected(written.error());
   // reopened under the lock, because OutputFile renames a temporary file
-  auto file = Open(path);
-  if (!file) return file;
-  if (auto cut = file->CutAt(text.size()); !cut) return std::unexpected(cut.error());
+  HAPTOMETER_LET(auto file, Open(path));
+  HAPTOMETER_TRY(file.CutAt(text.size()));
   return file;
 }
 
@@ -185,22 +182,17 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
   if (IsBegunOnly(path, header)) return Begin(path, header, true);
   auto file = Open(path);  // locked before it is read
   if (!file) return file;
-  auto reader = TableReader::Open(path);
-  if (!reader) return std::unexpected(reader.error());
-  if (auto same = CheckQuestion(*reader, header); !same) return std::unexpected(same.error());
-  const auto old = ReadOldRows(*reader, question);
-  if (!old) return std::unexpected(old.error());
-  const auto rows = RowsAgain(old->changed, question, path);
-  if (!rows) return std::unexpected(rows.error());
+  HAPTOMETER_LET(auto reader, TableReader::Open(path));
+  HAPTOMETER_TRY(CheckQuestion(reader, header));
+  HAPTOMETER_LET(const auto old, ReadOldRows(reader, question));
+  HAPTOMETER_LET(const auto rows, RowsAgain(old.changed, question, path));
   // before the cut and before new rows, so that a second interruption leaves a valid table
-  for (std::size_t k = 0; k < rows->size(); ++k) {
-    if (auto put = file->PutAt(old->changed[k].begin, (*rows)[k]); !put) {
-      return std::unexpected(put.error());
-    }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    HAPTOMETER_TRY(file->PutAt(old.changed[k].begin, rows[k]));
   }
-  file->rows_ = old->count;
-  file->mended_rows_ = old->changed.size();
-  if (auto cut = file->CutAt(reader->read_bytes()); !cut) return std::unexpected(cut.error());
+  file->rows_ = old.count;
+  file->mended_rows_ = old.changed.size();
+  HAPTOMETER_TRY(file->CutAt(reader.read_bytes()));
   return file;
 }
 
@@ -265,7 +257,7 @@ Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
   TableReader reader(path);
-  if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(reader.ReadHeader());
   return reader;
 }
 
@@ -350,11 +342,10 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
   std::vector<TableReader> readers;
   readers.reserve(tables.size());
   for (const std::string& path : tables) {
-    auto reader = TableReader::Open(path);
-    if (!reader) return std::unexpected(reader.error());
+    HAPTOMETER_LET(auto reader, TableReader::Open(path));
     if (!readers.empty()) {
       // all tables must be of one question
-      const std::string difference = DifferenceOf(reader->header(), readers.front().header());
+      const std::string difference = DifferenceOf(reader.header(), readers.front().header());
       if (!difference.empty()) {
         return Usage(path,
                      fmt::format("belongs to another sweep than {}: {}", tables[0], difference),
@@ -362,7 +353,7 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
       }
     }
     NoteInput(path);
-    readers.push_back(*std::move(reader));
+    readers.push_back(std::move(reader));
   }
   return readers;
 }
@@ -397,7 +388,7 @@ Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole
   std::string rows;
   Heads heads;
   for (std::size_t table = 0; table < readers.size(); ++table) {
-    if (auto begun = Advance(readers, table, heads); !begun) return begun;
+    HAPTOMETER_TRY(Advance(readers, table, heads));
   }
   const std::uint64_t points = readers.front().header().points;
   std::uint64_t expected = 1;
@@ -416,12 +407,12 @@ Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole
     if (head.point > expected) return Missing(expected, readers.front());
     rows += head.row + '\n';
     if (rows.size() >= kPieceBytes) {
-      if (auto written = whole.Write(rows); !written) return written;
+      HAPTOMETER_TRY(whole.Write(rows));
       rows.clear();
     }
     ++expected;
     last_table = head.table;
-    if (auto next = Advance(readers, head.table, heads); !next) return next;
+    HAPTOMETER_TRY(Advance(readers, head.table, heads));
   }
   return expected > points ? whole.Write(rows) : Missing(expected, readers.front());
 }
@@ -430,17 +421,15 @@ Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole
 
 Result<void> MergeTables(const std::vector<std::string>& tables, const std::string& output,
                          bool replace, const std::vector<std::string>& command) {
-  auto readers = OpenAll(tables);
-  if (!readers) return std::unexpected(readers.error());
-  auto file = cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace);
-  if (!file) return std::unexpected(file.error());
+  HAPTOMETER_LET(auto readers, OpenAll(tables));
+  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace));
   // the merged table has no shard, and the provenance of this command
-  TableHeader header = readers->front().header();
+  TableHeader header = readers.front().header();
   header.shard.clear();
   header.provenance = document::CommentOf(document::CollectProvenance(command), kProvenance);
-  if (auto written = file->Write(header.Text()); !written) return written;
-  if (auto written = WriteRows(*readers, *file); !written) return written;
-  return file->Finish();
+  HAPTOMETER_TRY(file.Write(header.Text()));
+  HAPTOMETER_TRY(WriteRows(readers, file));
+  return file.Finish();
 }
 
 }  // namespace haptometer::tools

@@ -91,9 +91,8 @@ const cli::OutputKind& KindOf(Format format) {
 Result<void> WriteBytes(Format format, const trial::Record& record, const trial::PieceSink& sink) {
   if (format == Format::kCsv) return trial::WriteCsv(record, sink);
   if (format == Format::kNpy) return trial::WriteNpy(record, sink);
-  const auto left_out = trial::WriteWav(record, sink);
-  if (!left_out) return std::unexpected(left_out.error());
-  cli::Remark(kText.name, *left_out);
+  HAPTOMETER_LET(const auto left_out, trial::WriteWav(record, sink));
+  cli::Remark(kText.name, left_out);
   return {};
 }
 
@@ -109,15 +108,13 @@ Error Explained(Error error, const std::string& input, const std::string& output
 
 Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& input,
                        const trial::ImportOptions& import) {
-  const auto recording = ReadAndTell(kText.name, input, import);
-  if (!recording) return std::unexpected(recording.error());
+  HAPTOMETER_LET(const auto recording, ReadAndTell(kText.name, input, import));
   // without -o: CSV to standard output
   const std::string output = wanted.output.empty() ? "/dev/stdout" : wanted.output;
-  auto file = cli::OutputFile::Begin(output, KindOf(format), wanted.overwrite);
-  if (!file) return std::unexpected(file.error());
-  auto done = WriteBytes(format, recording->record,
-                         [&](std::string_view bytes) { return file->Write(bytes); });
-  if (done) done = file->Finish();
+  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(output, KindOf(format), wanted.overwrite));
+  auto done = WriteBytes(format, recording.record,
+                         [&](std::string_view bytes) { return file.Write(bytes); });
+  if (done) done = file.Finish();
   if (!done) return std::unexpected(Explained(done.error(), input, output));
   return {};
 }
@@ -155,9 +152,8 @@ Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std
   if (recording.report.kind != trial::FileKind::kTrial) {
     return writer->Add(name, recording, nullptr, Say);
   }
-  auto raw = trial::TrialReader::Open(input);
-  if (!raw) return std::unexpected(raw.error());
-  return writer->Add(name, recording, &*raw, Say);
+  HAPTOMETER_LET(auto raw, trial::TrialReader::Open(input));
+  return writer->Add(name, recording, &raw, Say);
 }
 
 Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std::string& /*input*/,
@@ -170,11 +166,10 @@ Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std:
 template <typename Writer>
 Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std::string>& inputs,
                       const trial::ImportOptions& import) {
-  auto file = cli::OutputFile::Begin(wanted.output, KindOf(format), wanted.overwrite);
-  if (!file) return std::unexpected(file.error());
-  const auto part = file->PathForLibrary();
-  if (!part) return std::unexpected(part.error());
-  auto writer = Writer::Create(*part);
+  HAPTOMETER_LET(auto file,
+                 cli::OutputFile::Begin(wanted.output, KindOf(format), wanted.overwrite));
+  HAPTOMETER_LET(const auto part, file.PathForLibrary());
+  auto writer = Writer::Create(part);
   if (!writer) return std::unexpected(Explained(writer.error(), "", wanted.output));
   Names names;
   int status = 0;
@@ -194,7 +189,7 @@ Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std
   // an export without trials is not written
   if (added == 0) return CannotAnswer(wanted.output, "is not written: no file could be read");
   auto done = writer->Close();
-  if (done) done = file->Finish();
+  if (done) done = file.Finish();
   if (!done) return std::unexpected(Explained(done.error(), "", wanted.output));
   return status;
 }
@@ -208,23 +203,16 @@ Result<int> Export(const Wanted& wanted) {
     return Usage(wanted.output, "has an ending that no export writes",
                  "use .csv, .h5, .npy, .wav or .mat");
   }
-  const auto import = cli::ImportOf(wanted.import);
-  if (!import) return std::unexpected(import.error());
-  const auto inputs = FilesOf(wanted.files);
-  if (!inputs) return std::unexpected(inputs.error());
-  if (format == Format::kHdf5) {
-    return ExportAll<trial::Hdf5Writer>(wanted, *format, *inputs, *import);
-  }
-  if (format == Format::kMat) {
-    return ExportAll<trial::MatWriter>(wanted, *format, *inputs, *import);
-  }
+  HAPTOMETER_LET(const auto import, cli::ImportOf(wanted.import));
+  HAPTOMETER_LET(const auto inputs, FilesOf(wanted.files));
+  if (format == Format::kHdf5) return ExportAll<trial::Hdf5Writer>(wanted, *format, inputs, import);
+  if (format == Format::kMat) return ExportAll<trial::MatWriter>(wanted, *format, inputs, import);
   // CSV, NumPy and WAV have no groups
-  if (inputs->size() > 1) {
-    return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs->size()),
+  if (inputs.size() > 1) {
+    return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs.size()),
                  "give one, or write all into one .h5 or .mat");
   }
-  auto done = ExportOne(wanted, format.value_or(Format::kCsv), inputs->front(), *import);
-  if (!done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(ExportOne(wanted, format.value_or(Format::kCsv), inputs.front(), import));
   return 0;
 }
 

@@ -6,18 +6,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "base/error.h"
 #include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
-#include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_writer.h"
@@ -97,10 +92,9 @@ Result<void> Label(const std::string& path, const std::vector<std::string>& word
   if (words.empty()) {
     return Usage("labels", "are missing", "write them behind the file, for example subject=3");
   }
-  auto labels = cli::ReadKeyValues(words, "label");
-  if (!labels) return std::unexpected(labels.error());
+  HAPTOMETER_LET(auto labels, cli::ReadKeyValues(words, "label"));
   const trial::Event event{
-      .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(*labels)};
+      .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(labels)};
   // a label is appended as an event: the recorded bytes do not change
   auto done = trial::AppendEvent(path, event);
   if (!done) return std::unexpected(Explained(done.error(), path));
@@ -151,13 +145,11 @@ constexpr cli::VerbText kPlotText{
 Result<void> Draw(const std::string& input, const std::string& output,
                   const cli::ImportWords& words) {
   if (output.empty()) return Usage("-o", "is missing", "name the plot, e.g. -o trial.svg");
-  if (auto drawable = plot::CheckPlotPath(output); !drawable) return drawable;
-  const auto import = cli::ImportOf(words);
-  if (!import) return std::unexpected(import.error());
-  const auto recording = ReadAndTell(kPlotText.name, input, *import);
-  if (!recording) return std::unexpected(recording.error());
+  HAPTOMETER_TRY(plot::CheckPlotPath(output));
+  HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+  HAPTOMETER_LET(const auto recording, ReadAndTell(kPlotText.name, input, import));
   // at most kMostPanels channels are drawn; a remark states the others
-  const trial::Record& record = recording->record;
+  const trial::Record& record = recording.record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
   if (record.channels.size() > kMostPanels) {
     cli::Remark(kPlotText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
@@ -265,9 +257,8 @@ std::vector<plot::Panel> PanelsOf(const trial::Record& record) {
 
 Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,
                                      const trial::ImportOptions& import) {
-  auto recording = trial::ReadRecording(path, import);
-  if (!recording) return recording;
-  for (const trial::Finding& found : recording->report.AllFindings().list()) {
+  HAPTOMETER_LET(auto recording, trial::ReadRecording(path, import));
+  for (const trial::Finding& found : recording.report.AllFindings().list()) {
     cli::Remark(verb, fmt::format("{}: {}", path, document::WordsOf(found)));
   }
   return recording;

@@ -7,9 +7,7 @@
 #include <numbers>
 
 #include "sim/tuning/latency_limit.h"
-#include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
-#include "tools/document/present.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

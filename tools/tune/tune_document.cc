@@ -50,31 +50,27 @@ enum class TuneFinding : std::uint8_t {
 };
 
 document::Sentence SentenceOf(TuneFinding kind) {
-  switch (kind) {
-    case TuneFinding::kSkinGiven:
-      return {"skin-given", "the skin is the scene's for any contact area"};
-    case TuneFinding::kSkinOfArea:
-      return {"skin-of-area", "the skin follows the thesis's cube root of the contact's area"};
-    case TuneFinding::kLatencyProved:
-      return {"latency-proved",
-              "the latency is that of a simulated run, its standard uncertainty added; the best "
-              "adapter without the limit keeps to it, so that the upper bound is the answer's "
-              "own"};
-    case TuneFinding::kLatencySearched:
-      return {"latency-searched",
-              "the latency is that of a simulated run, its standard uncertainty added, and was "
-              "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs "
-              "from its best that keep to the limit and from the best without it): the adapter "
-              "keeps to the limit; another that does may move the skin more; the upper bound is "
-              "that without the limit"};
-    case TuneFinding::kLeftOut:
-      return {"effects-left-out",
-              "the numbers are without these effects of the scene: {effects}; check the adapter by "
-              "simulate"};
-    case TuneFinding::kStopsLeftOut:
-      break;
-  }
-  return {"stops-left-out", "the stops are not modelled: limit the travel with --mover-travel"};
+  using enum TuneFinding;
+  static constexpr document::KindSentence<TuneFinding> kSentences[] = {
+      {kSkinGiven, "skin-given", "the skin is the scene's for any contact area"},
+      {kSkinOfArea, "skin-of-area",
+       "the skin follows the thesis's cube root of the contact's area"},
+      {kLatencyProved, "latency-proved",
+       "the latency is that of a simulated run, its standard uncertainty added; the best "
+       "adapter without the limit keeps to it, so that the upper bound is the answer's own"},
+      {kLatencySearched, "latency-searched",
+       "the latency is that of a simulated run, its standard uncertainty added, and was "
+       "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs from "
+       "its best that keep to the limit and from the best without it): the adapter keeps to the "
+       "limit; another that does may move the skin more; the upper bound is that without the "
+       "limit"},
+      {kLeftOut, "effects-left-out",
+       "the numbers are without these effects of the scene: {effects}; check the adapter by "
+       "simulate"},
+      {kStopsLeftOut, "stops-left-out",
+       "the stops are not modelled: limit the travel with --mover-travel"},
+  };
+  return document::SentenceIn(kSentences, kind);
 }
 
 // a run too long to simulate, or a run whose rise determines no latency
@@ -141,15 +137,10 @@ std::string ProofText(const TuneAnswer& answer) {
 }
 
 std::string_view ProofName(sim::Proof proof) {
-  switch (proof) {
-    case sim::Proof::kBranchAndBound:
-      return "branch and bound";
-    case sim::Proof::kLimitedTravel:
-      return "limited travel";
-    case sim::Proof::kMatchedLoad:
-      break;
-  }
-  return "matched load";
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 3> kNames{"branch and bound", "matched load",
+                                                          "limited travel"};
+  return kNames[static_cast<std::size_t>(proof)];
 }
 
 // --- sections ---

@@ -19,9 +19,8 @@ constexpr double kLeastStiffness = 1e-9, kMostStiffness = 1e9;
 // an area in m2 from a number in mm2, with or without "mm2"
 Result<double> ReadArea(std::string text) {
   if (text.ends_with("mm2")) text.resize(text.size() - 3);
-  const auto number = ParseQuantity(text, Dimension::kNone, "--contact-area");
-  if (!number) return std::unexpected(number.error());
-  return number->value * kM2PerMm2;
+  HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, "--contact-area"));
+  return number.value * kM2PerMm2;
 }
 
 // "LOW:HIGH", or one value as both ends
@@ -29,9 +28,9 @@ Result<void> ReadAreas(const std::string& text, sim::Range& range) {
   const std::size_t colon = text.find(':');
   const auto lower = ReadArea(text.substr(0, colon));
   if (!lower) return std::unexpected(lower.error());
-  const auto upper = colon == std::string::npos ? lower : ReadArea(text.substr(colon + 1));
-  if (!upper) return std::unexpected(upper.error());
-  range = {.lower = *lower, .upper = *upper};
+  HAPTOMETER_LET(const auto upper,
+                 colon == std::string::npos ? lower : ReadArea(text.substr(colon + 1)));
+  range = {.lower = *lower, .upper = upper};
   return {};
 }
 
@@ -39,13 +38,12 @@ Result<void> ReadAreas(const std::string& text, sim::Range& range) {
 Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n_per_m) {
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
-    const auto spring = ParseQuantity(word, Dimension::kStiffness, "--springs");
-    if (!spring) return std::unexpected(spring.error());
-    if (!(spring->value >= kLeastStiffness && spring->value <= kMostStiffness)) {
+    HAPTOMETER_LET(const auto spring, ParseQuantity(word, Dimension::kStiffness, "--springs"));
+    if (!(spring.value >= kLeastStiffness && spring.value <= kMostStiffness)) {
       return Usage("--springs", fmt::format("has {}, which is not a stiffness of a spring", word),
                    "give those that can be had, such as --springs 8200,9100");
     }
-    springs_n_per_m.push_back(spring->value);
+    springs_n_per_m.push_back(spring.value);
   }
   return {};
 }
@@ -56,12 +54,11 @@ Result<void> ReadLatency(const std::string& text, std::optional<double>& limit_s
     return Usage("--latency", fmt::format("'{}' has no unit, and a latency needs one", text),
                  fmt::format("did you mean {}ms?", text));
   }
-  const auto limit = ParseQuantity(text, Dimension::kTime, "--latency");
-  if (!limit) return std::unexpected(limit.error());
-  if (!(limit->value > 0)) {
+  HAPTOMETER_LET(const auto limit, ParseQuantity(text, Dimension::kTime, "--latency"));
+  if (!(limit.value > 0)) {
     return Usage("--latency", "must be above 0", "give the longest latency, such as 25ms");
   }
-  limit_s = limit->value;
+  limit_s = limit.value;
   return {};
 }
 
@@ -89,30 +86,29 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
     if (words.skin != "scene") return {};
     return Usage("--skin scene", "has no scene", "give the scene.toml whose skin is meant");
   }
-  const auto scene = sim::ReadSceneFile(words.scenes.front());
-  if (!scene) return std::unexpected(scene.error());
+  HAPTOMETER_LET(const auto scene, sim::ReadSceneFile(words.scenes.front()));
   question.name = Printable(words.scenes.front());
   // the optimum is that of a free case under one sine without offset
-  if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0 || scene->grip.holds) {
+  if (scene.grip.stiffness_n_per_m > 0 || scene.grip.damping_n_s_per_m > 0 || scene.grip.holds) {
     return CannotAnswer(words.scenes.front(), "holds the case, and tune has no held case",
                         "set [mounting] kind = \"free\"");
   }
-  if (scene->drive.kind != sim::DriveKind::kSine) {
+  if (scene.drive.kind != sim::DriveKind::kSine) {
     return CannotAnswer(
         words.scenes.front(),
-        fmt::format("drives with {}, and tune takes a sine alone", KindText(scene->drive.kind)),
+        fmt::format("drives with {}, and tune takes a sine alone", KindText(scene.drive.kind)),
         "set [drive] kind = \"sine\"");
   }
-  if (scene->drive.offset_v != 0) {
+  if (scene.drive.offset_v != 0) {
     return CannotAnswer(words.scenes.front(), "drives with an offset, and tune has none",
                         "remove offset_v: it adds a constant to the motion");
   }
-  question.problem.actuator = scene->actuator;
+  question.problem.actuator = scene.actuator;
   // a resistance of the source is in series with the coil
-  question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;
-  question.problem.drive = scene->drive;
-  NoteEffects(scene->effects, question);
-  if (words.skin == "scene") question.problem.fixed_skin = scene->skin;
+  question.problem.actuator.resistance_ohm += scene.drive.source_resistance_ohm;
+  question.problem.drive = scene.drive;
+  NoteEffects(scene.effects, question);
+  if (words.skin == "scene") question.problem.fixed_skin = scene.skin;
   return {};
 }
 
@@ -258,7 +254,7 @@ void Declare(cli::Options& options, TuneWords& words) {
 
 Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   TuneQuestion question = words.asked;
-  if (auto read = ReadScene(words, question); !read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(ReadScene(words, question));
   sim::TuningProblem& problem = question.problem;
   if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
   // options override the scene

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/mapped.h"
 #include "trial/block.h"
 #include "trial/export/export.h"
 #include "trial/import/csv_header.h"
@@ -138,10 +139,9 @@ Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
   HAPTOMETER_TRY(CheckRoom(record));
   HAPTOMETER_LET(const auto rate_hz, RateOf(record));
   HAPTOMETER_TRY(CheckMeasured(record));
-  std::vector<double> offsets;
-  offsets.reserve(record.channels.size());
   // the mean of each channel is subtracted; the comment gives it in full
-  for (const Channel& channel : record.channels) offsets.push_back(MeanOf(channel.values));
+  const auto offsets = Mapped<double>(
+      record.channels, [](const Channel& channel) { return MeanOf(channel.values); });
   std::string comment = Comment(record, offsets, rate_hz);
   const auto append = [&](std::size_t row, std::string* bytes) {
     for (std::size_t c = 0; c < offsets.size(); ++c) {

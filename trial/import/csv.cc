@@ -20,7 +20,6 @@
 #include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
-
 namespace {
 
 // rows in which a column of times is searched, and by how much its steps may differ, relative

@@ -6,11 +6,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <map>
-#include <optional>
 
 #include "base/text.h"
-#include "trial/import/table_cells.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::trial {
@@ -299,9 +296,7 @@ std::string CsvMetadataLines(const Metadata& metadata) {
   for (const auto& [key, member] : kNumberKeys) {
     if (metadata.*member) lines += CsvCommentLine(key, fmt::format("{}", *(metadata.*member)));
   }
-  if (metadata.averages) {
-    lines += CsvCommentLine("averages", fmt::format("{}", *metadata.averages));
-  }
+  if (metadata.averages) lines += CsvCommentLine("averages", fmt::format("{}", *metadata.averages));
   if (metadata.tare_m != 0) lines += CsvCommentLine("tare_m", fmt::format("{}", metadata.tare_m));
   for (const auto& [key, value] : metadata.labels) {
     lines += CsvCommentLine(std::string(kLabelPrefix) + key, value);

@@ -7,7 +7,6 @@
 
 #include "trial/import/instrument_layouts.h"
 #include "trial/import/named_columns.h"
-#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -105,9 +105,7 @@ void AddElvisStarts(const TableBeginning& beginning, ForeignTable* table) {
     const auto first_s = ReadClock(starts[0]);
     if (clock_s && first_s) latest_s = std::max(latest_s, *clock_s - *first_s);
   }
-  if (latest_s > 0) {
-    table->findings.Note(FindingKind::kChannelsApart, {{"apart_s", latest_s}});
-  }
+  if (latest_s > 0) table->findings.Note(FindingKind::kChannelsApart, {{"apart_s", latest_s}});
 }
 
 // one channel of a Hantek file: # lines, then values
@@ -228,9 +226,7 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
     is_assumed = true;
   }
   // digital channels are exported at their transitions only, so rows are no samples
-  if (is_digital) {
-    table->findings.Doubt(FindingKind::kTransitionsOnly);
-  }
+  if (is_digital) table->findings.Doubt(FindingKind::kTransitionsOnly);
   if (is_assumed) {
     table->findings.Note(
         FindingKind::kValueUnitAssumed,

@@ -450,9 +450,7 @@ class Parser {
                           fmt::format("has {} segment{}", segments_, segments_ == 1 ? "" : "s"),
                           "give <segment> with one of them, counted from 1");
     }
-    if (options_.format) {
-      findings_.Note(FindingKind::kFormatNotUsed);
-    }
+    if (options_.format) findings_.Note(FindingKind::kFormatNotUsed);
     if (record_.rows < 2) {
       return CannotAnswer(name_,
                           fmt::format("holds {} row{}", record_.rows, record_.rows == 1 ? "" : "s"),

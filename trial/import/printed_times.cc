@@ -7,17 +7,13 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <optional>
-#include <span>
 #include <utility>
-#include <vector>
 
+#include "base/mapped.h"
 #include "trial/import/table_cells.h"
-#include "trial/record.h"
 #include "trial/time_base.h"
 
 namespace haptometer::trial {
-
 namespace {
 
 // rows that follow each other without a missing one
@@ -293,10 +289,8 @@ double PrintedTimes::FloatRounding() const {
 // how far each time may lie from the meant one, s: half its last digit and a float's rounding
 std::vector<double> PrintedTimes::Resolutions() const {
   const double rounding_s = is_count_ ? 0 : FloatRounding();
-  std::vector<double> resolutions_s;
-  resolutions_s.reserve(times_s_.size());
-  for (const double time_s : times_s_) resolutions_s.push_back(HalfDigit(time_s) + rounding_s);
-  return resolutions_s;
+  return Mapped<double>(times_s_,
+                        [&](const double time_s) { return HalfDigit(time_s) + rounding_s; });
 }
 
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {

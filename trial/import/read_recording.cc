@@ -113,9 +113,7 @@ void MakePrintable(Recording* recording) {
     channel.unit = Printable(channel.unit);
   }
   Metadata& metadata = recording->record.metadata;
-  for (const auto& [key, member] : kMetadataTexts) {
-    metadata.*member = Printable(metadata.*member);
-  }
+  for (const auto& [key, member] : kMetadataTexts) metadata.*member = Printable(metadata.*member);
   for (auto* texts : {&metadata.labels, &metadata.fields}) {
     std::map<std::string, std::string> printable;
     for (const auto& [key, value] : *texts) printable[Printable(key)] = Printable(value);

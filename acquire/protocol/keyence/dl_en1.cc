@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdlib>
 
-#include "acquire/protocol/wire.h"
 #include "base/error.h"
 
 namespace haptometer::acquire::dl_en1 {

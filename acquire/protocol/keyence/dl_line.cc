@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "acquire/protocol/wire.h"
 #include "base/error.h"
 #include "base/names.h"
 

@@ -3,11 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 
-#include "acquire/protocol/wire.h"
 #include "base/error.h"
 
 namespace haptometer::acquire::dl_rs1a {

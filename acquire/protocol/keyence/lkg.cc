@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "acquire/protocol/keyence/dl_line.h"
-#include "acquire/protocol/wire.h"
 #include "base/error.h"
 #include "base/names.h"
 

@@ -4,12 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
-#include <utility>
 
 #include "acquire/protocol/keyence/dl_line.h"
-#include "acquire/protocol/keyence/dl_rs1a.h"
 
 namespace haptometer::acquire::il_setting {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
-#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

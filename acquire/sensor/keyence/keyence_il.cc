@@ -72,9 +72,7 @@ Result<void> KeyenceIl::Probe(IlTalk& talk) {
       continue;
     }
     // one value per amplifier: the reply states how many there are
-    for (std::size_t i = 0; i < reply->units; ++i) {
-      decimals_.push_back(reply->values[i].decimals);
-    }
+    for (std::size_t i = 0; i < reply->units; ++i) decimals_.push_back(reply->values[i].decimals);
     settings_.resize(decimals_.size());
     return {};
   }

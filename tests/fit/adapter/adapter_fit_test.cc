@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "tests/fit/found.h"
+#include "tests/findings.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"

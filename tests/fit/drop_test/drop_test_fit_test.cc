@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "fit/poles.h"
+#include "tests/findings.h"
 #include "tests/fit/fitted_drops.h"
-#include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/fit/unprepared_drops.h"
 #include "tests/repetitions.h"

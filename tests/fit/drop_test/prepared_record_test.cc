@@ -8,7 +8,7 @@
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/ring_start.h"
-#include "tests/fit/found.h"
+#include "tests/findings.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/fit/unprepared_drops.h"
 #include "tests/residual.h"

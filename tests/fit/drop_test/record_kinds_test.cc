@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "tests/findings.h"
 #include "tests/fit/fitted_drops.h"
-#include "tests/fit/found.h"
 #include "tests/fit/pulls.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/fit/unprepared_drops.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "sim/linear/steady_state.h"
+#include "tests/findings.h"
 #include "tests/fit/bound.h"
-#include "tests/fit/found.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
