@@ -27,6 +27,14 @@ constexpr std::array kTable{
         {"frequency-moves",
          "the drive's frequency moves, so the RMS is that of a sweep[, {trials} of {of_trials} "
          "trials]"}},
+    Row{StudyFinding::kOtherFrequency,
+        {"other-frequency",
+         "the tone is at {frequency_hz}, and that of the other trials of the condition at "
+         "{median_hz}: check the generator"}},
+    Row{StudyFinding::kDoubtful,
+        {"doubtful",
+         "the analysis states a doubt ({doubt})[, {trials} of {of_trials} trials]; haptometer "
+         "analyze prints it in full"}},
     Row{StudyFinding::kNoNoiseCorrection,
         {"no-noise-correction",
          "not corrected for noise: no quiet part, and no drive-off trial (--floor)[, {trials} of "
@@ -40,6 +48,10 @@ constexpr std::array kTable{
          "CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o "
          "OUT.csv makes one of any trial)[, {trials} of {of_trials} trials]"}},
     Row{StudyFinding::kDataMissing, {"data-missing", "{what}[, {trials} of {of_trials} trials]"}},
+    Row{StudyFinding::kWithoutDrive,
+        {"without-drive",
+         "no drive found in {trials} of {of_trials} trials, none of which counts as a "
+         "measurement"}},
     Row{StudyFinding::kTableIgnored, {"table-ignored", "a table of results, no trial: ignored"}},
     // completeness and outliers, which are reported and retained
     Row{StudyFinding::kTrialsMissing,
