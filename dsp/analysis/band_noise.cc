@@ -6,6 +6,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "base/error.h"
 #include "dsp/spectrum/fft.h"
@@ -134,6 +135,11 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
       const auto middle = bins.begin() + static_cast<std::ptrdiff_t>(bins.size() / 2);
       std::ranges::nth_element(bins, middle);
       density = *middle / std::numbers::ln2;
+      if (noise.parts.size() == 1) {
+        const double sum = std::accumulate(bins.begin(), bins.end(), 0.0);
+        noise.foot_mean_square =
+            std::max(0.0, sum - density * static_cast<double>(bins.size())) * bin_hz;
+      }
     }
     noise.densities.push_back(density);
   }

@@ -55,6 +55,8 @@ struct NoiseBeside {
   NoisePower power;
   /// Var(sum of the bins - this estimate): what is left of the window's own noise, m4.
   double variance_of_rest = 0;
+  /// Power of the lowest part above its noise: motion below the band that reaches into it.
+  double foot_mean_square = 0;
   std::vector<FrequencyRange> parts;
   std::vector<double> densities;  ///< one-sided, of each part, units^2/Hz
 

@@ -54,6 +54,7 @@ struct BandQuestion {
   std::optional<NoiseFloor> floor;
   /// For a record too slow for the band; the file's metadata is asked where absent.
   std::optional<double> drive_frequency_hz;
+  bool keep_hum = false;      ///< whether hum of the mains counts as vibration
   bool keep_filtered = true;  ///< whether BandAnalysis::filtered_m is filled: 8 B a row
 };
 

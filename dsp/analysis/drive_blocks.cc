@@ -233,11 +233,9 @@ Result<std::span<const double>> ThinnedSignal::At(std::size_t first, std::size_t
   raw_.resize((tile_.size() - 1) * stride_ + 1);
   if (auto read = signal_->Read(first * stride_, raw_); !read) return std::unexpected(read.error());
   for (std::size_t n = 0; n < tile_.size(); ++n) tile_[n] = raw_[n * stride_];
-  for (const SteadyLine& line : lines_) {
-    const double step = kTwoPi * line.frequency_hz / rate_hz_;
+  if (!lines_.empty()) {
     for (std::size_t n = 0; n < tile_.size(); ++n) {
-      const double turn = step * static_cast<double>(first_ + n);
-      tile_[n] -= line.cosine_m * std::cos(turn) + line.sine_m * std::sin(turn);
+      tile_[n] -= ValueOf(lines_, static_cast<double>(first_ + n) / rate_hz_);
     }
   }
   return std::span(std::as_const(tile_)).first(count);

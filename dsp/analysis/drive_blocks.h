@@ -8,21 +8,12 @@
 
 #include "base/error.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/hum.h"
 #include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
 
 /// The first half of the states of the drive: what a filtered segment is like, block by block.
 namespace haptometer::dsp {
-
-/// A sine of steady frequency that is there all the time and is no drive: hum of the mains.
-struct SteadyLine {
-  double frequency_hz = 0;
-  double cosine_m =
-      0;  ///< cosine_m cos(2 pi f t) + sine_m sin(2 pi f t), t from the segment's first
-  double sine_m = 0;
-
-  [[nodiscard]] double mean_square() const { return 0.5 * (cosine_m * cosine_m + sine_m * sine_m); }
-};
 
 /// One block: the tone on the ridge of the spectrum, and what is beside it.
 ///

@@ -226,10 +226,12 @@ bool IsOn(const StateInterval& interval, const BlockCourse& course) {
 bool AreOne(const StateInterval& a, const StateInterval& b) {
   if (a.state != b.state) return false;
   if (a.state == DriveState::kOff) return true;
-  // levels where they meet, and frequencies
-  const double end = a.level_m * (1 + 0.5 * a.drift);
-  const double begin = b.level_m * (1 - 0.5 * b.drift);
-  return std::abs(end - begin) <= kSameLevel * std::max(end, begin);
+  // levels as a whole, and where they meet
+  const auto same = [](double x, double y) {
+    return std::abs(x - y) <= kSameLevel * std::max(x, y);
+  };
+  return same(a.level_m, b.level_m) &&
+         same(a.level_m * (1 + 0.5 * a.drift), b.level_m * (1 - 0.5 * b.drift));
 }
 
 }  // namespace

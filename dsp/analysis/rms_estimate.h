@@ -28,8 +28,11 @@ enum class RmsCause : std::uint8_t {
   kDriveEdges,    ///< what a window shorter by a period at either end would change
   kSpikes,        ///< their energy within the band
   kSteps,         ///< their energy within the band
+  kFoot,          ///< power of the band's lowest part that is neither the drive nor noise
+  kHum,           ///< half of its power, where the record has no pause that shows it alone
+  kDrift,         ///< half the change of the amplitude over the window
 };
-inline constexpr std::size_t kRmsCauseCount = 9;
+inline constexpr std::size_t kRmsCauseCount = 12;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {

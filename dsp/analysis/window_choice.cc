@@ -15,8 +15,16 @@ constexpr std::array<double, 3> kBlockLengths{1, 4, 16};
 constexpr double kShortestBlockS = 0.015;
 constexpr double kLeastBlocks = 24;  // in a segment, before blocks are made longer
 constexpr std::size_t kLeastLongBlocks = 8;
+// tones up to this multiple of the lower corner, below this part of the drive, are of tremor
+constexpr double kFoot = 1.6;
+constexpr double kFootLevel = 0.5;
 // noise is measured this far from a drive, in periods of the lower corner: the filter rings there
 constexpr double kQuietPeriods = 2.5;
+// a bump: residual this far above its median, in logarithms; the blocks beside it ring
+constexpr double kBumpLeast = 0.35;
+constexpr double kBumpDeviations = 4;
+constexpr std::size_t kBumpNeighbours = 1;
+constexpr std::size_t kLeastBlocksForBumps = 8;
 // change of the amplitude over the window that is a doubt
 constexpr double kUnsteady = 0.02;
 // a frequency that changes by more than this part is a sweep
@@ -26,47 +34,73 @@ double DurationS(const BandSignal& signal) {
   return static_cast<double>(signal.size()) / signal.rate_hz();
 }
 
-// states of every signal in blocks of one length, in order of time
-Result<std::vector<std::vector<StateInterval>>> StatesOf(const std::vector<BandSignal>& all,
-                                                         const BandPass& band, double length) {
-  std::vector<std::vector<StateInterval>> states;
+// one signal, its hum, its blocks and their states
+struct Course {
+  const BandSignal* signal = nullptr;
+  std::vector<SteadyLine> hum;
+  BlockCourse blocks;
+  std::vector<StateInterval> states;
+};
+
+Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
+                                      const BandQuestion& question) {
+  std::vector<Course> courses;
+  courses.reserve(all.size());
   for (const BandSignal& signal : all) {
-    // short segments have shorter blocks
-    const double block_s =
-        length *
-        std::max(kShortestBlockS, std::min(1 / band.lower_hz, DurationS(signal) / kLeastBlocks));
-    if (length > 1 && DurationS(signal) < kLeastLongBlocks * block_s) {
-      states.emplace_back();
-      continue;
-    }
-    const auto course = MeasureBlocks(signal, band, block_s, {});
-    if (!course) return std::unexpected(course.error());
-    states.push_back(FindStates(*course));
+    Course& course = courses.emplace_back();
+    course.signal = &signal;
+    if (question.keep_hum) continue;
+    auto hum = FindHum(signal, question.band);
+    if (!hum) return std::unexpected(hum.error());
+    course.hum = *std::move(hum);
   }
-  return states;
+  return courses;
+}
+
+// blocks and states of every signal, `length` times as long as the shortest blocks
+Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Course>& courses) {
+  for (Course& course : courses) {
+    // short segments have shorter blocks
+    const double duration_s = DurationS(*course.signal);
+    const double block_s =
+        length * std::max(kShortestBlockS, std::min(1 / band.lower_hz, duration_s / kLeastBlocks));
+    course.states.clear();
+    if (length > 1 && duration_s < kLeastLongBlocks * block_s) continue;
+    auto blocks = MeasureBlocks(*course.signal, band, block_s, course.hum);
+    if (!blocks) return std::unexpected(blocks.error());
+    course.blocks = *std::move(blocks);
+    course.states = FindStates(course.blocks);
+  }
+  return {};
 }
 
 // samples of a state that are free of transients, without its outer blocks where it changes
-std::pair<std::size_t, std::size_t> InnerSamples(const BandSignal& signal,
-                                                 const std::vector<StateInterval>& states,
-                                                 std::size_t k) {
-  const StateInterval& state = states[k];
-  const double block_s = state.time.duration_s() / static_cast<double>(state.blocks());
-  TimeWindow inner = state.time;
-  if (k > 0) inner.begin_s += block_s;
+std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size_t k) {
+  TimeWindow inner = course.states[k].time;
+  if (k > 0) inner.begin_s += course.blocks.block_s;
   // the last block of a segment is cut: the state lasts to its end
-  inner.end_s =
-      k + 1 < states.size() ? inner.end_s - block_s : TimeOfSample(signal, signal.settled_end());
+  inner.end_s = k + 1 < course.states.size()
+                    ? inner.end_s - course.blocks.block_s
+                    : TimeOfSample(*course.signal, course.signal->settled_end());
   if (inner.end_s <= inner.begin_s) return {0, 0};
-  return SettledWithin(signal, inner);
+  return SettledWithin(*course.signal, inner);
 }
 
-// intervals that are off, away from everything else
-std::vector<TimeWindow> QuietOf(const BandSignal& signal, const std::vector<StateInterval>& states,
-                                double lower_hz) {
+// whether a state is no drive beside one of `level_m`: off, or a harmonic of tremor at the band's
+// foot
+bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
+  if (state.state == DriveState::kOff) return true;
+  return state.state == DriveState::kOn && state.to_hz < kFoot * lower_hz &&
+         state.from_hz < kFoot * lower_hz && state.level_m < kFootLevel * level_m;
+}
+
+// intervals without the drive of `level_m`, away from everything else
+std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double lower_hz) {
+  const BandSignal& signal = *course.signal;
+  const std::vector<StateInterval>& states = course.states;
   std::vector<TimeWindow> quiet;
   for (std::size_t k = 0; k < states.size(); ++k) {
-    if (states[k].state != DriveState::kOff) continue;
+    if (!IsQuiet(states[k], level_m, lower_hz)) continue;
     TimeWindow window = states[k].time;
     if (k > 0) window.begin_s += kQuietPeriods / lower_hz;
     window.end_s = k + 1 < states.size() ? window.end_s - kQuietPeriods / lower_hz
@@ -76,31 +110,80 @@ std::vector<TimeWindow> QuietOf(const BandSignal& signal, const std::vector<Stat
   return quiet;
 }
 
-// the longest steady state that is on, over all signals
-std::optional<ChosenPart> LongestSteady(const std::vector<BandSignal>& all,
-                                        const std::vector<std::vector<StateInterval>>& states,
-                                        double lower_hz) {
-  std::optional<ChosenPart> best;
-  for (std::size_t s = 0; s < all.size(); ++s) {
-    for (std::size_t k = 0; k < states[s].size(); ++k) {
-      if (!states[s][k].is_steady) continue;
-      const auto [begin, end] = InnerSamples(all[s], states[s], k);
-      const double duration_s = static_cast<double>(end - begin) / all[s].rate_hz();
-      if (duration_s < kLeastWindowPeriods / lower_hz) continue;
-      if (best && end - begin <= best->end - best->begin) continue;
-      best = ChosenPart{&all[s], begin, end, {}};
-      best->part.why.kind =
-          states[s].size() == 1 ? FindingKind::kOneState : FindingKind::kSteadyDrive;
-      best->part.from_drive = true;
-      best->part.state = states[s][k];
-      best->part.quiet = QuietOf(all[s], states[s], lower_hz);
+// Bumps: blocks of samples [begin, end) whose residual is far above its median there, and their
+// neighbours, to which the filter spreads them.
+std::vector<std::pair<std::size_t, std::size_t>> BumpsIn(const Course& course, std::size_t begin,
+                                                         std::size_t end) {
+  const BandSignal& signal = *course.signal;
+  const double block_samples = course.blocks.block_s * signal.rate_hz();
+  const auto first = static_cast<std::size_t>(static_cast<double>(begin) / block_samples);
+  const auto last =
+      std::min(course.blocks.blocks.size(),
+               static_cast<std::size_t>(static_cast<double>(end) / block_samples) + 1);
+  std::vector<double> logs;
+  for (std::size_t k = first; k < last; ++k) {
+    logs.push_back(std::log(course.blocks.blocks[k].residual + 1e-300));
+  }
+  if (logs.size() < kLeastBlocksForBumps) return {};
+  std::vector<double> sorted = logs;
+  std::ranges::sort(sorted);
+  const double median = sorted[sorted.size() / 2];
+  // scatter by the lower quartile, which bumps do not reach
+  const double scatter = (median - sorted[sorted.size() / 4]) / 0.6745;
+  const double expected = std::sqrt(2 / course.blocks.degrees_of_freedom());
+  const double limit = median + std::max(kBumpLeast, kBumpDeviations * std::max(scatter, expected));
+  std::vector<std::pair<std::size_t, std::size_t>> bumps;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    if (logs[k] <= limit) continue;
+    const double from = static_cast<double>(first + k - std::min(first + k, kBumpNeighbours));
+    const double to = static_cast<double>(first + k + 1 + kBumpNeighbours);
+    const auto low = std::clamp(static_cast<std::size_t>(from * block_samples), begin, end);
+    const auto high = std::clamp(static_cast<std::size_t>(to * block_samples), begin, end);
+    if (!bumps.empty() && low <= bumps.back().second) {
+      bumps.back().second = high;
+    } else {
+      bumps.emplace_back(low, high);
     }
   }
+  return bumps;
+}
+
+std::size_t SizeOf(const std::vector<std::pair<std::size_t, std::size_t>>& ranges) {
+  std::size_t size = 0;
+  for (const auto& [begin, end] : ranges) size += end - begin;
+  return size;
+}
+
+// the longest steady state that is on, over all signals
+std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, double lower_hz) {
+  std::optional<ChosenPart> best;
+  const Course* of = nullptr;
+  for (const Course& course : courses) {
+    for (std::size_t k = 0; k < course.states.size(); ++k) {
+      if (!course.states[k].is_steady) continue;
+      const auto [begin, end] = InnerSamples(course, k);
+      const double duration_s = static_cast<double>(end - begin) / course.signal->rate_hz();
+      if (duration_s < kLeastWindowPeriods / lower_hz) continue;
+      if (best && end - begin <= best->end - best->begin) continue;
+      of = &course;
+      best = ChosenPart{course.signal, begin, end, {}, {}, {}};
+      best->part.why.kind =
+          course.states.size() == 1 ? FindingKind::kOneState : FindingKind::kSteadyDrive;
+      best->part.from_drive = true;
+      best->part.state = course.states[k];
+    }
+  }
+  if (!best) return best;
+  best->hum = of->hum;
+  best->part.quiet = QuietOf(*of, best->part.state.level_m, lower_hz);
+  best->excluded = BumpsIn(*of, best->begin, best->end);
+  // bumps throughout are no bumps
+  if (2 * SizeOf(best->excluded) > best->end - best->begin) best->excluded.clear();
   return best;
 }
 
 ChosenPart AllSettled(const BandSignal& signal) {
-  ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end(), {}};
+  ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end(), {}, {}, {}};
   chosen.part.why.kind = FindingKind::kAllSettled;
   return chosen;
 }
@@ -111,7 +194,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   ChosenPart chosen;
   for (const BandSignal& signal : all) {
     const auto [begin, end] = SettledWithin(signal, question.window);
-    if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end, {}};
+    if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end, {}, {}, {}};
   }
   const double found_s = chosen.signal == nullptr ? 0
                                                   : static_cast<double>(chosen.end - chosen.begin) /
@@ -139,25 +222,79 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   return chosen;
 }
 
+void KeepStates(const std::vector<Course>& courses, BandAnalysis* analysis) {
+  analysis->states.clear();
+  for (const Course& course : courses) {
+    analysis->states.insert(analysis->states.end(), course.states.begin(), course.states.end());
+  }
+}
+
+// refusal where nothing that is on is steady, or nothing is on
+Finding WhyNoDrive(const std::vector<Course>& courses, const BandAnalysis& analysis) {
+  double on_s = 0;
+  for (const StateInterval& state : analysis.states) {
+    if (state.state == DriveState::kOn) on_s += state.time.duration_s();
+  }
+  Finding why{.severity = Severity::kRefusal, .kind = FindingKind::kNoDrive};
+  if (on_s > 0) {
+    why.kind = FindingKind::kNothingSteady;
+    why.numbers = {{"on_s", on_s}};
+    return why;
+  }
+  // a tone of the mains that never pauses may be hum or the drive
+  const auto hums =
+      std::ranges::find_if(courses, [](const Course& one) { return !one.hum.empty(); });
+  if (hums == courses.end()) return why;
+  why.kind = FindingKind::kMainsFrequency;
+  why.numbers = {{"frequency_hz", hums->hum.front().frequency_hz},
+                 {"amplitude_m", hums->hum.front().amplitude_m()}};
+  return why;
+}
+
 // the drive of the longest steady state, else a refusal beside all that is free of transients
-Result<ChosenPart> ChooseDriven(const std::vector<BandSignal>& all, const BandQuestion& question,
-                                BandAnalysis* analysis) {
+Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
+                                const BandQuestion& question, BandAnalysis* analysis) {
   for (const double length : kBlockLengths) {
-    auto states = StatesOf(all, question.band, length);
-    if (!states) return std::unexpected(states.error());
-    auto best = LongestSteady(all, *states, question.band.lower_hz);
-    if (!best && length > 1) continue;
-    analysis->states.clear();
-    for (const auto& one : *states) {
-      analysis->states.insert(analysis->states.end(), one.begin(), one.end());
+    if (auto found = FindStatesOf(question.band, length, courses); !found) {
+      return std::unexpected(found.error());
     }
+    auto best = LongestSteady(courses, question.band.lower_hz);
+    if (best || length == kBlockLengths.front()) KeepStates(courses, analysis);
     if (best) return *std::move(best);
   }
-  ChosenPart none = AllSettled(LongestSettled(all));
-  const bool any_on = std::ranges::any_of(
-      analysis->states, [](const StateInterval& state) { return state.state == DriveState::kOn; });
-  analysis->findings.Refuse(any_on ? FindingKind::kNothingSteady : FindingKind::kNoDrive);
-  return none;
+  analysis->findings.Add(WhyNoDrive(courses, *analysis));
+  return AllSettled(LongestSettled(all));
+}
+
+// a given window: its state, where it lies in one that is on; a doubt where it is mixed
+void DescribeGiven(const std::vector<Course>& courses, double lower_hz, ChosenPart& chosen,
+                   BandAnalysis* analysis) {
+  const auto course = std::ranges::find(courses, chosen.signal, &Course::signal);
+  const TimeWindow window{TimeOfSample(*chosen.signal, chosen.begin),
+                          TimeOfSample(*chosen.signal, chosen.end)};
+  double on_s = 0;
+  bool any_on = false;
+  for (const StateInterval& state : course->states) {
+    const double shared_s =
+        std::min(window.end_s, state.time.end_s) - std::max(window.begin_s, state.time.begin_s);
+    if (state.state != DriveState::kOn) continue;
+    any_on = true;
+    if (shared_s <= 0) continue;
+    on_s += shared_s;
+    chosen.part.state = state;
+  }
+  chosen.hum = course->hum;
+  chosen.part.quiet = QuietOf(*course, chosen.part.state.level_m, lower_hz);
+  // up to a period of the lower corner beside the drive is no mixture
+  const double off_s = window.duration_s() - on_s;
+  chosen.part.from_drive = on_s > 0 && off_s <= 1 / lower_hz + course->blocks.block_s;
+  if (chosen.part.from_drive || !any_on) return;
+  if (on_s > 0) {
+    analysis->findings.Doubt(FindingKind::kWindowMixed,
+                             {{"off_s", off_s}, {"window_s", window.duration_s()}});
+  } else {
+    analysis->findings.Doubt(FindingKind::kDriveOffInWindow);
+  }
 }
 
 // a doubt where the window's amplitude or frequency moves
@@ -172,6 +309,15 @@ void RemarkUnsteady(const UsedPart& part, BandAnalysis* analysis) {
     analysis->findings.Doubt(FindingKind::kFrequencyMoves,
                              {{"from_hz", state.from_hz}, {"to_hz", state.to_hz}});
   }
+}
+
+void RemarkBumps(const ChosenPart& chosen, BandAnalysis* analysis) {
+  if (chosen.excluded.empty()) return;
+  analysis->findings.Note(
+      FindingKind::kBumpsExcluded,
+      {{"count", chosen.excluded.size()},
+       {"excluded_s", static_cast<double>(SizeOf(chosen.excluded)) / chosen.signal->rate_hz()},
+       {"from_s", TimeOfSample(*chosen.signal, chosen.excluded.front().first)}});
 }
 
 }  // namespace
@@ -202,12 +348,25 @@ Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t beg
 
 Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                              const BandQuestion& question, BandAnalysis* analysis) {
-  if (question.choice == WindowChoice::kGiven) return ChooseGiven(all, question, analysis);
-  if (question.choice == WindowChoice::kAll) return AllSettled(LongestSettled(all));
-  auto chosen = ChooseDriven(all, question, analysis);
-  if (!chosen) return std::unexpected(chosen.error());
+  auto courses = FindHumOf(all, question);
+  if (!courses) return std::unexpected(courses.error());
+  if (question.choice == WindowChoice::kAuto) {
+    auto chosen = ChooseDriven(*courses, all, question, analysis);
+    if (!chosen) return std::unexpected(chosen.error());
+    RemarkUnsteady(chosen->part, analysis);
+    RemarkBumps(*chosen, analysis);
+    return *std::move(chosen);
+  }
+  auto chosen = question.choice == WindowChoice::kGiven ? ChooseGiven(all, question, analysis)
+                                                        : AllSettled(LongestSettled(all));
+  if (!chosen) return chosen;
+  if (auto found = FindStatesOf(question.band, 1, *courses); !found) {
+    return std::unexpected(found.error());
+  }
+  KeepStates(*courses, analysis);
+  DescribeGiven(*courses, question.band.lower_hz, *chosen, analysis);
   RemarkUnsteady(chosen->part, analysis);
-  return *std::move(chosen);
+  return chosen;
 }
 
 }  // namespace haptometer::dsp

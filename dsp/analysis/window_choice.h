@@ -9,6 +9,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/hum.h"
 
 /// The step of AnalyzeBand that chooses which rows its numbers are of: from the states of the drive
 /// to the window, and to the intervals without drive that noise is measured in.
@@ -19,6 +20,8 @@ struct ChosenPart {
   const BandSignal* signal = nullptr;
   std::size_t begin = 0;
   std::size_t end = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> excluded;  ///< samples within, bumps
+  std::vector<SteadyLine> hum;                                ///< of the signal; to be subtracted
   UsedPart part;  ///< how it was chosen; window and rows are not set yet
 };
 
@@ -37,8 +40,9 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 ///
 /// The longest steady state that is on, a block shorter at each end at which it changes. Where no
 /// state is on in blocks of a period of the lower corner, blocks of 4 and 16 times that are tried:
-/// they show tones below the noise. Nothing, and a refusal, where a given window is not free of
-/// transients. Errors: as RowSource::Read.
+/// they show tones below the noise. Hum (dsp/analysis/hum.h) is subtracted before. Blocks of the
+/// window in which the residual rises far above its median are bumps, and excluded. Nothing, and a
+/// refusal, where a given window is not free of transients. Errors: as RowSource::Read.
 [[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);

@@ -33,6 +33,8 @@ constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
 // part of the power above which the tone is all of the drive
 constexpr double kPureTone = 0.9;
+// change of the amplitude over the window that is a doubt
+constexpr double kUnsteadyDrift = 0.02;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
@@ -47,6 +49,7 @@ struct Window {
   BandNumbers numbers{};
   ThinnedSamples samples{};         // filtered, of the chosen part, or of its middle
   NoiseBeside beside{};             // of these
+  double hum_square = 0;            // mean square that hum adds
   double tone_variance = 0;         // of the tone's mean square
   std::optional<double> density{};  // of the noise at the drive, m2/Hz
   std::size_t rows = 0;             // of the window
@@ -77,6 +80,59 @@ void DescribePart(Window& window) {
   part.rows = window.rows;
   const double begin_s = TimeOfSample(window.signal(), window.chosen.begin);
   part.window = {begin_s, begin_s + window.duration_s()};
+  for (const auto& [from, to] : window.chosen.excluded) {
+    if (from >= window.chosen.begin + window.rows) continue;
+    const std::size_t last = std::min(to, window.chosen.begin + window.rows);
+    window.numbers.excluded.push_back(
+        {TimeOfSample(window.signal(), from), TimeOfSample(window.signal(), last)});
+  }
+  window.numbers.hum = window.chosen.hum;
+}
+
+// samples of the window that are not excluded
+std::vector<std::pair<std::size_t, std::size_t>> KeptOf(const ChosenPart& chosen,
+                                                        std::size_t rows) {
+  std::vector<std::pair<std::size_t, std::size_t>> kept;
+  std::size_t begin = chosen.begin;
+  const std::size_t end = chosen.begin + rows;
+  for (const auto& [from, to] : chosen.excluded) {
+    if (std::min(from, end) > begin) kept.emplace_back(begin, std::min(from, end));
+    begin = std::max(begin, to);
+  }
+  if (end > begin) kept.emplace_back(begin, end);
+  return kept;
+}
+
+// mean square over the samples kept, from the sums of their cells
+Result<double> MeanSquareKept(const Window& window) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const auto& [begin, end] : KeptOf(window.chosen, window.rows)) {
+    const auto square_sum = window.signal().SquareSum(begin, end);
+    if (!square_sum) return square_sum;
+    sum += *square_sum;
+    count += end - begin;
+  }
+  return sum / static_cast<double>(count);
+}
+
+// Filtered samples of the longest part kept, or of its middle, thinned, without hum; the hum's part
+// of their mean square goes to `hum_square`.
+Result<ThinnedSamples> SamplesOf(const Window& window, double* hum_square) {
+  const ChosenPart& chosen = window.chosen;
+  const auto kept = KeptOf(chosen, chosen.end - chosen.begin);
+  const auto [begin, end] =
+      *std::ranges::max_element(kept, {}, [](const auto& one) { return one.second - one.first; });
+  auto samples = ReadMiddle(window.signal(), begin, end);
+  if (!samples) return std::unexpected(samples.error());
+  const std::size_t first = begin + (end - begin - samples->size()) / 2;
+  // mean of x^2 - (x - h)^2 = 2 x h - h^2
+  for (std::size_t k = 0; !chosen.hum.empty() && k < samples->size(); ++k) {
+    const double hum = ValueOf(chosen.hum, static_cast<double>(first + k) / window.rate_hz());
+    *hum_square += (2 * (*samples)[k] - hum) * hum / static_cast<double>(samples->size());
+    (*samples)[k] -= hum;
+  }
+  return Thinned(*std::move(samples), window.rate_hz(), window.signal().design(), window.band());
 }
 
 // ranges about the drive and its harmonics that hold no bins of noise
@@ -101,9 +157,9 @@ std::vector<FrequencyRange> DriveRanges(const Window& window) {
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
   const std::size_t begin = window.chosen.begin;
-  const auto square_sum = window.signal().SquareSum(begin, begin + window.rows);
-  if (!square_sum) return std::unexpected(square_sum.error());
-  const double mean_square = *square_sum / static_cast<double>(window.rows);
+  const auto square = MeanSquareKept(window);
+  if (!square) return std::unexpected(square.error());
+  const double mean_square = std::max(0.0, *square - window.hum_square);
   // variance from the fitted samples, scaled from their duration to that of the window
   const BandNoise whole =
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
@@ -176,8 +232,13 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(const Window& window) {
     const auto [begin, end] = SettledWithin(window.signal(), quiet);
     const double part_s = static_cast<double>(end - begin) / window.rate_hz();
     if (part_s < kLeastFloorS / 2) continue;
-    const auto samples = ReadMiddle(window.signal(), begin, end);
+    auto samples = ReadMiddle(window.signal(), begin, end);
     if (!samples) return std::unexpected(samples.error());
+    const std::size_t first = begin + (end - begin - samples->size()) / 2;
+    for (std::size_t k = 0; !window.chosen.hum.empty() && k < samples->size(); ++k) {
+      (*samples)[k] -=
+          ValueOf(window.chosen.hum, static_cast<double>(first + k) / window.rate_hz());
+    }
     const BandNoise noise = MeasureNoise(*samples, window.rate_hz(), NoiseReachHz(window.band()));
     parts.push_back({noise.power, part_s});
     floor.quiet.push_back(
@@ -281,6 +342,16 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   // a share s of the power changes the RMS by s / 2 of it
   add(RmsCause::kSpikes, 0.5 * rms * FaultShare(window, FaultKind::kSpike));
   add(RmsCause::kSteps, 0.5 * rms * FaultShare(window, FaultKind::kStep));
+  const UsedPart& part = window.chosen.part;
+  if (!part.from_drive) return bounds;
+  // a quiet interval holds the foot and the hum, too, and is subtracted
+  if (numbers.floor && numbers.floor->from == NoiseSource::kBeside) {
+    add(RmsCause::kFoot, window.beside.foot_mean_square / (2 * rms));
+    add(RmsCause::kHum, 0.5 * std::abs(window.hum_square) / (2 * rms));
+  }
+  if (std::abs(part.state.drift) > kUnsteadyDrift) {
+    add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
+  }
   return bounds;
 }
 
@@ -399,11 +470,10 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
                 .chosen = chosen,
                 .question = question,
                 .analysis = *analysis};
-  // the tone is sought in filtered samples, decimated where the rate is far above the band
-  auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
+  // the tone is sought in filtered samples, fewer of them where the rate is far above the band
+  auto samples = SamplesOf(window, &window.hum_square);
   if (!samples) return std::unexpected(samples.error());
-  window.samples =
-      Thinned(std::move(*samples), window.rate_hz(), window.signal().design(), window.band());
+  window.samples = *std::move(samples);
   // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
     const auto tone =

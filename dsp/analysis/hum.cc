@@ -1,0 +1,133 @@
+#include "dsp/analysis/hum.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+#include "dsp/analysis/drive_blocks.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr std::array<double, 2> kMainsHz{50, 60};
+constexpr double kMainsTolerance = 0.06;  // Hz, of the fundamental
+constexpr int kMostMultiples = 10;
+constexpr double kShortestS = 1;
+constexpr double kLongestWindowS = 20;
+constexpr std::size_t kMostValues = std::size_t{1} << 21U;
+// of |z|: how far a window may lie from the mean, and how far above the noise it is
+constexpr double kSteadyPart = 0.3;
+constexpr double kAboveNoise = 5;
+
+// weight of the taper at u from 0 to 1
+double Taper(double u) {
+  constexpr std::array<double, 4> kTerms{0.35875, -0.48829, 0.14128, -0.01168};
+  double weight = 0;
+  for (std::size_t k = 0; k < kTerms.size(); ++k) {
+    weight += kTerms[k] * std::cos(kTwoPi * static_cast<double>(k) * u);
+  }
+  return weight;
+}
+
+// windows of one length, each beginning half of it after the one before
+struct Windows {
+  std::span<const double> values;
+  double rate_hz = 0;
+  std::size_t length = 0;
+
+  [[nodiscard]] std::size_t count() const { return (values.size() - length) / (length / 2) + 1; }
+  [[nodiscard]] double step_s() const { return static_cast<double>(length / 2) / rate_hz; }
+
+  // 2 sum w x exp(-j 2 pi f t) / sum w, t from the first value of all
+  [[nodiscard]] std::complex<double> Demodulated(std::size_t k, double frequency_hz) const {
+    const std::size_t first = k * (length / 2);
+    const std::complex<double> advance = std::polar(1.0, -kTwoPi * frequency_hz / rate_hz);
+    std::complex<double> turn =
+        std::polar(1.0, -kTwoPi * frequency_hz * static_cast<double>(first) / rate_hz);
+    std::complex<double> sum = 0;
+    double weights = 0;
+    for (std::size_t n = 0; n < length; ++n, turn *= advance) {
+      const double weight = Taper((static_cast<double>(n) + 0.5) / static_cast<double>(length));
+      sum += weight * values[first + n] * turn;
+      weights += weight;
+    }
+    return 2.0 * sum / weights;
+  }
+};
+
+// a line near `frequency_hz`, if it is steady and above the noise beside it
+std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, double tolerance) {
+  // frequency: phase from window to window
+  std::complex<double> product = 0;
+  std::complex<double> before = windows.Demodulated(0, frequency_hz);
+  for (std::size_t k = 1; k < windows.count(); ++k) {
+    const std::complex<double> z = windows.Demodulated(k, frequency_hz);
+    product += z * std::conj(before);
+    before = z;
+  }
+  const double moved_hz = std::arg(product) / kTwoPi / windows.step_s();
+  if (std::abs(moved_hz) > tolerance) return std::nullopt;
+  const double exact_hz = frequency_hz + moved_hz;
+  // the windows at that frequency, and their noise from ten bins on either side
+  std::vector<std::complex<double>> z;
+  double noise = 0;
+  const double away_hz = 10 * windows.rate_hz / static_cast<double>(windows.length);
+  for (std::size_t k = 0; k < windows.count(); ++k) {
+    z.push_back(windows.Demodulated(k, exact_hz));
+    noise += std::min(std::abs(windows.Demodulated(k, exact_hz - away_hz)),
+                      std::abs(windows.Demodulated(k, exact_hz + away_hz)));
+  }
+  std::complex<double> mean = 0;
+  for (const auto& one : z) mean += one / static_cast<double>(z.size());
+  if (std::abs(mean) <= kAboveNoise * noise / static_cast<double>(z.size())) return std::nullopt;
+  const bool steady = std::ranges::all_of(z, [&](const std::complex<double>& one) {
+    return std::abs(one - mean) <= kSteadyPart * std::abs(mean);
+  });
+  if (!steady) return std::nullopt;
+  return SteadyLine{exact_hz, mean.real(), -mean.imag()};
+}
+
+}  // namespace
+
+double SteadyLine::amplitude_m() const { return std::hypot(cosine_m, sine_m); }
+
+double ValueOf(std::span<const SteadyLine> lines, double t_s) {
+  double sum = 0;
+  for (const SteadyLine& line : lines) {
+    const double turn = kTwoPi * line.frequency_hz * t_s;
+    sum += line.cosine_m * std::cos(turn) + line.sine_m * std::sin(turn);
+  }
+  return sum;
+}
+
+Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band) {
+  ThinnedSignal samples(signal, band, {});
+  const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
+  std::vector<SteadyLine> lines;
+  if (duration_s < kShortestS || samples.size() > kMostValues) return lines;
+  const auto values = samples.At(0, samples.size());
+  if (!values) return std::unexpected(values.error());
+  const double window_s = std::min(kLongestWindowS, duration_s / 2);
+  const Windows windows{*values, samples.rate_hz(),
+                        static_cast<std::size_t>(window_s * samples.rate_hz())};
+  for (const double mains_hz : kMainsHz) {
+    if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
+    const auto fundamental = LineNear(windows, mains_hz, kMainsTolerance);
+    if (!fundamental) continue;
+    lines.push_back(*fundamental);
+    for (int order = 2; order <= kMostMultiples; ++order) {
+      const double at_hz = order * fundamental->frequency_hz;
+      if (at_hz > band.upper_hz) break;
+      const auto line = LineNear(windows, at_hz, order * kMainsTolerance);
+      if (line && line->amplitude_m() <= fundamental->amplitude_m()) lines.push_back(*line);
+    }
+    return lines;
+  }
+  return lines;
+}
+
+}  // namespace haptometer::dsp
