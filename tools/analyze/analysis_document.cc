@@ -353,13 +353,13 @@ Section DriveSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& 
   return section;
 }
 
-// hum of the mains that is subtracted: frequency and amplitude of each line
+// hum of the mains that is subtracted, with frequency and amplitude of each line
 Section HumSection(const std::vector<dsp::SteadyLine>& lines) {
   Section hum{.name = "hum", .heading = "hum, subtracted", .shape = Section::Shape::kTable};
   for (const dsp::SteadyLine& line : lines) {
     Section& row = hum.sections.emplace_back();
     row.Add(document::kFrequency, line.frequency_hz);
-    row.Add(document::kAmplitude, std::sqrt(2 * line.mean_square()));
+    row.Add(document::kAmplitude, line.amplitude_m());
   }
   return hum;
 }

@@ -112,6 +112,8 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "(all), or an interval such as 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
                 "Drive-off trial whose noise in the band is subtracted (mean square)");
+  options->Choice("--hum", &words->hum, {"subtract", "keep"},
+                  "Hum of the mains: subtracted, or counted as vibration", cli::Shown::kHelpAll);
   options->Text("--expect", &words->expect, "LIST",
                 "What a trial should show, as 'tone=225Hz+-1Hz, change<5%, source=device'; a trial "
                 "that differs is a doubt, with exit status 3",
@@ -150,6 +152,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   dsp::BandQuestion question = std::move(*asked);
   // the filtered record is kept in memory only where it is drawn
   question.keep_filtered = words.outputs.HasFigures();
+  question.keep_hum = words.hum == "keep";
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());

@@ -51,6 +51,7 @@ struct AnalyzeWords {
   cli::BandWords band{.band = "20-500Hz", .order = {}, .corner = "whole"};
   std::string window = "auto";
   std::string floor;
+  std::string hum = "subtract";
   std::string expect;
   std::string table;  ///< of all trials; empty: none
   std::optional<Quantity> drive_frequency_hz;

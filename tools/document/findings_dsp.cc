@@ -221,15 +221,18 @@ constexpr auto kRows = std::to_array<Row>({
     {kHumSubtracted,
      {"hum-subtracted",
       "hum of the mains subtracted: {lines} line{lines s}, the strongest {amplitude_m} at "
-      "{frequency_hz}"}},
+      "{frequency_hz}; --hum keep counts it as vibration"}},
     {kHumAtDrive,
      {"hum-at-drive",
       "hum of {amplitude_m} at {frequency_hz} is too close to the drive to be distinguished from "
       "it: the RMS includes it; drive at another frequency"}},
     {kMainsFrequency,
      {"mains-frequency",
-      "the tone at {frequency_hz} is at a harmonic of the mains and never off: it may be hum; "
-      "record an interval with the drive off, or give one by --floor FILE"}},
+      "the only tone is at {frequency_hz}[, {amplitude_m},] a multiple of the mains' frequency, "
+      "and "
+      "never off: it may be hum; record an interval with the drive off, drive at another "
+      "frequency, "
+      "or count it as vibration by --hum keep"}},
     // noise floor
     {kNoFloor,
      {"no-floor",
@@ -415,6 +418,9 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"drive's edges", "what a window shorter by a period at either end would change"},
       {"spikes", "their energy within the band"},
       {"steps", "their energy within the band"},
+      {"power between band edge and drive", "what is neither the drive nor noise there"},
+      {"hum", "half of its power, as no pause shows it alone"},
+      {"change of the amplitude", "half of it over the window"},
   }};
   return kTexts.at(static_cast<std::size_t>(cause));
 }

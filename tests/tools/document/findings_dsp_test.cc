@@ -254,17 +254,20 @@ const std::vector<Case> kCases{
     {kHumSubtracted,
      {{"frequency_hz", 50.0}, {"amplitude_m", 2.5e-07}, {"lines", 3}},
      "hum-subtracted",
-     "hum of the mains subtracted: 3 lines, the strongest 0.25 um at 50 Hz"},
+     "hum of the mains subtracted: 3 lines, the strongest 0.25 um at 50 Hz; --hum keep counts it "
+     "as "
+     "vibration"},
     {kHumAtDrive,
      {{"frequency_hz", 250.0}, {"amplitude_m", 2.5e-07}},
      "hum-at-drive",
      "hum of 0.25 um at 250 Hz is too close to the drive to be distinguished from it: the RMS "
      "includes it; drive at another frequency"},
     {kMainsFrequency,
-     {{"frequency_hz", 150.0}},
+     {{"frequency_hz", 150.0}, {"amplitude_m", 2.5e-07}},
      "mains-frequency",
-     "the tone at 150 Hz is at a harmonic of the mains and never off: it may be hum; record an "
-     "interval with the drive off, or give one by --floor FILE"},
+     "the only tone is at 150 Hz, 0.25 um, a multiple of the mains' frequency, and never off: it "
+     "may be hum; record an interval with the drive off, drive at another frequency, or count it "
+     "as vibration by --hum keep"},
     {kQuietHasDrive,
      {{"amplitude_m", 2.5e-07}, {"frequency_hz", 225.0}},
      "quiet-has-drive",
@@ -493,6 +496,7 @@ TEST(FindingsOfDsp, SayASensorsAveraging) {
 TEST(FindingsOfDsp, NameEachCauseOfAnUncertainty) {
   EXPECT_EQ(TextOf(dsp::RmsCause::kNoise).name, "noise");
   EXPECT_EQ(TextOf(dsp::RmsCause::kSteps).name, "steps");
+  EXPECT_EQ(TextOf(dsp::RmsCause::kDrift).name, "change of the amplitude");
 }
 
 }  // namespace
