@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
+#include <utility>
 
 namespace haptometer::dsp {
 namespace {
@@ -97,6 +99,94 @@ Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channe
   const std::size_t cell = signal.cell_samples();
   const std::size_t rows = std::min(end * cell, signal.size()) - begin * cell;
   return PowerOfRows(source, channel, signal.first_row() + begin * cell, rows, cell);
+}
+
+std::vector<PowerEdge> PowerEdges(std::span<const double> mean_square, double start_s,
+                                  double cell_s, double window_s) {
+  const auto width = static_cast<std::size_t>(std::max(1.0, std::round(window_s / cell_s)));
+  if (mean_square.size() < 2 * width) return {};
+  // moving means; mean k lies about the middle of its cells
+  std::vector<double> means(mean_square.size() - width + 1);
+  double sum = std::accumulate(mean_square.begin(),
+                               mean_square.begin() + static_cast<std::ptrdiff_t>(width), 0.0);
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    means[k] = sum / static_cast<double>(width);
+    if (k + width < mean_square.size()) sum += mean_square[k + width] - mean_square[k];
+  }
+  std::vector<double> sorted = means;
+  const auto top = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 19 / 20);
+  std::ranges::nth_element(sorted, top);
+  const double half = 0.5 * *top;
+  std::vector<PowerEdge> edges;
+  for (std::size_t k = 1; k < means.size(); ++k) {
+    if ((means[k] > half) == (means[k - 1] > half)) continue;
+    const double middle = static_cast<double>(k) + 0.5 * static_cast<double>(width);
+    edges.push_back({start_s + middle * cell_s, means[k] > half});
+  }
+  return edges;
+}
+
+namespace {
+
+constexpr double kLongestDelayS = 1;
+
+// differences of corresponding edges: the nearest of the same kind
+std::vector<double> Differences(std::span<const PowerEdge> drive,
+                                std::span<const PowerEdge> motion) {
+  std::vector<double> differences;
+  for (const PowerEdge& edge : drive) {
+    double best = kLongestDelayS;
+    bool found = false;
+    for (const PowerEdge& other : motion) {
+      const double difference = other.time_s - edge.time_s;
+      if (other.rises != edge.rises || std::abs(difference) > std::abs(best)) continue;
+      best = difference;
+      found = true;
+    }
+    if (found) differences.push_back(best);
+  }
+  return differences;
+}
+
+// median, with the scatter about it; one difference is known to half a window
+DriveDelay DelayOf(std::vector<double> differences, double window_s) {
+  std::ranges::sort(differences);
+  const double median = differences[differences.size() / 2];
+  double square = 0;
+  for (const double difference : differences) square += std::pow(difference - median, 2);
+  const auto n = static_cast<double>(differences.size());
+  const double scatter = std::sqrt(square) / n;
+  return {median, std::hypot(scatter, 0.5 * window_s / std::sqrt(3 * n)), differences.size()};
+}
+
+}  // namespace
+
+Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t channel,
+                                    const BandSignal& signal, double lower_hz) {
+  const std::size_t cells = signal.cells().size();
+  const auto drive = DriveCells(source, channel, signal, 0, cells);
+  if (!drive) return std::unexpected(drive.error());
+  const double cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz();
+  const double window_s = 1 / lower_hz;
+  std::vector<double> motion(cells);
+  for (std::size_t k = 0; k < cells; ++k) motion[k] = signal.cells()[k].square_sum;
+  const auto edges = PowerEdges(drive->mean_square, signal.start_s(), cell_s, window_s);
+  ChannelCourse course;
+  // on from each rise to the next fall; without edges on throughout, if there is any power
+  const double end_s = signal.start_s() + static_cast<double>(cells) * cell_s;
+  const bool any = std::ranges::any_of(drive->mean_square, [](double power) { return power > 0; });
+  if (any && (edges.empty() || !edges.front().rises))
+    course.on.push_back({signal.start_s(), end_s});
+  for (const PowerEdge& edge : edges) {
+    if (edge.rises) course.on.push_back({edge.time_s, end_s});
+    if (!edge.rises) course.on.back().end_s = edge.time_s;
+  }
+  if (drive->is_coarse) course.on.clear();
+  auto differences = Differences(edges, PowerEdges(motion, signal.start_s(), cell_s, window_s));
+  if (!differences.empty() && !drive->is_coarse) {
+    course.delay = DelayOf(std::move(differences), window_s);
+  }
+  return course;
 }
 
 }  // namespace haptometer::dsp

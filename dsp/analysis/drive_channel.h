@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
@@ -37,5 +39,30 @@ struct DrivePower {
 [[nodiscard]] Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channel,
                                             const BandSignal& signal, std::size_t begin,
                                             std::size_t end);
+
+/// A change of power: when, and whether it rises.
+struct PowerEdge {
+  double time_s = 0;
+  bool rises = false;
+};
+
+/// Changes of `mean_square` over cells of `cell_s` from `start_s` on: where its moving mean over
+/// `window_s` crosses half of its top (95 % quantile). Of a switched sine the edge itself, to about
+/// half a period.
+[[nodiscard]] std::vector<PowerEdge> PowerEdges(std::span<const double> mean_square, double start_s,
+                                                double cell_s, double window_s);
+
+/// What a drive channel says beside the vibration of `signal`.
+struct ChannelCourse {
+  std::vector<TimeWindow> on;       ///< in the record's time
+  std::optional<DriveDelay> delay;  ///< of the vibration; nothing where no changes correspond
+};
+
+/// The drive channel over `signal`, by its power and that of the band, in means of a period of
+/// `lower_hz`; changes that rise or fall alike within 1 s of each other correspond. The delay is
+/// their median difference. Errors: as RowSource::Read.
+[[nodiscard]] Result<ChannelCourse> FollowChannel(const trial::RowSource& source,
+                                                  std::size_t channel, const BandSignal& signal,
+                                                  double lower_hz);
 
 }  // namespace haptometer::dsp

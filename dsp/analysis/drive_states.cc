@@ -23,6 +23,8 @@ constexpr double kSameLevel = 0.03;
 // a state is steady if it changes and scatters by less than this part
 constexpr double kMostDrift = 0.5;
 constexpr double kMostScatter = 0.6;
+constexpr double kFoot = 2;  // times the lower corner
+constexpr double kMostScatterAtFoot = 0.25;
 constexpr double kLeastCoherence = 0.5;
 
 double QuantileOf(std::vector<double> values, double part) {
@@ -223,6 +225,12 @@ bool IsOn(const StateInterval& interval, const BlockCourse& course) {
   return interval.level_m > ridge * (1.25 + 2 / std::sqrt(m));
 }
 
+// narrow noise at the band's foot, as red noise has, scatters less than the ridge of white noise
+double MostScatter(const StateInterval& state, double lower_hz) {
+  return std::max(state.from_hz, state.to_hz) < kFoot * lower_hz ? kMostScatterAtFoot
+                                                                 : kMostScatter;
+}
+
 bool AreOne(const StateInterval& a, const StateInterval& b) {
   if (a.state != b.state) return false;
   if (a.state == DriveState::kOff) return true;
@@ -241,7 +249,7 @@ std::string_view Name(DriveState state) {
   return kNames[static_cast<std::size_t>(state)];
 }
 
-std::vector<StateInterval> FindStates(const BlockCourse& course) {
+std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz) {
   if (course.blocks.empty()) return {};
   const Features features = FeaturesOf(course);
   const std::vector<std::size_t> borders = PartitionAll(features);
@@ -262,7 +270,8 @@ std::vector<StateInterval> FindStates(const BlockCourse& course) {
   }
   for (StateInterval& state : states) {
     state.is_steady = state.state == DriveState::kOn && std::abs(state.drift) < kMostDrift &&
-                      state.scatter < kMostScatter && state.coherence > kLeastCoherence;
+                      state.scatter < MostScatter(state, lower_hz) &&
+                      state.coherence > kLeastCoherence;
   }
   return states;
 }

@@ -69,7 +69,7 @@ Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Cours
     auto blocks = MeasureBlocks(*course.signal, band, block_s, course.hum);
     if (!blocks) return std::unexpected(blocks.error());
     course.blocks = *std::move(blocks);
-    course.states = FindStates(course.blocks);
+    course.states = FindStates(course.blocks, band.lower_hz);
   }
   return {};
 }

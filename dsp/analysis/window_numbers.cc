@@ -10,8 +10,10 @@
 #include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/below_band_model.h"
+#include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/drive_onset.h"
 #include "dsp/analysis/floor_remarks.h"
+#include "dsp/analysis/quantisation.h"
 #include "dsp/analysis/thinned_samples.h"
 #include "dsp/analysis/tone_power.h"
 #include "dsp/analysis/window_faults.h"
@@ -33,6 +35,15 @@ constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
 // part of the power above which the tone is all of the drive
 constexpr double kPureTone = 0.9;
+// samples that show the steps of a converter, and the share of the RMS that is a doubt
+constexpr std::size_t kMostForSteps = std::size_t{1} << 16U;
+constexpr double kStepsDominate = 0.02;
+// loss by the filter's slope that is said, and how far a tone may be from the header's frequency
+constexpr double kCornerLoss = 0.01;
+constexpr double kOtherFrequency = 0.01;
+// delay that is said, and part of the window in which a drive channel must be on
+constexpr double kDelayS = 0.05;
+constexpr double kChannelOn = 0.5;
 // change of the amplitude over the window that is a doubt
 constexpr double kUnsteadyDrift = 0.02;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
@@ -49,6 +60,7 @@ struct Window {
   BandNumbers numbers{};
   ThinnedSamples samples{};         // filtered, of the chosen part, or of its middle
   NoiseBeside beside{};             // of these
+  double steps_m = 0;               // bound of what the converter's steps hide
   double hum_square = 0;            // mean square that hum adds
   double tone_variance = 0;         // of the tone's mean square
   std::optional<double> density{};  // of the noise at the drive, m2/Hz
@@ -316,6 +328,27 @@ Result<double> EdgeBound(const Window& window) {
                   std::sqrt(window.numbers.power.mean_square));
 }
 
+// what rounding to steps may hide of the drive: half width of the RMS's error, m
+Result<void> BoundSteps(Window& window) {
+  if (!window.chosen.part.from_drive) return {};
+  std::vector<double> samples(std::min(window.rows, kMostForSteps));
+  const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
+  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  const double step = std::max(StepOf(samples), window.step_m);
+  // noise before the rounding, over all frequencies: what is above the rounding's own
+  const double density = window.beside.DensityAt(window.band().upper_hz);
+  const double noise = std::sqrt(std::max(0.0, density * window.rate_hz() / 2 - step * step / 12));
+  const double rms = std::sqrt(window.power.tone_mean_square);
+  const double tone_hz = window.chosen.part.state.from_hz;
+  window.steps_m = QuantisationBound(step, rms * std::numbers::sqrt2, noise,
+                                     static_cast<int>(window.band().upper_hz / tone_hz));
+  if (window.steps_m > kStepsDominate * rms) {
+    window.analysis.findings.Doubt(FindingKind::kQuantised,
+                                   {{"share", window.steps_m / rms}, {"step_m", step}});
+  }
+  return {};
+}
+
 // half widths (m) of errors that the scatter of the samples does not contain
 std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   const BandNumbers& numbers = window.numbers;
@@ -335,7 +368,8 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   // step / sqrt(12), of which 2 B / rate lies in the band; far below the RMS it adds in squares
   const double steps =
       window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
-  add(RmsCause::kQuantisation, std::min(steps, steps * steps / (2 * rms)));
+  add(RmsCause::kQuantisation,
+      std::max(window.steps_m, std::min(steps, steps * steps / (2 * rms))));
   add(RmsCause::kBridged, numbers.bridged_rms_m);
   add(RmsCause::kFilterEnds, kSettledError * rms);
   add(RmsCause::kDriveEdges, edges_m);
@@ -450,6 +484,70 @@ Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
   return {};
 }
 
+// the drive channel: its delay, and whether it is on in the window
+Result<void> CompareChannel(const trial::RowSource& source, Window& window) {
+  const auto channel = DriveChannel(source.head());
+  if (!channel || !window.chosen.part.from_drive) return {};
+  const auto course = FollowChannel(source, *channel, window.signal(), window.band().lower_hz);
+  if (!course) return std::unexpected(course.error());
+  window.numbers.delay = course->delay;
+  const double delay_s = course->delay ? course->delay->delay_s : 0;
+  if (std::abs(delay_s) > kDelayS) {
+    window.analysis.findings.Note(
+        FindingKind::kDriveDelayed,
+        {{"delay_s", delay_s}, {"uncertainty_s", course->delay->uncertainty_s}});
+  }
+  const TimeWindow& part = window.numbers.part.window;
+  double on_s = 0;
+  for (const TimeWindow& on : course->on) {
+    on_s += std::max(0.0, std::min(part.end_s, on.end_s + delay_s) -
+                              std::max(part.begin_s, on.begin_s + delay_s));
+  }
+  if (on_s >= kChannelOn * part.duration_s()) return {};
+  window.analysis.findings.Add({.severity = Severity::kDoubt,
+                                .kind = FindingKind::kDriveContradicted,
+                                .numbers = {{"from_s", part.begin_s}, {"to_s", part.end_s}},
+                                .subject = source.head().channels[*channel].name});
+  return {};
+}
+
+// the filter's slope at the tone, and whether it is the drive that the file states
+void RemarkTone(Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double gain = std::norm(Response(window.signal().design(), frequency_hz));
+  if (gain < 1 - kCornerLoss) {
+    window.analysis.findings.Note(FindingKind::kCornerLoss,
+                                  {{"frequency_hz", frequency_hz},
+                                   {"gain", gain},
+                                   {"rms_m", window.numbers.rms.rms_m / gain}});
+  }
+  const auto stated_hz = window.head.metadata.drive_frequency_hz;
+  if (stated_hz && std::abs(frequency_hz - *stated_hz) > kOtherFrequency * *stated_hz) {
+    window.analysis.findings.Doubt(FindingKind::kOtherDrive,
+                                   {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
+  }
+}
+
+// hum: what was subtracted, where it was not seen alone, and where it may hide in the drive
+void RemarkHum(Window& window) {
+  const std::vector<SteadyLine>& hum = window.numbers.hum;
+  if (hum.empty() || !window.chosen.part.from_drive) return;
+  const FindingNumber frequency{"frequency_hz", hum.front().frequency_hz};
+  const FindingNumber amplitude{"amplitude_m", hum.front().amplitude_m()};
+  const bool seen_alone =
+      window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
+  window.analysis.findings.Add({.severity = seen_alone ? Severity::kNote : Severity::kDoubt,
+                                .kind = FindingKind::kHumSubtracted,
+                                .numbers = {frequency, amplitude, {"lines", hum.size()}}});
+  // a multiple of the mains within the drive's bins
+  const double reach_hz = std::max(1.0, kDriveReachBins / window.samples.duration_s());
+  const double tone_hz = window.chosen.part.state.from_hz;
+  const double order = std::round(tone_hz / hum.front().frequency_hz);
+  if (order >= 1 && std::abs(tone_hz - order * hum.front().frequency_hz) < reach_hz) {
+    window.analysis.findings.Doubt(FindingKind::kHumAtDrive, {frequency, amplitude});
+  }
+}
+
 Result<void> DescribeMotion(Window& window) {
   const std::size_t begin = window.chosen.begin;
   const auto motion =
@@ -502,6 +600,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   DescribeSensor(window);
   // floor and clipping are required by the estimate of the RMS, the estimate by the tone's share
   if (auto taken = TakeFloor(window); !taken) return taken;
+  if (auto bounded = BoundSteps(window); !bounded) return bounded;
   JudgeClipping(window);
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
@@ -515,6 +614,9 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
        [&] { return DescribeMotion(window); },
        [&] { return has_tone ? DescribeDrive(displacement.source, window) : Result<void>(); }});
   if (!described) return described;
+  if (auto compared = CompareChannel(displacement.source, window); !compared) return compared;
+  if (has_tone) RemarkTone(window);
+  RemarkHum(window);
   RemarkFloor(window.numbers, analysis);
   analysis->numbers = std::move(window.numbers);
   return {};
