@@ -82,7 +82,8 @@ Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
   auto panels = AnalysisPanels(rows, *file.analysis);
   if (!panels) return std::unexpected(panels.error());
   file.figures.push_back(
-      {"The record, the filtered signal and a part of it. Grey: excluded from analysis.",
+      {"The record, the states of the drive, the filtered signal and a part of it. Grey: excluded "
+       "from analysis.",
        *std::move(panels)});
   if (spectrum) {
     file.figures.push_back({"Spectrum of the unfiltered window (Welch, one-sided).", {*spectrum}});

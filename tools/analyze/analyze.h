@@ -54,9 +54,9 @@ struct AnalyzedFile {
 /// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
 [[nodiscard]] document::Section ClosingSection(bool has_numbers);
 
-/// Distance over time, the filtered signal, and ten periods of it; grey is what no number is of.
-/// `analysis` was made of `rows` with keep_filtered. Memory: about 40 B a row.
-/// Errors: as RowSource::Read.
+/// Distance over time, the states of the drive with window and noise, the filtered signal, and ten
+/// periods of it; grey is what no number is of. `analysis` was made of `rows` with keep_filtered.
+/// Memory: about 40 B a row. Errors: as RowSource::Read.
 [[nodiscard]] Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
                                                               const dsp::BandAnalysis& analysis);
 
