@@ -59,7 +59,7 @@ TEST_F(AnalyzeVerb, AnswersInMicrometres) {
   EXPECT_THAT(outcome.out, ContainsRegex(" um; 95 %: .* um, in 20-500 Hz\n"));
   EXPECT_THAT(outcome.out,
               ContainsRegex("as measured +70.71.* um, corrected for the sensor's gain of 0.7604"));
-  EXPECT_THAT(outcome.out, HasSubstr("all that is free of filter transients"));
+  EXPECT_THAT(outcome.out, HasSubstr("the drive is on throughout"));
   EXPECT_THAT(outcome.out, ContainsRegex("amplitude of the tone +131.51"));
   EXPECT_THAT(outcome.out, HasSubstr("the sensor's gain at the tone is 0.7604; corrected for"));
   EXPECT_THAT(outcome.out, HasSubstr("data: imported"));
@@ -249,6 +249,43 @@ TEST_F(AnalyzeVerb, ASpectrogramIsDrawnOrWritten) {
   std::string text(std::istreambuf_iterator<char>(file), {});
   EXPECT_THAT(text, HasSubstr("time_s,frequency_hz,density_m2_per_hz\n"));
   EXPECT_GT(fs::file_size(svg), 1000U);
+}
+
+// a folder stands for its recordings, by name; each is a row whatever became of it
+TEST_F(AnalyzeVerb, ATableHasARowForEachTrialOfAFolder) {
+  static_cast<void>(Trial("b.csv", 10'000, 2));
+  static_cast<void>(Trial("a.csv", 48, 3));
+  std::ofstream(directory_ / "c.csv") << "time_s,displacement_m\n";
+  const std::string table = directory_ / "table.csv";
+  const std::vector<std::string> words{directory_, "--table", table};
+  EXPECT_EQ(Analyze(words).status, 3) << "two of three are not answered";
+  std::ifstream file(table);
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with('#')) rows.push_back(line);
+  }
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_THAT(rows[0], ::testing::StartsWith("file,answered,band_rms_m,"));
+  EXPECT_THAT(rows[0], ::testing::EndsWith(",data_source,findings"));
+  EXPECT_THAT(rows[1], ContainsRegex("a.csv,0,,.*too-few-readings"));
+  EXPECT_THAT(rows[2], ContainsRegex("b.csv,1,9.29.*e-05.*gain-corrected"));
+  EXPECT_THAT(rows[3], ContainsRegex("c.csv,0,,.*error"));
+  // a table of results is no trial
+  EXPECT_THAT(Analyze(words).err, HasSubstr("table.csv: already exists"));
+  const Json again = Json::parse(Analyze({directory_, "--json"}).out);
+  EXPECT_EQ(again["trials"].size(), 3U);
+  const fs::path empty = directory_ / "empty";
+  fs::create_directories(empty);
+  EXPECT_THAT(Analyze({empty}).err, HasSubstr("holds no recording"));
+}
+
+TEST_F(AnalyzeVerb, AViolatedExpectationIsADoubtAndStatus3) {
+  const std::string path = Trial("a.csv", 10'000, 2);
+  EXPECT_EQ(Analyze({path, "--expect", "tone=225Hz+-1Hz, change<5%, source=imported"}).status, 0);
+  const Outcome outcome = Analyze({path, "--expect", "tone=230Hz+-1Hz"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("doubt: the tone is at 225 Hz; 230 Hz +- 1 Hz is expected"));
+  EXPECT_EQ(Analyze({path, "--expect", "tone=230Hz"}).status, 2);
 }
 
 TEST_F(AnalyzeVerb, TooSlowIsSaidInWords) {

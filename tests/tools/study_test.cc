@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/dsp/signals.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/study/manifest.h"
@@ -47,16 +48,26 @@ class StudyVerb : public ::testing::Test {
   }
 
   // `rms_um` at 250 Hz on 1 mm, 1.2 s at 2 kHz: whole periods are whole samples
-  std::string Trial(const std::string& name, double rms_um, const std::string& labels = "") const {
+  std::string Trial(const std::string& name, double rms_um, const std::string& labels = "",
+                    double tone_hz = 250) const {
     std::ostringstream text;
     text.precision(9);
     text << labels << "time_s,displacement_um\n";
     for (int k = 0; k < 2400; ++k) {
       const double t_s = k / 2000.0;
       text << t_s << ','
-           << 1000 + rms_um * std::numbers::sqrt2 * std::sin(2 * std::numbers::pi * 250 * t_s)
+           << 1000 + rms_um * std::numbers::sqrt2 * std::sin(2 * std::numbers::pi * tone_hz * t_s)
            << '\n';
     }
+    return Write(name, text.str());
+  }
+
+  // white noise of 1 um RMS at the same rate
+  std::string WithoutDrive(const std::string& name) const {
+    std::ostringstream text;
+    text << "time_s,displacement_um\n";
+    dsp::Noise noise(3);
+    for (int k = 0; k < 2400; ++k) text << k / 2000.0 << ',' << 1000 + noise() << '\n';
     return Write(name, text.str());
   }
 
@@ -92,6 +103,38 @@ TEST_F(StudyVerb, ComparesConditionsNamedByAPattern) {
   EXPECT_THAT(outcome.out, ContainsRegex("sign flips +p = 0.25"));
   EXPECT_THAT(outcome.out, HasSubstr("F(1, 2) ="));
   EXPECT_THAT(outcome.out, HasSubstr("  command: haptometer study "));
+}
+
+// the noise of a trial whose drive was never on is no vibration of 0.7 um
+TEST_F(StudyVerb, ATrialWithoutADriveIsCountedAndIsNoMeasurement) {
+  WriteNamedTrials();
+  const std::string off = WithoutDrive("s9_a.csv");
+  const std::vector<std::string> words{directory(), "--pattern", "s{subject}_{condition}"};
+  const Outcome outcome = Study(words);
+  EXPECT_THAT(outcome.out, ContainsRegex("trials without a drive +1\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr(off + ": no drive found in 1 of 6 trials, none of which counts"));
+  std::vector<std::string> with_json = words;
+  with_json.emplace_back("--json");
+  const Json document = Json::parse(Study(with_json).out);
+  const Json& counts = document["counts"];
+  EXPECT_EQ(counts["answered"], 5);
+  EXPECT_EQ(counts["without_drive"], 1);
+  EXPECT_EQ(counts["without_value"], 0);
+  EXPECT_TRUE(document["trials"].at(4)["band_rms_m"].is_null());
+  EXPECT_EQ(document["contrasts"].at(0)["n"], 2) << "its subject has no value in the condition";
+}
+
+TEST_F(StudyVerb, ATrialAtAnotherFrequencyIsADoubt) {
+  for (int k = 0; k < 4; ++k) {
+    static_cast<void>(Trial(fmt::format("s{}_a.csv", k), 10));
+  }
+  static_cast<void>(Trial("s4_a.csv", 10, "", 255));
+  const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
+  EXPECT_THAT(outcome.out,
+              HasSubstr("s4_a.csv: the tone is at 255 Hz, and that of the other trials of the "
+                        "condition at 250 Hz"));
+  EXPECT_EQ(outcome.out.find("the tone is at"), outcome.out.rfind("the tone is at"));
 }
 
 TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {

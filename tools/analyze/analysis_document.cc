@@ -1,12 +1,17 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
+#include "base/mapped.h"
 #include "tools/analyze/analyze.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
@@ -40,6 +45,20 @@ void AddWords(Section& section, std::string_view label, std::string words) {
 }
 
 document::Range RangeOf(const dsp::TimeWindow& window) { return {window.begin_s, window.end_s}; }
+
+// begin and end of each window, s
+std::vector<std::vector<double>> PairsOf(const std::vector<dsp::TimeWindow>& windows) {
+  return Mapped(windows, [](const dsp::TimeWindow& window) {
+    return std::vector{window.begin_s, window.end_s};
+  });
+}
+
+// frequency at begin and end of a sweep in the window
+std::optional<document::Range> MovesOf(const dsp::BandAnalysis& analysis) {
+  if (!analysis.numbers || !analysis.findings.Has(dsp::FindingKind::kFrequencyMoves)) return {};
+  const dsp::StateInterval& state = analysis.numbers->part.state;
+  return document::Range{state.from_hz, state.to_hz};
+}
 
 std::string BandName(const dsp::BandPass& band) {
   return fmt::format("{:g}-{:g} Hz", band.lower_hz, band.upper_hz);
@@ -134,7 +153,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
                 tone.fit.frequency_uncertainty_hz);
   } else {
     AddWords(section, "strongest tone",
-             analysis.frequency_move ? "none: the frequency changes" : "none above the noise");
+             MovesOf(analysis) ? "none: the frequency changes" : "none above the noise");
   }
   // amplitude as answer, as estimate (no answer) or as lower limit (clipped)
   const auto add = [&](const Key& key, bool is_known) {
@@ -193,20 +212,14 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   return section;
 }
 
-// how the window was chosen
-std::string WindowText(const dsp::UsedPart& part) {
-  std::string text = document::TextOf(part.why);
-  if (!part.from_drive || !part.drive.why) return text;
-  return fmt::format("{}: {}", text, document::TextOf(*part.drive.why));
-}
-
 // the numbers of the window; all keys exist without analysis too, with empty values
 Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.is_known = analysis.numbers.has_value()};
-  const std::string because = WindowText(numbers.part);
+  const std::string because = document::TextOf(numbers.part.why);
   AddRms(analysis, numbers, section);
   section.Add(document::kWindowS, RangeOf(numbers.part.window)).note = because;
   section.Add({"window_because"}, because);
+  section.Add({"excluded_s"}, PairsOf(numbers.excluded));
   section.Add({"band_rms_whole_m", "whole record (RMS)", document::kMetre}, numbers.whole_rms_m)
       .note = "including filter transients at the ends, and pauses";
   AddTone(analysis, numbers, section);
@@ -284,10 +297,9 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   section.Add({"peak_to_peak_m", "peak to peak", document::kMetre}, record.peak_to_peak_m).note =
       "unfiltered";
   AddSlowMotion(analysis.slow_motion, section);
+  const auto moves_hz = MovesOf(analysis);
   section.Add({"frequency_moves_hz", "frequency changes", document::kHertz},
-              analysis.frequency_move ? Value(document::Range{analysis.frequency_move->from_hz,
-                                                              analysis.frequency_move->to_hz})
-                                      : Value());
+              moves_hz ? Value(*moves_hz) : Value());
   section.sections = {BandSection(file, analysis.band), ArtifactSection(file, analysis.faults)};
   return section;
 }
@@ -319,28 +331,37 @@ Section BelowBandSection(const std::optional<dsp::BelowBand>& found) {
   return section;
 }
 
-// course of the drive, quiet parts and on parts with their steady part, in s of the record
-Section DriveSection(const dsp::UsedPart& part) {
+// states of the drive in order of time, and the delay of the vibration after the drive channel
+Section DriveSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.name = "drive", .heading = "drive"};
-  section.Add({"why", "course"},
-              part.drive.why ? Value(document::TextOf(*part.drive.why)) : Value());
-  section.Add({"window_is_a_part_of_the_drive", "window is a part of it"}, part.from_drive);
-  section.Add({"told_by_a_drive_channel", "found by a drive channel"}, part.from_channel);
-  std::vector<std::vector<double>> quiet_s;
-  quiet_s.reserve(part.drive.quiet.size());
-  for (const dsp::TimeWindow& quiet : part.drive.quiet) {
-    quiet_s.push_back({quiet.begin_s, quiet.end_s});
+  section.Add({"window_is_of_the_drive", "window is in a state that is on"},
+              numbers.part.from_drive);
+  const dsp::DriveDelay delay = numbers.delay.value_or(dsp::DriveDelay{});
+  section.Add({"delay_s", "vibration after the drive channel", document::kSecond, Form::kUncertain},
+              If(numbers.delay.has_value(), delay.delay_s), delay.uncertainty_s);
+  section.Add({"quiet_s"}, PairsOf(numbers.part.quiet));
+  Section states{.name = "states", .shape = Section::Shape::kTable};
+  for (const dsp::StateInterval& one : analysis.states) {
+    Section& row = states.sections.emplace_back();
+    row.Add({"from_s", "from", document::kSecond}, one.time.begin_s);
+    row.Add({"to_s", "to", document::kSecond}, one.time.end_s);
+    row.Add({"state", "state"}, Name(one.state));
+    row.Add({"rms_m", "RMS", document::kMetre}, one.rms_m);
+    row.Add({"drift", "change of amplitude", document::kShare}, one.drift);
   }
-  section.Add({"quiet_s"}, std::move(quiet_s));
-  Section on{.name = document::kOn.name, .shape = Section::Shape::kTable};
-  for (const dsp::OnPart& one : part.drive.on) {
-    Section& row = on.sections.emplace_back();
-    row.Add({"whole_s", "on", document::kSecond}, RangeOf(one.whole));
-    row.Add({"steady_s", "steady part", document::kSecond}, RangeOf(one.steady));
-    row.Add({"steady", "is steady"}, one.is_steady);
-  }
-  section.sections.push_back(std::move(on));
+  section.sections.push_back(std::move(states));
   return section;
+}
+
+// hum of the mains that is subtracted, with frequency and amplitude of each line
+Section HumSection(const std::vector<dsp::SteadyLine>& lines) {
+  Section hum{.name = "hum", .heading = "hum, subtracted", .shape = Section::Shape::kTable};
+  for (const dsp::SteadyLine& line : lines) {
+    Section& row = hum.sections.emplace_back();
+    row.Add(document::kFrequency, line.frequency_hz);
+    row.Add(document::kAmplitude, line.amplitude_m());
+  }
+  return hum;
 }
 
 // quantities of the filtered record: peak to peak, residual, noise floor, interpolation error
@@ -355,12 +376,13 @@ Section VibrationSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbe
               numbers.residual_rms_m);
   section
       .Add({document::kNoiseRms.name, "noise floor (RMS)", document::kMetre}, numbers.rms.floor_m)
-      .note = numbers.floor ? "from " + numbers.floor->source : "";
+      .note = numbers.floor ? "from " + document::SourceOf(*numbers.floor) : "";
   if (!numbers.floor) AddWords(section, "noise floor", "not known, not subtracted");
-  section.Add({"noise_from"}, numbers.floor ? Value(numbers.floor->source) : Value());
+  section.Add({"noise_from"}, numbers.floor ? Value(document::SourceOf(*numbers.floor)) : Value());
   section.Add({"bridged_rms_m", "error of interpolation (RMS) at most", document::kMetre},
               numbers.bridged_rms_m);
-  section.sections = {BelowBandSection(numbers.below_band), DriveSection(numbers.part)};
+  section.sections = {BelowBandSection(numbers.below_band), DriveSection(analysis, numbers),
+                      HumSection(numbers.hum)};
   return section;
 }
 
@@ -503,6 +525,7 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
         {.kind = "error", .severity = Severity::kRefusal, .text = reasons.front(), .subject = ""});
   }
   document::AddFindings(section, file.findings);
+  document::AddFindings(section, file.deviations);
   section.Add(document::kReasons, std::move(reasons));
   // with several trials each finding names its file
   for (document::Finding& finding : section.findings) {
@@ -544,6 +567,36 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   LimitDigits(file, trial);
   AddFindings(file, is_alone, trial);
   return trial;
+}
+
+Section TableRow(const AnalyzedFile& file) {
+  const dsp::BandAnalysis analysis = file.analysis.value_or(dsp::BandAnalysis{});
+  const auto& numbers = analysis.numbers;
+  const bool is_answered = analysis.answered && numbers && !numbers->rms.below_floor;
+  const dsp::BandNumbers known = numbers.value_or(dsp::BandNumbers{});
+  const dsp::ToneNumbers tone = known.tone.value_or(dsp::ToneNumbers{});
+  const bool has_tone = analysis.answered && known.tone;
+  Section row;
+  row.Add(document::kFile, file.path);
+  row.Add(document::kAnswered, static_cast<int>(analysis.answered));
+  row.Add({document::kBandRms.name, "", document::kMetre, Form::kUncertain},
+          If(is_answered, known.rms.rms_m),
+          is_answered ? std::optional(known.rms.standard_uncertainty_m) : std::nullopt);
+  row.Add({"band_rms_lower_m"}, If(is_answered, known.rms.lower_m));
+  row.Add({"band_rms_upper_m"}, If(is_answered, known.rms.upper_m));
+  row.Add(document::kNoiseRms, known.rms.floor_m);
+  row.Add(document::kToneFrequency, If(has_tone, tone.fit.frequency_hz));
+  row.Add({"tone_amplitude_m"}, If(has_tone, tone.amplitude_m));
+  row.Add({"window_from_s"}, If(numbers.has_value(), known.part.window.begin_s));
+  row.Add({"window_to_s"}, If(numbers.has_value(), known.part.window.end_s));
+  row.Add(document::kDataSources, document::SourcesText(file.sources));
+  // kinds of all findings, refusals and errors first as they stand in the document
+  Section found;
+  AddFindings(file, true, found);
+  std::vector<std::string_view> kinds;
+  for (const document::Finding& finding : found.findings) kinds.push_back(finding.kind);
+  row.Add({"findings"}, fmt::format("{}", fmt::join(kinds, "; ")));
+  return row;
 }
 
 Section ClosingSection(bool has_numbers) {

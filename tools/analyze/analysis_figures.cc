@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "dsp/analysis/analyzed_channel.h"
 #include "tools/analyze/analyze.h"
@@ -74,6 +76,44 @@ plot::Panel DistancePanel(const std::vector<double>& times_s, std::span<const do
            {"window", plot::Lines(plot::kBlue), times_s, Where(values, offset_m, used)}}};
 }
 
+// horizontal lines over `windows` at `height`
+plot::Series Strip(std::string title, plot::Colour colour, double height,
+                   const std::vector<dsp::TimeWindow>& windows) {
+  constexpr double kWidth = 8;
+  plot::Series series{std::move(title), plot::Lines(colour, kWidth)};
+  for (const dsp::TimeWindow& window : windows) {
+    series.x.insert(series.x.end(), {window.begin_s, window.end_s, window.end_s});
+    // the third point ends the line
+    series.y.insert(series.y.end(), {height, height, std::numeric_limits<double>::quiet_NaN()});
+  }
+  return series;
+}
+
+// states of the drive above the window and the intervals of the noise
+plot::Panel StatesPanel(const dsp::BandAnalysis& analysis) {
+  using enum dsp::DriveState;
+  plot::Panel panel{"states of the drive", "time / s", ""};
+  panel.y_from_zero = true;
+  panel.has_margins = true;
+  for (const auto& [state, colour] :
+       {std::pair(kOn, plot::kBlue), std::pair(kOff, plot::kGrey),
+        std::pair(kTransition, plot::kYellow), std::pair(kArtifact, plot::kOrange)}) {
+    std::vector<dsp::TimeWindow> windows;
+    for (const dsp::StateInterval& one : analysis.states) {
+      if (one.state == state) windows.push_back(one.time);
+    }
+    if (windows.empty()) continue;
+    panel.series.push_back(Strip(std::string(Name(state)), colour, 3, windows));
+  }
+  if (!analysis.numbers) return panel;
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  panel.series.push_back(Strip("window", plot::kBlack, 2, {numbers.part.window}));
+  if (numbers.floor && !numbers.floor->quiet.empty()) {
+    panel.series.push_back(Strip("noise", plot::kGreen, 1, numbers.floor->quiet));
+  }
+  return panel;
+}
+
 }  // namespace
 
 Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
@@ -89,7 +129,8 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
   }
   const std::vector<double> times_s = TimesOf(head);
   std::vector<plot::Panel> panels{DistancePanel(times_s, values, analysis)};
-  // without numbers the distance alone
+  if (!analysis.states.empty()) panels.push_back(StatesPanel(analysis));
+  // without numbers nothing was filtered
   if (!analysis.numbers || analysis.filtered_m.empty()) return panels;
 
   const auto inside = [&](std::size_t row) { return IsInWindow(analysis, row); };

@@ -1,22 +1,29 @@
 #include "tools/analyze/analyze.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
+#include "base/jobs.h"
 #include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/output_file.h"
+#include "tools/cli/recording_files.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
+#include "tools/document/render.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 
@@ -41,6 +48,7 @@ struct Job {
   trial::ImportOptions import;
   int threads = 1;
   SpectrumQuestion spectrum{};
+  Expectation expected{};
   document::Outputs outputs{};
   std::function<document::Provenance()> provenance{};  // of a table that is written at that time
 };
@@ -74,7 +82,8 @@ Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
   auto panels = AnalysisPanels(rows, *file.analysis);
   if (!panels) return std::unexpected(panels.error());
   file.figures.push_back(
-      {"The record, the filtered signal and a part of it. Grey: excluded from analysis.",
+      {"The record, the states of the drive, the filtered signal and a part of it. Grey: excluded "
+       "from analysis.",
        *std::move(panels)});
   if (spectrum) {
     file.figures.push_back({"Spectrum of the unfiltered window (Welch, one-sided).", {*spectrum}});
@@ -100,6 +109,7 @@ AnalyzedFile Analyze(const std::string& path, const Job& job) {
   auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);
   if (!analysis) return fail(analysis.error());
   file.analysis = std::move(*analysis);
+  file.deviations = DeviationsFrom(job.expected, *file.analysis, file.sources);
   // resolution of the displacement's source, which limits the digits that are shown
   if (const auto channel = dsp::AnalyzedChannel(head)) {
     file.step_m = head.channels[*channel].resolution;
@@ -127,6 +137,11 @@ Result<Job> JobOf(const AnalyzeWords& words) {
           .threads = cli::ThreadsOf(words.threads, kMostThreads),
           .spectrum = std::move(*spectrum),
           .outputs = words.outputs};
+  if (!words.expect.empty()) {
+    auto expected = ParseExpectation(words.expect);
+    if (!expected) return std::unexpected(expected.error());
+    job.expected = *expected;
+  }
   if (words.floor.empty()) return job;
   auto floor = ReadFloor(words.floor, job.question, job.import, job.threads);
   if (!floor) return std::unexpected(floor.error());
@@ -170,16 +185,78 @@ int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, document::Presenter
   return cli::WorseStatus(status, shown.Finish({}));
 }
 
-int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
-  int status = 0;
-  bool has_numbers = false;
-  for (const std::string& path : words.files) {
-    const AnalyzedFile file = Analyze(path, job);
-    if (file.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *file.error));
-    has_numbers = has_numbers || (file.analysis && file.analysis->numbers);
-    shown.Add(TrialSection(file, words.files.size() == 1));
+// a folder stands for its recordings, in the order of their paths
+Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) {
+  std::vector<std::string> files;
+  for (const std::string& word : words) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(word, ignored)) {
+      files.push_back(word);
+      continue;
+    }
+    const auto found = cli::RecordingsIn(word);
+    if (!found) return std::unexpected(found.error());
+    for (const cli::RecordingFile& file : *found) {
+      if (!file.is_table) files.push_back(file.path);
+    }
   }
-  return cli::WorseStatus(status, shown.Finish(ClosingSection(has_numbers)));
+  return files;
+}
+
+// what is shown of the trials, taken one by one in the order of the files
+class Answers {
+ public:
+  Answers(const AnalyzeWords& words, document::Presenter& shown) : words_(words), shown_(shown) {}
+
+  void Take(const AnalyzedFile& file) {
+    if (file.error) status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, *file.error));
+    // a violated expectation ends with the status of a question that is not answered
+    if (!file.deviations.list().empty()) {
+      status_ = cli::WorseStatus(status_, ExitStatus(Cause::kCannotAnswer));
+    }
+    has_numbers_ = has_numbers_ || (file.analysis && file.analysis->numbers);
+    if (!words_.table.empty()) table_.sections.push_back(TableRow(file));
+    shown_.Add(TrialSection(file, words_.files.size() == 1));
+  }
+
+  [[nodiscard]] int Finish(const Job& job) {
+    if (!words_.table.empty()) {
+      const auto written =
+          cli::WriteOutput(words_.table, cli::kTrialsTableOutput, words_.spectrum.overwrite,
+                           document::CsvOf(table_, job.provenance()));
+      if (!written) status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, written.error()));
+    }
+    return cli::WorseStatus(status_, shown_.Finish(ClosingSection(has_numbers_)));
+  }
+
+ private:
+  const AnalyzeWords& words_;
+  document::Presenter& shown_;
+  Section table_{.shape = Section::Shape::kTable};
+  int status_ = 0;
+  bool has_numbers_ = false;
+};
+
+// one trial on all threads, or several trials with a thread each
+int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
+  Answers answers(words, shown);
+  if (words.files.size() == 1) {
+    answers.Take(Analyze(words.files.front(), job));
+    return answers.Finish(job);
+  }
+  // inputs are noted in the order of the files, independent of the threads
+  for (const std::string& path : words.files) NoteInput(path);
+  Job single = job;
+  single.threads = 1;
+  const auto make_worker = [&]() -> OrderedWorker {
+    return [&](std::size_t i) -> Result<Finish> {
+      auto file = std::make_shared<AnalyzedFile>(Analyze(words.files[i], single));
+      return [&answers, file] { answers.Take(*file); };
+    };
+  };
+  const auto all = RunJobsInOrder(words.files.size(), job.threads, make_worker);
+  HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  return answers.Finish(job);
 }
 
 }  // namespace
@@ -189,6 +266,9 @@ int RunAnalyze(int argc, const char* const* argv) {
   AnalyzeWords words;
   DeclareAnalyze(&options, &words);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  auto files = FilesOf(words.files);
+  if (!files) return cli::ReportError(kVerb, files.error());
+  words.files = *std::move(files);
   auto job = JobOf(words);
   if (!job) return cli::ReportError(kVerb, job.error());
   job->outputs.json = options.json();

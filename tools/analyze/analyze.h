@@ -10,6 +10,7 @@
 #include "dsp/analysis/sweep_analysis.h"
 #include "dsp/analysis/window_samples.h"
 #include "tools/analyze/analyze_question.h"
+#include "tools/analyze/expectation.h"
 #include "tools/document/document.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/import/import_options.h"
@@ -34,7 +35,8 @@ struct AnalyzedFile {
   std::string source;                      ///< metadata.source; empty: the file does not say
   std::vector<trial::DataSource> sources;  ///< of its data
   double step_m = 0;                       ///< of the displacement's source; 0: not known
-  trial::Findings findings;  ///< what is lost of it and what was assumed in reading it
+  trial::Findings findings;        ///< what is lost of it and what was assumed in reading it
+  ExpectationFindings deviations;  ///< from what is expected
   std::vector<document::Figure> figures;
 };
 
@@ -46,12 +48,15 @@ struct AnalyzedFile {
 /// `band_rms_estimate_m` and `tone_amplitude_estimate_m`. `is_alone`: the document has no other.
 [[nodiscard]] document::Section TrialSection(const AnalyzedFile& file, bool is_alone);
 
+/// A row of --table: the answer, the window, the tone, and the kinds of all findings.
+[[nodiscard]] document::Section TableRow(const AnalyzedFile& file);
+
 /// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
 [[nodiscard]] document::Section ClosingSection(bool has_numbers);
 
-/// Distance over time, the filtered signal, and ten periods of it; grey is what no number is of.
-/// `analysis` was made of `rows` with keep_filtered. Memory: about 40 B a row.
-/// Errors: as RowSource::Read.
+/// Distance over time, the states of the drive with window and noise, the filtered signal, and ten
+/// periods of it; grey is what no number is of. `analysis` was made of `rows` with keep_filtered.
+/// Memory: about 40 B a row. Errors: as RowSource::Read.
 [[nodiscard]] Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
                                                               const dsp::BandAnalysis& analysis);
 

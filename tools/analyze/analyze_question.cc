@@ -59,6 +59,15 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
     return Usage("--sweep", "cannot be combined with --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
   }
+  if (words.sweep && !(words.expect.empty() && words.table.empty())) {
+    return Usage("--sweep", "cannot be combined with --expect and --table",
+                 "give --response for its points");
+  }
+  if (!words.table.empty()) {
+    auto writable =
+        cli::CheckOutput(words.table, cli::kTrialsTableOutput, words.spectrum.overwrite);
+    if (!writable) return writable;
+  }
   if (!words.sweep && !words.response.empty()) {
     return Usage("--response", "applies to a sweep only", "give --sweep too");
   }
@@ -96,13 +105,21 @@ Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
   options->Positionals("files", &words->files,
-                       "Trials (trial.bin) or CSV with time_s,displacement_m");
+                       "Trials (trial.bin), CSV with time_s,displacement_m, or folders of them");
   cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
   options->Text("--window", &words->window, "auto|all|FROM:TO",
                 "Part to use: the steady drive (auto), all that is free of filter transients "
                 "(all), or an interval such as 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
                 "Drive-off trial whose noise in the band is subtracted (mean square)");
+  options->Choice("--hum", &words->hum, {"subtract", "keep"},
+                  "Hum of the mains: subtracted, or counted as vibration", cli::Shown::kHelpAll);
+  options->Text("--expect", &words->expect, "LIST",
+                "What a trial should show, as 'tone=225Hz+-1Hz, change<5%, source=device'; a trial "
+                "that differs is a doubt, with exit status 3",
+                cli::Shown::kHelpAll);
+  options->Output("--table", &words->table, "FILE.csv",
+                  "Write a row per trial, with the kinds of its findings");
   options->Flag("--all", &words->outputs.all, "Print all numbers, with the uncertainty budget");
   options->Output("--plot", &words->outputs.plot, "FILE.svg|png|pdf",
                   "Draw the trial and the part that is used");
@@ -135,6 +152,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   dsp::BandQuestion question = std::move(*asked);
   // the filtered record is kept in memory only where it is drawn
   question.keep_filtered = words.outputs.HasFigures();
+  question.keep_hum = words.hum == "keep";
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());
@@ -187,7 +205,7 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
                cli::Shown::kHelpAll)
       .Default("0.5");
   options->Flag("--overwrite", &words->overwrite,
-                "Replace older tables of --spectrum, --spectrogram and --response",
+                "Replace older tables of --table, --spectrum, --spectrogram and --response",
                 cli::Shown::kHelpAll);
   options->Choice(
       "--scaling", &words->scaling, {"density", "amplitude"},

@@ -23,7 +23,7 @@ struct SpectrumWords {
   std::string window = "hann";
   std::optional<Quantity> overlap;
   std::string scaling = "density";
-  bool overwrite = false;  ///< also of the table of a sweep's points
+  bool overwrite = false;  ///< also of the tables of trials and of a sweep's points
 };
 
 /// What is asked of a spectrum.
@@ -51,6 +51,9 @@ struct AnalyzeWords {
   cli::BandWords band{.band = "20-500Hz", .order = {}, .corner = "whole"};
   std::string window = "auto";
   std::string floor;
+  std::string hum = "subtract";
+  std::string expect;
+  std::string table;  ///< of all trials; empty: none
   std::optional<Quantity> drive_frequency_hz;
   bool sweep = false;
   std::string response;

@@ -151,73 +151,52 @@ constexpr auto kRows = std::to_array<Row>({
     // how a window was chosen
     {kAllSettled, {"all-settled", "all that is free of filter transients"}},
     {kWindowAsked, {"window-asked", "requested: {from_s} to {to_s}"}},
-    {kSteadyDrive, {"steady-drive", "steady part of the drive"}},
-    {kSettledOfDrive,
-     {"settled-of-drive", "the part of the drive that is free of filter transients"}},
-    {kWhereFrequencyMoves,
-     {"where-frequency-moves", "where a vibration of changing frequency exceeds the noise"}},
-    // the course of the drive
-    {kTooShortForParts, {"too-short-for-parts", "too short to be split into parts"}},
-    {kNothingStandsOut,
-     {"nothing-stands-out", "no part of the {of} exceeds the rest for long enough"}},
-    {kOneLevel,
-     {"one-level", "the power of the {of} has one level: the drive is on throughout, or never"}},
-    {kStandsOut,
-     {"stands-out",
-      "the RMS of the {of} is {ratio} times that of the rest, [in {parts} parts, the longest ]from "
-      "{from_s} to {to_s}"}},
-    {kToneNeverPauses, {"tone-never-pauses", "the tone has no pause: the drive is on throughout"}},
-    {kOnlyTransients, {"only-transients", "only transients exceed the noise"}},
-    {kSweepIsNoDrive,
-     {"sweep-is-no-drive",
-      "the frequency changes: the part that exceeds the noise is not taken as the drive"}},
-    {kDriveOn, {"drive-on", "the drive is on from {from_s} to {to_s}"}},
-    {kVibrationStandsOut,
-     {"vibration-stands-out",
-      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
-      "{to_s}"}},
-    // what goes with them
-    {kTransientsExcluded,
-     {"transients-excluded",
-      "{parts} part{parts s} of the record excluded as filter transients: no longer than the "
-      "filter rings ({ringing_s}), with its rise and fall"}},
-    {kLevelChanges,
-     {"level-changes",
-      "the vibration's level changes, but its tone has no pause: all of it is used"}},
-    {kDriveTooShort,
-     {"drive-too-short",
-      "the drive is on from {from_s} to {to_s}; {settled_s} of it are free of filter transients "
-      "and {needed_s} are needed: drive longer, or raise the band's lower corner; --window all "
-      "also uses the record outside of it[, --window {window_from_s SI}s:{window_to_s SI}s its "
-      "part free of transients]"}},
-    {kDriveNotSettled,
-     {"drive-not-settled",
-      "the drive is on from {from_s} to {to_s}; {settled_s} of it are free of filter transients: "
-      "drive longer, record longer before and after it, or choose a lower --order; --window all "
-      "also uses the record outside of it[, --window {window_from_s SI}s:{window_to_s SI}s its "
-      "part free of transients]"}},
-    {kVibrationTooShort,
-     {"vibration-too-short",
-      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
-      "{to_s}; {settled_s} of it are free of filter transients and {needed_s} are needed: drive "
-      "longer, or raise the band's lower corner; --window all also uses the record outside of it[, "
-      "--window {window_from_s SI}s:{window_to_s SI}s its part free of transients]"}},
-    {kVibrationNotSettled,
-     {"vibration-not-settled",
-      "a vibration of {frequency_hz} and about {rms_m} RMS exceeds the noise from {from_s} to "
-      "{to_s}; {settled_s} of it are free of filter transients: drive longer, record longer before "
-      "and after it, or choose a lower --order; --window all also uses the record outside of it[, "
-      "--window {window_from_s SI}s:{window_to_s SI}s its part free of transients]"}},
+    {kSteadyDrive, {"steady-drive", "the longest steady interval of the drive"}},
+    {kOneState, {"one-state", "the drive is on throughout"}},
+    // the states of the drive
+    {kNoDrive,
+     {"no-drive",
+      "no drive found: no tone exceeds the noise for long enough[; the noise in the band is "
+      "{noise_m} RMS][, and a steady vibration is at most {at_most_m} RMS (95 %)]; --window all "
+      "gives the RMS of whatever is there"}},
+    {kNothingSteady,
+     {"nothing-steady",
+      "the drive is on[ for {on_s}], but no interval of it is steady and free of filter transients "
+      "for long enough: drive longer at a constant amplitude, choose an interval with --window "
+      "FROM:TO, or use --window all for the RMS of the whole record"}},
+    {kBeats,
+     {"beats",
+      "[{components} ]tones beat from {from_s} to {to_s}, so that the amplitude is never constant: "
+      "the RMS is that of the beating vibration"}},
     {kWindowMixed,
      {"window-mixed",
       "in {off_s} of the window's {window_s} the drive is off or changes; --window auto uses the "
-      "steady part"}},
+      "longest steady interval"}},
     {kDriveOffInWindow, {"drive-off-in-window", "the drive is off in the whole window"}},
-    {kDriveUnsteady, {"drive-unsteady", "the amplitude changes by {drift %} over the drive"}},
+    {kDriveUnsteady, {"drive-unsteady", "the amplitude changes by {drift %} over the window"}},
     {kFrequencyMoves,
      {"frequency-moves",
       "the frequency changes from {from_hz} to {to_hz}: this is a sweep, and the RMS is that of "
       "all of it; use --sweep"}},
+    {kFrequencyDrifts,
+     {"frequency-drifts",
+      "the frequency drifts from {from_hz} to {to_hz}; the RMS includes all of it"}},
+    {kDriveContradicted,
+     {"drive-contradicted",
+      "the drive channel is off from {from_s} to {to_s}, where the displacement vibrates: check "
+      "the channel and its connection"}},
+    {kDriveDelayed,
+     {"drive-delayed",
+      "the vibration follows the drive channel by {delay_s}, with a standard uncertainty of "
+      "{uncertainty_s}; corrected for in the choice of the window"}},
+    {kBumpsExcluded,
+     {"bumps-excluded",
+      "{count} bump{count s} excluded together with the filter's response, {excluded_s} of the "
+      "window in all, the first at {from_s}"}},
+    {kOtherDrive,
+     {"other-drive",
+      "the tone is at {frequency_hz}, and the header states a drive of {expected_hz}: check the "
+      "generator, or correct the header"}},
     // the requested or chosen window
     {kWindowOutside,
      {"window-outside",
@@ -234,11 +213,35 @@ constexpr auto kRows = std::to_array<Row>({
      {"window-clipped",
       "{share %} of the window is clipped, so that its RMS is a lower limit: move the sensor or "
       "choose a wider range"}},
+    {kCornerLoss,
+     {"corner-loss",
+      "the tone at {frequency_hz} is near a corner of the band, where the filter passes {gain %} "
+      "of its amplitude: without the filter the RMS is {rms_m}; a wider --band avoids this"}},
+    // hum of the mains
+    {kHumSubtracted,
+     {"hum-subtracted",
+      "hum of the mains subtracted: {lines} line{lines s}, the strongest {amplitude_m} at "
+      "{frequency_hz}; --hum keep counts it as vibration"}},
+    {kHumAtDrive,
+     {"hum-at-drive",
+      "hum of {amplitude_m} at {frequency_hz} is too close to the drive to be distinguished from "
+      "it: the RMS includes it; drive at another frequency"}},
+    {kMainsFrequency,
+     {"mains-frequency",
+      "the only tone is at {frequency_hz}[, {amplitude_m},] a multiple of the mains' frequency, "
+      "and "
+      "never off: it may be hum; record an interval with the drive off, drive at another "
+      "frequency, "
+      "or count it as vibration by --hum keep"}},
     // noise floor
     {kNoFloor,
      {"no-floor",
       "noise floor not known, and not subtracted: no drive-off interval of 0.1 s or more outside "
       "the window; give a drive-off trial by --floor FILE"}},
+    {kQuietHasDrive,
+     {"quiet-has-drive",
+      "where the drive is off, a tone of {amplitude_m} at {frequency_hz} remains: it is excluded "
+      "from the noise"}},
     {kFloorOfOtherRate,
      {"floor-of-other-rate",
       "the floor has {floor_per_s SI} readings/s and this trial {readings_per_s SI}: a sensor's "
@@ -265,6 +268,10 @@ constexpr auto kRows = std::to_array<Row>({
      {"rms-too-small",
       "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
       "than it states?"}},
+    {kQuantised,
+     {"quantised",
+      "steps of {step_m} without noise to smooth them may change the RMS by {share %}: use a finer "
+      "resolution, or a smaller range"}},
     // gain of the sensor's averaging
     {kGainInBand,
      {"gain-in-band",
@@ -377,6 +384,18 @@ std::string RefusalOf(const dsp::Findings& findings) {
   return texts.empty() ? std::string() : texts.front();
 }
 
+// "0.000 s to 0.375 s, 2.100 s to 3.000 s of the record", a file, or the drive's surroundings
+std::string SourceOf(const dsp::NoiseFloor& floor) {
+  if (floor.from == dsp::NoiseSource::kFile) return floor.file;
+  if (floor.from == dsp::NoiseSource::kBeside) return "the spectrum beside the drive";
+  std::string windows;
+  for (const dsp::TimeWindow& quiet : floor.quiet) {
+    windows += fmt::format("{}{:.3f} s to {:.3f} s", windows.empty() ? "" : ", ", quiet.begin_s,
+                           quiet.end_s);
+  }
+  return windows + " of the record";
+}
+
 // averaging of the sensor in words: number of averages and sampling period, ms
 std::string TextOf(const dsp::SensorAveraging& sensor) {
   const std::string held = sensor.repeats > 1
@@ -399,6 +418,9 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"drive's edges", "what a window shorter by a period at either end would change"},
       {"spikes", "their energy within the band"},
       {"steps", "their energy within the band"},
+      {"power between band edge and drive", "what is neither the drive nor noise there"},
+      {"hum", "half of its power, as no pause shows it alone"},
+      {"change of the amplitude", "half of it over the window"},
   }};
   return kTexts.at(static_cast<std::size_t>(cause));
 }

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "dsp/analysis/band_question.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
@@ -28,6 +29,10 @@ inline constexpr std::string_view kAveragingRemedy =
 
 /// The first refusal in words; empty where there is none.
 [[nodiscard]] std::string RefusalOf(const dsp::Findings& findings);
+
+/// Where a noise level is from: the name of its file, "0.000 s to 0.375 s of the record", or "the
+/// spectrum beside the drive".
+[[nodiscard]] std::string SourceOf(const dsp::NoiseFloor& floor);
 
 /// "16 averages at 0.33 ms", "no averaging", "averaging unknown", each with ", each reading held
 /// for 5 rows" where that is so.

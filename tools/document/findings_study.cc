@@ -15,6 +15,12 @@ document::Sentence SentenceOf(StudyFinding kind) {
       {kFrequencyMoves, "frequency-moves",
        "the drive's frequency moves, so the RMS is that of a sweep[, {trials} of {of_trials} "
        "trials]"},
+      {kOtherFrequency, "other-frequency",
+       "the tone is at {frequency_hz}, and that of the other trials of the condition at "
+       "{median_hz}: check the generator"},
+      {kDoubtful, "doubtful",
+       "the analysis states a doubt ({doubt})[, {trials} of {of_trials} trials]; haptometer "
+       "analyze prints it in full"},
       {kNoNoiseCorrection, "no-noise-correction",
        "not corrected for noise: no quiet part, and no drive-off trial (--floor)[, {trials} of "
        "{of_trials} trials]"},
@@ -24,6 +30,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE "
        "-o OUT.csv makes one of any trial)[, {trials} of {of_trials} trials]"},
       {kDataMissing, "data-missing", "{what}[, {trials} of {of_trials} trials]"},
+      {kWithoutDrive, "without-drive",
+       "no drive found in {trials} of {of_trials} trials, none of which counts as a measurement"},
       {kTableIgnored, "table-ignored", "a table of results, no trial: ignored"},
       // completeness and outliers, which are reported and retained
       {kTrialsMissing, "trials-missing", "{answered} of {expected} trial{expected s} with a value"},

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <regex>
 #include <set>
 #include <string_view>
@@ -16,8 +15,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "base/toml.h"
-#include "tools/cli/csv_cell.h"
-#include "tools/document/keys.h"
+#include "tools/cli/recording_files.h"
 
 namespace haptometer::tools {
 namespace {
@@ -67,15 +65,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// enough for the header of a CSV, without the whole file
-constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
-
 constexpr std::array<std::string_view, 3> kLabels{"subject", "condition", "repeat"};
-
-bool IsRecording(const fs::path& path) {
-  const std::string ending = path.extension();
-  return ending == ".bin" || ending == ".csv" || ending == ".lvm";
-}
 
 // a pattern as regular expression, and the label of each of its groups
 struct Compiled {
@@ -102,25 +92,6 @@ Compiled Compile(const std::string& pattern) {
   expression += std::regex_replace(std::string(begin, pattern.end()), special, R"(\$&)");
   compiled.expression = std::regex(expression);
   return compiled;
-}
-
-// whether a CSV is a table of results and not a recording, by the names in its header
-bool IsTableOfResults(const std::string& path) {
-  if (fs::path(path).extension() != ".csv") return false;
-  std::ifstream file(path, std::ios::binary);
-  std::string beginning(kMostHeaderBytes, '\0');
-  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
-  beginning.resize(static_cast<std::size_t>(file.gcount()));
-  // the first line that is no comment
-  std::string_view rest = beginning;
-  while (rest.starts_with('#') && rest.find('\n') != std::string_view::npos) {
-    rest.remove_prefix(rest.find('\n') + 1);
-  }
-  const auto names = cli::CellsOf(rest.substr(0, rest.find_first_of("\r\n")));
-  const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
-  // columns of study, matching and sweeps; a frequency without time is a spectrum
-  return has(document::kSubject.name) || has(document::kRms.name) || has(document::kBandRms.name) ||
-         has("matched_v") || (has(document::kFrequency.name) && !has(document::kTime.name));
 }
 
 // labels from the file's name; a name that does not fit is an error of this file alone
@@ -187,25 +158,12 @@ std::optional<std::map<std::string, std::string>> LabelsOf(const std::string& pa
 
 Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
                                              const std::string& pattern) {
-  std::vector<std::string> paths;
-  std::error_code error;
-  for (auto at = fs::recursive_directory_iterator(folder, error);
-       at != fs::recursive_directory_iterator() && !error; at.increment(error)) {
-    std::error_code ignored;
-    if (at->is_regular_file(ignored) && IsRecording(at->path())) paths.push_back(at->path());
-  }
-  // the order of the folder is arbitrary
-  std::ranges::sort(paths);
-  std::vector<TrialFile> files;
-  files.reserve(paths.size());
-  for (const std::string& path : paths) {
-    const bool is_table = IsTableOfResults(path);
-    files.push_back(is_table ? TrialFile{.path = path, .is_table = true} : Labelled(path, pattern));
-  }
-  if (std::ranges::all_of(files, &TrialFile::is_table)) {
-    return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");
-  }
-  return files;
+  const auto found = cli::RecordingsIn(folder);
+  if (!found) return std::unexpected(found.error());
+  return Mapped(*found, [&](const cli::RecordingFile& file) {
+    return file.is_table ? TrialFile{.path = file.path, .is_table = true}
+                         : Labelled(file.path, pattern);
+  });
 }
 
 // groups of files in the manifest's folder; without groups the folder itself

@@ -77,9 +77,8 @@ struct TrialFile {
 /// (Cause::kUsage).
 [[nodiscard]] Result<void> CheckPattern(const std::string& pattern);
 
-/// All recordings (.bin, .csv, .lvm) in a folder and the folders in it, by name, and the tables of
-/// results among them: CSV files whose header names band RMS, matched voltages, subjects, or
-/// frequencies without a time. Errors (Cause::kCannotAnswer): there is no recording.
+/// The recordings of a folder and the tables of results among them (cli::RecordingsIn), with the
+/// labels that `pattern` finds in their names. Errors: as cli::RecordingsIn.
 [[nodiscard]] Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
                                                            const std::string& pattern);
 

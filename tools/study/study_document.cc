@@ -82,17 +82,33 @@ Section BandSection(const dsp::BandPass& band) {
   return section;
 }
 
+// trials by what they are good for
+Section CountsSection(const StudyTable& table) {
+  Section section{.name = "counts"};
+  const auto add = [&](std::string_view name, std::string_view label, const auto& is_so) {
+    const auto count = std::ranges::count_if(table.trials, is_so);
+    section.Add(Key{name, count > 0 ? label : ""}, static_cast<std::size_t>(count));
+  };
+  add(kAnswered.name, "trials with a value", &StudyTrial::answered);
+  add("doubtful", "of which doubtful",
+      [](const StudyTrial& trial) { return trial.answered && trial.is_doubtful; });
+  add("without_drive", "trials without a drive", &StudyTrial::has_no_drive);
+  add("without_value", "trials without a value for another reason",
+      [](const StudyTrial& trial) { return !trial.answered && !trial.has_no_drive; });
+  return section;
+}
+
 Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
   const dsp::NoiseFloor known = floor.value_or(dsp::NoiseFloor{});
   // RMS in m of the noise floor, sqrt of its mean square
   const double rms_m = std::sqrt(known.power.mean_square);
   Section section{.name = "floor", .is_known = floor.has_value()};
-  section.Add(document::kFile, known.source);
+  section.Add(document::kFile, known.file);
   section
       // u(rms) = u(mean square) / (2 rms)
       .Add({document::kRms.name, "noise correction", document::kMetre}, rms_m,
            std::sqrt(known.power.variance) / 2 / rms_m)
-      .note = fmt::format("RMS of {}, subtracted in mean square", known.source);
+      .note = fmt::format("RMS of {}, subtracted in mean square", known.file);
   section.Add({document::kDuration.name}, known.duration_s);
   return section;
 }
@@ -346,6 +362,18 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
     }
     findings.Add(std::move(finding));
   }
+  findings.AddAll(FindOtherFrequencies(study.table));
+  // trials without a drive are named together: a session with the amplifier off has many
+  std::vector<std::string> without_drive;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (trial.has_no_drive) without_drive.push_back(trial.file);
+  }
+  if (!without_drive.empty()) {
+    findings.Add({Severity::kDoubt,
+                  StudyFinding::kWithoutDrive,
+                  {{"trials", without_drive.size()}, {"of_trials", study.table.trials.size()}},
+                  fmt::format("{}", fmt::join(without_drive, ", "))});
+  }
   // place of a subject's mean in a message
   const auto cell = [](const auto& of) {
     return fmt::format("subject {} in {}", of.subject, of.condition);
@@ -393,6 +421,7 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
   root.Add(kContrastsPlanned, study.planned);
   root.sections = {BandSection(study.question.band),
                    FloorSection(study.question.floor),
+                   CountsSection(table),
                    ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
                    ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray},
                           study.contrasts, ContrastSection),

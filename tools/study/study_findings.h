@@ -15,11 +15,14 @@ enum class StudyFinding : std::uint8_t {
   kBelowNoise,         ///< noise_m, at_most_m
   kOrderLowered,       ///< order
   kFrequencyMoves,     ///< its RMS is that of a sweep
+  kOtherFrequency,     ///< frequency_hz, median_hz: of the other trials of its condition
+  kDoubtful,           ///< doubt: name of a doubt of its analysis
   kNoNoiseCorrection,  ///< neither a floor nor a quiet part
   kFloorDoubtful,      ///< doubt
   kAveragingUnknown,   ///< so the sensor's gain is
   kDataMissing,        ///< what
   // of a study; those of a trial may have trials and of_trials too
+  kWithoutDrive,           ///< trials, of_trials
   kTableIgnored,           ///< a table of results among the trials
   kTrialsMissing,          ///< answered, expected
   kOutlyingTrial,          ///< times, robust_z

@@ -180,9 +180,20 @@ void FindDeviations(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& 
   if (analysis.band.order != question.band.order) {
     findings.Note(StudyFinding::kOrderLowered, {{"order", analysis.band.order}});
   }
-  if (analysis.frequency_move) findings.Doubt(StudyFinding::kFrequencyMoves);
+  if (analysis.findings.Has(dsp::FindingKind::kFrequencyMoves)) {
+    findings.Doubt(StudyFinding::kFrequencyMoves);
+  }
   if (!numbers.floor) findings.Note(StudyFinding::kNoNoiseCorrection);
-  for (const dsp::Finding& doubt : dsp::FloorDoubts(numbers, analysis.record.rate_hz)) {
+  // doubts of the analysis by name; a sweep and the floor have words of their own
+  const std::vector<dsp::Finding> of_floor = dsp::FloorDoubts(numbers, analysis.record.rate_hz);
+  for (const dsp::Finding& found : analysis.findings.list()) {
+    const bool has_own = found.kind == dsp::FindingKind::kFrequencyMoves ||
+                         std::ranges::count(of_floor, found.kind, &dsp::Finding::kind) > 0;
+    if (found.severity != Severity::kDoubt || has_own) continue;
+    findings.Doubt(StudyFinding::kDoubtful,
+                   {{"doubt", std::string(document::SentenceOf(found.kind).kind)}});
+  }
+  for (const dsp::Finding& doubt : of_floor) {
     findings.Doubt(StudyFinding::kFloorDoubtful, {{"doubt", document::WordsOf(doubt)}});
   }
   if (!numbers.sensor.amplitude_verified) findings.Doubt(StudyFinding::kAveragingUnknown);
@@ -191,6 +202,7 @@ void FindDeviations(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& 
 void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
                   StudyTrial& trial) {
   trial.reasons = document::RefusalsOf(analysis.findings);
+  trial.has_no_drive = analysis.findings.Has(dsp::FindingKind::kNoDrive);
   if (!analysis.answered || !analysis.numbers) return;
   const dsp::BandNumbers& numbers = *analysis.numbers;
   const dsp::RmsEstimate& rms = numbers.rms;
@@ -206,6 +218,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   }
   trial.rms_m = rms.rms_m;
   trial.rms_uncertainty_m = rms.standard_uncertainty_m;
+  if (numbers.tone) trial.tone_hz = numbers.tone->fit.frequency_hz;
   trial.is_of_drive = numbers.part.from_drive;
   trial.below_band_removed = numbers.below_band && numbers.below_band->modelled;
   trial.gain_corrected = numbers.sensor.divided_out;
@@ -247,6 +260,8 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
     if (found.severity == Severity::kNote) continue;
     trial.findings.Doubt(StudyFinding::kDataMissing, {{"what", document::WordsOf(found)}});
   }
+  trial.is_doubtful = std::ranges::count(trial.findings.list(), Severity::kDoubt,
+                                         &FindingOf<StudyFinding>::severity) > 0;
   return trial;
 }
 
@@ -375,6 +390,34 @@ std::vector<Deviation> FindDeviations(const StudyTable& table) {
     }
   }
   return deviations;
+}
+
+StudyFindings FindOtherFrequencies(const StudyTable& table) {
+  StudyFindings findings;
+  // the answered trials of each condition that have a tone
+  std::map<std::string, std::vector<const StudyTrial*>> conditions;
+  for (const StudyTrial& trial : table.trials) {
+    if (trial.answered && trial.tone_hz) conditions[trial.condition].push_back(&trial);
+  }
+  for (const auto& [name, trials] : conditions) {
+    if (trials.size() < 3) continue;
+    const double median_hz =
+        dsp::Median(Mapped(trials, [](const StudyTrial* trial) { return *trial->tone_hz; }));
+    const auto is_other = [&](const StudyTrial* trial) {
+      return std::abs(*trial->tone_hz / median_hz - 1) > kOtherFrequencyShare;
+    };
+    // a condition of many frequencies has no median that its trials should have
+    const auto others = static_cast<std::size_t>(std::ranges::count_if(trials, is_other));
+    if (2 * others >= trials.size()) continue;
+    for (const StudyTrial* trial : trials) {
+      if (!is_other(trial)) continue;
+      findings.Add({Severity::kDoubt,
+                    StudyFinding::kOtherFrequency,
+                    {{"frequency_hz", *trial->tone_hz}, {"median_hz", median_hz}},
+                    trial->file});
+    }
+  }
+  return findings;
 }
 
 std::vector<Outlying> FindOutlying(const StudyTable& table) {

@@ -37,7 +37,10 @@ struct StudyTrial {
   std::optional<double> rms_m;             ///< within the band
   std::optional<double> rms_with_floor_m;  ///< the same without the correction for noise
   std::optional<double> rms_uncertainty_m;
-  bool is_of_drive = false;         ///< its window is a part of the drive
+  std::optional<double> tone_hz;
+  bool is_of_drive = false;         ///< its window lies in a state in which the drive is on
+  bool has_no_drive = false;        ///< no drive found: never a measurement
+  bool is_doubtful = false;         ///< its analysis or its file gives rise to a doubt
   bool below_band_removed = false;  ///< motion below the band was modelled and subtracted
   bool gain_corrected = false;      ///< the sensor's gain at the tone was divided out
 };
@@ -132,6 +135,11 @@ struct Deviation {
 /// Neither scale counts below kLeastScatter, nor below the relative standard uncertainty that the
 /// trial states (a cell: the median of its trials').
 [[nodiscard]] std::vector<Outlying> FindOutlying(const StudyTable& table);
+
+/// Trials whose tone is farther from the median of their condition than kOtherFrequencyShare, in
+/// conditions of three trials or more most of which agree.
+inline constexpr double kOtherFrequencyShare = 0.01;
+[[nodiscard]] StudyFindings FindOtherFrequencies(const StudyTable& table);
 
 /// One condition against another, subject by subject.
 struct Contrast {

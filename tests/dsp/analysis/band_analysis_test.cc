@@ -96,13 +96,15 @@ TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
   // records of a tone in noise, and of noise alone
   constexpr std::uint64_t kRecords = tests::kIsSanitized ? 12 : 200;
   for (const double amplitude_m : {2e-6, 0.0}) {
+    BandQuestion question;
+    if (amplitude_m == 0) question.choice = WindowChoice::kAll;
     std::vector<double> rms_m;
     double stated_m = 0;
     for (std::uint64_t seed = 1; seed <= kRecords; ++seed) {
       Noise noise(seed);
       std::vector<double> values = Samples(2e3, 3000, 0.03, {{amplitude_m, 150, 0.4}});
       for (double& value : values) value += 1e-6 * noise();
-      const BandAnalysis analysis = Answer(RecordOf(values, 2e3));
+      const BandAnalysis analysis = Answer(RecordOf(values, 2e3), question);
       ASSERT_TRUE(analysis.answered);
       rms_m.push_back(analysis.numbers->rms.rms_m);
       stated_m += analysis.numbers->rms.standard_uncertainty_m / kRecords;
@@ -295,11 +297,17 @@ TEST(BandAnalysis, KnownTimesTooUnevenAreAReason) {
   EXPECT_TRUE(analysis.findings.Has(FindingKind::kTimesTooUneven));
 }
 
-TEST(BandAnalysis, NoiseHasNoTone) {
+TEST(BandAnalysis, NoiseHasNoDriveAndNoTone) {
   Noise noise(11);
   std::vector<double> values(30'000, 0.03);
   for (double& value : values) value += 1e-6 * noise();
-  const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+  const BandAnalysis refused = Answer(RecordOf(values, kRateHz));
+  EXPECT_FALSE(refused.answered);
+  EXPECT_THAT(RefusalsIn(refused.findings), ::testing::ElementsAre(FindingKind::kNoDrive));
+  // of all samples there is an answer for whatever is there
+  BandQuestion all;
+  all.choice = WindowChoice::kAll;
+  const BandAnalysis analysis = Answer(RecordOf(values, kRateHz), all);
   ASSERT_TRUE(analysis.answered);
   EXPECT_FALSE(analysis.numbers->tone);
   EXPECT_FALSE(analysis.numbers->sensor.gain_at_tone);

@@ -133,7 +133,7 @@ TEST(DriveOnset, IsNotDeterminedWithoutAQuietPartBefore) {
   const auto analysis = AnalyzeBand(RecordOf(Samples(kRateHz, kRows, 0, {{1e-5, 225}}), 1e4), {});
   ASSERT_TRUE(analysis && analysis->answered);
   EXPECT_FALSE(analysis->numbers->onset);
-  EXPECT_EQ(analysis->numbers->part.drive.course, DriveCourse::kUnchanging);
+  EXPECT_EQ(analysis->numbers->part.why.kind, FindingKind::kOneState);
 }
 
 TEST(DriveOnset, ANoisyVoltageTellsNoLatency) {

@@ -173,7 +173,8 @@ TEST(TrueVibrationOfAPause, AWindowThatIsAskedForIsTaken) {
 
 TEST(TrueVibrationOfAPause, ADriveOffTrialGivesTheFloor) {
   const auto off = AnalyzeBand(TrialOf(Trial{0, 225, false, false, true}, 9), {});
-  ASSERT_TRUE(off && off->answered);
+  ASSERT_TRUE(off);
+  EXPECT_THAT(RefusalsIn(off->findings), ::testing::ElementsAre(FindingKind::kNoDrive));
   BandQuestion question;
   question.floor = FloorOf(*off, "off.bin");
   ASSERT_TRUE(question.floor);
@@ -182,7 +183,7 @@ TEST(TrueVibrationOfAPause, ADriveOffTrialGivesTheFloor) {
   ASSERT_TRUE(on && on->answered);
   EXPECT_REL(on->numbers->rms.as_measured_m, 10.8e-6, 0.03, "9 um over 5.9 um");
   EXPECT_REL(on->numbers->rms.rms_m, 9e-6, 0.05, "noise");
-  EXPECT_EQ(on->numbers->floor->source, "off.bin");
+  EXPECT_EQ(on->numbers->floor->file, "off.bin");
   // nothing but floor
   const auto none = AnalyzeBand(TrialOf(Trial{0, 225, false, false, true}, 10), question);
   EXPECT_LT(none->numbers->rms.lower_m, 1e-6);

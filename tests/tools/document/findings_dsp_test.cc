@@ -188,118 +188,95 @@ const std::vector<Case> kCases{
      "RMS, is modelled beyond both ends of the record and subtracted"},
     {kAllSettled, {}, "all-settled", "all that is free of filter transients"},
     {kWindowAsked, {{"from_s", 1.5}, {"to_s", 2.25}}, "window-asked", "requested: 1.5 s to 2.25 s"},
-    {kSteadyDrive, {}, "steady-drive", "steady part of the drive"},
-    {kSettledOfDrive,
-     {},
-     "settled-of-drive",
-     "the part of the drive that is free of filter transients"},
-    {kWhereFrequencyMoves,
-     {},
-     "where-frequency-moves",
-     "where a vibration of changing frequency exceeds the noise"},
-    {kTooShortForParts, {}, "too-short-for-parts", "too short to be split into parts"},
-    {kNothingStandsOut,
-     {{"of", "tone"s}},
-     "nothing-stands-out",
-     "no part of the tone exceeds the rest for long enough"},
-    {kOneLevel,
-     {{"of", "tone"s}},
-     "one-level",
-     "the power of the tone has one level: the drive is on throughout, or never"},
-    {kStandsOut,
-     {{"of", "tone"s}, {"ratio", 12.5}, {"parts", 2}, {"from_s", 1.5}, {"to_s", 2.25}},
-     "stands-out",
-     "the RMS of the tone is 12.5 times that of the rest, in 2 parts, the longest from 1.5 s to "
-     "2.25 s"},
-    {kToneNeverPauses,
-     {},
-     "tone-never-pauses",
-     "the tone has no pause: the drive is on throughout"},
-    {kOnlyTransients, {}, "only-transients", "only transients exceed the noise"},
-    {kSweepIsNoDrive,
-     {},
-     "sweep-is-no-drive",
-     "the frequency changes: the part that exceeds the noise is not taken as the drive"},
-    {kDriveOn,
-     {{"from_s", 1.5}, {"to_s", 2.25}},
-     "drive-on",
-     "the drive is on from 1.5 s to 2.25 s"},
-    {kVibrationStandsOut,
-     {{"frequency_hz", 225.0}, {"rms_m", 9e-06}, {"from_s", 1.5}, {"to_s", 2.25}},
-     "vibration-stands-out",
-     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s"},
-    {kTransientsExcluded,
-     {{"parts", 2}, {"ringing_s", 0.35}},
-     "transients-excluded",
-     "2 parts of the record excluded as filter transients: no longer than the filter rings (350 "
-     "ms), with its rise and fall"},
-    {kLevelChanges,
-     {},
-     "level-changes",
-     "the vibration's level changes, but its tone has no pause: all of it is used"},
-    {kDriveTooShort,
-     {{"from_s", 1.5},
-      {"to_s", 2.25},
-      {"settled_s", 0.1},
-      {"needed_s", 0.125},
-      {"window_from_s", 1.55},
-      {"window_to_s", 1.65}},
-     "drive-too-short",
-     "the drive is on from 1.5 s to 2.25 s; 100 ms of it are free of filter transients and 125 ms "
-     "are needed: drive longer, or raise the band's lower corner; --window all also uses the "
-     "record outside of it, --window 1.55s:1.65s its part free of transients"},
-    {kDriveNotSettled,
-     {{"from_s", 1.5},
-      {"to_s", 2.25},
-      {"settled_s", 0.1},
-      {"window_from_s", 1.55},
-      {"window_to_s", 1.65}},
-     "drive-not-settled",
-     "the drive is on from 1.5 s to 2.25 s; 100 ms of it are free of filter transients: drive "
-     "longer, record longer before and after it, or choose a lower --order; --window all also uses "
-     "the record outside of it, --window 1.55s:1.65s its part free of transients"},
-    {kVibrationTooShort,
-     {{"frequency_hz", 225.0},
-      {"rms_m", 9e-06},
-      {"from_s", 1.5},
-      {"to_s", 2.25},
-      {"settled_s", 0.1},
-      {"needed_s", 0.125},
-      {"window_from_s", 1.55},
-      {"window_to_s", 1.65}},
-     "vibration-too-short",
-     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s; 100 ms of "
-     "it are free of filter transients and 125 ms are needed: drive longer, or raise the band's "
-     "lower corner; --window all also uses the record outside of it, --window 1.55s:1.65s its part "
-     "free of transients"},
-    {kVibrationNotSettled,
-     {{"frequency_hz", 225.0},
-      {"rms_m", 9e-06},
-      {"from_s", 1.5},
-      {"to_s", 2.25},
-      {"settled_s", 0.1},
-      {"window_from_s", 1.55},
-      {"window_to_s", 1.65}},
-     "vibration-not-settled",
-     "a vibration of 225 Hz and about 9 um RMS exceeds the noise from 1.5 s to 2.25 s; 100 ms of "
-     "it are free of filter transients: drive longer, record longer before and after it, or choose "
-     "a lower --order; --window all also uses the record outside of it, --window 1.55s:1.65s its "
-     "part free of transients"},
+    {kSteadyDrive, {}, "steady-drive", "the longest steady interval of the drive"},
+    {kOneState, {}, "one-state", "the drive is on throughout"},
+    {kNoDrive,
+     {{"noise_m", 1.5e-08}, {"at_most_m", 2.5e-08}},
+     "no-drive",
+     "no drive found: no tone exceeds the noise for long enough; the noise in the band is 0.015 um "
+     "RMS, and a steady vibration is at most 0.025 um RMS (95 %); --window all gives the RMS of "
+     "whatever is there"},
+    {kNothingSteady,
+     {{"on_s", 0.25}},
+     "nothing-steady",
+     "the drive is on for 250 ms, but no interval of it is steady and free of filter transients "
+     "for long enough: drive longer at a constant amplitude, choose an interval with --window "
+     "FROM:TO, or use --window all for the RMS of the whole record"},
+    {kBeats,
+     {{"components", 2}, {"from_s", 1.5}, {"to_s", 2.25}},
+     "beats",
+     "2 tones beat from 1.5 s to 2.25 s, so that the amplitude is never constant: the RMS is that "
+     "of the beating vibration"},
     {kWindowMixed,
      {{"off_s", 0.25}, {"window_s", 1.0}},
      "window-mixed",
-     "in 250 ms of the window's 1 s the drive is off or changes; --window auto uses the steady "
-     "part"},
+     "in 250 ms of the window's 1 s the drive is off or changes; --window auto uses the longest "
+     "steady interval"},
     {kDriveOffInWindow, {}, "drive-off-in-window", "the drive is off in the whole window"},
     {kDriveUnsteady,
      {{"drift", 0.061}},
      "drive-unsteady",
-     "the amplitude changes by 6.1 % over the drive"},
+     "the amplitude changes by 6.1 % over the window"},
     {kFrequencyMoves,
      {{"from_hz", 60.0}, {"to_hz", 450.0}},
      "frequency-moves",
      "the frequency changes from 60 Hz to 450 Hz: this is a sweep, and the RMS is that of all of "
      "it; use --sweep"},
+    {kFrequencyDrifts,
+     {{"from_hz", 225.0}, {"to_hz", 229.0}},
+     "frequency-drifts",
+     "the frequency drifts from 225 Hz to 229 Hz; the RMS includes all of it"},
+    {kDriveContradicted,
+     {{"from_s", 1.5}, {"to_s", 2.25}},
+     "drive-contradicted",
+     "the drive channel is off from 1.5 s to 2.25 s, where the displacement vibrates: check the "
+     "channel and its connection"},
+    {kDriveDelayed,
+     {{"delay_s", 0.012}, {"uncertainty_s", 0.001}},
+     "drive-delayed",
+     "the vibration follows the drive channel by 12 ms, with a standard uncertainty of 1 ms; "
+     "corrected for in the choice of the window"},
+    {kBumpsExcluded,
+     {{"count", 2}, {"excluded_s", 0.25}, {"from_s", 1.5}},
+     "bumps-excluded",
+     "2 bumps excluded together with the filter's response, 250 ms of the window in all, the first "
+     "at 1.5 s"},
+    {kOtherDrive,
+     {{"frequency_hz", 230.0}, {"expected_hz", 225.0}},
+     "other-drive",
+     "the tone is at 230 Hz, and the header states a drive of 225 Hz: check the generator, or "
+     "correct the header"},
+    {kCornerLoss,
+     {{"frequency_hz", 490.0}, {"gain", 0.76}, {"rms_m", 9e-06}},
+     "corner-loss",
+     "the tone at 490 Hz is near a corner of the band, where the filter passes 76 % of its "
+     "amplitude: without the filter the RMS is 9 um; a wider --band avoids this"},
+    {kHumSubtracted,
+     {{"frequency_hz", 50.0}, {"amplitude_m", 2.5e-07}, {"lines", 3}},
+     "hum-subtracted",
+     "hum of the mains subtracted: 3 lines, the strongest 0.25 um at 50 Hz; --hum keep counts it "
+     "as "
+     "vibration"},
+    {kHumAtDrive,
+     {{"frequency_hz", 250.0}, {"amplitude_m", 2.5e-07}},
+     "hum-at-drive",
+     "hum of 0.25 um at 250 Hz is too close to the drive to be distinguished from it: the RMS "
+     "includes it; drive at another frequency"},
+    {kMainsFrequency,
+     {{"frequency_hz", 150.0}, {"amplitude_m", 2.5e-07}},
+     "mains-frequency",
+     "the only tone is at 150 Hz, 0.25 um, a multiple of the mains' frequency, and never off: it "
+     "may be hum; record an interval with the drive off, drive at another frequency, or count it "
+     "as vibration by --hum keep"},
+    {kQuietHasDrive,
+     {{"amplitude_m", 2.5e-07}, {"frequency_hz", 225.0}},
+     "quiet-has-drive",
+     "where the drive is off, a tone of 0.25 um at 225 Hz remains: it is excluded from the noise"},
+    {kQuantised,
+     {{"share", 0.031}, {"step_m", 1e-06}},
+     "quantised",
+     "steps of 1 um without noise to smooth them may change the RMS by 3.1 %: use a finer "
+     "resolution, or a smaller range"},
     {kWindowOutside,
      {{"from_s", 1.5}, {"to_s", 2.25}, {"record_from_s", 0.0}, {"record_to_s", 3.0}},
      "window-outside",
@@ -480,10 +457,10 @@ TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
   EXPECT_THAT(
       text(kTooShort, {{"settled_s", 0.0}, {"order", 6}, {"needed_s", 0.1}, {"record_s", 2.0}}),
       ::testing::EndsWith("100 ms are needed: record at least 2 s without a gap"));
-  EXPECT_EQ(text(kStandsOut, {{"of", "drive"s}, {"ratio", 2.0}, {"from_s", 1.0}, {"to_s", 2.0}}),
-            "the RMS of the drive is 2 times that of the rest, from 1 s to 2 s");
-  EXPECT_THAT(text(kDriveNotSettled, {{"from_s", 1.0}, {"to_s", 2.0}, {"settled_s", 0.0}}),
-              ::testing::EndsWith("--window all also uses the record outside of it"));
+  EXPECT_EQ(text(kNoDrive, {}),
+            "no drive found: no tone exceeds the noise for long enough; --window all gives the RMS "
+            "of whatever is there");
+  EXPECT_THAT(text(kNothingSteady, {}), ::testing::StartsWith("the drive is on, but no interval"));
 }
 
 TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
@@ -496,6 +473,13 @@ TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
               ::testing::ElementsAre("none of its readings is a measurement",
                                      "a.bin: the displacement shows no response to the drive"));
   EXPECT_EQ(RefusalOf(findings), "none of its readings is a measurement");
+}
+
+TEST(FindingsOfDsp, SayWhereANoiseLevelIsFrom) {
+  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kFile, .file = "off.bin"}), "off.bin");
+  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kQuiet, .quiet = {{0, 0.375}, {2.1, 3}}}),
+            "0.000 s to 0.375 s, 2.100 s to 3.000 s of the record");
+  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kBeside}), "the spectrum beside the drive");
 }
 
 TEST(FindingsOfDsp, SayASensorsAveraging) {
@@ -512,6 +496,7 @@ TEST(FindingsOfDsp, SayASensorsAveraging) {
 TEST(FindingsOfDsp, NameEachCauseOfAnUncertainty) {
   EXPECT_EQ(TextOf(dsp::RmsCause::kNoise).name, "noise");
   EXPECT_EQ(TextOf(dsp::RmsCause::kSteps).name, "steps");
+  EXPECT_EQ(TextOf(dsp::RmsCause::kDrift).name, "change of the amplitude");
 }
 
 }  // namespace

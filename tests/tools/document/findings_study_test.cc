@@ -33,6 +33,16 @@ std::vector<Case> Cases() {
        {},
        "frequency-moves",
        "the drive's frequency moves, so the RMS is that of a sweep"},
+      {kOtherFrequency,
+       {{"frequency_hz", 230.0}, {"median_hz", 225.0}},
+       "other-frequency",
+       "the tone is at 230 Hz, and that of the other trials of the condition at 225 Hz: check the "
+       "generator"},
+      {kDoubtful,
+       {{"doubt", std::string("drive-unsteady")}, {"trials", 2}, {"of_trials", 9}},
+       "doubtful",
+       "the analysis states a doubt (drive-unsteady), 2 of 9 trials; haptometer analyze prints it "
+       "in full"},
       {kNoNoiseCorrection,
        {},
        "no-noise-correction",
@@ -48,6 +58,10 @@ std::vector<Case> Cases() {
        "CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o "
        "OUT.csv makes one of any trial), 3 of 3 trials"},
       {kDataMissing, {{"what", std::string("cut short")}}, "data-missing", "cut short"},
+      {kWithoutDrive,
+       {{"trials", 2}, {"of_trials", 9}},
+       "without-drive",
+       "no drive found in 2 of 9 trials, none of which counts as a measurement"},
       {kTableIgnored, {}, "table-ignored", "a table of results, no trial: ignored"},
       {kTrialsMissing,
        {{"answered", 2}, {"expected", 3}},

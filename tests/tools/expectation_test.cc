@@ -1,0 +1,129 @@
+#include "tools/analyze/expectation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptometer::tools {
+namespace {
+
+using enum ExpectationFinding;
+using trial::DataSource;
+
+// 10 um at 225 Hz whose amplitude falls by 3 % over the window
+dsp::BandAnalysis Measured() {
+  dsp::BandAnalysis analysis;
+  analysis.answered = true;
+  analysis.numbers.emplace();
+  analysis.numbers->rms.rms_m = 7e-6;
+  analysis.numbers->part.from_drive = true;
+  analysis.numbers->part.state.drift = -0.03;
+  analysis.numbers->tone.emplace();
+  analysis.numbers->tone->fit.frequency_hz = 225;
+  analysis.numbers->tone->amplitude_m = 1e-5;
+  return analysis;
+}
+
+std::vector<ExpectationFinding> KindsOf(const std::string& text, const dsp::BandAnalysis& analysis,
+                                        const std::vector<DataSource>& sources = {
+                                            DataSource::kDevice}) {
+  const auto expected = ParseExpectation(text);
+  EXPECT_TRUE(expected) << text;
+  std::vector<ExpectationFinding> kinds;
+  for (const auto& found : DeviationsFrom(*expected, analysis, sources).list()) {
+    EXPECT_EQ(found.severity, Severity::kDoubt);
+    kinds.push_back(found.kind);
+  }
+  return kinds;
+}
+
+TEST(Expectation, IsMetWithinItsTolerance) {
+  const dsp::BandAnalysis analysis = Measured();
+  EXPECT_THAT(KindsOf("tone=226Hz+-1Hz, amplitude = 11um+-1um,rms=7.5um+-0.5um, change<3.1%, "
+                      "source=device",
+                      analysis),
+              ::testing::IsEmpty());
+  EXPECT_THAT(KindsOf("source=device", analysis, {DataSource::kDevice, DataSource::kInterrupted}),
+              ::testing::IsEmpty());
+}
+
+TEST(Expectation, NamesWhatDeviates) {
+  const dsp::BandAnalysis analysis = Measured();
+  EXPECT_THAT(KindsOf("tone=226.1Hz+-1Hz", analysis), ::testing::ElementsAre(kOtherTone));
+  EXPECT_THAT(KindsOf("amplitude=8.9um+-1um", analysis), ::testing::ElementsAre(kOtherAmplitude));
+  EXPECT_THAT(KindsOf("rms=6um+-0.9um", analysis), ::testing::ElementsAre(kOtherRms));
+  EXPECT_THAT(KindsOf("change<2.9%", analysis), ::testing::ElementsAre(kChanges));
+  EXPECT_THAT(KindsOf("source=device", analysis, {DataSource::kSimulated}),
+              ::testing::ElementsAre(kOtherSource));
+}
+
+TEST(Expectation, OfWhatIsNotDeterminedIsNotMet) {
+  dsp::BandAnalysis refused = Measured();
+  refused.answered = false;
+  EXPECT_THAT(
+      KindsOf("tone=225Hz+-1Hz, amplitude=10um+-1um, rms=7um+-1um, change<5%, source=device",
+              refused, {}),
+      ::testing::ElementsAre(kNotDetermined, kNotDetermined, kNotDetermined, kNotDetermined,
+                             kNotDetermined));
+}
+
+TEST(Expectation, ThatIsNoneIsRefused) {
+  for (const char* text :
+       {"", "tone", "tone=225Hz", "tone=225mm+-1mm", "change<5", "change<0%", "change=5%",
+        "rms<5um", "source=interrupted", "source=moon", "pitch=225Hz+-1Hz",
+        "tone=225Hz+-1Hz,tone=226Hz+-1Hz", "source=device,", "source=device,source=device"}) {
+    const auto expected = ParseExpectation(text);
+    ASSERT_FALSE(expected) << text;
+    EXPECT_EQ(expected.error().cause, Cause::kUsage);
+    EXPECT_THAT(expected.error().Text(), ::testing::StartsWith("--expect: ")) << text;
+  }
+}
+
+struct Case {
+  ExpectationFinding kind;
+  std::vector<FindingNumber> numbers;
+  std::string name;
+  std::string text;
+};
+
+TEST(Expectation, DeviationsSayTheirSentences) {
+  const std::vector<Case> cases{
+      {kOtherTone,
+       {{"frequency_hz", 230.0}, {"expected_hz", 225.0}, {"tolerance_hz", 1.0}},
+       "other-tone-than-expected",
+       "the tone is at 230 Hz; 225 Hz +- 1 Hz is expected"},
+      {kOtherAmplitude,
+       {{"amplitude_m", 12e-6}, {"expected_m", 10e-6}, {"tolerance_m", 1e-6}},
+       "other-amplitude-than-expected",
+       "the amplitude of the tone is 12 um; 10 um +- 1 um is expected"},
+      {kOtherRms,
+       {{"rms_m", 12e-6}, {"expected_m", 10e-6}, {"tolerance_m", 1e-6}},
+       "other-rms-than-expected",
+       "the vibration is 12 um RMS; 10 um +- 1 um is expected"},
+      {kChanges,
+       {{"change", 0.061}, {"most", 0.05}},
+       "larger-change-than-expected",
+       "the amplitude changes by 6.1 % over the window; less than 5 % is expected"},
+      {kOtherSource,
+       {{"source", std::string("simulated")}, {"expected", std::string("device")}},
+       "other-source-than-expected",
+       "the data are simulated; device is expected"},
+      {kNotDetermined,
+       {{"quantity", std::string("the RMS")}},
+       "expected-quantity-not-determined",
+       "the RMS is not determined, although a value is expected"}};
+  std::set<ExpectationFinding> kinds;
+  for (const Case& one : cases) {
+    kinds.insert(one.kind);
+    EXPECT_EQ(SentenceOf(one.kind).kind, one.name);
+    EXPECT_EQ(document::Fill(SentenceOf(one.kind).text, one.numbers), one.text);
+  }
+  EXPECT_EQ(kinds.size(), static_cast<std::size_t>(kNotDetermined) + 1);
+}
+
+}  // namespace
+}  // namespace haptometer::tools

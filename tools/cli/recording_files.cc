@@ -1,0 +1,63 @@
+#include "tools/cli/recording_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "tools/cli/csv_cell.h"
+#include "tools/document/keys.h"
+
+namespace haptometer::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// enough for the header of a CSV, without the whole file
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
+
+bool IsRecording(const fs::path& path) {
+  const std::string ending = path.extension();
+  return ending == ".bin" || ending == ".csv" || ending == ".lvm";
+}
+
+// whether a CSV is a table of results and not a recording, by the names in its header
+bool IsTableOfResults(const std::string& path) {
+  if (fs::path(path).extension() != ".csv") return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string beginning(kMostHeaderBytes, '\0');
+  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(file.gcount()));
+  // the first line that is no comment
+  std::string_view rest = beginning;
+  while (rest.starts_with('#') && rest.find('\n') != std::string_view::npos) {
+    rest.remove_prefix(rest.find('\n') + 1);
+  }
+  const auto names = CellsOf(rest.substr(0, rest.find_first_of("\r\n")));
+  const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
+  // columns of analyze, study, matching and sweeps; a frequency without time is a spectrum
+  return has(document::kSubject.name) || has(document::kRms.name) || has(document::kBandRms.name) ||
+         has("matched_v") || (has(document::kFrequency.name) && !has(document::kTime.name));
+}
+
+}  // namespace
+
+Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder) {
+  std::vector<RecordingFile> files;
+  std::error_code error;
+  for (auto at = fs::recursive_directory_iterator(folder, error);
+       at != fs::recursive_directory_iterator() && !error; at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_regular_file(ignored) && IsRecording(at->path())) files.push_back({at->path()});
+  }
+  // the order of the folder is arbitrary
+  std::ranges::sort(files, {}, &RecordingFile::path);
+  for (RecordingFile& file : files) file.is_table = IsTableOfResults(file.path);
+  if (std::ranges::all_of(files, &RecordingFile::is_table)) {
+    return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");
+  }
+  return files;
+}
+
+}  // namespace haptometer::cli
