@@ -103,6 +103,15 @@ function(haptometer_script_test name script)
     ENVIRONMENT "HAPTOMETER_PROGRAMS=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};PYTHONDONTWRITEBYTECODE=1")
 endfunction()
 
+# haptometer_reference_test(NAME SCRIPT ARGUMENT...)
+# A script test that runs no program of this tree: it derives numbers that tests compare with, or reads the
+# sources. Under the sanitizers it would be the same again, so only the other builds have it.
+function(haptometer_reference_test name script)
+  if(NOT HAPTOMETER_SANITIZED)
+    haptometer_script_test(${name} ${script} ${ARGN})
+  endif()
+endfunction()
+
 # haptometer_bench(NAME SOURCES ... DEPENDS ...)
 # The Google Benchmark program NAME_bench, and a ctest entry that runs each of its cases once, so that it is
 # known to work. No test checks its times.
