@@ -21,7 +21,7 @@ UNNAMED = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re
 DECLARED = re.compile(r"^(?![\s/}#]|namespace |using [\w:]+;|static_assert|[A-Z_]+\()"
                       r"[^(={;\[]*?[\s*&](\w+) ?[(={;\[]", re.MULTILINE)
 DECLARED_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)", re.MULTILINE)
-MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzerTestOneInput)\(", re.MULTILINE)
+MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzer\w+)\(", re.MULTILINE)
 TEST_CASE = re.compile(r"^TEST\w*\((\w+),\s*(\w+)\)", re.MULTILINE)
 USING = re.compile(r"^ *using ([\w:]*::(\w+));$", re.MULTILINE)
 INCLUDE = re.compile(r"^#include .*$", re.MULTILINE)
