@@ -79,8 +79,9 @@ class Source:
         self.names = bare_names(path) | set(self.meanings)
 
     def renamable(self, private, text):
-        """The private names that the file never qualifies and none of its headers uses."""
-        used = frozenset().union(*map(bare_names, self.headers))
+        """The private names that the file never qualifies and none of its headers uses. Only main() may end
+        without a return, so it keeps its name."""
+        used = frozenset({"main"}).union(*map(bare_names, self.headers))
         return frozenset(name for name in private - used
                          if not re.search(rf"(?:\.|->|::){name}\b", text))
 
