@@ -67,11 +67,12 @@ function(haptometer_rooms_first target)
   target_link_options(${target} PRIVATE "LINKER:--whole-archive,${archives},--no-whole-archive")
 endfunction()
 
-# haptometer_test(NAME SOURCES ... DEPENDS ...)
-# The program NAME_test with one ctest entry per GoogleTest case. It finds fixtures and programs through
-# compile definitions, so it runs from any directory.
+# haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...])
+# The program NAME_test with one ctest entry per GoogleTest case, which is a process of its own; TOGETHER are
+# suites with one entry each, whose cases share what takes seconds to compute. It finds fixtures and programs
+# through compile definitions, so it runs from any directory.
 function(haptometer_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS;TOGETHER")
   set(target ${name}_test)
   add_executable(${target} ${test_SOURCES})
   target_compile_definitions(${target} PRIVATE
@@ -89,8 +90,18 @@ function(haptometer_test name)
       target_precompile_headers(${target} PRIVATE <nlohmann/json.hpp>)
     endif()
   endif()
-  gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES
+  set(alone "*")
+  if(test_TOGETHER)
+    list(TRANSFORM test_TOGETHER APPEND ".*" OUTPUT_VARIABLE shared)
+    list(JOIN shared ":" shared)
+    set(alone "-${shared}")
+  endif()
+  gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES TEST_FILTER "${alone}"
                        PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  foreach(suite IN LISTS test_TOGETHER)
+    add_test(NAME ${name}.${suite} COMMAND ${target} --gtest_filter=${suite}.*)
+    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600)
+  endforeach()
 endfunction()
 
 # haptometer_script_test(NAME SCRIPT ARGUMENT...)
@@ -101,6 +112,15 @@ function(haptometer_script_test name script)
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
     ENVIRONMENT "HAPTOMETER_PROGRAMS=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};PYTHONDONTWRITEBYTECODE=1")
+endfunction()
+
+# haptometer_reference_test(NAME SCRIPT ARGUMENT...)
+# A script test that runs no program of this tree: it derives numbers that tests compare with, or reads the
+# sources. Under the sanitizers it would be the same again, so only the other builds have it.
+function(haptometer_reference_test name script)
+  if(NOT HAPTOMETER_SANITIZED)
+    haptometer_script_test(${name} ${script} ${ARGN})
+  endif()
 endfunction()
 
 # haptometer_bench(NAME SOURCES ... DEPENDS ...)

@@ -21,7 +21,7 @@ UNNAMED = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re
 DECLARED = re.compile(r"^(?![\s/}#]|namespace |using [\w:]+;|static_assert|[A-Z_]+\()"
                       r"[^(={;\[]*?[\s*&](\w+) ?[(={;\[]", re.MULTILINE)
 DECLARED_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)", re.MULTILINE)
-MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzerTestOneInput)\(", re.MULTILINE)
+MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzer\w+)\(", re.MULTILINE)
 TEST_CASE = re.compile(r"^TEST\w*\((\w+),\s*(\w+)\)", re.MULTILINE)
 USING = re.compile(r"^ *using ([\w:]*::(\w+));$", re.MULTILINE)
 INCLUDE = re.compile(r"^#include .*$", re.MULTILINE)
@@ -79,8 +79,9 @@ class Source:
         self.names = bare_names(path) | set(self.meanings)
 
     def renamable(self, private, text):
-        """The private names that the file never qualifies and none of its headers uses."""
-        used = frozenset().union(*map(bare_names, self.headers))
+        """The private names that the file never qualifies and none of its headers uses. Only main() may end
+        without a return, so it keeps its name."""
+        used = frozenset({"main"}).union(*map(bare_names, self.headers))
         return frozenset(name for name in private - used
                          if not re.search(rf"(?:\.|->|::){name}\b", text))
 

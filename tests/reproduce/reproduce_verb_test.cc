@@ -27,10 +27,15 @@ Outcome Reproduced(const std::vector<std::string>& words) {
   return Captured(RunReproduce, "reproduce", words);
 }
 
-// once for all tests of it
+// these two once for all tests of them, which CMakeLists.txt keeps in one process
 const Outcome& Chained() {
   static const Outcome outcome = Reproduced({"--chain", "--json"});
   return outcome;
+}
+
+const std::vector<ThesisFigure>& Figures() {
+  static const std::vector<ThesisFigure> figures = ModelFigures({});
+  return figures;
 }
 
 TEST(ReproduceVerb, JsonHasEveryNumberOfTheThesisOnceAndIsComplete) {
@@ -160,7 +165,7 @@ double LargestOf(const plot::Series& series) { return *std::ranges::max_element(
 
 // what is drawn holds what is printed beside it
 TEST(ThesisFigures, HoldTheExtremesOfTheirData) {
-  const auto figures = ModelFigures({});
+  const auto& figures = Figures();
   ASSERT_EQ(figures.size(), 6U);
   const auto& rise = FigureOf(figures, "figure-2.3").panels[0].series;
   ASSERT_EQ(rise.size(), 3U);
@@ -186,8 +191,7 @@ TEST(ThesisFigures, HoldTheExtremesOfTheirData) {
 
 // 49 circles of 5.7 mm about a pad of 15 mm, as many reached as are counted
 TEST(ThesisFigures, DrawTheFieldsThatAreReached) {
-  const auto figures = ModelFigures({});
-  for (const plot::Panel& panel : FigureOf(figures, "figure-2.2").panels) {
+  for (const plot::Panel& panel : FigureOf(Figures(), "figure-2.2").panels) {
     EXPECT_TRUE(panel.equal_axes);
     std::array<std::ptrdiff_t, 3> circles{};
     for (std::size_t i = 0; i < circles.size(); ++i) {
