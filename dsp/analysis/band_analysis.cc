@@ -158,9 +158,10 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
 }
 
 // the answer for rows as they are; `why_not`, if there is one, is a refusal of the band
-Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
-                                 int threads, const std::optional<Finding>& why_not) {
+Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion question, int threads,
+                                 const std::optional<Finding>& why_not) {
   const trial::Record& head = source.head();
+  if (!question.drive_frequency_hz) question.drive_frequency_hz = head.metadata.drive_frequency_hz;
   const auto channel = AnalyzedChannel(head);
   if (!channel) return std::unexpected(channel.error());
 

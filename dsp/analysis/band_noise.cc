@@ -165,11 +165,11 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
   }
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const double power = noise.densities[k] * (noise.parts[k].to_hz - noise.parts[k].from_hz);
-    const double relative =
-        kCorrelatedBins / static_cast<double>(std::max<std::size_t>(counts[k], 1));
+    const auto bins = static_cast<double>(std::max<std::size_t>(counts[k], 1));
+    const double relative = kCorrelatedBins / bins;
     noise.power.mean_square += power;
     noise.power.variance += 2.08 * relative * power * power;
-    noise.variance_of_rest += 1.08 * relative * power * power;
+    noise.variance_of_rest += (2.08 * relative - 1 / bins) * power * power;
   }
   return noise;
 }

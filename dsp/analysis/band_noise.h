@@ -70,10 +70,10 @@ struct NoiseBeside {
 /// Proc. IEEE 66, 1978, p. 51) between the corners is cut at ratios of 1.5. A part's density is the
 /// median of its bins / ln 2 (a periodogram's bin of noise is exponential), so lines and bursts
 /// that fill less than half of it change little; a part without eight bins takes its neighbour's.
-/// The power is the sum of density x width over the band, widened by the filter's skirts. With n
-/// independent bins of a part, var(median / ln 2) = 2.08 / n of its square, and var(sum of the bins
-/// - estimate) = 1.08 / n: the mean is efficient, so that its covariance with the median is its own
-/// variance. Zero where no part has bins.
+/// The power is the sum of density x width over the band. Of n bins, c = 2 of
+/// which the window correlates, var(median / ln 2) = 2.08 c / n of its square, and var(sum of the
+/// window's own bins, untapered, - estimate) = (2.08 c - 1) / n: the mean is efficient, so that its
+/// covariance with the median is its own variance. Zero where no part has bins.
 [[nodiscard]] NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
                                              const BandPass& band,
                                              std::span<const FrequencyRange> excluded);

@@ -52,7 +52,8 @@ struct BandQuestion {
   TimeWindow window;  ///< where `choice` is kGiven
   /// Of a drive-off trial (FloorOf); measured in the record's own quiet part where absent.
   std::optional<NoiseFloor> floor;
-  /// For a record too slow for the band; the file's metadata is asked where absent.
+  /// For a record too slow for the band, and for hum at the drive's frequency; the file's metadata
+  /// is asked where absent.
   std::optional<double> drive_frequency_hz;
   bool keep_hum = false;      ///< whether hum of the mains counts as vibration
   bool keep_filtered = true;  ///< whether BandAnalysis::filtered_m is filled: 8 B a row

@@ -187,11 +187,10 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
     if (edge.rises) course.on.push_back({edge.time_s, end_s});
     if (!edge.rises) course.on.back().end_s = edge.time_s;
   }
-  if (drive->is_coarse) course.on.clear();
   auto differences = Differences(edges, PowerEdges(motion, signal.start_s(), cell_s, window_s));
-  if (!differences.empty() && !drive->is_coarse) {
-    course.delay = DelayOf(std::move(differences), window_s);
-  }
+  // of a channel of two levels only the displacement says whether it is a drive or flickers
+  if (drive->is_coarse && differences.empty()) course.on = {{signal.start_s(), end_s}};
+  if (!differences.empty()) course.delay = DelayOf(std::move(differences), window_s);
   return course;
 }
 

@@ -269,9 +269,13 @@ std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz
     states.push_back(next);
   }
   for (StateInterval& state : states) {
-    state.is_steady = state.state == DriveState::kOn && std::abs(state.drift) < kMostDrift &&
+    if (state.state != DriveState::kOn) continue;
+    state.is_steady = std::abs(state.drift) < kMostDrift &&
                       state.scatter < MostScatter(state, lower_hz) &&
                       state.coherence > kLeastCoherence;
+    // tremor reaches the band's foot as a tone that is never steady
+    const bool at_foot = std::max(state.from_hz, state.to_hz) < kFoot * lower_hz;
+    if (at_foot && !state.is_steady) state.state = DriveState::kOff;
   }
   return states;
 }

@@ -13,7 +13,6 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr std::array<double, 2> kMainsHz{50, 60};
 constexpr double kMainsTolerance = 0.06;  // Hz, of the fundamental
 constexpr int kMostMultiples = 10;
 constexpr double kShortestS = 1;
@@ -22,6 +21,10 @@ constexpr std::size_t kMostValues = std::size_t{1} << 21U;
 // of |z|: how far a window may lie from the mean, and how far above the noise it is
 constexpr double kSteadyPart = 0.3;
 constexpr double kAboveNoise = 5;
+// windows in which a switched drive is seen to be off, and the noise of one
+constexpr double kShortWindowS = 0.25;
+constexpr double kShortWindows = 16;
+constexpr double kShortNoises = 3;
 
 // weight of the taper at u from 0 to 1
 double Taper(double u) {
@@ -59,6 +62,23 @@ struct Windows {
   }
 };
 
+// whether a line is there in every short window, but for its noise
+bool IsSteady(const Windows& windows, double frequency_hz, const std::complex<double>& mean) {
+  const double whole_s = static_cast<double>(windows.values.size()) / windows.rate_hz;
+  const double short_s = std::max(kShortWindowS, whole_s / kShortWindows);
+  const Windows shorter{
+      windows.values, windows.rate_hz,
+      std::min(windows.length, static_cast<std::size_t>(short_s * windows.rate_hz))};
+  const double away_hz = 5 * windows.rate_hz / static_cast<double>(shorter.length);
+  for (std::size_t k = 0; k < shorter.count(); ++k) {
+    const double noise = std::min(std::abs(shorter.Demodulated(k, frequency_hz - away_hz)),
+                                  std::abs(shorter.Demodulated(k, frequency_hz + away_hz)));
+    const double off = std::abs(shorter.Demodulated(k, frequency_hz) - mean);
+    if (off > kSteadyPart * std::abs(mean) + kShortNoises * noise) return false;
+  }
+  return true;
+}
+
 // a line near `frequency_hz`, if it is steady and above the noise beside it
 std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, double tolerance) {
   // frequency: phase from window to window
@@ -84,11 +104,9 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   std::complex<double> mean = 0;
   for (const auto& one : z) mean += one / static_cast<double>(z.size());
   if (std::abs(mean) <= kAboveNoise * noise / static_cast<double>(z.size())) return std::nullopt;
-  const bool steady = std::ranges::all_of(z, [&](const std::complex<double>& one) {
-    return std::abs(one - mean) <= kSteadyPart * std::abs(mean);
-  });
-  if (!steady) return std::nullopt;
-  return SteadyLine{exact_hz, mean.real(), -mean.imag()};
+  return IsSteady(windows, exact_hz, mean)
+             ? std::optional(SteadyLine{exact_hz, mean.real(), -mean.imag()})
+             : std::nullopt;
 }
 
 }  // namespace
@@ -104,7 +122,8 @@ double ValueOf(std::span<const SteadyLine> lines, double t_s) {
   return sum;
 }
 
-Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band) {
+Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band,
+                                        std::optional<double> stated_hz) {
   ThinnedSignal samples(signal, band, {});
   const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
   std::vector<SteadyLine> lines;
@@ -116,6 +135,7 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
                         static_cast<std::size_t>(window_s * samples.rate_hz())};
   for (const double mains_hz : kMainsHz) {
     if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
+    if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kStatedHz) continue;
     const auto fundamental = LineNear(windows, mains_hz, kMainsTolerance);
     if (!fundamental) continue;
     lines.push_back(*fundamental);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +12,10 @@
 
 /// Hum of the mains: tones at 50 or 60 Hz and its multiples that are there whether the drive is.
 namespace haptometer::dsp {
+
+/// Mains frequencies, and how far a stated drive's frequency may be off a multiple of one.
+inline constexpr std::array<double, 2> kMainsHz{50, 60};
+inline constexpr double kStatedHz = 1;
 
 /// A sine of steady frequency that is there all the time and is no drive.
 struct SteadyLine {
@@ -30,10 +36,14 @@ struct SteadyLine {
 /// within the band. A line z is the mean of demodulated windows of half the segment (20 s at most),
 /// each tapered (Blackman and Harris), so that a drive eight bins away does not reach it; the
 /// windows' phases give its frequency. It is hum where z exceeds five times what noise gives and
-/// every window lies within 0.3 |z| of it: a drive that is switched does not. A multiple must not
-/// exceed the fundamental: a drive at 100 Hz beside weak hum is no hum. Below 1 s, and beyond 2^21
-/// values, nothing is sought. Errors: as BandSignal::Read. Cost: 20 flops a value and line.
+/// each of many short windows (a quarter of a second, or a sixteenth of the segment) lies within
+/// 0.3 |z| and its own noise of it: a drive that is switched does not. A multiple must not exceed
+/// the fundamental: a drive at 100 Hz beside weak hum is no hum. Where `stated_hz`, the drive's
+/// known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that mains is not sought. Below 1 s, and
+/// beyond 2^21 values, nothing is sought. Errors: as BandSignal::Read. Cost: 20 flops a value and
+/// line.
 [[nodiscard]] Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal,
-                                                      const BandPass& band);
+                                                      const BandPass& band,
+                                                      std::optional<double> stated_hz);
 
 }  // namespace haptometer::dsp

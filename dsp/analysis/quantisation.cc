@@ -42,6 +42,9 @@ double QuantisationBound(double step, double amplitude, double noise_rms, int ha
       const double argument = 2 * std::numbers::pi * k * amplitude / step;
       error += left * std::abs(std::cyl_bessel_j(static_cast<double>(n), argument));
     }
+    // |J_n(x)| <= sqrt(2 / (pi x)) beyond the terms: a sum of k^-1.5, ended by noise
+    const double tail = std::exp(-2 * std::pow(std::numbers::pi * kMostTerms * noise, 2));
+    error += tail * 2 / (std::numbers::pi * std::sqrt(kMostTerms * amplitude / step));
     error *= 2 * step / std::numbers::pi;
     if (n == 1) first = error;
     if (n > 1) square += 0.5 * error * error;

@@ -17,7 +17,8 @@ namespace haptometer::dsp {
 /// whatever the offset between steps (Jacobi and Anger's expansion of the rounding error's Fourier
 /// series; Widrow and Kollar, Quantization Noise, 2008, 5.3). The RMS is off by e(1) / sqrt(2) at
 /// most, and by the power of the harmonics 2 to `harmonics` that the band holds. Noise of half a
-/// step makes it 1e-2 of the amplitude of one step. Cost: 200 terms a harmonic.
+/// step makes it 1e-2 of the amplitude of one step. Cost: 200 terms a harmonic; the rest of the
+/// series is bounded by |J_n(x)| <= sqrt(2 / (pi x)).
 [[nodiscard]] double QuantisationBound(double step, double amplitude, double noise_rms,
                                        int harmonics);
 

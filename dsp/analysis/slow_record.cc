@@ -88,8 +88,7 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
 Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& question,
                           BandAnalysis* analysis) {
   const trial::Record& head = displacement.source.head();
-  const std::optional<double> frequency_hz =
-      question.drive_frequency_hz ? question.drive_frequency_hz : head.metadata.drive_frequency_hz;
+  const std::optional<double> frequency_hz = question.drive_frequency_hz;
   if (!frequency_hz || !(*frequency_hz > 0)) return {};
   if (const auto why = TimesWillNotDo(head, *frequency_hz)) {
     analysis->findings.Add(*why);

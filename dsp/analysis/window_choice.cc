@@ -50,7 +50,7 @@ Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
     Course& course = courses.emplace_back();
     course.signal = &signal;
     if (question.keep_hum) continue;
-    auto hum = FindHum(signal, question.band);
+    auto hum = FindHum(signal, question.band, question.drive_frequency_hz);
     if (!hum) return std::unexpected(hum.error());
     course.hum = *std::move(hum);
   }

@@ -314,6 +314,10 @@ Result<void> TakeFloor(Window& window) {
       power.rest.variance = window.beside.variance_of_rest;
       power.floor = {noise, 0};
     }
+    // what is wrong in the noise is divided by the sensor's gain along with the drive
+    const double gain_fourth = std::pow(power.sensor_gain, 4);
+    power.rest.variance /= gain_fourth;
+    power.floor->variance /= gain_fourth;
   }
   window.numbers.floor = std::move(floor);
   return {};
@@ -543,10 +547,20 @@ void RemarkTone(Window& window) {
                                    {"gain", gain},
                                    {"rms_m", window.numbers.rms.rms_m / gain}});
   }
-  const auto stated_hz = window.head.metadata.drive_frequency_hz;
+  const auto stated_hz = window.question.drive_frequency_hz;
   if (stated_hz && std::abs(frequency_hz - *stated_hz) > kOtherFrequency * *stated_hz) {
     window.analysis.findings.Doubt(FindingKind::kOtherDrive,
                                    {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
+  }
+  // hum at the drive's own frequency is not sought: it adds to the drive or cancels it
+  const bool alone = window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
+  const bool of_mains = std::ranges::any_of(kMainsHz, [&](double mains_hz) {
+    return std::abs(std::remainder(frequency_hz, mains_hz)) < kStatedHz;
+  });
+  if (stated_hz && of_mains && !alone) {
+    window.analysis.findings.Doubt(
+        FindingKind::kMainsFrequency,
+        {{"frequency_hz", frequency_hz}, {"amplitude_m", window.numbers.tone->amplitude_m}});
   }
 }
 
