@@ -294,7 +294,8 @@ TEST_P(DriveAtARate, IsNotSeenWhereThereIsNone) {
   driven.on = {0, driven.record_s};
   const BandAnalysis steady = Answered(driven);
   ASSERT_TRUE(steady.answered);
-  EXPECT_REL(steady.numbers->rms.rms_m, kHiddenRmsM, 0.01, "noise of 2 um, a fifth of the drive");
+  EXPECT_REL(steady.numbers->rms.rms_m, kHiddenRmsM, 0.025,
+             "noise of 2 um: 0.6 % of the drive at 1 kHz, four times");
   EXPECT_GT(steady.numbers->part.window.duration_s(), driven.record_s / 3);
 }
 
