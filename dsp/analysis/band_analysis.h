@@ -33,12 +33,12 @@
 ///                               too slow for the band
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
-///   6. which part counts        used_part.h, by drive_part.h and frequency_move.h; missed_drive.h
-///                               and brief_tone.h guard against numbers of a pause
-///   7. numbers of that window   window_numbers.h, by tone_power.h, thinned_samples.h,
-///                               band_noise.h, sensor_gain.h and window_faults.h, put together in
-///                               rms_estimate.h
-///   8. what goes with them      drive_onset.h, window_state.h, floor_remarks.h
+///   6. the states of the drive  hum.h, drive_blocks.h, drive_states.h
+///   7. which rows count         window_choice.h
+///   8. numbers of that window   window_numbers.h, by tone_power.h, thinned_samples.h,
+///                               band_noise.h, sensor_gain.h, quantisation.h and window_faults.h,
+///                               put together in rms_estimate.h
+///   9. what goes with them      drive_channel.h, drive_onset.h, window_state.h, floor_remarks.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
 /// a road of its own, sweep_piece.h and sweep_analysis.h; spectra take window_samples.h.
@@ -200,18 +200,17 @@ struct BandAnalysis {
 /// (dsp/analysis/regular_grid.h), and a note states rate, scatter and bound; where that cannot be
 /// done, it is refused. All rows in the answer count the record's readings.
 ///
-/// The window is the longest steady part of the drive, by a voltage, current or trigger channel
-/// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
-/// whose tone is there in the quiet parts too (30 % of its amplitude) is no drive. Without one it
-/// is all that has settled, unless a drive is found that lies in what has not, or is short: then it
-/// is what has settled of that (dsp/analysis/missed_drive.h), or nothing is answered. It is
-/// shortened to whole periods of the strongest tone in it; of more than 2^21 samples the tone is
-/// sought in the middle 2^19.
+/// The window is the longest steady state of the drive (dsp/analysis/window_choice.h), whole
+/// periods of its tone; without a state that is on nothing is answered, and the numbers are an
+/// estimate of all that is free of transients. Of more than 2^21 samples the tone is sought in the
+/// middle 2^19.
 ///
-/// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
-/// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
-/// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
-/// calibration and linearity are not included.
+/// RMS^2 = (mean square - noise) / gain^2 (dsp/analysis/rms_estimate.h): the noise is the
+/// question's floor, that of the record's intervals without drive (0.1 s at least), or the spectrum
+/// beside the drive; the gain is the sensor's at the tone. Hum that is there all the time is
+/// subtracted, and bumps are excluded. Type B bounds: what leaks from below the band, the band's
+/// foot, hum that was not seen alone, drift of the amplitude, quantisation, interpolation, and
+/// transients. The sensor's calibration and linearity are not included.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
@@ -233,5 +232,14 @@ struct BandAnalysis {
 /// tone and the refusals that speak against it. Nothing where it has none.
 [[nodiscard]] std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off,
                                                 const std::string& source);
+
+/// Doubts of the floor behind `numbers`, of which it is the subject: the drive-off trial's own
+/// refusals, another rate than the trial's `rate_hz`, a tone in it (hum, or the drive itself).
+/// Nothing of a floor from the trial's own quiet part, or without one.
+[[nodiscard]] std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz);
+
+/// Says in `analysis` where the floor is missing, above what was measured (a refusal), not exceeded
+/// or doubtful (FloorDoubts).
+void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis);
 
 }  // namespace haptometer::dsp

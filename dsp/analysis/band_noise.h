@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dsp/filter/butterworth.h"
+#include "dsp/spectrum/sine_fit.h"
 
 namespace haptometer::dsp {
 
@@ -83,5 +84,39 @@ struct WeightedPower {
   double duration_s = 0;
 };
 [[nodiscard]] NoisePower Pooled(std::span<const WeightedPower> windows);
+
+/// Filtered samples, as few of them as hold the band.
+struct ThinnedSamples {
+  std::vector<double> values_m;
+  double rate_hz = 0;  ///< of `values_m`
+
+  [[nodiscard]] double duration_s() const { return static_cast<double>(values_m.size()) / rate_hz; }
+};
+
+/// Of `filtered` at `rate_hz`, behind the two passes of `design`, every n-th.
+///
+/// n is the highest power of two by which at least five times the upper corner is left and what
+/// folds to NoiseReachHz or below is 1e-9 of what was there before the filter, and at least 2^12
+/// samples.
+[[nodiscard]] ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz,
+                                     const FilterDesign& design, const BandPass& band);
+
+/// What a tone and its harmonics hold of a window's mean square, and what is left without them.
+struct TonePower {
+  double mean_square = 0;  ///< noise's share taken off; below 0 where that is the larger
+  double variance = 0;     ///< of `mean_square`, from the noise about each line
+  double density = 0;      ///< one-sided, of the noise about the tone
+  NoisePower rest;         ///< of the samples
+};
+
+/// Splits `samples`, from a window of `window_s`, into `tone` with those harmonics of it in the
+/// band that stand out, and the rest.
+///
+/// Each line is fitted beside the others (dsp/spectrum/tone.h) and taken off. With S the
+/// rest's density about a line of amplitude A, noise adds S / T to the mean of A^2 / 2 and has
+/// given it the variance A^2 S / T. Where the harmonics' fit does not settle, `tone` alone is taken
+/// off.
+[[nodiscard]] TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone,
+                                  const BandPass& band, double window_s);
 
 }  // namespace haptometer::dsp

@@ -17,7 +17,7 @@ inline constexpr double kLeastRatePerUpperCorner = 2.56;
 
 /// Which part of a record the numbers are of.
 enum class WindowChoice : std::uint8_t {
-  kAuto,   ///< the steady part of the drive (dsp/analysis/drive_part.h), or all that has settled
+  kAuto,   ///< the steady part of the drive (dsp/analysis/window_choice.h)
   kAll,    ///< all that has settled
   kGiven,  ///< a window that was asked for, as far as it has settled
 };

@@ -15,6 +15,9 @@
 namespace haptometer::dsp {
 namespace {
 
+// samples of a segment that are kept in memory rather than filtered again
+constexpr std::size_t kMostKept = std::size_t{1} << 18U;
+
 // a cell is at most 1 ms, unless the record then has more than kMostCells
 constexpr double kLongestCellS = 1e-3;
 constexpr std::size_t kMostCells = std::size_t{1} << 20U;
@@ -71,6 +74,7 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
       blocks_(design, samples.size()),
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
       cells_((samples.size() + cell_samples_ - 1) / cell_samples_),
+      kept_(samples.size() <= kMostKept ? samples.size() : 0),
       states_(blocks_.pieces()) {
   HAPTOMETER_CHECK(ZeroPhaseBlocks::kPieceSamples % cell_samples_ == 0, "cells of {} in pieces",
                    cell_samples_);
@@ -127,6 +131,9 @@ Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch
       [this](std::size_t first, std::span<double> samples) {
         if (model_) model_->AddFiltered(design_, first, samples);
         TakeCells(first, samples);
+        if (!kept_.empty()) {
+          std::ranges::copy(samples, kept_.begin() + static_cast<std::ptrdiff_t>(first));
+        }
       },
       states_, scratch);
 }
@@ -162,6 +169,10 @@ void BandSignal::FindSettled(const EndDependence& dependence) {
 Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
   HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
                    out.size(), size());
+  if (!kept_.empty()) {
+    std::ranges::copy(std::span(kept_).subspan(first, out.size()), out.begin());
+    return {};
+  }
   ZeroPhaseBlocks::Scratch scratch;
   std::vector<double> filtered;
   while (!out.empty()) {

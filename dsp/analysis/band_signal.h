@@ -30,9 +30,9 @@ struct Extremes {
 /// One segment, filtered forward and backward, readable by range whatever its length.
 ///
 /// Only the cells stay in memory (24 B each), and 384 B for each 32 256 samples; samples are
-/// filtered again when they are read. They are counted from the segment's first. Every number
-/// depends on the samples alone: not on the ranges that are asked for, nor on the number of
-/// threads. Threads may read at the same time.
+/// filtered again when they are read, but those of a segment of 2^18 at most (2 MB) are kept. They
+/// are counted from the segment's first. Every number depends on the samples alone: not on the
+/// ranges that are asked for, nor on the number of threads. Threads may read at the same time.
 class BandSignal {
  public:
   /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase.h), and
@@ -112,6 +112,7 @@ class BandSignal {
   std::size_t settled_end_ = 0;
   std::size_t cell_samples_ = 1;
   std::vector<BandCell> cells_;
+  std::vector<double> kept_;  // all filtered samples of a short segment, or none
   std::vector<ZeroPhaseBlocks::PieceStates> states_;  // from which each piece can be read again
 };
 

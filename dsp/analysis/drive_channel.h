@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/window_choice.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -64,5 +65,14 @@ struct ChannelCourse {
 [[nodiscard]] Result<ChannelCourse> FollowChannel(const trial::RowSource& source,
                                                   std::size_t channel, const BandSignal& signal,
                                                   double lower_hz);
+
+/// The onset of the part that `chosen` is of, of unfiltered samples (a zero-phase filter rings
+/// ahead of it) from at most 1 s of the quiet part before it to at most 1 s of its steady part.
+///
+/// Nothing where no quiet part lies before it, or FindOnset determines none. Errors: as
+/// RowSource::Read. Cost: DemodulateTone of 2 s and what lies between.
+[[nodiscard]] Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& source,
+                                                                 const ChosenPart& chosen,
+                                                                 double tone_hz);
 
 }  // namespace haptometer::dsp

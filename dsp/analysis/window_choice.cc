@@ -262,8 +262,9 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
     if (best || length == kBlockLengths.front()) KeepStates(courses, analysis);
     if (best) return *std::move(best);
   }
-  analysis->findings.Add(WhyNoDrive(courses, *analysis));
-  return AllSettled(LongestSettled(all));
+  ChosenPart none = AllSettled(LongestSettled(all));
+  none.refusal = WhyNoDrive(courses, *analysis);
+  return none;
 }
 
 // a given window: its state, where it lies in one that is on; a doubt where it is mixed

@@ -8,14 +8,12 @@
 #include <span>
 
 #include "base/jobs.h"
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/drive_onset.h"
-#include "dsp/analysis/floor_remarks.h"
 #include "dsp/analysis/quantisation.h"
-#include "dsp/analysis/thinned_samples.h"
-#include "dsp/analysis/tone_power.h"
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/transient.h"
@@ -30,6 +28,8 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLeastFloorS = 0.1;
 // share of clipped rows above which the RMS is a lower limit only
 constexpr double kMostClipped = 1e-3;
+// uncertainties that a tone in a quiet interval exceeds
+constexpr double kToneInQuiet = 5;
 // bins about the drive and its harmonics that are the drive's: sidebands of a motor lie within
 constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
@@ -235,8 +235,36 @@ void DescribeSensor(Window& window) {
   }
 }
 
+// filtered samples of [begin, end), or of their middle, without hum
+Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, std::size_t end) {
+  auto samples = ReadMiddle(window.signal(), begin, end);
+  if (!samples || window.chosen.hum.empty()) return samples;
+  const std::size_t first = begin + (end - begin - samples->size()) / 2;
+  for (std::size_t k = 0; k < samples->size(); ++k) {
+    (*samples)[k] -= ValueOf(window.chosen.hum, static_cast<double>(first + k) / window.rate_hz());
+  }
+  return samples;
+}
+
+// noise of samples without drive; what the drive's tone leaves there is no noise, and said
+NoisePower QuietPower(Window& window, std::vector<double> samples) {
+  if (window.numbers.tone) {
+    const double tone_hz = window.numbers.tone->fit.frequency_hz;
+    const SineFit left = FitSineAt(samples, {window.rate_hz(), window.bandwidth_hz(), 0}, tone_hz);
+    if (left.converged && left.amplitude > kToneInQuiet * left.amplitude_uncertainty) {
+      window.analysis.findings.Note(
+          FindingKind::kQuietHasDrive,
+          {{"amplitude_m", left.amplitude}, {"frequency_hz", left.frequency_hz}});
+      const double duration_s = static_cast<double>(samples.size()) / window.rate_hz();
+      return SplitTone({std::move(samples), window.rate_hz()}, left, window.band(), duration_s)
+          .rest;
+    }
+  }
+  return MeasureNoise(samples, window.rate_hz(), NoiseReachHz(window.band())).power;
+}
+
 // noise of the intervals without drive, pooled by their durations; nothing where these are short
-Result<std::optional<NoiseFloor>> NoiseOfQuiet(const Window& window) {
+Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
   std::vector<WeightedPower> parts;
   NoiseFloor floor;
   floor.from = NoiseSource::kQuiet;
@@ -244,15 +272,9 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(const Window& window) {
     const auto [begin, end] = SettledWithin(window.signal(), quiet);
     const double part_s = static_cast<double>(end - begin) / window.rate_hz();
     if (part_s < kLeastFloorS / 2) continue;
-    auto samples = ReadMiddle(window.signal(), begin, end);
+    auto samples = WithoutHum(window, begin, end);
     if (!samples) return std::unexpected(samples.error());
-    const std::size_t first = begin + (end - begin - samples->size()) / 2;
-    for (std::size_t k = 0; !window.chosen.hum.empty() && k < samples->size(); ++k) {
-      (*samples)[k] -=
-          ValueOf(window.chosen.hum, static_cast<double>(first + k) / window.rate_hz());
-    }
-    const BandNoise noise = MeasureNoise(*samples, window.rate_hz(), NoiseReachHz(window.band()));
-    parts.push_back({noise.power, part_s});
+    parts.push_back({QuietPower(window, *std::move(samples)), part_s});
     floor.quiet.push_back(
         {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
     floor.duration_s += part_s;
@@ -458,7 +480,7 @@ Result<void> DescribeHarmonics(Window& window) {
   std::vector<double> samples(FittedOf(window.rows));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   if (auto read = window.signal().samples().Read(first, samples); !read) return read;
-  if (window.samples.duration_s() <= kLongestModelledS) {
+  if (window.numbers.below_band && window.samples.duration_s() <= kLongestModelledS) {
     const auto model = BelowBandModel::Fit(samples, window.rate_hz(), window.band().lower_hz,
                                            window.band().upper_hz);
     if (model) model->Subtract(0, samples);
@@ -526,6 +548,17 @@ void RemarkTone(Window& window) {
     window.analysis.findings.Doubt(FindingKind::kOtherDrive,
                                    {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
   }
+}
+
+// the refusal of a window without a drive states what there was, and what a drive is below
+void RefuseWithoutDrive(const Window& window) {
+  if (!window.chosen.refusal) return;
+  Finding refusal = *window.chosen.refusal;
+  if (refusal.kind == FindingKind::kNoDrive) {
+    refusal.numbers = {{"noise_m", window.numbers.rms.as_measured_m},
+                       {"at_most_m", window.numbers.rms.upper_m}};
+  }
+  window.analysis.findings.Add(std::move(refusal));
 }
 
 // hum: what was subtracted, where it was not seen alone, and where it may hide in the drive
@@ -617,6 +650,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   if (auto compared = CompareChannel(displacement.source, window); !compared) return compared;
   if (has_tone) RemarkTone(window);
   RemarkHum(window);
+  RefuseWithoutDrive(window);
   RemarkFloor(window.numbers, analysis);
   analysis->numbers = std::move(window.numbers);
   return {};

@@ -17,7 +17,7 @@
 #include "base/jobs.h"
 #include "base/mapped.h"
 #include "base/text.h"
-#include "dsp/analysis/floor_remarks.h"
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/progress.h"
