@@ -82,7 +82,7 @@ std::string CorrectionsText(const StudyResult& study) {
       floor
           ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
                         "{})",
-                        std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source)
+                        std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->file)
           : "The noise of the trial's own quiet part",
       Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"));
 }

@@ -230,7 +230,8 @@ TEST(ShortDriveByItsChannel, IsAnsweredWhereAWindowFits) {
     for (const double begin_s : {1.0, 1.374, 1.41}) {
       driven.on = {begin_s, begin_s + drive_s};
       const BandAnalysis analysis = Answer(DrivenRecord(driven));
-      ASSERT_TRUE(analysis.answered) << drive_s << " s from " << begin_s << " s";
+      EXPECT_TRUE(analysis.answered) << drive_s << " s from " << begin_s << " s";
+      if (!analysis.answered) continue;
       EXPECT_REL(analysis.numbers->rms.rms_m, kHiddenRmsM, 0.01,
                  "what the filter makes of its ends")
           << drive_s << " s from " << begin_s << " s";
@@ -293,7 +294,9 @@ TEST_P(DriveAtARate, IsNotSeenWhereThereIsNone) {
   driven.on = {0, driven.record_s};
   const BandAnalysis steady = Answered(driven);
   ASSERT_TRUE(steady.answered);
-  EXPECT_EQ(steady.numbers->part.why.kind, FindingKind::kOneState);
+  EXPECT_REL(steady.numbers->rms.rms_m, kHiddenRmsM, 0.025,
+             "noise of 2 um: 0.6 % of the drive at 1 kHz, four times");
+  EXPECT_GT(steady.numbers->part.window.duration_s(), driven.record_s / 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -476,10 +476,14 @@ TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
 }
 
 TEST(FindingsOfDsp, SayWhereANoiseLevelIsFrom) {
-  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kFile, .file = "off.bin"}), "off.bin");
-  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kQuiet, .quiet = {{0, 0.375}, {2.1, 3}}}),
-            "0.000 s to 0.375 s, 2.100 s to 3.000 s of the record");
-  EXPECT_EQ(SourceOf({.from = dsp::NoiseSource::kBeside}), "the spectrum beside the drive");
+  dsp::NoiseFloor floor;
+  floor.file = "off.bin";
+  EXPECT_EQ(SourceOf(floor), "off.bin");
+  floor.from = dsp::NoiseSource::kQuiet;
+  floor.quiet = {{0, 0.375}, {2.1, 3}};
+  EXPECT_EQ(SourceOf(floor), "0.000 s to 0.375 s, 2.100 s to 3.000 s of the record");
+  floor.from = dsp::NoiseSource::kBeside;
+  EXPECT_EQ(SourceOf(floor), "the spectrum beside the drive");
 }
 
 TEST(FindingsOfDsp, SayASensorsAveraging) {
