@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/row_block.h"
 #include "dsp/spectrum/envelope.h"
 
 namespace haptometer::dsp {

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/analysis/window_faults.h"
+#include "dsp/analysis/faults.h"
 #include "tests/dsp/row_blocks.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
