@@ -36,6 +36,8 @@ constexpr double kFarM = 0.05;
 constexpr double kRailSpans = 10;
 constexpr std::size_t kLeastRailRows = 3;
 constexpr std::size_t kLeastNines = 4;
+// passes that look for spikes and held readings beside those of the pass before
+constexpr int kMostRounds = 3;
 
 // whole rows between two stretches on one clock, one at least
 std::optional<std::size_t> RowsBetween(const trial::Stretch& before, const trial::Stretch& next) {
@@ -124,8 +126,8 @@ bool IsCode(const Extremes::Value& value, double gap, double span) {
 }
 
 // The codes at either end: the most values that may be taken off so that each is one, seen from
-// those that are left.
-std::vector<NoReadingCode> CodesOf(const Extremes& extremes) {
+// those that are left, which hold most rows.
+std::vector<NoReadingCode> CodesOf(const Extremes& extremes, std::size_t measured) {
   const auto& low = extremes.lowest();
   const auto& high = extremes.highest();
   std::vector<NoReadingCode> codes;
@@ -135,16 +137,19 @@ std::vector<NoReadingCode> CodesOf(const Extremes& extremes) {
       const double most = high[above].value;
       if (least > most || below + above <= codes.size()) continue;
       std::vector<NoReadingCode> found;
+      std::size_t rows = 0;
       for (std::size_t k = 0; k < below; ++k) {
         if (!IsCode(low[k], least - low[k].value, most - least)) break;
+        rows += low[k].rows;
         const bool is_invalid = fmt::format("{:.4e}", low[k].value).starts_with("-9.9998");
         found.push_back({low[k].value, is_invalid ? SampleStatus::kInvalid : SampleStatus::kUnder});
       }
       for (std::size_t k = 0; k < above; ++k) {
         if (!IsCode(high[k], high[k].value - most, most - least)) break;
+        rows += high[k].rows;
         found.push_back({high[k].value, SampleStatus::kOver});
       }
-      if (found.size() == below + above) codes = std::move(found);
+      if (found.size() == below + above && 2 * rows < measured) codes = std::move(found);
     }
   }
   return codes;
@@ -179,6 +184,23 @@ void Count(const RowBlock& block, Pass& pass) {
     if (pass.holes.empty() || pass.holes.back().end < row) pass.holes.push_back({row, row});
     pass.holes.back().end = row + 1;
   }
+}
+
+// adds what a pass without the excluded rows finds: spikes and held readings to those before; steps
+// and clipping replace those that were seen beside them
+void Merge(const Faults& pass, Faults& all) {
+  using enum FaultKind;
+  std::erase_if(all.list, [](const Fault& f) { return f.kind == kStep || f.kind == kClipped; });
+  all.list.insert(all.list.end(), pass.list.begin(), pass.list.end());
+  std::ranges::sort(all.list, {}, &Fault::first_row);
+  for (std::size_t k = 0; k < kFaultKindCount; ++k) {
+    const auto kind = static_cast<FaultKind>(k);
+    const bool adds = kind == kSpike || kind == kHeld;
+    all.count[k] = (adds ? all.count[k] : 0) + pass.count[k];
+    all.rows[k] = (adds ? all.rows[k] : 0) + pass.rows[k];
+  }
+  all.excluded.insert(all.excluded.end(), pass.excluded.begin(), pass.excluded.end());
+  std::ranges::sort(all.excluded, {}, &RowRange::begin);
 }
 
 // a block of rows with its margins
@@ -338,7 +360,7 @@ Result<CleanChannel> Clean(const trial::RowSource& source, std::size_t channel, 
   auto pass = PassOver(*clean.rows, channel, threads);
   if (!pass) return std::unexpected(pass.error());
   // codes first: nothing else may be judged beside them
-  clean.codes = CodesOf(pass->extremes);
+  clean.codes = CodesOf(pass->extremes, pass->counts.measured);
   if (!clean.codes.empty()) {
     const std::size_t measured = pass->counts.measured;
     clean.rows->ExcludeValues(clean.codes);
@@ -346,11 +368,13 @@ Result<CleanChannel> Clean(const trial::RowSource& source, std::size_t channel, 
     if (!pass) return std::unexpected(pass.error());
     clean.code_rows = measured - pass->counts.measured;
   }
-  clean.faults = std::move(pass->faults);
-  if (!clean.faults.excluded.empty()) {
+  clean.faults = pass->faults;
+  // a spike beside another is seen once the other is gone
+  for (int round = 0; round < kMostRounds && !pass->faults.excluded.empty(); ++round) {
     clean.rows->ExcludeRows(clean.faults.excluded);
     pass = PassOver(*clean.rows, channel, threads);
     if (!pass) return std::unexpected(pass.error());
+    Merge(pass->faults, clean.faults);
   }
   clean.summary = std::move(pass->summary);
   auto segments = SplitAtHoles(*clean.rows, channel, pass->holes);

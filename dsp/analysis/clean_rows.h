@@ -90,7 +90,8 @@ struct CleanChannel {
 ///     Keyence, Micro-Epsilon and others write, in whatever unit; or
 ///   - the gap is larger than 50 mm; or
 ///   - it is there three times and more, the others are not all alike, and the gap is ten times
-///     what they span: a rail.
+///     what they span: a rail;
+/// and less than half of the rows hold one.
 /// Motion comes to its extremes through values between; two levels without noise, as of a square
 /// wave, are no code, because what one leaves spans nothing.
 /// `threads` blocks are read at a time and change nothing. Errors: as RowSource::Read.

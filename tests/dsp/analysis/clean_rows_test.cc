@@ -154,7 +154,13 @@ TEST(CleanRows, MotionThatSitsAtOneValueIsNoCode) {
     if (k % 500 < 5) pulses[k] += 1e-3;
     if (k > 3000) gated[k] = 0.03;
   }
-  for (const auto& values : {square, pulses, gated}) {
+  // five values a period, of which two differ in their last digit
+  std::vector<double> five(10'000);
+  for (std::size_t k = 0; k < five.size(); ++k) {
+    five[k] = 20e-6 * std::sin(0.4 * std::numbers::pi * static_cast<double>(k % 5));
+    if (k % 10 == 2) five[k] += 1e-20;
+  }
+  for (const auto& values : {square, pulses, gated, five}) {
     EXPECT_TRUE(Cleaned(RecordOf(values, kRateHz)).clean.codes.empty());
   }
 }
