@@ -122,18 +122,18 @@ std::pair<Fault, double> BestFault(const CubicErrors& error) {
 bool IsEdgeOfMotion(std::span<const double> values, std::size_t center, double height) {
   constexpr std::size_t kReach = 32;
   constexpr std::size_t kNear = 3;   // rows of the fault itself
-  constexpr double kEdgeRatio = 4;   // of the mean changes
+  constexpr double kEdgeRatio = 4;   // of the median changes
   constexpr double kEdgeHeight = 3;  // of the largest change, at most
   if (center < kReach + kNear || center + kReach + kNear >= values.size()) return false;
+  // their median, which a spike on that side does not change, and the largest
   const auto changes = [&](std::size_t first) {
-    double sum = 0;
-    double most = 0;
-    for (std::size_t k = first; k + 1 < first + kReach; ++k) {
-      const double change = std::abs(values[k + 1] - values[k]);
-      sum += change;
-      most = std::max(most, change);
+    std::array<double, kReach - 1> all;
+    for (std::size_t k = 0; k + 1 < kReach; ++k) {
+      all[k] = std::abs(values[first + k + 1] - values[first + k]);
     }
-    return std::pair(sum, most);
+    const double most = std::ranges::max(all);
+    std::ranges::nth_element(all, all.begin() + all.size() / 2);
+    return std::pair(all[all.size() / 2], most);
   };
   const auto before = changes(center - kNear - kReach + 1);
   const auto after = changes(center + kNear);

@@ -110,8 +110,8 @@ struct FaultLook {
 /// 4096 rows (every eighth of them) and over the 64 rows about it, and than 4 steps, it is a
 /// candidate. Of a spike of one, two or three rows and a step, each at five places, the one whose
 /// own e fits best is reported, with the height that fits. No fault is where motion begins or ends:
-/// the mean change from row to row on one side, over 32 rows, is four times that on the other, and
-/// the height no more than three times the largest such change on that side. Rows without a
+/// the median change from row to row on one side, over 32 rows, is four times that on the other,
+/// and the height no more than three times the largest such change on that side. Rows without a
 /// measurement end a run and are nobody's neighbours.
 ///
 /// The result depends on the rows alone, not on how they were fed. Where nothing may be a fault,

@@ -118,6 +118,15 @@ TEST(Faults, SpikesAreFoundWithTheirRowsAndHeights) {
   EXPECT_EQ(faults.Count(FaultKind::kStep), 0U);
 }
 
+TEST(Faults, SpikesNearEachOtherAreBothFound) {
+  for (const std::size_t apart : {6U, 12U, 23U, 31U}) {
+    std::vector<double> values = Streamed(30'000, 9);
+    values[13'000] += 1e-3;
+    values[13'000 + apart] -= 1e-3;
+    EXPECT_EQ(Scan(values).Count(FaultKind::kSpike), 2U) << apart;
+  }
+}
+
 TEST(Faults, AStepIsNotASpike) {
   std::vector<double> values = Streamed(30'000, 5);
   for (std::size_t k = 17'000; k < values.size(); ++k) values[k] += 25e-6;
