@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsp/analysis/analyzed_channel.h"
+#include "dsp/analysis/record_facts.h"
 #include "tools/analyze/analyze.h"
 #include "trial/record.h"
 

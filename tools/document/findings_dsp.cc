@@ -32,14 +32,21 @@ constexpr auto kRows = std::to_array<Row>({
      {"clipped",
       "clipped in {count} place{count s}, {readings} readings in all, the first at {first_s}; "
       "not corrected"}},
+    {kMayBeClipped,
+     {"may-be-clipped",
+      "{share %} of the window is at its highest or lowest value: clipped, or flattened by "
+      "harmonics of the tone, which this sampling rate cannot distinguish"}},
     {kHeld,
      {"held",
       "a held reading in {count} place{count s}, {readings} readings in all, the first at "
-      "{first_s} ({size_m}); not corrected"}},
+      "{first_s} ({size_m}); excluded where they are short"}},
+    {kNoReadingCodes,
+     {"no-reading-codes",
+      "{value_m} is a code for no reading: {readings} reading{readings s} excluded"}},
     {kSpikes,
      {"spikes",
       "{count} spike{count s}, {readings} readings in all, the first at {first_s} ({size_m}); "
-      "not corrected"}},
+      "excluded"}},
     {kSteps, {"steps", "{count} step{count s}, the first at {first_s} ({size_m}); not corrected"}},
     {kStuck,
      {"stuck",
@@ -394,10 +401,9 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"noise floor", "scatter of the floor that is subtracted"},
       {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
       {"quantisation", "step / sqrt(12), white up to half the rate"},
-      {"interpolated readings", "the error of the same interpolation next to each gap"},
+      {"interpolated readings", "expanded error (k = 2) of what is interpolated"},
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
       {"drive's edges", "what a window shorter by a period at either end would change"},
-      {"spikes", "their energy within the band"},
       {"steps", "their energy within the band"},
   }};
   return kTexts.at(static_cast<std::size_t>(cause));
