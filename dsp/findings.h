@@ -14,8 +14,10 @@ enum class FindingKind : std::uint8_t {
   kRepeated,          ///< repeated, readings: handed out a second time
   kInterpolated,      ///< interpolated, rms_m: of what it adds at most
   kClipped,           ///< count, readings, first_s; the next three size_m as well
+  kMayBeClipped,      ///< share: at an extreme, by clipping or by harmonics
   kHeld,              ///< the same reading again and again, then a jump
-  kSpikes,            ///< readings far from their neighbours
+  kNoReadingCodes,    ///< value_m, readings: that hold it or another code
+  kSpikes,            ///< readings far from their neighbours: excluded
   kSteps,             ///< the level jumps and stays
   kStuck,             ///< readings: all are the same
   kStuckInWindow,     ///< window_s, from_s, changes, readings, lower_hz

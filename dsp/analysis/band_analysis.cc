@@ -11,11 +11,10 @@
 #include <utility>
 
 #include "base/jobs.h"
-#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/clean_rows.h"
 #include "dsp/analysis/raw_summary.h"
-#include "dsp/analysis/record_doubts.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
@@ -42,33 +41,6 @@ Result<void> CheckQuestion(const BandQuestion& question) {
                  "give its begin, then its end, as 1s:3s");
   }
   return {};
-}
-
-// segments and summary, from one pass over all rows
-struct Pass {
-  Segments segments;
-  RawSummary summary;
-};
-
-Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
-                      const BandQuestion& question, int threads, BandAnalysis* analysis) {
-  const trial::Record& head = source.head();
-  const trial::Channel& displacement = head.channels[channel];
-  RawSummarizer summarizer(head);
-  FaultScanner scanner({displacement.range_min, displacement.range_max, displacement.resolution});
-  auto segments = SplitIntoSegments(
-      source, channel, question.band.upper_hz,
-      // threads scan blocks in any order; results are fed in the order of blocks
-      [&](const RowBlock& block) -> Finish {
-        return [&, block, summed = summarizer.LookAt(block), looked = scanner.Look(block)] {
-          summarizer.Feed(block, summed);
-          scanner.Feed(block, looked);
-        };
-      },
-      threads);
-  if (!segments) return std::unexpected(segments.error());
-  analysis->faults = scanner.Finish();
-  return Pass{std::move(*segments), summarizer.Finish()};
 }
 
 // errors of a record without any measurement, or with readings that are no displacement
@@ -157,82 +129,87 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
   return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
 }
 
+// converts rows to those of the source, whose rows may be absent
+void CountRows(const CleanRows& clean, std::size_t rows, BandAnalysis* analysis) {
+  if (!clean.AnyAbsent()) return;
+  const auto convert = [&](std::size_t& first, std::size_t& count) {
+    const std::size_t end = clean.RowOf(first + count);
+    first = clean.RowOf(first);
+    count = end - first;
+  };
+  for (Fault& fault : analysis->faults.list) convert(fault.first_row, fault.rows);
+  if (analysis->numbers) {
+    UsedPart& part = analysis->numbers->part;
+    convert(part.first_row, part.rows);
+    if (auto& motion = analysis->numbers->kinematics) {
+      motion->begin = clean.RowOf(motion->begin);
+      motion->end = clean.RowOf(motion->end);
+    }
+  }
+  // in place: a row is never before its own number in the source
+  for (std::size_t k = 0; k < analysis->filtered_m.size(); ++k) {
+    const std::size_t row = clean.RowOf(k);
+    if (row < rows && !clean.IsAbsent(k)) analysis->filtered_m[row] = analysis->filtered_m[k];
+  }
+  if (!analysis->filtered_m.empty()) analysis->filtered_m.resize(rows);
+  analysis->record.rows = rows;
+}
+
 // the answer for rows as they are; `why_not`, if there is one, is a refusal of the band
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion question, int threads,
                                  const std::optional<Finding>& why_not) {
-  const trial::Record& head = source.head();
-  if (!question.drive_frequency_hz) question.drive_frequency_hz = head.metadata.drive_frequency_hz;
-  const auto channel = AnalyzedChannel(head);
+  const std::optional<double>& stated_hz = source.head().metadata.drive_frequency_hz;
+  if (!question.drive_frequency_hz) question.drive_frequency_hz = stated_hz;
+  const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
 
   BandAnalysis analysis;
   analysis.band = question.band;
-  // one pass over the rows: segments, faults, summary; everything else reads parts again
-  const auto pass = PassOver(source, *channel, question, threads, &analysis);
-  if (!pass) return std::unexpected(pass.error());
-  DescribeRecord(head, pass->segments, pass->summary, &analysis);
-  if (auto checked = CheckReadings(head, pass->summary, analysis.record); !checked) {
+  // segments without artifacts; everything else reads parts of them again
+  const auto clean = Clean(source, *channel, threads);
+  if (!clean) return std::unexpected(clean.error());
+  const trial::Record& head = clean->rows->head();
+  analysis.faults = clean->faults;
+  DescribeRecord(head, clean->segments, clean->summary, &analysis);
+  if (auto checked = CheckReadings(head, clean->summary, analysis.record); !checked) {
     return std::unexpected(checked.error());
   }
-  RemarkFaults(head, &analysis);
-  RemarkDoubts(head, pass->summary, &analysis);
+  RemarkArtifacts(*clean, &analysis);
+  RemarkDoubts(head, clean->summary, &analysis);
   // a record of one value has no vibration and no noise
-  if (const auto stuck = WhyStuck(pass->summary)) {
+  if (const auto stuck = WhyStuck(clean->summary)) {
     analysis.findings.Add(*stuck);
+    CountRows(*clean->rows, source.head().rows, &analysis);
     return analysis;
   }
   if (why_not) analysis.findings.Add(*why_not);
-  CheckObservable(head, pass->segments, question.band, &analysis);
-  const Displacement displacement{source, *channel, threads};
+  CheckObservable(head, clean->segments, question.band, &analysis);
+  const Displacement displacement{*clean->rows, *channel, threads};
   std::optional<SlowMotion> slow_motion;
   // motion below the band is answered also where the band is refused
   const auto done = RunBeside(
       threads, {[&]() -> Result<void> {
-                  slow_motion = SlowMotionOf(head, pass->summary);
+                  slow_motion = SlowMotionOf(head, clean->summary);
                   return {};
                 },
                 [&] {
                   // a refused band still permits a fit at a known frequency
                   return analysis.findings.Refused()
                              ? FitKnownTone(displacement, question, &analysis)
-                             : AnswerBand(displacement, pass->segments, question, &analysis);
+                             : AnswerBand(displacement, clean->segments, question, &analysis);
                 }});
   if (!done) return std::unexpected(done.error());
   analysis.slow_motion = slow_motion;
+  CountRows(*clean->rows, source.head().rows, &analysis);
   return analysis;
 }
 
-// converts rows of the grid to those of the record's readings, and notes the grid's figures
-void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
-  const auto reading = [&](std::size_t row) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(grid.rows, row) - grid.rows.begin());
-  };
-  const auto convert = [&](std::size_t& first, std::size_t& rows) {
-    const std::size_t end = reading(first + rows);
-    first = reading(first);
-    rows = end - first;
-  };
-  analysis->record.rows = grid.rows.size();
-  for (Fault& fault : analysis->faults.list) convert(fault.first_row, fault.rows);
-  if (analysis->numbers) {
-    UsedPart& part = analysis->numbers->part;
-    convert(part.first_row, part.rows);
-    if (auto& motion = analysis->numbers->kinematics) {
-      motion->begin = reading(motion->begin);
-      motion->end = reading(motion->end);
-    }
-  }
-  // in place: a reading's row on the grid is never before its own number
-  if (!analysis->filtered_m.empty()) {
-    for (std::size_t k = 0; k < grid.rows.size(); ++k) {
-      analysis->filtered_m[k] = analysis->filtered_m[grid.rows[k]];  // grid.rows[k] >= k
-    }
-    analysis->filtered_m.resize(grid.rows.size());
-  }
+// the figures of a grid
+void RemarkGrid(const RegularGrid& grid, BandAnalysis* analysis) {
   analysis->findings.Note(FindingKind::kRegularGrid, {{"jitter_s", grid.jitter_s},
                                                       {"largest_jitter_s", grid.largest_jitter_s},
                                                       {"readings_per_s", grid.rate_hz},
-                                                      {"readings", grid.rows.size()},
+                                                      {"readings", grid.record.rows},
                                                       {"missing", grid.dropped},
                                                       {"excluded", grid.left_out},
                                                       {"error", grid.error_bound}});
@@ -253,7 +230,7 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
   if (!grid) return std::unexpected(grid.error());
   if (grid->refusal) return AnalyzeRows(source, question, threads, grid->refusal);
   auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
-  if (analysis) CountReadings(*grid, &*analysis);
+  if (analysis) RemarkGrid(*grid, &*analysis);
   return analysis;
 }
 

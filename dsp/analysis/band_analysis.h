@@ -24,21 +24,21 @@
 
 /// How displacement becomes numbers, step by step, and where each step is (dsp/analysis/):
 ///
-///   1. which channel            analyzed_channel.h
-///   2. uneven times to a grid   regular_grid.h
-///   3. one pass over all rows   measured.h, row_block.h, row_kernel.h; it splits at holes
-///                               (segments.h), sums up (raw_summary.h) and finds what no vibration
-///                               does (faults.h, fault_shape.h)
-///   4. what the record is       record_facts.h, record_doubts.h; slow_record.h where it is
-///                               too slow for the band
+///   1. uneven times to a grid   regular_grid.h
+///   2. artifacts                clean_rows.h: rows that are absent, codes, spikes and held
+///   readings
+///                               become missing values (row_block.h, row_kernel.h, faults.h,
+///                               raw_summary.h)
+///   3. segments                 segments.h, their short holes filled by interpolation.h
+///   4. what the record is       record_facts.h; slow_record.h where it is too slow for the band
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
 ///   6. the states of the drive  hum.h, drive_blocks.h, drive_states.h
 ///   7. which rows count         window_choice.h
-///   8. numbers of that window   window_numbers.h, by tone_power.h, thinned_samples.h,
-///                               band_noise.h, sensor_gain.h, quantisation.h and window_faults.h,
+///   8. numbers of that window   window_numbers.h, by band_noise.h, sensor_gain.h, quantisation.h
+///   and clipping.h,
 ///                               put together in rms_estimate.h
-///   9. what goes with them      drive_channel.h, drive_onset.h, window_state.h, floor_remarks.h
+///   9. what goes with them      drive_channel.h, window_state.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
 /// a road of its own, sweep_piece.h and sweep_analysis.h; spectra take window_samples.h.
@@ -215,7 +215,7 @@ struct BandAnalysis {
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
 /// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
-/// where times are known to 0.1/f; readings that stand still (dsp/analysis/record_doubts.h); too
+/// where times are known to 0.1/f; readings that stand still (dsp/analysis/record_facts.h); too
 /// little settled; a sensor gain below 0.5 at the tone; more
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
 /// displacement channel in metres, no measurement in it or one beyond 1e30 m

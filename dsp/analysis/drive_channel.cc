@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/row_block.h"
 #include "dsp/spectrum/envelope.h"
 
 namespace haptometer::dsp {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "base/error.h"
-#include "dsp/analysis/fault_shape.h"
-#include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -15,6 +15,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // rows about a candidate and stride of rows in a block, over which medians of |e| are taken
 constexpr std::size_t kLocalReach = 32;
 constexpr std::size_t kMedianStride = 8;
+// a kink leaves three deviations and more, and is below a twentieth of the motion: left in the
+// data, such a row changes an RMS over 100 rows by 1e-5
+constexpr double kKinkDeviations = 3;
+constexpr double kKinkShare = 0.05;
 // 8 robust standard deviations; a median absolute deviation times 1.4826 is one of a normal
 constexpr double kDeviations = 8;
 constexpr double kMadToDeviation = 1.4826;
@@ -58,6 +62,85 @@ double MedianOf(std::vector<double>& values) {
   return *middle;
 }
 
+// shapes are tried on rows center - kShapeReach .. center + kShapeReach
+constexpr std::size_t kShapeReach = 6;
+constexpr std::size_t kShapeRows = 2 * kShapeReach + 1;
+using CubicErrors = std::array<double, kShapeRows>;
+
+// e of a spike of `rows` rows (0: a step) of height 1 that begins at `at`, counted from the first
+// row
+CubicErrors ErrorOf(std::size_t at, std::size_t rows) {
+  // two rows more on either side, which the cubic reads
+  std::array<double, kShapeRows + 4> x{};
+  for (std::size_t k = at + 2; k < x.size(); ++k) x[k] = rows == 0 || k < at + 2 + rows ? 1 : 0;
+  CubicErrors error{};
+  for (std::size_t k = 0; k < kShapeRows; ++k) error[k] = CubicError(x, k + 2);
+  return error;
+}
+
+// projection of errors on a shape: height and squares that remain
+struct Fit {
+  double height = 0;
+  double rest = 0;  // squares that are left
+};
+
+// height = (e, s) / (s, s), remainder = (e, e) - (e, s)^2 / (s, s)
+Fit Project(const CubicErrors& error, const CubicErrors& shape) {
+  double product = 0;
+  double norm = 0;
+  double square = 0;
+  for (std::size_t k = 0; k < kShapeRows; ++k) {
+    product += error[k] * shape[k];
+    norm += shape[k] * shape[k];
+    square += error[k] * error[k];
+  }
+  return {product / norm, square - product * product / norm};
+}
+
+// The spike of one to three rows, or the step, whose own errors fit `error` best, with the squares
+// that it leaves; its rows count from the shape's first. Each is tried at five places about the
+// middle.
+std::pair<Fault, double> BestFault(const CubicErrors& error) {
+  Fault best;
+  double least = std::numeric_limits<double>::infinity();
+  // 0 rows: a step; else a spike of that many rows
+  for (std::size_t rows = 0; rows <= 3; ++rows) {
+    for (std::size_t at = kShapeReach - 2; at <= kShapeReach + 2; ++at) {
+      const Fit fit = Project(error, ErrorOf(at, rows));
+      if (!(fit.rest < least)) continue;
+      least = fit.rest;
+      best = {rows == 0 ? FaultKind::kStep : FaultKind::kSpike, at, std::max<std::size_t>(rows, 1),
+              fit.height};
+    }
+  }
+  return {best, least};
+}
+
+// Whether motion begins or ends at `center`, so that what looks like a fault of `height` is a drive
+// that was switched: it is quiet on one side and moves on the other, and the height is no more than
+// motion makes. False near the ends of `values` and where any of these rows is NaN.
+bool IsEdgeOfMotion(std::span<const double> values, std::size_t center, double height) {
+  constexpr std::size_t kReach = 32;
+  constexpr std::size_t kNear = 3;   // rows of the fault itself
+  constexpr double kEdgeRatio = 4;   // of the median changes
+  constexpr double kEdgeHeight = 3;  // of the largest change, at most
+  if (center < kReach + kNear || center + kReach + kNear >= values.size()) return false;
+  // their median, which a spike on that side does not change, and the largest
+  const auto changes = [&](std::size_t first) {
+    std::array<double, kReach - 1> all;
+    for (std::size_t k = 0; k + 1 < kReach; ++k) {
+      all[k] = std::abs(values[first + k + 1] - values[first + k]);
+    }
+    const double most = std::ranges::max(all);
+    std::ranges::nth_element(all, all.begin() + all.size() / 2);
+    return std::pair(all[all.size() / 2], most);
+  };
+  const auto before = changes(center - kNear - kReach + 1);
+  const auto after = changes(center + kNear);
+  const auto& [quiet, moving] = std::minmax(before, after);
+  return moving.first > kEdgeRatio * quiet.first && std::abs(height) <= kEdgeHeight * moving.second;
+}
+
 }  // namespace
 
 std::string_view Name(FaultKind kind) {
@@ -94,6 +177,12 @@ void FaultScanner::Add(const Fault& fault) {
   ++faults_.count[kind];
   faults_.rows[kind] += fault.rows;
   if (faults_.count[kind] <= kMostListed) faults_.list.push_back(fault);
+  const std::size_t end = fault.first_row + fault.rows;
+  if (fault.kind == FaultKind::kSpike) faults_.excluded.push_back({fault.first_row, end});
+  // the first of held readings was measured
+  if (fault.kind == FaultKind::kHeld && fault.rows <= scale_.longest_hold) {
+    faults_.excluded.push_back({fault.first_row + 1, end});
+  }
 }
 
 // the resolution of the source, or the least change so far
@@ -187,6 +276,17 @@ Faults FaultScanner::Finish() {
   std::ranges::sort(faults_.list, {}, [](const Fault& fault) {
     return std::tuple(fault.first_row, fault.kind, fault.rows);
   });
+  // each row once: a spike may lie within held readings
+  std::ranges::sort(faults_.excluded, {}, &RowRange::begin);
+  std::size_t kept = 0;
+  for (const RowRange& range : faults_.excluded) {
+    if (kept > 0 && range.begin <= faults_.excluded[kept - 1].end) {
+      faults_.excluded[kept - 1].end = std::max(faults_.excluded[kept - 1].end, range.end);
+    } else {
+      faults_.excluded[kept++] = range;
+    }
+  }
+  faults_.excluded.resize(kept);
   return std::move(faults_);
 }
 
@@ -302,6 +402,20 @@ double FaultScanner::LocalMedian(std::size_t row) const {
   return MedianOf(near);
 }
 
+// what 64 rows about `row` span
+double FaultScanner::LocalSpan(std::size_t row) const {
+  const std::size_t center = row - window_first_;
+  const std::size_t first = center >= kLocalReach ? center - kLocalReach : 0;
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  for (std::size_t k = first; k < std::min(center + kLocalReach, window_.size()); ++k) {
+    if (std::isnan(window_[k])) continue;
+    least = std::min(least, window_[k]);
+    most = std::max(most, window_[k]);
+  }
+  return most - least;
+}
+
 // fits the shapes about `row`; returns the first row after those that it uses
 std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   // the largest error of those that follow closely
@@ -319,8 +433,14 @@ std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
     const double e = at < window_first_ ? 0 : ErrorAt(at);
     error[k] = std::isnan(e) ? 0 : e;
   }
-  Fault fault = BestFault(error);
+  auto [fault, rest] = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
+  // a kink of a motion without noise, where a bump begins, is no spike: small, and of another shape
+  const double noise = kKinkDeviations * kMadToDeviation * LocalMedian(center);
+  const bool is_kink = fault.kind == FaultKind::kSpike &&
+                       rest > static_cast<double>(kShapeRows) * noise * noise &&
+                       std::abs(fault.size) < kKinkShare * LocalSpan(center);
+  if (is_kink) return center + 3;
   // the begin of a drive has such errors too, but is followed by motion
   if (!IsEdgeOfMotion(window_, center - window_first_, fault.size)) Add(fault);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
@@ -348,6 +468,36 @@ void FaultScanner::Judge(const RowBlock& block, std::size_t end) {
   while (scanned_ < end) {
     scanned_ = off_[scanned_ - window_first_] > limit ? JudgeRow(scanned_, limit) : scanned_ + 1;
   }
+}
+
+// clipped rows in a part; rows that are not listed count as inside, so the number is an upper bound
+std::size_t ClippedRows(const Faults& faults, std::size_t first_row, std::size_t rows) {
+  std::size_t listed = 0;
+  std::size_t inside = 0;
+  for (const Fault& fault : faults.list) {
+    if (fault.kind != FaultKind::kClipped) continue;
+    listed += fault.rows;
+    const std::size_t begin = std::max(fault.first_row, first_row);
+    const std::size_t end = std::min(fault.first_row + fault.rows, first_row + rows);
+    if (end > begin) inside += end - begin;
+  }
+  return std::min(rows, inside + (faults.Rows(FaultKind::kClipped) - listed));
+}
+
+double StepPower(const Faults& faults, std::size_t first_row, std::size_t rows,
+                 const BandPass& band, double rate_hz) {
+  const double turn = 2 * std::numbers::pi;
+  double energy = 0;
+  for (const Fault& fault : faults.list) {
+    if (fault.kind != FaultKind::kStep || fault.first_row < first_row ||
+        fault.first_row >= first_row + rows) {
+      continue;
+    }
+    // a step of height h has the density 2 h^2 / (2 pi f)^2
+    energy += 2 * fault.size * fault.size / (turn * turn) * (1 / band.lower_hz - 1 / band.upper_hz);
+  }
+  // energy over the duration of the part
+  return energy * rate_hz / static_cast<double>(rows);
 }
 
 }  // namespace haptometer::dsp

@@ -10,11 +10,12 @@
 
 #include "dsp/analysis/row_block.h"
 #include "dsp/analysis/row_kernel.h"
+#include "dsp/filter/butterworth.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
 
-/// What a recording does that no vibration does. Reported, never repaired.
+/// What a recording does that no vibration does.
 enum class FaultKind : std::uint8_t {
   kClipped,  ///< at an end of the range, or three times and more at the record's extreme value
   kHeld,     ///< the same reading for longer than chance gives, then a jump
@@ -42,6 +43,9 @@ struct Faults {
   std::array<std::size_t, kFaultKindCount> count{};  ///< faults of each kind, listed or not
   std::array<std::size_t, kFaultKindCount> rows{};   ///< rows that they cover
   std::size_t runs = 0;  ///< of equal readings, one reading long at least: 1 for a constant
+  /// Rows that are no measurement although they say so, listed or not, in order: those of spikes,
+  /// and all but the first of held readings of at most FaultScale::longest_hold rows.
+  std::vector<RowRange> excluded;
 
   [[nodiscard]] std::size_t Count(FaultKind kind) const {
     return count[static_cast<std::size_t>(kind)];
@@ -53,11 +57,28 @@ struct Faults {
 
 inline constexpr std::size_t kMostListed = 1000;
 
+/// Rows of a window that are clipped. Those beyond the list's end (kMostListed) are not known by
+/// place: they count as if all of them were in the window.
+[[nodiscard]] std::size_t ClippedRows(const Faults& faults, std::size_t first_row,
+                                      std::size_t rows);
+
+/// Mean square within the band that listed steps among `rows` rows make: their spectrum falls as
+/// 1 / (2 pi f).
+[[nodiscard]] double StepPower(const Faults& faults, std::size_t first_row, std::size_t rows,
+                               const BandPass& band, double rate_hz);
+
+/// What the cubic through the four neighbours leaves of `x` at `k`.
+template <typename Values>
+[[nodiscard]] double CubicError(const Values& x, std::size_t k) {
+  return x[k] - (4 * (x[k - 1] + x[k + 1]) - (x[k - 2] + x[k + 2])) / 6;
+}
+
 /// What the scanner must know of its channel, in the channel's unit.
 struct FaultScale {
   double range_min = -std::numeric_limits<double>::infinity();
   double range_max = std::numeric_limits<double>::infinity();
-  double resolution = 0;  ///< one step; 0: the least change that is seen counts as one
+  double resolution = 0;         ///< one step; 0: the least change that is seen counts as one
+  std::size_t longest_hold = 0;  ///< rows; a longer hold may be motion that stands still
 };
 
 inline constexpr std::size_t kFaultBlockRows = 4096;
@@ -89,8 +110,8 @@ struct FaultLook {
 /// 4096 rows (every eighth of them) and over the 64 rows about it, and than 4 steps, it is a
 /// candidate. Of a spike of one, two or three rows and a step, each at five places, the one whose
 /// own e fits best is reported, with the height that fits. No fault is where motion begins or ends:
-/// the mean change from row to row on one side, over 32 rows, is four times that on the other, and
-/// the height no more than three times the largest such change on that side. Rows without a
+/// the median change from row to row on one side, over 32 rows, is four times that on the other,
+/// and the height no more than three times the largest such change on that side. Rows without a
 /// measurement end a run and are nobody's neighbours.
 ///
 /// The result depends on the rows alone, not on how they were fed. Where nothing may be a fault,
@@ -140,6 +161,7 @@ class FaultScanner {
   [[nodiscard]] double ErrorAt(std::size_t row) const;
   [[nodiscard]] double BlockMedian(std::size_t begin, std::size_t end) const;
   [[nodiscard]] double LocalMedian(std::size_t row) const;
+  [[nodiscard]] double LocalSpan(std::size_t row) const;
   [[nodiscard]] std::size_t JudgeRow(std::size_t row, double limit);
   void Add(const Fault& fault);
   [[nodiscard]] double Step() const;

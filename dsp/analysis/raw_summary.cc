@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/row_block.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace haptometer::dsp {
 namespace {
@@ -15,7 +19,74 @@ using trial::SampleStatus;
 // a sample's time must be known to this part of a period
 constexpr double kTimeUncertaintyPeriods = 0.1;
 
+constexpr std::size_t kLeastToBeStuck = 16;
+// rate of new readings over the sensor's own sampling rate above which they contradict each other
+constexpr double kRateTolerance = 1.05;
+constexpr double kFastestTableHz = 1e6;  // what a table of another program holds at most
+constexpr double kShortestTrialS = 0.1;
+constexpr double kStatedTolerance = 0.01;
+constexpr std::size_t kBlock = std::size_t{1} << 16U;
+
+// a time column's unit that would make the rate a usable one; `factor`: printed seconds in it
+struct OtherUnit {
+  const char* column = "";
+  double factor = 1;
+};
+constexpr std::array<OtherUnit, 3> kOtherUnits{
+    {{"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_s", 1e3}}};
+
+// readings farther than any target that is plausible
+void RemarkFar(const RawSummary& summary, BandAnalysis* analysis) {
+  const double farthest_m = std::max({-summary.least, summary.most, summary.most - summary.least});
+  if (!(farthest_m > kFarthestReadingM)) return;
+  analysis->findings.Doubt(FindingKind::kFarReadings, {{"farthest_m", farthest_m}});
+}
+
+// new readings faster than the sensor samples contradict its metadata
+void RemarkSampling(const trial::Metadata& metadata, BandAnalysis* analysis) {
+  if (!metadata.sampling_s || !(*metadata.sampling_s > 0)) return;
+  const double rate_hz = analysis->record.fresh_rate_hz;
+  if (!(rate_hz * *metadata.sampling_s > kRateTolerance)) return;
+  analysis->findings.Doubt(FindingKind::kSamplingContradicted,
+                           {{"sampling_s", *metadata.sampling_s},
+                            {"samples_per_s", 1 / *metadata.sampling_s},
+                            {"new_readings_per_s", rate_hz}});
+}
+
+// a table without a sensor's name may hold times in another unit than its column states
+void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
+  const RecordFacts& facts = analysis->record;
+  const double needed_hz = kLeastRatePerUpperCorner * analysis->band.upper_hz;
+  const bool is_table = head.metadata.source.starts_with("imported") &&
+                        head.metadata.sensor.empty() && head.timing == trial::Timing::kUniform;
+  // a rate that is stated and agrees with the times is no error of units
+  const auto stated_hz = head.metadata.nominal_rate_hz;
+  const bool is_stated = stated_hz && std::abs(facts.rate_hz / *stated_hz - 1) < kStatedTolerance;
+  if (!is_table || is_stated || (facts.rate_hz >= needed_hz && facts.rate_hz <= kFastestTableHz))
+    return;
+  // the first unit that makes the rate usable and the trial long enough
+  for (const OtherUnit& unit : kOtherUnits) {
+    const double rate_hz = facts.rate_hz / unit.factor;
+    const double duration_s = facts.duration_s * unit.factor;
+    if (rate_hz < needed_hz || rate_hz > kFastestTableHz || duration_s < kShortestTrialS) continue;
+    analysis->findings.Doubt(FindingKind::kTimesInOtherUnit, {{"column", std::string(unit.column)},
+                                                              {"readings_per_s", rate_hz},
+                                                              {"duration_s", duration_s}});
+    return;
+  }
+}
+
 }  // namespace
+
+Result<std::size_t> AnalyzedChannel(const trial::Record& head) {
+  const trial::Channel* first = head.Find(trial::ChannelRole::kDisplacement);
+  if (first == nullptr) {
+    return CannotAnswer("", "holds no displacement channel", "name one displacement_m");
+  }
+  if (const auto channel = trial::DisplacementChannel(head)) return *channel;
+  return CannotAnswer("", fmt::format("its displacement has the unit '{}'", first->unit),
+                      "convert it to metres");
+}
 
 // numbers of rows by status as text, such as "late 3, over 1"
 std::string Unmeasured(const RecordFacts& facts) {
@@ -95,8 +166,12 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
   }
 }
 
-void RemarkFaults(const trial::Record& head, BandAnalysis* analysis) {
+void RemarkArtifacts(const CleanChannel& clean, BandAnalysis* analysis) {
   using enum FindingKind;
+  for (const NoReadingCode& code : clean.codes) {
+    analysis->findings.Note(kNoReadingCodes,
+                            {{"value_m", code.value}, {"readings", clean.code_rows}});
+  }
   constexpr std::array<std::pair<FaultKind, FindingKind>, kFaultKindCount> kKinds{
       {{FaultKind::kClipped, kClipped},
        {FaultKind::kHeld, kHeld},
@@ -106,14 +181,78 @@ void RemarkFaults(const trial::Record& head, BandAnalysis* analysis) {
   for (const auto& [fault, kind] : kKinds) {
     if (faults.Count(fault) == 0) continue;
     const auto first = std::ranges::find(faults.list, fault, &Fault::kind);
-    Finding found{.severity = Severity::kDoubt,
+    // what is excluded and interpolated is in the budget
+    const bool is_corrected = fault == FaultKind::kSpike;
+    Finding found{.severity = is_corrected ? Severity::kNote : Severity::kDoubt,
                   .kind = kind,
                   .numbers = {{"count", faults.Count(fault)},
                               {"readings", faults.Rows(fault)},
-                              {"first_s", trial::TimeOf(head, first->first_row)}}};
+                              {"first_s", trial::TimeOf(clean.rows->head(), first->first_row)}}};
     if (kind != kClipped) found.numbers.emplace_back("size_m", std::abs(first->size));
     analysis->findings.Add(std::move(found));
   }
+}
+
+void RemarkDoubts(const trial::Record& head, const RawSummary& summary, BandAnalysis* analysis) {
+  RemarkFar(summary, analysis);
+  RemarkSampling(head.metadata, analysis);
+  RemarkTimes(head, analysis);
+}
+
+void RemarkImpossibleRms(BandAnalysis* analysis) {
+  const double rms_m = analysis->numbers->rms.as_measured_m;
+  const bool is_far = std::max(std::abs(analysis->record.offset_m),
+                               analysis->record.peak_to_peak_m) > kFarthestReadingM;
+  if (rms_m > kLargestBandRmsM && !is_far) {
+    analysis->findings.Doubt(FindingKind::kRmsTooLarge, {{"rms_m", rms_m}});
+  } else if (rms_m > 0 && rms_m < kSmallestBandRmsM) {
+    analysis->findings.Doubt(FindingKind::kRmsTooSmall, {{"rms_m", rms_m}});
+  }
+}
+
+std::optional<Finding> WhyStuck(const RawSummary& summary) {
+  if (summary.measured < kLeastToBeStuck || summary.least != summary.most) return std::nullopt;
+  return Finding{.severity = Severity::kRefusal,
+                 .kind = FindingKind::kStuck,
+                 .numbers = {{"readings", summary.measured}}};
+}
+
+Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const ChosenPart& part,
+                                        const BandAnalysis& analysis) {
+  const double lower_hz = analysis.band.lower_hz;
+  // vibration in the band changes its value at least twice in a period of the lower corner
+  const auto least_changes = [&](double seconds) { return 2 * lower_hz * seconds; };
+  if (static_cast<double>(analysis.faults.runs) >= least_changes(analysis.record.duration_s)) {
+    return std::nullopt;
+  }
+  const std::size_t first = part.signal->first_row() + part.begin;
+  const std::size_t rows = part.end - part.begin;
+  // only a record with few changes is read again, over the chosen part
+  std::vector<double> values(std::min(rows, kBlock));
+  std::vector<trial::SampleStatus> statuses(values.size());
+  std::size_t changes = 0;
+  double last = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t done = 0; done < rows; done += values.size()) {
+    const std::size_t count = std::min(values.size(), rows - done);
+    const auto read =
+        displacement.source.Read(displacement.channel, first + done, std::span(values).first(count),
+                                 std::span(statuses).first(count));
+    if (!read) return std::unexpected(read.error());
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!IsMeasured(values[k], statuses[k])) continue;
+      if (std::isfinite(last) && values[k] != last) ++changes;
+      last = values[k];
+    }
+  }
+  const double seconds = static_cast<double>(rows) / part.signal->rate_hz();
+  if (static_cast<double>(changes) >= least_changes(seconds)) return std::nullopt;
+  return Finding{.severity = Severity::kRefusal,
+                 .kind = FindingKind::kStuckInWindow,
+                 .numbers = {{"window_s", seconds},
+                             {"from_s", TimeOfSample(*part.signal, part.begin)},
+                             {"changes", changes},
+                             {"readings", rows},
+                             {"lower_hz", lower_hz}}};
 }
 
 }  // namespace haptometer::dsp

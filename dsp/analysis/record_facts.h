@@ -1,14 +1,26 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/clean_rows.h"
 #include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/segments.h"
+#include "dsp/analysis/window_choice.h"
 #include "trial/record.h"
 
-/// The steps of AnalyzeBand that come before any filter.
+/// The steps of AnalyzeBand that come before any filter, and those that ask whether a record is
+/// what it says: slips of a unit, a setting or a sensor that stands still. What may be right is a
+/// doubt and changes no number.
 namespace haptometer::dsp {
+
+/// The number of the channel that an analysis is of: trial::DisplacementChannel.
+/// Errors (Cause::kCannotAnswer): there is none, or none in metres.
+[[nodiscard]] Result<std::size_t> AnalyzedChannel(const trial::Record& head);
 
 /// Fills `analysis.record` and says what was left out or handed out again. `summary` and `segments`
 /// are of the record whose head is given.
@@ -23,7 +35,31 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
 /// "late 100, over 20": every status that is no measurement, and values that are no numbers.
 [[nodiscard]] std::string Unmeasured(const RecordFacts& facts);
 
-/// Adds a remark for each kind of fault, of which `analysis.faults` has any.
-void RemarkFaults(const trial::Record& head, BandAnalysis* analysis);
+/// Adds a note for each code, and a finding for each kind of fault of which there is any: a doubt
+/// where it is not corrected for.
+void RemarkArtifacts(const CleanChannel& clean, BandAnalysis* analysis);
+
+/// Farther than this from zero, or from end to end, reaches no displacement sensor.
+inline constexpr double kFarthestReadingM = 1;
+/// A band RMS above or below which no vibration is read by a laser distance sensor.
+inline constexpr double kLargestBandRmsM = 0.01;
+inline constexpr double kSmallestBandRmsM = 1e-10;
+
+/// Adds a doubt where readings lie beyond kFarthestReadingM; where the file's sampling period
+/// allows fewer new readings than came (by more than 5 %); and where an imported table is too slow
+/// or too fast for the band, but would not be with times in milli- or microseconds, or seconds.
+void RemarkDoubts(const trial::Record& head, const RawSummary& summary, BandAnalysis* analysis);
+
+/// Adds a doubt where the answer's RMS is beyond the limits above.
+void RemarkImpossibleRms(BandAnalysis* analysis);
+
+/// Why the readings cannot be of a vibration: 16 or more that are all the same; nothing otherwise.
+[[nodiscard]] std::optional<Finding> WhyStuck(const RawSummary& summary);
+
+/// The same of a part: fewer changes from reading to reading than two a period of the lower
+/// corner. Reads the part only where the whole record has that few. Errors: as RowSource::Read.
+[[nodiscard]] Result<std::optional<Finding>> WhyStuck(const Displacement& displacement,
+                                                      const ChosenPart& part,
+                                                      const BandAnalysis& analysis);
 
 }  // namespace haptometer::dsp

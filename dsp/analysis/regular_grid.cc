@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/analysis/measured.h"
-#include "dsp/analysis/segments.h"
+#include "dsp/analysis/row_block.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -220,42 +219,16 @@ std::size_t PointsFor(const Interpolator& interpolator) {
   return best;
 }
 
-// rows of the grid: one per reading, and per missing one in a gap that may be interpolated
+// one row per reading; a stretch ends where places are without one
 void LayOut(const Places& places, RegularGrid& grid) {
   trial::Record& record = grid.record;
-  grid.rows.reserve(places.place.size());
-  for (std::size_t row = 0; row < places.place.size(); ++row) {
-    const std::int64_t missing = row == 0 ? 0 : places.place[row] - places.place[row - 1] - 1;
-    const bool begins = row == 0 || missing > static_cast<std::int64_t>(kLongestBridge);
-    if (begins) {
-      record.stretches.push_back(
-          {record.rows, 0, places.TimeOf(places.place[row]), grid.rate_hz, 0});
+  record.rows = places.place.size();
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (row == 0 || places.place[row] != places.place[row - 1] + 1) {
+      record.stretches.push_back({row, 0, places.TimeOf(places.place[row]), grid.rate_hz, 0});
     }
-    const std::size_t added = 1 + (begins ? 0 : static_cast<std::size_t>(missing));
-    record.stretches.back().rows += added;
-    record.rows += added;
-    grid.rows.push_back(record.rows - 1);
+    ++record.stretches.back().rows;
   }
-}
-
-// `values` of the readings on the rows of the grid, NaN and late in gaps
-trial::Channel OnRows(const trial::Channel& channel, const Places& places,
-                      std::span<const double> values, std::size_t rows) {
-  trial::Channel gridded = channel;
-  gridded.values.clear();
-  gridded.statuses.clear();
-  gridded.values.reserve(rows);
-  gridded.statuses.reserve(rows);
-  for (std::size_t row = 0; row < values.size(); ++row) {
-    const std::int64_t missing = row == 0 ? 0 : places.place[row] - places.place[row - 1] - 1;
-    const std::size_t holes =
-        missing > static_cast<std::int64_t>(kLongestBridge) ? 0 : static_cast<std::size_t>(missing);
-    gridded.values.insert(gridded.values.end(), holes, std::numeric_limits<double>::quiet_NaN());
-    gridded.statuses.insert(gridded.statuses.end(), holes, trial::SampleStatus::kLate);
-    gridded.values.push_back(values[row]);
-    gridded.statuses.push_back(channel.statuses[row]);
-  }
-  return gridded;
 }
 
 RegularGrid Refused(FindingKind kind, std::vector<FindingNumber> numbers) {
@@ -300,7 +273,8 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
                        {{"upper_hz", upper_hz}, {"readings_per_s", grid.rate_hz}});
       }
     }
-    grid.record.channels.push_back(OnRows(channel, places, values, grid.record.rows));
+    grid.record.channels.push_back(channel);
+    grid.record.channels.back().values = std::move(values);
   }
   return grid;
 }

@@ -25,7 +25,6 @@ struct RegularGrid {
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
   /// lower ones); of the worst row that is kept.
   double error_bound = 0;
-  std::vector<std::size_t> rows;   ///< the grid's row of each reading
   std::size_t left_out = 0;        ///< rows whose bound would be above kLargestInterpolationError
   std::optional<Finding> refusal;  ///< why there is no grid; the record is empty then
 };
@@ -35,8 +34,7 @@ struct RegularGrid {
 ///
 /// Dropped readings are told from jitter first: each interval is a whole number of median periods,
 /// give or take less than half of one, and the grid is the least-squares line through the times
-/// over those counts. A place without a reading is a hole; more than kLongestBridge in a row begin
-/// a stretch.
+/// over those counts. A row is a reading; places without one end a stretch.
 ///
 /// A value is the polynomial through the nearest `points` measured readings at their own times,
 /// taken at its place on the grid (Neville), which lies beside one of them. For a tone of angular

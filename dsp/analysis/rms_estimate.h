@@ -23,16 +23,15 @@ enum class RmsCause : std::uint8_t {
   kNoiseFloor,    ///< scatter of the floor that is taken off
   kBelowBand,     ///< motion there: its amplitude times |H|^2, as power and as a beat with the tone
   kQuantisation,  ///< step / sqrt(12), white up to half the rate
-  kBridged,       ///< readings: the error of the same bridging beside each hole
+  kBridged,       ///< readings: the expanded error of the interpolation
   kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
   kDriveEdges,    ///< what a window shorter by a period at either end would change
-  kSpikes,        ///< their energy within the band
   kSteps,         ///< their energy within the band
   kFoot,          ///< power of the band's lowest part that is neither the drive nor noise
   kHum,           ///< half of its power, where the record has no pause that shows it alone
   kDrift,         ///< half the change of the amplitude over the window
 };
-inline constexpr std::size_t kRmsCauseCount = 12;
+inline constexpr std::size_t kRmsCauseCount = 11;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {

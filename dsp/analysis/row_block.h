@@ -1,12 +1,32 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
-#include "dsp/analysis/measured.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
+
+/// Whether a row holds a measurement: its status says so and its value is a finite number.
+[[nodiscard]] inline bool IsMeasured(double value, trial::SampleStatus status) {
+  return trial::IsMeasurement(status) && std::isfinite(value);
+}
+
+/// Whether every status is kOk: the rule in a record, and told in a fraction of the time that a
+/// look at each row takes.
+[[nodiscard]] bool AllOk(std::span<const trial::SampleStatus> statuses);
+
+/// Whether every value is a finite number.
+[[nodiscard]] bool AllFinite(std::span<const double> values);
+
+/// Rows [begin, end).
+struct RowRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  [[nodiscard]] std::size_t rows() const { return end - begin; }
+};
 
 /// Rows [first_row, end_row) of a channel, and some on either side that help to judge them.
 struct RowBlock {

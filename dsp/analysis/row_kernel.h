@@ -44,7 +44,7 @@ struct RowKernel {
   RowSum (*sum_squares)(const double* rows, std::size_t count);
   /// Of two rows and more, finite.
   RowRepeats (*repeats)(const double* rows, std::size_t count);
-  /// The largest |e| of `count` rows (CubicError, dsp/analysis/fault_shape.h), of which those that
+  /// The largest |e| of `count` rows (CubicError, dsp/analysis/faults.h), of which those that
   /// are no number count as 0; two rows before and after are read.
   double (*largest_error)(const double* rows, std::size_t count);
   /// The least change from row to row that is not 0, or infinity.

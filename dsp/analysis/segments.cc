@@ -2,257 +2,170 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "base/error.h"
-#include "dsp/analysis/faults.h"
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/interpolation.h"
 
 namespace haptometer::dsp {
 namespace {
 
-// least rate of a record whose gaps are interpolated, per upper corner
-constexpr double kBridgeRatePerUpperCorner = 5;
-// measured samples that the cubic takes on each side of a gap
-constexpr std::size_t kSide = 2;
-// rows before and after a block that decide on a gap within it: a gap, the rows on which its
-// interpolation is tried, and one that ends the gap; and those that a visitor may need
-constexpr std::size_t kMarginRows =
-    std::max(2 * kLongestBridge + 2 * kSide + 1, kFaultMarginRows + 2);
-static_assert(kPassRows % kFaultBlockRows == 0);
+// a longer hole than the model reaches over four times is not known any more
+constexpr std::size_t kLongestPerOrder = 4;
+// holes whose rows are filled by one model, at most
+constexpr std::size_t kGroupRows = 1024;
+// the mean square error of an interpolated hole, over the variance of the samples about it: of
+// white noise, which its neighbours do not determine, it is 1
+constexpr double kMostError = 2;
 
-// rows [begin, end)
-struct Rows {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-};
-
-// the rows at hand: a block and its margins
-class Window {
+// Collects the segments of one `Stretch`, hole by hole.
+class Splitter {
  public:
-  // reads rows [block.begin, block.end) of `rows` with their margins
-  Result<void> Load(const trial::RowSource& source, std::size_t channel, Rows block,
-                    std::size_t rows) {
-    record_rows_ = rows;
-    block_ = block;
-    held_.begin = block.begin - std::min(block.begin, kMarginRows);
-    held_.end = block.end + std::min(rows - block.end, kMarginRows);
-    values_.resize(held_.end - held_.begin);
-    statuses_.resize(values_.size());
-    if (auto read = source.Read(channel, held_.begin, values_, statuses_); !read) return read;
-    all_ok_ = AllOk(statuses_) && AllFinite(values_);
+  Splitter(const trial::RowSource& source, std::size_t channel, const trial::Stretch& stretch,
+           Segments& segments)
+      : source_(source),
+        channel_(channel),
+        stretch_(stretch),
+        end_(stretch.first_row + stretch.rows),
+        longest_(LongestHole(stretch.rate_hz)),
+        segments_(segments) {}
+
+  Result<void> Take(std::span<const RowRange> holes) {
+    Begin(stretch_.first_row);
+    for (std::size_t k = 0; k < holes.size();) {
+      if (!MayFill(holes[k])) {
+        Finish(holes[k].begin, holes[k].end);
+        ++k;
+        continue;
+      }
+      // holes near each other share a model
+      std::size_t last = k + 1;
+      while (last < holes.size() && MayFill(holes[last]) &&
+             holes[last].begin - holes[last - 1].end <= kInterpolationReach &&
+             holes[last].end - holes[k].begin <= kGroupRows) {
+        ++last;
+      }
+      if (auto filled = Fill(holes.subspan(k, last - k)); !filled) return filled;
+      k = last;
+    }
+    Finish(end_, end_);
     return {};
   }
 
-  // whether every row held is measured and has the status kOk
-  [[nodiscard]] bool all_ok() const { return all_ok_; }
-
-  [[nodiscard]] Rows block() const { return block_; }
-  [[nodiscard]] RowBlock AsBlock() const {
-    return {block_.begin, block_.end, record_rows_, held_.begin, values_, statuses_, all_ok_};
-  }
-
-  [[nodiscard]] bool At(std::size_t row) const {
-    return IsMeasured(values_[row - held_.begin], statuses_[row - held_.begin]);
-  }
-  [[nodiscard]] double Value(std::size_t row) const { return values_[row - held_.begin]; }
-  // whether all of [begin, end) are at hand and measured
-  [[nodiscard]] bool All(std::size_t begin, std::size_t end) const {
-    if (begin < held_.begin || end > held_.end) return false;
-    return FirstUnmeasured(begin, end) == end;
-  }
-  // the first row of [begin, end) without a measurement, or `end`
-  [[nodiscard]] std::size_t FirstUnmeasured(std::size_t begin, std::size_t end) const {
-    if (all_ok_) return std::max(begin, end);
-    while (begin < end && At(begin)) ++begin;
-    return begin;
-  }
-  // the first row of [begin, end) with a measurement, or the end of what is at hand
-  [[nodiscard]] std::size_t FirstMeasured(std::size_t begin, std::size_t end) const {
-    end = std::min(end, held_.end);
-    while (begin < end && !At(begin)) ++begin;
-    return begin;
-  }
-
  private:
-  std::size_t record_rows_ = 0;
-  Rows block_;
-  Rows held_;
-  bool all_ok_ = false;
-  std::vector<double> values_;
-  std::vector<trial::SampleStatus> statuses_;
-};
+  // short enough, and between two measured samples
+  [[nodiscard]] bool MayFill(const RowRange& hole) const {
+    return hole.rows() <= longest_ && hole.begin > stretch_.first_row && hole.end < end_;
+  }
 
-// Lagrange's cubic through the two samples before and after `size` rows at `first`, at first + k
-double Bridged(const Window& window, std::size_t first, std::size_t size, std::size_t k) {
-  const std::array<std::size_t, 4> rows{first - 2, first - 1, first + size, first + size + 1};
-  const auto n = static_cast<double>(size);
-  const std::array<double, 4> at{-2, -1, n, n + 1};
-  const auto x = static_cast<double>(k);
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    double weight = 1;
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (j != i) weight *= (x - at[j]) / (at[i] - at[j]);
+  Result<void> Fill(std::span<const RowRange> holes) {
+    const std::size_t begin =
+        std::max(stretch_.first_row,
+                 holes.front().begin - std::min(holes.front().begin, kInterpolationReach));
+    const std::size_t end = std::min(end_, holes.back().end + kInterpolationReach);
+    // the neighbourhood, with what was interpolated before in its place
+    std::vector<double> values(end - begin);
+    std::vector<trial::SampleStatus> statuses(values.size());
+    if (auto read = source_.Read(channel_, begin, values, statuses); !read) return read;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (!IsMeasured(values[k], statuses[k])) values[k] = std::numeric_limits<double>::quiet_NaN();
     }
-    sum += weight * window.Value(rows[i]);
-  }
-  return sum;
-}
-
-// squared error of the same interpolation for `size` rows at `first` that are all known
-double KnownErrorSquareSum(const Window& window, std::size_t first, std::size_t size) {
-  double sum = 0;
-  for (std::size_t k = 0; k < size; ++k) {
-    const double error = Bridged(window, first, size, k) - window.Value(first + k);
-    sum += error * error;
-  }
-  return sum;
-}
-
-// Squared error of interpolating the gap, estimated on the nearest known rows on either side;
-// nothing where the gap has no two neighbours or neither side can be tried.
-std::optional<double> BridgeErrorSquareSum(const Window& window, Rows stretch, Rows hole) {
-  const std::size_t size = hole.end - hole.begin;
-  const auto known = [&](std::size_t begin, std::size_t end) {
-    return begin >= stretch.begin && end <= stretch.end && window.All(begin, end);
-  };
-  // two measured samples on each side, at the same rate and without a break of the times
-  if (size > kLongestBridge || hole.begin < stretch.begin + kSide ||
-      !known(hole.begin - kSide, hole.begin) || !known(hole.end, hole.end + kSide)) {
-    return std::nullopt;
-  }
-  // known rows as many as the gap, with two neighbours on either side
-  const std::size_t span = size + 2 * kSide;
-  std::optional<double> worst;
-  if (hole.begin >= stretch.begin + span && known(hole.begin - span, hole.begin)) {
-    worst = KnownErrorSquareSum(window, hole.begin - kSide - size, size);
-  }
-  if (known(hole.end, hole.end + span)) {
-    const double after = KnownErrorSquareSum(window, hole.end + kSide, size);
-    worst = std::max(worst.value_or(0), after);
-  }
-  // values whose cubes overflow are not interpolated
-  if (worst && !std::isfinite(*worst)) return std::nullopt;
-  return worst;
-}
-
-// Collects the segments of a record block by block. A gap is decided on where it begins, with the
-// window's margins; one that is too long to interpolate ends the segment.
-class Splitter {
- public:
-  Splitter(const trial::Record& head, double upper_hz, Segments& segments)
-      : stretches_(head.stretches), upper_hz_(upper_hz), segments_(segments) {}
-
-  void Take(const Window& window) {
-    while (next_row_ < window.block().end) {
-      const trial::Stretch& stretch = stretches_[stretch_];
-      const Rows all{stretch.first_row, stretch.first_row + stretch.rows};
-      // a segment never exceeds its `Stretch` of rows at one rate
-      TakePart(window, all, std::min(all.end, window.block().end));
-      if (next_row_ < all.end) continue;
-      Finish(all.end);
-      next_row_ = all.end;
-      ++stretch_;
+    for (auto bridge = segment_.bridges.rbegin(); bridge != segment_.bridges.rend(); ++bridge) {
+      if (segment_.first_row + bridge->sample < begin) break;
+      values[segment_.first_row + bridge->sample - begin] = bridge->value;
     }
+    const auto found = Interpolate(values, holes.front().begin - begin, holes.back().end - begin);
+    const double most = kMostError * VarianceOf(values);
+    // each hole on its own: interpolated, or the end of a segment
+    std::size_t at = 0;
+    for (const RowRange& hole : holes) {
+      if (!found || !Bridged(hole, std::span(*found).subspan(at, hole.rows()), most)) {
+        Finish(hole.begin, hole.end);
+      }
+      at += hole.rows();
+    }
+    return {};
   }
 
- private:
-  // rows of one `Stretch` up to `end`, and those of a gap that begins before it
-  void TakePart(const Window& window, Rows all, std::size_t end) {
-    while (next_row_ < end) {
-      const std::size_t bad = window.FirstUnmeasured(next_row_, end);
-      if (bad > next_row_) Begin(next_row_);
-      next_row_ = bad;
-      if (bad < end) TakeHole(window, all, {bad, window.FirstMeasured(bad, all.end)});
+  bool Bridged(const RowRange& hole, std::span<const Interpolated> samples, double most) {
+    double square_sum = 0;
+    for (const Interpolated& sample : samples) square_sum += sample.error_square;
+    if (!(square_sum <= most * static_cast<double>(hole.rows()))) return false;
+    for (std::size_t k = 0; k < hole.rows(); ++k) {
+      segment_.bridges.push_back({hole.begin + k - segment_.first_row, samples[k].value});
     }
+    // expanded by k = 2
+    segment_.bridged_error_square_sum += 4 * square_sum;
+    return true;
   }
 
-  void TakeHole(const Window& window, Rows all, Rows hole) {
-    next_row_ = hole.end;
-    // interpolation needs a rate far above the band, and measured neighbours
-    const bool may_bridge = stretches_[stretch_].rate_hz >= kBridgeRatePerUpperCorner * upper_hz_;
-    const std::optional<double> error_square_sum =
-        may_bridge ? BridgeErrorSquareSum(window, all, hole) : std::nullopt;
-    if (!error_square_sum) return Finish(hole.begin);
-    for (std::size_t row = hole.begin; row < hole.end; ++row) {
-      segment_.bridges.push_back(
-          {row - segment_.first_row,
-           Bridged(window, hole.begin, hole.end - hole.begin, row - hole.begin)});
+  static double VarianceOf(std::span<const double> values) {
+    double sum = 0;
+    double square_sum = 0;
+    double count = 0;
+    const auto first = std::ranges::find_if(values, [](double x) { return !std::isnan(x); });
+    for (const double x : values) {
+      if (std::isnan(x)) continue;
+      sum += x - *first;
+      square_sum += (x - *first) * (x - *first);
+      ++count;
     }
-    segment_.bridged_error_square_sum += *error_square_sum;
+    return (square_sum - sum * sum / count) / count;
   }
 
   void Begin(std::size_t row) {
-    if (open_) return;
-    const trial::Stretch& stretch = stretches_[stretch_];
     segment_.first_row = row;
-    segment_.rate_hz = stretch.rate_hz;
-    segment_.time_uncertainty_s = stretch.time_uncertainty_s;
+    segment_.rate_hz = stretch_.rate_hz;
+    segment_.time_uncertainty_s = stretch_.time_uncertainty_s;
     segment_.start_s =
-        stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;
-    open_ = true;
+        stretch_.start_s + static_cast<double>(row - stretch_.first_row) / stretch_.rate_hz;
   }
 
-  // closes the segment before `end_row`
-  void Finish(std::size_t end_row) {
-    if (!open_) return;
+  // closes the segment before `end_row`; the next one begins at `next_row`
+  void Finish(std::size_t end_row, std::size_t next_row) {
     segment_.size = end_row - segment_.first_row;
     segments_.bridged += segment_.bridges.size();
-    segments_.parts.push_back(std::exchange(segment_, {}));
-    open_ = false;
+    if (segment_.size > 0) segments_.parts.push_back(std::move(segment_));
+    segment_ = {};
+    Begin(next_row);
   }
 
-  const std::vector<trial::Stretch>& stretches_;
-  double upper_hz_;
+  const trial::RowSource& source_;
+  std::size_t channel_;
+  const trial::Stretch& stretch_;
+  std::size_t end_;
+  std::size_t longest_;
   Segments& segments_;
-  std::size_t stretch_ = 0;   // the one that next_row_ lies in
-  std::size_t next_row_ = 0;  // all before it are decided on
-  bool open_ = false;         // whether segment_ has begun
   Segment segment_;
 };
 
-// rows of each status, and measured ones
-void Count(const Window& window, Segments& segments) {
-  const auto values = window.AsBlock().values();
-  const auto statuses = window.AsBlock().statuses();
-  if (window.all_ok()) {
-    segments.by_status[0] += values.size();
-    segments.measured += values.size();
-    return;
-  }
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    ++segments.by_status[static_cast<std::size_t>(statuses[k])];
-    segments.measured += IsMeasured(values[k], statuses[k]) ? 1 : 0;
-  }
-}
-
 }  // namespace
 
-Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t channel,
-                                   double upper_hz, const RowVisitor& visit, int threads) {
-  const trial::Record& head = source.head();
+std::size_t LongestHole(double rate_hz) {
+  const double rows =
+      std::min(kLongestHoleS * rate_hz, static_cast<double>(kLongestPerOrder * kModelOrder));
+  return std::max<std::size_t>(1, static_cast<std::size_t>(rows));
+}
+
+Result<Segments> SplitAtHoles(const trial::RowSource& source, std::size_t channel,
+                              std::span<const RowRange> holes) {
   Segments segments;
-  Splitter splitter(head, upper_hz, segments);
-  const std::size_t blocks = (head.rows + kPassRows - 1) / kPassRows;
-  const auto done = RunJobsInOrder(blocks, threads, [&]() -> OrderedWorker {
-    // blocks are read and visited in parallel; counts and segments follow in order of the blocks
-    return [&, window = Window()](std::size_t job) mutable -> Result<Finish> {
-      const std::size_t row = job * kPassRows;
-      const Rows block{row, row + std::min(kPassRows, head.rows - row)};
-      if (auto loaded = window.Load(source, channel, block, head.rows); !loaded) {
-        return std::unexpected(loaded.error());
-      }
-      return [&, visited = visit ? visit(window.AsBlock()) : Finish()]() mutable {
-        Count(window, segments);
-        splitter.Take(window);
-        if (visited) visited();
-      };
-    };
-  });
-  if (!done) return std::unexpected(done.error());
+  std::vector<RowRange> within;
+  std::size_t next = 0;
+  for (const trial::Stretch& stretch : source.head().stretches) {
+    const RowRange all{stretch.first_row, stretch.first_row + stretch.rows};
+    // a segment never exceeds its stretch: a hole over the end of one is cut
+    within.clear();
+    while (next < holes.size() && holes[next].end <= all.begin) ++next;
+    for (std::size_t k = next; k < holes.size() && holes[k].begin < all.end; ++k) {
+      within.push_back({std::max(holes[k].begin, all.begin), std::min(holes[k].end, all.end)});
+    }
+    if (auto taken = Splitter(source, channel, stretch, segments).Take(within); !taken) {
+      return std::unexpected(taken.error());
+    }
+  }
   return segments;
 }
 

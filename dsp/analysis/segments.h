@@ -2,12 +2,10 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "base/error.h"
-#include "base/jobs.h"
 #include "dsp/analysis/row_block.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
@@ -20,7 +18,7 @@ struct Bridge {
   double value = 0;
 };
 
-/// Rows that can be filtered as one: measured at one rate without a gap, small holes bridged.
+/// Rows that can be filtered as one: measured at one rate, short holes interpolated.
 struct Segment {
   std::size_t first_row = 0;
   std::size_t size = 0;  ///< rows
@@ -28,8 +26,7 @@ struct Segment {
   double rate_hz = 0;
   double time_uncertainty_s = 0;  ///< of the stretch it comes from
   std::vector<Bridge> bridges;    ///< in the order of samples
-  /// Sum over the bridged samples of the squared error that the same bridging makes at measured
-  /// samples beside the hole.
+  /// Sum over the interpolated samples of the squares of their expanded errors (k = 2).
   double bridged_error_square_sum = 0;
 };
 
@@ -41,29 +38,26 @@ struct Segments {
   std::array<std::size_t, trial::kSampleStatusCount> by_status{};  ///< rows of each status
 };
 
-inline constexpr std::size_t kLongestBridge = 3;
+/// The longest hole that is interpolated, where 256 rows (four times the model's order) are not
+/// less: about what a tone of 225 Hz with noise of 10 % is known over to 10 %.
+inline constexpr double kLongestHoleS = 0.02;
 
-/// Rows of a channel that are looked at in one go: a multiple of kFaultBlockRows.
-inline constexpr std::size_t kPassRows = std::size_t{1} << 16U;
+/// The same in rows, one at least.
+[[nodiscard]] std::size_t LongestHole(double rate_hz);
 
-/// Sees a block of a channel, on any thread; what it returns is called block by block, in order.
-using RowVisitor = std::function<Finish(const RowBlock& block)>;
-
-/// Splits channel number `channel` where a stretch ends and at every hole that may not be bridged;
-/// `visit`, where given, sees every row on the way.
+/// The segments of channel number `channel`, and their interpolated samples: it ends where a
+/// stretch ends and at every hole that may not be interpolated. `holes`: all rows without a
+/// measurement, in order.
 ///
-/// A row holds no measurement when its status says so (trial::IsMeasurement) or its value is not
-/// finite. Holes of at most kLongestBridge rows are bridged by the cubic through the two measured
-/// samples on each side, where the rate is at least 5 times `upper_hz` and those samples exist; the
-/// error is measured by bridging known samples beside the hole in the same way, which needs six to
-/// eight measured rows in a line on one side.
-/// `threads` blocks are read and looked at at a time; they change nothing.
-/// Errors: as RowSource::Read. Cost: one pass; memory of a block a thread and of what is returned.
-[[nodiscard]] Result<Segments> SplitIntoSegments(const trial::RowSource& source,
-                                                 std::size_t channel, double upper_hz,
-                                                 const RowVisitor& visit = {}, int threads = 1);
+/// A hole of at most LongestHole rows with a measurement on either side is interpolated
+/// (dsp/analysis/interpolation.h) from what lies within kInterpolationReach of it, where the
+/// expected square of its error is below twice the variance there; holes closer to each other than
+/// that share a model. Counts of rows are left to the caller.
+/// Errors: as RowSource::Read. Cost: linear in the number of holes; rows near none are not read.
+[[nodiscard]] Result<Segments> SplitAtHoles(const trial::RowSource& source, std::size_t channel,
+                                            std::span<const RowRange> holes);
 
-/// The samples of a segment by range, the bridged ones in their places.
+/// The samples of a segment by range, the interpolated ones in their places.
 ///
 /// `source` and `segment` must outlive it. Threads may read at the same time.
 class SegmentSamples {

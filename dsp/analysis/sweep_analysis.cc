@@ -10,10 +10,9 @@
 #include <span>
 #include <utility>
 
-#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_question.h"
-#include "dsp/analysis/measured.h"
-#include "dsp/analysis/segments.h"
+#include "dsp/analysis/clean_rows.h"
+#include "dsp/analysis/record_facts.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/repeated_measures.h"
@@ -449,16 +448,16 @@ Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQues
                                                          : FindingKind::kSweepPolled);
     return answer;
   }
-  const auto segments = SplitIntoSegments(source, *channel, question.upper_hz);
-  if (!segments) return std::unexpected(segments.error());
-  const auto piece = ReadSweepPiece(source, *channel, *segments, answer.findings);
+  const auto clean = Clean(source, *channel);
+  if (!clean) return std::unexpected(clean.error());
+  const auto piece = ReadSweepPiece(*clean->rows, *channel, clean->segments, answer.findings);
   if (!piece) return std::unexpected(piece.error());
   if (piece->displacement_m.empty()) {
     answer.findings.Refuse(FindingKind::kNoMeasurement);
     return answer;
   }
   TakePiece(source.head(), *piece, answer);
-  const auto done = Answer(source, *piece, *segments, question, answer);
+  const auto done = Answer(*clean->rows, *piece, clean->segments, question, answer);
   if (!done) return std::unexpected(done.error());
   answer.answered = !answer.points.empty();
   return answer;

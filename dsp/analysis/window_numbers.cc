@@ -12,9 +12,10 @@
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/below_band_model.h"
+#include "dsp/analysis/clipping.h"
 #include "dsp/analysis/drive_channel.h"
+#include "dsp/analysis/faults.h"
 #include "dsp/analysis/quantisation.h"
-#include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/transient.h"
 #include "dsp/spectrum/decimated.h"
@@ -323,21 +324,35 @@ Result<void> TakeFloor(Window& window) {
   return {};
 }
 
-// share of the window's power that faults of this kind inside it make
-double FaultShare(const Window& window, FaultKind kind) {
-  return FaultPower(window.analysis.faults, kind, window.numbers.part, window.band(),
-                    window.rate_hz()) /
+// share of the window's power that steps inside it make
+double StepShare(const Window& window) {
+  const UsedPart& part = window.numbers.part;
+  return StepPower(window.analysis.faults, part.first_row, part.rows, window.band(),
+                   window.rate_hz()) /
          window.numbers.power.mean_square;
 }
 
-// clipped values reduce the RMS: the answer is refused, its value a lower limit
-void JudgeClipping(Window& window) {
+// clipped values reduce the RMS: the answer is refused, its value a lower limit; of the middle of a
+// long window
+Result<void> JudgeClipping(Window& window) {
   const UsedPart& part = window.numbers.part;
   const std::size_t rows = ClippedRows(window.analysis.faults, part.first_row, part.rows);
-  const double share = static_cast<double>(rows) / static_cast<double>(part.rows);
-  if (share <= kMostClipped) return;
+  double share = static_cast<double>(rows) / static_cast<double>(part.rows);
+  if (window.numbers.tone) {
+    std::vector<double> samples(FittedOf(window.rows));
+    const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
+    if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+    const Clipping clipping =
+        FindClipping(samples, window.rate_hz(), window.numbers.tone->fit.frequency_hz);
+    if (clipping.verdict == ClippingVerdict::kUndecided) {
+      window.analysis.findings.Doubt(FindingKind::kMayBeClipped, {{"share", clipping.share}});
+    }
+    if (clipping.verdict == ClippingVerdict::kClipped) share = std::max(share, clipping.share);
+  }
+  if (share <= kMostClipped) return {};
   window.numbers.is_lower_limit = true;
   window.analysis.findings.Refuse(FindingKind::kWindowClipped, {{"share", share}});
+  return {};
 }
 
 // change of the RMS if either end of a driven part moves inwards by a period of the lower corner:
@@ -400,8 +415,7 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   add(RmsCause::kFilterEnds, kSettledError * rms);
   add(RmsCause::kDriveEdges, edges_m);
   // a share s of the power changes the RMS by s / 2 of it
-  add(RmsCause::kSpikes, 0.5 * rms * FaultShare(window, FaultKind::kSpike));
-  add(RmsCause::kSteps, 0.5 * rms * FaultShare(window, FaultKind::kStep));
+  add(RmsCause::kSteps, 0.5 * rms * StepShare(window));
   const UsedPart& part = window.chosen.part;
   if (!part.from_drive) return bounds;
   // a quiet interval holds the foot and the hum, too, and is subtracted
@@ -648,7 +662,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   // floor and clipping are required by the estimate of the RMS, the estimate by the tone's share
   if (auto taken = TakeFloor(window); !taken) return taken;
   if (auto bounded = BoundSteps(window); !bounded) return bounded;
-  JudgeClipping(window);
+  if (auto judged = JudgeClipping(window); !judged) return judged;
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "dsp/analysis/analyzed_channel.h"
+#include "dsp/analysis/clean_rows.h"
+#include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 
@@ -31,8 +32,9 @@ Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysi
                                std::size_t most) {
   const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
-  const auto segments = SplitIntoSegments(source, *channel, analysis.band.upper_hz);
-  if (!segments) return std::unexpected(segments.error());
+  const auto clean = Clean(source, *channel);
+  if (!clean) return std::unexpected(clean.error());
+  const Segments* segments = &clean->segments;
   const TimeWindow& window = analysis.numbers->part.window;
   const double middle_s = (window.begin_s + window.end_s) / 2;
   const auto holds_window = [&](const Segment& segment) {
@@ -43,7 +45,7 @@ Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysi
   HAPTOMETER_CHECK(segment != segments->parts.end(), "{} s are in no segment", middle_s);
   WindowSamples samples = PlaceOf(*segment, window, most);
   const double first = std::round((samples.start_s - segment->start_s) * segment->rate_hz);
-  const auto read = SegmentSamples(source, *channel, *segment)
+  const auto read = SegmentSamples(*clean->rows, *channel, *segment)
                         .Read(static_cast<std::size_t>(first), samples.values_m);
   if (!read) return std::unexpected(read.error());
   return samples;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/row_block.h"
 
 namespace haptometer::dsp {
 namespace {

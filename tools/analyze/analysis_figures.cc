@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/analyzed_channel.h"
+#include "dsp/analysis/record_facts.h"
 #include "tools/analyze/analyze.h"
 #include "trial/record.h"
 

@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/input_file.h"
 #include "base/jobs.h"
-#include "dsp/analysis/analyzed_channel.h"
+#include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analyze_question.h"

@@ -188,7 +188,7 @@ TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
     channel.values[row] = 99.999e-3;  // what the sensor hands out beyond its range
     channel.statuses[row] = SampleStatus::kOver;
   }
-  for (std::size_t row = 30'500; row < 30'600; ++row) {
+  for (std::size_t row = 30'500; row < 30'800; ++row) {
     channel.values[row] = kNaN;
     channel.statuses[row] = SampleStatus::kLate;
   }
@@ -197,9 +197,9 @@ TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
   EXPECT_EQ(analysis.record.segments, 2U);
   EXPECT_EQ(analysis.record.bridged, 30U);
   const Finding excluded = FirstOf(analysis.findings, FindingKind::kExcluded);
-  EXPECT_EQ(NumberOf(excluded, "excluded"), 130);
+  EXPECT_EQ(NumberOf(excluded, "excluded"), 330);
   EXPECT_EQ(NumberOf(excluded, "readings"), 40'000);
-  EXPECT_EQ(TextOf(excluded, "statuses"), "over 30, late 100");
+  EXPECT_EQ(TextOf(excluded, "statuses"), "over 30, late 300");
   EXPECT_LT(analysis.numbers->part.window.end_s, 3.05);
   EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 3e-5, "settled window, bridged samples");
   EXPECT_GT(analysis.numbers->bridged_rms_m, 0);

@@ -26,7 +26,7 @@ constexpr double kRateHz = 10e3;
 // a record, its rows and its one segment, which must outlive the signal
 struct Held {
   explicit Held(trial::Record held) : record(std::move(held)) {
-    segments = SplitIntoSegments(rows, 0, 500).value();
+    segments = SplitAtHoles(rows, 0, {}).value();
   }
   [[nodiscard]] BandSignal Filter(int threads = 1, const BandPass& band = {}) const {
     const Segment& segment = segments.parts.at(0);

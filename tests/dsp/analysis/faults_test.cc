@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/analysis/window_faults.h"
+#include "dsp/analysis/faults.h"
 #include "tests/dsp/row_blocks.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -116,6 +116,15 @@ TEST(Faults, SpikesAreFoundWithTheirRowsAndHeights) {
   EXPECT_ABS(faults.list[1].size, 20e-6, 3e-6, "noise of 0.5 um");
   EXPECT_ABS(faults.list[2].size, 40e-6, 3e-6, "noise of 0.5 um");
   EXPECT_EQ(faults.Count(FaultKind::kStep), 0U);
+}
+
+TEST(Faults, SpikesNearEachOtherAreBothFound) {
+  for (const std::size_t apart : {6U, 12U, 23U, 31U}) {
+    std::vector<double> values = Streamed(30'000, 9);
+    values[13'000] += 1e-3;
+    values[13'000 + apart] -= 1e-3;
+    EXPECT_EQ(Scan(values).Count(FaultKind::kSpike), 2U) << apart;
+  }
 }
 
 TEST(Faults, AStepIsNotASpike) {

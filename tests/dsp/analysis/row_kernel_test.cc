@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "dsp/analysis/fault_shape.h"
+#include "dsp/analysis/faults.h"
 #include "dsp/filter/lane_cascade.h"
 #include "tests/dsp/signals.h"
 

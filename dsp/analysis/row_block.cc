@@ -1,10 +1,12 @@
-#include "dsp/analysis/measured.h"
+#include "dsp/analysis/row_block.h"
 
 #include <array>
 #include <cstdint>
 #include <cstring>
 
+#include "base/error.h"
 #include "dsp/analysis/row_kernel.h"
+#include "dsp/filter/lane_cascade.h"
 
 namespace haptometer::dsp {
 
@@ -24,6 +26,18 @@ bool AllOk(std::span<const trial::SampleStatus> statuses) {
 
 bool AllFinite(std::span<const double> values) {
   return WidestRowKernel().all_finite(values.data(), values.size());
+}
+
+const RowKernel& WidestRowKernel() {
+  switch (WidestInstructionSet()) {
+    case InstructionSet::kBaseline:
+      return kRowKernelBaseline;
+    case InstructionSet::kAvx2:
+      return kRowKernelAvx2;
+    case InstructionSet::kAvx512:
+      return kRowKernelAvx512;
+  }
+  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(WidestInstructionSet()));
 }
 
 }  // namespace haptometer::dsp

@@ -1,4 +1,4 @@
-#include "dsp/analysis/record_doubts.h"
+#include "dsp/analysis/record_facts.h"
 
 #include <gtest/gtest.h>
 
