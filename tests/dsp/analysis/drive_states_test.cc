@@ -1,0 +1,405 @@
+// Blocks of known tones, and the error rates of the states found in them.
+#include "dsp/analysis/drive_states.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "dsp/analysis/segments.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/repetitions.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 10e3;
+constexpr double kBlockS = 0.05;
+constexpr double kLowerHz = 20;
+
+BlockCourse CourseOf(const std::vector<double>& values, double rate_hz = kRateHz) {
+  const trial::Record record = RecordOf(values, rate_hz);
+  const trial::RecordRows rows(record);
+  const Segments segments = SplitIntoSegments(rows, 0, 500).value();
+  const Segment& segment = segments.parts.at(0);
+  const BandSignal signal =
+      BandSignal::Filter({rows, 0, segment}, Designed({}, rate_hz), 1).value();
+  auto course = MeasureBlocks(signal, {}, kBlockS, {});
+  EXPECT_TRUE(course);
+  return course ? *std::move(course) : BlockCourse{};
+}
+
+// value(t) over `duration_s`
+std::vector<double> SampledOver(double duration_s, const std::function<double(double)>& value,
+                                double rate_hz = kRateHz) {
+  std::vector<double> values(static_cast<std::size_t>(duration_s * rate_hz));
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] = value(static_cast<double>(k) / rate_hz);
+  }
+  return values;
+}
+
+// blocks that no transient of the filter reaches: half a second from the ends
+template <typename Visit>
+void ForEachSettled(const BlockCourse& course, double duration_s, const Visit& visit) {
+  int seen = 0;
+  for (std::size_t k = 0; k < course.blocks.size(); ++k) {
+    const TimeWindow time = course.Window(k, k + 1);
+    if (time.begin_s < 0.5 || time.end_s > duration_s - 0.5) continue;
+    visit(course.blocks[k], (time.begin_s + time.end_s) / 2);
+    ++seen;
+  }
+  EXPECT_GT(seen, 10);
+}
+
+TEST(DriveBlocks, OfAToneAreItsAmplitudeFrequencyAndPhase) {
+  for (const double tone_hz : {40.3, 100.0, 225.37, 411.0}) {
+    const double passed = 1e-6 * std::norm(Response(Designed({}, kRateHz), tone_hz));
+    const BlockCourse course = CourseOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, tone_hz, 0.7}}));
+    EXPECT_GE(course.block_s, std::max(kBlockS, 4 / tone_hz) * (1 - 1e-3));
+    ForEachSettled(course, 3, [&](const DriveBlock& block, double middle_s) {
+      EXPECT_REL(block.level_m(), passed, 1e-5, "transients of the filter");
+      EXPECT_ABS(block.frequency_hz, tone_hz, 1e-3, "transients of the filter");
+      EXPECT_LT(block.residual, 1e-9 * passed * passed / 2);
+      // sin(2 pi f t + 0.7) in the middle of every third sample, a sample and a half before the
+      // block's: a cosine with this phase
+      const double phase =
+          2 * std::numbers::pi * tone_hz * (middle_s - 1.5 / kRateHz) + 0.7 - std::numbers::pi / 2;
+      const std::complex<double> expected = std::polar(passed, phase);
+      EXPECT_LT(std::abs(block.amplitude_m - expected) / passed, 1e-3);
+    });
+  }
+}
+
+// What moves within a block leaves less than 1e-4 of the power: a frequency by 8 Hz/s, an
+// amplitude by all of itself in 2 s.
+TEST(DriveBlocks, AChirpAndARampLeaveNoResidual) {
+  const auto chirp = SampledOver(3, [](double t_s) {
+    return 1e-6 * std::sin(2 * std::numbers::pi * (200 * t_s + 4 * t_s * t_s));
+  });
+  ForEachSettled(CourseOf(chirp), 3, [](const DriveBlock& block, double middle_s) {
+    EXPECT_LT(block.residual, 1e-4 * block.mean_square);
+    EXPECT_ABS(block.frequency_hz, 200 + 8 * middle_s, 0.05, "curvature of the phase");
+  });
+  const auto ramp = SampledOver(3, [](double t_s) {
+    return 0.5e-6 * (1 + t_s) * std::sin(2 * std::numbers::pi * 225 * t_s);
+  });
+  ForEachSettled(CourseOf(ramp), 3, [](const DriveBlock& block, double middle_s) {
+    EXPECT_LT(block.residual, 1e-4 * block.mean_square);
+    EXPECT_REL(block.level_m(), 0.5e-6 * (1 + middle_s), 1e-3, "a sample's time");
+  });
+}
+
+// The mean square beside the tone is that of the noise.
+TEST(DriveBlocks, TheResidualIsTheNoise) {
+  const FilterDesign design = Designed({}, kRateHz);
+  double share = 0;
+  for (int k = 0; k < 4000; ++k) share += std::pow(Magnitude(design, (k + 0.5) * 1.25), 4) / 4000;
+  Noise noise(1);
+  const auto values = SampledOver(20, [&](double t_s) {
+    return 1e-6 * std::sin(2 * std::numbers::pi * 225 * t_s) + 0.1e-6 * noise();
+  });
+  double sum = 0;
+  int count = 0;
+  ForEachSettled(CourseOf(values), 20, [&](const DriveBlock& block, double) {
+    sum += block.residual;
+    ++count;
+  });
+  EXPECT_REL(sum / count, 1e-14 * share, 0.05, "18000 independent values, the borders of blocks");
+}
+
+// ---- Courses made without a record: 50 samples a block at 1 kHz, all of the band.
+
+constexpr std::size_t kBlockSize = 50;
+
+// Least squares of (a + a' t) cos + (b + b' t) sin at 220 Hz, 11 periods a block, so that the same
+// four orthonormal vectors (Gram and Schmidt) serve every block.
+class BlockFit {
+ public:
+  BlockFit() {
+    for (std::size_t k = 0; k < kBlockSize; ++k) {
+      const double t = (static_cast<double>(k) - 24.5) / kBlockSize;
+      const double phase = 2 * std::numbers::pi * 11 * t;
+      basis_[0][k] = std::cos(phase);
+      basis_[1][k] = std::sin(phase);
+      basis_[2][k] = t * std::cos(phase);
+      basis_[3][k] = t * std::sin(phase);
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) Take(basis_[j], Dot(basis_[i], basis_[j]), &basis_[i]);
+      const double norm = std::sqrt(Dot(basis_[i], basis_[i]));
+      for (double& value : basis_[i]) value /= norm;
+    }
+  }
+
+  // Of level cos(phase) + what is in `noise`.
+  [[nodiscard]] DriveBlock Of(double level, std::array<double, kBlockSize> values) const {
+    DriveBlock block;
+    const double scale = std::sqrt(2.0 / kBlockSize);
+    values = WithTone(level / scale, values);
+    block.mean_square = Dot(values, values) / kBlockSize;
+    std::array<double, 4> parts{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      parts[i] = Dot(values, basis_[i]);
+      Take(basis_[i], parts[i], &values);
+    }
+    block.amplitude_m = {parts[0] * scale, -parts[1] * scale};
+    // d/dt of a - i b: the slopes' vectors are t cos and t sin, of norm about sqrt(50 / 24)
+    const std::complex<double> slope(parts[2] / std::sqrt(kBlockSize / 24.0),
+                                     -parts[3] / std::sqrt(kBlockSize / 24.0));
+    block.frequency_hz =
+        220 + (slope / block.amplitude_m).imag() / kBlockS / (2 * std::numbers::pi);
+    block.residual = Dot(values, values) / (kBlockSize - 4);
+    return block;
+  }
+
+ private:
+  using Vector = std::array<double, kBlockSize>;
+  static double Dot(const Vector& a, const Vector& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < kBlockSize; ++k) sum += a[k] * b[k];
+    return sum;
+  }
+  static void Take(const Vector& a, double factor, Vector* from) {
+    for (std::size_t k = 0; k < kBlockSize; ++k) (*from)[k] -= factor * a[k];
+  }
+  [[nodiscard]] Vector WithTone(double size, Vector values) const {
+    Take(basis_[0], -size, &values);
+    return values;
+  }
+  std::array<Vector, 4> basis_{};
+};
+
+BlockCourse NoBlocks() {
+  BlockCourse course;
+  course.block_s = kBlockS;
+  course.bandwidth_hz = 500;
+  return course;
+}
+
+// Blocks of a tone of amplitude level(k) in noise of standard deviation 0.1, made red by
+// x[n] = red x[n-1] + e[n].
+BlockCourse NoisyCourse(std::size_t blocks, double red, std::uint64_t seed,
+                        const std::function<double(std::size_t)>& level) {
+  static const BlockFit fit;
+  Noise noise(seed);
+  BlockCourse course = NoBlocks();
+  double last = noise();
+  for (std::size_t k = 0; k < blocks; ++k) {
+    std::array<double, kBlockSize> values{};
+    for (double& value : values) {
+      last = red * last + std::sqrt(1 - red * red) * noise();
+      value = 0.1 * last;
+    }
+    course.blocks.push_back(fit.Of(level(k), values));
+  }
+  return course;
+}
+
+double Always(std::size_t /*block*/) { return 1; }
+
+// how many of `repetitions` courses of 3 s fall into more than one state
+int CountSplit(double red, int repetitions, const std::function<double(std::size_t)>& level) {
+  int split = 0;
+  for (int seed = 1; seed <= repetitions; ++seed) {
+    const auto course = NoisyCourse(60, red, static_cast<std::uint64_t>(seed), level);
+    split += FindStates(course, kLowerHz).size() > 1 ? 1 : 0;
+  }
+  return split;
+}
+
+double Rate(const char* name, int count, int repetitions) {
+  std::printf("[rate] %s: %d of %d\n", name, count, repetitions);
+  return static_cast<double>(count) / repetitions;
+}
+
+// The rate aimed at is 1e-3. Of 4000 courses at most 10 are split with 99.7 % confidence
+// if that is the rate. Measured: none.
+TEST(DriveStates, AConstantDriveInWhiteNoiseIsSplitLessThanOnceInAThousand) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 200 : 4000);
+  const double rate =
+      Rate("constant drive split, white noise", CountSplit(0, repetitions, Always), repetitions);
+  EXPECT_LE(rate, 2.5e-3);
+}
+
+// x[n] = 0.9 x[n-1] + e[n] at 10 kHz has a density at 500 Hz a tenth of that at 20 Hz, as 0.52 has
+// at 1 kHz. Measured: none of 4000.
+TEST(DriveStates, AConstantDriveInRedNoiseIsSplitLessThanOnceInAThousand) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 200 : 4000);
+  const double rate = Rate("constant drive split, AR(1) 0.9 at 10 kHz",
+                           CountSplit(0.52, repetitions, Always), repetitions);
+  EXPECT_LE(rate, 2.5e-3);
+}
+
+// Far redder than any that passes the band: 0.9 at 1 kHz is 300 times denser at 20 Hz than at 500.
+// Measured: none of 1000.
+TEST(DriveStates, AConstantDriveInVeryRedNoise) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 100 : 1000);
+  const double rate = Rate("constant drive split, AR(1) 0.9 at 1 kHz",
+                           CountSplit(0.9, repetitions, Always), repetitions);
+  EXPECT_LE(rate, 0.003);
+}
+
+// A block's level scatters by 2 % (signal to noise of 17 dB): a line over the step explains three
+// quarters of its square, and what is left, 60 ln 1.39 = 20, is below the penalty of 5 c ln 60
+// = 31. Measured: 83 % of these steps are missed; the state's drift, 1.5 x 5 % by that line, says
+// so. Of a scatter of 1 % what is left is 60 ln 2.56 = 56: all are found.
+TEST(DriveStates, AStepOfFivePercentIsFoundOrADrift) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 100 : 500);
+  for (const double size : {1.0, 2.0}) {
+    int split = 0;
+    int said = 0;
+    for (int seed = 1; seed <= repetitions; ++seed) {
+      const auto course = NoisyCourse(60, 0, static_cast<std::uint64_t>(seed),
+                                      [&](std::size_t k) { return size * (k < 30 ? 1.0 : 1.05); });
+      const auto states = FindStates(course, kLowerHz);
+      split += states.size() > 1 ? 1 : 0;
+      said += states.size() > 1 || states[0].drift > 0.04 ? 1 : 0;
+    }
+    const double rate = Rate("step of 5 % split", split, repetitions);
+    EXPECT_GE(rate, size == 1 ? 0.1 : 0.99) << size;
+    EXPECT_GE(Rate("step of 5 % split or in the drift", said, repetitions), 0.99) << size;
+  }
+}
+
+TEST(DriveStates, AStepOfTwentyPercentIsFoundWhereItIs) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 100 : 1000);
+  int found = 0;
+  for (int seed = 1; seed <= repetitions; ++seed) {
+    const auto course = NoisyCourse(60, 0, static_cast<std::uint64_t>(seed),
+                                    [](std::size_t k) { return k < 30 ? 1.0 : 1.2; });
+    const auto states = FindStates(course, kLowerHz);
+    found += states.size() == 2 && states[0].end >= 29 && states[0].end <= 31 ? 1 : 0;
+  }
+  EXPECT_GE(Rate("step of 20 % found within a block", found, repetitions), 0.995);
+}
+
+// Through the filter and the ridge, which picks the strongest line of noise. Measured of 200
+// records of 2 s: white noise is never on. Noise with x[n] = 0.9 x[n-1] + e[n] at 2.6 kHz has a
+// state that is on in 14 % of them, and never one that is steady: no number is of it.
+TEST(DriveStates, NoiseAloneIsNoSteadyDrive) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 10 : 60);
+  for (const double red : {0.0, 0.67, 0.9}) {
+    int on = 0;
+    int steady = 0;
+    for (int seed = 1; seed <= repetitions; ++seed) {
+      Noise noise(static_cast<std::uint64_t>(seed));
+      double last = 0;
+      const BlockCourse course =
+          CourseOf(SampledOver(
+                       2, [&](double) { return 1e-6 * (last = red * last + noise()); }, 2.6e3),
+                   2.6e3);
+      const auto states = FindStates(course, kLowerHz);
+      const auto is_on = [](const StateInterval& s) { return s.state == DriveState::kOn; };
+      on += std::ranges::any_of(states, is_on) ? 1 : 0;
+      steady += std::ranges::any_of(states,
+                                    [&](const StateInterval& s) { return is_on(s) && s.is_steady; })
+                    ? 1
+                    : 0;
+    }
+    std::printf("[rate] AR(1) %g:\n", red);
+    EXPECT_LE(Rate("noise alone called on", on, repetitions), red == 0.9 ? 0.25 : 0.05);
+    EXPECT_LE(Rate("noise alone called on and steady", steady, repetitions), 0.001);
+  }
+}
+
+TEST(DriveStates, OfAGatedDriveLieWithinABlockOfTheTruth) {
+  for (const double noise_m : {0.0, 10e-9, 100e-9}) {
+    Noise noise(4);
+    const BlockCourse course = CourseOf(SampledOver(6, [&](double t_s) {
+      const bool on = (t_s > 1.013 && t_s < 2.521) || (t_s > 3.507 && t_s < 4.992);
+      return (on ? 1e-6 * std::sin(2 * std::numbers::pi * 225 * t_s) : 0) + noise_m * noise();
+    }));
+    std::vector<TimeWindow> on;
+    for (const StateInterval& state : FindStates(course, kLowerHz)) {
+      if (state.state != DriveState::kOn) continue;
+      if (state.time.duration_s() < 3 * course.block_s) continue;
+      on.push_back(state.time);
+      EXPECT_TRUE(state.is_steady) << state.time.begin_s;
+      EXPECT_REL(state.level_m, 1e-6, 0.05, "a block at each end");
+    }
+    ASSERT_EQ(on.size(), 2U) << noise_m;
+    const double block_s = course.block_s * 1.001;
+    EXPECT_ABS(on[0].begin_s, 1.013, block_s, "a block");
+    EXPECT_ABS(on[0].end_s, 2.521, block_s, "a block");
+    EXPECT_ABS(on[1].begin_s, 3.507, block_s, "a block");
+    EXPECT_ABS(on[1].end_s, 4.992, block_s, "a block");
+  }
+}
+
+TEST(DriveStates, CoverEveryBlockOnce) {
+  const auto course =
+      NoisyCourse(500, 0, 3, [](std::size_t k) { return k % 100 < 50 ? 1.0 : 0.0; });
+  std::size_t next = 0;
+  for (const StateInterval& state : FindStates(course, kLowerHz)) {
+    EXPECT_EQ(state.first, next);
+    EXPECT_GT(state.end, state.first);
+    EXPECT_EQ(state.time.begin_s, course.Window(state.first, state.end).begin_s);
+    EXPECT_EQ(state.time.end_s, course.Window(state.first, state.end).end_s);
+    next = state.end;
+  }
+  EXPECT_EQ(next, course.blocks.size());
+  EXPECT_TRUE(FindStates(NoBlocks(), kLowerHz).empty());
+}
+
+void ExpectSameStates(const std::vector<StateInterval>& a, const std::vector<StateInterval>& b,
+                      double scale, std::size_t shift) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].state, b[k].state);
+    EXPECT_EQ(a[k].first + shift, b[k].first);
+    EXPECT_EQ(a[k].end + shift, b[k].end);
+    EXPECT_EQ(a[k].is_steady, b[k].is_steady);
+    EXPECT_EQ(scale * a[k].level_m, b[k].level_m);
+    EXPECT_EQ(scale * scale * a[k].residual, b[k].residual);
+  }
+}
+
+// Pieces of 2048 blocks: a long course has the states of its switching, whether they meet a border
+// or not, and those of the same course begun elsewhere.
+TEST(DriveStates, BordersOfPiecesLeaveNoTrace) {
+  const auto level = [](std::size_t k) { return (k / 310) % 2 == 0 ? 1.0 : 0.3; };
+  const BlockCourse course = NoisyCourse(5000, 0, 6, level);
+  const auto states = FindStates(course, kLowerHz);
+  ASSERT_EQ(states.size(), 17U);  // ceil(5000 / 310)
+  for (std::size_t k = 0; k < states.size(); ++k) EXPECT_EQ(states[k].first, 310 * k);
+  BlockCourse later = course;
+  later.blocks.erase(later.blocks.begin(), later.blocks.begin() + 930);
+  auto rest = states;
+  rest.erase(rest.begin(), rest.begin() + 3);
+  ExpectSameStates(FindStates(later, kLowerHz), rest, 1, 930);
+  EXPECT_EQ(FindStates(NoisyCourse(5000, 0, 7, Always), kLowerHz).size(), 1U);
+}
+
+TEST(DriveStates, NeitherScaleNorTimeChangesThem) {
+  const BlockCourse course = NoisyCourse(300, 0.5, 8, [](std::size_t k) {
+    return k < 70 ? 0.0 : k < 200 ? 1.0 : 1.3;
+  });
+  const auto states = FindStates(course, kLowerHz);
+  EXPECT_EQ(states.size(), 3U);
+  BlockCourse scaled = course;
+  for (DriveBlock& block : scaled.blocks) {
+    block.amplitude_m *= 0x1p-20;
+    block.residual *= 0x1p-40;
+    block.mean_square *= 0x1p-40;
+  }
+  ExpectSameStates(states, FindStates(scaled, kLowerHz), 0x1p-20, 0);
+  BlockCourse later = course;
+  later.start_s += 64;
+  ExpectSameStates(states, FindStates(later, kLowerHz), 1, 0);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

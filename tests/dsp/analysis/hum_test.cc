@@ -1,0 +1,136 @@
+// FindHum against records with known hum, drives that look like hum, and noise.
+#include "dsp/analysis/hum.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "dsp/analysis/segments.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/repetitions.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 2e3;
+constexpr double kNoiseM = 20e-9;
+const std::vector<Sine> kHum{{0.2e-6, 50.02, 0.4}, {0.05e-6, 100.04, 1}, {0.1e-6, 150.06, 2}};
+
+enum class Drive { kNone, kContinuous, kGated };
+
+// 10 s of hum, noise and a drive of 1 um, gated or not.
+std::vector<double> Displacement(const std::vector<Sine>& hum, Drive drive, double drive_hz,
+                                 double duration_s = 10) {
+  const auto count = static_cast<std::size_t>(duration_s * kRateHz);
+  std::vector<double> values = Samples(kRateHz, count, 0.03, hum);
+  const std::vector<double> tone = Samples(kRateHz, count, 0, {{1e-6, drive_hz, 0.3}});
+  Noise noise(5);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    const bool on = drive == Drive::kContinuous ||
+                    (drive == Drive::kGated && t_s > 0.3 * duration_s && t_s < 0.7 * duration_s);
+    values[k] += kNoiseM * noise() + (on ? tone[k] : 0);
+  }
+  return values;
+}
+
+std::vector<SteadyLine> HumIn(std::vector<double> values, const BandPass& band = {}) {
+  const trial::Record record = RecordOf(std::move(values), kRateHz);
+  const trial::RecordRows rows(record);
+  const Segments segments = SplitIntoSegments(rows, 0, band.upper_hz).value();
+  const Segment& segment = segments.parts.at(0);
+  const BandSignal signal =
+      BandSignal::Filter({rows, 0, segment}, Designed(band, kRateHz), 1).value();
+  const auto lines = FindHum(signal, band);
+  EXPECT_TRUE(lines);
+  return lines ? *lines : std::vector<SteadyLine>{};
+}
+
+// Each line within 1 % and 2 mHz of what the filter passes, in phase where the windows lie.
+void ExpectLines(const std::vector<SteadyLine>& lines, const std::vector<Sine>& truth) {
+  const FilterDesign design = Designed({}, kRateHz);
+  ASSERT_EQ(lines.size(), truth.size());
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    const double passed = truth[k].amplitude * std::norm(Response(design, truth[k].frequency_hz));
+    EXPECT_REL(lines[k].amplitude_m(), passed, 0.01, "noise of 20 nm over 10 s: 0.3 nm of 50 nm");
+    EXPECT_ABS(lines[k].frequency_hz, truth[k].frequency_hz, 2e-3,
+               "phases of windows 5 s apart, 0.01 rad each");
+    // amplitude sin(2 pi f t + phase) at 5 s, the middle
+    const double value = ValueOf(std::vector<SteadyLine>{lines[k]}, 5.0);
+    EXPECT_ABS(value / passed,
+               std::sin(2 * std::numbers::pi * truth[k].frequency_hz * 5 + truth[k].phase_rad),
+               0.02, "phase of a window");
+  }
+}
+
+TEST(SteadyLine, IsASineAndItsAmplitude) {
+  const SteadyLine line{50, 3, -4};
+  EXPECT_REL(line.amplitude_m(), 5.0, 1e-15, "a root");
+  const double phase = 2 * std::numbers::pi * 50 * 0.123;
+  EXPECT_REL(
+      ValueOf(std::vector<SteadyLine>{line, {60, 0, 1}}, 0.123),
+      3 * std::cos(phase) - 4 * std::sin(phase) + std::sin(2 * std::numbers::pi * 60 * 0.123),
+      1e-13, "phase of 46 rad");
+  EXPECT_EQ(ValueOf({}, 1), 0);
+}
+
+TEST(FindHum, MeasuresHumAndItsHarmonicsBesideADrive) {
+  for (const Drive drive : {Drive::kNone, Drive::kGated, Drive::kContinuous}) {
+    ExpectLines(HumIn(Displacement(kHum, drive, 225)), kHum);
+  }
+}
+
+TEST(FindHum, MeasuresHumOfSixtyHertz) {
+  const std::vector<Sine> hum{{0.2e-6, 59.97, 0.4}, {0.05e-6, 119.94, 1}};
+  ExpectLines(HumIn(Displacement(hum, Drive::kGated, 225)), hum);
+}
+
+// A drive that happens to be a multiple of the mains is stronger than the hum's fundamental.
+TEST(FindHum, ADriveAtTwiceTheMainsIsNotClaimed) {
+  const std::vector<Sine> weak{{0.05e-6, 50.0, 0.4}};
+  for (const Drive drive : {Drive::kGated, Drive::kContinuous}) {
+    for (const SteadyLine& line : HumIn(Displacement(weak, drive, 100))) {
+      EXPECT_LT(std::abs(line.frequency_hz - 50), 0.1);
+    }
+  }
+}
+
+TEST(FindHum, AGatedDriveAtTheMainsFrequencyIsNoHum) {
+  EXPECT_TRUE(HumIn(Displacement({}, Drive::kGated, 50)).empty());
+  EXPECT_TRUE(HumIn(Displacement({}, Drive::kGated, 60)).empty());
+}
+
+TEST(FindHum, ADriveBesideTheMainsIsNoHum) {
+  for (const double drive_hz : {48.0, 52.0, 58.0, 62.0, 225.0}) {
+    EXPECT_TRUE(HumIn(Displacement({}, Drive::kContinuous, drive_hz)).empty()) << drive_hz;
+    EXPECT_TRUE(HumIn(Displacement({}, Drive::kGated, drive_hz)).empty()) << drive_hz;
+  }
+}
+
+TEST(FindHum, NothingIsSoughtBelowOneSecond) {
+  EXPECT_TRUE(HumIn(Displacement(kHum, Drive::kNone, 225, 0.95)).empty());
+}
+
+// Error rate, measured: 0 of 200 records of 2 s of white noise (below 1.5 % with 95 % confidence).
+TEST(FindHum, NoiseAloneHasNone) {
+  const int repetitions = Repetitions(tests::kIsSanitized ? 20 : 200);
+  int found = 0;
+  for (int seed = 1; seed <= repetitions; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed));
+    std::vector<double> values(4000);
+    for (double& value : values) value = 1e-6 * noise();
+    found += HumIn(values).empty() ? 0 : 1;
+  }
+  std::printf("[rate] hum found in white noise: %d of %d\n", found, repetitions);
+  EXPECT_LE(found, repetitions / 1000);  // none of the first 1000
+}
+
+}  // namespace
+}  // namespace haptometer::dsp
