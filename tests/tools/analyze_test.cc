@@ -57,8 +57,10 @@ TEST_F(AnalyzeVerb, AnswersInMicrometres) {
   // 100 um / sqrt(2) / 0.7604, |cos(pi 225 Hz 1 ms)| for two averages
   EXPECT_THAT(outcome.out, ContainsRegex("vibration \\(RMS\\) +92.99"));
   EXPECT_THAT(outcome.out, ContainsRegex(" um; 95 %: .* um, in 20-500 Hz\n"));
-  EXPECT_THAT(outcome.out,
-              ContainsRegex("as measured +70.71.* um, corrected for the sensor's gain of 0.7604"));
+  EXPECT_THAT(
+      outcome.out,
+      ContainsRegex("as measured +70.71.* um, noise floor of .*; corrected for the sensor's gain "
+                    "of 0.7604"));
   EXPECT_THAT(outcome.out, HasSubstr("the drive is on throughout"));
   EXPECT_THAT(outcome.out, ContainsRegex("amplitude of the tone +131.51"));
   EXPECT_THAT(outcome.out, HasSubstr("the sensor's gain at the tone is 0.7604; corrected for"));
@@ -87,7 +89,15 @@ TEST_F(AnalyzeVerb, JsonKeepsItsNames) {
   EXPECT_REL(trial["tone_amplitude_m"].get<double>(), 1e-4 / gain, 2e-5, "0.1 um steps");
   EXPECT_REL(trial["sensor_gain_at_tone"].get<double>(), std::cos(std::numbers::pi * 0.225), 1e-6,
              "the tone's frequency");
-  EXPECT_TRUE(trial.contains("noise_rms_m") && trial["noise_rms_m"].is_null());
+  EXPECT_LT(trial["noise_rms_m"].get<double>(), 1e-7 / std::sqrt(12)) << "steps of 0.1 um";
+  EXPECT_EQ(trial["noise_from"], "the spectrum beside the drive");
+  EXPECT_EQ(trial["excluded_s"], Json::array());
+  EXPECT_EQ(trial["hum"], Json::array());
+  const Json& state = trial["drive"]["states"].at(0);
+  EXPECT_EQ(state["state"], "on");
+  EXPECT_LT(state["from_s"].get<double>(), trial["window_s"].at(0).get<double>() + 0.05);
+  EXPECT_REL(state["rms_m"].get<double>(), 1e-4 / std::numbers::sqrt2, 1e-3, "blocks of 50 ms");
+  EXPECT_ABS(state["drift"].get<double>(), 0, 1e-3, "a steady tone");
   EXPECT_LT(trial["window_s"].at(0).get<double>(), trial["window_s"].at(1).get<double>());
 }
 
@@ -173,10 +183,12 @@ TEST_F(AnalyzeVerb, AllNamesFilterBudgetAndSensor) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   for (const char* words :
        {"20-500 Hz, Butterworth of order 6, forward and backward", "uncertainty of the RMS",
-        "noise          A", "filter's ends  B", "standard uncertainty", "2 averages at 1 ms",
-        "velocity", "acceleration", "command: haptometer analyze --all", "SHA-256"}) {
+        "standard uncertainty", "2 averages at 1 ms", "velocity", "acceleration",
+        "command: haptometer analyze --all", "SHA-256"}) {
     EXPECT_THAT(outcome.out, HasSubstr(words));
   }
+  EXPECT_THAT(outcome.out, ContainsRegex("\n +noise +A "));
+  EXPECT_THAT(outcome.out, ContainsRegex("\n +filter's ends +B "));
   EXPECT_THAT(outcome.out, ContainsRegex("offset +(1 mm|1000 um)\n"));
 }
 

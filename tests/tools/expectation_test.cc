@@ -43,7 +43,7 @@ std::vector<ExpectationFinding> KindsOf(const std::string& text, const dsp::Band
 
 TEST(Expectation, IsMetWithinItsTolerance) {
   const dsp::BandAnalysis analysis = Measured();
-  EXPECT_THAT(KindsOf("tone=226Hz+-1Hz, amplitude = 11um+-1um,rms=7.5um+-0.5um, change<3.1%, "
+  EXPECT_THAT(KindsOf("tone=226Hz+-1Hz, amplitude = 11um+-1um,rms=7.4um+-0.5um, change<3.1%, "
                       "source=device",
                       analysis),
               ::testing::IsEmpty());

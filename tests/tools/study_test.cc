@@ -153,8 +153,7 @@ TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
   EXPECT_REL(contrast["ratio"].get<double>(), std::cbrt(2 * 2.1 * 2.2), 1e-5, "printed digits");
   EXPECT_REL(contrast["mean_difference_m"].get<double>(), 36.5e-6 / 3, 1e-5, "printed digits");
   EXPECT_TRUE(document["trials"].at(0)["reasons"].empty());
-  EXPECT_EQ(document["trials"].at(0)["deviations"],
-            Json({"no-noise-correction", "averaging-unknown"}));
+  EXPECT_EQ(document["trials"].at(0)["deviations"], Json({"averaging-unknown"}));
   EXPECT_EQ(document["trials"].at(0)["data_source"], Json({"imported"}));
   EXPECT_TRUE(document["conditions"].at(0)["icc"].is_null()) << "one repeat";
   ASSERT_EQ(document["provenance"]["inputs"].size(), 6U);
@@ -244,7 +243,7 @@ TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {
   Write("s12_a.csv", stuck.str());
   const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.out, ContainsRegex("\n  note: not corrected for noise: .*, 6 of 6 trials\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("\n  doubt: amplitude not verified.*, 6 of 6 trials\n"));
   EXPECT_THAT(outcome.out,
               ContainsRegex("not answered: .*s12_a.csv: all 2400 readings are the same"));
   EXPECT_THAT(outcome.out, HasSubstr("subject 12 in a: 0 of 1 trial with a value\n"));
