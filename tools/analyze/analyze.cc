@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/jobs.h"
-#include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/output_file.h"
