@@ -278,7 +278,7 @@ TEST_F(AnalyzeVerb, ATableHasARowForEachTrialOfAFolder) {
   }
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_THAT(rows[0], ::testing::StartsWith("file,answered,band_rms_m,"));
-  EXPECT_THAT(rows[0], ::testing::EndsWith(",data_source,findings"));
+  EXPECT_THAT(rows[0], ::testing::EndsWith(",data_source,finding_kinds"));
   EXPECT_THAT(rows[1], ContainsRegex("a.csv,0,,.*too-few-readings"));
   EXPECT_THAT(rows[2], ContainsRegex("b.csv,1,9.29.*e-05.*gain-corrected"));
   EXPECT_THAT(rows[3], ContainsRegex("c.csv,0,,.*error"));

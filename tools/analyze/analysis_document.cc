@@ -25,6 +25,8 @@ using document::Unit;
 using document::Value;
 
 // keys that are used in more than one section
+constexpr Key kToneAmplitude{"tone_amplitude_m", "amplitude of the tone", document::kMetre,
+                             Form::kInterval};
 constexpr Key kThd{"thd", "THD", document::kShare, Form::kUncertain};
 constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertainty",
                                    document::kMetre};
@@ -162,8 +164,7 @@ void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers,
     item.standard_uncertainty = tone.amplitude_uncertainty_m;
     item.interval = {tone.amplitude_lower_m, tone.amplitude_upper_m};
   };
-  add({"tone_amplitude_m", "amplitude of the tone", document::kMetre, Form::kInterval},
-      is_number && analysis.answered);
+  add(kToneAmplitude, is_number && analysis.answered);
   add({"tone_amplitude_estimate_m", "estimate of the tone's amplitude", document::kMetre},
       is_number && !analysis.answered);
   section.Add({"tone_amplitude_at_least_m", "amplitude of the tone at least", document::kMetre},
@@ -345,8 +346,8 @@ Section DriveSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& 
     Section& row = states.sections.emplace_back();
     row.Add({"from_s", "from", document::kSecond}, one.time.begin_s);
     row.Add({"to_s", "to", document::kSecond}, one.time.end_s);
-    row.Add({"state", "state"}, Name(one.state));
-    row.Add({"rms_m", "RMS", document::kMetre}, one.rms_m);
+    row.Add({document::kState.name, "state"}, Name(one.state));
+    row.Add({document::kRms.name, "RMS", document::kMetre}, one.rms_m);
     row.Add({"drift", "change of amplitude", document::kShare}, one.drift);
   }
   section.sections.push_back(std::move(states));
@@ -586,7 +587,7 @@ Section TableRow(const AnalyzedFile& file) {
   row.Add({"band_rms_upper_m"}, If(is_answered, known.rms.upper_m));
   row.Add(document::kNoiseRms, known.rms.floor_m);
   row.Add(document::kToneFrequency, If(has_tone, tone.fit.frequency_hz));
-  row.Add({"tone_amplitude_m"}, If(has_tone, tone.amplitude_m));
+  row.Add({kToneAmplitude.name}, If(has_tone, tone.amplitude_m));
   row.Add({"window_from_s"}, If(numbers.has_value(), known.part.window.begin_s));
   row.Add({"window_to_s"}, If(numbers.has_value(), known.part.window.end_s));
   row.Add(document::kDataSources, document::SourcesText(file.sources));
@@ -595,7 +596,7 @@ Section TableRow(const AnalyzedFile& file) {
   AddFindings(file, true, found);
   std::vector<std::string_view> kinds;
   for (const document::Finding& finding : found.findings) kinds.push_back(finding.kind);
-  row.Add({"findings"}, fmt::format("{}", fmt::join(kinds, "; ")));
+  row.Add({"finding_kinds"}, fmt::format("{}", fmt::join(kinds, "; ")));
   return row;
 }
 

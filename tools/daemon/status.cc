@@ -37,7 +37,7 @@ constexpr std::array<std::string_view, 6> kStateNames{"starting", "waiting for d
 
 // keys of the JSON on the socket too, which ParseStatus() reads
 constexpr Key kConfig{"config"};
-constexpr Key kState{"state", "state"};
+constexpr Key kState{document::kState.name, "state"};
 constexpr Key kSince{"since_utc", "since"};
 constexpr Key kDiskWaits{"disk_waits", "waits for disk"};
 constexpr Key kLastError{"last_error"};

@@ -165,7 +165,7 @@ constexpr auto kRows = std::to_array<Row>({
      {"no-drive",
       "no drive found: no tone exceeds the noise for long enough[; the noise in the band is "
       "{noise_m} RMS][, and a steady vibration is at most {at_most_m} RMS (95 %)]; --window all "
-      "gives the RMS of whatever is there"}},
+      "gives the RMS of all that is there"}},
     {kNothingSteady,
      {"nothing-steady",
       "the drive is on[ for {on_s}], but no interval of it is steady and free of filter transients "

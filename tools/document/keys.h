@@ -89,6 +89,7 @@ inline constexpr Key kSmallestRms1{"smallest_rms_1_percent_m", "smallest RMS to 
 inline constexpr Key kSmallestRms10{"smallest_rms_10_percent_m", "smallest RMS to 10 %", kMetre};
 inline constexpr Key kSource{"source", "source"};
 inline constexpr Key kStandardUncertainty{"standard_uncertainty"};
+inline constexpr Key kState{"state"};
 inline constexpr Key kSubject{"subject", "subject"};
 inline constexpr Key kText{"text"};
 inline constexpr Key kTime{"time_s"};

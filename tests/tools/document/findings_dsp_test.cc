@@ -204,7 +204,7 @@ const std::vector<Case> kCases{
      "no-drive",
      "no drive found: no tone exceeds the noise for long enough; the noise in the band is 0.015 um "
      "RMS, and a steady vibration is at most 0.025 um RMS (95 %); --window all gives the RMS of "
-     "whatever is there"},
+     "all that is there"},
     {kNothingSteady,
      {{"on_s", 0.25}},
      "nothing-steady",
@@ -468,7 +468,7 @@ TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
       ::testing::EndsWith("100 ms are needed: record at least 2 s without a gap"));
   EXPECT_EQ(text(kNoDrive, {}),
             "no drive found: no tone exceeds the noise for long enough; --window all gives the RMS "
-            "of whatever is there");
+            "of all that is there");
   EXPECT_THAT(text(kNothingSteady, {}), ::testing::StartsWith("the drive is on, but no interval"));
 }
 
