@@ -43,6 +43,7 @@ enum class FindingKind : std::uint8_t {
   kKnownTone,             ///< frequency_hz, amplitude_m
   kKnownToneAlias,        ///< the same, seen as an alias
   kKnownTonePauses,       ///< frequency_hz, from_s, to_s: where it is on longest
+  kKnownToneElsewhere,    ///< frequency_hz, better_hz, amplitude_m: what fits better nearby
   kKnownToneAtRate,       ///< frequency_hz: not told apart from the offset
   // filter
   kOrderLowered,       ///< asked_order, order, settled_s
@@ -57,7 +58,6 @@ enum class FindingKind : std::uint8_t {
   // what speaks against a window, or goes with it
   kNoDrive,        ///< noise_m, at_most_m: no state is on
   kNothingSteady,  ///< on_s: none of what is on is steady for long enough
-  kBeats,          ///< components, from_s, to_s: several tones beat, no state is steady
   kWindowMixed,    ///< off_s, window_s
   kDriveOffInWindow,
   kDriveUnsteady,      ///< drift

@@ -150,7 +150,8 @@ Result<std::vector<double>> FindRidge(Frames& frames, std::size_t blocks) {
 }
 
 // least squares of (a + a' u) cos + (b + b' u) sin, u from -1 to 1 over the block
-DriveBlock FitBlock(std::span<const double> values, double rate_hz, double frequency_hz) {
+DriveBlock FitBlock(std::span<const double> values, double rate_hz, double frequency_hz,
+                    double degrees) {
   const auto n = static_cast<double>(values.size());
   const double middle = 0.5 * (n - 1);
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -174,7 +175,9 @@ DriveBlock FitBlock(std::span<const double> values, double rate_hz, double frequ
   const double moved = std::abs(block.amplitude_m) > 0 ? std::imag(slope / block.amplitude_m) : 0;
   block.frequency_hz = frequency_hz + moved * 2 * rate_hz / n / kTwoPi;
   block.mean_square = square / n;
-  block.residual = std::max(0.0, square - fit.dot(right)) / std::max(1.0, n - 4);
+  // four parameters are taken from the independent values, of which there are fewer than n
+  block.residual =
+      std::max(0.0, square - fit.dot(right)) / n * degrees / std::max(1.0, degrees - 4);
   return block;
 }
 
@@ -207,7 +210,8 @@ Result<BlockCourse> MeasureIn(ThinnedSignal& samples, const BandSignal& signal,
   for (std::size_t k = 0; k < blocks; ++k) {
     const auto values = samples.At(k * block, block);
     if (!values) return std::unexpected(values.error());
-    course.blocks.push_back(FitBlock(*values, samples.rate_hz(), (*ridge)[k]));
+    course.blocks.push_back(
+        FitBlock(*values, samples.rate_hz(), (*ridge)[k], course.degrees_of_freedom()));
   }
   return course;
 }

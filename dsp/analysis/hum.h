@@ -34,14 +34,15 @@ struct SteadyLine {
 ///
 /// The fundamental is sought within 0.06 Hz of 50 and of 60 Hz, its multiples up to the tenth
 /// within the band. A line z is the mean of demodulated windows of half the segment (20 s at most),
-/// each tapered (Blackman and Harris), so that a drive eight bins away does not reach it; the
-/// windows' phases give its frequency. It is hum where z exceeds five times what noise gives and
-/// each of many short windows (a quarter of a second, or a sixteenth of the segment) lies within
-/// 0.3 |z| and its own noise of it: a drive that is switched does not. A multiple must not exceed
-/// the fundamental: a drive at 100 Hz beside weak hum is no hum. Where `stated_hz`, the drive's
-/// known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that mains is not sought. Below 1 s, and
-/// beyond 2^21 values, nothing is sought. Errors: as BandSignal::Read. Cost: 20 flops a value and
-/// line.
+/// each tapered (Blackman and Harris), so that a drive eight of their bins away (4 Hz for 4 s) does
+/// not reach it; the windows' phases give its frequency. It is hum where z exceeds five times what
+/// noise gives and each of many short windows (a quarter of a second, or a sixteenth of the
+/// segment) lies within 0.3 |z| and its own noise of it: a drive that is switched does not. A drive
+/// within 16 Hz, or 64 divided by the duration, reaches the short windows: hum there is not
+/// claimed. A multiple must not exceed the fundamental: a drive at 100 Hz beside weak hum is no
+/// hum. Where `stated_hz`, the drive's known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that
+/// mains is not sought. Below 1 s, and beyond 2^21 values, nothing is sought. Errors: as
+/// BandSignal::Read. Cost: 20 flops a value and line.
 [[nodiscard]] Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal,
                                                       const BandPass& band,
                                                       std::optional<double> stated_hz);

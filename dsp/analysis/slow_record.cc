@@ -83,6 +83,28 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
   return {begin * size, end == amplitudes.size() ? values.size() : end * size};
 }
 
+// The best fit within ten bins of a known frequency, every quarter of a bin, if it leaves less than
+// half of what the fit at that frequency leaves; of at most 2^14 readings from the first on.
+std::optional<SineFit> BetterNearby(std::span<const double> values, std::span<const double> times_s,
+                                    const SineFit& at) {
+  constexpr std::size_t kMost = std::size_t{1} << 14U;
+  constexpr int kSteps = 40;
+  constexpr double kLess = 0.5;
+  const std::size_t count = std::min(values.size(), kMost);
+  const double bin_hz = 1 / (times_s[count - 1] - times_s.front());
+  const auto fitted = [&](double frequency_hz) {
+    return FitSineAtTimes(values.first(count), times_s.first(count), frequency_hz, 1);
+  };
+  SineFit best = fitted(at.frequency_hz);
+  const double limit = kLess * best.residual_rms * best.residual_rms;
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    const SineFit fit = fitted(at.frequency_hz + 0.25 * step * bin_hz);
+    if (fit.converged && fit.residual_rms < best.residual_rms) best = fit;
+  }
+  if (!(best.residual_rms * best.residual_rms < limit)) return std::nullopt;
+  return best;
+}
+
 }  // namespace
 
 Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& question,
@@ -119,13 +141,21 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
     kept = last - first;
   }
   KnownTone tone;
-  tone.fit = FitSineAtTimes(std::span(values).subspan(first, kept),
-                            std::span(times_s).subspan(first, kept), *frequency_hz, 1);
+  const auto driven = std::span<const double>(values).subspan(first, kept);
+  const auto driven_s = std::span<const double>(times_s).subspan(first, kept);
+  tone.fit = FitSineAtTimes(driven, driven_s, *frequency_hz, 1);
   // above half the rate of new readings the tone is an alias
   tone.aliased = *frequency_hz > analysis->record.fresh_rate_hz / 2;
   if (!ToldApart(tone.fit, kept)) {
     analysis->findings.Note(FindingKind::kKnownToneAtRate, {{"frequency_hz", *frequency_hz}});
     return {};
+  }
+  // a tone nearby that explains more: the stated frequency is not the drive's
+  if (const auto better = BetterNearby(driven, driven_s, tone.fit)) {
+    analysis->findings.Doubt(FindingKind::kKnownToneElsewhere,
+                             {{"frequency_hz", *frequency_hz},
+                              {"better_hz", better->frequency_hz},
+                              {"amplitude_m", better->amplitude}});
   }
   analysis->findings.Note(tone.aliased ? FindingKind::kKnownToneAlias : FindingKind::kKnownTone,
                           {{"frequency_hz", *frequency_hz}, {"amplitude_m", tone.fit.amplitude}});

@@ -29,6 +29,7 @@ constexpr std::size_t kLeastBlocksForBumps = 8;
 constexpr double kUnsteady = 0.02;
 // a frequency that changes by more than this part is a sweep
 constexpr double kSweep = 0.1;
+constexpr double kDrift = 0.01;  // and by more than this one is said to drift
 
 double DurationS(const BandSignal& signal) {
   return static_cast<double>(signal.size()) / signal.rate_hz();
@@ -177,8 +178,16 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   best->hum = of->hum;
   best->part.quiet = QuietOf(*of, best->part.state.level_m, lower_hz);
   best->excluded = BumpsIn(*of, best->begin, best->end);
-  // bumps throughout are no bumps
+  // bumps throughout are no bumps; at an end they shorten the window
   if (2 * SizeOf(best->excluded) > best->end - best->begin) best->excluded.clear();
+  if (!best->excluded.empty() && best->excluded.front().first == best->begin) {
+    best->begin = best->excluded.front().second;
+    best->excluded.erase(best->excluded.begin());
+  }
+  if (!best->excluded.empty() && best->excluded.back().second == best->end) {
+    best->end = best->excluded.back().first;
+    best->excluded.pop_back();
+  }
   return best;
 }
 
@@ -309,6 +318,9 @@ void RemarkUnsteady(const UsedPart& part, BandAnalysis* analysis) {
   if (most > (1 + kSweep) * least) {
     analysis->findings.Doubt(FindingKind::kFrequencyMoves,
                              {{"from_hz", state.from_hz}, {"to_hz", state.to_hz}});
+  } else if (most > (1 + kDrift) * least) {
+    analysis->findings.Note(FindingKind::kFrequencyDrifts,
+                            {{"from_hz", state.from_hz}, {"to_hz", state.to_hz}});
   }
 }
 

@@ -134,6 +134,11 @@ constexpr auto kRows = std::to_array<Row>({
      {"known-tone-pauses",
       "the tone at {frequency_hz} has pauses: it is fitted in its longest part, {from_s} to "
       "{to_s}"}},
+    {kKnownToneElsewhere,
+     {"known-tone-elsewhere",
+      "a tone of {amplitude_m} at {better_hz} fits the readings better than the stated "
+      "{frequency_hz}: "
+      "state the drive's frequency to a part of 1 / duration (--drive-frequency)"}},
     {kKnownToneAtRate,
      {"known-tone-at-rate",
       "a tone at {frequency_hz} cannot be distinguished from the offset at this rate"}},
@@ -171,10 +176,6 @@ constexpr auto kRows = std::to_array<Row>({
       "the drive is on[ for {on_s}], but no interval of it is steady and free of filter transients "
       "for long enough: drive longer at a constant amplitude, choose an interval with --window "
       "FROM:TO, or use --window all for the RMS of the whole record"}},
-    {kBeats,
-     {"beats",
-      "[{components} ]tones beat from {from_s} to {to_s}, so that the amplitude is never constant: "
-      "the RMS is that of the beating vibration"}},
     {kWindowMixed,
      {"window-mixed",
       "in {off_s} of the window's {window_s} the drive is off or changes; --window auto uses the "

@@ -64,7 +64,7 @@ double Volts(double t_s) {
 
 ChannelCourse Follow(const trial::Record& record) {
   const trial::RecordRows rows(record);
-  const Segments segments = SplitIntoSegments(rows, 0, 500).value();
+  const Segments segments = SplitAtHoles(rows, 0, {}).value();
   const Segment& segment = segments.parts.at(0);
   const BandSignal signal =
       BandSignal::Filter({rows, 0, segment}, Designed({}, segment.rate_hz), 1).value();

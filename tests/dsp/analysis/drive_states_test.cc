@@ -32,7 +32,7 @@ constexpr double kLowerHz = 20;
 BlockCourse CourseOf(const std::vector<double>& values, double rate_hz = kRateHz) {
   const trial::Record record = RecordOf(values, rate_hz);
   const trial::RecordRows rows(record);
-  const Segments segments = SplitIntoSegments(rows, 0, 500).value();
+  const Segments segments = SplitAtHoles(rows, 0, {}).value();
   const Segment& segment = segments.parts.at(0);
   const BandSignal signal =
       BandSignal::Filter({rows, 0, segment}, Designed({}, rate_hz), 1).value();

@@ -44,11 +44,11 @@ std::vector<double> Displacement(const std::vector<Sine>& hum, Drive drive, doub
 std::vector<SteadyLine> HumIn(std::vector<double> values, const BandPass& band = {}) {
   const trial::Record record = RecordOf(std::move(values), kRateHz);
   const trial::RecordRows rows(record);
-  const Segments segments = SplitIntoSegments(rows, 0, band.upper_hz).value();
+  const Segments segments = SplitAtHoles(rows, 0, {}).value();
   const Segment& segment = segments.parts.at(0);
   const BandSignal signal =
       BandSignal::Filter({rows, 0, segment}, Designed(band, kRateHz), 1).value();
-  const auto lines = FindHum(signal, band);
+  const auto lines = FindHum(signal, band, {});
   EXPECT_TRUE(lines);
   return lines ? *lines : std::vector<SteadyLine>{};
 }

@@ -172,6 +172,11 @@ const std::vector<Case> kCases{
      {{"frequency_hz", 225.0}, {"from_s", 1.5}, {"to_s", 2.25}},
      "known-tone-pauses",
      "the tone at 225 Hz has pauses: it is fitted in its longest part, 1.5 s to 2.25 s"},
+    {kKnownToneElsewhere,
+     {{"frequency_hz", 175.1}, {"better_hz", 175.0}, {"amplitude_m", 28.3e-6}},
+     "known-tone-elsewhere",
+     "a tone of 28.3 um at 175 Hz fits the readings better than the stated 175.1 Hz: state the "
+     "drive's frequency to a part of 1 / duration (--drive-frequency)"},
     {kKnownToneAtRate,
      {{"frequency_hz", 225.0}},
      "known-tone-at-rate",
@@ -211,11 +216,6 @@ const std::vector<Case> kCases{
      "the drive is on for 250 ms, but no interval of it is steady and free of filter transients "
      "for long enough: drive longer at a constant amplitude, choose an interval with --window "
      "FROM:TO, or use --window all for the RMS of the whole record"},
-    {kBeats,
-     {{"components", 2}, {"from_s", 1.5}, {"to_s", 2.25}},
-     "beats",
-     "2 tones beat from 1.5 s to 2.25 s, so that the amplitude is never constant: the RMS is that "
-     "of the beating vibration"},
     {kWindowMixed,
      {{"off_s", 0.25}, {"window_s", 1.0}},
      "window-mixed",
