@@ -26,20 +26,24 @@ struct Gate {
 // 1 s apart or more, so that changes correspond for delays of 0.3 s
 const std::vector<Gate> kGates{{1.5, 3.0}, {4.2, 5.4}, {6.5, 7.7}};
 
-bool IsOn(double t_s) {
+// shorter than the delay that is tried with them, almost
+const std::vector<Gate> kBursts{{1.5, 1.8}, {4.2, 4.5}, {6.5, 6.8}};
+
+bool IsOn(double t_s, const std::vector<Gate>& gates = kGates) {
   bool on = false;
-  for (const Gate& gate : kGates) on = on || (t_s >= gate.begin_s && t_s < gate.end_s);
+  for (const Gate& gate : gates) on = on || (t_s >= gate.begin_s && t_s < gate.end_s);
   return on;
 }
 
-// A vibration of 1 um, `delay_s` behind kGates.
-trial::Record Vibration(double delay_s) {
+// A vibration of 1 um, `delay_s` behind the gates.
+trial::Record Vibration(double delay_s, const std::vector<Gate>& gates = kGates) {
   std::vector<double> values(static_cast<std::size_t>(kDurationS * kRateHz));
   Noise noise(3);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const double t_s = static_cast<double>(k) / kRateHz;
     values[k] = 0.03 + kNoiseM * noise();
-    if (IsOn(t_s - delay_s)) values[k] += 1e-6 * std::sin(2 * std::numbers::pi * kToneHz * t_s);
+    if (IsOn(t_s - delay_s, gates))
+      values[k] += 1e-6 * std::sin(2 * std::numbers::pi * kToneHz * t_s);
   }
   return RecordOf(std::move(values), kRateHz);
 }
@@ -110,6 +114,14 @@ TEST(FollowChannel, ATriggerIsFollowedToo) {
     ExpectDelay(course, delay_s);
     ExpectGates(course);
   }
+}
+
+// The vibration rises nearer to the channel's fall than to its rise: like goes with like.
+TEST(FollowChannel, RisesCorrespondToRises) {
+  const ChannelCourse course =
+      Follow(WithChannel(Vibration(0.25, kBursts), trial::ChannelRole::kTrigger,
+                         [](double t_s) { return IsOn(t_s, kBursts) ? 5.0 : 0.0; }));
+  ExpectDelay(course, 0.25);
 }
 
 TEST(FollowChannel, ADeadChannelHasNoDelay) {

@@ -286,10 +286,9 @@ TEST(DriveStates, AStepOfTwentyPercentIsFoundWhereItIs) {
   EXPECT_GE(Rate("step of 20 % found within a block", found, repetitions), 0.995);
 }
 
-// Through the filter and the ridge, which picks the strongest line of noise. Measured of 200
-// records of 2 s: white noise is never on. Noise with x[n] = 0.9 x[n-1] + e[n] at 2.6 kHz has a
-// state that is on in 14 % of them, and never one that is steady: no number is of it.
-TEST(DriveStates, NoiseAloneIsNoSteadyDrive) {
+// Through the filter and the ridge, which picks the strongest line of noise. x[n] = red x[n-1] +
+// e[n] at 2.6 kHz. Measured: none of 60 records of 2 s each is on (below 5 % with 95 % confidence).
+TEST(DriveStates, NoiseAloneIsOff) {
   const int repetitions = Repetitions(tests::kIsSanitized ? 10 : 60);
   for (const double red : {0.0, 0.67, 0.9}) {
     int on = 0;
@@ -310,7 +309,7 @@ TEST(DriveStates, NoiseAloneIsNoSteadyDrive) {
                     : 0;
     }
     std::printf("[rate] AR(1) %g:\n", red);
-    EXPECT_LE(Rate("noise alone called on", on, repetitions), red == 0.9 ? 0.25 : 0.05);
+    EXPECT_LE(Rate("noise alone called on", on, repetitions), 0.02);
     EXPECT_LE(Rate("noise alone called on and steady", steady, repetitions), 0.001);
   }
 }
@@ -381,6 +380,54 @@ TEST(DriveStates, BordersOfPiecesLeaveNoTrace) {
   rest.erase(rest.begin(), rest.begin() + 3);
   ExpectSameStates(FindStates(later, kLowerHz), rest, 1, 930);
   EXPECT_EQ(FindStates(NoisyCourse(5000, 0, 7, Always), kLowerHz).size(), 1U);
+}
+
+// Eight blocks before a border the level rises above noise; that the two parts of the state differ
+// by more than the 3 % of neighbours that are one must not keep the border.
+TEST(DriveStates, AStateThatBeginsBesideABorderIsOne) {
+  for (int seed = 1; seed <= 20; ++seed) {
+    const auto states = FindStates(NoisyCourse(2600, 0, static_cast<std::uint64_t>(seed),
+                                               [](std::size_t k) { return k < 2040 ? 0.0 : 0.2; }),
+                                   kLowerHz);
+    ASSERT_EQ(states.size(), 2U) << seed;
+    EXPECT_EQ(states[1].first, 2040U);
+    EXPECT_EQ(states[0].state, DriveState::kOff);
+    EXPECT_EQ(states[1].state, DriveState::kOn);
+  }
+}
+
+// A change of the noise alone: the level goes on, and so does the state.
+TEST(DriveStates, NeighboursOfOneLevelAreOne) {
+  BlockCourse course = NoisyCourse(30, 0, 1, [](std::size_t) { return 10.0; });
+  for (DriveBlock block : NoisyCourse(30, 0, 2, [](std::size_t) { return 10.0 / 3; }).blocks) {
+    block.amplitude_m *= 3;
+    block.residual *= 9;
+    block.mean_square *= 9;
+    course.blocks.push_back(block);
+  }
+  const auto states = FindStates(course, kLowerHz);
+  ASSERT_EQ(states.size(), 1U);
+  EXPECT_EQ(states[0].end, 60U);
+  EXPECT_REL(states[0].level_m, 10, 0.005, "a scatter of 0.2 and 0.6 % a block");
+  EXPECT_REL(states[0].residual, (0.01 + 0.09) / 2, 0.1, "2 / sqrt(50 x 30)");
+}
+
+// A line of noise may be as high as a tone; its phase does not go on from block to block.
+TEST(DriveStates, ASteadyLevelOfLoosePhaseIsNoSteadyState) {
+  BlockCourse course = NoisyCourse(60, 0, 1, Always);
+  const auto tone = FindStates(course, kLowerHz);
+  ASSERT_EQ(tone.size(), 1U);
+  EXPECT_TRUE(tone[0].is_steady);
+  EXPECT_GT(tone[0].coherence, 0.9);
+  EXPECT_REL(tone[0].level_m, 1, 0.01, "a scatter of 2 % a block");
+  for (std::size_t k = 0; k < course.blocks.size(); ++k) {
+    // angles that are spread evenly: multiples of the golden section's
+    course.blocks[k].amplitude_m *= std::polar(1.0, 2.39996 * static_cast<double>(k));
+  }
+  const auto loose = FindStates(course, kLowerHz);
+  ASSERT_EQ(loose.size(), 1U);
+  EXPECT_EQ(loose[0].state, DriveState::kOn);
+  EXPECT_FALSE(loose[0].is_steady);
 }
 
 TEST(DriveStates, NeitherScaleNorTimeChangesThem) {

@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -41,14 +42,16 @@ std::vector<double> Displacement(const std::vector<Sine>& hum, Drive drive, doub
   return values;
 }
 
-std::vector<SteadyLine> HumIn(std::vector<double> values, const BandPass& band = {}) {
+std::vector<SteadyLine> HumIn(std::vector<double> values,
+                              std::optional<double> stated_hz = std::nullopt) {
+  const BandPass band;
   const trial::Record record = RecordOf(std::move(values), kRateHz);
   const trial::RecordRows rows(record);
   const Segments segments = SplitAtHoles(rows, 0, {}).value();
   const Segment& segment = segments.parts.at(0);
   const BandSignal signal =
       BandSignal::Filter({rows, 0, segment}, Designed(band, kRateHz), 1).value();
-  const auto lines = FindHum(signal, band, {});
+  const auto lines = FindHum(signal, band, stated_hz);
   EXPECT_TRUE(lines);
   return lines ? *lines : std::vector<SteadyLine>{};
 }
@@ -92,6 +95,12 @@ TEST(FindHum, MeasuresHumOfSixtyHertz) {
   ExpectLines(HumIn(Displacement(hum, Drive::kGated, 225)), hum);
 }
 
+// Twenty times stronger and 8.3 Hz away: a window of 5 s without taper would add 15 % of the hum.
+TEST(FindHum, ADriveNearTheMainsDoesNotReachIt) {
+  const std::vector<Sine> weak{{0.05e-6, 50.02, 0.4}};
+  ExpectLines(HumIn(Displacement(weak, Drive::kContinuous, 58.3)), weak);
+}
+
 // A drive that happens to be a multiple of the mains is stronger than the hum's fundamental.
 TEST(FindHum, ADriveAtTwiceTheMainsIsNotClaimed) {
   const std::vector<Sine> weak{{0.05e-6, 50.0, 0.4}};
@@ -111,6 +120,28 @@ TEST(FindHum, ADriveBesideTheMainsIsNoHum) {
   for (const double drive_hz : {48.0, 52.0, 58.0, 62.0, 225.0}) {
     EXPECT_TRUE(HumIn(Displacement({}, Drive::kContinuous, drive_hz)).empty()) << drive_hz;
     EXPECT_TRUE(HumIn(Displacement({}, Drive::kGated, drive_hz)).empty()) << drive_hz;
+  }
+}
+
+// A drive that is known to be at a multiple of the mains: its line is not to be told from hum.
+TEST(FindHum, MainsOfWhichTheStatedDriveIsAMultipleAreNotSought) {
+  const std::vector<double> values = Displacement(kHum, Drive::kGated, 225);
+  EXPECT_TRUE(HumIn(values, 50.0).empty());
+  EXPECT_TRUE(HumIn(values, 200.7).empty());
+  EXPECT_FALSE(HumIn(values, 201.5).empty());
+  EXPECT_FALSE(HumIn(values, 225.0).empty());
+}
+
+// Many bursts: each window of half the record has the same share of them.
+TEST(FindHum, BurstsAtTheMainsFrequencyAreNoHum) {
+  for (const double on_s : {0.5, 1.0}) {
+    std::vector<double> values = Displacement({}, Drive::kNone, 225);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double t_s = static_cast<double>(k) / kRateHz;
+      if (std::fmod(t_s, 2 * on_s) > on_s) continue;
+      values[k] += 1e-6 * std::sin(2 * std::numbers::pi * 50 * t_s);
+    }
+    EXPECT_TRUE(HumIn(values).empty()) << on_s;
   }
 }
 
