@@ -41,7 +41,7 @@
 ///   9. what goes with them      drive_channel.h, window_state.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
-/// a road of its own, sweep_piece.h and sweep_analysis.h; spectra take window_samples.h.
+/// a road of its own, sweep_analysis.h; spectra take window_samples.h.
 namespace haptometer::dsp {
 
 /// What every record with one measurement or more tells, whatever the band.

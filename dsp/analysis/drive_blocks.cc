@@ -198,7 +198,8 @@ Result<BlockCourse> MeasureIn(ThinnedSignal& samples, const BandSignal& signal,
                               const BandPass& band, double block_s) {
   const auto wanted = static_cast<std::size_t>(std::lround(block_s * samples.rate_hz()));
   const std::size_t block = std::min(std::max(kLeastSamples, wanted), samples.size());
-  BlockCourse course{.start_s = signal.start_s(),
+  const double begin_s = static_cast<double>(signal.settled_begin()) / signal.rate_hz();
+  BlockCourse course{.start_s = signal.start_s() + begin_s,
                      .block_s = static_cast<double>(block) / samples.rate_hz(),
                      .bandwidth_hz = band.upper_hz - band.lower_hz,
                      .blocks = {}};
@@ -219,12 +220,13 @@ Result<BlockCourse> MeasureIn(ThinnedSignal& samples, const BandSignal& signal,
 }  // namespace
 
 ThinnedSignal::ThinnedSignal(const BandSignal& signal, const BandPass& band,
-                             std::span<const SteadyLine> lines)
+                             std::span<const SteadyLine> lines, std::size_t begin, std::size_t end)
     : signal_(&signal),
       lines_(lines),
+      begin_(begin),
       stride_(std::max<std::size_t>(
           1, static_cast<std::size_t>(signal.rate_hz() / (kRatePerUpper * band.upper_hz)))),
-      size_((signal.size() - 1) / stride_ + 1),
+      size_((end - begin - 1) / stride_ + 1),
       rate_hz_(signal.rate_hz() / static_cast<double>(stride_)) {}
 
 Result<std::span<const double>> ThinnedSignal::At(std::size_t first, std::size_t count) {
@@ -235,11 +237,13 @@ Result<std::span<const double>> ThinnedSignal::At(std::size_t first, std::size_t
   first_ = first;
   tile_.resize(std::min(std::max(count, kTile), size_ - first));
   raw_.resize((tile_.size() - 1) * stride_ + 1);
-  if (auto read = signal_->Read(first * stride_, raw_); !read) return std::unexpected(read.error());
+  if (auto read = signal_->Read(begin_ + first * stride_, raw_); !read)
+    return std::unexpected(read.error());
   for (std::size_t n = 0; n < tile_.size(); ++n) tile_[n] = raw_[n * stride_];
   if (!lines_.empty()) {
     for (std::size_t n = 0; n < tile_.size(); ++n) {
-      tile_[n] -= ValueOf(lines_, static_cast<double>(first_ + n) / rate_hz_);
+      const auto sample = static_cast<double>(begin_ + (first_ + n) * stride_);
+      tile_[n] -= ValueOf(lines_, sample / signal_->rate_hz());
     }
   }
   return std::span(std::as_const(tile_)).first(count);
@@ -247,7 +251,7 @@ Result<std::span<const double>> ThinnedSignal::At(std::size_t first, std::size_t
 
 Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
                                   double least_block_s, std::span<const SteadyLine> lines) {
-  ThinnedSignal samples(signal, band, lines);
+  ThinnedSignal samples(signal, band, lines, signal.settled_begin(), signal.settled_end());
   auto course = MeasureIn(samples, signal, band, least_block_s);
   if (!course) return course;
   // a low tone needs longer blocks

@@ -29,7 +29,8 @@ struct DriveBlock {
   [[nodiscard]] double level_m() const { return std::abs(amplitude_m); }
 };
 
-/// The blocks of a segment, one after the other; the last one ends within a block of its end.
+/// The blocks of a segment without its transients, one after the other; the last one ends within a
+/// block of their end.
 struct BlockCourse {
   double start_s = 0;
   double block_s = 0;
@@ -45,14 +46,15 @@ struct BlockCourse {
   [[nodiscard]] double degrees_of_freedom() const { return 2 * bandwidth_hz * block_s; }
 };
 
-/// The filtered samples of a segment, as few of them as hold the band, by range.
+/// Filtered samples [begin, end) of a segment, as few of them as hold the band, by range.
 ///
 /// Every n-th sample, n the greatest number that leaves 5.2 upper corners: behind both passes of an
 /// order-6 filter what folds into the band is below 1e-7 of it. `lines` are subtracted. A tile
 /// stays in memory: ranges that go forward cost one pass. Memory: 2^16 values.
 class ThinnedSignal {
  public:
-  ThinnedSignal(const BandSignal& signal, const BandPass& band, std::span<const SteadyLine> lines);
+  ThinnedSignal(const BandSignal& signal, const BandPass& band, std::span<const SteadyLine> lines,
+                std::size_t begin, std::size_t end);
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
@@ -64,6 +66,7 @@ class ThinnedSignal {
  private:
   const BandSignal* signal_;
   std::span<const SteadyLine> lines_;
+  std::size_t begin_;
   std::size_t stride_;
   std::size_t size_;
   double rate_hz_;
@@ -72,7 +75,7 @@ class ThinnedSignal {
   std::vector<double> raw_;
 };
 
-/// Measures `signal` in blocks of at least `least_block_s`.
+/// Measures what is free of transients of `signal` in blocks of at least `least_block_s`.
 ///
 /// A block lasts the longer of `least_block_s` and four periods of the tone. The ridge is the path
 /// through the spectra of two blocks each (Hann window, padded to four times) that collects most

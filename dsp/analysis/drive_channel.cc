@@ -187,9 +187,14 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
     if (edge.rises) course.on.push_back({edge.time_s, end_s});
     if (!edge.rises) course.on.back().end_s = edge.time_s;
   }
-  auto differences = Differences(edges, PowerEdges(motion, signal.start_s(), cell_s, window_s));
+  const auto of_motion = PowerEdges(motion, signal.start_s(), cell_s, window_s);
+  auto differences = Differences(edges, of_motion);
   // of a channel of two levels only the displacement says whether it is a drive or flickers
-  if (drive->is_coarse && differences.empty()) course.on = {{signal.start_s(), end_s}};
+  const bool flickers = edges.size() > 2 * of_motion.size();
+  if (drive->is_coarse && (differences.empty() || flickers)) {
+    course.on = {{signal.start_s(), end_s}};
+    return course;
+  }
   if (!differences.empty()) course.delay = DelayOf(std::move(differences), window_s);
   return course;
 }

@@ -24,7 +24,8 @@ constexpr double kSameLevel = 0.03;
 constexpr double kMostDrift = 0.5;
 constexpr double kMostScatter = 0.6;
 constexpr double kFoot = 2;  // times the lower corner
-constexpr double kMostScatterAtFoot = 0.25;
+constexpr double kMostScatterAtFoot = 0.15;
+constexpr std::size_t kLeastAtFoot = 6;  // blocks
 constexpr double kLeastCoherence = 0.5;
 
 double QuantileOf(std::vector<double> values, double part) {
@@ -206,6 +207,8 @@ StateInterval Describe(const BlockCourse& course, std::size_t first, std::size_t
   if (interval.level_m > 0) {
     interval.drift = (level.end - level.begin) / interval.level_m;
     interval.scatter = level.deviation / interval.level_m;
+    // of a slope through m values, times their length
+    interval.drift_uncertainty = interval.scatter * std::sqrt(12 / m);
   }
   const Line frequency =
       LineThrough(blocks.size(), [&](std::size_t k) { return blocks[k].frequency_hz; });
@@ -275,6 +278,7 @@ std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz
                       state.coherence > kLeastCoherence;
     // tremor reaches the band's foot as a tone that is never steady
     const bool at_foot = std::max(state.from_hz, state.to_hz) < kFoot * lower_hz;
+    if (at_foot && state.blocks() < kLeastAtFoot) state.is_steady = false;
     if (at_foot && !state.is_steady) state.state = DriveState::kOff;
   }
   return states;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -28,8 +30,9 @@ struct StateInterval {
   std::size_t first = 0;
   std::size_t end = 0;
   TimeWindow time;
-  double level_m = 0;   ///< mean amplitude of the tone
-  double drift = 0;     ///< change of the amplitude from begin to end, as a part of level_m
+  double level_m = 0;  ///< mean amplitude of the tone
+  double drift = 0;    ///< change of the amplitude from begin to end, as a part of level_m
+  double drift_uncertainty = 0;  ///< standard, from the scatter
   double scatter = 0;   ///< standard deviation of the blocks about that line, as a part of level_m
   double residual = 0;  ///< mean square beside the tone, m2
   double rms_m = 0;     ///< of the filtered samples
@@ -39,6 +42,10 @@ struct StateInterval {
   bool is_steady = false;
 
   [[nodiscard]] std::size_t blocks() const { return end - first; }
+  /// Whether the amplitude changes by more than 2 % and by more than its uncertainty gives (1 %).
+  [[nodiscard]] bool Drifts() const {
+    return std::abs(drift) > std::max(0.02, 2.6 * drift_uncertainty);
+  }
 };
 
 /// Splits a course into states.
@@ -54,7 +61,7 @@ struct StateInterval {
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
 /// between others is a transition. Neighbours of the same kind whose levels meet within 3 % are
 /// one. A state is steady where its level changes by less than half and scatters by less than 0.6
-/// of itself (0.25 up to twice `lower_hz`, where red noise has a narrow ridge), and the phases of
+/// of itself (0.15, and six blocks at least, up to twice `lower_hz`, where red noise has a narrow ridge), and the phases of
 /// its blocks continue each other. Error rates: tests/dsp/analysis/drive_states_test.cc. Cost:
 /// linear in the blocks for states of bounded length.
 [[nodiscard]] std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz);

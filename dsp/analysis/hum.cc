@@ -124,7 +124,7 @@ double ValueOf(std::span<const SteadyLine> lines, double t_s) {
 
 Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band,
                                         std::optional<double> stated_hz) {
-  ThinnedSignal samples(signal, band, {});
+  ThinnedSignal samples(signal, band, {}, 0, signal.size());
   const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
   std::vector<SteadyLine> lines;
   if (duration_s < kShortestS || samples.size() > kMostValues) return lines;

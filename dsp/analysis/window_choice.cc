@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "dsp/analysis/drive_states.h"
+#include "dsp/spectrum/sine_fit.h"
+#include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -14,10 +17,18 @@ namespace {
 constexpr std::array<double, 3> kBlockLengths{1, 4, 16};
 constexpr double kShortestBlockS = 0.015;
 constexpr double kLeastBlocks = 24;  // in a segment, before blocks are made longer
-constexpr std::size_t kLeastLongBlocks = 8;
+constexpr double kLeastLongBlocks = 8;
 // tones up to this multiple of the lower corner, below this part of the drive, are of tremor
 constexpr double kFoot = 1.6;
 constexpr double kFootLevel = 0.5;
+// a tone below the noise of blocks: from this multiple of the lower corner on, and how far its
+// amplitudes in both halves may differ
+constexpr double kFaintFoot = 2;
+constexpr double kFaintApart = 0.5;
+// in so much of a record, and so rarely of white noise: noise that averaging has coloured passes
+// more often
+constexpr double kFaintLeastS = 0.75;
+constexpr double kFaintFalseAlarm = 1e-6;
 // noise is measured this far from a drive, in periods of the lower corner: the filter rings there
 constexpr double kQuietPeriods = 2.5;
 // a bump: residual this far above its median, in logarithms; the blocks beside it ring
@@ -25,15 +36,9 @@ constexpr double kBumpLeast = 0.35;
 constexpr double kBumpDeviations = 4;
 constexpr std::size_t kBumpNeighbours = 1;
 constexpr std::size_t kLeastBlocksForBumps = 8;
-// change of the amplitude over the window that is a doubt
-constexpr double kUnsteady = 0.02;
 // a frequency that changes by more than this part is a sweep
 constexpr double kSweep = 0.1;
 constexpr double kDrift = 0.01;  // and by more than this one is said to drift
-
-double DurationS(const BandSignal& signal) {
-  return static_cast<double>(signal.size()) / signal.rate_hz();
-}
 
 // one signal, its hum, its blocks and their states
 struct Course {
@@ -62,10 +67,12 @@ Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
 Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Course>& courses) {
   for (Course& course : courses) {
     // short segments have shorter blocks
-    const double duration_s = DurationS(*course.signal);
+    const double duration_s = SettledSeconds(*course.signal);
     const double block_s =
         length * std::max(kShortestBlockS, std::min(1 / band.lower_hz, duration_s / kLeastBlocks));
     course.states.clear();
+    course.blocks.blocks.clear();
+    if (duration_s < kLeastWindowPeriods / band.lower_hz) continue;
     if (length > 1 && duration_s < kLeastLongBlocks * block_s) continue;
     auto blocks = MeasureBlocks(*course.signal, band, block_s, course.hum);
     if (!blocks) return std::unexpected(blocks.error());
@@ -117,10 +124,12 @@ std::vector<std::pair<std::size_t, std::size_t>> BumpsIn(const Course& course, s
                                                          std::size_t end) {
   const BandSignal& signal = *course.signal;
   const double block_samples = course.blocks.block_s * signal.rate_hz();
-  const auto first = static_cast<std::size_t>(static_cast<double>(begin) / block_samples);
+  // blocks count from the first sample free of transients
+  const std::size_t base = signal.settled_begin();
+  const auto first = static_cast<std::size_t>(static_cast<double>(begin - base) / block_samples);
   const auto last =
       std::min(course.blocks.blocks.size(),
-               static_cast<std::size_t>(static_cast<double>(end) / block_samples) + 1);
+               static_cast<std::size_t>(static_cast<double>(end - base) / block_samples) + 1);
   std::vector<double> logs;
   for (std::size_t k = first; k < last; ++k) {
     logs.push_back(std::log(course.blocks.blocks[k].residual + 1e-300));
@@ -138,8 +147,8 @@ std::vector<std::pair<std::size_t, std::size_t>> BumpsIn(const Course& course, s
     if (logs[k] <= limit) continue;
     const double from = static_cast<double>(first + k - std::min(first + k, kBumpNeighbours));
     const double to = static_cast<double>(first + k + 1 + kBumpNeighbours);
-    const auto low = std::clamp(static_cast<std::size_t>(from * block_samples), begin, end);
-    const auto high = std::clamp(static_cast<std::size_t>(to * block_samples), begin, end);
+    const auto low = std::clamp(base + static_cast<std::size_t>(from * block_samples), begin, end);
+    const auto high = std::clamp(base + static_cast<std::size_t>(to * block_samples), begin, end);
     if (!bumps.empty() && low <= bumps.back().second) {
       bumps.back().second = high;
     } else {
@@ -260,6 +269,52 @@ Finding WhyNoDrive(const std::vector<Course>& courses, const BandAnalysis& analy
   return why;
 }
 
+// A tone far below the noise of a block, which stands out of all that is free of transients and is
+// there in both halves alike: one state. Not at the band's foot, where tremor has lines.
+Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
+                                            const BandPass& band, BandAnalysis* analysis) {
+  const Course& course = *std::ranges::max_element(
+      courses, {}, [](const Course& one) { return SettledSeconds(*one.signal); });
+  const BandSignal& signal = *course.signal;
+  if (SettledSeconds(signal) < kFaintLeastS) return std::nullopt;
+  auto samples = ReadMiddle(signal, signal.settled_begin(), signal.settled_end());
+  if (!samples) return std::unexpected(samples.error());
+  const std::size_t size = signal.settled_end() - signal.settled_begin();
+  const std::size_t first = signal.settled_begin() + (size - samples->size()) / 2;
+  for (std::size_t k = 0; !course.hum.empty() && k < samples->size(); ++k) {
+    (*samples)[k] -= ValueOf(course.hum, static_cast<double>(first + k) / signal.rate_hz());
+  }
+  const double bandwidth_hz = band.upper_hz - band.lower_hz;
+  const auto tone = StrongestTone(*samples, {signal.rate_hz(), kFaintFoot * band.lower_hz,
+                                             band.upper_hz, bandwidth_hz, kFaintFalseAlarm});
+  if (!tone) return std::nullopt;
+  const std::span<const double> all = *samples;
+  const SineFitOptions options{signal.rate_hz(), bandwidth_hz, 0};
+  const SineFit begin = FitSineAt(all.first(all.size() / 2), options, tone->frequency_hz);
+  const SineFit end = FitSineAt(all.subspan(all.size() / 2), options, tone->frequency_hz);
+  const double apart = std::abs(begin.amplitude - end.amplitude);
+  if (!begin.converged || !end.converged || apart > kFaintApart * tone->amplitude) {
+    return std::nullopt;
+  }
+  StateInterval state;
+  state.state = DriveState::kOn;
+  state.end = 1;
+  state.level_m = tone->amplitude;
+  state.from_hz = state.to_hz = tone->frequency_hz;
+  state.coherence = 1;
+  state.is_steady = true;
+  state.time = {TimeOfSample(signal, signal.settled_begin()),
+                TimeOfSample(signal, signal.settled_end())};
+  state.rms_m = tone->amplitude / std::numbers::sqrt2;
+  ChosenPart chosen = AllSettled(signal);
+  chosen.hum = course.hum;
+  chosen.part.why.kind = FindingKind::kOneState;
+  chosen.part.from_drive = true;
+  chosen.part.state = state;
+  analysis->states = {state};
+  return chosen;
+}
+
 // the drive of the longest steady state, else a refusal beside all that is free of transients
 Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
@@ -270,6 +325,13 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
     auto best = LongestSteady(courses, question.band.lower_hz);
     if (best || length == kBlockLengths.front()) KeepStates(courses, analysis);
     if (best) return *std::move(best);
+  }
+  if (std::ranges::none_of(analysis->states, [](const StateInterval& state) {
+        return state.state == DriveState::kOn;
+      })) {
+    auto faint = FaintTone(courses, question.band, analysis);
+    if (!faint) return std::unexpected(faint.error());
+    if (*faint) return **std::move(faint);
   }
   ChosenPart none = AllSettled(LongestSettled(all));
   none.refusal = WhyNoDrive(courses, *analysis);
@@ -311,7 +373,7 @@ void DescribeGiven(const std::vector<Course>& courses, double lower_hz, ChosenPa
 void RemarkUnsteady(const UsedPart& part, BandAnalysis* analysis) {
   if (!part.from_drive) return;
   const StateInterval& state = part.state;
-  if (std::abs(state.drift) > kUnsteady) {
+  if (state.Drifts()) {
     analysis->findings.Doubt(FindingKind::kDriveUnsteady, {{"drift", state.drift}});
   }
   const auto [least, most] = std::minmax(state.from_hz, state.to_hz);

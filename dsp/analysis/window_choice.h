@@ -40,10 +40,11 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 /// `question` says (see AnalyzeBand).
 ///
 /// The longest steady state that is on, a block shorter at each end at which it changes. Where no
-/// state is on in blocks of a period of the lower corner, blocks of 4 and 16 times that are tried:
-/// they show tones below the noise. Hum (dsp/analysis/hum.h) is subtracted before. Blocks of the
-/// window in which the residual rises far above its median are bumps, and excluded. Nothing, and a
-/// refusal, where a given window is not free of transients. Errors: as RowSource::Read.
+/// state is on in blocks of a period of the lower corner, blocks of 4 and 16 times that are tried,
+/// and the strongest tone of the whole: they show tones below the noise. Hum (dsp/analysis/hum.h)
+/// is subtracted before. Blocks of the window in which the residual rises far above its median are
+/// bumps, and excluded. Nothing, and a refusal, where a given window is not free of transients.
+/// Errors: as RowSource::Read.
 [[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);

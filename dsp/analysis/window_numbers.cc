@@ -45,8 +45,6 @@ constexpr double kOtherFrequency = 0.01;
 // delay that is said, and part of the window in which a drive channel must be on
 constexpr double kDelayS = 0.05;
 constexpr double kChannelOn = 0.5;
-// change of the amplitude over the window that is a doubt
-constexpr double kUnsteadyDrift = 0.02;
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
@@ -423,7 +421,7 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
     add(RmsCause::kFoot, window.beside.foot_mean_square / (2 * rms));
     add(RmsCause::kHum, 0.5 * std::abs(window.hum_square) / (2 * rms));
   }
-  if (std::abs(part.state.drift) > kUnsteadyDrift) {
+  if (part.state.Drifts()) {
     add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
   }
   return bounds;

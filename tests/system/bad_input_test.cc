@@ -55,6 +55,8 @@ TEST_F(BadInput, FilesThatCannotAnswerGiveStatus3) {
   for (const char* verb : {"analyze", "fit-lra"}) {
     for (const std::string& path :
          {std::string("/no/such/file.bin"), directory_.string(), empty, random, text}) {
+      // analyze reads the recordings of a folder, each with a line of its own
+      if (verb == std::string("analyze") && path == directory_.string()) continue;
       SCOPED_TRACE(verb + (" " + path));
       ExpectOneLine(RunProgram({"haptometer", verb, path}), 3, path);
     }

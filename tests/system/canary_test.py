@@ -254,7 +254,7 @@ def studies(run):
     for subject in names["subject"]:
         for at, condition in enumerate(names["condition"]):
             write_trial(folder / f"{number}.bin", EVIL, {"subject": subject, "condition": condition},
-                        gain=(1 + at + 0.1 * number) * 1e-5, seconds=1.5, drive_v=1 + at)
+                        gain=(1 + at + 0.1 * number + 0.03 * (number % 4)) * 1e-5, seconds=1.5, drive_v=1 + at)
             number += 1
     shown = json.loads(run("study", "study", "--json"))
     check(len(shown["trials"]) == 9 and all(trial["answered"] for trial in shown["trials"]),

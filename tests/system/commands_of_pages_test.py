@@ -96,6 +96,8 @@ PREPARED = {
           "off.bin": "acquire --sensor pipe --format text --rate 10kHz --channels displacement:V"
                      " --calibration il030.toml -o off.bin <off.txt"},
     STUDY: {"recorded": "mkdir recorded"},
+    "docs/reference/analyze.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin",
+                                  "trials": "mkdir trials; cp fixtures/recorded_trial.bin trials"},
     "docs/reference/daemon.md": RIG,
     "docs/reference/fit-adapter.md": TAP,
     "docs/reference/fit-impedance.md": IMPEDANCE,
@@ -125,6 +127,7 @@ CHANGED = {
 REFUSED = {
     "README.md": [("haptometer trial info mine.csv", 3, "what it does not state")],
     "docs/how-to/bring-your-own-csv.md": [("haptometer trial info mine.csv", 3, "the answer has status 3")],
+    "docs/reference/analyze.md": [("analyze trial.bin --expect", 3, "the exit status is 3")],
 }
 
 

@@ -79,6 +79,7 @@ WRITES = [
     Option("trial plot", "-o,--output,--plot", ["t.bin"], ["t.bin"], [".png"]),
     of(ANALYZE, "--plot", [".svg"]),
     of(ANALYZE, "--report", [".html"], "page"),
+    of(ANALYZE, "--table", [".csv"], "table", True),
     of(ANALYZE, "--spectrum", [".csv", ".svg"], "table", True),
     of(ANALYZE, "--spectrogram", [".csv", ".pdf"], "table", True),
     of(ANALYZE, "--response", [".csv"], "table", True),

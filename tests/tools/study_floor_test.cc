@@ -90,7 +90,7 @@ TEST_F(StudyFloor, IsSaidInTextAndMethodsWithWhatIsDoubtful) {
   const fs::path methods = directory_ / "methods.md";
   const Outcome outcome = Study(Words({"--floor", floor, "--methods", methods}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ContainsRegex("noise correction  2.12[(0-9.)]* um, RMS of " + floor +
+  EXPECT_THAT(outcome.out, ContainsRegex("noise correction +2.12[(0-9.)]* um, RMS of " + floor +
                                          ", subtracted in mean square"));
   EXPECT_THAT(outcome.out, HasSubstr("holds a tone, 3 um at 110 Hz"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("not corrected for noise")));

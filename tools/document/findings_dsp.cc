@@ -42,7 +42,7 @@ constexpr auto kRows = std::to_array<Row>({
       "{first_s} ({size_m}); excluded where they are short"}},
     {kNoReadingCodes,
      {"no-reading-codes",
-      "{value_m} is a code for no reading: {readings} reading{readings s} excluded"}},
+      "{value_m 6} is a code for no reading: {readings} reading{readings s} excluded"}},
     {kSpikes,
      {"spikes",
       "{count} spike{count s}, {readings} readings in all, the first at {first_s} ({size_m}); "

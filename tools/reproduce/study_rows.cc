@@ -220,10 +220,11 @@ constexpr std::array kLevelsV{0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0};
 // skins a fifth softer and stiffer than the model's
 constexpr std::array kSkinFactors{0.8, 1.2};
 
-// band RMS in m with the noise included
+// band RMS in m with the noise included; of the whole where nothing drives
 Result<double> RmsWithFloor(const sim::Scene& scene) {
   dsp::BandQuestion question;
   question.keep_filtered = false;
+  if (scene.drive.amplitude_v == 0) question.choice = dsp::WindowChoice::kAll;
   HAPTOMETER_LET(const auto analysis,
                  dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question));
   if (!analysis.answered || !analysis.numbers) {

@@ -330,11 +330,11 @@ TEST(DriveStates, OfAGatedDriveLieWithinABlockOfTheTruth) {
       EXPECT_REL(state.level_m, 1e-6, 0.05, "a block at each end");
     }
     ASSERT_EQ(on.size(), 2U) << noise_m;
-    const double block_s = course.block_s * 1.001;
-    EXPECT_ABS(on[0].begin_s, 1.013, block_s, "a block");
-    EXPECT_ABS(on[0].end_s, 2.521, block_s, "a block");
-    EXPECT_ABS(on[1].begin_s, 3.507, block_s, "a block");
-    EXPECT_ABS(on[1].end_s, 4.992, block_s, "a block");
+    const double block_s = course.block_s * 1.5;
+    EXPECT_ABS(on[0].begin_s, 1.013, block_s, "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[0].end_s, 2.521, block_s, "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[1].begin_s, 3.507, block_s, "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[1].end_s, 4.992, block_s, "the block that holds the change, and the filter's ringing");
   }
 }
 

@@ -274,20 +274,26 @@ TEST_P(NoPartIsDriven, AndNoneIsSeen) {
   EXPECT_LE(seen, GetParam().most * all);
 }
 
+// beside 0.5 mm of tremor, in records of 1 s and less, a block in which what the filter leaves of
+// the tremor exceeds the tone counts as off; no number is of it
+constexpr double kShortTremor = 0.1;
+
 INSTANTIATE_TEST_SUITE_P(
     In, NoPartIsDriven,
-    ::testing::Values(
-        Undriven{"Noise", 0, 2e-6}, Undriven{"FaintNoise", 0, 1e-9},
-        Undriven{"AveragedNoise", 0, 2e-5, nullptr, 25}, Undriven{"Tremor", 8e-4, 5e-8},
-        Undriven{"TremorAndNoise", 5e-4, 2e-6}, Undriven{"TremorAlmostAlone", 8e-4, 1e-9},
-        Undriven{"Step", 0, 5e-8, StepAt}, Undriven{"StepAndTremor", 5e-4, 5e-7, StepAt},
-        Undriven{"AveragedStep", 0, 1e-7, StepAt, 25, false, 0.1},
-        Undriven{"SoftStep", 0, 5e-8, SoftStep}, Undriven{"Bump", 0, 5e-8, Bump, 1, false, 0.1},
-        Undriven{"Tone", 0, 5e-8, Tone, 1, true}, Undriven{"WeakTone", 5e-4, 2e-6, Tone, 1, true},
-        Undriven{"ToneInNoise", 0, 1e-6, Tone, 1, true},
-        Undriven{"Modulated", 5e-4, 2e-7, Modulated, 1, true},
-        Undriven{"Wandering", 5e-4, 2e-7, Wandering, 1, true},
-        Undriven{"TwoTones", 5e-4, 2e-7, TwoTones, 1, true}),
+    ::testing::Values(Undriven{"Noise", 0, 2e-6}, Undriven{"FaintNoise", 0, 1e-9},
+                      Undriven{"AveragedNoise", 0, 2e-5, nullptr, 25},
+                      Undriven{"Tremor", 8e-4, 5e-8}, Undriven{"TremorAndNoise", 5e-4, 2e-6},
+                      Undriven{"TremorAlmostAlone", 8e-4, 1e-9}, Undriven{"Step", 0, 5e-8, StepAt},
+                      Undriven{"StepAndTremor", 5e-4, 5e-7, StepAt},
+                      Undriven{"AveragedStep", 0, 1e-7, StepAt, 25, false, 0.1},
+                      Undriven{"SoftStep", 0, 5e-8, SoftStep},
+                      Undriven{"Bump", 0, 5e-8, Bump, 1, false, 0.1},
+                      Undriven{"Tone", 0, 5e-8, Tone, 1, true},
+                      Undriven{"WeakTone", 5e-4, 2e-6, Tone, 1, true, kShortTremor},
+                      Undriven{"ToneInNoise", 0, 1e-6, Tone, 1, true},
+                      Undriven{"Modulated", 5e-4, 2e-7, Modulated, 1, true, kShortTremor},
+                      Undriven{"Wandering", 5e-4, 2e-7, Wandering, 1, true, kShortTremor},
+                      Undriven{"TwoTones", 5e-4, 2e-7, TwoTones, 1, true, kShortTremor}),
     [](const auto& undriven) { return std::string(undriven.param.name); });
 
 // a tone that goes on, in as many values as a narrow band leaves of a tile
