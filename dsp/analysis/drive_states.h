@@ -61,9 +61,10 @@ struct StateInterval {
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
 /// between others is a transition. Neighbours of the same kind whose levels meet within 3 % are
 /// one. A state is steady where its level changes by less than half and scatters by less than 0.6
-/// of itself (0.15, and six blocks at least, up to twice `lower_hz`, where red noise has a narrow ridge), and the phases of
-/// its blocks continue each other. Error rates: tests/dsp/analysis/drive_states_test.cc. Cost:
-/// linear in the blocks for states of bounded length.
+/// of itself (0.15, and six blocks at least, up to twice `lower_hz`, where red noise has a narrow
+/// ridge), and the phases of its blocks continue each other. Error rates:
+/// tests/dsp/analysis/drive_states_test.cc. Cost: linear in the blocks for states of bounded
+/// length.
 [[nodiscard]] std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz);
 
 }  // namespace haptometer::dsp
