@@ -331,10 +331,14 @@ TEST(DriveStates, OfAGatedDriveLieWithinABlockOfTheTruth) {
     }
     ASSERT_EQ(on.size(), 2U) << noise_m;
     const double block_s = course.block_s * 1.5;
-    EXPECT_ABS(on[0].begin_s, 1.013, block_s, "the block that holds the change, and the filter's ringing");
-    EXPECT_ABS(on[0].end_s, 2.521, block_s, "the block that holds the change, and the filter's ringing");
-    EXPECT_ABS(on[1].begin_s, 3.507, block_s, "the block that holds the change, and the filter's ringing");
-    EXPECT_ABS(on[1].end_s, 4.992, block_s, "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[0].begin_s, 1.013, block_s,
+               "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[0].end_s, 2.521, block_s,
+               "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[1].begin_s, 3.507, block_s,
+               "the block that holds the change, and the filter's ringing");
+    EXPECT_ABS(on[1].end_s, 4.992, block_s,
+               "the block that holds the change, and the filter's ringing");
   }
 }
 
