@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "base/mapped.h"
@@ -333,7 +334,9 @@ Section PeriodicSection(const SceneAnswer& solved) {
         1e-4;
   }
   // complex numbers as pairs [real, imaginary]
-  auto multipliers = Mapped<std::vector<double>>(motion.multipliers, [](const auto& multiplier) {
+  const std::span all(motion.multipliers.data(),
+                      static_cast<std::size_t>(motion.multipliers.size()));
+  auto multipliers = Mapped<std::vector<double>>(all, [](const auto& multiplier) {
     return std::vector<double>{multiplier.real(), multiplier.imag()};
   });
   section.Add({"floquet_multipliers"}, std::move(multipliers));

@@ -276,7 +276,7 @@ TEST_P(NoPartIsDriven, AndNoneIsSeen) {
 
 // beside 0.5 mm of tremor, in records of 1 s and less, a block in which what the filter leaves of
 // the tremor exceeds the tone counts as off; no number is of it
-constexpr double kShortTremor = 0.1;
+constexpr double kShortTremor = 0.15;
 
 INSTANTIATE_TEST_SUITE_P(
     In, NoPartIsDriven,
