@@ -34,6 +34,9 @@ constexpr double kToneInQuiet = 5;
 // bins about the drive and its harmonics that are the drive's: sidebands of a motor lie within
 constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
+// a drive without a single tone moves by so many bins of the window
+constexpr double kMovedBins = 3;
+constexpr double kClearCoherence = 0.9;
 // part of the power above which the tone is all of the drive
 constexpr double kPureTone = 0.9;
 // samples that show the steps of a converter, and the share of the RMS that is a doubt
@@ -114,17 +117,20 @@ std::vector<std::pair<std::size_t, std::size_t>> KeptOf(const ChosenPart& chosen
   return kept;
 }
 
-// mean square over the samples kept, from the sums of their cells
-Result<double> MeanSquareKept(const Window& window) {
+// mean square over the samples kept of [begin, end), from the sums of their cells
+Result<double> MeanSquareKept(const Window& window, std::size_t begin, std::size_t end) {
   double sum = 0;
   std::size_t count = 0;
-  for (const auto& [begin, end] : KeptOf(window.chosen, window.rows)) {
-    const auto square_sum = window.signal().SquareSum(begin, end);
+  for (const auto& [from, to] : KeptOf(window.chosen, window.rows)) {
+    const std::size_t first = std::max(from, begin);
+    const std::size_t last = std::min(to, end);
+    if (first >= last) continue;
+    const auto square_sum = window.signal().SquareSum(first, last);
     if (!square_sum) return square_sum;
     sum += *square_sum;
-    count += end - begin;
+    count += last - first;
   }
-  return sum / static_cast<double>(count);
+  return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
 // Filtered samples of the longest part kept, or of its middle, thinned, without hum; the hum's part
@@ -144,6 +150,17 @@ Result<ThinnedSamples> SamplesOf(const Window& window, double* hum_square) {
     (*samples)[k] -= hum;
   }
   return Thinned(*std::move(samples), window.rate_hz(), window.signal().design(), window.band());
+}
+
+// whether a drive that is clear in every block moves by so many bins that no sine holds half of it
+bool HasNoSingleTone(const Window& window, const SineFit& tone) {
+  const StateInterval& state = window.chosen.part.state;
+  if (!window.chosen.part.from_drive || state.coherence < kClearCoherence) return false;
+  const double moved_bins = std::abs(state.to_hz - state.from_hz) * window.samples.duration_s();
+  double square = 0;
+  for (const double value : window.samples.values_m) square += value * value;
+  square /= static_cast<double>(window.samples.values_m.size());
+  return moved_bins > kMovedBins && tone.amplitude * tone.amplitude < square;
 }
 
 // ranges about the drive and its harmonics that hold no bins of noise
@@ -168,7 +185,7 @@ std::vector<FrequencyRange> DriveRanges(const Window& window) {
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
   const std::size_t begin = window.chosen.begin;
-  const auto square = MeanSquareKept(window);
+  const auto square = MeanSquareKept(window, begin, begin + window.rows);
   if (!square) return std::unexpected(square.error());
   const double mean_square = std::max(0.0, *square - window.hum_square);
   // variance from the fitted samples, scaled from their duration to that of the window
@@ -207,7 +224,9 @@ void DescribeSensor(Window& window) {
     return window.analysis.findings.Doubt(FindingKind::kAveragingUnknown);
   }
   sensor.amplitude_verified = true;
-  if (!window.numbers.tone) {
+  // of a drive without a single tone, in the middle of where it moves
+  const StateInterval& state = window.chosen.part.state;
+  if (!window.numbers.tone && !window.chosen.part.from_drive) {
     if (sensor.gain_in_band->least < 1) {
       window.analysis.findings.Note(
           FindingKind::kGainInBand,
@@ -216,7 +235,8 @@ void DescribeSensor(Window& window) {
     return;
   }
   // averaging reduces the tone by a known gain; above 0.02 it is divided out, below 0.5 refused
-  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double frequency_hz = window.numbers.tone ? window.numbers.tone->fit.frequency_hz
+                                                  : 0.5 * (state.from_hz + state.to_hz);
   sensor.gain_at_tone = GainAt(sensor.averaging, frequency_hz);
   const double gain = *sensor.gain_at_tone;
   sensor.divided_out = gain < 1 && gain >= kSensorTakesAll;
@@ -361,10 +381,11 @@ Result<double> EdgeBound(const Window& window) {
   if (window.rows < 4 * period) return 0;
   const std::size_t begin = window.chosen.begin + period;
   const std::size_t end = window.chosen.begin + window.rows - period;
-  const auto square_sum = window.signal().SquareSum(begin, end);
-  if (!square_sum) return std::unexpected(square_sum.error());
-  return std::abs(std::sqrt(*square_sum / static_cast<double>(end - begin)) -
-                  std::sqrt(window.numbers.power.mean_square));
+  const auto square = MeanSquareKept(window, begin, end);
+  if (!square) return square;
+  // with the hum in both
+  return std::abs(std::sqrt(*square) -
+                  std::sqrt(window.numbers.power.mean_square + window.hum_square));
 }
 
 // what rounding to steps may hide of the drive: half width of the RMS's error, m
@@ -633,9 +654,10 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.samples = *std::move(samples);
   // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
-    const auto tone =
+    auto tone =
         StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
                                                 analysis->band.upper_hz, window.bandwidth_hz()});
+    if (tone && HasNoSingleTone(window, *tone)) tone.reset();
     window.rows = WholePeriods(window, tone);
     DescribePart(window);
     if (tone) {

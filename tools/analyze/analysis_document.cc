@@ -57,7 +57,10 @@ std::vector<std::vector<double>> PairsOf(const std::vector<dsp::TimeWindow>& win
 
 // frequency at begin and end of a sweep in the window
 std::optional<document::Range> MovesOf(const dsp::BandAnalysis& analysis) {
-  if (!analysis.numbers || !analysis.findings.Has(dsp::FindingKind::kFrequencyMoves)) return {};
+  using enum dsp::FindingKind;
+  const bool moves =
+      analysis.findings.Has(kFrequencyMoves) || analysis.findings.Has(kFrequencyDrifts);
+  if (!analysis.numbers || !moves) return {};
   const dsp::StateInterval& state = analysis.numbers->part.state;
   return document::Range{state.from_hz, state.to_hz};
 }
