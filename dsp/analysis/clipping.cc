@@ -98,16 +98,21 @@ class Fitter {
   }
 
  private:
+  // columns of a drift and of harmonics up to `highest`, a cosine and a sine each
+  [[nodiscard]] static Eigen::Index TermsOf(Eigen::Index highest) {
+    return kDriftTerms + 2 * highest;
+  }
+
   // tone, harmonics below half the rate, drift
   [[nodiscard]] Eigen::VectorXd Terms(std::size_t k, std::size_t size, int highest) const {
-    Eigen::VectorXd terms(kDriftTerms + 2 * highest);
+    Eigen::VectorXd terms(TermsOf(highest));
     const double place = 2 * static_cast<double>(k) / static_cast<double>(size) - 1;
     terms[0] = 1;
     for (Eigen::Index d = 1; d < kDriftTerms; ++d) terms[d] = terms[d - 1] * place;
     for (int h = 1; h <= highest; ++h) {
       const double angle = 2 * std::numbers::pi * h * tone_hz_ * static_cast<double>(k) / rate_hz_;
-      terms[kDriftTerms + 2 * h - 2] = std::cos(angle);
-      terms[kDriftTerms + 2 * h - 1] = std::sin(angle);
+      terms[TermsOf(h) - 2] = std::cos(angle);
+      terms[TermsOf(h) - 1] = std::sin(angle);
     }
     return terms;
   }
@@ -115,7 +120,7 @@ class Fitter {
   void FitBlock(std::size_t begin, std::size_t size, int highest, bool with_rails,
                 Rest& rest) const {
     while (highest > 1 && 2 * highest * tone_hz_ >= rate_hz_) --highest;
-    const Eigen::Index columns = kDriftTerms + 2 * highest;
+    const Eigen::Index columns = TermsOf(highest);
     Eigen::MatrixXd matrix(static_cast<Eigen::Index>(size), columns);
     Eigen::VectorXd right(matrix.rows());
     std::vector<std::size_t> railed;

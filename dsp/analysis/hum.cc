@@ -42,12 +42,13 @@ struct Windows {
   double rate_hz = 0;
   std::size_t length = 0;
 
-  [[nodiscard]] std::size_t count() const { return (values.size() - length) / (length / 2) + 1; }
-  [[nodiscard]] double step_s() const { return static_cast<double>(length / 2) / rate_hz; }
+  [[nodiscard]] std::size_t step() const { return length / 2; }
+  [[nodiscard]] std::size_t count() const { return (values.size() - length) / step() + 1; }
+  [[nodiscard]] double step_s() const { return static_cast<double>(step()) / rate_hz; }
 
   // 2 sum w x exp(-j 2 pi f t) / sum w, t from the first value of all
   [[nodiscard]] std::complex<double> Demodulated(std::size_t k, double frequency_hz) const {
-    const std::size_t first = k * (length / 2);
+    const std::size_t first = k * step();
     const std::complex<double> advance = std::polar(1.0, -kTwoPi * frequency_hz / rate_hz);
     std::complex<double> turn =
         std::polar(1.0, -kTwoPi * frequency_hz * static_cast<double>(first) / rate_hz);

@@ -597,8 +597,7 @@ Section TableRow(const AnalyzedFile& file) {
   // kinds of all findings, refusals and errors first as they stand in the document
   Section found;
   AddFindings(file, true, found);
-  std::vector<std::string_view> kinds;
-  for (const document::Finding& finding : found.findings) kinds.push_back(finding.kind);
+  const auto kinds = Mapped(found.findings, &document::Finding::kind);
   row.Add({"finding_kinds"}, fmt::format("{}", fmt::join(kinds, "; ")));
   return row;
 }

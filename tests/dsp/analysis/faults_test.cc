@@ -10,7 +10,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/analysis/faults.h"
 #include "tests/dsp/row_blocks.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
