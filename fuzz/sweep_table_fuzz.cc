@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "fuzz/memory_path.h"
 #include "fuzz/seeds.h"
 #include "tools/sweep/sweep.h"
@@ -53,6 +54,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::string whole = Whole();
+  // a path in memory ends with its file: what was read before is no input of this merge
+  ForgetInputs();
   const fuzz::MemoryPath file({reinterpret_cast<const char*>(data), size});
   [[maybe_unused]] const auto summary = tools::Summarise(file.path(), {});
   const std::string merged =
