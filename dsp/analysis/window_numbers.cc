@@ -34,6 +34,9 @@ constexpr double kToneInQuiet = 5;
 // bins about the drive and its harmonics that are the drive's: sidebands of a motor lie within
 constexpr double kDriveReachHz = 8;
 constexpr double kDriveReachBins = 5;
+// part of its power that hum is known to, where a pause shows it alone: the switched drive reaches
+// its windows
+constexpr double kHumKnown = 5e-3;
 // a drive without a single tone moves by so many bins of the window
 constexpr double kMovedBins = 3;
 constexpr double kClearCoherence = 0.9;
@@ -441,6 +444,8 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   if (numbers.floor && numbers.floor->from == NoiseSource::kBeside) {
     add(RmsCause::kFoot, window.beside.foot_mean_square / (2 * rms));
     add(RmsCause::kHum, 0.5 * std::abs(window.hum_square) / (2 * rms));
+  } else {
+    add(RmsCause::kHum, kHumKnown * std::abs(window.hum_square) / (2 * rms));
   }
   if (part.state.Drifts()) {
     add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
