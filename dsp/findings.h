@@ -75,7 +75,7 @@ enum class FindingKind : std::uint8_t {
   // hum of the mains
   kHumSubtracted,   ///< frequency_hz, amplitude_m, lines
   kHumAtDrive,      ///< frequency_hz, amplitude_m: too near to the drive to be told apart
-  kMainsFrequency,  ///< frequency_hz: of the drive itself, and never off
+  kMainsFrequency,  ///< frequency_hz, amplitude_m: of a tone that never pauses
   // noise floor; its file is the subject
   kNoFloor,
   kQuietHasDrive,     ///< amplitude_m, frequency_hz: what the tone leaves where it is off

@@ -36,8 +36,7 @@
 ///   6. the states of the drive  hum.h, drive_blocks.h, drive_states.h
 ///   7. which rows count         window_choice.h
 ///   8. numbers of that window   window_numbers.h, by band_noise.h, sensor_gain.h, quantisation.h
-///   and clipping.h,
-///                               put together in rms_estimate.h
+///                               and clipping.h, put together in rms_estimate.h
 ///   9. what goes with them      drive_channel.h, window_state.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has

@@ -28,7 +28,7 @@ enum class RmsCause : std::uint8_t {
   kDriveEdges,    ///< what a window shorter by a period at either end would change
   kSteps,         ///< their energy within the band
   kFoot,          ///< power of the band's lowest part that is neither the drive nor noise
-  kHum,           ///< half of its power, where the record has no pause that shows it alone
+  kHum,           ///< half of its power; half a percent of it where a pause shows it alone
   kDrift,         ///< half the change of the amplitude over the window
 };
 inline constexpr std::size_t kRmsCauseCount = 11;
@@ -48,9 +48,9 @@ struct RmsBound {
 
 /// What a window holds, in mean squares behind the filter.
 struct BandPower {
-  double tone_mean_square = 0;      ///< of the tone and its harmonics, noise's share taken off
-  double tone_variance = 0;         ///< of `tone_mean_square`, from the noise about each line
-  NoisePower rest;                  ///< everything else, noise's share of the lines included
+  double tone_mean_square = 0;      ///< of the drive: all that was measured, less the noise
+  double tone_variance = 0;         ///< of `tone_mean_square`, from its beat with the noise
+  NoisePower rest;                  ///< the window's own noise; without a drive all of it
   std::optional<NoisePower> floor;  ///< of the same band and filter without drive
   double sensor_gain = 1;           ///< at the tone; divided out of `tone_mean_square`
 };
