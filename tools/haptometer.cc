@@ -1,6 +1,7 @@
 // The program: finds the verb and runs it. It is called as `haptometer VERB ...`, or by the
 // verb's own name (acquire, analyze, fit-lra).
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <array>
@@ -125,6 +126,10 @@ int Run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   using haptometer::cli::StatusWithOutput;
   haptometer::cli::HoldStandardStreams();
+  // memory up to 4 MB comes from the heap and stays there: a third of a short trial's time went
+  // into handing pages back and forth
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
   // a limit on files (ulimit -f) is an error of the write, as a full disk is
   std::signal(SIGXFSZ, SIG_IGN);
   // No code of this program throws. Exceptions come from libraries (memory exhausted) and from fmt,

@@ -13,14 +13,13 @@
 #include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/clean_rows.h"
-#include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/record_facts.h"
-#include "dsp/analysis/regular_grid.h"
-#include "dsp/analysis/segments.h"
-#include "dsp/analysis/slow_record.h"
 #include "dsp/analysis/window_choice.h"
 #include "dsp/analysis/window_numbers.h"
+#include "dsp/readings/clean_rows.h"
+#include "dsp/readings/raw_summary.h"
+#include "dsp/readings/regular_grid.h"
+#include "dsp/readings/segments.h"
 
 namespace haptometer::dsp {
 
@@ -61,32 +60,6 @@ Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
   return {};
 }
 
-// notes on segments, excluded ends, interpolation and motion below the band
-void AddRemarks(const std::vector<BandSignal>& all, const BandSignal& used,
-                BandAnalysis* analysis) {
-  const BandNumbers& numbers = *analysis->numbers;
-  if (all.size() > 1) {
-    analysis->findings.Note(FindingKind::kSegments, {{"segments", all.size()}});
-  }
-  const double rate_hz = used.rate_hz();
-  analysis->findings.Note(
-      FindingKind::kSegmentEnds,
-      {{"first_s", static_cast<double>(used.settled_begin()) / rate_hz},
-       {"last_s", static_cast<double>(used.size() - used.settled_end()) / rate_hz},
-       {"segment_s", static_cast<double>(used.size()) / rate_hz}});
-  if (analysis->record.bridged > 0) {
-    analysis->findings.Note(FindingKind::kInterpolated, {{"interpolated", analysis->record.bridged},
-                                                         {"rms_m", numbers.bridged_rms_m}});
-  }
-  if (!numbers.below_band) return;
-  const BelowBand& below = *numbers.below_band;
-  analysis->findings.Note(
-      below.modelled ? FindingKind::kBelowBandModelled : FindingKind::kBelowBand,
-      {{"amplitude_m", below.amplitude_m},
-       {"frequency_hz", below.frequency_hz},
-       {"leaked_m", below.leaked_rms_m}});
-}
-
 // the filtered signal on the record's rows, NaN outside of the segments
 Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis* analysis) {
   analysis->filtered_m.assign(analysis->record.rows, std::numeric_limits<double>::quiet_NaN());
@@ -115,7 +88,6 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
     }
     const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
-    AddRemarks(*all, *(*chosen)->signal, analysis);
     RemarkImpossibleRms(analysis);
     analysis->answered = !analysis->findings.Refused();
   }
@@ -234,72 +206,58 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
   return analysis;
 }
 
-std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
-  if (!drive_off.numbers) return std::nullopt;
-  NoiseFloor floor{.power = drive_off.numbers->power,
-                   .duration_s = drive_off.numbers->part.window.duration_s(),
-                   .file = source};
-  floor.rate_hz = drive_off.record.rate_hz;
-  std::ranges::copy_if(
-      drive_off.findings.list(), std::back_inserter(floor.refusals), [](const Finding& found) {
-        return found.severity == Severity::kRefusal && found.kind != FindingKind::kNoDrive;
-      });
-  if (const auto& tone = drive_off.numbers->tone) {
-    floor.tone_hz = tone->fit.frequency_hz;
-    floor.tone_amplitude_m = tone->fit.amplitude;
-  }
-  return floor;
-}
-
 namespace {
 
-constexpr double kSameRate = 0.01;       // relative
-constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
+// samples of `window` in `segment`, at most `most` from its middle
+WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::size_t most) {
+  const double begin = std::round((window.begin_s - segment.start_s) * segment.rate_hz);
+  const double wanted = std::round(window.duration_s() * segment.rate_hz);
+  const auto first = std::min(static_cast<std::size_t>(begin), segment.size);
+  const std::size_t size = std::min(static_cast<std::size_t>(wanted), segment.size - first);
+  const std::size_t count = std::min(size, most);
+  const std::size_t begin_of_middle = first + (size - count) / 2;
+  WindowSamples samples;
+  samples.rate_hz = segment.rate_hz;
+  samples.start_s = segment.start_s + static_cast<double>(begin_of_middle) / segment.rate_hz;
+  samples.values_m.resize(count);
+  return samples;
+}
+
+// samples before the filter, from the segment that holds the window's middle
+Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysis& analysis,
+                               std::size_t most) {
+  const auto channel = AnalyzedChannel(source.head());
+  if (!channel) return std::unexpected(channel.error());
+  const auto clean = Clean(source, *channel);
+  if (!clean) return std::unexpected(clean.error());
+  const Segments* segments = &clean->segments;
+  const TimeWindow& window = analysis.numbers->part.window;
+  const double middle_s = (window.begin_s + window.end_s) / 2;
+  const auto holds_window = [&](const Segment& segment) {
+    return middle_s >= segment.start_s &&
+           middle_s < segment.start_s + static_cast<double>(segment.size) / segment.rate_hz;
+  };
+  const auto segment = std::ranges::find_if(segments->parts, holds_window);
+  HAPTOMETER_CHECK(segment != segments->parts.end(), "{} s are in no segment", middle_s);
+  WindowSamples samples = PlaceOf(*segment, window, most);
+  const double first = std::round((samples.start_s - segment->start_s) * segment->rate_hz);
+  const auto read = SegmentSamples(*clean->rows, *channel, *segment)
+                        .Read(static_cast<std::size_t>(first), samples.values_m);
+  if (!read) return std::unexpected(read.error());
+  return samples;
+}
 
 }  // namespace
 
-std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
-  if (!numbers.floor || !(numbers.floor->rate_hz > 0)) return {};
-  const NoiseFloor& floor = *numbers.floor;
-  // refusals of the drive-off trial are doubts of its use as a floor
-  std::vector<Finding> doubts = floor.refusals;
-  if (std::abs(floor.rate_hz - rate_hz) > kSameRate * rate_hz) {
-    doubts.push_back({.kind = FindingKind::kFloorOfOtherRate,
-                      .numbers = {{"floor_per_s", floor.rate_hz}, {"readings_per_s", rate_hz}}});
-  }
-  // a tone in the floor: the drive was on, or a disturbance was there
-  if (floor.tone_hz) {
-    const bool is_same =
-        numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
-                            kSameFrequency * numbers.tone->fit.frequency_hz;
-    doubts.push_back(
-        {.kind = is_same ? FindingKind::kFloorHasTheTone : FindingKind::kFloorHasTone,
-         .numbers = {{"amplitude_m", floor.tone_amplitude_m}, {"frequency_hz", *floor.tone_hz}}});
-  }
-  for (Finding& doubt : doubts) {
-    doubt.severity = Severity::kDoubt;
-    doubt.subject = floor.file;
-  }
-  return doubts;
-}
-
-void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
-  if (!numbers.floor) return analysis->findings.Note(FindingKind::kNoFloor);
-  for (Finding& doubt : FloorDoubts(numbers, analysis->record.rate_hz)) {
-    analysis->findings.Add(std::move(doubt));
-  }
-  const double floor_m = *numbers.rms.floor_m;
-  // floor above the signal: no number; floor not exceeded: an upper limit
-  if (numbers.rms.floor_contradicts) {
-    analysis->findings.Add(
-        {.severity = Severity::kRefusal,
-         .kind = FindingKind::kFloorAboveSignal,
-         .numbers = {{"floor_m", floor_m}, {"measured_m", numbers.rms.as_measured_m}},
-         .subject = numbers.floor->file});
-  } else if (numbers.rms.below_floor) {
-    analysis->findings.Note(FindingKind::kBelowFloor,
-                            {{"floor_m", floor_m}, {"at_most_m", numbers.rms.at_most_m}});
-  }
+Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnalysis& analysis,
+                                 std::size_t most) {
+  HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
+  // as in AnalyzeBand: known times are put on the same grid first
+  if (!source.head().times_are_known) return ReadFrom(source, analysis, most);
+  const auto grid = OnRegularGrid(source, analysis.band.upper_hz);
+  if (!grid) return std::unexpected(grid.error());
+  HAPTOMETER_CHECK(!grid->refusal, "an analysis of times without a grid");
+  return ReadFrom(trial::RecordRows(grid->record), analysis, most);
 }
 
 }  // namespace haptometer::dsp

@@ -9,10 +9,10 @@
 #include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/drive_states.h"
-#include "dsp/analysis/faults.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
+#include "dsp/readings/faults.h"
 #include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/kinematics.h"
@@ -22,7 +22,8 @@
 #include "trial/record.h"
 #include "trial/row_source.h"
 
-/// How displacement becomes numbers, step by step, and where each step is (dsp/analysis/):
+/// How displacement becomes numbers, step by step, and where each step is (1 to 3 in dsp/readings/,
+/// the rest here):
 ///
 ///   1. uneven times to a grid   regular_grid.h
 ///   2. artifacts                clean_rows.h: rows that are absent, codes, spikes and held
@@ -30,17 +31,17 @@
 ///                               become missing values (row_block.h, row_kernel.h, faults.h,
 ///                               raw_summary.h)
 ///   3. segments                 segments.h, their short holes filled by interpolation.h
-///   4. what the record is       record_facts.h; slow_record.h where it is too slow for the band
+///   4. what the record is       record_facts.h, and what is left where it is too slow for the band
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
-///   6. the states of the drive  hum.h, drive_blocks.h, drive_states.h
+///   6. the states of the drive  hum.h, drive_states.h
 ///   7. which rows count         window_choice.h
-///   8. numbers of that window   window_numbers.h, by band_noise.h, sensor_gain.h, quantisation.h
-///                               and clipping.h, put together in rms_estimate.h
-///   9. what goes with them      drive_channel.h, window_state.h
+///   8. numbers of that window   window_numbers.h, by band_noise.h, sensor_gain.h and
+///                               digitisation.h, put together in rms_estimate.h
+///   9. what goes with them      drive_channel.h, window_remarks.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
-/// a road of its own, sweep_analysis.h; spectra take window_samples.h.
+/// a road of its own, sweep_analysis.h.
 namespace haptometer::dsp {
 
 /// What every record with one measurement or more tells, whatever the band.
@@ -74,7 +75,7 @@ struct BelowBand {
   double frequency_hz = 0;  ///< of the strongest tone below the lower corner
   double amplitude_m = 0;   ///< before the filter
   double leaked_rms_m = 0;  ///< amplitude |H(frequency)|^2 / sqrt(2): part of the band RMS
-  bool modelled = false;    ///< taken out before the filter (dsp/analysis/below_band_model.h)
+  bool modelled = false;    ///< taken out before the filter (dsp/spectrum/below_band_model.h)
 };
 
 /// The strongest tone in the band.
@@ -142,7 +143,7 @@ struct BandNumbers {
   std::optional<NoiseFloor> floor;
   std::optional<BelowBand> below_band;
   std::optional<ToneNumbers> tone;
-  /// Of unfiltered samples, without what dsp/analysis/below_band_model.h explains below the band
+  /// Of unfiltered samples, without what dsp/spectrum/below_band_model.h explains below the band
   /// (20 s at most), up to the tenth and record.observable_upper_hz, as the sensor handed them out;
   /// nothing where no second one is observable. Of a window of more than 2^21 samples the middle
   /// 2^19.
@@ -187,16 +188,16 @@ struct BandAnalysis {
 
 /// Answers how much a record vibrates within a band.
 ///
-/// The first displacement channel in metres is split into segments (dsp/analysis/segments.h); each
+/// The first displacement channel in metres is split into segments (dsp/readings/segments.h); each
 /// is filtered with zero phase on its own, if it is no shorter than 2 periods of the lower corner.
 /// Where less than half of one settles
-/// (dsp/filter/transient.h), motion below the band is modelled (dsp/analysis/below_band_model.h).
+/// (dsp/filter/transient.h), motion below the band is modelled (dsp/spectrum/below_band_model.h).
 /// Too little settled all the same (below 2 periods of the lower corner): the order is lowered as
 /// far as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise
 /// the record is not answered.
 ///
 /// Readings at known but uneven times (Record::times_are_known) are put on a regular grid first
-/// (dsp/analysis/regular_grid.h), and a note states rate, scatter and bound; where that cannot be
+/// (dsp/readings/regular_grid.h), and a note states rate, scatter and bound; where that cannot be
 /// done, it is refused. All rows in the answer count the record's readings.
 ///
 /// The window is the longest steady state of the drive (dsp/analysis/window_choice.h), whole
@@ -227,18 +228,16 @@ struct BandAnalysis {
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
 
-/// The floor that a drive-off trial gives: all of its window's power, with its rate, its strongest
-/// tone and the refusals that speak against it. Nothing where it has none.
-[[nodiscard]] std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off,
-                                                const std::string& source);
+/// Unfiltered displacement over the window of an analysis, small holes bridged.
+struct WindowSamples {
+  double start_s = 0;
+  double rate_hz = 0;
+  std::vector<double> values_m;
+};
 
-/// Doubts of the floor behind `numbers`, of which it is the subject: the drive-off trial's own
-/// refusals, another rate than the trial's `rate_hz`, a tone in it (hum, or the drive itself).
-/// Nothing of a floor from the trial's own quiet part, or without one.
-[[nodiscard]] std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz);
-
-/// Says in `analysis` where the floor is missing, above what was measured (a refusal), not exceeded
-/// or doubtful (FloorDoubts).
-void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis);
+/// The samples that `analysis` (which has numbers) was made of `source`, at most `most` from the
+/// middle of its window. Errors: as RowSource::Read. Cost: one pass over the record for its holes.
+[[nodiscard]] Result<WindowSamples> ReadWindow(const trial::RowSource& source,
+                                               const BandAnalysis& analysis, std::size_t most);
 
 }  // namespace haptometer::dsp

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/segments.h"
+#include "dsp/readings/segments.h"
 #include "trial/row_source.h"
 
 /// The filtering step of AnalyzeBand.

@@ -78,22 +78,6 @@ constexpr std::size_t kLeastBins = 8;
 // bins of Blackman and Harris's window that noise correlates over
 constexpr double kCorrelatedBins = 2.0;
 
-// four terms, -92 dB
-std::vector<double> Tapered(std::span<const double> samples) {
-  constexpr std::array<double, 4> kTerms{0.35875, -0.48829, 0.14128, -0.01168};
-  std::vector<double> tapered(samples.size());
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    const double turn =
-        2 * std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(samples.size());
-    double weight = 0;
-    for (std::size_t k = 0; k < kTerms.size(); ++k) {
-      weight += kTerms[k] * std::cos(static_cast<double>(k) * turn);
-    }
-    tapered[n] = weight * samples[n];
-  }
-  return tapered;
-}
-
 // mean square of the window: 0.35875^2 + (0.48829^2 + 0.14128^2 + 0.01168^2) / 2
 constexpr double kTaperPower = 0.2579635;
 
@@ -116,6 +100,16 @@ std::vector<double> BinsWithin(std::span<const std::complex<double>> spectrum, d
 
 }  // namespace
 
+std::vector<double> BlackmanHarris(std::size_t count) {
+  constexpr std::array<double, 4> kTerms{0.35875, -0.48829, 0.14128, -0.01168};
+  std::vector<double> weights(count, 0.0);
+  const double step = 2 * std::numbers::pi / static_cast<double>(count);
+  for (std::size_t k = 0; k < kTerms.size(); ++k) {
+    SubtractSine(static_cast<double>(k) * step, -kTerms[k], 0, 0.5, weights);
+  }
+  return weights;
+}
+
 double NoiseBeside::DensityAt(double frequency_hz) const {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (frequency_hz < parts[k].to_hz) return densities[k];
@@ -126,7 +120,9 @@ double NoiseBeside::DensityAt(double frequency_hz) const {
 NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
                                const BandPass& band, std::span<const FrequencyRange> excluded) {
   const auto n = static_cast<double>(samples.size());
-  const auto spectrum = RealSpectrum(Tapered(samples));
+  std::vector<double> tapered = BlackmanHarris(samples.size());
+  for (std::size_t k = 0; k < tapered.size(); ++k) tapered[k] *= samples[k];
+  const auto spectrum = RealSpectrum(tapered);
   const double bin_hz = rate_hz / n;
   // one-sided density: 2 |X|^2 / (rate sum of w^2)
   const double to_density = 2 / (rate_hz * n * kTaperPower);
@@ -210,21 +206,6 @@ ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz, const Filte
 
 namespace {
 
-// subtracts a line from uniformly spaced samples
-void TakeLine(const Harmonic& line, double rate_hz, std::vector<double>& rest) {
-  const PhasorBlocks phasors(2 * std::numbers::pi * line.frequency_hz / rate_hz);
-  const double c = line.amplitude * std::cos(line.phase_rad);
-  const double s = line.amplitude * std::sin(line.phase_rad);
-  std::array<double, PhasorBlocks::kBlock> cosines;
-  std::array<double, PhasorBlocks::kBlock> sines;
-  for (std::size_t begin = 0; begin < rest.size(); begin += PhasorBlocks::kBlock) {
-    const std::size_t count = std::min(PhasorBlocks::kBlock, rest.size() - begin);
-    phasors.Fill(static_cast<double>(begin), std::span(cosines).first(count),
-                 std::span(sines).first(count));
-    for (std::size_t k = 0; k < count; ++k) rest[begin + k] -= c * cosines[k] - s * sines[k];
-  }
-}
-
 // the tone and its harmonics that exceed the noise; the tone alone where they cannot be fitted
 std::vector<Harmonic> LinesOf(const ThinnedSamples& samples, const SineFit& tone,
                               const BandPass& band) {
@@ -247,7 +228,11 @@ TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone, const Ba
                     double window_s) {
   const std::vector<Harmonic> lines = LinesOf(samples, tone, band);
   std::vector<double> rest = samples.values_m;
-  for (const Harmonic& line : lines) TakeLine(line, samples.rate_hz, rest);
+  for (const Harmonic& line : lines) {
+    SubtractSine(2 * std::numbers::pi * line.frequency_hz / samples.rate_hz,
+                 line.amplitude * std::cos(line.phase_rad),
+                 -line.amplitude * std::sin(line.phase_rad), 0, rest);
+  }
   const BandNoise noise = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band));
   TonePower split{.density = noise.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz),
                   .rest = noise.power};

@@ -45,6 +45,10 @@ struct BandNoise {
 [[nodiscard]] BandNoise MeasureNoise(std::span<const double> samples, double rate_hz,
                                      double upper_hz);
 
+/// Blackman and Harris's window of four terms at `count` samples, about their middles: side lobes
+/// below -92 dB (F. J. Harris, Proc. IEEE 66, 1978, p. 51).
+[[nodiscard]] std::vector<double> BlackmanHarris(std::size_t count);
+
 /// Frequencies that noise is not looked for in.
 struct FrequencyRange {
   double from_hz = 0;
@@ -66,11 +70,10 @@ struct NoiseBeside {
 
 /// Measures what `samples` hold of noise outside of `excluded`.
 ///
-/// The spectrum (Blackman and Harris's window of four terms: side lobes below -92 dB; F. J. Harris,
-/// Proc. IEEE 66, 1978, p. 51) between the corners is cut at ratios of 1.5. A part's density is the
-/// median of its bins / ln 2 (a periodogram's bin of noise is exponential), so lines and bursts
-/// that fill less than half of it change little; a part without eight bins takes its neighbour's.
-/// The power is the sum of density x width over the band. Of n bins, c = 2 of
+/// The spectrum (of BlackmanHarris) between the corners is cut at ratios of 1.5. A part's density
+/// is the median of its bins / ln 2 (a periodogram's bin of noise is exponential), so lines and
+/// bursts that fill less than half of it change little; a part without eight bins takes its
+/// neighbour's. The power is the sum of density x width over the band. Of n bins, c = 2 of
 /// which the window correlates, var(median / ln 2) = 2.08 c / n of its square, and var(sum of the
 /// window's own bins, untapered, - estimate) = (2.08 c - 1) / n: the mean is efficient, so that its
 /// covariance with the median is its own variance. Zero where no part has bins.

@@ -6,11 +6,18 @@
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
-#include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/findings.h"
 
 namespace haptometer::dsp {
+
+/// From `begin_s` up to and without `end_s`, on the record's time base.
+struct TimeWindow {
+  double begin_s = 0;
+  double end_s = 0;
+
+  [[nodiscard]] double duration_s() const { return end_s - begin_s; }
+};
 
 /// A band-pass is used only on records sampled at least this often per cycle of its upper corner.
 inline constexpr double kLeastRatePerUpperCorner = 2.56;

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/jobs.h"
-#include "dsp/analysis/row_kernel.h"
 #include "dsp/filter/transient.h"
+#include "dsp/readings/row_kernel.h"
 
 namespace haptometer::dsp {
 namespace {

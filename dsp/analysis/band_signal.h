@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/analysis/below_band_model.h"
-#include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
+#include "dsp/readings/segments.h"
+#include "dsp/spectrum/below_band_model.h"
 
 namespace haptometer::dsp {
 
@@ -45,7 +45,7 @@ class BandSignal {
                                                  const FilterDesign& design, int threads);
 
   /// The same with motion below the band taken from the samples before the filter, and what a
-  /// filter makes of it for ever added behind it (dsp/analysis/below_band_model.h); `model` is the
+  /// filter makes of it for ever added behind it (dsp/spectrum/below_band_model.h); `model` is the
   /// segment's.
   [[nodiscard]] static Result<BandSignal> FilterBeside(const SegmentSamples& samples,
                                                        const FilterDesign& design,

@@ -6,10 +6,11 @@
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/row_block.h"
+#include "dsp/readings/row_block.h"
 #include "dsp/spectrum/envelope.h"
 
 namespace haptometer::dsp {
@@ -201,6 +202,40 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
 
 namespace {
 
+// delay that is said, and part of the window in which a drive channel must be on
+constexpr double kDelayS = 0.05;
+constexpr double kChannelOn = 0.5;
+
+}  // namespace
+
+Result<std::optional<DriveDelay>> CompareChannel(const trial::RowSource& source,
+                                                 const BandSignal& signal, const TimeWindow& part,
+                                                 BandAnalysis* analysis) {
+  const auto channel = DriveChannel(source.head());
+  if (!channel) return std::nullopt;
+  const auto course = FollowChannel(source, *channel, signal, analysis->band.lower_hz);
+  if (!course) return std::unexpected(course.error());
+  const double delay_s = course->delay ? course->delay->delay_s : 0;
+  if (std::abs(delay_s) > kDelayS) {
+    analysis->findings.Note(
+        FindingKind::kDriveDelayed,
+        {{"delay_s", delay_s}, {"uncertainty_s", course->delay->uncertainty_s}});
+  }
+  double on_s = 0;
+  for (const TimeWindow& on : course->on) {
+    on_s += std::max(0.0, std::min(part.end_s, on.end_s + delay_s) -
+                              std::max(part.begin_s, on.begin_s + delay_s));
+  }
+  if (on_s >= kChannelOn * part.duration_s()) return course->delay;
+  analysis->findings.Add({.severity = Severity::kDoubt,
+                          .kind = FindingKind::kDriveContradicted,
+                          .numbers = {{"from_s", part.begin_s}, {"to_s", part.end_s}},
+                          .subject = source.head().channels[*channel].name});
+  return course->delay;
+}
+
+namespace {
+
 // longest quiet and steady side about the onset
 constexpr double kLongestSideS = 1;
 // level of the drive at its begin, as a part of its steady maximum
@@ -350,6 +385,56 @@ Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& sourc
   onset.latency_uncertainty_s =
       std::hypot(onset.edge.time_uncertainty_s, onset.drive_uncertainty_s);
   return onset;
+}
+
+namespace {
+
+std::optional<std::size_t> ChannelIn(const trial::Record& head, trial::ChannelRole role,
+                                     std::string_view unit) {
+  for (std::size_t k = 0; k < head.channels.size(); ++k) {
+    if (head.channels[k].role == role && head.channels[k].unit == unit) return k;
+  }
+  return std::nullopt;
+}
+
+// values of a channel; `unmeasured` counts rows that hold no measurement
+Result<std::vector<double>> ReadChannel(const trial::RowSource& source, std::size_t channel,
+                                        std::size_t first_row, std::size_t rows,
+                                        std::size_t* unmeasured) {
+  std::vector<double> values(rows);
+  std::vector<trial::SampleStatus> statuses(rows);
+  if (auto read = source.Read(channel, first_row, values, statuses); !read) {
+    return std::unexpected(read.error());
+  }
+  for (std::size_t k = 0; k < rows; ++k) *unmeasured += IsMeasured(values[k], statuses[k]) ? 0 : 1;
+  return values;
+}
+
+}  // namespace
+
+Result<ElectricalFinding> MeasureElectrical(const trial::RowSource& source, std::size_t first_row,
+                                            std::size_t rows, double rate_hz, double tone_hz) {
+  const auto voltage = ChannelIn(source.head(), trial::ChannelRole::kVoltage, "V");
+  const auto current = ChannelIn(source.head(), trial::ChannelRole::kCurrent, "A");
+  if (!voltage || !current) return ElectricalFinding{};
+  const std::size_t size = std::min(rows, kMostFitted);
+  const std::size_t first = first_row + (rows - size) / 2;
+  std::size_t unmeasured = 0;
+  const auto volts = ReadChannel(source, *voltage, first, size, &unmeasured);
+  if (!volts) return std::unexpected(volts.error());
+  const auto amperes = ReadChannel(source, *current, first, size, &unmeasured);
+  if (!amperes) return std::unexpected(amperes.error());
+  // every row is required: a sine fit at uniform times has no gaps
+  if (unmeasured > 0) {
+    return ElectricalFinding{std::nullopt, Finding{.kind = FindingKind::kElectricalUnmeasured,
+                                                   .numbers = {{"readings", unmeasured}}}};
+  }
+  ElectricalFinding found{DescribeElectrical(*volts, *amperes, rate_hz, tone_hz), {}};
+  if (!found.state) {
+    found.why_not = {.kind = FindingKind::kElectricalNoTone,
+                     .numbers = {{"frequency_hz", tone_hz}}};
+  }
+  return found;
 }
 
 }  // namespace haptometer::dsp

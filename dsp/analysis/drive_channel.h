@@ -9,6 +9,8 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/window_choice.h"
+#include "dsp/findings.h"
+#include "dsp/spectrum/electrical.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -66,6 +68,14 @@ struct ChannelCourse {
                                                   std::size_t channel, const BandSignal& signal,
                                                   double lower_hz);
 
+/// The delay of the vibration of `signal` behind the drive channel, where there is one. Adds to
+/// `analysis` a note of a delay beyond 50 ms, and a doubt where the channel, so much later, is on
+/// in less than half of the window `part`. Errors: as RowSource::Read.
+[[nodiscard]] Result<std::optional<DriveDelay>> CompareChannel(const trial::RowSource& source,
+                                                               const BandSignal& signal,
+                                                               const TimeWindow& part,
+                                                               BandAnalysis* analysis);
+
 /// The onset of the part that `chosen` is of, of unfiltered samples (a zero-phase filter rings
 /// ahead of it) from at most 1 s of the quiet part before it to at most 1 s of its steady part.
 ///
@@ -74,5 +84,17 @@ struct ChannelCourse {
 [[nodiscard]] Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& source,
                                                                  const ChosenPart& chosen,
                                                                  double tone_hz);
+
+/// What a drive did, or why that is not determined.
+struct ElectricalFinding {
+  std::optional<ElectricalState> state;
+  std::optional<Finding> why_not{};  ///< nothing where `state` is there or nothing was recorded
+};
+
+/// The electrical state at `tone_hz` over `rows` rows from `first_row` on, or their middle
+/// kMostFitted, where the record has a voltage in V and a current in A. Errors: as RowSource::Read.
+[[nodiscard]] Result<ElectricalFinding> MeasureElectrical(const trial::RowSource& source,
+                                                          std::size_t first_row, std::size_t rows,
+                                                          double rate_hz, double tone_hz);
 
 }  // namespace haptometer::dsp

@@ -2,16 +2,96 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string_view>
 #include <vector>
 
-#include "dsp/analysis/drive_blocks.h"
-#include "dsp/analysis/time_window.h"
+#include "base/error.h"
+#include "dsp/analysis/band_question.h"
+#include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/hum.h"
+#include "dsp/filter/butterworth.h"
 
-/// States of the drive: one segmentation of a record's blocks, from which window and noise follow.
+/// States of the drive: what a filtered segment is like, block by block, and one segmentation of
+/// the blocks, from which window and noise follow.
 namespace haptometer::dsp {
+
+/// One block: the tone on the ridge of the spectrum, and what is beside it.
+///
+/// The least-squares fit of (a + a' t) cos + (b + b' t) sin about the block's middle at the ridge's
+/// frequency: an amplitude that rises and a frequency that differs by a few hertz leave nothing in
+/// the residual.
+struct DriveBlock {
+  std::complex<double> amplitude_m;  ///< a - i b: of cos(2 pi f t + phase), t from the middle
+  double frequency_hz = 0;           ///< of the fit: ridge + Im(amplitude' / amplitude) / (2 pi)
+  double mean_square = 0;            ///< of the samples, m2
+  double residual = 0;               ///< mean square beside the tone, m2; four parameters less
+
+  [[nodiscard]] double level_m() const { return std::abs(amplitude_m); }
+};
+
+/// The blocks of a segment without its transients, one after the other; the last one ends within a
+/// block of their end.
+struct BlockCourse {
+  double start_s = 0;
+  double block_s = 0;
+  double bandwidth_hz = 0;  ///< of the noise
+  std::vector<DriveBlock> blocks;
+
+  /// From the begin of block `first` to that of block `end`.
+  [[nodiscard]] TimeWindow Window(std::size_t first, std::size_t end) const {
+    return {start_s + static_cast<double>(first) * block_s,
+            start_s + static_cast<double>(end) * block_s};
+  }
+  /// Independent values in a block: 2 x bandwidth x block.
+  [[nodiscard]] double degrees_of_freedom() const { return 2 * bandwidth_hz * block_s; }
+};
+
+/// Filtered samples [begin, end) of a segment, as few of them as hold the band, by range.
+///
+/// Every n-th sample, n the greatest number that leaves 5.2 upper corners: behind both passes of an
+/// order-6 filter what folds into the band is below 1e-7 of it. `lines` are subtracted. A tile
+/// stays in memory: ranges that go forward cost one pass. Memory: 2^16 values.
+class ThinnedSignal {
+ public:
+  ThinnedSignal(const BandSignal& signal, const BandPass& band, std::span<const SteadyLine> lines,
+                std::size_t begin, std::size_t end);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] double rate_hz() const { return rate_hz_; }
+  [[nodiscard]] std::size_t stride() const { return stride_; }
+  /// Values [first, first + count), within size(); valid until the next call.
+  /// Errors: as BandSignal::Read.
+  [[nodiscard]] Result<std::span<const double>> At(std::size_t first, std::size_t count);
+
+ private:
+  const BandSignal* signal_;
+  std::span<const SteadyLine> lines_;
+  std::size_t begin_;
+  std::size_t stride_;
+  std::size_t size_;
+  double rate_hz_;
+  std::size_t first_ = 0;  // of tile_
+  std::vector<double> tile_;
+  std::vector<double> raw_;
+};
+
+/// Measures what is free of transients of `signal` in blocks of at least `least_block_s`.
+///
+/// A block lasts the longer of `least_block_s` and four periods of the tone. The ridge is the path
+/// through the spectra of two blocks each (Hann window, padded to four times) that collects most
+/// magnitude, less 0.02 of the largest one for each bin that it moves, at most two bins a block, or
+/// the largest one for a jump to any bin (Viterbi's algorithm; L. Angrisani and others use it so
+/// for ridges of time-frequency planes). A tone that moves by 100 Hz/s is followed. Errors: as
+/// BandSignal::Read. Cost: two passes over the signal, a transform a block; memory: 2 B a bin and
+/// block.
+[[nodiscard]] Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
+                                                double least_block_s,
+                                                std::span<const SteadyLine> lines);
 
 /// What the drive does in an interval.
 enum class DriveState : std::uint8_t {

@@ -7,7 +7,9 @@
 #include <numbers>
 #include <optional>
 
-#include "dsp/analysis/drive_blocks.h"
+#include "dsp/analysis/band_noise.h"
+#include "dsp/analysis/drive_states.h"
+#include "dsp/spectrum/sine_fit.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -26,40 +28,39 @@ constexpr double kShortWindowS = 0.25;
 constexpr double kShortWindows = 16;
 constexpr double kShortNoises = 3;
 
-// weight of the taper at u from 0 to 1
-double Taper(double u) {
-  constexpr std::array<double, 4> kTerms{0.35875, -0.48829, 0.14128, -0.01168};
-  double weight = 0;
-  for (std::size_t k = 0; k < kTerms.size(); ++k) {
-    weight += kTerms[k] * std::cos(kTwoPi * static_cast<double>(k) * u);
-  }
-  return weight;
-}
-
-// windows of one length, each beginning half of it after the one before
+// tapered windows of one length, each beginning half of it after the one before
 struct Windows {
   std::span<const double> values;
   double rate_hz = 0;
-  std::size_t length = 0;
+  std::vector<double> weights;
 
-  [[nodiscard]] std::size_t step() const { return length / 2; }
-  [[nodiscard]] std::size_t count() const { return (values.size() - length) / step() + 1; }
+  Windows(std::span<const double> all, double rate, std::size_t length)
+      : values(all), rate_hz(rate), weights(BlackmanHarris(length)) {}
+
+  [[nodiscard]] std::size_t length() const { return weights.size(); }
+  [[nodiscard]] std::size_t step() const { return length() / 2; }
+  [[nodiscard]] std::size_t count() const { return (values.size() - length()) / step() + 1; }
   [[nodiscard]] double step_s() const { return static_cast<double>(step()) / rate_hz; }
 
   // 2 sum w x exp(-j 2 pi f t) / sum w, t from the first value of all
   [[nodiscard]] std::complex<double> Demodulated(std::size_t k, double frequency_hz) const {
     const std::size_t first = k * step();
-    const std::complex<double> advance = std::polar(1.0, -kTwoPi * frequency_hz / rate_hz);
-    std::complex<double> turn =
-        std::polar(1.0, -kTwoPi * frequency_hz * static_cast<double>(first) / rate_hz);
+    const PhasorBlocks phasors(kTwoPi * frequency_hz / rate_hz);
+    std::array<double, PhasorBlocks::kBlock> cosines;
+    std::array<double, PhasorBlocks::kBlock> sines;
     std::complex<double> sum = 0;
-    double weights = 0;
-    for (std::size_t n = 0; n < length; ++n, turn *= advance) {
-      const double weight = Taper((static_cast<double>(n) + 0.5) / static_cast<double>(length));
-      sum += weight * values[first + n] * turn;
-      weights += weight;
+    double total = 0;
+    for (std::size_t begin = 0; begin < length(); begin += PhasorBlocks::kBlock) {
+      const std::size_t size = std::min(PhasorBlocks::kBlock, length() - begin);
+      phasors.Fill(static_cast<double>(first + begin), std::span(cosines).first(size),
+                   std::span(sines).first(size));
+      for (std::size_t n = 0; n < size; ++n) {
+        const double weighted = weights[begin + n] * values[first + begin + n];
+        sum += std::complex(weighted * cosines[n], -weighted * sines[n]);
+        total += weights[begin + n];
+      }
     }
-    return 2.0 * sum / weights;
+    return 2.0 * sum / total;
   }
 };
 
@@ -67,10 +68,10 @@ struct Windows {
 bool IsSteady(const Windows& windows, double frequency_hz, const std::complex<double>& mean) {
   const double whole_s = static_cast<double>(windows.values.size()) / windows.rate_hz;
   const double short_s = std::max(kShortWindowS, whole_s / kShortWindows);
-  const Windows shorter{
+  const Windows shorter(
       windows.values, windows.rate_hz,
-      std::min(windows.length, static_cast<std::size_t>(short_s * windows.rate_hz))};
-  const double away_hz = 5 * windows.rate_hz / static_cast<double>(shorter.length);
+      std::min(windows.length(), static_cast<std::size_t>(short_s * windows.rate_hz)));
+  const double away_hz = 5 * windows.rate_hz / static_cast<double>(shorter.length());
   for (std::size_t k = 0; k < shorter.count(); ++k) {
     const double noise = std::min(std::abs(shorter.Demodulated(k, frequency_hz - away_hz)),
                                   std::abs(shorter.Demodulated(k, frequency_hz + away_hz)));
@@ -96,7 +97,7 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   // the windows at that frequency, and their noise from ten bins on either side
   std::vector<std::complex<double>> z;
   double noise = 0;
-  const double away_hz = 10 * windows.rate_hz / static_cast<double>(windows.length);
+  const double away_hz = 10 * windows.rate_hz / static_cast<double>(windows.length());
   for (std::size_t k = 0; k < windows.count(); ++k) {
     z.push_back(windows.Demodulated(k, exact_hz));
     noise += std::min(std::abs(windows.Demodulated(k, exact_hz - away_hz)),
@@ -114,13 +115,11 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
 
 double SteadyLine::amplitude_m() const { return std::hypot(cosine_m, sine_m); }
 
-double ValueOf(std::span<const SteadyLine> lines, double t_s) {
-  double sum = 0;
+void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double first,
+                   std::span<double> samples) {
   for (const SteadyLine& line : lines) {
-    const double turn = kTwoPi * line.frequency_hz * t_s;
-    sum += line.cosine_m * std::cos(turn) + line.sine_m * std::sin(turn);
+    SubtractSine(kTwoPi * line.frequency_hz / rate_hz, line.cosine_m, line.sine_m, first, samples);
   }
-  return sum;
 }
 
 Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band,
@@ -132,8 +131,8 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
   const auto values = samples.At(0, samples.size());
   if (!values) return std::unexpected(values.error());
   const double window_s = std::min(kLongestWindowS, duration_s / 2);
-  const Windows windows{*values, samples.rate_hz(),
-                        static_cast<std::size_t>(window_s * samples.rate_hz())};
+  const Windows windows(*values, samples.rate_hz(),
+                        static_cast<std::size_t>(window_s * samples.rate_hz()));
   for (const double mains_hz : kMainsHz) {
     if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
     if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kStatedHz) continue;

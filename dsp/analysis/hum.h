@@ -27,8 +27,10 @@ struct SteadyLine {
   [[nodiscard]] double amplitude_m() const;
 };
 
-/// Adds the sum of `lines` to nothing: its value at time `t_s` from the segment's first sample.
-[[nodiscard]] double ValueOf(std::span<const SteadyLine> lines, double t_s);
+/// Subtracts `lines` from `samples` at `rate_hz`, the first of them sample number `first`, at that
+/// rate, of the segment.
+void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double first,
+                   std::span<double> samples);
 
 /// The hum in a segment, the fundamental first; empty where there is none.
 ///

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "dsp/analysis/band_question.h"
-#include "dsp/analysis/clean_rows.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/filter/zero_phase.h"
+#include "dsp/readings/clean_rows.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/repeated_measures.h"
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/analysis/segments.h"
+#include "dsp/analysis/band_question.h"
 #include "dsp/analysis/sensor_gain.h"
-#include "dsp/analysis/time_window.h"
 #include "dsp/findings.h"
+#include "dsp/readings/segments.h"
 #include "dsp/spectrum/frequency_response.h"
 #include "dsp/statistics/distributions.h"
 #include "trial/row_source.h"
@@ -74,7 +74,7 @@ struct SweepAnswer {
 
 /// Amplitude over frequency, and f0 and Q of the resonance in it.
 ///
-/// The longest piece without a hole (dsp/analysis/segments.h; 2^24 samples at most) of the first
+/// The longest piece without a hole (dsp/readings/segments.h; 2^24 samples at most) of the first
 /// displacement channel in metres. With a voltage channel, or else a current, measured beside it:
 /// H1 by MeasureResponse, phase and coherence. Frequencies are left out whose
 /// coherence is below 1 - (0.05/m)^(1/(n - 1)), with m frequencies and n half the degrees of

@@ -281,9 +281,7 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   if (!samples) return std::unexpected(samples.error());
   const std::size_t size = signal.settled_end() - signal.settled_begin();
   const std::size_t first = signal.settled_begin() + (size - samples->size()) / 2;
-  for (std::size_t k = 0; !course.hum.empty() && k < samples->size(); ++k) {
-    (*samples)[k] -= ValueOf(course.hum, static_cast<double>(first + k) / signal.rate_hz());
-  }
+  SubtractLines(course.hum, signal.rate_hz(), static_cast<double>(first), *samples);
   const double bandwidth_hz = band.upper_hz - band.lower_hz;
   const auto tone = StrongestTone(*samples, {signal.rate_hz(), kFaintFoot * band.lower_hz,
                                              band.upper_hz, bandwidth_hz, kFaintFalseAlarm});

@@ -11,15 +11,15 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_noise.h"
-#include "dsp/analysis/below_band_model.h"
-#include "dsp/analysis/clipping.h"
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/faults.h"
-#include "dsp/analysis/quantisation.h"
-#include "dsp/analysis/window_state.h"
+#include "dsp/analysis/window_remarks.h"
 #include "dsp/filter/transient.h"
-#include "dsp/spectrum/decimated.h"
+#include "dsp/readings/digitisation.h"
+#include "dsp/readings/faults.h"
+#include "dsp/spectrum/below_band_model.h"
+#include "dsp/spectrum/kinematics.h"
 #include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -45,12 +45,7 @@ constexpr double kPureTone = 0.9;
 // samples that show the steps of a converter, and the share of the RMS that is a doubt
 constexpr std::size_t kMostForSteps = std::size_t{1} << 16U;
 constexpr double kStepsDominate = 0.02;
-// loss by the filter's slope that is said, and how far a tone may be from the header's frequency
-constexpr double kCornerLoss = 0.01;
-constexpr double kOtherFrequency = 0.01;
-// delay that is said, and part of the window in which a drive channel must be on
-constexpr double kDelayS = 0.05;
-constexpr double kChannelOn = 0.5;
+constexpr std::size_t kBesideRows = 128;  // twice the most taps of a differentiator
 constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
@@ -146,12 +141,9 @@ Result<ThinnedSamples> SamplesOf(const Window& window, double* hum_square) {
   auto samples = ReadMiddle(window.signal(), begin, end);
   if (!samples) return std::unexpected(samples.error());
   const std::size_t first = begin + (end - begin - samples->size()) / 2;
-  // mean of x^2 - (x - h)^2 = 2 x h - h^2
-  for (std::size_t k = 0; !chosen.hum.empty() && k < samples->size(); ++k) {
-    const double hum = ValueOf(chosen.hum, static_cast<double>(first + k) / window.rate_hz());
-    *hum_square += (2 * (*samples)[k] - hum) * hum / static_cast<double>(samples->size());
-    (*samples)[k] -= hum;
-  }
+  const double with_hum = Rms(*samples);
+  SubtractLines(chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
+  if (!chosen.hum.empty()) *hum_square = std::pow(with_hum, 2) - std::pow(Rms(*samples), 2);
   return Thinned(*std::move(samples), window.rate_hz(), window.signal().design(), window.band());
 }
 
@@ -260,11 +252,9 @@ void DescribeSensor(Window& window) {
 // filtered samples of [begin, end), or of their middle, without hum
 Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, std::size_t end) {
   auto samples = ReadMiddle(window.signal(), begin, end);
-  if (!samples || window.chosen.hum.empty()) return samples;
+  if (!samples) return samples;
   const std::size_t first = begin + (end - begin - samples->size()) / 2;
-  for (std::size_t k = 0; k < samples->size(); ++k) {
-    (*samples)[k] -= ValueOf(window.chosen.hum, static_cast<double>(first + k) / window.rate_hz());
-  }
+  SubtractLines(window.chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
   return samples;
 }
 
@@ -548,89 +538,26 @@ Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
   return {};
 }
 
-// the drive channel: its delay, and whether it is on in the window
-Result<void> CompareChannel(const trial::RowSource& source, Window& window) {
-  const auto channel = DriveChannel(source.head());
-  if (!channel || !window.chosen.part.from_drive) return {};
-  const auto course = FollowChannel(source, *channel, window.signal(), window.band().lower_hz);
-  if (!course) return std::unexpected(course.error());
-  window.numbers.delay = course->delay;
-  const double delay_s = course->delay ? course->delay->delay_s : 0;
-  if (std::abs(delay_s) > kDelayS) {
-    window.analysis.findings.Note(
-        FindingKind::kDriveDelayed,
-        {{"delay_s", delay_s}, {"uncertainty_s", course->delay->uncertainty_s}});
+// velocity and acceleration of filtered samples [begin, end), or of their middle, with the samples
+// beside them; `begin` and `end` of the result are rows of the record
+Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, std::size_t begin,
+                                                    std::size_t end, double upper_hz) {
+  const std::size_t size = FittedOf(end - begin);
+  const std::size_t first = begin + (end - begin - size) / 2;
+  // samples beside the window, as far as they are free of transients
+  const std::size_t before = std::min(first - signal.settled_begin(), kBesideRows);
+  const std::size_t after = std::min(signal.settled_end() - first - size, kBesideRows);
+  std::vector<double> samples(before + size + after);
+  if (auto read = signal.Read(first - before, samples); !read) {
+    return std::unexpected(read.error());
   }
-  const TimeWindow& part = window.numbers.part.window;
-  double on_s = 0;
-  for (const TimeWindow& on : course->on) {
-    on_s += std::max(0.0, std::min(part.end_s, on.end_s + delay_s) -
-                              std::max(part.begin_s, on.begin_s + delay_s));
-  }
-  if (on_s >= kChannelOn * part.duration_s()) return {};
-  window.analysis.findings.Add({.severity = Severity::kDoubt,
-                                .kind = FindingKind::kDriveContradicted,
-                                .numbers = {{"from_s", part.begin_s}, {"to_s", part.end_s}},
-                                .subject = source.head().channels[*channel].name});
-  return {};
-}
-
-// the filter's slope at the tone, and whether it is the drive that the file states
-void RemarkTone(Window& window) {
-  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
-  const double gain = std::norm(Response(window.signal().design(), frequency_hz));
-  if (gain < 1 - kCornerLoss) {
-    window.analysis.findings.Note(FindingKind::kCornerLoss,
-                                  {{"frequency_hz", frequency_hz},
-                                   {"gain", gain},
-                                   {"rms_m", window.numbers.rms.rms_m / gain}});
-  }
-  const auto stated_hz = window.question.drive_frequency_hz;
-  if (stated_hz && std::abs(frequency_hz - *stated_hz) > kOtherFrequency * *stated_hz) {
-    window.analysis.findings.Doubt(FindingKind::kOtherDrive,
-                                   {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
-  }
-  // hum at the drive's own frequency is not sought: it adds to the drive or cancels it
-  const bool alone = window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
-  const bool of_mains = std::ranges::any_of(kMainsHz, [&](double mains_hz) {
-    return std::abs(std::remainder(frequency_hz, mains_hz)) < kStatedHz;
-  });
-  if (stated_hz && of_mains && !alone) {
-    window.analysis.findings.Doubt(
-        FindingKind::kMainsFrequency,
-        {{"frequency_hz", frequency_hz}, {"amplitude_m", window.numbers.tone->amplitude_m}});
-  }
-}
-
-// the refusal of a window without a drive states what there was, and what a drive is below
-void RefuseWithoutDrive(const Window& window) {
-  if (!window.chosen.refusal) return;
-  Finding refusal = *window.chosen.refusal;
-  if (refusal.kind == FindingKind::kNoDrive) {
-    refusal.numbers = {{"noise_m", window.numbers.rms.as_measured_m},
-                       {"at_most_m", window.numbers.rms.upper_m}};
-  }
-  window.analysis.findings.Add(std::move(refusal));
-}
-
-// hum: what was subtracted, where it was not seen alone, and where it may hide in the drive
-void RemarkHum(Window& window) {
-  const std::vector<SteadyLine>& hum = window.numbers.hum;
-  if (hum.empty() || !window.chosen.part.from_drive) return;
-  const FindingNumber frequency{"frequency_hz", hum.front().frequency_hz};
-  const FindingNumber amplitude{"amplitude_m", hum.front().amplitude_m()};
-  const bool seen_alone =
-      window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
-  window.analysis.findings.Add({.severity = seen_alone ? Severity::kNote : Severity::kDoubt,
-                                .kind = FindingKind::kHumSubtracted,
-                                .numbers = {frequency, amplitude, {"lines", hum.size()}}});
-  // a multiple of the mains within the drive's bins
-  const double reach_hz = std::max(1.0, kDriveReachBins / window.samples.duration_s());
-  const double tone_hz = window.chosen.part.state.from_hz;
-  const double order = std::round(tone_hz / hum.front().frequency_hz);
-  if (order >= 1 && std::abs(tone_hz - order * hum.front().frequency_hz) < reach_hz) {
-    window.analysis.findings.Doubt(FindingKind::kHumAtDrive, {frequency, amplitude});
-  }
+  auto motion = DescribeKinematics(samples, signal.rate_hz(), upper_hz, before, before + size);
+  if (!motion) return std::nullopt;
+  // from samples that were read to rows of the record
+  const std::size_t row = signal.first_row() + first - before;
+  motion->begin += row;
+  motion->end += row;
+  return motion;
 }
 
 Result<void> DescribeMotion(Window& window) {
@@ -700,12 +627,14 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
        [&] { return DescribeMotion(window); },
        [&] { return has_tone ? DescribeDrive(displacement.source, window) : Result<void>(); }});
   if (!described) return described;
-  if (auto compared = CompareChannel(displacement.source, window); !compared) return compared;
-  if (has_tone) RemarkTone(window);
-  RemarkHum(window);
-  RefuseWithoutDrive(window);
-  RemarkFloor(window.numbers, analysis);
+  if (chosen.part.from_drive) {
+    const auto delay =
+        CompareChannel(displacement.source, *chosen.signal, window.numbers.part.window, analysis);
+    if (!delay) return std::unexpected(delay.error());
+    window.numbers.delay = *delay;
+  }
   analysis->numbers = std::move(window.numbers);
+  RemarkWindow(all, chosen, question, analysis);
   return {};
 }
 

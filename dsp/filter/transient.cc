@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -347,46 +348,63 @@ Means MeansOf(std::span<const double> signal) {
   return means;
 }
 
-struct Fit {
-  ExpectedMotion motion;
-  double residual = std::numeric_limits<double>::infinity();  // sum of squares
-};
+using Matrix = Eigen::Matrix<double, kPieces, Eigen::Dynamic, 0, kPieces, kColumns>;
+using Values = Eigen::Vector<double, kPieces>;
 
-// linear least squares at given frequencies: 1, t / half, gain cos(w t), gain sin(w t)
-Fit FitAt(const Means& means, std::span<const double> rad_per_sample) {
-  const auto columns = static_cast<Eigen::Index>(2 + 2 * rad_per_sample.size());
-  Eigen::Matrix<double, kPieces, Eigen::Dynamic, 0, kPieces, kColumns> matrix(kPieces, columns);
-  Eigen::Vector<double, kPieces> values;
+// columns of linear least squares at given frequencies: 1, t / half, gain cos(w t), gain sin(w t)
+Matrix ColumnsOf(const Means& means, std::span<const double> rad_per_sample) {
+  Matrix matrix(kPieces, static_cast<Eigen::Index>(2 + 2 * rad_per_sample.size()));
   for (std::size_t k = 0; k < kPieces; ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     matrix(row, 0) = 1;
     matrix(row, 1) = means.times[k] / means.half;
-    values[row] = means.values[k];
   }
   Eigen::Index column = 2;
   for (const double w : rad_per_sample) {
-    // gain of a mean of m samples for a sine: sin(w m / 2) / (m sin(w / 2))
+    // gain of a mean of m samples for a sine: sin(w m / 2) / (m sin(w / 2)); turned from piece to
+    // piece
     const double gain = std::sin(0.5 * w * means.piece) / (means.piece * std::sin(0.5 * w));
-    for (std::size_t k = 0; k < kPieces; ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      matrix(row, column) = gain * std::cos(w * means.times[k]);
-      matrix(row, column + 1) = gain * std::sin(w * means.times[k]);
+    std::complex<double> value = std::polar(gain, w * means.times[0]);
+    const std::complex<double> turn = std::polar(1.0, w * means.piece);
+    for (Eigen::Index row = 0; row < matrix.rows(); ++row, value *= turn) {
+      matrix(row, column) = value.real();
+      matrix(row, column + 1) = value.imag();
     }
     column += 2;
   }
+  return matrix;
+}
+
+// sum of squares that the columns leave of the means, by modified Gram and Schmidt
+double ResidualAt(const Means& means, std::span<const double> rad_per_sample) {
+  Matrix columns = ColumnsOf(means, rad_per_sample);
+  Values rest = Eigen::Map<const Values>(means.values.data());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const double norm = columns.col(k).norm();
+    if (!(norm > 0)) continue;
+    const Values unit = columns.col(k) / norm;
+    for (Eigen::Index next = k + 1; next < columns.cols(); ++next) {
+      columns.col(next) -= unit * unit.dot(columns.col(next));
+    }
+    rest -= unit * unit.dot(rest);
+  }
+  return rest.squaredNorm();
+}
+
+ExpectedMotion FitAt(const Means& means, std::span<const double> rad_per_sample) {
   // columns of two sines may be nearly dependent: pivoting keeps the solution bounded
-  const Eigen::Vector<double, Eigen::Dynamic> found = matrix.colPivHouseholderQr().solve(values);
-  Fit fit;
-  fit.residual = (matrix * found - values).squaredNorm();
+  const Eigen::Vector<double, Eigen::Dynamic> found =
+      ColumnsOf(means, rad_per_sample)
+          .colPivHouseholderQr()
+          .solve(Eigen::Map<const Values>(means.values.data()));
   // in the unit of the signal: its offset returns, the slope is per sample again
-  fit.motion = {found[0] + means.offset, found[1] / means.half, {}, means.half};
-  fit.motion.sines.reserve(rad_per_sample.size());
-  column = 2;
+  ExpectedMotion motion{found[0] + means.offset, found[1] / means.half, {}, means.half};
+  Eigen::Index column = 2;
   for (const double w : rad_per_sample) {
-    fit.motion.sines.push_back({w, found[column], found[column + 1]});
+    motion.sines.push_back({w, found[column], found[column + 1]});
     column += 2;
   }
-  return fit;
+  return motion;
 }
 
 // whether a frequency differs from all others by at least kLeastApartRad over the signal
@@ -405,7 +423,7 @@ double CoarseRad(const Means& means, std::vector<double> rad_per_sample, double 
   for (int rad = kLeastRad; rad < kFastestExpectedRad; ++rad) {
     if (!LiesApart(rad, std::span(rad_per_sample).first(rad_per_sample.size() - 1), size)) continue;
     rad_per_sample.back() = rad / size;
-    const double residual = FitAt(means, rad_per_sample).residual;
+    const double residual = ResidualAt(means, rad_per_sample);
     if (residual >= least) continue;
     least = residual;
     best = rad_per_sample.back();
@@ -418,7 +436,7 @@ void Narrow(const Means& means, std::vector<double>& rad_per_sample, std::size_t
   constexpr double kGolden = 0.381966011250105;
   const auto residual_at = [&](double w) {
     rad_per_sample[k] = w;
-    return FitAt(means, rad_per_sample).residual;
+    return ResidualAt(means, rad_per_sample);
   };
   // one step of the coarse grid to either side
   double lower = rad_per_sample[k] - 1 / size;
@@ -459,19 +477,8 @@ std::vector<double> ExpectedMotion::From(double first, std::size_t count) const 
   for (std::size_t k = 0; k < count; ++k) {
     values[k] = offset + slope * (first + static_cast<double>(k) - middle);
   }
-  // sines block by block with PhasorBlocks: errors do not grow with the distance
-  std::array<double, PhasorBlocks::kBlock> c;
-  std::array<double, PhasorBlocks::kBlock> s;
-  for (const Sine& sine_of : sines) {
-    const PhasorBlocks phasors(sine_of.rad_per_sample);
-    for (std::size_t begin = 0; begin < count; begin += PhasorBlocks::kBlock) {
-      const std::size_t size = std::min(PhasorBlocks::kBlock, count - begin);
-      phasors.Fill(first + static_cast<double>(begin) - middle, std::span(c).first(size),
-                   std::span(s).first(size));
-      for (std::size_t k = 0; k < size; ++k) {
-        values[begin + k] += sine_of.cosine * c[k] + sine_of.sine * s[k];
-      }
-    }
+  for (const Sine& sine : sines) {
+    SubtractSine(sine.rad_per_sample, -sine.cosine, -sine.sine, first - middle, values);
   }
   return values;
 }
@@ -492,7 +499,7 @@ ExpectedMotion FitExpectedMotion(std::span<const double> signal, int sines) {
       }
     }
   }
-  return FitAt(means, rad_per_sample).motion;
+  return FitAt(means, rad_per_sample);
 }
 
 }  // namespace haptometer::dsp

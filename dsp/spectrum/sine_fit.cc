@@ -34,6 +34,21 @@ void PhasorBlocks::Fill(double first, std::span<double> cosines, std::span<doubl
   }
 }
 
+void SubtractSine(double rad_per_sample, double cosine, double sine, double first,
+                  std::span<double> samples) {
+  const PhasorBlocks phasors(rad_per_sample);
+  std::array<double, PhasorBlocks::kBlock> cosines;
+  std::array<double, PhasorBlocks::kBlock> sines;
+  for (std::size_t begin = 0; begin < samples.size(); begin += PhasorBlocks::kBlock) {
+    const std::size_t count = std::min(PhasorBlocks::kBlock, samples.size() - begin);
+    phasors.Fill(first + static_cast<double>(begin), std::span(cosines).first(count),
+                 std::span(sines).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      samples[begin + k] -= cosine * cosines[k] + sine * sines[k];
+    }
+  }
+}
+
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;

@@ -29,6 +29,11 @@ class PhasorBlocks {
   std::array<double, kBlock> sines_{};
 };
 
+/// Subtracts cosine cos(w n) + sine sin(w n) from `samples`, n = first, first + 1 ..., w =
+/// `rad_per_sample`. Cost: 6 flops a sample.
+void SubtractSine(double rad_per_sample, double cosine, double sine, double first,
+                  std::span<double> samples);
+
 /// A sine in a signal, with the drift it rides on:
 ///
 ///   x(t) = amplitude cos(2 pi frequency t + phase) + drift(t) + residual,   t = n / rate

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "dsp/analysis/row_block.h"
+#include "dsp/readings/row_block.h"
 
 namespace haptometer::dsp {
 

@@ -21,7 +21,7 @@ namespace {
 // least time and number of readings from which a rate is computed
 constexpr MonotonicNs kLearningNs = kNsPerS;
 constexpr std::uint64_t kLeastToLearn = 16;
-constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/analysis/segments.h interpolates
+constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/readings/segments.h interpolates
 // remainder of the filter's starting transient below which its output is used
 constexpr double kDecayed = 1e-3;
 // periods of the lower corner in the RMS window

@@ -13,6 +13,7 @@
 
 #include "base/jobs.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/window_remarks.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analyze_question.h"

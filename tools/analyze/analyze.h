@@ -8,7 +8,6 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/sweep_analysis.h"
-#include "dsp/analysis/window_samples.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/analyze/expectation.h"
 #include "tools/document/document.h"

@@ -17,6 +17,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/window_remarks.h"
 #include "tools/cli/progress.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/read_recording.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/segments.h"
+#include "dsp/readings/segments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/segments.h"
+#include "dsp/readings/segments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/analysis/segments.h"
+#include "dsp/readings/segments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
@@ -56,6 +56,13 @@ std::vector<SteadyLine> HumIn(std::vector<double> values,
   return lines ? *lines : std::vector<SteadyLine>{};
 }
 
+// The sum of lines at `t_s`: what is subtracted from 0, of samples at 1 Hz.
+double ValueAt(const std::vector<SteadyLine>& lines, double t_s) {
+  std::vector<double> sample{0};
+  SubtractLines(lines, 1, t_s, sample);
+  return -sample[0];
+}
+
 // Each line within 1 % and 2 mHz of what the filter passes, in phase where the windows lie.
 void ExpectLines(const std::vector<SteadyLine>& lines, const std::vector<Sine>& truth) {
   const FilterDesign design = Designed({}, kRateHz);
@@ -66,7 +73,7 @@ void ExpectLines(const std::vector<SteadyLine>& lines, const std::vector<Sine>& 
     EXPECT_ABS(lines[k].frequency_hz, truth[k].frequency_hz, 2e-3,
                "phases of windows 5 s apart, 0.01 rad each");
     // amplitude sin(2 pi f t + phase) at 5 s, the middle
-    const double value = ValueOf(std::vector<SteadyLine>{lines[k]}, 5.0);
+    const double value = ValueAt({lines[k]}, 5.0);
     EXPECT_ABS(value / passed,
                std::sin(2 * std::numbers::pi * truth[k].frequency_hz * 5 + truth[k].phase_rad),
                0.02, "phase of a window");
@@ -78,10 +85,10 @@ TEST(SteadyLine, IsASineAndItsAmplitude) {
   EXPECT_REL(line.amplitude_m(), 5.0, 1e-15, "a root");
   const double phase = 2 * std::numbers::pi * 50 * 0.123;
   EXPECT_REL(
-      ValueOf(std::vector<SteadyLine>{line, {60, 0, 1}}, 0.123),
+      ValueAt({line, {60, 0, 1}}, 0.123),
       3 * std::cos(phase) - 4 * std::sin(phase) + std::sin(2 * std::numbers::pi * 60 * 0.123),
       1e-13, "phase of 46 rad");
-  EXPECT_EQ(ValueOf({}, 1), 0);
+  EXPECT_EQ(ValueAt({}, 1), 0);
 }
 
 TEST(FindHum, MeasuresHumAndItsHarmonicsBesideADrive) {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/segments.h"
 #include "dsp/filter/zero_phase.h"
+#include "dsp/readings/segments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

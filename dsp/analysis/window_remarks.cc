@@ -1,0 +1,176 @@
+#include "dsp/analysis/window_remarks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace haptometer::dsp {
+namespace {
+
+// loss by the filter's slope that is said, and how far a tone may be from the header's frequency
+constexpr double kCornerLoss = 0.01;
+constexpr double kOtherFrequency = 0.01;
+// bins about the drive in which a multiple of the mains hides
+constexpr double kReachBins = 5;
+constexpr double kSameRate = 0.01;       // relative
+constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
+
+// notes on segments, excluded ends, interpolation and motion below the band
+void RemarkSegments(const std::vector<BandSignal>& all, const BandSignal& used,
+                    BandAnalysis* analysis) {
+  const BandNumbers& numbers = *analysis->numbers;
+  if (all.size() > 1) {
+    analysis->findings.Note(FindingKind::kSegments, {{"segments", all.size()}});
+  }
+  const double rate_hz = used.rate_hz();
+  analysis->findings.Note(
+      FindingKind::kSegmentEnds,
+      {{"first_s", static_cast<double>(used.settled_begin()) / rate_hz},
+       {"last_s", static_cast<double>(used.size() - used.settled_end()) / rate_hz},
+       {"segment_s", static_cast<double>(used.size()) / rate_hz}});
+  if (analysis->record.bridged > 0) {
+    analysis->findings.Note(FindingKind::kInterpolated, {{"interpolated", analysis->record.bridged},
+                                                         {"rms_m", numbers.bridged_rms_m}});
+  }
+  if (!numbers.below_band) return;
+  const BelowBand& below = *numbers.below_band;
+  analysis->findings.Note(
+      below.modelled ? FindingKind::kBelowBandModelled : FindingKind::kBelowBand,
+      {{"amplitude_m", below.amplitude_m},
+       {"frequency_hz", below.frequency_hz},
+       {"leaked_m", below.leaked_rms_m}});
+}
+
+// the filter's slope at the tone, and whether it is the drive that the file states
+void RemarkTone(const ChosenPart& chosen, const BandQuestion& question, BandAnalysis* analysis) {
+  const BandNumbers& numbers = *analysis->numbers;
+  const double frequency_hz = numbers.tone->fit.frequency_hz;
+  const double gain = std::norm(Response(chosen.signal->design(), frequency_hz));
+  if (gain < 1 - kCornerLoss) {
+    analysis->findings.Note(
+        FindingKind::kCornerLoss,
+        {{"frequency_hz", frequency_hz}, {"gain", gain}, {"rms_m", numbers.rms.rms_m / gain}});
+  }
+  const auto stated_hz = question.drive_frequency_hz;
+  if (stated_hz && std::abs(frequency_hz - *stated_hz) > kOtherFrequency * *stated_hz) {
+    analysis->findings.Doubt(FindingKind::kOtherDrive,
+                             {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
+  }
+  // hum at the drive's own frequency is not sought: it adds to the drive or cancels it
+  const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
+  const bool of_mains = std::ranges::any_of(kMainsHz, [&](double mains_hz) {
+    return std::abs(std::remainder(frequency_hz, mains_hz)) < kStatedHz;
+  });
+  if (stated_hz && of_mains && !alone) {
+    analysis->findings.Doubt(
+        FindingKind::kMainsFrequency,
+        {{"frequency_hz", frequency_hz}, {"amplitude_m", numbers.tone->amplitude_m}});
+  }
+}
+
+// the refusal of a window without a drive states what there was, and what a drive is below
+void RefuseWithoutDrive(const ChosenPart& chosen, BandAnalysis* analysis) {
+  if (!chosen.refusal) return;
+  const BandNumbers& numbers = *analysis->numbers;
+  Finding refusal = *chosen.refusal;
+  if (refusal.kind == FindingKind::kNoDrive) {
+    refusal.numbers = {{"noise_m", numbers.rms.as_measured_m}, {"at_most_m", numbers.rms.upper_m}};
+  }
+  analysis->findings.Add(std::move(refusal));
+}
+
+// hum: what was subtracted, where it was not seen alone, and where it may hide in the drive
+void RemarkHum(const ChosenPart& chosen, BandAnalysis* analysis) {
+  const BandNumbers& numbers = *analysis->numbers;
+  const std::vector<SteadyLine>& hum = numbers.hum;
+  if (hum.empty() || !chosen.part.from_drive) return;
+  const FindingNumber frequency{"frequency_hz", hum.front().frequency_hz};
+  const FindingNumber amplitude{"amplitude_m", hum.front().amplitude_m()};
+  const bool seen_alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
+  analysis->findings.Add({.severity = seen_alone ? Severity::kNote : Severity::kDoubt,
+                          .kind = FindingKind::kHumSubtracted,
+                          .numbers = {frequency, amplitude, {"lines", hum.size()}}});
+  // a multiple of the mains within the drive's bins
+  const double reach_hz = std::max(1.0, kReachBins / numbers.part.window.duration_s());
+  const double tone_hz = chosen.part.state.from_hz;
+  const double order = std::round(tone_hz / hum.front().frequency_hz);
+  if (order >= 1 && std::abs(tone_hz - order * hum.front().frequency_hz) < reach_hz) {
+    analysis->findings.Doubt(FindingKind::kHumAtDrive, {frequency, amplitude});
+  }
+}
+
+void RemarkFloor(BandAnalysis* analysis) {
+  const BandNumbers& numbers = *analysis->numbers;
+  if (!numbers.floor) return analysis->findings.Note(FindingKind::kNoFloor);
+  for (Finding& doubt : FloorDoubts(numbers, analysis->record.rate_hz)) {
+    analysis->findings.Add(std::move(doubt));
+  }
+  const double floor_m = *numbers.rms.floor_m;
+  // floor above the signal: no number; floor not exceeded: an upper limit
+  if (numbers.rms.floor_contradicts) {
+    analysis->findings.Add(
+        {.severity = Severity::kRefusal,
+         .kind = FindingKind::kFloorAboveSignal,
+         .numbers = {{"floor_m", floor_m}, {"measured_m", numbers.rms.as_measured_m}},
+         .subject = numbers.floor->file});
+  } else if (numbers.rms.below_floor) {
+    analysis->findings.Note(FindingKind::kBelowFloor,
+                            {{"floor_m", floor_m}, {"at_most_m", numbers.rms.at_most_m}});
+  }
+}
+
+}  // namespace
+
+std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
+  if (!drive_off.numbers) return std::nullopt;
+  NoiseFloor floor{.power = drive_off.numbers->power,
+                   .duration_s = drive_off.numbers->part.window.duration_s(),
+                   .file = source};
+  floor.rate_hz = drive_off.record.rate_hz;
+  std::ranges::copy_if(
+      drive_off.findings.list(), std::back_inserter(floor.refusals), [](const Finding& found) {
+        return found.severity == Severity::kRefusal && found.kind != FindingKind::kNoDrive;
+      });
+  if (const auto& tone = drive_off.numbers->tone) {
+    floor.tone_hz = tone->fit.frequency_hz;
+    floor.tone_amplitude_m = tone->fit.amplitude;
+  }
+  return floor;
+}
+
+std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
+  if (!numbers.floor || !(numbers.floor->rate_hz > 0)) return {};
+  const NoiseFloor& floor = *numbers.floor;
+  // refusals of the drive-off trial are doubts of its use as a floor
+  std::vector<Finding> doubts = floor.refusals;
+  if (std::abs(floor.rate_hz - rate_hz) > kSameRate * rate_hz) {
+    doubts.push_back({.kind = FindingKind::kFloorOfOtherRate,
+                      .numbers = {{"floor_per_s", floor.rate_hz}, {"readings_per_s", rate_hz}}});
+  }
+  // a tone in the floor: the drive was on, or a disturbance was there
+  if (floor.tone_hz) {
+    const bool is_same =
+        numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
+                            kSameFrequency * numbers.tone->fit.frequency_hz;
+    doubts.push_back(
+        {.kind = is_same ? FindingKind::kFloorHasTheTone : FindingKind::kFloorHasTone,
+         .numbers = {{"amplitude_m", floor.tone_amplitude_m}, {"frequency_hz", *floor.tone_hz}}});
+  }
+  for (Finding& doubt : doubts) {
+    doubt.severity = Severity::kDoubt;
+    doubt.subject = floor.file;
+  }
+  return doubts;
+}
+
+void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
+                  const BandQuestion& question, BandAnalysis* analysis) {
+  if (analysis->numbers->tone) RemarkTone(chosen, question, analysis);
+  RemarkHum(chosen, analysis);
+  RefuseWithoutDrive(chosen, analysis);
+  RemarkFloor(analysis);
+  RemarkSegments(all, *chosen.signal, analysis);
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,263 @@
+#include "dsp/readings/digitisation.h"
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace haptometer::dsp {
+
+namespace {
+
+// share of samples at a rail below which clipping changes an RMS by less than 0.1 %
+constexpr double kLeastShare = 1e-3;
+// standard deviations beyond the rail: with normal errors 6e-5 of clean records
+constexpr double kDeviations = 4;
+constexpr double kBlockS = 0.1;
+constexpr std::size_t kLeastBlock = 64;
+constexpr int kHighestHarmonic = 3;
+constexpr Eigen::Index kDriftTerms = 5;
+// harmonics are taken where what is left without them is twice as large (in a deviation), and all
+// samples fit where what is left of them is at most 1.2 times that of those off the rails
+constexpr double kHarmonicsNeeded = 2;
+constexpr double kAllFit = 1.2;
+// of what the samples span: rounding of a fit
+constexpr double kRounding = 1e-9;
+
+enum class Place : std::uint8_t { kMissing, kFree, kLow, kHigh };
+
+// a signal's places and rails
+struct Rails {
+  std::vector<Place> places{};
+  double low = 0;
+  double high = 0;
+  std::size_t measured = 0;
+  std::size_t at_low = 0;
+  std::size_t at_high = 0;
+
+  [[nodiscard]] bool Many(std::size_t rows) const {
+    return static_cast<double>(rows) > kLeastShare * static_cast<double>(measured);
+  }
+};
+
+Rails FindRails(std::span<const double> samples) {
+  Rails rails{.low = std::numeric_limits<double>::infinity(),
+              .high = -std::numeric_limits<double>::infinity()};
+  for (const double x : samples) {
+    if (std::isnan(x)) continue;
+    rails.low = std::min(rails.low, x);
+    rails.high = std::max(rails.high, x);
+    ++rails.measured;
+  }
+  rails.at_low = static_cast<std::size_t>(std::ranges::count(samples, rails.low));
+  rails.at_high = static_cast<std::size_t>(std::ranges::count(samples, rails.high));
+  const bool has_low = rails.Many(rails.at_low);
+  const bool has_high = rails.Many(rails.at_high);
+  rails.places.reserve(samples.size());
+  for (const double x : samples) {
+    rails.places.push_back(std::isnan(x)                 ? Place::kMissing
+                           : has_low && x == rails.low   ? Place::kLow
+                           : has_high && x == rails.high ? Place::kHigh
+                                                         : Place::kFree);
+  }
+  if (!has_low) rails.at_low = 0;
+  if (!has_high) rails.at_high = 0;
+  return rails;
+}
+
+// what fits of all blocks leave, and where they lie beyond the rails
+struct Rest {
+  double square_sum = 0;
+  double freedom = 0;
+  double beyond = 0;  // sum over railed samples
+  double variance =
+      0;  // sum of what the fit's variance is there, in units of the samples' variance
+  double railed = 0;
+  bool is_determined = true;
+
+  [[nodiscard]] double Deviation() const { return std::sqrt(square_sum / std::max(freedom, 1.0)); }
+};
+
+class Fitter {
+ public:
+  Fitter(std::span<const double> samples, const Rails& rails, double rate_hz, double tone_hz)
+      : samples_(samples), rails_(rails), rate_hz_(rate_hz), tone_hz_(tone_hz) {}
+
+  // fits a tone with harmonics up to `highest`, block by block
+  [[nodiscard]] Rest Fit(int highest, bool with_rails) const {
+    const auto wanted = static_cast<std::size_t>(std::max(1.0, std::round(kBlockS * rate_hz_)));
+    const std::size_t size = std::max(kLeastBlock, wanted);
+    Rest rest;
+    for (std::size_t begin = 0; begin + size <= samples_.size(); begin += size) {
+      FitBlock(begin, size, highest, with_rails, rest);
+    }
+    return rest;
+  }
+
+ private:
+  // columns of a drift and of harmonics up to `highest`, a cosine and a sine each
+  [[nodiscard]] static Eigen::Index TermsOf(Eigen::Index highest) {
+    return kDriftTerms + 2 * highest;
+  }
+
+  // tone, harmonics below half the rate, drift
+  [[nodiscard]] Eigen::VectorXd Terms(std::size_t k, std::size_t size, int highest) const {
+    Eigen::VectorXd terms(TermsOf(highest));
+    const double place = 2 * static_cast<double>(k) / static_cast<double>(size) - 1;
+    terms[0] = 1;
+    for (Eigen::Index d = 1; d < kDriftTerms; ++d) terms[d] = terms[d - 1] * place;
+    for (int h = 1; h <= highest; ++h) {
+      const double angle = 2 * std::numbers::pi * h * tone_hz_ * static_cast<double>(k) / rate_hz_;
+      terms[TermsOf(h) - 2] = std::cos(angle);
+      terms[TermsOf(h) - 1] = std::sin(angle);
+    }
+    return terms;
+  }
+
+  void FitBlock(std::size_t begin, std::size_t size, int highest, bool with_rails,
+                Rest& rest) const {
+    while (highest > 1 && 2 * highest * tone_hz_ >= rate_hz_) --highest;
+    const Eigen::Index columns = TermsOf(highest);
+    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(size), columns);
+    Eigen::VectorXd right(matrix.rows());
+    std::vector<std::size_t> railed;
+    Eigen::Index rows = 0;
+    for (std::size_t k = 0; k < size; ++k) {
+      const Place place = rails_.places[begin + k];
+      if (place == Place::kMissing) continue;
+      if (place != Place::kFree && !with_rails) {
+        railed.push_back(k);
+        continue;
+      }
+      matrix.row(rows) = Terms(k, size, highest);
+      right[rows++] = samples_[begin + k] - rails_.low;
+    }
+    // fewer samples than terms, or terms that the sampled phases do not tell apart
+    if (rows <= columns) return void(rest.is_determined = rest.is_determined && railed.empty());
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(matrix.topRows(rows));
+    factors.setThreshold(1e-7);
+    if (factors.rank() < columns) return void(rest.is_determined = false);
+    const Eigen::VectorXd fit = factors.solve(right.head(rows));
+    rest.square_sum += (right.head(rows) - matrix.topRows(rows) * fit).squaredNorm();
+    rest.freedom += static_cast<double>(rows - columns);
+    for (const std::size_t k : railed) {
+      const Eigen::VectorXd terms = Terms(k, size, highest);
+      const double value = rails_.low + terms.dot(fit);
+      const bool is_high = rails_.places[begin + k] == Place::kHigh;
+      rest.beyond += is_high ? value - rails_.high : rails_.low - value;
+      // t' (A'A)^-1 t = |R^-T P' t|^2
+      Eigen::VectorXd permuted = factors.colsPermutation().transpose() * terms;
+      factors.matrixR()
+          .topLeftCorner(columns, columns)
+          .triangularView<Eigen::Upper>()
+          .transpose()
+          .solveInPlace(permuted);
+      rest.variance += permuted.squaredNorm();
+      ++rest.railed;
+    }
+  }
+
+  std::span<const double> samples_;
+  const Rails& rails_;
+  double rate_hz_;
+  double tone_hz_;
+};
+
+// whether the fit lies beyond the rails at the samples that are there
+bool IsBeyond(const Rest& rest, double floor) {
+  if (!rest.is_determined || rest.railed == 0) return false;
+  const double deviation = std::max(rest.Deviation(), floor);
+  const double of_fit = deviation * std::sqrt(rest.variance / rest.railed);
+  return rest.beyond / rest.railed > kDeviations * std::max(deviation, of_fit);
+}
+
+ClippingVerdict Judge(const Fitter& fitter, double span) {
+  const double floor = kRounding * span;
+  const Rest all = fitter.Fit(1, true);
+  const Rest tone = fitter.Fit(1, false);
+  const auto explains_all = [&](const Rest& rest) {
+    return all.Deviation() <= kAllFit * std::max(rest.Deviation(), floor);
+  };
+  // one sine for all samples: no rail changed any
+  if (all.is_determined &&
+      (all.Deviation() <= floor || (tone.is_determined && explains_all(tone)))) {
+    return ClippingVerdict::kNone;
+  }
+  if (!tone.is_determined) return ClippingVerdict::kUndecided;
+  const Rest harmonics = fitter.Fit(kHighestHarmonic, false);
+  if (!harmonics.is_determined) {
+    return IsBeyond(tone, floor) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
+  }
+  const bool needs_harmonics =
+      tone.Deviation() > kHarmonicsNeeded * std::max(harmonics.Deviation(), floor);
+  return IsBeyond(needs_harmonics ? harmonics : tone, floor) ? ClippingVerdict::kClipped
+                                                             : ClippingVerdict::kNone;
+}
+
+}  // namespace
+
+Clipping FindClipping(std::span<const double> samples, double rate_hz, double tone_hz) {
+  const Rails rails = FindRails(samples);
+  if (rails.at_low + rails.at_high == 0 || !(rails.high > rails.low)) return {};
+  const Fitter fitter(samples, rails, rate_hz, tone_hz);
+  Clipping clipping{.verdict = Judge(fitter, rails.high - rails.low)};
+  if (clipping.verdict == ClippingVerdict::kNone) return clipping;
+  clipping.share =
+      static_cast<double>(rails.at_low + rails.at_high) / static_cast<double>(rails.measured);
+  if (rails.at_low > 0) clipping.low_rail = rails.low;
+  if (rails.at_high > 0) clipping.high_rail = rails.high;
+  return clipping;
+}
+
+namespace {
+
+constexpr double kMultiple = 0.01;  // of a step, that a change may lie off a multiple of it
+constexpr int kMostTerms = 200;
+constexpr int kMostHarmonics = 20;
+constexpr double kNegligible = 1e-6;
+
+}  // namespace
+
+double StepOf(std::span<const double> samples) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    const double change = std::abs(samples[k] - samples[k - 1]);
+    if (change > 0) step = std::min(step, change);
+  }
+  if (!std::isfinite(step)) return 0;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    const double steps = std::abs(samples[k] - samples[k - 1]) / step;
+    if (std::abs(steps - std::round(steps)) > kMultiple * std::max(1.0, steps)) return 0;
+  }
+  return step;
+}
+
+double QuantisationBound(double step, double amplitude, double noise_rms, int harmonics) {
+  if (!(step > 0) || !(amplitude > 0)) return 0;
+  const double noise = noise_rms / step;
+  double first = 0;
+  double square = 0;
+  for (int n = 1; n <= std::clamp(harmonics, 1, kMostHarmonics); ++n) {
+    double error = 0;
+    for (int k = 1; k <= kMostTerms; ++k) {
+      const double left = std::exp(-2 * std::pow(std::numbers::pi * k * noise, 2)) / k;
+      if (left < kNegligible) break;
+      const double argument = 2 * std::numbers::pi * k * amplitude / step;
+      error += left * std::abs(std::cyl_bessel_j(static_cast<double>(n), argument));
+    }
+    // |J_n(x)| <= sqrt(2 / (pi x)) beyond the terms: a sum of k^-1.5, ended by noise
+    const double tail = std::exp(-2 * std::pow(std::numbers::pi * kMostTerms * noise, 2));
+    error += tail * 2 / (std::numbers::pi * std::sqrt(kMostTerms * amplitude / step));
+    error *= 2 * step / std::numbers::pi;
+    if (n == 1) first = error;
+    if (n > 1) square += 0.5 * error * error;
+  }
+  const double rms = amplitude / std::numbers::sqrt2;
+  return first / std::numbers::sqrt2 + std::min(std::sqrt(square), square / (2 * rms));
+}
+
+}  // namespace haptometer::dsp

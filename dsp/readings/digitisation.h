@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+/// What the end of a converter's range and its steps do to readings: clipping and rounding.
+namespace haptometer::dsp {
+
+/// What samples at their extreme say of a limit of the sensor or its converter.
+enum class ClippingVerdict : std::uint8_t {
+  kNone,
+  kUndecided,  ///< clipped, or harmonics: the sampled phases cannot tell
+  kClipped,
+};
+
+/// Whether samples are clipped, and which.
+struct Clipping {
+  ClippingVerdict verdict = ClippingVerdict::kNone;
+  double share = 0;                  ///< of the measured samples, at a rail; 0 for kNone
+  std::optional<double> low_rail{};  ///< in the samples' unit
+  std::optional<double> high_rail{};
+};
+
+/// Whether a tone is clipped, from `samples` before any filter (NaN where there is no measurement)
+/// at `rate_hz`, with the tone at `tone_hz`.
+///
+/// Equal samples at an extreme are no proof: of a clean tone of 400 Hz at 2 kHz 19 % may be its
+/// maximum. So the tone, its harmonics up to the third where they explain the samples better, and a
+/// quartic drift are fitted to the samples off the rails, in blocks of 0.1 s. Clipped: at the
+/// railed samples they lie beyond the rail by more than four standard deviations of what the fit
+/// leaves, and of the fit there. Undecided: the sampled phases (as where rate and tone are
+/// commensurate) do not determine the harmonics, so that what flattens the tone may be its own.
+/// None also where one sine fits all samples as well, and where less than 0.1 % are at a rail.
+///
+/// False alarms, misses and what is undecided are counted in tests/dsp/readings/clipping_test.cc.
+/// Not found: rails that noise or an interpolation has blurred. Cost: one look at the samples; of
+/// those with a rail 300 flops each.
+[[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
+                                    double tone_hz);
+
+/// The step that all of `samples` are multiples of, apart from an offset: the least change from
+/// sample to sample, if every other change is a multiple of it (to 1 %); 0 otherwise.
+[[nodiscard]] double StepOf(std::span<const double> samples);
+
+/// Half width of the error of the RMS of a sine of `amplitude`, rounded to `step`, with Gaussian
+/// noise of `noise_rms` before the rounding.
+///
+/// The rounded sine's harmonic n differs from the sine's by at most
+///   e(n) = (2 q / pi) sum over k >= 1 of |J_n(2 pi k A / q)| exp(-2 pi^2 k^2 s^2 / q^2) / k
+/// whatever the offset between steps (Jacobi and Anger's expansion of the rounding error's Fourier
+/// series; Widrow and Kollar, Quantization Noise, 2008, 5.3). The RMS is off by e(1) / sqrt(2) at
+/// most, and by the power of the harmonics 2 to `harmonics` that the band holds. Noise of half a
+/// step makes it 1e-2 of the amplitude of one step. Cost: 200 terms a harmonic; the rest of the
+/// series is bounded by |J_n(x)| <= sqrt(2 / (pi x)).
+[[nodiscard]] double QuantisationBound(double step, double amplitude, double noise_rms,
+                                       int harmonics);
+
+}  // namespace haptometer::dsp

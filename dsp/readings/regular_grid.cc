@@ -1,0 +1,288 @@
+#include "dsp/readings/regular_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "dsp/readings/row_block.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kFarthestPeriods = 0.3;  // beyond this a time may belong to the next place
+// bound, as a part of a tone's amplitude, at which no further points are added
+constexpr double kNegligibleError = 1e-6;
+// numbers of nodes that are tried, from the cheapest
+constexpr std::array<std::size_t, 4> kPoints{4, 8, 12, 16};
+constexpr std::size_t kMostPoints = kPoints.back();
+
+// places of the rows on a grid, and the grid
+struct Places {
+  std::vector<std::int64_t> place;  // of each row, growing
+  double start_s = 0;
+  double period_s = 0;
+
+  [[nodiscard]] double TimeOf(std::int64_t n) const {
+    return start_s + static_cast<double>(n) * period_s;
+  }
+};
+
+// a robust period: dropped readings change a median little
+double MedianInterval(std::span<const double> times_s) {
+  std::vector<double> intervals;
+  intervals.reserve(times_s.size());
+  for (std::size_t j = 1; j < times_s.size(); ++j) intervals.push_back(times_s[j] - times_s[j - 1]);
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::ranges::nth_element(intervals, middle);
+  return *middle;
+}
+
+// the least-squares line of the times over their places
+void FitLine(std::span<const double> times_s, Places& places) {
+  const auto n = static_cast<double>(times_s.size());
+  // about the means, with times relative to the first, so that large times cost no digits
+  double mean_place = 0;
+  double mean_s = 0;  // of what the times are past the first
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    mean_place += static_cast<double>(places.place[j]) / n;
+    mean_s += (times_s[j] - times_s[0]) / n;
+  }
+  double xt = 0;
+  double xx = 0;
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    const double x = static_cast<double>(places.place[j]) - mean_place;
+    xt += x * (times_s[j] - times_s[0] - mean_s);
+    xx += x * x;
+  }
+  places.period_s = xt / xx;
+  places.start_s = times_s[0] + mean_s - mean_place * places.period_s;
+}
+
+// numbers of periods between readings, rounded, then the line through times over them
+Places PlacesOf(std::span<const double> times_s) {
+  Places places;
+  places.place.reserve(times_s.size());
+  places.place.push_back(0);
+  const double period_s = MedianInterval(times_s);
+  for (std::size_t j = 1; j < times_s.size(); ++j) {
+    // successive readings are at least one period apart
+    const double periods = std::clamp((times_s[j] - times_s[j - 1]) / period_s, 1.0, 1e15);
+    places.place.push_back(places.place.back() + std::llround(periods));
+  }
+  FitLine(times_s, places);
+  return places;
+}
+
+// standard deviation and largest distance of the times from the line, and places without a reading
+void DescribeJitter(std::span<const double> times_s, const Places& places, RegularGrid& grid) {
+  double square_sum = 0;
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    const double jitter_s = times_s[j] - places.TimeOf(places.place[j]);
+    square_sum += jitter_s * jitter_s;
+    grid.largest_jitter_s = std::max(grid.largest_jitter_s, std::abs(jitter_s));
+  }
+  const auto n = static_cast<double>(times_s.size());
+  grid.jitter_s = std::sqrt(square_sum / (n - 2));
+  grid.rate_hz = 1 / places.period_s;
+  grid.dropped = static_cast<std::size_t>(places.place.back()) + 1 - times_s.size();
+}
+
+// readings that are measured
+struct Readings {
+  std::vector<double> times_s;
+  std::vector<double> values;
+};
+
+Readings MeasuredOf(const trial::Channel& channel, std::span<const double> times_s) {
+  Readings readings;
+  readings.times_s.reserve(times_s.size());
+  readings.values.reserve(times_s.size());
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    if (!IsMeasured(channel.values[j], channel.statuses[j])) continue;
+    readings.times_s.push_back(times_s[j]);
+    readings.values.push_back(channel.values[j]);
+  }
+  return readings;
+}
+
+// first of the `points` readings nearest to reading `j`, moved inwards at the ends
+std::size_t FirstOf(std::size_t j, std::size_t points, std::size_t size) {
+  return std::min(j - std::min(j, points / 2), size - points);
+}
+
+// Cauchy's remainder for a tone of amplitude 1: w^m / m! product of |t - t_k|
+double Remainder(std::span<const double> nodes_s, double at_s, double omega) {
+  double product = 1;
+  double factor = 0;
+  for (const double node_s : nodes_s) product *= omega * std::abs(at_s - node_s) / ++factor;
+  return product;
+}
+
+// Neville's scheme: the polynomial through all nodes at `at_s`
+double Neville(std::span<const double> nodes_s, std::span<const double> values, double at_s) {
+  std::array<double, kMostPoints> p;
+  std::ranges::copy(values, p.begin());
+  for (std::size_t step = 1; step < nodes_s.size(); ++step) {
+    for (std::size_t k = 0; k + step < nodes_s.size(); ++k) {
+      p[k] += (at_s - nodes_s[k]) * (p[k + 1] - p[k]) / (nodes_s[k + step] - nodes_s[k]);
+    }
+  }
+  return p[0];
+}
+
+// interpolates one channel of jittered readings at the rows' places
+class Interpolator {
+ public:
+  Interpolator(const trial::Channel& channel, std::span<const double> times_s, const Places& places,
+               double omega)
+      : channel_(channel),
+        places_(places),
+        omega_(omega),
+        readings_(MeasuredOf(channel, times_s)) {}
+
+  [[nodiscard]] std::size_t readings() const { return readings_.times_s.size(); }
+
+  // bounds of the error at all measured rows
+  [[nodiscard]] std::vector<double> Bounds(std::size_t points) const {
+    std::vector<double> bounds;
+    bounds.reserve(readings());
+    ForEachMeasured([&](std::size_t row, std::size_t j) {
+      const double at_s = places_.TimeOf(places_.place[row]);
+      bounds.push_back(Remainder(Nodes(j, points), at_s, omega_));
+    });
+    return bounds;
+  }
+
+  // values at the places of the rows; NaN where there is none or its bound is too large
+  [[nodiscard]] std::vector<double> Values(std::size_t points, RegularGrid& grid) const {
+    std::vector<double> values(places_.place.size(), std::numeric_limits<double>::quiet_NaN());
+    ForEachMeasured([&](std::size_t row, std::size_t j) {
+      const double at_s = places_.TimeOf(places_.place[row]);
+      const std::span<const double> nodes_s = Nodes(j, points);
+      const double bound = Remainder(nodes_s, at_s, omega_);
+      if (bound > kLargestInterpolationError) {
+        ++grid.left_out;
+        return;
+      }
+      grid.error_bound = std::max(grid.error_bound, bound);
+      const std::size_t first = FirstOf(j, points, readings());
+      values[row] = Neville(nodes_s, std::span(readings_.values).subspan(first, points), at_s);
+    });
+    return values;
+  }
+
+ private:
+  [[nodiscard]] std::span<const double> Nodes(std::size_t j, std::size_t points) const {
+    return std::span(readings_.times_s).subspan(FirstOf(j, points, readings()), points);
+  }
+
+  template <typename Visit>
+  void ForEachMeasured(const Visit& visit) const {
+    for (std::size_t row = 0, j = 0; row < places_.place.size(); ++row) {
+      if (IsMeasured(channel_.values[row], channel_.statuses[row])) visit(row, j++);
+    }
+  }
+
+  const trial::Channel& channel_;
+  const Places& places_;
+  double omega_;
+  Readings readings_;
+};
+
+// the bound that nine of ten rows keep
+double UsualBound(std::vector<double> bounds) {
+  const auto most = bounds.begin() + static_cast<std::ptrdiff_t>(bounds.size() * 9 / 10);
+  std::ranges::nth_element(bounds, most);
+  return *most;
+}
+
+// the least number of points with a negligible bound, or that with the least bound
+std::size_t PointsFor(const Interpolator& interpolator) {
+  std::size_t best = kPoints.front();
+  double best_bound = std::numeric_limits<double>::infinity();
+  for (const std::size_t points : kPoints) {
+    if (points > interpolator.readings()) break;
+    const double bound = UsualBound(interpolator.Bounds(points));
+    if (bound < best_bound) {
+      best = points;
+      best_bound = bound;
+    }
+    if (bound < kNegligibleError) break;
+  }
+  return best;
+}
+
+// one row per reading; a stretch ends where places are without one
+void LayOut(const Places& places, RegularGrid& grid) {
+  trial::Record& record = grid.record;
+  record.rows = places.place.size();
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (row == 0 || places.place[row] != places.place[row - 1] + 1) {
+      record.stretches.push_back({row, 0, places.TimeOf(places.place[row]), grid.rate_hz, 0});
+    }
+    ++record.stretches.back().rows;
+  }
+}
+
+RegularGrid Refused(FindingKind kind, std::vector<FindingNumber> numbers) {
+  RegularGrid none;
+  none.refusal = {.severity = Severity::kRefusal, .kind = kind, .numbers = std::move(numbers)};
+  return none;
+}
+
+}  // namespace
+
+RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
+  HAPTOMETER_CHECK(record.times_are_known && record.raw_times_s.size() == record.rows,
+                   "{} times of {} rows", record.raw_times_s.size(), record.rows);
+  if (record.rows < kPoints.front()) {
+    return Refused(FindingKind::kFewUnevenTimes, {{"rows", record.rows}});
+  }
+  const std::span<const double> times_s = record.raw_times_s;
+  const Places places = PlacesOf(times_s);
+  RegularGrid grid;
+  // times too far from any grid cannot be assigned to places
+  DescribeJitter(times_s, places, grid);
+  if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
+    return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
+                                                  {"grid_s", 1 / grid.rate_hz},
+                                                  {"largest_jitter_s", grid.largest_jitter_s}});
+  }
+
+  grid.record.metadata = record.metadata;
+  LayOut(places, grid);
+  grid.record.channels.reserve(record.channels.size());
+  // each channel has its own unmeasured rows, so its own nodes and number of points
+  for (const trial::Channel& channel : record.channels) {
+    const Interpolator interpolator(channel, times_s, places, 2 * std::numbers::pi * upper_hz);
+    std::vector<double> values(record.rows, std::numeric_limits<double>::quiet_NaN());
+    if (interpolator.readings() >= kPoints.front()) {
+      grid.points = PointsFor(interpolator);
+      const std::size_t left_out_before = grid.left_out;
+      values = interpolator.Values(grid.points, grid);
+      // more than half of the rows beyond the bound: the readings do not determine the motion
+      if (2 * (grid.left_out - left_out_before) > interpolator.readings()) {
+        return Refused(FindingKind::kReadingsTooFarApart,
+                       {{"upper_hz", upper_hz}, {"readings_per_s", grid.rate_hz}});
+      }
+    }
+    grid.record.channels.push_back(channel);
+    grid.record.channels.back().values = std::move(values);
+  }
+  return grid;
+}
+
+Result<RegularGrid> OnRegularGrid(const trial::RowSource& source, double upper_hz) {
+  const auto record = trial::ReadAllRows(source);
+  if (!record) return std::unexpected(record.error());
+  return OnRegularGrid(*record, upper_hz);
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,119 @@
+// Kinematics and electrical state through AnalyzeBand; the oracle is the closed form.
+#include "dsp/analysis/window_numbers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/findings.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 10e3;
+constexpr std::size_t kRows = 30'000;
+constexpr double kRootTwo = std::numbers::sqrt2;
+
+void AddChannel(trial::Record& record, trial::ChannelRole role, const char* unit,
+                std::vector<double> values) {
+  trial::Channel channel = record.channels[0];
+  channel.role = role;
+  channel.unit = unit;
+  channel.values = std::move(values);
+  record.channels.push_back(std::move(channel));
+}
+
+// 10 um at 200 Hz; 2 V and 0.5 A, 0.6 rad behind
+trial::Record Driven() {
+  trial::Record record = RecordOf(Samples(kRateHz, kRows, 0.03, {{1e-5, 200}}), kRateHz);
+  AddChannel(record, trial::ChannelRole::kVoltage, "V", Samples(kRateHz, kRows, 0, {{2, 200, 1}}));
+  AddChannel(record, trial::ChannelRole::kCurrent, "A",
+             Samples(kRateHz, kRows, 0, {{0.5, 200, 0.4}}));
+  return record;
+}
+
+// on for 0.3 s from the first row on: hardly any of it settles, and what is left is its pause
+TEST(WindowNumbers, ADriveThatDidNotSettleHasNoAnswer) {
+  std::vector<double> displacement = Samples(kRateHz, 10'000, 0.03, {{1e-5, 200}});
+  std::vector<double> voltage = Samples(kRateHz, 10'000, 0, {{2, 200, 1}});
+  std::fill(displacement.begin() + 3000, displacement.end(), 0.03);
+  std::fill(voltage.begin() + 3000, voltage.end(), 0.0);
+  trial::Record record = RecordOf(std::move(displacement), kRateHz);
+  AddChannel(record, trial::ChannelRole::kVoltage, "V", std::move(voltage));
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis);
+  EXPECT_FALSE(analysis->answered);
+  EXPECT_THAT(
+      RefusalsIn(analysis->findings),
+      ::testing::ElementsAre(::testing::AnyOf(FindingKind::kNothingSteady, FindingKind::kNoDrive)));
+}
+
+TEST(WindowNumbers, ATonesVelocityAndAcceleration) {
+  const auto analysis = AnalyzeBand(Driven(), {});
+  ASSERT_TRUE(analysis && analysis->numbers->kinematics);
+  const Kinematics& motion = *analysis->numbers->kinematics;
+  const double turn = 2 * std::numbers::pi * 200;
+  EXPECT_REL(motion.velocity_rms, turn * 1e-5 / kRootTwo, 1e-4,
+             "|H|^2 at 200 Hz: 1.7e-5; what has no neighbours at the ends, so a part of 2600 / 50 "
+             "periods: measured 6.8e-5");
+  EXPECT_REL(motion.acceleration_rms, turn * turn * 1e-5 / kRootTwo, 1e-4, "the same");
+  EXPECT_REL(motion.velocity_peak, turn * 1e-5, 1e-3, "50 samples a period");
+  const UsedPart& part = analysis->numbers->part;
+  EXPECT_GE(motion.begin, part.first_row);
+  EXPECT_LE(motion.end, part.first_row + part.rows);
+  EXPECT_GE(motion.end - motion.begin, part.rows - 256);
+}
+
+TEST(WindowNumbers, TooLowARateGivesNoDerivative) {
+  const auto analysis = AnalyzeBand(RecordOf(Samples(1.4e3, 5000, 0.03, {{1e-5, 200}}), 1.4e3), {});
+  ASSERT_TRUE(analysis && analysis->answered);
+  EXPECT_FALSE(analysis->numbers->kinematics);
+}
+
+TEST(WindowNumbers, VoltageAndCurrentGivePowerAndImpedance) {
+  const auto analysis = AnalyzeBand(Driven(), {});
+  ASSERT_TRUE(analysis && analysis->numbers->electrical);
+  const ElectricalState& state = *analysis->numbers->electrical;
+  EXPECT_REL(state.voltage_rms_v.value, kRootTwo, 1e-8, "the tone's frequency");
+  EXPECT_REL(state.current_rms_a.value, 0.5 / kRootTwo, 1e-8, "the same");
+  EXPECT_REL(state.real_power_w.value, 0.5 * std::cos(0.6), 1e-8, "the same");
+  EXPECT_ABS(state.phase_rad.value, -0.6, 1e-8, "the same");
+  EXPECT_REL(state.reactance_ohm.value, 4 * std::sin(0.6), 1e-8, "the same");
+}
+
+TEST(WindowNumbers, ElectricalReadingsThatAreNoneAreSaid) {
+  trial::Record record = Driven();
+  record.channels[2].values[15'000] = std::numeric_limits<double>::quiet_NaN();
+  record.channels[1].statuses[16'000] = trial::SampleStatus::kClipped;
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis && analysis->answered);
+  EXPECT_FALSE(analysis->numbers->electrical);
+  EXPECT_EQ(NumberOf(analysis->findings, FindingKind::kElectricalUnmeasured, "readings"), 2);
+}
+
+TEST(WindowNumbers, ASilentCurrentIsSaidAndAnotherUnitIsNoCurrent) {
+  trial::Record record = Driven();
+  record.channels[2].values.assign(kRows, 0.1);
+  const auto silent = AnalyzeBand(record, {});
+  ASSERT_TRUE(silent);
+  EXPECT_FALSE(silent->numbers->electrical);
+  EXPECT_REL(NumberOf(silent->findings, FindingKind::kElectricalNoTone, "frequency_hz"), 200.0,
+             1e-6, "the tone's fit");
+  record.channels[2].unit = "V";
+  const auto shunt = AnalyzeBand(record, {});
+  EXPECT_FALSE(shunt->numbers->electrical);
+  EXPECT_EQ(shunt->findings.list().size() + 1, silent->findings.list().size());
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

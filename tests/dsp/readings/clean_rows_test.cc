@@ -1,0 +1,231 @@
+#include "dsp/readings/clean_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kRateHz = 5e3;
+constexpr double kTruthM = 20e-6 / std::numbers::sqrt2;
+
+// 20 um with noise of 0.2 um
+std::vector<double> Vibration(std::size_t count, std::uint64_t seed, double tone_hz = 175) {
+  std::vector<double> values = Samples(kRateHz, count, 0.03, {{20e-6, tone_hz}});
+  Noise noise(seed);
+  for (double& x : values) x += 2e-7 * noise();
+  return values;
+}
+
+// a record and what is left of it; the record must outlive the rows
+struct Cleaned {
+  explicit Cleaned(trial::Record given) : record(std::move(given)) {}
+
+  trial::Record record;
+  trial::RecordRows rows{record};
+  CleanChannel clean = Clean(rows, 0).value();
+};
+
+// rows of `record` that `keep` says stay, as the times of a table without the others give them
+template <typename Keep>
+trial::Record WithRows(const trial::Record& record, const Keep& keep) {
+  trial::Record left = record;
+  left.stretches.clear();
+  left.channels[0].values.clear();
+  left.channels[0].statuses.clear();
+  bool follows = false;
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (!keep(row)) {
+      follows = false;
+      continue;
+    }
+    if (!follows) {
+      left.stretches.push_back(
+          {left.channels[0].values.size(), 0, static_cast<double>(row) / kRateHz, kRateHz, 0});
+    }
+    follows = true;
+    ++left.stretches.back().rows;
+    left.channels[0].values.push_back(record.channels[0].values[row]);
+    left.channels[0].statuses.push_back(SampleStatus::kOk);
+  }
+  left.rows = left.channels[0].values.size();
+  return left;
+}
+
+TEST(CleanRows, AbsentRowsAreMissingValues) {
+  for (const std::size_t every : {std::size_t{97}, std::size_t{1500}}) {
+    trial::Record missing = RecordOf(Vibration(15'000, 1), kRateHz);
+    const auto keep = [&](std::size_t row) { return row % every != every / 2; };
+    const trial::Record absent = WithRows(missing, keep);
+    for (std::size_t row = 0; row < missing.rows; ++row) {
+      if (keep(row)) continue;
+      missing.channels[0].values[row] = std::numeric_limits<double>::quiet_NaN();
+      missing.channels[0].statuses[row] = SampleStatus::kLate;
+    }
+    const auto one = AnalyzeBand(missing, {});
+    const auto other = AnalyzeBand(absent, {});
+    ASSERT_TRUE(one && other && one->answered && other->answered) << every;
+    // the rate is a quotient of times, rounded once
+    EXPECT_REL(other->numbers->rms.rms_m, one->numbers->rms.rms_m, 1e-12, "rounding of the rate");
+    EXPECT_REL(other->numbers->rms.upper_m, one->numbers->rms.upper_m, 1e-9, "the same");
+    EXPECT_EQ(other->record.bridged, one->record.bridged);
+    EXPECT_EQ(other->record.segments, 1U);
+    EXPECT_EQ(other->faults.Count(FaultKind::kStep), 0U);
+    EXPECT_EQ(other->record.rows, absent.rows);
+    EXPECT_LT(other->numbers->rms.lower_m, kTruthM);
+    EXPECT_GT(other->numbers->rms.upper_m, kTruthM);
+  }
+}
+
+TEST(CleanRows, StretchesOnOtherClocksStayApart) {
+  trial::Record record = RecordOf(Vibration(4000, 2), kRateHz);
+  // a gap of 7.5 rows, and one of 8 rows at another rate
+  record.stretches = {{0, 1000, 0, kRateHz, 0},
+                      {1000, 1000, 1007.5 / kRateHz, kRateHz, 0},
+                      {2000, 2000, 2015.5 / kRateHz, 1.001 * kRateHz, 0}};
+  const Cleaned cleaned(record);
+  const CleanChannel& clean = cleaned.clean;
+  EXPECT_FALSE(clean.rows->AnyAbsent());
+  EXPECT_EQ(clean.segments.parts.size(), 3U);
+}
+
+TEST(CleanRows, RowsOfTheSource) {
+  const trial::Record whole = RecordOf(Vibration(4000, 3), kRateHz);
+  const Cleaned cleaned(WithRows(whole, [](std::size_t row) { return row < 1000 || row > 1004; }));
+  const CleanChannel& clean = cleaned.clean;
+  ASSERT_TRUE(clean.rows->AnyAbsent());
+  EXPECT_EQ(clean.rows->head().rows, 4000U);
+  EXPECT_EQ(clean.rows->RowOf(999), 999U);
+  EXPECT_EQ(clean.rows->RowOf(1002), 1000U);
+  EXPECT_EQ(clean.rows->RowOf(1005), 1000U);
+  EXPECT_EQ(clean.rows->RowOf(3999), 3994U);
+  EXPECT_TRUE(clean.rows->IsAbsent(1004));
+  EXPECT_FALSE(clean.rows->IsAbsent(1005));
+}
+
+// -99.998 and its like in any unit, rails, and values beyond 50 mm
+TEST(CleanRows, CodesOfNoReadingAreExcluded) {
+  struct Case {
+    double value_m;
+    SampleStatus status;
+    double offset_m;
+  };
+  for (const Case& one :
+       {Case{-99.998e-3, SampleStatus::kInvalid, 0.03}, Case{99.999e-3, SampleStatus::kOver, 0.03},
+        Case{-99.999e-3, SampleStatus::kUnder, 0.03}, Case{-999.98e-6, SampleStatus::kInvalid, 0},
+        Case{999.99e-6, SampleStatus::kOver, 0}, Case{0.2, SampleStatus::kOver, 0.03},
+        Case{31.5e-3, SampleStatus::kOver, 0.03}}) {
+    for (const std::size_t rows : {5U, 60U, 700U}) {
+      trial::Record record = RecordOf(Vibration(15'000, rows), kRateHz);
+      for (double& x : record.channels[0].values) x += one.offset_m - 0.03;
+      for (std::size_t k = 0; k < rows; ++k) {
+        record.channels[0].values[(k * 7919) % 15'000] = one.value_m;
+      }
+      const auto analysis = AnalyzeBand(record, {});
+      ASSERT_TRUE(analysis && analysis->answered) << one.value_m << " " << rows;
+      EXPECT_EQ(analysis->record.by_status[static_cast<std::size_t>(one.status)], rows);
+      EXPECT_LE(analysis->numbers->rms.lower_m, kTruthM) << one.value_m << " " << rows;
+      EXPECT_GE(analysis->numbers->rms.upper_m, kTruthM) << one.value_m << " " << rows;
+      EXPECT_REL(analysis->numbers->rms.rms_m, kTruthM, 0.01, "5 % of the rows interpolated");
+    }
+  }
+}
+
+TEST(CleanRows, MotionThatSitsAtOneValueIsNoCode) {
+  // a square wave, a pulse without noise, a drive that pauses, a rail far from nothing
+  std::vector<double> square(10'000);
+  std::vector<double> pulses(10'000, 0.03);
+  std::vector<double> gated = Samples(kRateHz, 10'000, 0.03, {{20e-6, 175}});
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    square[k] = 0.03 + ((k / 25) % 2 == 0 ? 20e-6 : -20e-6);
+    if (k % 500 < 5) pulses[k] += 1e-3;
+    if (k > 3000) gated[k] = 0.03;
+  }
+  // five values a period, of which two differ in their last digit
+  std::vector<double> five(10'000);
+  for (std::size_t k = 0; k < five.size(); ++k) {
+    five[k] = 20e-6 * std::sin(0.4 * std::numbers::pi * static_cast<double>(k % 5));
+    if (k % 10 == 2) five[k] += 1e-20;
+  }
+  for (const auto& values : {square, pulses, gated, five}) {
+    EXPECT_TRUE(Cleaned(RecordOf(values, kRateHz)).clean.codes.empty());
+  }
+}
+
+TEST(CleanRows, SpikesNeverReachTheNumber) {
+  for (const double height_m : {2e-4, -1e-3, 10e-3}) {
+    for (std::size_t seed = 1; seed <= 4; ++seed) {
+      trial::Record record = RecordOf(Vibration(15'000, seed), kRateHz);
+      for (std::size_t row = 600 + seed; row < 15'000; row += 1777) {
+        record.channels[0].values[row] += height_m;
+        if (seed % 2 == 0) record.channels[0].values[row + 1] += height_m;
+      }
+      const auto analysis = AnalyzeBand(record, {});
+      ASSERT_TRUE(analysis && analysis->answered);
+      EXPECT_EQ(analysis->faults.Count(FaultKind::kSpike), 9U);
+      EXPECT_LE(analysis->numbers->rms.lower_m, kTruthM) << height_m;
+      EXPECT_GE(analysis->numbers->rms.upper_m, kTruthM) << height_m;
+      EXPECT_REL(analysis->numbers->rms.rms_m, kTruthM, 2e-3, "noise and 18 interpolated rows");
+    }
+  }
+}
+
+// square waves, drives that are switched, and bumps, with noise and without: of 30 records two have
+// a row excluded
+TEST(CleanRows, SharpMotionIsNoSpike) {
+  std::size_t excluded = 0;
+  for (std::size_t seed = 1; seed <= 10; ++seed) {
+    const double noise_m = seed % 2 == 0 ? 0 : 1e-7;
+    const double tone_hz = 60 + 20 * static_cast<double>(seed);
+    std::vector<double> square = Samples(kRateHz, 15'000, 0, {{20e-6, tone_hz / 2, 0.1}});
+    std::vector<double> gated = Samples(kRateHz, 15'000, 0, {{20e-6, tone_hz, 1}});
+    std::vector<double> bump = Samples(kRateHz, 15'000, 0, {{20e-6, tone_hz}});
+    Noise noise(seed);
+    for (std::size_t k = 0; k < square.size(); ++k) {
+      square[k] = (square[k] < 0 ? -20e-6 : 20e-6) + noise_m * noise();
+      if (k < 5000 || k > 12'000) gated[k] = 0;
+      gated[k] += noise_m * noise();
+      const double t_s = (static_cast<double>(k) - 7500) / kRateHz;
+      if (t_s > 0)
+        bump[k] += 20e-6 * std::exp(-t_s / 0.05) * std::sin(2 * std::numbers::pi * 30 * t_s);
+      bump[k] += noise_m * noise();
+    }
+    for (const auto& values : {square, gated, bump}) {
+      // an edge in the last three rows cannot be told from a spike
+      const Cleaned cleaned(RecordOf(values, kRateHz));
+      excluded += static_cast<std::size_t>(std::ranges::count_if(
+          cleaned.clean.faults.excluded, [](const RowRange& range) { return range.end < 14'997; }));
+    }
+  }
+  // two of the noise-free bumps: 0.2 um at the kink where 40 um move
+  EXPECT_LE(excluded, 2U);
+}
+
+TEST(CleanRows, HeldReadingsAreMissingValues) {
+  trial::Record record = RecordOf(Vibration(15'000, 8), kRateHz);
+  auto& values = record.channels[0].values;
+  for (std::size_t k = 1; k < 50; ++k) values[7000 + k] = values[7000];
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis && analysis->answered);
+  EXPECT_EQ(analysis->record.bridged, 49U);
+  EXPECT_EQ(analysis->record.segments, 1U);
+  EXPECT_GT(analysis->numbers->part.window.duration_s(), 2.0);
+  EXPECT_LE(analysis->numbers->rms.lower_m, kTruthM);
+  EXPECT_GE(analysis->numbers->rms.upper_m, kTruthM);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

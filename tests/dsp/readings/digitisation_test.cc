@@ -1,0 +1,208 @@
+// Clipping against tones whose rails are known; the bound of rounding against the Fourier series
+// of a rounded sine, its steps taken one by one.
+#include "dsp/readings/digitisation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using enum ClippingVerdict;
+
+std::vector<double> Tone(double rate_hz, double tone_hz, double noise_m, std::uint64_t seed,
+                         double second_m = 0) {
+  std::vector<double> values = Samples(
+      rate_hz, static_cast<std::size_t>(2 * rate_hz), 0,
+      {{50e-6, tone_hz, 0.1 * static_cast<double>(seed)}, {second_m, 2 * tone_hz, 1.3}, {2e-5, 6}});
+  Noise noise(seed);
+  for (double& x : values) x += noise_m * noise();
+  return values;
+}
+
+void Clip(std::vector<double>& values, double most) {
+  for (double& x : values) x = std::min(x, most);
+}
+
+TEST(Clipping, FewSamplesAPeriodAreEnough) {
+  // six samples a period at 331 Hz: a rail at 0.6 of the amplitude holds 29 % of them
+  for (const double noise_m : {0.0, 2e-7}) {
+    for (const double tone_hz : {331.0, 287.3, 175.7, 90.1, 440.3}) {
+      std::vector<double> values = Tone(2000, tone_hz, noise_m, 1);
+      Clip(values, 3e-5);
+      const Clipping clipping = FindClipping(values, 2000, tone_hz);
+      EXPECT_EQ(clipping.verdict, kClipped) << tone_hz;
+      EXPECT_EQ(clipping.high_rail, 3e-5);
+      EXPECT_FALSE(clipping.low_rail);
+      EXPECT_ABS(clipping.share, 0.27, 0.06, "drift moves the tone against the rail");
+    }
+  }
+}
+
+// clean tones, commensurate with the rate or not: none of 60 is called clipped
+TEST(Clipping, CleanTonesAreNot) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (const double tone_hz : {400.0, 250.0, 331.0, 500.0, 123.4}) {
+      for (const double noise_m : {0.0, 2e-7}) {
+        std::vector<double> values = Tone(2000, tone_hz, noise_m, seed);
+        // steps of 2 um put many samples on the highest
+        if (seed % 2 == 0) {
+          for (double& x : values) x = std::round(x / 2e-6) * 2e-6;
+        }
+        EXPECT_NE(FindClipping(values, 2000, tone_hz).verdict, kClipped) << tone_hz << " " << seed;
+      }
+    }
+  }
+}
+
+TEST(Clipping, ACommensurateToneIsUndecided) {
+  // five phases: without the railed ones they do not determine the harmonics
+  std::vector<double> values = Samples(2000, 4000, 0, {{50e-6, 400, 0.3}});
+  Clip(values, 3e-5);
+  EXPECT_EQ(FindClipping(values, 2000, 400).verdict, kUndecided);
+}
+
+TEST(Clipping, HarmonicsAreNoRail) {
+  std::vector<double> values = Tone(10e3, 175, 0, 1, 1.2e-5);
+  EXPECT_EQ(FindClipping(values, 10e3, 175).verdict, kNone);
+  EXPECT_EQ(FindClipping({}, 10e3, 175).verdict, kNone);
+  EXPECT_EQ(FindClipping(std::vector<double>(500, 1.0), 10e3, 175).verdict, kNone);
+}
+
+constexpr int kOffsets = 32;  // places of the sine between two steps
+
+// What rounding to steps of 1 makes of c + A cos(theta) + noise of standard deviation s, on average
+// over the noise: a step of 1 at each threshold j + 1/2, blurred to a normal distribution function.
+double MeanOfRounded(double x, double noise) {
+  const double reach = 9 * noise;
+  const double low = std::floor(x - reach);
+  double mean = low;
+  for (double threshold = low + 0.5; threshold < x + reach; ++threshold) {
+    mean += std::erfc((threshold - x) / noise / std::numbers::sqrt2) / 2;
+  }
+  return mean;
+}
+
+// Amplitudes of harmonics 1 to `harmonics`. Without noise: of a step at theta_j = acos((j + 1/2 -
+// c) / A), (2 / pi) sin(n theta_j) / n. With noise: the midpoint rule over half a period.
+std::vector<double> HarmonicsOfRounded(double amplitude, double offset, double noise,
+                                       int harmonics) {
+  std::vector<double> sums(static_cast<std::size_t>(harmonics));
+  if (noise == 0) {
+    for (double j = std::floor(offset - amplitude) - 1; j < offset + amplitude + 1; ++j) {
+      const double cosine = (j + 0.5 - offset) / amplitude;
+      if (std::abs(cosine) >= 1) continue;
+      for (int n = 1; n <= harmonics; ++n) {
+        sums[static_cast<std::size_t>(n) - 1] +=
+            2 / std::numbers::pi * std::sin(n * std::acos(cosine)) / n;
+      }
+    }
+    return sums;
+  }
+  constexpr int kPoints = 512;
+  for (int k = 0; k < kPoints; ++k) {
+    const double theta = (k + 0.5) / kPoints * std::numbers::pi;
+    const double value = MeanOfRounded(offset + amplitude * std::cos(theta), noise);
+    for (int n = 1; n <= harmonics; ++n) {
+      sums[static_cast<std::size_t>(n) - 1] += 2.0 / kPoints * value * std::cos(n * theta);
+    }
+  }
+  return sums;
+}
+
+// The greatest error of the RMS of harmonics 1 to `harmonics` over all offsets.
+double WorstError(double amplitude, double noise, int harmonics) {
+  double worst = 0;
+  for (int place = 0; place < kOffsets; ++place) {
+    double square = 0;
+    for (const double harmonic :
+         HarmonicsOfRounded(amplitude, static_cast<double>(place) / kOffsets, noise, harmonics)) {
+      square += harmonic * harmonic / 2;
+    }
+    worst = std::max(worst, std::abs(std::sqrt(square) - amplitude / std::numbers::sqrt2));
+  }
+  return worst;
+}
+
+constexpr double kAmplitudes[] = {0.1, 0.3, 0.45, 0.5, 0.55, 0.7, 0.9,  1.0,  1.1,
+                                  1.3, 1.5, 1.8,  2.2, 2.7,  3.5, 5.25, 7.75, 12.1};
+
+TEST(StepOf, IsTheStepOfRoundedSamples) {
+  for (const double step : {1e-8, 2.5e-7, 1.0}) {
+    for (const double offset : {0.0, 0.03, -0.3 * step}) {
+      std::vector<double> values;
+      for (const double code : {0, 3, 4, 4, 9, -2, -1, 6}) values.push_back(offset + code * step);
+      EXPECT_REL(StepOf(values), step, 1e-8, "0.03 is rounded to 3e-18, 3e-10 of a step of 1e-8");
+    }
+  }
+}
+
+TEST(StepOf, IsNothingOfOtherSamples) {
+  EXPECT_EQ(StepOf({}), 0);
+  EXPECT_EQ(StepOf(std::vector<double>{0.5}), 0);
+  EXPECT_EQ(StepOf(std::vector<double>(9, 0.5)), 0);
+  EXPECT_EQ(StepOf(std::vector<double>{0, 2, 5, 7}), 0);  // 3 is no multiple of 2
+  EXPECT_EQ(StepOf(std::vector<double>{0, 1, 2.05, 3.05}), 0);
+  EXPECT_EQ(StepOf(Samples(10e3, 1000, 0, {{1e-6, 225}})), 0);
+  std::vector<double> values(1000);
+  Noise noise(1);
+  for (double& value : values) value = noise();
+  EXPECT_EQ(StepOf(values), 0);
+}
+
+// Over 18 amplitudes, 6 levels of noise, 32 offsets; `harmonics` 1 is the tone alone.
+TEST(QuantisationBound, HoldsTheErrorOfEveryRoundedSine) {
+  for (const int harmonics : {1, 2, 5}) {
+    for (const double noise : {0.0, 0.05, 0.1, 0.2, 0.3, 0.5}) {
+      for (const double amplitude : kAmplitudes) {
+        const double worst = WorstError(amplitude, noise, harmonics);
+        const double bound = QuantisationBound(1, amplitude, noise, harmonics);
+        // terms of the series below 1e-6 of a step are left out
+        EXPECT_GE(bound, worst - 1e-6) << amplitude << ' ' << noise << ' ' << harmonics;
+      }
+    }
+  }
+}
+
+// The offset is not known, the phases of the series' terms neither: their absolute values are
+// summed. Compared with the greatest error of all amplitudes within half a step, at which the
+// terms' phases differ, this is at most three times too much.
+TEST(QuantisationBound, IsAtMostThreeTimesTheWorstError) {
+  for (const int harmonics : {1, 5}) {
+    for (const double noise : {0.0, 0.1, 0.3}) {
+      for (const double amplitude : {0.75, 1.3, 2.2, 3.5, 7.75}) {
+        double worst = 0;
+        for (double near = amplitude - 0.5; near <= amplitude + 0.5; near += 0.125) {
+          worst = std::max(worst, WorstError(near, noise, harmonics));
+        }
+        const double bound = QuantisationBound(1, amplitude, noise, harmonics);
+        EXPECT_LE(bound, 3 * worst) << amplitude << ' ' << noise << ' ' << harmonics;
+      }
+    }
+  }
+}
+
+TEST(QuantisationBound, ScalesWithTheStep) {
+  for (const double amplitude : kAmplitudes) {
+    EXPECT_EQ(QuantisationBound(0x1p-20, amplitude * 0x1p-20, 0x1p-23, 3),
+              0x1p-20 * QuantisationBound(1, amplitude, 0x1p-3, 3));
+  }
+  EXPECT_EQ(QuantisationBound(0, 1e-6, 0, 3), 0);
+}
+
+TEST(QuantisationBound, NoiseOfHalfAStepLeavesAHundredthOfAStep) {
+  for (const double amplitude : kAmplitudes) {
+    EXPECT_LE(QuantisationBound(1, amplitude, 0.5, 5), 1e-2);
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

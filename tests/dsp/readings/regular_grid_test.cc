@@ -1,0 +1,158 @@
+// The oracle is the closed form: sums of tones, at the jittered times and at the grid's.
+#include "dsp/readings/regular_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/findings.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kRateHz = 10e3;
+constexpr double kPeriodS = 1 / kRateHz;
+constexpr double kUpperHz = 500;
+
+double Motion(double t_s) {
+  return 0.03 + 1e-6 * std::sin(2 * std::numbers::pi * 225 * t_s + 1) +
+         1e-6 * std::sin(2 * std::numbers::pi * 500 * t_s);
+}
+
+// readings at (k + jitter) / rate for each k of `places`
+trial::Record Jittered(const std::vector<double>& places, double jitter_periods) {
+  Noise noise(7);
+  std::vector<double> values;
+  std::vector<double> times_s;
+  for (const double place : places) {
+    const double off = std::clamp(noise(), -2.5, 2.5);
+    times_s.push_back((place + jitter_periods * off) * kPeriodS);
+    values.push_back(Motion(times_s.back()));
+  }
+  trial::Record record = RecordOf(values, kRateHz);
+  record.timing = trial::Timing::kPolled;
+  record.raw_times_s = times_s;
+  record.times_are_known = true;
+  return record;
+}
+
+std::vector<double> Counted(std::size_t count) {
+  std::vector<double> places;
+  for (std::size_t k = 0; k < count; ++k) places.push_back(static_cast<double>(k));
+  return places;
+}
+
+double WorstError(const trial::Record& record) {
+  double worst = 0;
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (std::isnan(record.channels[0].values[row])) continue;
+    const double error = record.channels[0].values[row] - Motion(TimeOf(record, row));
+    worst = std::max(worst, std::abs(error));
+  }
+  return worst;
+}
+
+TEST(RegularGrid, SmallJitterIsTakenOutWithinTheBound) {
+  for (const double jitter : {0.001, 0.02, 0.1}) {
+    const auto grid = OnRegularGrid(Jittered(Counted(5000), jitter), kUpperHz);
+    ASSERT_FALSE(grid.refusal);
+    EXPECT_EQ(grid.record.rows, 5000U);
+    EXPECT_EQ(grid.record.timing, trial::Timing::kUniform);
+    EXPECT_EQ(grid.dropped, 0U);
+    EXPECT_EQ(grid.left_out, 0U);
+    // the slope's uncertainty is jitter sqrt(12) / n^1.5 of a period
+    EXPECT_REL(grid.rate_hz, kRateHz, 5 * jitter * std::sqrt(12) / std::pow(5000, 1.5),
+               "five times the slope's uncertainty");
+    EXPECT_REL(grid.jitter_s, jitter * kPeriodS, 0.06, "5000 values; cut at 2.5 sd");
+    // two tones of 1 um, and rounding at 30 mm
+    EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+    // left alone, jitter would add 2 pi f s
+    EXPECT_LT(grid.error_bound, 2 * std::numbers::pi * kUpperHz * grid.jitter_s / 50);
+  }
+}
+
+TEST(RegularGrid, TheBoundIsNotTooFarFromTheError) {
+  // a tone at the upper corner itself
+  trial::Record record = Jittered(Counted(5000), 0.1);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    record.channels[0].values[row] =
+        std::sin(2 * std::numbers::pi * 1500 * record.raw_times_s[row]);
+  }
+  const auto tone = OnRegularGrid(record, 1500);
+  ASSERT_FALSE(tone.refusal);
+  double worst = 0;
+  for (std::size_t row = 0; row < tone.record.rows; ++row) {
+    const double t_s = TimeOf(tone.record, row);
+    worst = std::max(worst, std::abs(tone.record.channels[0].values[row] -
+                                     std::sin(2 * std::numbers::pi * 1500 * t_s)));
+  }
+  EXPECT_LT(worst, tone.error_bound);
+  EXPECT_GT(worst, tone.error_bound / 10);
+}
+
+TEST(RegularGrid, DroppedReadingsAreHolesAndNotJitter) {
+  std::vector<double> places;
+  for (int k = 0; k < 3000; ++k) {
+    // two lost in a row now and then, fifty once
+    if (k % 500 == 77 || k % 500 == 78 || (k >= 2000 && k < 2050)) continue;
+    places.push_back(k);
+  }
+  const auto grid = OnRegularGrid(Jittered(places, 0.02), kUpperHz);
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.dropped, 62U);
+  // six pairs and the fifty, each behind a stretch; twelve rows are lost before the fifty
+  ASSERT_EQ(grid.record.stretches.size(), 8U);
+  EXPECT_EQ(grid.record.stretches[1].first_row, 77U);
+  EXPECT_EQ(grid.record.stretches[5].first_row, 1992U);
+  EXPECT_ABS(grid.record.stretches[5].start_s, 0.205, 1e-3 * kPeriodS, "the line's uncertainty");
+  EXPECT_EQ(grid.record.rows, 2938U);
+  EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+}
+
+TEST(RegularGrid, ReadingsWithoutAMeasurementStaySo) {
+  trial::Record record = Jittered(Counted(200), 0.05);
+  record.channels[0].statuses[50] = SampleStatus::kOver;
+  record.channels[0].values[60] = std::numeric_limits<double>::infinity();
+  const auto grid = OnRegularGrid(record, kUpperHz);
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.record.channels[0].statuses[50], SampleStatus::kOver);
+  EXPECT_TRUE(std::isnan(grid.record.channels[0].values[50]));
+  EXPECT_TRUE(std::isnan(grid.record.channels[0].values[60]));
+  EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+}
+
+TEST(RegularGrid, LargeJitterIsRefused) {
+  const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.25), kUpperHz);
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_EQ(grid.refusal->kind, FindingKind::kTimesTooUneven);
+}
+
+TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {
+  const trial::Record record = Jittered(Counted(500), 0.05);
+  const auto grid = OnRegularGrid(trial::RecordRows(record), kUpperHz);
+  ASSERT_TRUE(grid);
+  EXPECT_EQ(grid->record.channels[0].values,
+            OnRegularGrid(record, kUpperHz).record.channels[0].values);
+}
+
+TEST(RegularGrid, TooFewReadingsForTheBandAreRefused) {
+  const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.05), 4500);
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_EQ(grid.refusal->kind, FindingKind::kReadingsTooFarApart);
+  EXPECT_EQ(tests::NumbersOf(*grid.refusal).substr(0, 14), "upper_hz=4500 ");
+  const auto short_grid = OnRegularGrid(Jittered(Counted(3), 0.01), kUpperHz);
+  ASSERT_TRUE(short_grid.refusal);
+  EXPECT_EQ(short_grid.refusal->kind, FindingKind::kFewUnevenTimes);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

@@ -1,0 +1,158 @@
+#include "dsp/readings/segments.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kRateHz = 10e3;
+
+void Spoil(trial::Record& record, std::size_t row, std::size_t count,
+           SampleStatus status = SampleStatus::kLate) {
+  for (std::size_t k = row; k < row + count; ++k) {
+    record.channels[0].statuses[k] = status;
+    record.channels[0].values[k] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+std::vector<RowRange> HolesOf(const trial::Record& record) {
+  std::vector<RowRange> holes;
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    const trial::Channel& channel = record.channels[0];
+    if (IsMeasured(channel.values[row], channel.statuses[row])) continue;
+    if (holes.empty() || holes.back().end < row) holes.push_back({row, row});
+    holes.back().end = row + 1;
+  }
+  return holes;
+}
+
+Segments Split(const trial::Record& record) {
+  auto segments = SplitAtHoles(trial::RecordRows(record), 0, HolesOf(record));
+  EXPECT_TRUE(segments) << (segments ? "" : segments.error().Text());
+  return segments ? std::move(*segments) : Segments{};
+}
+
+std::vector<double> Values(const trial::Record& record, const Segment& segment) {
+  std::vector<double> values(segment.size);
+  const trial::RecordRows rows(record);
+  EXPECT_TRUE(SegmentSamples(rows, 0, segment).Read(0, values));
+  return values;
+}
+
+TEST(Segments, AWholeRecordIsOnePart) {
+  const trial::Record record = RecordOf(Samples(kRateHz, 100, 0.03, {{1e-6, 100}}), kRateHz);
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 1U);
+  EXPECT_EQ(Values(record, segments.parts[0]), record.channels[0].values);
+  EXPECT_EQ(segments.bridged, 0U);
+  EXPECT_EQ(segments.parts[0].bridged_error_square_sum, 0);
+}
+
+// a tone of 20 um over tremor with noise of 0.2 um: the stated error holds the true one
+TEST(Segments, HolesAreInterpolatedWithinTheStatedError) {
+  for (const double rate_hz : {5e3, 10e3, 20e3}) {
+    for (const double seconds : {1e-4, 2e-3, 10e-3}) {
+      const auto size = static_cast<std::size_t>(std::max(1.0, seconds * rate_hz));
+      std::vector<double> truth = Samples(rate_hz, 8000, 0.03, {{20e-6, 225}, {3e-4, 8.3}});
+      Noise noise(9);
+      for (double& x : truth) x += 2e-7 * noise();
+      trial::Record record = RecordOf(truth, rate_hz);
+      std::size_t holes = 0;
+      for (std::size_t row = 700; row + size + 700 < truth.size(); row += 1300, ++holes) {
+        Spoil(record, row, size);
+      }
+      const Segments segments = Split(record);
+      ASSERT_EQ(segments.parts.size(), 1U);
+      const Segment& part = segments.parts[0];
+      EXPECT_EQ(part.bridges.size(), holes * size);
+      double square_sum = 0;
+      for (const Bridge& bridge : part.bridges) {
+        square_sum += std::pow(bridge.value - truth[bridge.sample], 2);
+      }
+      // expanded by 2: of 5 holes of one row the true square is above it in one of 1000 seeds
+      EXPECT_LT(square_sum, part.bridged_error_square_sum) << rate_hz << " " << size;
+      // no more than half of the tone's amplitude is ever stated for 10 ms
+      EXPECT_LT(std::sqrt(part.bridged_error_square_sum / static_cast<double>(holes * size)), 1e-5);
+    }
+  }
+}
+
+TEST(Segments, RandomHolesAreInterpolated) {
+  std::vector<double> truth = Samples(kRateHz, 20'000, 0.03, {{20e-6, 225}});
+  Noise noise(5);
+  for (double& x : truth) x += 2e-7 * noise();
+  trial::Record record = RecordOf(truth, kRateHz);
+  Noise chance(6);
+  // a normal number above 1.645: one row in twenty, many of them next to each other
+  for (std::size_t row = 1; row + 1 < truth.size(); ++row) {
+    if (chance() > 1.645) Spoil(record, row, 1);
+  }
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 1U);
+  const Segment& part = segments.parts[0];
+  EXPECT_GT(part.bridges.size(), 900U);
+  double square_sum = 0;
+  for (const Bridge& bridge : part.bridges) {
+    square_sum += std::pow(bridge.value - truth[bridge.sample], 2);
+  }
+  // 1000 samples: the expected error is the noise's, and twice that is stated
+  EXPECT_LT(square_sum, part.bridged_error_square_sum);
+  EXPECT_GT(square_sum, part.bridged_error_square_sum / 8);
+}
+
+TEST(Segments, TwoHolesBesideEachOtherAreInterpolated) {
+  trial::Record beside = RecordOf(Samples(kRateHz, 400, 0.03, {{1e-6, 100}}), kRateHz);
+  Spoil(beside, 50, 1);
+  Spoil(beside, 52, 1);
+  EXPECT_EQ(Split(beside).parts.size(), 1U);
+}
+
+TEST(Segments, LongerHolesSplit) {
+  EXPECT_EQ(LongestHole(5e3), 100U);
+  EXPECT_EQ(LongestHole(100e3), 256U);
+  EXPECT_EQ(LongestHole(20), 1U);
+  trial::Record record = RecordOf(Samples(kRateHz, 2000, 0.03, {{1e-6, 100}}), kRateHz);
+  Spoil(record, 800, 201, SampleStatus::kOver);
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 2U);
+  EXPECT_EQ(segments.parts[0].size, 800U);
+  EXPECT_EQ(segments.parts[1].first_row, 1001U);
+  EXPECT_EQ(segments.parts[1].start_s, 1001 / kRateHz);
+  EXPECT_EQ(segments.bridged, 0U);
+}
+
+TEST(Segments, HolesAtTheEndsAreCutOff) {
+  trial::Record record = RecordOf(Samples(kRateHz, 200, 0.03, {{1e-6, 100}}), kRateHz);
+  Spoil(record, 0, 2);
+  Spoil(record, 198, 2);
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 1U);
+  EXPECT_EQ(segments.parts[0].first_row, 2U);
+  EXPECT_EQ(segments.parts[0].size, 196U);
+}
+
+TEST(Segments, StretchesAreNeverJoined) {
+  trial::Record record = RecordOf(std::vector<double>(100, 0.03), kRateHz);
+  record.stretches = {{0, 60, 0, kRateHz, 0}, {60, 40, 1, 2 * kRateHz, 1e-5}};
+  Spoil(record, 58, 4);  // two rows of each: at an end of both, bridged in neither
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 2U);
+  EXPECT_EQ(segments.parts[0].size, 58U);
+  EXPECT_EQ(segments.parts[1].first_row, 62U);
+  EXPECT_EQ(segments.parts[1].start_s, 1 + 2 / (2 * kRateHz));
+  EXPECT_EQ(segments.parts[1].rate_hz, 2 * kRateHz);
+  EXPECT_EQ(segments.parts[1].time_uncertainty_s, 1e-5);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp
