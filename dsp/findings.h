@@ -87,6 +87,7 @@ enum class FindingKind : std::uint8_t {
   // the numbers
   kRmsTooLarge,           ///< rms_m
   kRmsTooSmall,           ///< rms_m
+  kWideInterval,          ///< share: half of the 95 % interval, of the RMS
   kQuantised,             ///< share, step_m: of the RMS that steps without noise may hide
   kGainInBand,            ///< least, greatest
   kGainTooLow,            ///< gain, frequency_hz, least_gain, averages: that leave it

@@ -60,25 +60,26 @@ struct NoiseBeside {
   NoisePower power;
   /// Var(sum of the bins - this estimate): what is left of the window's own noise, m4.
   double variance_of_rest = 0;
-  /// Power of the lowest part above its noise: motion below the band that reaches into it.
-  double foot_mean_square = 0;
+  double below_mean_square = 0;  ///< of `power`: beyond noise below the lower corner, as of tremor
+  double foot_mean_square = 0;   ///< beyond noise in the lowest part: tremor, or vibration
   std::vector<FrequencyRange> parts;
-  std::vector<double> densities;  ///< one-sided, of each part, units^2/Hz
+  std::vector<double> densities;  ///< one-sided, of each part before the filter, units^2/Hz
 
   [[nodiscard]] double DensityAt(double frequency_hz) const;
 };
 
-/// Measures what `samples` hold of noise outside of `excluded`.
+/// Measures what `samples`, behind the two passes of `design`, hold of noise outside of `excluded`.
 ///
-/// The spectrum (of BlackmanHarris) between the corners is cut at ratios of 1.5. A part's density
-/// is the median of its bins / ln 2 (a periodogram's bin of noise is exponential), so lines and
-/// bursts that fill less than half of it change little; a part without eight bins takes its
-/// neighbour's. The power is the sum of density x width over the band. Of n bins, c = 2 of
-/// which the window correlates, var(median / ln 2) = 2.08 c / n of its square, and var(sum of the
-/// window's own bins, untapered, - estimate) = (2.08 c - 1) / n: the mean is efficient, so that its
-/// covariance with the median is its own variance. Zero where no part has bins.
+/// The spectrum (of BlackmanHarris) between the corners is cut into parts of 128 bins and 16 Hz at
+/// least, up to a ratio of 1.5. A part's density is the median of its bins, divided by what it is
+/// of exponential ones (a periodogram's of noise), so lines and bursts that fill less than half of
+/// it change little; a part without eight bins takes its neighbour's. The power is the sum of
+/// density x width over the band, and the foot. Of n bins, c = 2 of which the window correlates,
+/// var(median / ln 2) = 2.08 c / n of its square, and var(sum of the window's own bins, untapered,
+/// - estimate) = (2.08 c - 1) / n: the mean is efficient, so that its covariance with the median is
+/// its own variance. Zero where no part has bins.
 [[nodiscard]] NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
-                                             const BandPass& band,
+                                             const FilterDesign& design, const BandPass& band,
                                              std::span<const FrequencyRange> excluded);
 
 /// The mean square over windows of unequal length, weighted by it. Empty: all 0.

@@ -275,6 +275,9 @@ constexpr double kFoot = 2;  // times the lower corner
 constexpr double kMostScatterAtFoot = 0.15;
 constexpr std::size_t kLeastAtFoot = 6;  // blocks
 constexpr double kLeastCoherence = 0.5;
+// a state that is off and changes by more than itself, clear of its scatter, is a transition
+constexpr double kLeastChange = 1;
+constexpr double kChangeUncertainties = 3;
 
 double QuantileOf(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -520,6 +523,11 @@ std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz
     states.push_back(next);
   }
   for (StateInterval& state : states) {
+    // a drive that comes or goes, below the noise on average: no part of it is quiet
+    const double least = std::max(kLeastChange, kChangeUncertainties * state.drift_uncertainty);
+    if (state.state == DriveState::kOff && std::abs(state.drift) > least) {
+      state.state = DriveState::kTransition;
+    }
     if (state.state != DriveState::kOn) continue;
     state.is_steady = std::abs(state.drift) < kMostDrift &&
                       state.scatter < MostScatter(state, lower_hz) &&

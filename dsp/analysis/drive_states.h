@@ -97,7 +97,7 @@ class ThinnedSignal {
 enum class DriveState : std::uint8_t {
   kOn,          ///< a tone that exceeds what noise puts on the ridge
   kOff,         ///< no such tone
-  kTransition,  ///< a block in which the drive is switched
+  kTransition,  ///< the drive is switched, or comes or goes below the noise
   kArtifact,    ///< residual power that rises and decays: a bump
 };
 
@@ -139,7 +139,8 @@ struct StateInterval {
 /// blocks are split in pieces, whose borders are kept only where they lower the cost.
 ///
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
-/// between others is a transition. Neighbours of the same kind whose levels meet within 3 % are
+/// between others is a transition, and so is one that is off but changes by more than its level.
+/// Neighbours of the same kind whose levels meet within 3 % are
 /// one. A state is steady where its level changes by less than half and scatters by less than 0.6
 /// of itself (0.15, and six blocks at least, up to twice `lower_hz`, where red noise has a narrow
 /// ridge), and the phases of its blocks continue each other. Error rates:

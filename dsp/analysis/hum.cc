@@ -113,6 +113,13 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
 
 }  // namespace
 
+bool IsOfMains(double frequency_hz, double tolerance_hz) {
+  return std::ranges::any_of(kMainsHz, [&](double mains_hz) {
+    return frequency_hz > 0.5 * mains_hz &&
+           std::abs(std::remainder(frequency_hz, mains_hz)) < tolerance_hz;
+  });
+}
+
 double SteadyLine::amplitude_m() const { return std::hypot(cosine_m, sine_m); }
 
 void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double first,

@@ -17,6 +17,9 @@ namespace haptometer::dsp {
 inline constexpr std::array<double, 2> kMainsHz{50, 60};
 inline constexpr double kStatedHz = 1;
 
+/// Whether a frequency is 50 or 60 Hz or a multiple of one, to `tolerance_hz`.
+[[nodiscard]] bool IsOfMains(double frequency_hz, double tolerance_hz);
+
 /// A sine of steady frequency that is there all the time and is no drive.
 struct SteadyLine {
   double frequency_hz = 0;

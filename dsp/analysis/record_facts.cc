@@ -268,6 +268,8 @@ constexpr double kWorstUncertainty = 100;  // times that of a tone seen at all p
 constexpr double kPause = 0.3;
 constexpr double kOn = 0.5;
 constexpr double kClear = 5;  // uncertainties
+constexpr double kNormal95 = 1.96;
+constexpr double kScalloped = 1.03;  // 1 / sinc(1/8): a tone an eighth of a bin off
 constexpr std::size_t kLeastBlock = 16;
 constexpr std::size_t kMostBlocks = 64;
 
@@ -400,6 +402,10 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   }
   // a tone nearby that explains more: the stated frequency is not the drive's
   if (const auto better = BetterNearby(driven, driven_s, tone.fit)) {
+    // which of both is the drive is not known: the interval holds both amplitudes
+    tone.fit.amplitude_uncertainty =
+        std::hypot(tone.fit.amplitude_uncertainty,
+                   std::abs(kScalloped * better->amplitude - tone.fit.amplitude) / kNormal95);
     analysis->findings.Doubt(FindingKind::kKnownToneElsewhere,
                              {{"frequency_hz", *frequency_hz},
                               {"better_hz", better->frequency_hz},

@@ -27,7 +27,7 @@ enum class RmsCause : std::uint8_t {
   kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
   kDriveEdges,    ///< what a window shorter by a period at either end would change
   kSteps,         ///< their energy within the band
-  kFoot,          ///< power of the band's lowest part that is neither the drive nor noise
+  kFoot,          ///< motion below the band in it: half of what was subtracted, all that was not
   kHum,           ///< half of its power; half a percent of it where a pause shows it alone
   kDrift,         ///< half the change of the amplitude over the window
 };
@@ -63,7 +63,7 @@ struct RmsEstimate {
   std::optional<double> floor_m;  ///< RMS of the floor
   double rms_m = 0;               ///< with the floor taken off and the gain divided out
   double standard_uncertainty_m = 0;
-  double lower_m = 0;  ///< 95 % interval
+  double lower_m = 0;  ///< 95 % interval; of a drive that is weak beside the noise, of its tone
   double upper_m = 0;
   /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
   bool below_floor = false;
@@ -73,6 +73,10 @@ struct RmsEstimate {
   bool floor_contradicts = false;
   std::vector<UncertaintyLine> budget;  ///< adds up in squares to standard_uncertainty_m
 };
+
+/// Half of a 95 % interval beyond which an RMS is a doubt, as a part of it: an error above 5 %
+/// without one then takes four standard uncertainties.
+inline constexpr double kWideInterval = 0.025;
 
 /// Adds up a window's power and its uncertainty.
 ///

@@ -86,7 +86,8 @@ struct SweepAnswer {
 /// Without one: amplitude alone, by SweptAmplitude of the band-passed displacement with the
 /// filter's gain divided out, over the longest run of blocks whose frequency moves by less than one
 /// over a block's length. f0 and Q then hold for a drive of constant amplitude, and f0's interval
-/// adds the sweep's lateness Q rate / (pi f0), Q's the change that blocks twice as long make.
+/// adds the sweep's lateness Q rate / (pi f0), Q's the change that blocks twice as long make and
+/// what the sweep widens the peak by, 0.15 (rate Q^2 / f0^2)^2 of it.
 ///
 /// The sensor's known gain is divided out of amplitudes; frequencies where it is below 0.5 are left
 /// out. The upper frequency is lowered to 1/2.56 of the new readings a second. Not determined:

@@ -29,13 +29,17 @@ constexpr double kFaintApart = 0.5;
 // more often
 constexpr double kFaintLeastS = 0.75;
 constexpr double kFaintFalseAlarm = 1e-6;
+// so close to a multiple of the mains such a tone may be hum too weak to be seen as a whole: what
+// the mains may be off, and the tone's uncertainty
+constexpr double kMainsPart = 1.2e-3;
+constexpr double kToneKnownHz = 0.05;
 // noise is measured this far from a drive, in periods of the lower corner: the filter rings there
 constexpr double kQuietPeriods = 2.5;
-// a bump: residual this far above its median, in logarithms; the blocks beside it ring
+// a bump: a mean square this far above its median, in logarithms
 constexpr double kBumpLeast = 0.35;
 constexpr double kBumpDeviations = 4;
-constexpr std::size_t kBumpNeighbours = 1;
 constexpr std::size_t kLeastBlocksForBumps = 8;
+constexpr double kMostBumps = 0.75;  // part of a window
 // a frequency that changes by more than this part is a sweep
 constexpr double kSweep = 0.1;
 constexpr double kDrift = 0.01;  // and by more than this one is said to drift
@@ -102,7 +106,65 @@ bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
          state.from_hz < kFoot * lower_hz && state.level_m < kFootLevel * level_m;
 }
 
-// intervals without the drive of `level_m`, away from everything else
+using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
+
+// the blocks of samples [begin, end) that are bumps by logarithms of a mean square
+std::vector<std::pair<std::size_t, std::size_t>> BumpBlocks(const std::vector<double>& logs,
+                                                            double expected) {
+  if (logs.size() < kLeastBlocksForBumps) return {};
+  std::vector<double> sorted = logs;
+  std::ranges::sort(sorted);
+  const double median = sorted[sorted.size() / 2];
+  // scatter by the lower quartile, which bumps do not reach
+  const double scatter = std::max((median - sorted[sorted.size() / 4]) / 0.6745, expected);
+  const double limit = median + std::max(kBumpLeast, kBumpDeviations * scatter);
+  std::vector<std::pair<std::size_t, std::size_t>> bumps;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    if (logs[k] <= limit) continue;
+    // until it is near the median again, and a block more
+    std::size_t from = k;
+    std::size_t to = k + 1;
+    while (from > 0 && logs[from - 1] > median + scatter) --from;
+    while (to < logs.size() && logs[to] > median + scatter) ++to;
+    bumps.emplace_back(from - std::min<std::size_t>(from, 1), to + 1);
+    k = to - 1;
+  }
+  return bumps;
+}
+
+// Bumps: samples within [begin, end) of blocks of which a mean square is far above its median
+// there, of those beside them until it is near the median again, and of one more, to which the
+// filter spreads them.
+SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, std::size_t begin,
+                     std::size_t end) {
+  const double block_samples = course.blocks.block_s * course.signal->rate_hz();
+  // blocks count from the first sample free of transients
+  const std::size_t base = course.signal->settled_begin();
+  const auto first = static_cast<std::size_t>(static_cast<double>(begin - base) / block_samples);
+  const auto last =
+      std::min(course.blocks.blocks.size(),
+               static_cast<std::size_t>(static_cast<double>(end - base) / block_samples) + 1);
+  std::vector<double> logs;
+  for (std::size_t k = first; k < last; ++k) {
+    logs.push_back(std::log(course.blocks.blocks[k].*mean_square + 1e-300));
+  }
+  const auto sample_at = [&](std::size_t block) {
+    const double sample = static_cast<double>(first + block) * block_samples;
+    return std::clamp(base + static_cast<std::size_t>(sample), begin, end);
+  };
+  SampleRanges bumps;
+  for (const auto& [from, to] :
+       BumpBlocks(logs, std::sqrt(2 / course.blocks.degrees_of_freedom()))) {
+    if (!bumps.empty() && sample_at(from) <= bumps.back().second) {
+      bumps.back().second = sample_at(to);
+    } else {
+      bumps.emplace_back(sample_at(from), sample_at(to));
+    }
+  }
+  return bumps;
+}
+
+// intervals without the drive of `level_m`, away from everything else and from bumps
 std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double lower_hz) {
   const BandSignal& signal = *course.signal;
   const std::vector<StateInterval>& states = course.states;
@@ -113,52 +175,19 @@ std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double low
     if (k > 0) window.begin_s += kQuietPeriods / lower_hz;
     window.end_s = k + 1 < states.size() ? window.end_s - kQuietPeriods / lower_hz
                                          : TimeOfSample(signal, signal.settled_end());
+    if (window.end_s <= window.begin_s) continue;
+    const auto [begin, end] = SettledWithin(signal, window);
+    for (const auto& [from, to] : BumpsIn(course, &DriveBlock::mean_square, begin, end)) {
+      const double from_s = TimeOfSample(signal, from);
+      if (from_s > window.begin_s) quiet.push_back({window.begin_s, from_s});
+      window.begin_s = TimeOfSample(signal, to);
+    }
     if (window.end_s > window.begin_s) quiet.push_back(window);
   }
   return quiet;
 }
 
-// Bumps: blocks of samples [begin, end) whose residual is far above its median there, and their
-// neighbours, to which the filter spreads them.
-std::vector<std::pair<std::size_t, std::size_t>> BumpsIn(const Course& course, std::size_t begin,
-                                                         std::size_t end) {
-  const BandSignal& signal = *course.signal;
-  const double block_samples = course.blocks.block_s * signal.rate_hz();
-  // blocks count from the first sample free of transients
-  const std::size_t base = signal.settled_begin();
-  const auto first = static_cast<std::size_t>(static_cast<double>(begin - base) / block_samples);
-  const auto last =
-      std::min(course.blocks.blocks.size(),
-               static_cast<std::size_t>(static_cast<double>(end - base) / block_samples) + 1);
-  std::vector<double> logs;
-  for (std::size_t k = first; k < last; ++k) {
-    logs.push_back(std::log(course.blocks.blocks[k].residual + 1e-300));
-  }
-  if (logs.size() < kLeastBlocksForBumps) return {};
-  std::vector<double> sorted = logs;
-  std::ranges::sort(sorted);
-  const double median = sorted[sorted.size() / 2];
-  // scatter by the lower quartile, which bumps do not reach
-  const double scatter = (median - sorted[sorted.size() / 4]) / 0.6745;
-  const double expected = std::sqrt(2 / course.blocks.degrees_of_freedom());
-  const double limit = median + std::max(kBumpLeast, kBumpDeviations * std::max(scatter, expected));
-  std::vector<std::pair<std::size_t, std::size_t>> bumps;
-  for (std::size_t k = 0; k < logs.size(); ++k) {
-    if (logs[k] <= limit) continue;
-    const double from = static_cast<double>(first + k - std::min(first + k, kBumpNeighbours));
-    const double to = static_cast<double>(first + k + 1 + kBumpNeighbours);
-    const auto low = std::clamp(base + static_cast<std::size_t>(from * block_samples), begin, end);
-    const auto high = std::clamp(base + static_cast<std::size_t>(to * block_samples), begin, end);
-    if (!bumps.empty() && low <= bumps.back().second) {
-      bumps.back().second = high;
-    } else {
-      bumps.emplace_back(low, high);
-    }
-  }
-  return bumps;
-}
-
-std::size_t SizeOf(const std::vector<std::pair<std::size_t, std::size_t>>& ranges) {
+std::size_t SizeOf(const SampleRanges& ranges) {
   std::size_t size = 0;
   for (const auto& [begin, end] : ranges) size += end - begin;
   return size;
@@ -186,9 +215,10 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   if (!best) return best;
   best->hum = of->hum;
   best->part.quiet = QuietOf(*of, best->part.state.level_m, lower_hz);
-  best->excluded = BumpsIn(*of, best->begin, best->end);
+  best->excluded = BumpsIn(*of, &DriveBlock::residual, best->begin, best->end);
   // bumps throughout are no bumps; at an end they shorten the window
-  if (2 * SizeOf(best->excluded) > best->end - best->begin) best->excluded.clear();
+  const auto all = static_cast<double>(best->end - best->begin);
+  if (static_cast<double>(SizeOf(best->excluded)) > kMostBumps * all) best->excluded.clear();
   if (!best->excluded.empty() && best->excluded.front().first == best->begin) {
     best->begin = best->excluded.front().second;
     best->excluded.erase(best->excluded.begin());
@@ -313,6 +343,27 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   return chosen;
 }
 
+// Whether a tone that is not seen in the shortest blocks is at a multiple of the mains, and never
+// pauses: hum, unless the drive is said to be there.
+bool MayBeHum(const ChosenPart& found, const BandQuestion& question) {
+  const double frequency_hz = 0.5 * (found.part.state.from_hz + found.part.state.to_hz);
+  const auto stated_hz = question.drive_frequency_hz;
+  return found.part.why.kind == FindingKind::kOneState &&
+         IsOfMains(frequency_hz, kMainsPart * frequency_hz + kToneKnownHz) &&
+         !(stated_hz && std::abs(*stated_hz - frequency_hz) < kStatedHz);
+}
+
+// all that is free of transients, with the refusal of a tone that may be hum
+ChosenPart WithoutDrive(const ChosenPart& may_be_hum) {
+  ChosenPart none = AllSettled(*may_be_hum.signal);
+  const StateInterval& state = may_be_hum.part.state;
+  none.refusal = {.severity = Severity::kRefusal,
+                  .kind = FindingKind::kMainsFrequency,
+                  .numbers = {{"frequency_hz", 0.5 * (state.from_hz + state.to_hz)},
+                              {"amplitude_m", state.level_m}}};
+  return none;
+}
+
 // the drive of the longest steady state, else a refusal beside all that is free of transients
 Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
@@ -321,7 +372,9 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
       return std::unexpected(found.error());
     }
     auto best = LongestSteady(courses, question.band.lower_hz);
-    if (best || length == kBlockLengths.front()) KeepStates(courses, analysis);
+    const bool is_shortest = length == kBlockLengths.front();
+    if (best || is_shortest) KeepStates(courses, analysis);
+    if (best && !is_shortest && MayBeHum(*best, question)) return WithoutDrive(*best);
     if (best) return *std::move(best);
   }
   if (std::ranges::none_of(analysis->states, [](const StateInterval& state) {
@@ -329,6 +382,7 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
       })) {
     auto faint = FaintTone(courses, question.band, analysis);
     if (!faint) return std::unexpected(faint.error());
+    if (*faint && MayBeHum(**faint, question)) return WithoutDrive(**faint);
     if (*faint) return **std::move(faint);
   }
   ChosenPart none = AllSettled(LongestSettled(all));

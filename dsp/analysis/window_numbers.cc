@@ -188,8 +188,8 @@ Result<void> MeasurePower(Window& window) {
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
   const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
-  window.beside = MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz, window.band(),
-                                     DriveRanges(window));
+  window.beside = MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz,
+                                     window.signal().design(), window.band(), DriveRanges(window));
   // without a tone all of the power is rest
   window.numbers.residual_rms_m = std::sqrt(whole.power.mean_square);
   if (window.numbers.tone) {
@@ -201,7 +201,9 @@ Result<void> MeasurePower(Window& window) {
     if (split.mean_square > kPureTone * mean_square) window.density = split.density;
   }
   if (!window.density && window.chosen.part.from_drive) {
-    window.density = window.beside.DensityAt(window.chosen.part.state.from_hz);
+    const double drive_hz = window.chosen.part.state.from_hz;
+    window.density = window.beside.DensityAt(drive_hz) *
+                     std::pow(std::norm(Response(window.signal().design(), drive_hz)), 2);
   }
   const auto extremes = window.signal().ExtremesOf(begin, begin + window.rows);
   if (!extremes) return std::unexpected(extremes.error());
@@ -305,9 +307,14 @@ Result<void> TakeFloor(Window& window) {
     if (!quiet) return std::unexpected(quiet.error());
     floor = *std::move(quiet);
     if (!floor) {
-      floor = NoiseFloor{.power = window.beside.power,
-                         .duration_s = window.duration_s(),
-                         .from = NoiseSource::kBeside};
+      // no more than the tone and its harmonics leave
+      NoisePower beside = window.beside.power;
+      if (window.numbers.tone) {
+        beside.mean_square =
+            std::min(beside.mean_square, std::pow(window.numbers.residual_rms_m, 2));
+      }
+      floor = NoiseFloor{
+          .power = beside, .duration_s = window.duration_s(), .from = NoiseSource::kBeside};
     }
   }
   const double mean_square = window.numbers.power.mean_square;
@@ -430,13 +437,12 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   add(RmsCause::kSteps, 0.5 * rms * StepShare(window));
   const UsedPart& part = window.chosen.part;
   if (!part.from_drive) return bounds;
-  // a quiet interval holds the foot and the hum, too, and is subtracted
-  if (numbers.floor && numbers.floor->from == NoiseSource::kBeside) {
-    add(RmsCause::kFoot, window.beside.foot_mean_square / (2 * rms));
-    add(RmsCause::kHum, 0.5 * std::abs(window.hum_square) / (2 * rms));
-  } else {
-    add(RmsCause::kHum, kHumKnown * std::abs(window.hum_square) / (2 * rms));
-  }
+  // motion below the band comes and goes: what was subtracted of it, here or in a quiet interval,
+  // may be half off; what lies above the corner was subtracted in a quiet interval only
+  const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
+  const double above = (alone ? 0.5 : 1) * window.beside.foot_mean_square;
+  add(RmsCause::kFoot, (above + 0.5 * window.beside.below_mean_square) / (2 * rms));
+  add(RmsCause::kHum, (alone ? kHumKnown : 0.5) * std::abs(window.hum_square) / (2 * rms));
   if (part.state.Drifts()) {
     add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
   }
@@ -501,6 +507,14 @@ void FinishTone(Window& window) {
   const double turn = kTwoPi * fit.frequency_hz;
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
+}
+
+// Of a drive this weak, power beside its tone is hardly told from noise: the interval holds that of
+// the tone alone, too.
+void WidenToTone(const ToneNumbers& tone, double sensor_gain, RmsEstimate& rms) {
+  if (0.5 * (rms.upper_m - rms.lower_m) <= kWideInterval * rms.rms_m) return;
+  const double least = tone.sine_rms_m / sensor_gain * (tone.amplitude_lower_m / tone.amplitude_m);
+  rms.lower_m = std::clamp(least, 0.0, rms.lower_m);
 }
 
 // harmonics of the tone in the samples before the filter, with a cubic drift; motion below the band
@@ -620,6 +634,9 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
+  if (has_tone && chosen.part.from_drive) {
+    WidenToTone(*window.numbers.tone, window.power.sensor_gain, window.numbers.rms);
+  }
   // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(
       threads,

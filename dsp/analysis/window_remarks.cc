@@ -16,6 +16,15 @@ constexpr double kReachBins = 5;
 constexpr double kSameRate = 0.01;       // relative
 constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
 
+// a doubt where the interval is wide
+void RemarkInterval(const ChosenPart& chosen, BandAnalysis* analysis) {
+  const RmsEstimate& rms = analysis->numbers->rms;
+  const double half_width_m = 0.5 * (rms.upper_m - rms.lower_m);
+  if (!chosen.part.from_drive || rms.below_floor || half_width_m <= kWideInterval * rms.rms_m)
+    return;
+  analysis->findings.Doubt(FindingKind::kWideInterval, {{"share", half_width_m / rms.rms_m}});
+}
+
 // notes on segments, excluded ends, interpolation and motion below the band
 void RemarkSegments(const std::vector<BandSignal>& all, const BandSignal& used,
                     BandAnalysis* analysis) {
@@ -59,10 +68,7 @@ void RemarkTone(const ChosenPart& chosen, const BandQuestion& question, BandAnal
   }
   // hum at the drive's own frequency is not sought: it adds to the drive or cancels it
   const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
-  const bool of_mains = std::ranges::any_of(kMainsHz, [&](double mains_hz) {
-    return std::abs(std::remainder(frequency_hz, mains_hz)) < kStatedHz;
-  });
-  if (stated_hz && of_mains && !alone) {
+  if (stated_hz && IsOfMains(frequency_hz, kStatedHz) && !alone) {
     analysis->findings.Doubt(
         FindingKind::kMainsFrequency,
         {{"frequency_hz", frequency_hz}, {"amplitude_m", numbers.tone->amplitude_m}});
@@ -170,6 +176,7 @@ void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
   RemarkHum(chosen, analysis);
   RefuseWithoutDrive(chosen, analysis);
   RemarkFloor(analysis);
+  RemarkInterval(chosen, analysis);
   RemarkSegments(all, *chosen.signal, analysis);
 }
 

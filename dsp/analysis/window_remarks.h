@@ -14,8 +14,8 @@
 namespace haptometer::dsp {
 
 /// Adds to `analysis`, which has numbers of `chosen`, what goes with them: the filter's slope at
-/// the tone, another drive than the one stated, hum, no drive, the floor, segments and their ends,
-/// and motion below the band.
+/// the tone, another drive than the one stated, hum, no drive, the floor, an interval wider
+/// than 2.5 % to either side, segments and their ends, and motion below the band.
 void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
                   const BandQuestion& question, BandAnalysis* analysis);
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace haptometer::dsp {
@@ -17,14 +18,15 @@ namespace {
 constexpr double kLeastShare = 1e-3;
 // standard deviations beyond the rail: with normal errors 6e-5 of clean records
 constexpr double kDeviations = 4;
+constexpr std::size_t kTimesAsOften = 10;  // as any other value: of rounded sines 4 at most
 constexpr double kBlockS = 0.1;
 constexpr std::size_t kLeastBlock = 64;
 constexpr int kHighestHarmonic = 3;
 constexpr Eigen::Index kDriftTerms = 5;
-// harmonics are taken where what is left without them is twice as large (in a deviation), and all
-// samples fit where what is left of them is at most 1.2 times that of those off the rails
+// harmonics are taken where what is left without them is twice as large (in a deviation)
 constexpr double kHarmonicsNeeded = 2;
-constexpr double kAllFit = 1.2;
+// steps of rounding that the fit lies beyond the rail, on average
+constexpr double kLeastSteps = 2;
 // of what the samples span: rounding of a fit
 constexpr double kRounding = 1e-9;
 
@@ -77,6 +79,7 @@ struct Rest {
   double variance =
       0;  // sum of what the fit's variance is there, in units of the samples' variance
   double railed = 0;
+  double blocks = 0;  // that have railed samples
   bool is_determined = true;
 
   [[nodiscard]] double Deviation() const { return std::sqrt(square_sum / std::max(freedom, 1.0)); }
@@ -144,6 +147,7 @@ class Fitter {
     const Eigen::VectorXd fit = factors.solve(right.head(rows));
     rest.square_sum += (right.head(rows) - matrix.topRows(rows) * fit).squaredNorm();
     rest.freedom += static_cast<double>(rows - columns);
+    rest.blocks += railed.empty() ? 0 : 1;
     for (const std::size_t k : railed) {
       const Eigen::VectorXd terms = Terms(k, size, highest);
       const double value = rails_.low + terms.dot(fit);
@@ -168,34 +172,52 @@ class Fitter {
 };
 
 // whether the fit lies beyond the rails at the samples that are there
-bool IsBeyond(const Rest& rest, double floor) {
+bool IsBeyond(const Rest& rest, double floor, double step) {
   if (!rest.is_determined || rest.railed == 0) return false;
   const double deviation = std::max(rest.Deviation(), floor);
-  const double of_fit = deviation * std::sqrt(rest.variance / rest.railed);
-  return rest.beyond / rest.railed > kDeviations * std::max(deviation, of_fit);
+  // of the mean: the samples' noise, and that of each block's fit; rounding repeats from block to
+  // block where no noise hides the steps
+  const double leverage = std::sqrt(rest.variance / rest.railed);
+  const double blocks = deviation > step ? rest.blocks : 1;
+  const double of_samples = deviation / std::sqrt(rest.railed);
+  const double of_fits = deviation * leverage / std::sqrt(blocks);
+  const double mean = rest.beyond / rest.railed;
+  return mean > kLeastSteps * step * (1 + leverage) &&
+         mean > kDeviations * std::hypot(of_samples, of_fits);
 }
 
-ClippingVerdict Judge(const Fitter& fitter, double span) {
+// samples that hold the most frequent value off the rails, but for rounding
+std::size_t MostEqual(std::span<const double> samples, const Rails& rails) {
+  std::vector<double> free;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (rails.places[k] == Place::kFree) free.push_back(samples[k]);
+  }
+  std::ranges::sort(free);
+  const double equal = kRounding * (rails.high - rails.low);
+  std::size_t most = 0;
+  std::size_t run = 0;
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    run = k > 0 && free[k] - free[k - 1] <= equal ? run + 1 : 1;
+    most = std::max(most, run);
+  }
+  return most;
+}
+
+ClippingVerdict Judge(const Fitter& fitter, double span, double step) {
   const double floor = kRounding * span;
   const Rest all = fitter.Fit(1, true);
-  const Rest tone = fitter.Fit(1, false);
-  const auto explains_all = [&](const Rest& rest) {
-    return all.Deviation() <= kAllFit * std::max(rest.Deviation(), floor);
-  };
   // one sine for all samples: no rail changed any
-  if (all.is_determined &&
-      (all.Deviation() <= floor || (tone.is_determined && explains_all(tone)))) {
-    return ClippingVerdict::kNone;
-  }
+  if (all.is_determined && all.Deviation() <= floor) return ClippingVerdict::kNone;
+  const Rest tone = fitter.Fit(1, false);
   if (!tone.is_determined) return ClippingVerdict::kUndecided;
   const Rest harmonics = fitter.Fit(kHighestHarmonic, false);
   if (!harmonics.is_determined) {
-    return IsBeyond(tone, floor) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
+    return IsBeyond(tone, floor, step) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
   }
   const bool needs_harmonics =
       tone.Deviation() > kHarmonicsNeeded * std::max(harmonics.Deviation(), floor);
-  return IsBeyond(needs_harmonics ? harmonics : tone, floor) ? ClippingVerdict::kClipped
-                                                             : ClippingVerdict::kNone;
+  return IsBeyond(needs_harmonics ? harmonics : tone, floor, step) ? ClippingVerdict::kClipped
+                                                                   : ClippingVerdict::kNone;
 }
 
 }  // namespace
@@ -204,10 +226,13 @@ Clipping FindClipping(std::span<const double> samples, double rate_hz, double to
   const Rails rails = FindRails(samples);
   if (rails.at_low + rails.at_high == 0 || !(rails.high > rails.low)) return {};
   const Fitter fitter(samples, rails, rate_hz, tone_hz);
-  Clipping clipping{.verdict = Judge(fitter, rails.high - rails.low)};
+  // neither noise nor rounding gives an extreme ten times as often as any other value
+  const std::size_t railed = rails.at_low + rails.at_high;
+  const bool only_there = railed > kTimesAsOften * MostEqual(samples, rails);
+  Clipping clipping{.verdict = only_there ? ClippingVerdict::kClipped
+                                          : Judge(fitter, rails.high - rails.low, StepOf(samples))};
   if (clipping.verdict == ClippingVerdict::kNone) return clipping;
-  clipping.share =
-      static_cast<double>(rails.at_low + rails.at_high) / static_cast<double>(rails.measured);
+  clipping.share = static_cast<double>(railed) / static_cast<double>(rails.measured);
   if (rails.at_low > 0) clipping.low_rail = rails.low;
   if (rails.at_high > 0) clipping.high_rail = rails.high;
   return clipping;
@@ -215,7 +240,8 @@ Clipping FindClipping(std::span<const double> samples, double rate_hz, double to
 
 namespace {
 
-constexpr double kMultiple = 0.01;  // of a step, that a change may lie off a multiple of it
+constexpr double kMultiple = 0.01;     // of a step, that a change may lie off a multiple of it
+constexpr double kMostLeastSteps = 8;  // that the least change may be
 constexpr int kMostTerms = 200;
 constexpr int kMostHarmonics = 20;
 constexpr double kNegligible = 1e-6;
@@ -223,15 +249,23 @@ constexpr double kNegligible = 1e-6;
 }  // namespace
 
 double StepOf(std::span<const double> samples) {
-  double step = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 1; k < samples.size(); ++k) {
     const double change = std::abs(samples[k] - samples[k - 1]);
-    if (change > 0) step = std::min(step, change);
+    if (change > 0) least = std::min(least, change);
   }
-  if (!std::isfinite(step)) return 0;
+  if (!std::isfinite(least)) return 0;
+  // the greatest common divisor, by Euclid's algorithm
+  double step = least;
   for (std::size_t k = 1; k < samples.size(); ++k) {
-    const double steps = std::abs(samples[k] - samples[k - 1]) / step;
-    if (std::abs(steps - std::round(steps)) > kMultiple * std::max(1.0, steps)) return 0;
+    double change = std::abs(samples[k] - samples[k - 1]);
+    while (change > kMultiple * step) {
+      const double steps = std::round(change / step);
+      const double rest = std::abs(change - steps * step);
+      if (rest <= kMultiple * step * std::max(1.0, steps)) break;
+      change = std::exchange(step, rest);
+    }
+    if (step < least / kMostLeastSteps) return 0;
   }
   return step;
 }

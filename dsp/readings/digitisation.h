@@ -25,13 +25,15 @@ struct Clipping {
 /// Whether a tone is clipped, from `samples` before any filter (NaN where there is no measurement)
 /// at `rate_hz`, with the tone at `tone_hz`.
 ///
-/// Equal samples at an extreme are no proof: of a clean tone of 400 Hz at 2 kHz 19 % may be its
-/// maximum. So the tone, its harmonics up to the third where they explain the samples better, and a
-/// quartic drift are fitted to the samples off the rails, in blocks of 0.1 s. Clipped: at the
-/// railed samples they lie beyond the rail by more than four standard deviations of what the fit
-/// leaves, and of the fit there. Undecided: the sampled phases (as where rate and tone are
-/// commensurate) do not determine the harmonics, so that what flattens the tone may be its own.
-/// None also where one sine fits all samples as well, and where less than 0.1 % are at a rail.
+/// Equal samples at an extreme are no proof by themselves: of a clean tone of 400 Hz at 2 kHz 19 %
+/// may be its maximum. They are where they are ten times as many as those of any other value, which
+/// neither rounding nor few phases give. Else the tone, its harmonics up to the third where they
+/// explain the samples better, and a quartic drift are fitted to the samples off the rails, in
+/// blocks of 0.1 s. Clipped: at the railed samples they lie beyond the rail, on average, by more
+/// than two steps (StepOf) and four standard deviations of that mean. Undecided: the sampled phases
+/// (as where rate and tone are commensurate) do not determine the harmonics, so that what flattens
+/// the tone may be its own. None also where one sine fits all samples, and where less than 0.1 %
+/// are at a rail.
 ///
 /// False alarms, misses and what is undecided are counted in tests/dsp/readings/clipping_test.cc.
 /// Not found: rails that noise or an interpolation has blurred. Cost: one look at the samples; of
@@ -39,8 +41,8 @@ struct Clipping {
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 
-/// The step that all of `samples` are multiples of, apart from an offset: the least change from
-/// sample to sample, if every other change is a multiple of it (to 1 %); 0 otherwise.
+/// The step that all changes from sample to sample are multiples of (to 1 %), an eighth of the
+/// least one at least; 0 otherwise.
 [[nodiscard]] double StepOf(std::span<const double> samples);
 
 /// Half width of the error of the RMS of a sine of `amplitude`, rounded to `step`, with Gaussian

@@ -17,11 +17,11 @@ inline constexpr std::size_t kLongestTransform = std::size_t{1} << 30;
 ///
 /// Any size from 1 to kLongestTransform; products of small primes are fastest, none is worse than
 /// size log size. Plans are estimated, never measured, so that equal input gives equal bits in
-/// every run. Up to 65 536 samples an even number is transformed as half as many complex ones:
+/// every run. Up to 65 536 samples are transformed as complex ones, an even number as half as many:
 /// executed in up to twice the time of FFTW's real transform, but planned in a tenth to a fiftieth
 /// (a process's first plan of 2048 samples: 0.1 for 3.8 ms). Making and destroying one is guarded
 /// (FFTW's planner is the one part of it that threads may not share); one object serves one thread
-/// at a time. Memory: 1.5 size doubles.
+/// at a time. Memory: up to 2 size doubles.
 class RealFft {
  public:
   explicit RealFft(std::size_t size);

@@ -276,6 +276,11 @@ constexpr auto kRows = std::to_array<Row>({
      {"rms-too-small",
       "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
       "than it states?"}},
+    {kWideInterval,
+     {"wide-interval",
+      "the RMS is known to {share %} only: the drive is weak beside the noise; drive harder, "
+      "record "
+      "longer, or reduce the noise"}},
     {kQuantised,
      {"quantised",
       "steps of {step_m} without noise to smooth them may change the RMS by {share %}: use a finer "
@@ -425,7 +430,8 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
       {"drive's edges", "what a window shorter by a period at either end would change"},
       {"steps", "their energy within the band"},
-      {"power between band edge and drive", "what is neither the drive nor noise there"},
+      {"motion below the band in it",
+       "half of its power that was subtracted, and what may be it above the lower corner"},
       {"hum", "half of its power, as no pause shows it alone"},
       {"change of the amplitude", "half of it over the window"},
   }};

@@ -77,7 +77,7 @@ TEST(NoiseBeside, WhiteNoiseLiesWithinItsVariances) {
   double density_sum = 0;
   for (int seed = 1; seed <= repetitions; ++seed) {
     const std::vector<double> values = FilteredNoise(design, 0, static_cast<std::uint64_t>(seed));
-    const NoiseBeside noise = MeasureNoiseBeside(values, kRateHz, band, kBesideTone);
+    const NoiseBeside noise = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
     const double estimate = noise.power.mean_square;
     const double rest = MeanSquareOf(values) - estimate;
     held += std::abs(estimate - truth) <= 2 * std::sqrt(noise.power.variance) ? 1 : 0;
@@ -98,10 +98,10 @@ TEST(NoiseBeside, ExcludedTonesChangeNothing) {
   const BandPass band;
   const FilterDesign design = Designed(band, kRateHz);
   std::vector<double> values = FilteredNoise(design, 0, 7);
-  const NoiseBeside without = MeasureNoiseBeside(values, kRateHz, band, kBesideTone);
+  const NoiseBeside without = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
   const std::vector<double> tone = Samples(kRateHz, kSize, 0, {{100, kToneHz, 1}});
   for (std::size_t k = 0; k < kSize; ++k) values[k] += tone[k];
-  const NoiseBeside with = MeasureNoiseBeside(values, kRateHz, band, kBesideTone);
+  const NoiseBeside with = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
   EXPECT_REL(with.power.mean_square, without.power.mean_square, 1e-2, "side lobes of -92 dB");
   EXPECT_REL(with.power.variance, without.power.variance, 2e-2, "the square of that");
   EXPECT_EQ(with.parts.size(), without.parts.size());
@@ -112,10 +112,10 @@ TEST(NoiseBeside, ALineThatIsNotExcludedChangesLittle) {
   const BandPass band;
   const FilterDesign design = Designed(band, kRateHz);
   std::vector<double> values = FilteredNoise(design, 0, 8);
-  const double without = MeasureNoiseBeside(values, kRateHz, band, {}).power.mean_square;
+  const double without = MeasureNoiseBeside(values, kRateHz, design, band, {}).power.mean_square;
   const std::vector<double> tone = Samples(kRateHz, kSize, 0, {{10, kToneHz, 1}});
   for (std::size_t k = 0; k < kSize; ++k) values[k] += tone[k];
-  EXPECT_REL(MeasureNoiseBeside(values, kRateHz, band, {}).power.mean_square, without, 0.08,
+  EXPECT_REL(MeasureNoiseBeside(values, kRateHz, design, band, {}).power.mean_square, without, 0.08,
              "8 of 114 bins raise a part's median by 13 %, a sixth of the band; scatter twice");
 }
 
@@ -128,7 +128,7 @@ TEST(NoiseBeside, RedNoiseIsMeasuredToFivePercent) {
     double sum = 0;
     for (int seed = 1; seed <= repetitions; ++seed) {
       const auto values = FilteredNoise(design, red, static_cast<std::uint64_t>(seed));
-      sum += MeasureNoiseBeside(values, kRateHz, band, kBesideTone).power.mean_square;
+      sum += MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone).power.mean_square;
     }
     EXPECT_REL(sum / repetitions, MeanSquare(design, red), 0.05,
                "a density within a ratio of 1.5 in frequency is taken for its median");
@@ -137,14 +137,16 @@ TEST(NoiseBeside, RedNoiseIsMeasuredToFivePercent) {
 
 TEST(NoiseBeside, ScalesWithTheSamples) {
   const BandPass band;
-  std::vector<double> values = FilteredNoise(Designed(band, kRateHz), 0.5, 9);
-  const NoiseBeside one = MeasureNoiseBeside(values, kRateHz, band, kBesideTone);
+  const FilterDesign design = Designed(band, kRateHz);
+  std::vector<double> values = FilteredNoise(design, 0.5, 9);
+  const NoiseBeside one = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
   for (double& value : values) value *= 0x1p-20;
-  const NoiseBeside small = MeasureNoiseBeside(values, kRateHz, band, kBesideTone);
+  const NoiseBeside small = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
   EXPECT_EQ(small.power.mean_square, 0x1p-40 * one.power.mean_square);
   EXPECT_EQ(small.power.variance, 0x1p-80 * one.power.variance);
   EXPECT_EQ(small.variance_of_rest, 0x1p-80 * one.variance_of_rest);
   EXPECT_EQ(small.foot_mean_square, 0x1p-40 * one.foot_mean_square);
+  EXPECT_EQ(small.below_mean_square, 0x1p-40 * one.below_mean_square);
 }
 
 }  // namespace

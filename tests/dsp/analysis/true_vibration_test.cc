@@ -80,7 +80,7 @@ class TrueVibration : public ::testing::TestWithParam<Trial> {};
 
 TEST_P(TrueVibration, LiesInTheStatedIntervalAndWithinTwoPercent) {
   const Trial& trial = GetParam();
-  const int repetitions = Repetitions(tests::kIsSanitized ? 8 : 25);
+  const int repetitions = Repetitions(tests::kIsSanitized ? 8 : 100);
   int covered = 0;
   int answered = 0;
   double square = 0;
@@ -114,7 +114,7 @@ TEST_P(TrueVibration, LiesInTheStatedIntervalAndWithinTwoPercent) {
   if (gain < 0.5) {
     EXPECT_EQ(answered, 0) << "below half of it passes";
   } else {
-    EXPECT_EQ(answered, repetitions);
+    EXPECT_GE(answered, 0.99 * repetitions);
     // noise of 5.9 um over 480 Hz leaves no estimator less than u(A) = sqrt(S / T): 0.86 % of 16 um
     // after 2 s, where 2 % are two deviations; 0.43 % after 8 s
     if (trial.rms_m > 40e-6 || trial.duration_s > 10) {

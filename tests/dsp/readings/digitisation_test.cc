@@ -149,7 +149,7 @@ TEST(StepOf, IsNothingOfOtherSamples) {
   EXPECT_EQ(StepOf({}), 0);
   EXPECT_EQ(StepOf(std::vector<double>{0.5}), 0);
   EXPECT_EQ(StepOf(std::vector<double>(9, 0.5)), 0);
-  EXPECT_EQ(StepOf(std::vector<double>{0, 2, 5, 7}), 0);  // 3 is no multiple of 2
+  EXPECT_EQ(StepOf(std::vector<double>{0, 2, 5, 7}), 1);  // changes of 2 and of 3
   EXPECT_EQ(StepOf(std::vector<double>{0, 1, 2.05, 3.05}), 0);
   EXPECT_EQ(StepOf(Samples(10e3, 1000, 0, {{1e-6, 225}})), 0);
   std::vector<double> values(1000);

@@ -281,6 +281,11 @@ const std::vector<Case> kCases{
      {{"amplitude_m", 2.5e-07}, {"frequency_hz", 225.0}},
      "quiet-has-drive",
      "where the drive is off, a tone of 0.25 um at 225 Hz remains: it is excluded from the noise"},
+    {kWideInterval,
+     {{"share", 0.084}},
+     "wide-interval",
+     "the RMS is known to 8.4 % only: the drive is weak beside the noise; drive harder, record "
+     "longer, or reduce the noise"},
     {kQuantised,
      {{"share", 0.031}, {"step_m", 1e-06}},
      "quantised",
