@@ -431,7 +431,7 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"drive's edges", "what a window shorter by a period at either end would change"},
       {"steps", "their energy within the band"},
       {"motion below the band in it",
-       "half of its power that was subtracted, and what may be it above the lower corner"},
+       "half of its power that was subtracted, and power just above the lower corner"},
       {"hum", "half of its power, as no pause shows it alone"},
       {"change of the amplitude", "half of it over the window"},
   }};
