@@ -248,7 +248,7 @@ ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz, const Filte
          std::norm(Response(design, rate_of(2 * every) - NoiseReachHz(band))) <= kFolded) {
     every *= 2;
   }
-  const std::size_t kept = (filtered.size() + every - 1) / every;
+  const std::size_t kept = FastTransformSize((filtered.size() + every - 1) / every);
   for (std::size_t k = 0; k < kept; ++k) filtered[k] = filtered[k * every];
   filtered.resize(kept);
   return {std::move(filtered), rate_of(every)};

@@ -101,7 +101,8 @@ struct ThinnedSamples {
 ///
 /// n is the highest power of two by which at least five times the upper corner is left and what
 /// folds to NoiseReachHz or below is 1e-9 of what was there before the filter, and at least 2^12
-/// samples.
+/// samples. As many
+/// are kept as transform fast, from the first on (FastTransformSize).
 [[nodiscard]] ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz,
                                      const FilterDesign& design, const BandPass& band);
 

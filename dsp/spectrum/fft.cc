@@ -170,6 +170,18 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = plans_->buffer.get()[k * stride] / scale;
 }
 
+std::size_t FastTransformSize(std::size_t size) {
+  constexpr std::size_t kShort = 256;
+  if (size <= kShort) return size;
+  for (size -= size % 2;; size -= 2) {
+    std::size_t rest = size;
+    for (const std::size_t factor : {2U, 3U, 5U, 7U}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return size;
+  }
+}
+
 std::vector<std::complex<double>> RealSpectrum(std::span<const double> samples) {
   // making a plan takes longer than executing it: a thread's last small one is kept
   thread_local std::unique_ptr<RealFft> kept;

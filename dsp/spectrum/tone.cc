@@ -48,20 +48,6 @@ std::vector<double> HannPower(std::span<const double> signal) {
   return power;
 }
 
-// the most of `size` samples that transform fast: a product of 2, 3, 5 and 7 only; all of a short
-// signal, which costs little at any length
-std::size_t TransformSize(std::size_t size) {
-  constexpr std::size_t kShort = std::size_t{1} << 16U;
-  if (size <= kShort) return size;
-  for (;; --size) {
-    std::size_t rest = size;
-    for (const std::size_t factor : {2U, 3U, 5U, 7U}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return size;
-  }
-}
-
 // the highest local maximum whose bin lies within half a bin of the band; a shoulder of something
 // outside is none
 std::optional<std::size_t> HighestPeak(const std::vector<double>& power, double lower_bin,
@@ -140,7 +126,7 @@ std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneS
   HAPTOMETER_CHECK(search.rate_hz > 0 && search.lower_hz > 0, "rate_hz = {}, lower_hz = {}",
                    search.rate_hz, search.lower_hz);
   // a transform of small primes may leave some samples out; the fit below uses all of them
-  const auto seen = signal.first(TransformSize(signal.size()));
+  const auto seen = signal.first(FastTransformSize(signal.size()));
   const double duration_s = static_cast<double>(seen.size()) / search.rate_hz;
   const double whole_s = static_cast<double>(signal.size()) / search.rate_hz;
   if (whole_s * search.lower_hz < 2 || signal.size() > kLongestTransform) return std::nullopt;

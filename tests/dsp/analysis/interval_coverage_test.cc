@@ -46,8 +46,8 @@ TEST(IntervalCoverage, OfAToneInNoise) {
       frequencies += Holds(tone.frequency_lower_hz, kToneHz, tone.frequency_upper_hz) ? 1 : 0;
       sizes += Holds(rms.lower_m, rms_m, rms.upper_m) ? 1 : 0;
     }
-    // 1 of 1000 of the weak ones is refused
-    EXPECT_GE(answered, 0.99 * repetitions);
+    // of the weak ones, 0.3 of the noise in the band, 2 of 1000 are refused
+    EXPECT_GE(answered, 0.95 * repetitions);
     ExpectCoverage("amplitude", amplitudes, answered);
     ExpectCoverage("frequency", frequencies, answered);
     ExpectCoverage("band RMS", sizes, answered);

@@ -84,5 +84,23 @@ TEST(Fft, IsBitForBitTheSameAgainAndOnTwoThreads) {
   EXPECT_TRUE(std::ranges::equal(once, b));
 }
 
+TEST(FastTransformSize, IsAnEvenProductOfSmallPrimesNearby) {
+  for (std::size_t size = 1; size <= 20'000; ++size) {
+    const std::size_t fast = FastTransformSize(size);
+    ASSERT_LE(fast, size);
+    ASSERT_GE(static_cast<double>(fast), 0.93 * static_cast<double>(size)) << size;
+    if (size <= 256) {
+      ASSERT_EQ(fast, size);
+      continue;
+    }
+    std::size_t rest = fast;
+    for (const std::size_t factor : {2U, 3U, 5U, 7U}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    ASSERT_EQ(rest, 1U) << size;
+    ASSERT_EQ(fast % 2, 0U) << size;
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
