@@ -30,15 +30,15 @@ constexpr double kPi = std::numbers::pi;
 
 Outcome Study(const std::vector<std::string>& words) { return Captured(RunStudy, "study", words); }
 
-// trials of 4 um, and 8 or 16 um, at 225 Hz with 3 um of "noise", a tone at 110 Hz, under each of
+// trials of 4 um, and 8 or 16 um, at 225 Hz with 1 um of "noise", a tone at 110 Hz, under each of
 // them
 class StudyFloor : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(trials_);
     for (int subject = 1; subject <= 2; ++subject) {
-      Write(trials_ / fmt::format("s{}_a.csv", subject), 3e-6, kTreatedM / 2);
-      Write(trials_ / fmt::format("s{}_b.csv", subject), 3e-6, subject * kTreatedM);
+      Write(trials_ / fmt::format("s{}_a.csv", subject), 1e-6, kTreatedM / 2);
+      Write(trials_ / fmt::format("s{}_b.csv", subject), 1e-6, subject * kTreatedM);
     }
   }
   void TearDown() override { fs::remove_all(directory_); }
@@ -70,12 +70,12 @@ class StudyFloor : public ::testing::Test {
 };
 
 TEST_F(StudyFloor, IsTakenOffEveryTrialAndIsNone) {
-  const std::string floor = Write(trials_ / "off.csv", 3e-6, 0);
+  const std::string floor = Write(trials_ / "off.csv", 1e-6, 0);
   const Outcome outcome = Study(Words({"--floor", floor, "--json"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Json study = Json::parse(outcome.out);
   EXPECT_EQ(study["floor"]["file"], floor);
-  EXPECT_REL(study["floor"]["rms_m"].get<double>(), 3e-6 / std::numbers::sqrt2, 1e-3,
+  EXPECT_REL(study["floor"]["rms_m"].get<double>(), 1e-6 / std::numbers::sqrt2, 1e-3,
              "settled ends, not whole periods of 110 Hz");
   ASSERT_EQ(study["trials"].size(), 4U) << "the floor lies in the folder and is no trial";
   for (const Json& trial : study["trials"]) {
@@ -86,28 +86,28 @@ TEST_F(StudyFloor, IsTakenOffEveryTrialAndIsNone) {
 }
 
 TEST_F(StudyFloor, IsSaidInTextAndMethodsWithWhatIsDoubtful) {
-  const std::string floor = Write(directory_ / "off.csv", 3e-6, 0);
+  const std::string floor = Write(directory_ / "off.csv", 1e-6, 0);
   const fs::path methods = directory_ / "methods.md";
   const Outcome outcome = Study(Words({"--floor", floor, "--methods", methods}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ContainsRegex("noise correction +2.12[(0-9.)]* um, RMS of " + floor +
+  EXPECT_THAT(outcome.out, ContainsRegex("noise correction +0.71[(0-9.)]* um, RMS of " + floor +
                                          ", subtracted in mean square"));
-  EXPECT_THAT(outcome.out, HasSubstr("holds a tone, 3 um at 110 Hz"));
+  EXPECT_THAT(outcome.out, HasSubstr("holds a tone, 1 um at 110 Hz"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("not corrected for noise")));
   std::ifstream file(methods);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_THAT(text, HasSubstr("The noise of a drive-off trial (2.12 um RMS in the band"));
+  EXPECT_THAT(text, HasSubstr("The noise of a drive-off trial (0.707 um RMS in the band"));
   EXPECT_THAT(text, HasSubstr("Uncertainties exclude the sensor's calibration and linearity"));
 }
 
 TEST_F(StudyFloor, MayStandInTheManifestAndTheOptionBeatsIt) {
-  Write(directory_ / "off.csv", 3e-6, 0);
+  Write(directory_ / "off.csv", 1e-6, 0);
   const fs::path manifest = directory_ / "study.toml";
   std::ofstream(manifest) << "floor = \"off.csv\"\npattern = \"s{subject}_{condition}\"\n"
                              "[[trials]]\nfiles = \"trials/*.csv\"\n";
   const Json study = Json::parse(Study({manifest, "--json"}).out);
   EXPECT_EQ(study["floor"]["file"], (directory_ / "off.csv").string());
-  const std::string smaller = Write(directory_ / "smaller.csv", 1e-6, 0);
+  const std::string smaller = Write(directory_ / "smaller.csv", 0.5e-6, 0);
   const Json other = Json::parse(Study({manifest, "--json", "--floor", smaller}).out);
   EXPECT_EQ(other["floor"]["file"], smaller);
   EXPECT_GT(other["trials"][0]["band_rms_m"].get<double>(),
@@ -118,12 +118,12 @@ TEST_F(StudyFloor, ThatCannotServeIsRefused) {
   const Outcome missing = Study(Words({"--floor", directory_ / "none.csv"}));
   EXPECT_EQ(missing.status, 3);
   EXPECT_THAT(missing.err, HasSubstr("none.csv: no such file"));
-  const Outcome slow = Study(Words({"--floor", Write(directory_ / "slow.csv", 3e-6, 0, 400)}));
+  const Outcome slow = Study(Words({"--floor", Write(directory_ / "slow.csv", 1e-6, 0, 400)}));
   EXPECT_EQ(slow.status, 3);
   EXPECT_THAT(slow.err, HasSubstr("slow.csv: "));
   fs::remove_all(trials_);
   fs::create_directories(trials_);
-  const Outcome alone = Study(Words({"--floor", Write(trials_ / "off.csv", 3e-6, 0)}));
+  const Outcome alone = Study(Words({"--floor", Write(trials_ / "off.csv", 1e-6, 0)}));
   EXPECT_EQ(alone.status, 3);
   EXPECT_THAT(alone.err, HasSubstr("holds no recording but the floor"));
 }

@@ -185,11 +185,13 @@ void FindDeviations(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& 
     findings.Doubt(StudyFinding::kFrequencyMoves);
   }
   if (!numbers.floor) findings.Note(StudyFinding::kNoNoiseCorrection);
-  // doubts of the analysis by name; sweep, averaging and floor have words of their own
+  // doubts of the analysis by name; sweep, averaging and floor have words of their own, and the
+  // width of one trial's interval is in the scatter between trials
   const std::vector<dsp::Finding> of_floor = dsp::FloorDoubts(numbers, analysis.record.rate_hz);
   for (const dsp::Finding& found : analysis.findings.list()) {
     const bool has_own = found.kind == dsp::FindingKind::kFrequencyMoves ||
                          found.kind == dsp::FindingKind::kAveragingUnknown ||
+                         found.kind == dsp::FindingKind::kWideInterval ||
                          std::ranges::count(of_floor, found.kind, &dsp::Finding::kind) > 0;
     if (found.severity != Severity::kDoubt || has_own) continue;
     findings.Doubt(StudyFinding::kDoubtful,
