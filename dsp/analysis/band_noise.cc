@@ -130,6 +130,7 @@ double PassedWidth(const FilterDesign& design, const FrequencyRange& range) {
 double MedianDensity(const std::vector<Bin>& of) {
   if (of.empty()) return 0;
   std::vector<double> bins;
+  bins.reserve(of.size());
   for (const Bin& bin : of) bins.push_back(bin.density / bin.gain);
   const auto middle = bins.begin() + static_cast<std::ptrdiff_t>(bins.size() / 2);
   std::ranges::nth_element(bins, middle);
