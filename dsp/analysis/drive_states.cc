@@ -138,13 +138,17 @@ Result<std::vector<double>> FindRidge(Frames& frames, std::size_t blocks) {
     if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
     Advance(magnitudes, largest, score, std::span(from).subspan(k * bins, bins));
   }
-  // the path back from the best end
-  std::vector<double> ridge(blocks);
+  // the path back from the best end, then forward: samples are read in that order
+  std::vector<std::size_t> path(blocks);
   auto bin = static_cast<std::size_t>(std::ranges::max_element(score) - score.begin());
   for (std::size_t k = blocks; k-- > 0;) {
-    if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
-    ridge[k] = frames.FrequencyOf(Interpolated(magnitudes, bin));
+    path[k] = bin;
     bin = from[k * bins + bin];
+  }
+  std::vector<double> ridge(blocks);
+  for (std::size_t k = 0; k < blocks; ++k) {
+    if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
+    ridge[k] = frames.FrequencyOf(Interpolated(magnitudes, path[k]));
   }
   return ridge;
 }
