@@ -35,9 +35,9 @@ struct Clipping {
 /// the tone may be its own. None also where one sine fits all samples, and where less than 0.1 %
 /// are at a rail.
 ///
-/// False alarms, misses and what is undecided are counted in tests/dsp/readings/digitisation_test.cc.
-/// Not found: rails that noise or an interpolation has blurred. Cost: one look at the samples; of
-/// those with a rail 300 flops each.
+/// False alarms, misses and what is undecided are counted in
+/// tests/dsp/readings/digitisation_test.cc. Not found: rails that noise or an interpolation has
+/// blurred. Cost: one look at the samples; of those with a rail 300 flops each.
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 
