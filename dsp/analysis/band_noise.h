@@ -71,10 +71,11 @@ struct NoiseBeside {
 /// Measures what `samples`, behind the two passes of `design`, hold of noise outside of `excluded`.
 ///
 /// The spectrum (of BlackmanHarris) between the corners is cut into parts of 128 bins and 16 Hz at
-/// least, up to a ratio of 1.5. A part's density is the median of its bins, divided by what it is
-/// of exponential ones (a periodogram's of noise), so lines and bursts that fill less than half of
-/// it change little; a part without eight bins takes its neighbour's. The power is the sum of
-/// density x width over the band, and the foot. Of n bins, c = 2 of which the window correlates,
+/// least, up to a ratio of 1.5. A part's density is the median of its bins, each divided by the
+/// filter's gain, over what the median is of exponential ones (a periodogram's of noise), so lines
+/// and bursts that fill less than half of it change little; a part without eight bins takes its
+/// neighbour's. The power is the sum of density x what the filter passes of the part, its skirts
+/// included, and of what lies below the corner. Of n bins, c = 2 of which the window correlates,
 /// var(median / ln 2) = 2.08 c / n of its square, and var(sum of the window's own bins, untapered,
 /// - estimate) = (2.08 c - 1) / n: the mean is efficient, so that its covariance with the median is
 /// its own variance. Zero where no part has bins.
@@ -101,8 +102,7 @@ struct ThinnedSamples {
 ///
 /// n is the highest power of two by which at least five times the upper corner is left and what
 /// folds to NoiseReachHz or below is 1e-9 of what was there before the filter, and at least 2^12
-/// samples. As many
-/// are kept as transform fast, from the first on (FastTransformSize).
+/// samples. As many are kept as transform fast, from the first on (FastTransformSize).
 [[nodiscard]] ThinnedSamples Thinned(std::vector<double> filtered, double rate_hz,
                                      const FilterDesign& design, const BandPass& band);
 

@@ -5,7 +5,6 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -87,8 +86,8 @@ class ThinnedSignal {
 /// magnitude, less 0.02 of the largest one for each bin that it moves, at most two bins a block, or
 /// the largest one for a jump to any bin (Viterbi's algorithm; L. Angrisani and others use it so
 /// for ridges of time-frequency planes). A tone that moves by 100 Hz/s is followed. Errors: as
-/// BandSignal::Read. Cost: two passes over the signal, a transform a block; memory: 2 B a bin and
-/// block.
+/// BandSignal::Read. Cost: four passes over the signal, three transforms a block; memory: 2 B a bin
+/// and block.
 [[nodiscard]] Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
                                                 double least_block_s,
                                                 std::span<const SteadyLine> lines);

@@ -63,7 +63,7 @@ struct RmsEstimate {
   std::optional<double> floor_m;  ///< RMS of the floor
   double rms_m = 0;               ///< with the floor taken off and the gain divided out
   double standard_uncertainty_m = 0;
-  double lower_m = 0;  ///< 95 % interval; of a drive that is weak beside the noise, of its tone
+  double lower_m = 0;  ///< 95 % interval; at most the tone's, where the interval is wide
   double upper_m = 0;
   /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
   bool below_floor = false;
