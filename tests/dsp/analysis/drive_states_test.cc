@@ -452,5 +452,21 @@ TEST(DriveStates, NeitherScaleNorTimeChangesThem) {
   ExpectSameStates(states, FindStates(later, kLowerHz), 1, 0);
 }
 
+// A drive that comes up below the noise, then is on: what lies before it is not quiet.
+TEST(DriveStates, WhatRisesBelowTheNoiseIsATransition) {
+  BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+  for (int k = 0; k < 24; ++k) {
+    const double level = k < 12 ? 0.08 * k : 20;
+    course.blocks.push_back({level, 225, 1 + level * level / 2, 1});
+  }
+  const auto states = FindStates(course, kLowerHz);
+  ASSERT_EQ(states.size(), 2U);
+  EXPECT_EQ(states[0].state, DriveState::kTransition);
+  EXPECT_EQ(states[1].state, DriveState::kOn);
+  // of a level that stays it is off
+  for (std::size_t k = 0; k < 12; ++k) course.blocks[k].amplitude_m = 0.44;
+  EXPECT_EQ(FindStates(course, kLowerHz)[0].state, DriveState::kOff);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
