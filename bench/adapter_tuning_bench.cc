@@ -7,6 +7,7 @@
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "sim/tuning/latency_limit.h"
+#include "sim/tuning/travel_limit.h"
 
 namespace haptometer::sim {
 namespace {
@@ -31,7 +32,7 @@ BENCHMARK(OneMotion);
 
 void BestPoint(benchmark::State& state) {
   const TuningProblem problem = ThesisProblem();
-  for (auto _ : state) benchmark::DoNotOptimize(BestAdapter(Objective::kSkinRms, problem, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(BestWithinTravel(Objective::kSkinRms, problem, {}));
 }
 BENCHMARK(BestPoint)->Unit(benchmark::kMillisecond);
 
@@ -64,7 +65,7 @@ BENCHMARK(BestPointWithinTravel)->Arg(50)->Arg(200)->Arg(600)->Unit(benchmark::k
 
 void BestPointWithinLatency(benchmark::State& state) {
   const TuningProblem problem = ThesisProblem();
-  const AdapterPoint unlimited = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint unlimited = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   PromptBest best;
   for (auto _ : state) best = BestWithinLatency(problem, 2.654e-3, unlimited);
   state.counters["runs"] = static_cast<double>(best.runs);

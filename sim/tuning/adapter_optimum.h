@@ -24,11 +24,6 @@ struct AdapterOptimum {
   std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
-/// The best point alone, without proof: Newton's steps (sim/tuning/travel_limit.h); of skins
-/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/travel_limit.h).
-[[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
-                                       const ReceptorField& receptors);
-
 /// The best point with a certified upper bound. The problem must have no Fault().
 ///
 /// The proof, for kSkinRms, kStimulus and kSkinPower. |Xs| depends on Ma2 through one square only,
@@ -49,7 +44,7 @@ struct AdapterOptimum {
 ///
 /// With a mover_limit_m (not for kRmsPerWatt, nor with a skin_variation) the best point is sought
 /// among those that keep to it; where the unlimited optimum does, it is the answer, with its proof.
-/// Else the proof is BoundWithinTravel()'s, boxes again.
+/// Else the proof has a price of travel (BoundWithinTravel()), boxes again.
 /// Either way LimitedTravelBound() and MatchedLoadBound() are told where they are lower. value 0:
 /// none found. ValueOf() itself knows no limit.
 ///

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <vector>
 
 #include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
@@ -257,11 +258,12 @@ CubePlace SlopesOf(const CubeNumber& number) {
 }  // namespace
 
 LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
-                           const MotorSource& source, const ReceptorField& receptors)
+                           const MotorSource& source, const ReceptorField& receptors, int hardest)
     : objective_(objective),
       problem_(problem),
       source_(source),
       receptors_(receptors),
+      hardest_(hardest),
       upper_(UpperEndOf(problem)) {}
 
 // ln Nr^2 at a part of the area's range
@@ -271,18 +273,33 @@ double LimitedClimb::LogWeight(double part) const {
 }
 
 LimitedView LimitedClimb::At(const CubePlace& place) const {
+  LimitedView view = ViewOf(place, hardest_);
+  if (hardest_ == 0) return view;
+  // by how much the skin at the other end of Ks moves less than this one
+  const LimitedView other = ViewOf(place, -hardest_);
+  view.excess = other.cost - view.cost;
+  view.excess_slopes = other.cost_slopes - view.cost_slopes;
+  return view;
+}
+
+// with the skin at the lower (-1) or upper (1) end of what its stiffness varies by, and with the
+// largest damping; 0: the skin itself
+LimitedView LimitedClimb::ViewOf(const CubePlace& place, int side) const {
   const AdapterBounds& bounds = problem_.bounds;
   const double w = source_.omega_rad_per_s;
   const Skin first = SkinOf(problem_, bounds.contact_area_m2.lower);
   const Skin last = SkinOf(problem_, bounds.contact_area_m2.upper);
+  const double stiffer = 1 + side * problem_.skin_variation;
+  const double damped = 1 + std::abs(side) * problem_.skin_variation;
   // p = Re D1, D1, ka, b = w Bs and D2 (docs/explanation/notation.md), N/m, with their slopes
   const CubeNumber p = (On(bounds.motor_side_mass_kg, place, 0) + source_.case_mass_kg) * (-w * w) +
                        source_.stiffness_n_per_m.real();
   const CubePhasor D1{p, {.value = source_.stiffness_n_per_m.imag()}};
   const CubePhasor ka{ScaledOn(bounds.stiffness_n_per_m, place, 1),
                       ScaledOn(bounds.damping_n_s_per_m, place, 2) * w};
-  const CubeNumber b = On({first.damping_n_s_per_m, last.damping_n_s_per_m}, place, 3) * w;
-  const CubePhasor D2{On({first.stiffness_n_per_m, last.stiffness_n_per_m}, place, 3) +
+  const CubeNumber b =
+      On({first.damping_n_s_per_m, last.damping_n_s_per_m}, place, 3) * (w * damped);
+  const CubePhasor D2{On({first.stiffness_n_per_m, last.stiffness_n_per_m}, place, 3) * stiffer +
                           On(bounds.skin_side_mass_kg, place, 4) * (-w * w),
                       b};
 
@@ -342,6 +359,13 @@ struct Starts {
   std::array<Start, std::size_t{3} * kCubeAxes> kept, beyond;
 };
 
+// sets Ma2 to that of the skin's largest motion within its bounds
+void ServeBest(const TuningProblem& problem, const MotorSource& source, AdapterPoint& point) {
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  point.adapter.skin_side_mass_kg =
+      std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
+}
+
 // Ma2 to begin with: that of the largest |Xs|, for RMS per watt also others around it
 std::vector<double> MassesToTry(const AreaPiece& piece, const MotorSource& source,
                                 const AdapterPoint& point) {
@@ -380,30 +404,32 @@ Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const Limited
   return starts;
 }
 
-// the best over a piece of areas
-struct PieceBest {
-  AdapterPoint point;
-  double value = 0;
-  double price = 0;
-};
-
-PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
-                      const ReceptorField& receptors) {
-  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
-  const Starts starts = StartsOf(piece, source, climb);
-  // starts beyond the limit are used only where none is within it
-  const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
+// the best over a piece of areas, with the price of travel there
+LimitedBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
+                        const ReceptorField& receptors) {
+  const TuningProblem& problem = piece.problem;
   std::optional<LimitedSummit> best;
-  for (const Start& start : any ? starts.kept : starts.beyond) {
-    if (start.rank == kNone) continue;
-    const LimitedSummit summit = climb.From(start.place);
-    if (summit.kept && (!best || summit.cost < best->cost)) best = summit;
+  // of skins that vary either end of Ks may be the hardest
+  const bool varies = problem.skin_variation > 0;
+  for (const int hardest : varies ? std::vector{-1, 1} : std::vector{0}) {
+    const LimitedClimb climb(piece.objective, problem, source, receptors, hardest);
+    const Starts starts = StartsOf(piece, source, climb);
+    // starts beyond the limit are used only where none is within it
+    const bool any =
+        std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
+    for (const Start& start : any ? starts.kept : starts.beyond) {
+      if (start.rank == kNone) continue;
+      const LimitedSummit summit = climb.From(start.place);
+      if (summit.kept && (!best || summit.cost < best->cost)) best = summit;
+    }
   }
-  if (!best) return {};
-  const AdapterPoint point = PointOf(piece.problem.bounds, best->place);
+  if (!best) return {.prices = {0}};
+  AdapterPoint point = PointOf(problem.bounds, best->place);
+  // there the limit is met to rounding only, and the best Ma2 is known
+  if (varies) ServeBest(problem, source, point);
   return {.point = point,
-          .value = piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point),
-          .price = best->price};
+          .value = piece.weight * ValueOf(piece.objective, problem, source, receptors, point),
+          .prices = {best->price}};
 }
 
 // bound for a piece of areas from the coil's work alone
@@ -413,20 +439,43 @@ double RoughBound(const AreaPiece& piece, const MotorSource& source,
   return piece.weight * LimitedTravelBound(piece.objective, piece.problem, source, receptors);
 }
 
+// Offers the adapter in the box's middle, and where it is better also the summit above it.
+void TryMiddle(const AreaPiece& piece, const MotorSource& source, const ReceptorField& receptors,
+               const AdapterBox& box, LimitedBest& best) {
+  const AdapterBounds& bounds = piece.problem.bounds;
+  const auto offer = [&](const AdapterPoint& point) {
+    const double value =
+        piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point);
+    if (!(value > best.value)) return false;
+    best.point = point;
+    best.value = value;
+    return true;
+  };
+  AdapterPoint middle{
+      .adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(box[0].middle()),
+                  .stiffness_n_per_m = bounds.stiffness_n_per_m.At(box[1].middle()),
+                  .damping_n_s_per_m = bounds.damping_n_s_per_m.At(box[2].middle())},
+      .contact_area_m2 = AreaAt(bounds.contact_area_m2, box[3].middle())};
+  ServeBest(piece.problem, source, middle);
+  if (!offer(middle) || piece.problem.skin_variation > 0) return;
+  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
+  offer(PointOf(bounds, climb.From(PlaceOf(bounds, middle)).place));
+}
+
 }  // namespace
 
 LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
                              const ReceptorField& receptors) {
-  HAPTOMETER_CHECK(!Fault(problem) && problem.skin_variation == 0, "limit {}, variation {}",
-                   problem.mover_limit_m, problem.skin_variation);
+  HAPTOMETER_CHECK(!Fault(problem), "limit {}, variation {}", problem.mover_limit_m,
+                   problem.skin_variation);
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   LimitedBest best;
   for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
     best.prices.push_back(-1);
     // a piece that cannot exceed the best so far is not searched
     if (!(RoughBound(piece, source, receptors) > best.value)) continue;
-    const PieceBest found = BestOfPiece(piece, source, receptors);
-    best.prices.back() = found.price;
+    const LimitedBest found = BestOfPiece(piece, source, receptors);
+    best.prices.back() = found.prices[0];
     if (!(found.value > best.value)) continue;
     best.point = found.point;
     best.value = found.value;
@@ -435,11 +484,13 @@ LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
 }
 
 TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
-                              const ReceptorField& receptors, const LimitedBest& best,
-                              double relative_gap, std::size_t most_boxes) {
+                              const ReceptorField& receptors, double relative_gap,
+                              std::size_t most_boxes, LimitedBest& best) {
   const bool steps = HasSteps(objective, receptors);
+  const bool limited = std::isfinite(problem.mover_limit_m);
   // a stimulus with soft edges has no bound
-  if (objective == Objective::kStimulus && !steps) return {.value = kNone};
+  const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
+  if (!provable && !steps) return {.value = kNone};
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
   HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
@@ -447,19 +498,22 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
   TravelBound bound;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const AreaPiece& piece = pieces[k];
-    const double rough = RoughBound(piece, source, receptors);
+    if (!(piece.weight > 0)) continue;
+    const double rough = limited ? RoughBound(piece, source, receptors) : kNone;
     // the bound by the coil's work is already below the best value
     if (!(rough > best.value)) {
       bound.value = std::max(bound.value, rough);
       continue;
     }
     // any price below 1 gives a bound (weak duality, sim/tuning/adapter_cost.h)
-    const double price = std::clamp(best.prices[k], 0.0, 1 - 1e-6);
+    const double price = limited ? std::clamp(best.prices[k], 0.0, 1 - 1e-6) : 0;
     const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower, price);
+    // below this cost an adapter would exceed the value by more than the gap
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
     const LeastOfBoxes least =
         LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
     bound.boxes += least.boxes;
+    if (!limited) TryMiddle(piece, source, receptors, least.reached, best);
     // both bounds hold, so the smaller one does
     bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
   }
@@ -467,8 +521,8 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
   // price is 1 at most, so that the value changes by no more than the limit's square
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
-  bound.value *=
-      1 + squares * source.rounding_allowance * travel + kKeptLimit + (steps ? kStepAllowance : 0);
+  bound.value *= 1 + squares * source.rounding_allowance * travel + (limited ? kKeptLimit : 0) +
+                 (steps ? kStepAllowance : 0);
   return bound;
 }
 

@@ -68,11 +68,16 @@ namespace haptometer::sim {
 /// Nr^2 of a soft-edged stimulus, 1 / P^2 of kRmsPerWatt), is made least under h = ln(|travel|^2 /
 /// limit^2) <= 0 by ClimbWithinBounds(), all five numbers free: eliminating Ma2 bends and narrows
 /// the ridge, on which searches without slopes stop.
+///
+/// Where skins vary (skin_variation above 0, no limit of travel), the least motion has a kink where
+/// the hardest skin changes. So f is that of the skin at one end of Ks, and h <= 0 says that the
+/// other end's moves no less: min over max(f1, f2) is the lesser of both climbs.
 class LimitedClimb {
  public:
-  /// The problem without Fault(), skin_variation 0, mover_limit_m finite or not.
+  /// The problem without Fault(). `hardest`: +1 or -1, the end of Ks that moves least, of skins
+  /// that vary; 0 of others.
   LimitedClimb(Objective objective, const TuningProblem& problem, const MotorSource& source,
-               const ReceptorField& receptors);
+               const ReceptorField& receptors, int hardest = 0);
 
   /// Exact to rounding; the slope of a soft-edged stimulus's Nr is a central difference.
   [[nodiscard]] LimitedView At(const CubePlace& place) const;
@@ -81,31 +86,32 @@ class LimitedClimb {
   [[nodiscard]] LimitedSummit From(const CubePlace& start) const;
 
  private:
+  [[nodiscard]] LimitedView ViewOf(const CubePlace& place, int side) const;
   [[nodiscard]] double LogWeight(double part) const;
 
   Objective objective_;
   TuningProblem problem_;
   MotorSource source_;
   ReceptorField receptors_;
+  int hardest_;
   CubePlace upper_;
 };
 
 /// The best adapter whose mover keeps to the problem's mover_limit_m.
 struct LimitedBest {
-  AdapterPoint point;
+  AdapterPoint point{};
   double value = 0;  ///< the objective there; 0: no adapter found that keeps to the limit
   /// Of each stretch of areas (sim/tuning/adapter_objective.h), the price of travel at its best;
   /// below 0 where the stretch was left out because LimitedTravelBound() of it is below the value.
-  std::vector<double> prices;
+  std::vector<double> prices{};
 };
 
-/// Climbs (sim/tuning/travel_limit.h) from the best of StartPlaces() (sim/tuning/travel_limit.h)
-/// in which Ma2 is the nearest that keeps to the limit: the best of each third of Ma1's range and
-/// of Ka's, of kRmsPerWatt of every number's. Where there is none, from those with the least
-/// travel.
+/// Climbs from the best of StartPlaces() in which Ma2 is the nearest that keeps to the limit: the
+/// best of each third of Ma1's range and of Ka's, of kRmsPerWatt of every number's. Where there is
+/// none, from those with the least travel.
 ///
-/// The problem without Fault(), skin_variation 0, mover_limit_m finite or not (not, for
-/// kRmsPerWatt).
+/// The problem without Fault(), mover_limit_m finite or not (not, for kRmsPerWatt and for skins
+/// that vary).
 /// The same optimum as SciPy's SLSQP finds from 20 starts, to 1e-9 of the value, over the limits
 /// and problems of tests/sim/tuning/limited_reference.py. Cost: some 10 ms a stretch of areas.
 [[nodiscard]] LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
@@ -117,18 +123,22 @@ struct TravelBound {
   std::size_t boxes = 0;  ///< looked at, over all stretches of areas
 };
 
-/// The bound of the adapters within the bounds; none for a stimulus with soft edges. It is what the
-/// boxes say, not lifted to the value that was found: below that value it would be wrong.
+/// The bound of the adapters within the bounds; none for kRmsPerWatt and for a stimulus with soft
+/// edges. It is what the boxes say, not lifted to the value that was found: below that value it
+/// would be wrong. At most `most_boxes` of each stretch of areas.
 ///
-/// By weak duality (sim/tuning/adapter_cost.h) with the price of travel at `best`, and boxes, at
-/// most `most_boxes` of each stretch of areas. It comes within `relative_gap`, or within some 3e-9,
-/// to which the price is known, where the duality has no gap: so it has been in all problems of
-/// tests/sim/tuning/limited_reference.h, with 50 to 1200 boxes. Where the best has a price above 1,
-/// the skin's motion growing faster than the travel, as narrow bounds of Ma2 can make it, there is
-/// a gap: the bound then stays above the optimum, whatever the boxes. Of 175 random problems
-/// (tests/sim/tuning/random_problems_test.cc is of that kind) 14 had one, of 0.3 to 225 %.
+/// Without a limit of travel, where the middle of a box is better than `best`, it and a climb from
+/// it take that point's place.
+///
+/// With one, by weak duality (sim/tuning/adapter_cost.h) with the price of travel at `best`. It
+/// comes within `relative_gap`, or within some 3e-9, to which the price is known, where the duality
+/// has no gap: so it has been in all problems of tests/sim/tuning/limited_reference.h, with 50 to
+/// 1200 boxes. Where the best has a price above 1, the skin's motion growing faster than the
+/// travel, as narrow bounds of Ma2 can make it, there is a gap: the bound then stays above the
+/// optimum, whatever the boxes. Of 175 random problems (tests/sim/tuning/random_problems_test.cc is
+/// of that kind) 14 had one, of 0.3 to 225 %.
 [[nodiscard]] TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
-                                            const ReceptorField& receptors, const LimitedBest& best,
-                                            double relative_gap, std::size_t most_boxes);
+                                            const ReceptorField& receptors, double relative_gap,
+                                            std::size_t most_boxes, LimitedBest& best);
 
 }  // namespace haptometer::sim

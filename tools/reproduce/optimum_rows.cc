@@ -10,6 +10,7 @@
 #include "sim/skin/skin.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
+#include "sim/tuning/travel_limit.h"
 #include "tools/reproduce/thesis_model.h"
 
 // Table 2.4: the adapter of the grid search, the true optimum, and the largest power.
@@ -103,9 +104,9 @@ std::vector<ThesisRow> ContinuousRows(const sim::TuningProblem& problem, double 
 // most power into the skin (4.1), and most RMS per watt of input
 std::vector<ThesisRow> FurtherRows(const sim::TuningProblem& problem) {
   const sim::AdapterPoint power =
-      sim::BestAdapter(sim::Objective::kSkinPower, problem, sim::ReceptorField{});
+      sim::BestWithinTravel(sim::Objective::kSkinPower, problem, {}).point;
   const sim::AdapterPoint per_watt =
-      sim::BestAdapter(sim::Objective::kRmsPerWatt, problem, sim::ReceptorField{});
+      sim::BestWithinTravel(sim::Objective::kRmsPerWatt, problem, {}).point;
   const sim::MotorSource source = sim::SourceOf(problem.actuator, problem.drive);
   // v = w abs(Xs), peak, m/s
   const double w = source.omega_rad_per_s;

@@ -65,7 +65,7 @@ class LatencySearches : public ::testing::TestWithParam<tests::LatencyCase> {};
 TEST_P(LatencySearches, LeaveNothingThatADenseSearchFinds) {
   const tests::LatencyCase& known = GetParam();
   const TuningProblem problem = ProblemAt(known.frequency_hz);
-  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   const double limit_s = known.limit_s + UncertaintyOf(problem, free);
   const PromptBest best = BestWithinLatency(problem, limit_s, free);
   EXPECT_LE(best.rise.LatencyAtMostS(), limit_s);
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, LatencySearches, ::testing::ValuesIn(SearchedCas
 
 TEST(LatencyLimit, ThatIsKeptChangesNothing) {
   const TuningProblem problem = ThesisProblem();
-  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   const double latency_s = RiseWith(problem, free)->latency_s;
   const PromptBest best =
       BestWithinLatency(problem, RiseWith(problem, free)->LatencyAtMostS(), free);
@@ -94,7 +94,7 @@ TEST(LatencyLimit, ThatIsKeptChangesNothing) {
 
 TEST(LatencyLimit, CostsMoreTheTighterItIs) {
   const TuningProblem problem = TwoFree();
-  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   double before = RmsOf(problem, free);
   for (const double latency_s : {2.2e-3, 1.2e-3}) {
     const double limit_s = latency_s + UncertaintyOf(problem, free);
@@ -109,7 +109,7 @@ TEST(LatencyLimit, CostsMoreTheTighterItIs) {
 TEST(LatencyLimit, ThatNothingKeepsIsSaid) {
   TuningProblem problem = TwoFree();
   problem.bounds.stiffness_n_per_m = {9000, 9000};
-  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   const double uncertainty_s = UncertaintyOf(problem, free);
   const PromptBest searched = BestWithinLatency(problem, uncertainty_s + 1e-9, free);
   EXPECT_EQ(searched.value, 0);
@@ -127,7 +127,7 @@ TEST(LatencyLimit, IsNeverOfAMotionBeforeItsDrive) {
   bool reads_below = false;
   for (const double frequency_hz : {5.0, 60.0, 100.0, 225.0}) {
     const TuningProblem problem = ProblemAt(frequency_hz);
-    const auto rise = RiseWith(problem, BestAdapter(Objective::kSkinRms, problem, {}));
+    const auto rise = RiseWith(problem, BestWithinTravel(Objective::kSkinRms, problem, {}).point);
     ASSERT_TRUE(rise) << frequency_hz;
     EXPECT_GE(rise->latency_s, 0) << frequency_hz;
     EXPECT_NEAR(rise->uncertainty_s * frequency_hz, 0.147, 0.001) << "0.18 / sqrt(3) of 0.471 x 3";
@@ -140,7 +140,7 @@ TEST(LatencyLimit, IsNeverOfAMotionBeforeItsDrive) {
 // every adapter of a grid that is prompt enough, each by its own run
 TEST(LatencyLimit, IsBeatenByNoAdapterOfAGrid) {
   const TuningProblem problem = TwoFree();
-  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
   const double limit_s = 2e-3 + UncertaintyOf(problem, free);
   const PromptBest best = BestWithinLatency(problem, limit_s, free);
   const int steps = std::max(16, tests::Repetitions(16));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/tuning/adapter_optimum.h"
+#include "sim/tuning/travel_limit.h"
 #include "tests/repetitions.h"
 
 namespace haptometer::sim {
@@ -81,7 +82,7 @@ AskedProblem AnyProblem(Draw& draw) {
   if (asked.objective == Objective::kRmsPerWatt || draw.OneIn(3)) return asked;
   // below and a little above what the best one travels
   const MotorSource source = SourceOf(actuator, problem.drive);
-  const AdapterPoint best = BestAdapter(asked.objective, problem, {});
+  const AdapterPoint best = BestWithinTravel(asked.objective, problem, {}).point;
   const Skin skin = SkinOf(problem, best.contact_area_m2);
   problem.mover_limit_m =
       draw.Scale(0.1, 1.2) * MoverTravel(source, MotionOf(source, best.adapter, skin).case_m);

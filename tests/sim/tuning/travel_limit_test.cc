@@ -113,7 +113,7 @@ TuningProblem ProblemOf(const tests::LimitedCase& limited) {
 TEST(TravelLimit, OptimumIsThatOfManyStarts) {
   for (const tests::LimitedCase& limited : tests::kLimitedCases) {
     const TuningProblem problem = ProblemOf(limited);
-    const AdapterPoint point = BestAdapter(limited.objective, problem, {});
+    const AdapterPoint point = BestWithinTravel(limited.objective, problem, {}).point;
     const MotorSource source = SourceOf(problem.actuator, problem.drive);
     EXPECT_REL(ValueOf(limited.objective, problem, source, {}, point), limited.best, 2e-9,
                "SLSQP keeps to the limit to 1e-9")
@@ -128,10 +128,10 @@ TEST(TravelLimit, BoundIsNeverBelowTheOptimumAndComesUpToIt) {
   constexpr std::size_t kFew = 10, kEnough = 5000;
   for (const tests::LimitedCase& limited : tests::kLimitedCases) {
     const TuningProblem problem = ProblemOf(limited);
-    const LimitedBest best = BestWithinTravel(limited.objective, problem, {});
+    LimitedBest best = BestWithinTravel(limited.objective, problem, {});
     for (const std::size_t most_boxes : {kFew, kEnough}) {
       const TravelBound bound =
-          BoundWithinTravel(limited.objective, problem, {}, best, 1e-9, most_boxes);
+          BoundWithinTravel(limited.objective, problem, {}, 1e-9, most_boxes, best);
       EXPECT_GE(bound.value, best.value) << limited.limit_m;
       EXPECT_GE(bound.value, limited.best * (1 - 2e-9)) << limited.limit_m;
       if (most_boxes == kFew) continue;
@@ -156,7 +156,7 @@ TEST(TravelLimit, CostsMoreTheTighterItIs) {
   for (const double limit_m : {0.03e-3, 0.07e-3, 0.15e-3, 0.4e-3, 0.7e-3}) {
     const TuningProblem problem = Limited(limit_m);
     const MotorSource source = SourceOf(problem.actuator, problem.drive);
-    const AdapterPoint point = BestAdapter(Objective::kSkinRms, problem, {});
+    const AdapterPoint point = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
     const double value = ValueOf(Objective::kSkinRms, problem, source, {}, point);
     EXPECT_GT(value, before) << limit_m;
     before = value;
