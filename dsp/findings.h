@@ -63,7 +63,7 @@ enum class FindingKind : std::uint8_t {
   kDriveUnsteady,      ///< drift
   kFrequencyMoves,     ///< from_hz, to_hz
   kFrequencyDrifts,    ///< the same, less than a sweep
-  kDriveContradicted,  ///< from_s, to_s: the drive channel is off in the window; its subject
+  kDriveContradicted,  ///< off_s, from_s, to_s: the drive channel is off there; its subject
   kDriveDelayed,       ///< delay_s, uncertainty_s: of the vibration after the drive channel
   kBumpsExcluded,      ///< count, excluded_s, from_s
   kOtherDrive,         ///< frequency_hz, expected_hz: the header's drive frequency
@@ -92,6 +92,8 @@ enum class FindingKind : std::uint8_t {
   kGainInBand,            ///< least, greatest
   kGainTooLow,            ///< gain, frequency_hz, least_gain, averages: that leave it
   kGainCorrected,         ///< gain
+  kCalibrationIncluded,   ///< share: relative standard uncertainty of the sensor's gain
+  kCalibrationReplaced,   ///< share: of the record's calibration, which another one replaces
   kElectricalUnmeasured,  ///< readings
   kElectricalNoTone,      ///< frequency_hz
   // sweeps

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/quantity.h"
 #include "base/toml.h"
 
 namespace haptometer::trial {
@@ -37,6 +38,13 @@ const KeyUnit* UnitOf(ChannelRole role) {
       return nullptr;
   }
   return nullptr;
+}
+
+// key of a channel's table, and end of the field that keeps it
+constexpr std::string_view kRelativeUncertainty = "relative_standard_uncertainty";
+
+std::string UncertaintyField(const std::string& channel) {
+  return fmt::format("calibration.{}.{}", channel, kRelativeUncertainty);
 }
 
 // one pair of input and value: { voltage_v = -5, displacement_m = "-5mm" }
@@ -138,6 +146,11 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   ReadLine(table, in, *out, &calibration);
   ReadLimits(table, in, &calibration.limits);
   ReadCounts(table, in, &calibration);
+  calibration.gain_uncertainty = table.Number(kRelativeUncertainty, Dimension::kNone);
+  if (calibration.gain_uncertainty &&
+      !(*calibration.gain_uncertainty > 0 && *calibration.gain_uncertainty < 1)) {
+    table.Refuse(kRelativeUncertainty, "is not above 0 and below 1", "0.5 % is 0.005");
+  }
   calibration.range_min = table.Number(fmt::format("range_min_{}", out->letter), out->dimension);
   calibration.range_max = table.Number(fmt::format("range_max_{}", out->letter), out->dimension);
   if (calibration.range_min && calibration.range_max &&
@@ -241,8 +254,30 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
         "{} = {} per {} x input + {}{}{}", name, channel.scale, channel.input_unit, channel.offset,
         Bounds("measures", limits.bad_below, limits.bad_above, channel.input_unit),
         Bounds("DAQ", limits.rail_min, limits.rail_max, channel.input_unit));
+    if (channel.gain_uncertainty) {
+      fields[UncertaintyField(name)] = fmt::format("{}", *channel.gain_uncertainty);
+    }
   }
   return fields;
+}
+
+Result<double> ParseGainUncertainty(std::string_view text, std::string_view where) {
+  const bool is_percent = text.ends_with('%');
+  if (is_percent) text.remove_suffix(1);
+  HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, where));
+  const double relative = is_percent ? number.value / 100 : number.value;
+  if (relative > 0 && relative < 1) return relative;
+  return Usage(std::string(where),
+               fmt::format("{:g} is no relative standard uncertainty", relative),
+               "give a share above 0 and below 1, as 0.5%");
+}
+
+Result<std::optional<double>> GainUncertaintyOf(const Metadata& metadata,
+                                                const std::string& channel) {
+  const auto stated = metadata.fields.find(UncertaintyField(channel));
+  if (stated == metadata.fields.end()) return std::nullopt;
+  HAPTOMETER_LET(const auto relative, ParseGainUncertainty(stated->second, stated->first));
+  return relative;
 }
 
 }  // namespace haptometer::trial

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/error.h"
 #include "trial/record.h"
@@ -28,9 +29,12 @@ struct RawLimits {
 /// One channel of a DAQ: value = input * scale + offset, input = count * input_per_count +
 /// input_at_zero_count where counts come.
 struct ChannelCalibration {
-  std::string input_unit = "V";           ///< of what the DAQ measures: "V" or "A"
-  double scale = 1;                       ///< in the channel's unit per input unit; finite, not 0
-  double offset = 0;                      ///< in the channel's unit; finite
+  std::string input_unit = "V";  ///< of what the DAQ measures: "V" or "A"
+  double scale = 1;              ///< in the channel's unit per input unit; finite, not 0
+  double offset = 0;             ///< in the channel's unit; finite
+  /// Relative standard uncertainty of the slope, linearity included; nothing where it is not
+  /// stated.
+  std::optional<double> gain_uncertainty;
   std::optional<double> input_per_count;  ///< > 0; needed for counts only
   double input_at_zero_count = 0;         ///< in the input unit
   RawLimits limits;                       ///< in the input unit
@@ -66,8 +70,18 @@ struct Calibration {
 [[nodiscard]] RawLimits Calibrate(const ChannelCalibration& calibration, double input_per_raw,
                                   double input_at_zero_raw, ChannelFormat* channel);
 
-/// What of it is kept in a trial's metadata.fields: `calibration`, `calibration.date`, `.notes` and
-/// a sentence a channel, `calibration.CHANNEL`.
+/// What of it is kept in a trial's metadata.fields: `calibration`, `calibration.date`, `.notes`, a
+/// sentence a channel, `calibration.CHANNEL`, and where it is stated
+/// `calibration.CHANNEL.relative_standard_uncertainty`.
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
+
+/// A relative standard uncertainty of a gain: "0.005" or "0.5%". Errors (Cause::kUsage), at
+/// `where`: not a number, or not above 0 and below 1.
+[[nodiscard]] Result<double> ParseGainUncertainty(std::string_view text, std::string_view where);
+
+/// The relative standard uncertainty of the gain of `channel` that CalibrationFields kept; nothing
+/// where none was stated. Errors: as ParseGainUncertainty.
+[[nodiscard]] Result<std::optional<double>> GainUncertaintyOf(const Metadata& metadata,
+                                                              const std::string& channel);
 
 }  // namespace haptometer::trial

@@ -13,6 +13,7 @@
 #include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/window_choice.h"
 #include "dsp/analysis/window_numbers.h"
@@ -20,6 +21,7 @@
 #include "dsp/readings/raw_summary.h"
 #include "dsp/readings/regular_grid.h"
 #include "dsp/readings/segments.h"
+#include "trial/calibration.h"
 
 namespace haptometer::dsp {
 
@@ -76,9 +78,12 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto all = FilterSettledEnough(displacement, segments, question, analysis);
   if (!all) return std::unexpected(all.error());
   if (all->empty()) return {};
-  const auto chosen = ChoosePart(*all, question, analysis);
+  auto chosen = ChoosePart(*all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
+    const bool may_cut = question.choice == WindowChoice::kAuto;
+    const auto followed = FollowDrive(displacement.source, may_cut, **chosen, analysis);
+    if (!followed) return followed;
     // readings that rarely change are no measurement of vibration
     const auto stuck = WhyStuck(displacement, **chosen, *analysis);
     if (!stuck) return std::unexpected(stuck.error());
@@ -99,6 +104,44 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
   if (head.stretches.size() != 1) return std::nullopt;
   const auto cell_rows = static_cast<double>(summary.cell_rows);
   return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
+}
+
+// the gain's uncertainty, as asked or as the record's calibration states it: all lengths scale
+// alike
+Result<void> IncludeGain(const trial::Record& head, std::size_t channel,
+                         const BandQuestion& question, BandAnalysis* analysis) {
+  const auto stated = trial::GainUncertaintyOf(head.metadata, head.channels[channel].name);
+  if (!stated) return std::unexpected(stated.error());
+  analysis->gain_uncertainty = question.gain_uncertainty ? question.gain_uncertainty : *stated;
+  if (!analysis->gain_uncertainty) return {};
+  const double relative = *analysis->gain_uncertainty;
+  analysis->findings.Note(FindingKind::kCalibrationIncluded, {{"share", relative}});
+  if (*stated && question.gain_uncertainty) {
+    analysis->findings.Note(FindingKind::kCalibrationReplaced, {{"share", **stated}});
+  }
+  const auto include = [relative](double length, double& uncertainty) {
+    uncertainty = std::hypot(uncertainty, relative * length);
+  };
+  if (auto& known = analysis->known_tone) {
+    include(known->fit.amplitude, known->fit.amplitude_uncertainty);
+  }
+  if (auto& slow = analysis->slow_motion) {
+    include(slow->drift_per_s, slow->drift_uncertainty_per_s);
+    include(slow->tremor_rms.value_or(0), slow->tremor_rms_uncertainty);
+  }
+  if (!analysis->numbers) return {};
+  AddGainUncertainty(relative, analysis->numbers->rms);
+  if (auto& tone = analysis->numbers->tone) {
+    include(tone->amplitude_m, tone->amplitude_uncertainty_m);
+    const Interval limits =
+        WithGain(tone->amplitude_m, {tone->amplitude_lower_m, tone->amplitude_upper_m}, relative);
+    tone->amplitude_lower_m = limits.lower;
+    tone->amplitude_upper_m = limits.upper;
+  }
+  if (auto& found = analysis->numbers->harmonics) {
+    for (Harmonic& one : found->harmonics) include(one.amplitude, one.amplitude_uncertainty);
+  }
+  return {};
 }
 
 // converts rows to those of the source, whose rows may be absent
@@ -172,6 +215,9 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
                 }});
   if (!done) return std::unexpected(done.error());
   analysis.slow_motion = slow_motion;
+  if (auto included = IncludeGain(head, *channel, question, &analysis); !included) {
+    return std::unexpected(included.error());
+  }
   CountRows(*clean->rows, source.head().rows, &analysis);
   return analysis;
 }

@@ -122,8 +122,8 @@ struct SensorNumbers {
 /// How long after the drive's channel the vibration changes.
 struct DriveDelay {
   double delay_s = 0;
-  double uncertainty_s = 0;  ///< standard; half a block / sqrt(3 changes) at least
-  std::size_t changes = 0;   ///< that it is the mean of
+  double uncertainty_s = 0;  ///< standard
+  std::size_t changes = 0;   ///< that it is the median of
 };
 
 /// What a window says of the band.
@@ -177,6 +177,9 @@ struct BandAnalysis {
   BandPass band;                       ///< as used: the order may have been lowered
   std::optional<BandNumbers> numbers;  ///< nothing where no part could be filtered
   std::optional<KnownTone> known_tone;
+  /// Relative standard uncertainty of the sensor's gain, part of the uncertainty of every length;
+  /// nothing where none is stated.
+  std::optional<double> gain_uncertainty;
   std::vector<StateInterval> states;  ///< of the drive, in order of time
   /// Drift and tremor of all rows, by means of 4 ms or more; nothing for a record with holes that
   /// long, or of uneven stretches.
@@ -210,7 +213,7 @@ struct BandAnalysis {
 /// beside the drive; the gain is the sensor's at the tone. Hum that is there all the time is
 /// subtracted, and bumps are excluded. Type B bounds: what leaks from below the band, the band's
 /// foot, hum that was not seen alone, drift of the amplitude, quantisation, interpolation, and
-/// transients. The sensor's calibration and linearity are not included.
+/// transients. The sensor's gain is included where its uncertainty is stated.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running

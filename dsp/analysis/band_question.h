@@ -62,6 +62,8 @@ struct BandQuestion {
   /// For a record too slow for the band, and for hum at the drive's frequency; the file's metadata
   /// is asked where absent.
   std::optional<double> drive_frequency_hz;
+  /// Relative standard uncertainty of the sensor's gain; the record's calibration where absent.
+  std::optional<double> gain_uncertainty = {};
   bool keep_hum = false;      ///< whether hum of the mains counts as vibration
   bool keep_filtered = true;  ///< whether BandAnalysis::filtered_m is filled: 8 B a row
 };

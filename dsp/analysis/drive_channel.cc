@@ -10,8 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/mapped.h"
+#include "dsp/analysis/band_filtering.h"
 #include "dsp/readings/row_block.h"
+#include "dsp/readings/segments.h"
 #include "dsp/spectrum/envelope.h"
+#include "dsp/spectrum/power_edges.h"
+#include "dsp/statistics/distributions.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 
@@ -108,95 +114,112 @@ Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channe
   return PowerOfRows(source, channel, signal.first_row() + begin * cell, rows, cell);
 }
 
-std::vector<PowerEdge> PowerEdges(std::span<const double> mean_square, double start_s,
-                                  double cell_s, double window_s) {
-  const auto width = static_cast<std::size_t>(std::max(1.0, std::round(window_s / cell_s)));
-  if (mean_square.size() < 2 * width) return {};
-  // moving means; mean k lies about the middle of its cells
-  std::vector<double> means(mean_square.size() - width + 1);
-  double sum = std::accumulate(mean_square.begin(),
-                               mean_square.begin() + static_cast<std::ptrdiff_t>(width), 0.0);
-  for (std::size_t k = 0; k < means.size(); ++k) {
-    means[k] = sum / static_cast<double>(width);
-    if (k + width < mean_square.size()) sum += mean_square[k + width] - mean_square[k];
-  }
-  std::vector<double> sorted = means;
-  const auto top = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 19 / 20);
-  std::ranges::nth_element(sorted, top);
-  const double half = 0.5 * *top;
-  std::vector<PowerEdge> edges;
-  for (std::size_t k = 1; k < means.size(); ++k) {
-    if ((means[k] > half) == (means[k - 1] > half)) continue;
-    const double middle = static_cast<double>(k) + 0.5 * static_cast<double>(width);
-    edges.push_back({start_s + middle * cell_s, means[k] > half});
-  }
-  return edges;
-}
-
 namespace {
 
 constexpr double kLongestDelayS = 1;
 
 // differences of corresponding edges: the nearest of the same kind
-std::vector<double> Differences(std::span<const PowerEdge> drive,
-                                std::span<const PowerEdge> motion) {
-  std::vector<double> differences;
+std::vector<PowerEdge> Differences(std::span<const PowerEdge> drive,
+                                   std::span<const PowerEdge> motion) {
+  std::vector<PowerEdge> differences;
   for (const PowerEdge& edge : drive) {
-    double best = kLongestDelayS;
-    bool found = false;
+    PowerEdge best{kLongestDelayS, edge.rises, -1};
     for (const PowerEdge& other : motion) {
       const double difference = other.time_s - edge.time_s;
-      if (other.rises != edge.rises || std::abs(difference) > std::abs(best)) continue;
-      best = difference;
-      found = true;
+      if (other.rises != edge.rises || std::abs(difference) > std::abs(best.time_s)) continue;
+      best = {difference, edge.rises, std::hypot(edge.uncertainty_s, other.uncertainty_s)};
     }
-    if (found) differences.push_back(best);
+    if (best.uncertainty_s >= 0) differences.push_back(best);
   }
   return differences;
 }
 
-// median, with the scatter about it; one difference is known to half a window
-DriveDelay DelayOf(std::vector<double> differences, double window_s) {
-  std::ranges::sort(differences);
-  const double median = differences[differences.size() / 2];
-  double square = 0;
-  for (const double difference : differences) square += std::pow(difference - median, 2);
+// median of the differences, with its uncertainty or that of their scatter
+DriveDelay DelayOf(const std::vector<PowerEdge>& differences) {
+  const double median = Median(Mapped(differences, &PowerEdge::time_s));
   const auto n = static_cast<double>(differences.size());
-  const double scatter = std::sqrt(square) / n;
-  return {median, std::hypot(scatter, 0.5 * window_s / std::sqrt(3 * n)), differences.size()};
+  double variance = 0;
+  double chi_square = 0;
+  for (const PowerEdge& one : differences) {
+    variance += one.uncertainty_s * one.uncertainty_s / (n * n);
+    chi_square += std::pow((one.time_s - median) / one.uncertainty_s, 2);
+  }
+  if (n > 2) variance *= std::numbers::pi / 2;
+  // Birge's ratio, where chance gives more scatter in 5 % only
+  if (n > 1 && chi_square > ChiSquareQuantile(kConfidence, n - 1)) variance *= chi_square / (n - 1);
+  return {median, std::sqrt(variance), differences.size()};
+}
+
+std::vector<double> MeanSquares(const BandSignal& signal) {
+  std::vector<double> squares;
+  squares.reserve(signal.cells().size());
+  for (const BandCell& cell : signal.cells()) {
+    squares.push_back(cell.square_sum / static_cast<double>(signal.cell_samples()));
+  }
+  return squares;
+}
+
+// The power of the channel behind the filter, whose changes the filter moves as the vibration's;
+// nothing where most of its power is not in the band: a trigger, a level.
+Result<std::optional<std::vector<double>>> FilteredPower(const trial::RowSource& source,
+                                                         std::size_t channel,
+                                                         const BandSignal& signal, double power) {
+  // what was interpolated is displacement
+  Segment segment = signal.segment();
+  segment.bridges.clear();
+  const auto filtered = BandSignal::Filter({source, channel, segment}, signal.design(), 1);
+  if (!filtered) return std::unexpected(filtered.error());
+  std::vector<double> squares = MeanSquares(*filtered);
+  const double in_band = std::accumulate(squares.begin(), squares.end(), 0.0);
+  return in_band > 0.5 * power ? std::optional(std::move(squares)) : std::nullopt;
 }
 
 }  // namespace
 
 Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t channel,
-                                    const BandSignal& signal, double lower_hz) {
+                                    const BandSignal& signal, const BandPass& band,
+                                    double tone_hz) {
   const std::size_t cells = signal.cells().size();
   const auto drive = DriveCells(source, channel, signal, 0, cells);
   if (!drive) return std::unexpected(drive.error());
-  const double cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz();
-  const double window_s = 1 / lower_hz;
-  std::vector<double> motion(cells);
-  for (std::size_t k = 0; k < cells; ++k) motion[k] = signal.cells()[k].square_sum;
-  const auto edges = PowerEdges(drive->mean_square, signal.start_s(), cell_s, window_s);
+  const PowerCells shape{.start_s = signal.start_s(),
+                         .cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz(),
+                         .window_s = 1 / band.lower_hz,
+                         .bandwidth_hz = band.upper_hz - band.lower_hz};
+  const std::vector<PowerEdge> edges = PowerEdges(drive->mean_square, shape);
   ChannelCourse course;
   // on from each rise to the next fall; without edges on throughout, if there is any power
-  const double end_s = signal.start_s() + static_cast<double>(cells) * cell_s;
-  const bool any = std::ranges::any_of(drive->mean_square, [](double power) { return power > 0; });
-  if (any && (edges.empty() || !edges.front().rises))
-    course.on.push_back({signal.start_s(), end_s});
+  const double end_s = shape.start_s + static_cast<double>(cells) * shape.cell_s;
+  const double power = std::accumulate(drive->mean_square.begin(), drive->mean_square.end(), 0.0);
+  if (power > 0 && (edges.empty() || !edges.front().rises)) {
+    course.on.push_back({shape.start_s, end_s});
+  }
   for (const PowerEdge& edge : edges) {
     if (edge.rises) course.on.push_back({edge.time_s, end_s});
     if (!edge.rises) course.on.back().end_s = edge.time_s;
   }
-  const auto of_motion = PowerEdges(motion, signal.start_s(), cell_s, window_s);
-  auto differences = Differences(edges, of_motion);
+  const std::vector<double> motion = MeanSquares(signal);
+  const std::vector<PowerEdge> of_motion = PowerEdges(motion, shape);
   // of a channel of two levels only the displacement says whether it is a drive or flickers
   const bool flickers = edges.size() > 2 * of_motion.size();
-  if (drive->is_coarse && (differences.empty() || flickers)) {
-    course.on = {{signal.start_s(), end_s}};
+  if (drive->is_coarse && (flickers || Differences(edges, of_motion).empty())) {
+    course.on = {{shape.start_s, end_s}};
     return course;
   }
-  if (!differences.empty()) course.delay = DelayOf(std::move(differences), window_s);
+  if (edges.empty()) return course;
+  // changes of both, refined
+  const auto filtered = FilteredPower(source, channel, signal, power);
+  if (!filtered) return std::unexpected(filtered.error());
+  const double of_phase_s = 1 / (4 * std::numbers::pi * tone_hz * std::numbers::sqrt2);
+  const double apart_hz = 1 / (1 / std::max(tone_hz - band.lower_hz, band.lower_hz) +
+                               1 / std::max(band.upper_hz - tone_hz, band.lower_hz));
+  const double unknown_s =
+      *filtered ? of_phase_s : 1 / (4 * std::pow(std::numbers::pi, 2) * apart_hz);
+  const auto of_drive =
+      RefinedEdges(*filtered ? **filtered : drive->mean_square, shape, unknown_s, edges);
+  const auto differences =
+      Differences(of_drive, RefinedEdges(motion, shape, of_phase_s, of_motion));
+  if (!differences.empty()) course.delay = DelayOf(differences);
   return course;
 }
 
@@ -206,32 +229,56 @@ namespace {
 constexpr double kDelayS = 0.05;
 constexpr double kChannelOn = 0.5;
 
+// samples of `chosen` within `window`
+void CutTo(const TimeWindow& window, ChosenPart& chosen) {
+  const auto [begin, end] = SettledWithin(*chosen.signal, window);
+  chosen.begin = std::max(chosen.begin, begin);
+  chosen.end = std::min(chosen.end, end);
+  std::erase_if(chosen.excluded, [&](const auto& one) {
+    return one.second <= chosen.begin || one.first >= chosen.end;
+  });
+}
+
 }  // namespace
 
-Result<std::optional<DriveDelay>> CompareChannel(const trial::RowSource& source,
-                                                 const BandSignal& signal, const TimeWindow& part,
-                                                 BandAnalysis* analysis) {
+Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPart& chosen,
+                         BandAnalysis* analysis) {
   const auto channel = DriveChannel(source.head());
-  if (!channel) return std::nullopt;
-  const auto course = FollowChannel(source, *channel, signal, analysis->band.lower_hz);
+  if (!channel || !chosen.part.from_drive) return {};
+  const double tone_hz = 0.5 * (chosen.part.state.from_hz + chosen.part.state.to_hz);
+  const auto course = FollowChannel(source, *channel, *chosen.signal, analysis->band, tone_hz);
   if (!course) return std::unexpected(course.error());
-  const double delay_s = course->delay ? course->delay->delay_s : 0;
-  if (std::abs(delay_s) > kDelayS) {
-    analysis->findings.Note(
-        FindingKind::kDriveDelayed,
-        {{"delay_s", delay_s}, {"uncertainty_s", course->delay->uncertainty_s}});
+  chosen.delay = course->delay;
+  const DriveDelay delay = course->delay.value_or(DriveDelay{});
+  if (std::abs(delay.delay_s) > kDelayS) {
+    analysis->findings.Note(FindingKind::kDriveDelayed,
+                            {{"delay_s", delay.delay_s}, {"uncertainty_s", delay.uncertainty_s}});
   }
+  // the longest interval on, so much later, within the part
+  const TimeWindow part{TimeOfSample(*chosen.signal, chosen.begin),
+                        TimeOfSample(*chosen.signal, chosen.end)};
+  TimeWindow longest{part.begin_s, part.begin_s};
   double on_s = 0;
   for (const TimeWindow& on : course->on) {
-    on_s += std::max(0.0, std::min(part.end_s, on.end_s + delay_s) -
-                              std::max(part.begin_s, on.begin_s + delay_s));
+    const TimeWindow shared{std::max(part.begin_s, on.begin_s + delay.delay_s),
+                            std::min(part.end_s, on.end_s + delay.delay_s)};
+    on_s += std::max(0.0, shared.duration_s());
+    if (shared.duration_s() > longest.duration_s()) longest = shared;
   }
-  if (on_s >= kChannelOn * part.duration_s()) return course->delay;
+  // beside a change the filter rings for a period of the lower corner
+  const double period_s = 1 / analysis->band.lower_hz;
+  if (part.duration_s() - on_s <= period_s) return {};
   analysis->findings.Add({.severity = Severity::kDoubt,
                           .kind = FindingKind::kDriveContradicted,
-                          .numbers = {{"from_s", part.begin_s}, {"to_s", part.end_s}},
+                          .numbers = {{"off_s", part.duration_s() - on_s},
+                                      {"from_s", part.begin_s},
+                                      {"to_s", part.end_s}},
                           .subject = source.head().channels[*channel].name});
-  return course->delay;
+  if (!may_cut || longest.duration_s() < kChannelOn * part.duration_s()) return {};
+  if (longest.begin_s > part.begin_s) longest.begin_s += period_s;
+  if (longest.end_s < part.end_s) longest.end_s -= period_s;
+  if (longest.duration_s() >= kLeastWindowPeriods * period_s) CutTo(longest, chosen);
+  return {};
 }
 
 namespace {

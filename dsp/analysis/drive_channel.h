@@ -43,38 +43,32 @@ struct DrivePower {
                                             const BandSignal& signal, std::size_t begin,
                                             std::size_t end);
 
-/// A change of power: when, and whether it rises.
-struct PowerEdge {
-  double time_s = 0;
-  bool rises = false;
-};
-
-/// Changes of `mean_square` over cells of `cell_s` from `start_s` on: where its moving mean over
-/// `window_s` crosses half of its top (95 % quantile). Of a switched sine the edge itself, to about
-/// half a period.
-[[nodiscard]] std::vector<PowerEdge> PowerEdges(std::span<const double> mean_square, double start_s,
-                                                double cell_s, double window_s);
-
 /// What a drive channel says beside the vibration of `signal`.
 struct ChannelCourse {
   std::vector<TimeWindow> on;       ///< in the record's time
   std::optional<DriveDelay> delay;  ///< of the vibration; nothing where no changes correspond
 };
 
-/// The drive channel over `signal`, by its power and that of the band, in means of a period of
-/// `lower_hz`; changes that rise or fall alike within 1 s of each other correspond. The delay is
-/// their median difference. Errors: as RowSource::Read.
+/// The drive channel over `signal` in `band`, by its power and that of the vibration at `tone_hz`,
+/// in means of a period w of the lower corner; changes that rise or fall alike within 1 s of each
+/// other correspond, and the delay is their median difference.
+///
+/// Changes are placed by RefinedEdges (dsp/spectrum/power_edges.h): the phase at which a tone of f
+/// is switched is unknown, u = 1 / (4 pi f sqrt(2)), and noise adds to it. The same filter delays
+/// no change of a voltage or current within the band against the vibration's; those of another
+/// channel by (1/d1 + 1/d2) / (4 pi^2) at most, d the tone's distances to the corners. The median
+/// of n > 2 has pi / 2 times the variance of a mean; differences that scatter by more than 95 % of
+/// chi-squared give their own scatter (Birge). Errors: as RowSource::Read.
 [[nodiscard]] Result<ChannelCourse> FollowChannel(const trial::RowSource& source,
                                                   std::size_t channel, const BandSignal& signal,
-                                                  double lower_hz);
+                                                  const BandPass& band, double tone_hz);
 
-/// The delay of the vibration of `signal` behind the drive channel, where there is one. Adds to
-/// `analysis` a note of a delay beyond 50 ms, and a doubt where the channel, so much later, is on
-/// in less than half of the window `part`. Errors: as RowSource::Read.
-[[nodiscard]] Result<std::optional<DriveDelay>> CompareChannel(const trial::RowSource& source,
-                                                               const BandSignal& signal,
-                                                               const TimeWindow& part,
-                                                               BandAnalysis* analysis);
+/// Follows the drive channel, where there is one, beside the part that `chosen` is of: sets its
+/// delay, and cuts it (where `may_cut`) to the time in which the channel, so much later, is on, if
+/// that is half of it or more. Adds to `analysis` a note of a delay beyond 50 ms, and a doubt where
+/// the channel is off for more than a period of the lower corner. Errors: as RowSource::Read.
+[[nodiscard]] Result<void> FollowDrive(const trial::RowSource& source, bool may_cut,
+                                       ChosenPart& chosen, BandAnalysis* analysis);
 
 /// The onset of the part that `chosen` is of, of unfiltered samples (a zero-phase filter rings
 /// ahead of it) from at most 1 s of the quiet part before it to at most 1 s of its steady part.

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -133,6 +132,23 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
       estimate.rms_m + std::hypot(std::sqrt(least + one_sided.above) - estimate.rms_m,
                                   kNormal90 * std::sqrt(bound_square));
   return estimate;
+}
+
+Interval WithGain(double value, const Interval& limits, double relative) {
+  const double reach = kNormal95 * relative;
+  return {value - std::hypot(value - limits.lower, reach * value),
+          value + std::hypot(limits.upper - value, reach * limits.upper)};
+}
+
+void AddGainUncertainty(double relative, RmsEstimate& estimate) {
+  const double of_gain_m = relative * estimate.rms_m;
+  estimate.budget.push_back({RmsCause::kCalibration, Evaluation::kStated, of_gain_m});
+  estimate.standard_uncertainty_m = std::hypot(estimate.standard_uncertainty_m, of_gain_m);
+  const Interval limits = WithGain(estimate.rms_m, {estimate.lower_m, estimate.upper_m}, relative);
+  estimate.lower_m = std::max(0.0, limits.lower);
+  estimate.upper_m = limits.upper;
+  estimate.at_most_m = estimate.rms_m + std::hypot(estimate.at_most_m - estimate.rms_m,
+                                                   kNormal90 * relative * estimate.at_most_m);
 }
 
 }  // namespace haptometer::dsp

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 
@@ -14,10 +15,11 @@ namespace haptometer::dsp {
 enum class Evaluation : std::uint8_t {
   kStatistical,  ///< Type A: from the scatter of the data
   kBound,        ///< Type B: a rectangle of half width a, whose standard deviation is a / sqrt(3)
+  kStated,       ///< Type B: a standard uncertainty that is stated
 };
 
-/// What an RMS is uncertain by. No budget holds the sensor's calibration and linearity: a record
-/// does not tell them.
+/// What an RMS is uncertain by. A budget holds the sensor's calibration only where its uncertainty
+/// is stated.
 enum class RmsCause : std::uint8_t {
   kNoise,         ///< periodogram of what the tone leaves
   kNoiseFloor,    ///< scatter of the floor that is taken off
@@ -30,8 +32,9 @@ enum class RmsCause : std::uint8_t {
   kFoot,          ///< motion below the band in it: half of what was subtracted, all that was not
   kHum,           ///< half of its power; half a percent of it where a pause shows it alone
   kDrift,         ///< half the change of the amplitude over the window
+  kCalibration,   ///< RMS times the relative standard uncertainty of the sensor's gain
 };
-inline constexpr std::size_t kRmsCauseCount = 11;
+inline constexpr std::size_t kRmsCauseCount = 12;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {
@@ -86,5 +89,13 @@ inline constexpr double kWideInterval = 0.025;
 /// either limit is the root of their squared distances. Bounds widen it in squares by 1.96 of their
 /// standard deviations, which alone would cover a rectangle whole.
 [[nodiscard]] RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds);
+
+/// 95 % limits of `value` with those of a gain beside them, of relative standard uncertainty u: the
+/// distances grow in squares by 1.96 u times the value, above by 1.96 u times the limit.
+[[nodiscard]] Interval WithGain(double value, const Interval& limits, double relative);
+
+/// Adds the sensor's gain to uncertainty, limits and budget:
+/// u_total^2 = u^2 + (RMS u_gain)^2, u_gain = `relative`.
+void AddGainUncertainty(double relative, RmsEstimate& estimate);
 
 }  // namespace haptometer::dsp

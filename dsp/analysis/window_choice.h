@@ -22,8 +22,9 @@ struct ChosenPart {
   std::size_t end = 0;
   std::vector<std::pair<std::size_t, std::size_t>> excluded;  ///< samples within, bumps
   std::vector<SteadyLine> hum;                                ///< of the signal; to be subtracted
-  UsedPart part;                     ///< how it was chosen; window and rows are not set yet
-  std::optional<Finding> refusal{};  ///< why there is no drive; its numbers are not set yet
+  UsedPart part;                      ///< how it was chosen; window and rows are not set yet
+  std::optional<DriveDelay> delay{};  ///< of the vibration behind a drive channel
+  std::optional<Finding> refusal{};   ///< why there is no drive; its numbers are not set yet
 };
 
 /// The longest part that a tone is sought and fitted in as a whole, in samples (5 s at 392 kHz).

@@ -644,12 +644,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
        [&] { return DescribeMotion(window); },
        [&] { return has_tone ? DescribeDrive(displacement.source, window) : Result<void>(); }});
   if (!described) return described;
-  if (chosen.part.from_drive) {
-    const auto delay =
-        CompareChannel(displacement.source, *chosen.signal, window.numbers.part.window, analysis);
-    if (!delay) return std::unexpected(delay.error());
-    window.numbers.delay = *delay;
-  }
+  window.numbers.delay = chosen.delay;
   analysis->numbers = std::move(window.numbers);
   RemarkWindow(all, chosen, question, analysis);
   return {};

@@ -177,6 +177,30 @@ TEST_F(AnalyzeMistakes, WhatNoBudgetHoldsIsSaidOnce) {
   EXPECT_EQ(Json::parse(Analyze({"--json", trial}).out)["uncertainty_excludes"], words);
 }
 
+TEST_F(AnalyzeMistakes, AStatedCalibrationIsInTheBudget) {
+  const std::string trial = Steady();
+  const std::string stated = (directory_ / "stated.csv").string();
+  std::ofstream(stated) << "# calibration.displacement.relative_standard_uncertainty = 0.2%\n"
+                        << std::ifstream(trial).rdbuf();
+  const auto relative = [&](const std::vector<std::string>& words) {
+    const Json document = Json::parse(Analyze(words).out);
+    const Json& of = document["trials"][0];
+    const double u_m = of["band_rms_standard_uncertainty_m"];
+    return u_m / of["band_rms_m"].get<double>();
+  };
+  EXPECT_NEAR(relative({"--json", stated}), 0.002, 1e-4);
+  EXPECT_NEAR(relative({"--json", "--calibration-uncertainty", "1%", stated}), 0.01, 1e-4);
+  EXPECT_NEAR(relative({"--json", "--calibration-uncertainty", "0.01", trial}), 0.01, 1e-4);
+  EXPECT_TRUE(Json::parse(Analyze({"--json", stated}).out)["uncertainty_excludes"].is_null());
+  const std::string out = Analyze({"--all", "--calibration-uncertainty", "1%", stated}).out;
+  EXPECT_THAT(out, Not(HasSubstr("uncertainty excludes")));
+  EXPECT_THAT(out, HasSubstr("in place of the 0.2 %"));
+  EXPECT_THAT(out, HasSubstr("calibration"));
+  // of two trials one states it: the other one's exclusion is still shown
+  EXPECT_THAT(Analyze({stated, trial}).out, HasSubstr("uncertainty excludes"));
+  EXPECT_EQ(Analyze({"--calibration-uncertainty", "2", trial}).status, 2);
+}
+
 TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
   // 100 Hz to 400 Hz in 3 s: 10 Hz a block of 0.1 s
   const std::string sweep =

@@ -43,6 +43,27 @@ TEST(CalibrationFile, TwoPointsAreALine) {
   EXPECT_EQ(calibration.name, "il030.toml");
 }
 
+TEST(CalibrationFile, AnUncertaintyOfTheGainIsKept) {
+  const Calibration calibration = Read(
+      "[displacement]\nscale_m_per_v = 1e-3\nrelative_standard_uncertainty = 0.004\n"
+      "[voltage]\nscale_v_per_v = 11\n");
+  EXPECT_EQ(calibration.channels.at("displacement").gain_uncertainty, 0.004);
+  Metadata metadata;
+  metadata.fields = CalibrationFields(calibration);
+  EXPECT_EQ(GainUncertaintyOf(metadata, "displacement").value(), 0.004);
+  EXPECT_EQ(GainUncertaintyOf(metadata, "voltage").value(), std::nullopt);
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1e-3\nrelative_standard_uncertainty = 0\n"),
+              HasSubstr("is not above 0 and below 1"));
+}
+
+TEST(ParseGainUncertainty, IsAShareOrPercent) {
+  EXPECT_EQ(ParseGainUncertainty("0.5%", "here").value(), 0.005);
+  EXPECT_EQ(ParseGainUncertainty("0.005", "here").value(), 0.005);
+  for (const char* text : {"", "%", "0", "-1%", "100%", "2", "nan", "0.5um"}) {
+    EXPECT_FALSE(ParseGainUncertainty(text, "here")) << text;
+  }
+}
+
 TEST(CalibrationFile, EveryKeyArrives) {
   const Calibration calibration = Read(
       "name = 'IL-030, rig 2'\ndate = '2026-02-11'\nnotes = 'gauge blocks'\n"

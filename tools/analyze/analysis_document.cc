@@ -468,6 +468,9 @@ Section SensorSection(const dsp::BandAnalysis& analysis, const dsp::SensorNumber
                                                           sensor.gain_in_band->greatest})
                                   : Value());
   section.Add({"sensor_gain_divided_out"}, sensor.divided_out);
+  section.Add({"calibration_relative_standard_uncertainty",
+               "relative standard uncertainty of the calibration", document::kShare},
+              analysis.gain_uncertainty);
   section.Add(document::kAmplitudeVerified, sensor.amplitude_verified);
   return section;
 }
@@ -602,10 +605,10 @@ Section TableRow(const AnalyzedFile& file) {
   return row;
 }
 
-Section ClosingSection(bool has_numbers) {
+Section ClosingSection(bool excludes_calibration, bool is_shown) {
   Section section;
-  section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""},
-              "the sensor's calibration and linearity");
+  section.Add({"uncertainty_excludes", is_shown ? "uncertainty excludes" : ""},
+              excludes_calibration ? Value("the sensor's calibration and linearity") : Value());
   return section;
 }
 

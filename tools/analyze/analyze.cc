@@ -214,7 +214,10 @@ class Answers {
     if (!file.deviations.list().empty()) {
       status_ = cli::WorseStatus(status_, ExitStatus(Cause::kCannotAnswer));
     }
-    has_numbers_ = has_numbers_ || (file.analysis && file.analysis->numbers);
+    const bool has_numbers = file.analysis && file.analysis->numbers;
+    has_numbers_ = has_numbers_ || has_numbers;
+    excludes_calibration_ =
+        excludes_calibration_ || (has_numbers && !file.analysis->gain_uncertainty);
     if (!words_.table.empty()) table_.sections.push_back(TableRow(file));
     shown_.Add(TrialSection(file, words_.files.size() == 1));
   }
@@ -226,7 +229,8 @@ class Answers {
                            document::CsvOf(table_, job.provenance()));
       if (!written) status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, written.error()));
     }
-    return cli::WorseStatus(status_, shown_.Finish(ClosingSection(has_numbers_)));
+    return cli::WorseStatus(status_, shown_.Finish(ClosingSection(
+                                         excludes_calibration_ || !has_numbers_, has_numbers_)));
   }
 
  private:
@@ -235,6 +239,7 @@ class Answers {
   Section table_{.shape = Section::Shape::kTable};
   int status_ = 0;
   bool has_numbers_ = false;
+  bool excludes_calibration_ = false;  // of a trial with numbers
 };
 
 // one trial on all threads, or several trials with a thread each

@@ -50,8 +50,10 @@ struct AnalyzedFile {
 /// A row of --table: the answer, the window, the tone, and the kinds of all findings.
 [[nodiscard]] document::Section TableRow(const AnalyzedFile& file);
 
-/// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
-[[nodiscard]] document::Section ClosingSection(bool has_numbers);
+/// What is in no uncertainty, where that holds of a trial; it is shown where one of them has
+/// numbers
+/// (`is_shown`).
+[[nodiscard]] document::Section ClosingSection(bool excludes_calibration, bool is_shown);
 
 /// Distance over time, the states of the drive with window and noise, the filtered signal, and ten
 /// periods of it; grey is what no number is of. `analysis` was made of `rows` with keep_filtered.

@@ -13,6 +13,7 @@
 #include "base/mapped.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
+#include "trial/calibration.h"
 
 namespace haptometer::tools {
 namespace {
@@ -114,6 +115,10 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "Drive-off trial whose noise in the band is subtracted (mean square)");
   options->Choice("--hum", &words->hum, {"subtract", "keep"},
                   "Hum of the mains: subtracted, or counted as vibration", cli::Shown::kHelpAll);
+  options->Text("--calibration-uncertainty", &words->calibration_uncertainty, "SHARE",
+                "Relative standard uncertainty of the sensor's gain, linearity included, as 0.5%; "
+                "it replaces what the file's calibration states",
+                cli::Shown::kHelpAll);
   options->Text("--expect", &words->expect, "LIST",
                 "What a trial should show, as 'tone=225Hz+-1Hz, change<5%, source=device'; a trial "
                 "that differs is a doubt, with exit status 3",
@@ -153,6 +158,12 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   // the filtered record is kept in memory only where it is drawn
   question.keep_filtered = words.outputs.HasFigures();
   question.keep_hum = words.hum == "keep";
+  if (!words.calibration_uncertainty.empty()) {
+    const auto relative =
+        trial::ParseGainUncertainty(words.calibration_uncertainty, "--calibration-uncertainty");
+    if (!relative) return std::unexpected(relative.error());
+    question.gain_uncertainty = *relative;
+  }
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());

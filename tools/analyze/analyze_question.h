@@ -52,6 +52,7 @@ struct AnalyzeWords {
   std::string window = "auto";
   std::string floor;
   std::string hum = "subtract";
+  std::string calibration_uncertainty;  ///< empty: what the file's calibration states
   std::string expect;
   std::string table;  ///< of all trials; empty: none
   std::optional<Quantity> drive_frequency_hz;

@@ -191,8 +191,8 @@ constexpr auto kRows = std::to_array<Row>({
       "the frequency drifts from {from_hz} to {to_hz}; the RMS includes all of it"}},
     {kDriveContradicted,
      {"drive-contradicted",
-      "the drive channel is off from {from_s} to {to_s}, where the displacement vibrates: check "
-      "the channel and its connection"}},
+      "the drive channel is off for {off_s} from {from_s} to {to_s}, where the displacement "
+      "vibrates: check the channel and its connection"}},
     {kDriveDelayed,
      {"drive-delayed",
       "the vibration follows the drive channel by {delay_s}, with a standard uncertainty of "
@@ -295,6 +295,13 @@ constexpr auto kRows = std::to_array<Row>({
       "the sensor's gain at {frequency_hz} is {gain}, below {least_gain}: set it to {averages} "
       "average{averages s} or fewer"}},
     {kGainCorrected, {"gain-corrected", "the sensor's gain at the tone is {gain}; corrected for"}},
+    {kCalibrationIncluded,
+     {"calibration-included",
+      "uncertainties include a relative standard uncertainty of the sensor's gain of {share %}"}},
+    {kCalibrationReplaced,
+     {"calibration-replaced",
+      "--calibration-uncertainty is used in place of the {share %} that the file's calibration "
+      "states"}},
     // voltage and current at the tone
     {kElectricalUnmeasured,
      {"electrical-unmeasured",
@@ -434,6 +441,7 @@ CauseText TextOf(dsp::RmsCause cause) {
        "half of its power that was subtracted, and power just above the lower corner"},
       {"hum", "half of its power, as no pause shows it alone"},
       {"change of the amplitude", "half of it over the window"},
+      {"calibration", "RMS times the relative standard uncertainty of the sensor's gain"},
   }};
   return kTexts.at(static_cast<std::size_t>(cause));
 }

@@ -52,6 +52,9 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "all of them and differ ({subjects} have)"},
       {kCalibrationExcluded, "calibration-excluded",
        "uncertainties exclude sensor calibration and linearity"},
+      {kCalibrationInTrials, "calibration-in-trials",
+       "uncertainties of means, differences and ratios exclude sensor calibration and linearity; "
+       "those of single trials include it where the trial states it"},
       // matching of settings, power and the line over drive
       {kNoSetting, "no-setting", "no setting"},
       {kOneStart, "one-start", "no setting started {missing}; those of the other start are used"},

@@ -65,7 +65,11 @@ StudyFindings FindingsOf(const StudyResult& study) {
   for (const std::string& table : study.ignored) {
     findings.Add({Severity::kNote, StudyFinding::kTableIgnored, {}, table});
   }
-  findings.Note(StudyFinding::kCalibrationExcluded);
+  const bool is_stated = study.CountAnswered([](const StudyTrial& trial) {
+    return trial.gain_uncertainty.has_value();
+  }) > 0;
+  findings.Note(is_stated ? StudyFinding::kCalibrationInTrials
+                          : StudyFinding::kCalibrationExcluded);
   return findings;
 }
 

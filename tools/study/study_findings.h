@@ -32,6 +32,7 @@ enum class StudyFinding : std::uint8_t {
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects
   kCalibrationExcluded,    ///< of all uncertainties
+  kCalibrationInTrials,    ///< of all uncertainties but those of trials that state it
   kNoSetting,              ///< of a subject at a level
   kOneStart,               ///< missing: "high" or "low"
   kPowerByVoltage,         ///< what power savings rest on

@@ -78,13 +78,17 @@ std::string CorrectionsText(const StudyResult& study) {
   });
   return fmt::format(
       "{} was subtracted in mean square in {}. The sensor's gain at the tone was corrected for in "
-      "{}. Uncertainties exclude the sensor's calibration and linearity. ",
+      "{}. Uncertainties{} exclude the sensor's calibration and linearity. ",
       floor
           ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
                         "{})",
                         std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->file)
           : "The noise of the trial's own quiet part",
-      Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"));
+      Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"),
+      study.CountAnswered(
+          [](const StudyTrial& trial) { return trial.gain_uncertainty.has_value(); }) > 0
+          ? " of means, differences and ratios"
+          : "");
 }
 
 // numbers of trials, subjects and conditions, and the unit of analysis

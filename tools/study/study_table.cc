@@ -222,6 +222,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   }
   trial.rms_m = rms.rms_m;
   trial.rms_uncertainty_m = rms.standard_uncertainty_m;
+  trial.gain_uncertainty = analysis.gain_uncertainty;
   if (numbers.tone) trial.tone_hz = numbers.tone->fit.frequency_hz;
   trial.is_of_drive = numbers.part.from_drive;
   trial.below_band_removed = numbers.below_band && numbers.below_band->modelled;
@@ -296,9 +297,12 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
 
 namespace {
 
-// relative standard uncertainty of an answered trial's RMS
+// relative standard uncertainty of an answered trial's RMS, without that of the calibration, which
+// all trials of a sensor share
 double RelativeUncertainty(const StudyTrial& trial) {
-  return trial.rms_uncertainty_m.value_or(0) / *trial.rms_m;
+  const double relative = trial.rms_uncertainty_m.value_or(0) / *trial.rms_m;
+  return std::sqrt(
+      std::max(0.0, relative * relative - std::pow(trial.gain_uncertainty.value_or(0), 2)));
 }
 
 // of a mean: the median of its trials, which a single poor trial does not change

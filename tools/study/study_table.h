@@ -37,6 +37,7 @@ struct StudyTrial {
   std::optional<double> rms_m;             ///< within the band
   std::optional<double> rms_with_floor_m;  ///< the same without the correction for noise
   std::optional<double> rms_uncertainty_m;
+  std::optional<double> gain_uncertainty;  ///< relative, of the calibration: in rms_uncertainty_m
   std::optional<double> tone_hz;
   bool is_of_drive = false;         ///< its window lies in a state in which the drive is on
   bool has_no_drive = false;        ///< no drive found: never a measurement

@@ -209,6 +209,47 @@ TEST(DeadChannel, IsNoDriveHoweverItFlickers) {
   }
 }
 
+// the generator's voltage was recorded 0.3 s and 0.5 s early: the window is the vibration's
+TEST(DelayedChannel, LeavesTheWindowToTheVibration) {
+  Driven driven;
+  driven.record_s = 4;
+  driven.on = {1, 3};
+  driven.tone_hz = 175;
+  const trial::Record record = DrivenRecord(driven);
+  const BandAnalysis alone = Answer(WithoutChannel(record));
+  for (const double early_s : {0.3, 0.5}) {
+    trial::Record shifted = record;
+    std::vector<double>& volts = shifted.channels[1].values;
+    std::ranges::rotate(volts, volts.begin() + std::lround(early_s * driven.rate_hz));
+    const BandAnalysis analysis = Answer(shifted);
+    ASSERT_TRUE(analysis.answered);
+    EXPECT_EQ(analysis.numbers->part.window.begin_s, alone.numbers->part.window.begin_s);
+    EXPECT_EQ(analysis.numbers->part.window.end_s, alone.numbers->part.window.end_s);
+    EXPECT_REL(analysis.numbers->rms.rms_m, kHiddenRmsM, 0.002, "a steady tone within the band");
+    ASSERT_TRUE(analysis.numbers->delay);
+    EXPECT_NEAR(analysis.numbers->delay->delay_s, early_s,
+                2 * analysis.numbers->delay->uncertainty_s);
+    EXPECT_LT(analysis.numbers->delay->uncertainty_s, 1e-3);
+    EXPECT_TRUE(analysis.findings.Has(FindingKind::kDriveDelayed));
+    EXPECT_FALSE(analysis.findings.Has(FindingKind::kDriveContradicted));
+  }
+}
+
+// The vibration goes on after the voltage is off: a doubt, and the window ends with the voltage.
+TEST(ContradictingChannel, IsADoubtAndCutsTheWindow) {
+  Driven driven;
+  driven.record_s = 4;
+  driven.on = {1, 3};
+  trial::Record record = DrivenRecord(driven);
+  std::vector<double>& volts = record.channels[1].values;
+  std::fill(volts.begin() + std::lround(2.5 * driven.rate_hz), volts.end(), 0.0);
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_TRUE(analysis.findings.Has(FindingKind::kDriveContradicted));
+  EXPECT_LT(analysis.numbers->part.window.end_s, 2.75);
+  EXPECT_REL(analysis.numbers->rms.rms_m, kHiddenRmsM, 0.002, "a steady tone within the band");
+}
+
 // it says no more than a dead one does, but the displacement agrees
 TEST(OnOffChannel, IsADrive) {
   Driven driven;

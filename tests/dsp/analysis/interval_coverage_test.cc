@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
@@ -52,6 +54,63 @@ TEST(IntervalCoverage, OfAToneInNoise) {
     ExpectCoverage("frequency", frequencies, answered);
     ExpectCoverage("band RMS", sizes, answered);
   }
+}
+
+// A sensor whose gain is off by a normal error of 2 %, several times what noise adds here.
+TEST(IntervalCoverage, OfAToneByASensorWithAnUncertainGain) {
+  constexpr double kGain = 0.02;
+  constexpr double kAmplitudeM = 20e-6;
+  const double rms_m =
+      kAmplitudeM * std::norm(Response(Designed({}, kRateHz), kToneHz)) / std::numbers::sqrt2;
+  const int repetitions = Repetitions(tests::kIsSanitized ? 15 : 60);
+  BandQuestion question;
+  question.keep_filtered = false;
+  question.gain_uncertainty = kGain;
+  int amplitudes = 0;
+  int sizes = 0;
+  for (int seed = 1; seed <= repetitions; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed));
+    const double gain = 1 + kGain * noise();
+    std::vector<double> values =
+        Samples(kRateHz, 3000, 0.03, {{kAmplitudeM, kToneHz, 0.37 * seed}});
+    for (double& value : values) value = gain * (value + kNoiseM * noise());
+    const auto analysis = AnalyzeBand(RecordOf(values, kRateHz), question);
+    ASSERT_TRUE(analysis && analysis->answered && analysis->numbers->tone);
+    const ToneNumbers& tone = *analysis->numbers->tone;
+    const RmsEstimate& rms = analysis->numbers->rms;
+    amplitudes += Holds(tone.amplitude_lower_m, kAmplitudeM, tone.amplitude_upper_m) ? 1 : 0;
+    sizes += Holds(rms.lower_m, rms_m, rms.upper_m) ? 1 : 0;
+    EXPECT_GT(rms.standard_uncertainty_m, kGain * rms.rms_m);
+    // a wide gain is not a weak drive: no doubt of the drive by it
+    EXPECT_FALSE(analysis->findings.Has(FindingKind::kWideInterval));
+  }
+  ExpectCoverage("amplitude, gain of 2 %", amplitudes, repetitions);
+  ExpectCoverage("band RMS, gain of 2 %", sizes, repetitions);
+}
+
+// The record's own calibration counts where nothing is asked; what is asked replaces it.
+TEST(IntervalCoverage, TheGainIsThatOfTheRecordUnlessAsked) {
+  trial::Record record = RecordOf(Samples(kRateHz, 3000, 0.03, {{20e-6, kToneHz, 0.4}}), kRateHz);
+  const BandAnalysis plain = Answer(record);
+  EXPECT_FALSE(plain.gain_uncertainty);
+  record.metadata.fields["calibration.displacement.relative_standard_uncertainty"] = "0.002";
+  const BandAnalysis stated = Answer(record);
+  EXPECT_EQ(stated.gain_uncertainty, 0.002);
+  EXPECT_TRUE(stated.findings.Has(FindingKind::kCalibrationIncluded));
+  EXPECT_FALSE(stated.findings.Has(FindingKind::kCalibrationReplaced));
+  BandQuestion question;
+  question.gain_uncertainty = 0.01;
+  const BandAnalysis asked = Answer(record, question);
+  EXPECT_EQ(asked.gain_uncertainty, 0.01);
+  EXPECT_TRUE(asked.findings.Has(FindingKind::kCalibrationReplaced));
+  for (const auto& [analysis, relative] : {std::pair(&stated, 0.002), std::pair(&asked, 0.01)}) {
+    const double rms_m = plain.numbers->rms.rms_m;
+    EXPECT_NEAR(analysis->numbers->rms.standard_uncertainty_m,
+                std::hypot(plain.numbers->rms.standard_uncertainty_m, relative * rms_m),
+                1e-12 * rms_m);
+  }
+  record.metadata.fields["calibration.displacement.relative_standard_uncertainty"] = "small";
+  EXPECT_FALSE(AnalyzeBand(record, {}));
 }
 
 }  // namespace

@@ -132,6 +132,28 @@ TEST(RmsEstimate, BoundsAreRectanglesAndCoverThemselves) {
   EXPECT_EQ(estimate.budget.back().evaluation, Evaluation::kBound);
 }
 
+// u_total^2 = u^2 + (RMS u_gain)^2, as a line of the budget, and the interval in squares
+TEST(RmsEstimate, TheSensorsGainAddsInSquares) {
+  BandPower power;
+  power.tone_mean_square = 1;
+  power.tone_variance = 1e-4;
+  const RmsEstimate without = EstimateRms(power, {});
+  RmsEstimate with = without;
+  AddGainUncertainty(0.005, with);
+  EXPECT_REL(with.standard_uncertainty_m, std::hypot(without.standard_uncertainty_m, 0.005), 1e-15,
+             "the same sum");
+  EXPECT_EQ(with.budget.back().cause, RmsCause::kCalibration);
+  EXPECT_EQ(with.budget.back().evaluation, Evaluation::kStated);
+  EXPECT_REL(with.budget.back().standard_uncertainty_m, 0.005, 1e-15, "RMS 1");
+  EXPECT_REL(1 - with.lower_m, std::hypot(1 - without.lower_m, 1.959963984540054 * 0.005), 1e-12,
+             "differences of nearly equal numbers");
+  EXPECT_REL(with.upper_m - 1,
+             std::hypot(without.upper_m - 1, 1.959963984540054 * 0.005 * without.upper_m), 1e-12,
+             "differences of nearly equal numbers");
+  EXPECT_GT(with.at_most_m, without.at_most_m);
+  EXPECT_EQ(with.rms_m, without.rms_m);
+}
+
 // 2000 seeds: noise alone, and noise less a floor measured over a third of the time
 TEST(RmsEstimate, ARestOfLessThanItsOwnScatterHasAnEnd) {
   // a tone without noise: what it leaves is a difference of rounding's size, its scatter is larger

@@ -99,6 +99,11 @@ std::vector<Case> Cases() {
        {},
        "calibration-excluded",
        "uncertainties exclude sensor calibration and linearity"},
+      {kCalibrationInTrials,
+       {},
+       "calibration-in-trials",
+       "uncertainties of means, differences and ratios exclude sensor calibration and linearity; "
+       "those of single trials include it where the trial states it"},
       {kNoSetting, {{"reference_v", 2.0}}, "no-setting", "no setting"},
       {kOneStart,
        {{"missing", std::string("low")}},
