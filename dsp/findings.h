@@ -113,6 +113,7 @@ enum class FindingKind : std::uint8_t {
   kResonanceBelow,       ///< the same
   kPeakTooNarrow,        ///< the same, resolution_hz
   kNoResonance,          ///< the same
+  kSweepTooFast,         ///< rate_hz_per_s, most_hz_per_s, frequency_hz: of the apparent resonance
   kSeveralResonances,    ///< left: share of the response
 };
 

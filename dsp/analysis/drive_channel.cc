@@ -62,9 +62,15 @@ struct Steps {
   }
 };
 
-}  // namespace
+// Mean squares of a channel over cells of rows that follow each other.
+struct DrivePower {
+  std::vector<double> mean_square;
+  // Whether its values span two steps of its resolution at most: a dead channel whose last digit
+  // flickers, or one that only says on and off. Only the displacement can tell these apart.
+  bool is_coarse = false;
+};
 
-// a voltage before a current before a trigger
+// the channel that says when the drive is on: a voltage before a current before a trigger
 std::optional<std::size_t> DriveChannel(const trial::Record& head) {
   for (const trial::ChannelRole role :
        {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
@@ -75,8 +81,15 @@ std::optional<std::size_t> DriveChannel(const trial::Record& head) {
   return std::nullopt;
 }
 
-Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t channel,
-                               std::size_t first, std::size_t rows, std::size_t cell_rows) {
+// Of the rows of `signal`, by its cells.
+//
+// A trigger counts from its least value of all rows, and is never coarse. A voltage's or current's
+// step is what the channel states, else the least difference of rows that follow each other; a cell
+// whose mean square is below one step's is 0 (unless all of it is coarse): what flickers by its
+// last digit stands out of exact zeros by any factor.
+Result<DrivePower> PowerOf(const trial::RowSource& source, std::size_t channel,
+                           const BandSignal& signal) {
+  const std::size_t cell_rows = signal.cell_samples();
   const trial::Channel& of = source.head().channels[channel];
   const bool is_trigger = of.role == trial::ChannelRole::kTrigger;
   // a trigger's rest level is the least value over all rows, not only over those in question
@@ -88,12 +101,13 @@ Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t chann
   }
   const double rest = is_trigger ? steps.least : 0;
   DrivePower power;
-  power.mean_square.resize((rows + cell_rows - 1) / cell_rows, 0.0);
-  const auto seen = ForEachValue(source, channel, first, rows, [&](std::size_t k, double value) {
+  power.mean_square.resize(signal.cells().size(), 0.0);
+  const auto see = [&](std::size_t k, double value) {
     steps.See(value);
     const double x = std::isfinite(value) ? value - rest : 0;
     power.mean_square[k / cell_rows] += x * x / static_cast<double>(cell_rows);
-  });
+  };
+  const auto seen = ForEachValue(source, channel, signal.first_row(), signal.size(), see);
   if (!seen) return std::unexpected(seen.error());
   if (is_trigger) return power;
   // without a stated resolution the least change is taken as one step
@@ -106,15 +120,6 @@ Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t chann
   }
   return power;
 }
-
-Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channel,
-                              const BandSignal& signal, std::size_t begin, std::size_t end) {
-  const std::size_t cell = signal.cell_samples();
-  const std::size_t rows = std::min(end * cell, signal.size()) - begin * cell;
-  return PowerOfRows(source, channel, signal.first_row() + begin * cell, rows, cell);
-}
-
-namespace {
 
 constexpr double kLongestDelayS = 1;
 
@@ -180,7 +185,7 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
                                     const BandSignal& signal, const BandPass& band,
                                     double tone_hz) {
   const std::size_t cells = signal.cells().size();
-  const auto drive = DriveCells(source, channel, signal, 0, cells);
+  const auto drive = PowerOf(source, channel, signal);
   if (!drive) return std::unexpected(drive.error());
   const PowerCells shape{.start_s = signal.start_s(),
                          .cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz(),

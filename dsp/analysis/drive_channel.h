@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "base/error.h"
@@ -11,37 +10,10 @@
 #include "dsp/analysis/window_choice.h"
 #include "dsp/findings.h"
 #include "dsp/spectrum/electrical.h"
-#include "trial/record.h"
 #include "trial/row_source.h"
 
 /// What a recorded voltage, current or trigger says of the drive.
 namespace haptometer::dsp {
-
-/// The channel that says when the drive is on: a voltage, else a current, else a trigger.
-[[nodiscard]] std::optional<std::size_t> DriveChannel(const trial::Record& head);
-
-/// Mean squares of a drive channel over cells of rows that follow each other.
-struct DrivePower {
-  std::vector<double> mean_square;
-  /// Whether its values span two steps of its resolution at most: a dead channel whose last digit
-  /// flickers, or one that only says on and off. Only the displacement can tell these apart.
-  bool is_coarse = false;
-};
-
-/// Of rows [first, first + rows), `cell_rows` >= 1 a cell, the last one as many as are left.
-///
-/// A trigger counts from its least value of all rows, and is never coarse. A voltage's or current's
-/// step is what the channel states, else the least difference of rows that follow each other; a
-/// cell whose mean square is below one step's is 0 (unless all of it is coarse): what flickers by
-/// its last digit stands out of exact zeros by any factor. Errors: as RowSource::Read.
-[[nodiscard]] Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t channel,
-                                             std::size_t first, std::size_t rows,
-                                             std::size_t cell_rows);
-
-/// PowerOfRows in the cells [begin, end) of `signal`.
-[[nodiscard]] Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channel,
-                                            const BandSignal& signal, std::size_t begin,
-                                            std::size_t end);
 
 /// What a drive channel says beside the vibration of `signal`.
 struct ChannelCourse {

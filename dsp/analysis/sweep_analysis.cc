@@ -15,11 +15,19 @@
 #include "dsp/filter/zero_phase.h"
 #include "dsp/readings/clean_rows.h"
 #include "dsp/statistics/distributions.h"
-#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 
 namespace {
+
+// what is measured: a piece of the record without holes
+struct SweepPiece {
+  double start_s = 0;
+  double rate_hz = 0;
+  std::vector<double> displacement_m;
+  std::vector<double> drive;      // as many samples in the channel's unit, or none
+  std::size_t drive_channel = 0;  // its number, where `drive` is there
+};
 
 // limit of memory: some ten copies of the piece are made
 constexpr std::size_t kMostSamples = std::size_t{1} << 24U;
@@ -81,8 +89,8 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
   return {};
 }
 
-}  // namespace
-
+// The longest of `segments`, kMostSamples at most, and beside it the drive; where that has holes,
+// both are cut to its longest measured run. Empty where there is no segment.
 Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
                                   const Segments& segments, Findings& findings) {
   // longest in time, since rates may differ
@@ -110,18 +118,16 @@ Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t ch
   return piece;
 }
 
-namespace {
-
 constexpr double kLongestSegmentS = 4;
 constexpr double kSegmentsInRecord = 4;   // end to end
-constexpr std::size_t kIndependent = 3;   // bins of a Hann window that share no noise
-constexpr double kOverlapping = 0.94;     // independent ones in Hann segments that overlap by half
 constexpr double kPeriods = 2;            // of the lower frequency, in a block without drive
 constexpr std::size_t kLeastPoints = 12;  // three times what the fit asks for
 constexpr double kLeastSweep = 1.1;       // highest over lowest frequency
-// of Q, times the square of sweep rate / width^2: a peak shows at most 0.13 too low in exact sweeps
-// up to a rate of one width^2
-constexpr double kWidened = 0.15;
+// Of a complex mode z' = -p z + 1, p = g + j d, whose distance d from resonance moves by r rad/s^2:
+// z = (1 + j r / p^2 - 3 r^2 / p^4 - 15 j r^3 / p^6 + ...) / p, by z_n+1 = -z_n' / p. At resonance
+// r / p^2 is k = r / g^2 = 2 rate Q^2 / (pi f0^2). The third term is 5 k times the second: beyond
+// 1/5 no number of terms is enough.
+constexpr double kFastest = 0.2;
 constexpr double kMuchLeft = 0.1;  // of the response, by the curve
 
 Result<void> CheckQuestion(const SweepQuestion& question) {
@@ -206,26 +212,6 @@ std::size_t SegmentSize(const SweepPiece& piece, const SweepQuestion& question) 
   return 2 * static_cast<std::size_t>(std::min(samples, 2 * size) / 2);
 }
 
-// Excludes points that chance may give: with m points and n independent segments, the coherence of
-// noise exceeds 1 - (0.05 / m)^(1/(n - 1)) at any of them in 5 % of records
-void KeepSignificant(std::vector<ResponsePoint>& points, double segments) {
-  const double chance = 0.05 / static_cast<double>(std::max<std::size_t>(1, points.size()));
-  const double level = 1 - std::pow(chance, 1 / std::max(1.0, kOverlapping * segments - 1));
-  std::erase_if(points, [&](const ResponsePoint& point) { return point.coherence <= level; });
-}
-
-// every third frequency: a Hann window spreads noise over three bins
-std::vector<ResponsePoint> Independent(std::span<const ResponsePoint> points,
-                                       double resolution_hz) {
-  std::vector<ResponsePoint> kept;
-  kept.reserve(points.size() / kIndependent + 1);
-  for (const ResponsePoint& point : points) {
-    const auto bin = static_cast<std::size_t>(std::round(point.frequency_hz / resolution_hz));
-    if (bin % kIndependent == 0) kept.push_back(point);
-  }
-  return kept;
-}
-
 struct Response {
   std::size_t asked = 0;  // frequencies, before any was excluded
   std::vector<ResponsePoint> points;
@@ -247,7 +233,7 @@ Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, co
   response.asked = points->size();
   KeepSignificant(*points, segments);
   response.resonance =
-      FitResonance(Independent(*points, piece.rate_hz / static_cast<double>(segment_size)));
+      FitResonance(IndependentPoints(*points, piece.rate_hz / static_cast<double>(segment_size)));
   response.points = std::move(*points);
   return response;
 }
@@ -292,19 +278,24 @@ void TakeResonance(const Resonance& fit, const Resonance& other, double rate_hz_
                    SweepAnswer& answer) {
   if (answer.points.empty()) return;
   if (!fit.converged || !other.converged) return answer.findings.Add(NoResonance(answer));
-  SweepResonance found{fit, {}, {}};
-  // a sweep of r Hz/s shows the resonance late by Q r / (pi f0), and wider
   const double width_hz = fit.frequency_hz / fit.quality_factor;
+  const double fast = 2 * rate_hz_per_s / (std::numbers::pi * width_hz * width_hz);
+  if (fast > kFastest) {
+    return answer.findings.Doubt(FindingKind::kSweepTooFast,
+                                 {{"rate_hz_per_s", rate_hz_per_s},
+                                  {"most_hz_per_s", rate_hz_per_s * kFastest / fast},
+                                  {"frequency_hz", fit.frequency_hz}});
+  }
+  SweepResonance found{fit, {}, {}};
+  // a sweep shows the resonance late, and wider by a part k^2
   const double late_hz = rate_hz_per_s / (std::numbers::pi * width_hz);
-  const double fast = rate_hz_per_s / (width_hz * width_hz);
-  const double widened = kWidened * fast * fast * fit.quality_factor;
   // the change by segments of another length bounds the error of the window's width
   found.frequency_hz =
       IntervalOf(fit.frequency_hz, fit.frequency_uncertainty_hz, fit.degrees_of_freedom,
                  std::abs(fit.frequency_hz - other.frequency_hz) + late_hz);
-  found.quality_factor =
-      IntervalOf(fit.quality_factor, fit.quality_factor_uncertainty, fit.degrees_of_freedom,
-                 std::abs(fit.quality_factor - other.quality_factor) + widened);
+  found.quality_factor = IntervalOf(
+      fit.quality_factor, fit.quality_factor_uncertainty, fit.degrees_of_freedom,
+      std::abs(fit.quality_factor - other.quality_factor) + fast * fast * fit.quality_factor);
   found.quality_factor.lower = std::max(0.0, found.quality_factor.lower);
   if (fit.residual_share > kMuchLeft) {
     answer.findings.Doubt(FindingKind::kSeveralResonances, {{"left", fit.residual_share}});
@@ -341,39 +332,6 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
   }
   TakeResonance(response->resonance, halved->resonance, 0, answer);
   return {};
-}
-
-// the longest run of blocks whose frequency changes by less than 1 / block from one to the next
-std::vector<SweptPoint> LongestSweep(const std::vector<SweptPoint>& points, double block_s) {
-  std::size_t best = 0;
-  std::size_t best_size = 0;
-  std::size_t begin = 0;
-  for (std::size_t k = 1; k <= points.size(); ++k) {
-    const bool goes_on =
-        // neighbours in time: blocks outside of the band are missing from `points`
-        k < points.size() &&
-        std::abs(points[k].frequency_hz - points[k - 1].frequency_hz) < 1 / block_s &&
-        points[k].time_s - points[k - 1].time_s < 1.5 * block_s;
-    if (goes_on) continue;
-    if (k - begin > best_size) {
-      best = begin;
-      best_size = k - begin;
-    }
-    begin = k;
-  }
-  const auto first = points.begin() + static_cast<std::ptrdiff_t>(best);
-  return {first, first + static_cast<std::ptrdiff_t>(best_size)};
-}
-
-// median rate of the frequency, in Hz/s
-double SweepRate(std::span<const SweptPoint> points) {
-  std::vector<double> rates;
-  rates.reserve(points.size());
-  for (std::size_t k = 1; k < points.size(); ++k) {
-    rates.push_back(std::abs((points[k].frequency_hz - points[k - 1].frequency_hz) /
-                             (points[k].time_s - points[k - 1].time_s)));
-  }
-  return Median(rates);
 }
 
 bool Sweeps(const std::vector<SweptPoint>& points) {

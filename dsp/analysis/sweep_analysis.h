@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,28 +8,11 @@
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
-#include "dsp/readings/segments.h"
 #include "dsp/spectrum/frequency_response.h"
 #include "dsp/statistics/distributions.h"
 #include "trial/row_source.h"
 
 namespace haptometer::dsp {
-
-/// What is measured: a piece of the record without holes.
-struct SweepPiece {
-  double start_s = 0;
-  double rate_hz = 0;
-  std::vector<double> displacement_m;
-  std::vector<double> drive;      ///< as many samples in the channel's unit, or none
-  std::size_t drive_channel = 0;  ///< its number, where `drive` is there
-};
-
-/// The longest of `segments`, 2^24 samples at most, and beside it the first voltage channel, or
-/// else the first current; where that has holes, both are cut to its longest measured run. A
-/// channel that does not move is no drive. Adds to `findings` what was left out. Empty where there
-/// is no segment. Errors: as RowSource::Read.
-[[nodiscard]] Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
-                                                const Segments& segments, Findings& findings);
 
 /// What is asked of a record in which the drive's frequency moves.
 struct SweepQuestion {
@@ -85,9 +67,11 @@ struct SweepAnswer {
 ///
 /// Without one: amplitude alone, by SweptAmplitude of the band-passed displacement with the
 /// filter's gain divided out, over the longest run of blocks whose frequency moves by less than one
-/// over a block's length. f0 and Q then hold for a drive of constant amplitude, and f0's interval
-/// adds the sweep's lateness Q rate / (pi f0), Q's the change that blocks twice as long make and
-/// what the sweep widens the peak by, 0.15 (rate Q^2 / f0^2)^2 of it.
+/// over a block's length. f0 and Q then hold for a drive of constant amplitude. With
+/// k = 2 rate Q^2 / (pi f0^2) the response at resonance is that of a steady drive times
+/// 1 + j k - 3 k^2 - 15 j k^3 + ...; above k = 1/5 these terms do not decrease, and f0 and Q are
+/// not determined. Below, f0's interval adds the sweep's lateness Q rate / (pi f0), Q's the change
+/// that blocks twice as long make and k^2 Q.
 ///
 /// The sensor's known gain is divided out of amplitudes; frequencies where it is below 0.5 are left
 /// out. The upper frequency is lowered to 1/2.56 of the new readings a second. Not determined:

@@ -18,7 +18,9 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kLeastDrive = 1e-10;  // of the greatest density
+constexpr double kLeastDrive = 1e-10;    // of the greatest density
+constexpr std::size_t kIndependent = 3;  // bins of a Hann window that share no noise
+constexpr double kOverlapping = 0.94;    // independent ones in Hann segments that overlap by half
 
 // A phase over a block: mean + slope tau + bend (tau^2 - mean_square), tau from -1 to 1 and
 // mean_square the mean of its squares: three terms that are orthogonal over the samples.
@@ -123,6 +125,54 @@ std::vector<SweptPoint> SweptAmplitude(std::span<const double> displacement, dou
     if (point.frequency_hz >= lower_hz && point.frequency_hz <= upper_hz) points.push_back(point);
   }
   return points;
+}
+
+void KeepSignificant(std::vector<ResponsePoint>& points, double segments) {
+  const double chance = 0.05 / static_cast<double>(std::max<std::size_t>(1, points.size()));
+  const double level = 1 - std::pow(chance, 1 / std::max(1.0, kOverlapping * segments - 1));
+  std::erase_if(points, [&](const ResponsePoint& point) { return point.coherence <= level; });
+}
+
+std::vector<ResponsePoint> IndependentPoints(std::span<const ResponsePoint> points,
+                                             double resolution_hz) {
+  std::vector<ResponsePoint> kept;
+  kept.reserve(points.size() / kIndependent + 1);
+  for (const ResponsePoint& point : points) {
+    const auto bin = static_cast<std::size_t>(std::round(point.frequency_hz / resolution_hz));
+    if (bin % kIndependent == 0) kept.push_back(point);
+  }
+  return kept;
+}
+
+std::vector<SweptPoint> LongestSweep(const std::vector<SweptPoint>& points, double block_s) {
+  std::size_t best = 0;
+  std::size_t best_size = 0;
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= points.size(); ++k) {
+    const bool goes_on =
+        // neighbours in time: blocks outside of the band are missing from `points`
+        k < points.size() &&
+        std::abs(points[k].frequency_hz - points[k - 1].frequency_hz) < 1 / block_s &&
+        points[k].time_s - points[k - 1].time_s < 1.5 * block_s;
+    if (goes_on) continue;
+    if (k - begin > best_size) {
+      best = begin;
+      best_size = k - begin;
+    }
+    begin = k;
+  }
+  const auto first = points.begin() + static_cast<std::ptrdiff_t>(best);
+  return {first, first + static_cast<std::ptrdiff_t>(best_size)};
+}
+
+double SweepRate(std::span<const SweptPoint> points) {
+  std::vector<double> rates;
+  rates.reserve(points.size());
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    rates.push_back(std::abs((points[k].frequency_hz - points[k - 1].frequency_hz) /
+                             (points[k].time_s - points[k - 1].time_s)));
+  }
+  return Median(rates);
 }
 
 namespace {

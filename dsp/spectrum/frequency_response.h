@@ -29,6 +29,15 @@ struct ResponsePoint {
     std::span<const double> drive, std::span<const double> displacement,
     const WelchOptions& options, double lower_hz, double upper_hz);
 
+/// Excludes points that chance may give: with m points and n independent segments, the coherence of
+/// noise exceeds 1 - (0.05 / m)^(1 / (n - 1)) at any of them in 5 % of records (Bendat and Piersol,
+/// 9.2). `segments` overlap by half, in Hann windows.
+void KeepSignificant(std::vector<ResponsePoint>& points, double segments);
+
+/// Every third frequency: a Hann window spreads noise over three bins.
+[[nodiscard]] std::vector<ResponsePoint> IndependentPoints(std::span<const ResponsePoint> points,
+                                                           double resolution_hz);
+
 /// The amplitude of a swept or stepped sine at the frequency it had at that time.
 struct SweptPoint {
   double time_s = 0;  ///< from the first sample
@@ -46,6 +55,14 @@ struct SweptPoint {
 [[nodiscard]] std::vector<SweptPoint> SweptAmplitude(std::span<const double> displacement,
                                                      double rate_hz, double lower_hz,
                                                      double upper_hz, double periods = 2);
+
+/// The longest run of blocks of `block_s` whose frequency changes by less than 1 / block from one
+/// to the next.
+[[nodiscard]] std::vector<SweptPoint> LongestSweep(const std::vector<SweptPoint>& points,
+                                                   double block_s);
+
+/// Median rate of the frequency of two points or more, in Hz/s.
+[[nodiscard]] double SweepRate(std::span<const SweptPoint> points);
 
 /// A resonance with one degree of freedom, displacement over force or voltage:
 ///

@@ -297,6 +297,20 @@ TEST_F(AnalyzeVerb, AViolatedExpectationIsADoubtAndStatus3) {
   const Outcome outcome = Analyze({path, "--expect", "tone=230Hz+-1Hz"});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.out, HasSubstr("doubt: the tone is at 225 Hz; 230 Hz +- 1 Hz is expected"));
+  // each kind of expectation ends so
+  for (const auto& [expected, kind] : {std::pair("tone=230Hz+-1Hz", "other-tone-than-expected"),
+                                       {"amplitude=90um+-1um", "other-amplitude-than-expected"},
+                                       {"rms=60um+-1um", "other-rms-than-expected"},
+                                       {"change<0.0000001%", "larger-change-than-expected"},
+                                       {"source=device", "other-source-than-expected"}}) {
+    const Outcome other = Analyze({path, "--json", "--expect", expected});
+    EXPECT_EQ(other.status, 3) << expected;
+    EXPECT_THAT(other.out, HasSubstr(kind)) << expected;
+    EXPECT_THAT(other.out, HasSubstr("\"answered\": true")) << expected;
+  }
+  const Outcome slow = Analyze({Trial("slow.csv", 48, 3), "--json", "--expect", "rms=1um+-1um"});
+  EXPECT_EQ(slow.status, 3);
+  EXPECT_THAT(slow.out, HasSubstr("expected-quantity-not-determined"));
   EXPECT_EQ(Analyze({path, "--expect", "tone=230Hz"}).status, 2);
 }
 
@@ -342,7 +356,10 @@ TEST_F(AnalyzeVerb, DrawsAnsweredAndUnansweredTrials) {
   const auto size = fs::file_size(picture);
   std::ifstream drawn(picture);
   EXPECT_THAT(std::string(std::istreambuf_iterator<char>(drawn), {}),
-              HasSubstr("spectrum of the unfiltered window"));
+              ::testing::AllOf(HasSubstr("spectrum of the unfiltered window"),
+                               HasSubstr("filter transient (excluded)"),
+                               HasSubstr("states of the drive"), HasSubstr("corners of the band"),
+                               HasSubstr("strongest tone"), HasSubstr("noise")));
   EXPECT_EQ(Analyze({Trial("slow.csv", 48, 3), "--plot", picture}).status, 3);
   EXPECT_LT(fs::file_size(picture), size) << "one panel instead of four";
 }

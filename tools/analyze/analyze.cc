@@ -67,7 +67,7 @@ Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, con
     if (!written) return std::unexpected(written.error());
   }
   if (!is_shown) return std::nullopt;
-  auto panel = SpectrumPanel(*window, job.spectrum);
+  auto panel = SpectrumPanel(*window, job.spectrum, analysis);
   if (!panel) return std::unexpected(panel.error());
   // a spectrum of zeros has no place on a logarithmic axis
   const std::vector<double>& levels = panel->series.front().y;
@@ -82,11 +82,14 @@ Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
   auto panels = AnalysisPanels(rows, *file.analysis);
   if (!panels) return std::unexpected(panels.error());
   file.figures.push_back(
-      {"The record, the states of the drive, the filtered signal and a part of it. Grey: excluded "
-       "from analysis.",
+      {"The record with its artifacts, the states of the drive, the filtered signal and a part of "
+       "it. Grey lines and shades: excluded from the RMS.",
        *std::move(panels)});
   if (spectrum) {
-    file.figures.push_back({"Spectrum of the unfiltered window (Welch, one-sided).", {*spectrum}});
+    file.figures.push_back(
+        {"Spectrum of the unfiltered window (Welch, one-sided). The RMS is of what "
+         "lies between the corners of the band.",
+         {*spectrum}});
   }
   return {};
 }

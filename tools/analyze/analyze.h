@@ -55,10 +55,11 @@ struct AnalyzedFile {
 /// (`is_shown`).
 [[nodiscard]] document::Section ClosingSection(bool excludes_calibration, bool is_shown);
 
-/// Distance over time, the states of the drive with window and noise, the filtered signal, and ten
-/// periods of it; grey is what no number is of. `analysis` was made of `rows` with keep_filtered.
+/// Distance over time with its artifacts, the states of the drive, the filtered signal, and ten
+/// periods of it; window, noise, filter transients and bumps are shaded. `analysis` was made of
+/// `source` with keep_filtered.
 /// Memory: about 40 B a row. Errors: as RowSource::Read.
-[[nodiscard]] Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
+[[nodiscard]] Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& source,
                                                               const dsp::BandAnalysis& analysis);
 
 /// Samples of a window at most that go into a spectrum: 2^24.
@@ -72,9 +73,11 @@ inline constexpr std::size_t kMostInSpectrum = std::size_t{1} << 24U;
                                         const SpectrumQuestion& question,
                                         const std::string& comment);
 
-/// The density of the window as a drawing, both axes logarithmic. Errors: as WriteSpectra.
+/// The density of the window as a drawing, both axes logarithmic, with the corners of the band, the
+/// tones of the drive and of hum, and the noise of `analysis`. Errors: as WriteSpectra.
 [[nodiscard]] Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,
-                                                const SpectrumQuestion& question);
+                                                const SpectrumQuestion& question,
+                                                const dsp::BandAnalysis& analysis);
 
 /// What is known of one trial of `analyze --sweep` (docs/reference/analyze.md). Its figure is
 /// amplitude over frequency with the fitted curve, and with a drive channel phase and coherence;

@@ -1,11 +1,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "dsp/spectrum/welch.h"
 #include "tools/analyze/analyze.h"
@@ -130,6 +134,62 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
   return panel;
 }
 
+// discs on the curve at some frequencies
+plot::Series TonesOn(const plot::Series& curve, std::string title, plot::Colour colour,
+                     const std::vector<double>& frequencies_hz) {
+  plot::Series tones{std::move(title), plot::Points(colour, 1)};
+  for (const double frequency_hz : frequencies_hz) {
+    // the highest of the bins about it
+    const auto after = std::ranges::lower_bound(curve.x, frequency_hz) - curve.x.begin();
+    const auto first = std::max<std::ptrdiff_t>(0, after - 2);
+    const auto last = std::min<std::ptrdiff_t>(std::ssize(curve.x), after + 2);
+    if (first >= last) continue;
+    const auto top = std::max_element(curve.y.begin() + first, curve.y.begin() + last);
+    tones.x.push_back(curve.x[static_cast<std::size_t>(top - curve.y.begin())]);
+    tones.y.push_back(*top);
+  }
+  return tones;
+}
+
+// corners of the band, tones and the level of the noise
+void MarkSpectrum(const dsp::BandAnalysis& analysis, const SpectrumQuestion& question,
+                  plot::Panel& panel) {
+  const plot::Series curve = panel.series.front();
+  if (!analysis.numbers || curve.x.empty()) return;
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  // a vertical line at each corner, a NaN between
+  const auto [least, most] = std::ranges::minmax_element(curve.y);
+  const double lower_hz = analysis.band.lower_hz;
+  const double upper_hz = analysis.band.upper_hz;
+  const double bottom = std::max(*least, *most * 1e-12);
+  panel.series.push_back({"corners of the band",
+                          plot::Lines(plot::kBlack, 1, 2),
+                          {lower_hz, lower_hz, lower_hz, upper_hz, upper_hz},
+                          {bottom, *most, std::nan(""), bottom, *most}});
+  // noise in the band, as a density
+  if (numbers.floor && !question.amplitude) {
+    const double density = numbers.floor->power.mean_square / (upper_hz - lower_hz) / (kUm * kUm);
+    panel.series.push_back(
+        {"noise", plot::Lines(plot::kGreen, 2, 2), {lower_hz, upper_hz}, {density, density}});
+  }
+  std::vector<double> harmonics_hz;
+  if (numbers.harmonics) {
+    for (const dsp::Harmonic& one : numbers.harmonics->harmonics) {
+      if (one.order > 1 && one.stands_out) harmonics_hz.push_back(one.frequency_hz);
+    }
+  }
+  std::vector<double> drive_hz;
+  if (numbers.tone) drive_hz.push_back(numbers.tone->fit.frequency_hz);
+  std::vector<double> hum_hz;
+  for (const dsp::SteadyLine& line : numbers.hum) hum_hz.push_back(line.frequency_hz);
+  for (plot::Series& tones :
+       std::array{TonesOn(curve, "strongest tone", plot::kOrange, drive_hz),
+                  TonesOn(curve, "its harmonics", plot::kYellow, harmonics_hz),
+                  TonesOn(curve, "hum (subtracted)", plot::kPurple, hum_hz)}) {
+    if (!tones.x.empty()) panel.series.push_back(std::move(tones));
+  }
+}
+
 Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                            const std::string& comment) {
   // Welch's average over the window, which is not filtered
@@ -170,12 +230,15 @@ Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuesti
 }
 
 Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,
-                                  const SpectrumQuestion& question) {
+                                  const SpectrumQuestion& question,
+                                  const dsp::BandAnalysis& analysis) {
   const auto options = OptionsOf(window, question);
   if (!options) return std::unexpected(options.error());
   const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
   if (!spectrum) return std::unexpected(spectrum.error());
-  return PanelOf(*spectrum, question);
+  plot::Panel panel = PanelOf(*spectrum, question);
+  MarkSpectrum(analysis, question, panel);
+  return panel;
 }
 
 }  // namespace haptometer::tools

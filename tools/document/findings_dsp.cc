@@ -367,6 +367,11 @@ constexpr auto kRows = std::to_array<Row>({
      {"no-resonance",
       "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
       "largest amplitude lies at {highest_hz}: examine it with --plot or --response"}},
+    {kSweepTooFast,
+     {"sweep-too-fast",
+      "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than it settles, at "
+      "{rate_hz_per_s} Hz/s: sweep at {most_hz_per_s} Hz/s or more slowly, or record the drive's "
+      "voltage"}},
     {kSeveralResonances,
      {"several-resonances",
       "one resonance does not explain {left %} of the response: there may be more than one"}},

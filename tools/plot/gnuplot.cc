@@ -87,6 +87,9 @@ Words LogWords(LogAxes axes) {
 
 // from 0 to 5 % beyond the last point, so that no point lies on the frame
 void AddRangeOfX(const Panel& panel, Script* script) {
+  if (panel.x_range.first < panel.x_range.second) {
+    return script->Add("set xrange [{:.9g}:{:.9g}]\n", panel.x_range.first, panel.x_range.second);
+  }
   if (!panel.x_from_zero) return script->Add("set xrange [*:*]\n");
   double last = 0;
   for (const Series& series : panel.series) {
@@ -170,10 +173,35 @@ void AddStyle(const Style& style, Script* script) {
   }
 }
 
+// rectangles behind the curves, a paler colour each
+void AddShades(const Panel& panel, Script* script) {
+  script->Add("unset object\n");
+  for (const Shade& shade : panel.shades) {
+    for (const auto& [from, to] : shade.intervals) {
+      script->Add(
+          "set object rectangle from first {:.9g}, graph 0 to first {:.9g}, graph 1 behind "
+          "fillcolor "
+          "rgb '#{:06x}' fillstyle solid 0.25 noborder\n",
+          from, to, shade.colour.rgb);
+    }
+  }
+}
+
+// the entries of shades in the key
+void AddShadeNames(const Panel& panel, Words separator, Script* script) {
+  for (const Shade& shade : panel.shades) {
+    if (shade.title.empty() || shade.intervals.empty()) continue;
+    script->Add("{} keyentry with boxes fillcolor rgb '#{:06x}' fillstyle solid 0.25 title {}",
+                separator, shade.colour.rgb, Quoted(shade.title));
+    separator = ",";
+  }
+}
+
 void AddPanel(std::size_t number, const Panel& panel, Script* script) {
   script->Add("set title {}\nset xlabel {}\nset ylabel {}\n{}\n", Quoted(panel.title),
               Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes));
   AddAxes(panel, script);
+  AddShades(panel, script);
   Words separator = "plot";
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const Series& series = panel.series[i];
@@ -187,6 +215,7 @@ void AddPanel(std::size_t number, const Panel& panel, Script* script) {
     }
     separator = ",";
   }
+  AddShadeNames(panel, separator, script);
   script->Add("\n");
 }
 
@@ -221,6 +250,11 @@ Script PanelsScript(const MemoryFile& drawing, const Terminal& terminal,
     }
   }
   script.Add("set multiplot layout {},1\n", panels.size());
+  // panels of the same x axis begin at the same place
+  if (std::ranges::any_of(
+          panels, [](const Panel& panel) { return panel.x_range.first < panel.x_range.second; })) {
+    script.Add("set lmargin 11\nset rmargin 3\n");
+  }
   for (std::size_t p = 0; p < panels.size(); ++p) {
     script.Add(ShapeWords(panels[p]));
     AddPanel(p, panels[p], &script);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -65,6 +66,13 @@ struct Tick {
 /// Which axes are logarithmic; values that are not above 0 have no place on such an axis.
 enum class LogAxes : std::uint8_t { kNone, kX, kY, kBoth };
 
+/// Intervals of x that are shaded over the height of a panel, behind its curves.
+struct Shade {
+  std::string title{};  ///< in the key; empty: not listed
+  Colour colour = kGrey;
+  std::vector<std::pair<double, double>> intervals{};
+};
+
 /// One pair of axes.
 struct Panel {
   std::string title{};
@@ -76,6 +84,10 @@ struct Panel {
   std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
   bool y_from_zero = false;
   bool x_from_zero = false;  ///< and a twentieth further than the last point
+  /// The ends of the x axis; as wide as the points where they are equal. Panels of the same ends
+  /// are aligned.
+  std::pair<double, double> x_range{};
+  std::vector<Shade> shades = {};
   bool has_margins = false;  ///< room between the outermost points and the frame
   bool equal_axes = false;   ///< one unit is as long along y as along x: circles are round
 };

@@ -207,7 +207,8 @@ Section ContrastSection(const Contrast& contrast) {
   // Hedges g with the interval of the population's effect, from the noncentral t
   AddTest(section, "paired t", contrast.difference.test, contrast.p_holm);
   const auto& effect = contrast.effect;
-  const std::optional<dsp::Interval> population = effect ? effect->interval : std::nullopt;
+  std::optional<dsp::Interval> population;
+  if (effect) population = effect->interval;
   const double resolution =
       population ? ResolutionBy((population->upper - population->lower) / 4) : 0;
   AddRounded(section, {"hedges_g", "effect size Hedges g"},

@@ -39,12 +39,12 @@ std::complex<double> ClosedForm(double frequency_hz) {
 // The motion of an oscillator under a chirp of 2 V from 60 to 450 Hz, exactly but for the drive's
 // straight line between sub-samples: x'' + w/Q x' + w^2 x = w^2 gain v(t) by the step of its
 // complex mode, z' = s z + v, x = Im(z) w^2 gain / Im(s).
-trial::Record Chirp(double duration_s, double noise_m, std::uint64_t seed, bool with_drive) {
+trial::Record Chirp(double duration_s, double noise_m, std::uint64_t seed, bool with_drive,
+                    double quality = kQuality) {
   constexpr int kSteps = 16;  // the line is wrong by (2 pi 450 / 32000)^2 / 12 = 7e-4 at most
   const double h = 1 / kRateHz / kSteps;
   const double w = 2 * kPi * kResonanceHz;
-  const std::complex<double> s(-w / (2 * kQuality),
-                               w * std::sqrt(1 - 1 / (4 * kQuality * kQuality)));
+  const std::complex<double> s(-w / (2 * quality), w * std::sqrt(1 - 1 / (4 * quality * quality)));
   const std::complex<double> e = std::exp(s * h);
   const std::complex<double> from_end = (e - 1.0 - s * h) / (s * s * h);
   const std::complex<double> from_begin = (e - 1.0) / s - from_end;
@@ -174,6 +174,30 @@ TEST(AnalyzeSweep, WithoutDriveAnswersAmplitudeOnlyAndSaysSo) {
   ASSERT_TRUE(answer.resonance);
   EXPECT_PRED2(Holds, answer.resonance->frequency_hz, kResonanceHz);
   EXPECT_PRED2(Holds, answer.resonance->quality_factor, kQuality);
+}
+
+// 390 Hz in some seconds, past resonances of every width: what is stated holds the truth, and a
+// sweep too fast for that is said to be.
+TEST(AnalyzeSweep, WithoutDriveNoIntervalIsTooNarrow) {
+  int determined = 0;
+  for (const double quality : {5.0, 12.0, 20.0, 50.0, 120.0, 300.0, 1000.0}) {
+    for (const double duration_s : {4.0, 10.0, 30.0, 60.0}) {
+      const SweepAnswer answer = Analyzed(Chirp(duration_s, 0, 1, false, quality));
+      const double fast =
+          2 * (390 / duration_s) * quality * quality / (kPi * kResonanceHz * kResonanceHz);
+      if (!answer.resonance) {
+        EXPECT_GT(fast, 0.1) << quality << " in " << duration_s << " s";
+        continue;
+      }
+      ++determined;
+      EXPECT_LT(fast, 0.25) << quality << " in " << duration_s << " s";
+      EXPECT_PRED2(Holds, answer.resonance->frequency_hz, kResonanceHz)
+          << quality << " in " << duration_s << " s";
+      EXPECT_PRED2(Holds, answer.resonance->quality_factor, quality) << duration_s;
+    }
+  }
+  EXPECT_GE(determined, 8);
+  EXPECT_TRUE(Analyzed(Chirp(10, 0, 1, false, 50)).findings.Has(FindingKind::kSweepTooFast));
 }
 
 TEST(AnalyzeSweep, DividesTheSensorsGainOutOrSaysThatItIsUnknown) {
