@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/residual.h"
@@ -298,11 +299,12 @@ TEST_F(AnalyzeVerb, AViolatedExpectationIsADoubtAndStatus3) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.out, HasSubstr("doubt: the tone is at 225 Hz; 230 Hz +- 1 Hz is expected"));
   // each kind of expectation ends so
-  for (const auto& [expected, kind] : {std::pair("tone=230Hz+-1Hz", "other-tone-than-expected"),
-                                       {"amplitude=90um+-1um", "other-amplitude-than-expected"},
-                                       {"rms=60um+-1um", "other-rms-than-expected"},
-                                       {"change<0.0000001%", "larger-change-than-expected"},
-                                       {"source=device", "other-source-than-expected"}}) {
+  for (const auto& [expected, kind] :
+       {std::pair("tone=230Hz+-1Hz", "other-tone-than-expected"),
+        std::pair("amplitude=90um+-1um", "other-amplitude-than-expected"),
+        std::pair("rms=60um+-1um", "other-rms-than-expected"),
+        std::pair("change<0.0000001%", "larger-change-than-expected"),
+        std::pair("source=device", "other-source-than-expected")}) {
     const Outcome other = Analyze({path, "--json", "--expect", expected});
     EXPECT_EQ(other.status, 3) << expected;
     EXPECT_THAT(other.out, HasSubstr(kind)) << expected;
