@@ -40,7 +40,12 @@ std::vector<double> TimesOf(const trial::Record& head) {
 bool IsInWindow(const dsp::BandAnalysis& analysis, std::size_t row) {
   if (!analysis.numbers) return false;
   const dsp::UsedPart& part = analysis.numbers->part;
-  return row >= part.first_row && row < part.first_row + part.rows;
+  if (row < part.first_row || row >= part.first_row + part.rows) return false;
+  const double time_s =
+      part.window.begin_s + static_cast<double>(row - part.first_row) / analysis.record.rate_hz;
+  return std::ranges::none_of(analysis.numbers->excluded, [&](const dsp::TimeWindow& bump) {
+    return time_s >= bump.begin_s && time_s < bump.end_s;
+  });
 }
 
 // ten periods of the tone (or all of the window) in the middle of the window

@@ -370,7 +370,8 @@ constexpr auto kRows = std::to_array<Row>({
     {kSweepTooFast,
      {"sweep-too-fast",
       "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than it settles, at "
-      "{rate_hz_per_s SI} Hz/s: sweep at {most_hz_per_s SI} Hz/s or more slowly, or record the drive's "
+      "{rate_hz_per_s SI} Hz/s: sweep at {most_hz_per_s SI} Hz/s or more slowly, or record the "
+      "drive's "
       "voltage"}},
     {kSeveralResonances,
      {"several-resonances",

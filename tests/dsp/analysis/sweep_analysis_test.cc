@@ -179,10 +179,11 @@ TEST(AnalyzeSweep, WithoutDriveAnswersAmplitudeOnlyAndSaysSo) {
 // 390 Hz in some seconds, past resonances of every width: what is stated holds the truth, and a
 // sweep too fast for that is said to be.
 TEST(AnalyzeSweep, WithoutDriveNoIntervalIsTooNarrow) {
+  const SweepQuestion swept{.lower_hz = 60, .upper_hz = 450};
   int determined = 0;
-  for (const double quality : {5.0, 12.0, 20.0, 50.0, 120.0, 300.0, 1000.0}) {
-    for (const double duration_s : {4.0, 10.0, 30.0, 60.0}) {
-      const SweepAnswer answer = Analyzed(Chirp(duration_s, 0, 1, false, quality));
+  for (const double quality : {5.0, 12.0, 20.0, 50.0, 300.0}) {
+    for (const double duration_s : {4.0, 10.0, 30.0}) {
+      const SweepAnswer answer = Analyzed(Chirp(duration_s, 0, 1, false, quality), swept);
       const double fast =
           2 * (390 / duration_s) * quality * quality / (kPi * kResonanceHz * kResonanceHz);
       if (!answer.resonance) {
@@ -196,8 +197,8 @@ TEST(AnalyzeSweep, WithoutDriveNoIntervalIsTooNarrow) {
       EXPECT_PRED2(Holds, answer.resonance->quality_factor, quality) << duration_s;
     }
   }
-  EXPECT_GE(determined, 8);
-  EXPECT_TRUE(Analyzed(Chirp(10, 0, 1, false, 50)).findings.Has(FindingKind::kSweepTooFast));
+  EXPECT_GE(determined, 6);
+  EXPECT_TRUE(Analyzed(Chirp(10, 0, 1, false, 50), swept).findings.Has(FindingKind::kSweepTooFast));
 }
 
 TEST(AnalyzeSweep, DividesTheSensorsGainOutOrSaysThatItIsUnknown) {
