@@ -149,7 +149,7 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   calibration.gain_uncertainty = table.Number(kRelativeUncertainty, Dimension::kNone);
   if (calibration.gain_uncertainty &&
       !(*calibration.gain_uncertainty > 0 && *calibration.gain_uncertainty < 1)) {
-    table.Refuse(kRelativeUncertainty, "is not above 0 and below 1", "0.5 % is 0.005");
+    table.Refuse(kRelativeUncertainty, "is not above 0 and below 1");
   }
   calibration.range_min = table.Number(fmt::format("range_min_{}", out->letter), out->dimension);
   calibration.range_max = table.Number(fmt::format("range_max_{}", out->letter), out->dimension);
