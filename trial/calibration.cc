@@ -146,10 +146,11 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   ReadLine(table, in, *out, &calibration);
   ReadLimits(table, in, &calibration.limits);
   ReadCounts(table, in, &calibration);
-  calibration.gain_uncertainty = table.Number(kRelativeUncertainty, Dimension::kNone);
+  const std::string relative(kRelativeUncertainty);
+  calibration.gain_uncertainty = table.Number(relative, Dimension::kNone);
   if (calibration.gain_uncertainty &&
       !(*calibration.gain_uncertainty > 0 && *calibration.gain_uncertainty < 1)) {
-    table.Refuse(kRelativeUncertainty, "is not above 0 and below 1");
+    table.Refuse(relative, "is not above 0 and below 1");
   }
   calibration.range_min = table.Number(fmt::format("range_min_{}", out->letter), out->dimension);
   calibration.range_max = table.Number(fmt::format("range_max_{}", out->letter), out->dimension);

@@ -369,7 +369,8 @@ constexpr auto kRows = std::to_array<Row>({
       "largest amplitude lies at {highest_hz}: examine it with --plot or --response"}},
     {kSweepTooFast,
      {"sweep-too-fast",
-      "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than it settles, at "
+      "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than the motion "
+      "follows, at "
       "{rate_hz_per_s SI} Hz/s: sweep at {most_hz_per_s SI} Hz/s or more slowly, or record the "
       "drive's "
       "voltage"}},

@@ -451,7 +451,8 @@ const std::vector<Case> kCases{
     {kSweepTooFast,
      {{"rate_hz_per_s", 29.0}, {"most_hz_per_s", 2.5}, {"frequency_hz", 150.0}},
      "sweep-too-fast",
-     "f0 and Q: the sweep passes the resonance near 150 Hz faster than it settles, at 29 Hz/s: "
+     "f0 and Q: the sweep passes the resonance near 150 Hz faster than the motion follows, at 29 "
+     "Hz/s: "
      "sweep at 2.5 Hz/s or more slowly, or record the drive's voltage"},
     {kSeveralResonances,
      {{"left", 0.25}},
