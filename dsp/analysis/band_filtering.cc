@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "dsp/analysis/drive_states.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"
@@ -33,7 +34,8 @@ Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
 // free of transients
 Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& design,
                              const BandPass& band, int threads) {
-  auto plain = BandSignal::Filter(samples, design, threads);
+  const KeptFrames frames = FramesToKeep(samples.size(), samples.rate_hz(), band);
+  auto plain = BandSignal::Filter(samples, design, threads, frames);
   if (!plain) return plain;
   const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
   if (SettledSeconds(*plain) >= kModelBelow * duration_s || duration_s > kLongestModelledS ||
@@ -44,7 +46,7 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   if (!values) return std::unexpected(values.error());
   auto model = BelowBandModel::Fit(*values, samples.rate_hz(), band.lower_hz, band.upper_hz);
   if (!model) return plain;
-  auto beside = BandSignal::FilterBeside(samples, design, std::move(*model), threads);
+  auto beside = BandSignal::FilterBeside(samples, design, std::move(*model), threads, frames);
   if (!beside) return beside;
   return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
 }

@@ -17,6 +17,8 @@ namespace {
 
 // samples of a segment that are kept in memory rather than filtered again
 constexpr std::size_t kMostKept = std::size_t{1} << 18U;
+// samples that are filtered at a time to be thinned: 8 pieces
+constexpr std::size_t kThinnedAtOnce = 8 * ZeroPhaseBlocks::kPieceSamples;
 
 // a cell is at most 1 ms, unless the record then has more than kMostCells
 constexpr double kLongestCellS = 1e-3;
@@ -35,6 +37,15 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
 BandCell CellOf(std::span<const double> samples) {
   const RowSum squares = WidestRowKernel().sum_squares(samples.data(), samples.size());
   return {squares.sum, squares.least, squares.most};
+}
+
+// how many values the frames of a segment hold; the last one may be cut
+std::size_t ValuesOf(const KeptFrames& frames, std::size_t size) {
+  if (frames.frame == 0) return 0;
+  const std::size_t thinned = (size - 1) / frames.stride + 1;
+  const std::size_t over = thinned % frames.period;
+  const std::size_t cut = std::min(frames.frame, over - std::min(over, frames.offset));
+  return thinned / frames.period * frames.frame + cut;
 }
 
 // Neumaier's compensated sum of terms that are not negative (ZAMM 54, 1974)
@@ -67,7 +78,7 @@ std::vector<double> GreatestInCells(std::span<const double> samples, std::size_t
 }  // namespace
 
 BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design,
-                       std::optional<BelowBandModel> model)
+                       std::optional<BelowBandModel> model, const KeptFrames& frames)
     : samples_(samples),
       design_(design),
       model_(std::move(model)),
@@ -75,24 +86,26 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
       cells_((samples.size() + cell_samples_ - 1) / cell_samples_),
       kept_(samples.size() <= kMostKept ? samples.size() : 0),
+      frames_(kept_.empty() ? frames : KeptFrames{}),
+      in_frames_(ValuesOf(frames_, samples.size())),
       states_(blocks_.pieces()) {
   HAPTOMETER_CHECK(ZeroPhaseBlocks::kPieceSamples % cell_samples_ == 0, "cells of {} in pieces",
                    cell_samples_);
 }
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
-                                      int threads) {
+                                      int threads, const KeptFrames& frames) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design, std::nullopt);
+  BandSignal signal(samples, design, std::nullopt, frames);
   if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
 }
 
 Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
                                             const FilterDesign& design, BelowBandModel model,
-                                            int threads) {
+                                            int threads, const KeptFrames& frames) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design, std::move(model));
+  BandSignal signal(samples, design, std::move(model), frames);
   if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
 }
@@ -131,6 +144,7 @@ Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch
       [this](std::size_t first, std::span<double> samples) {
         if (model_) model_->AddFiltered(design_, first, samples);
         TakeCells(first, samples);
+        TakeFrames(first, samples);
         if (!kept_.empty()) {
           std::ranges::copy(samples, kept_.begin() + static_cast<std::ptrdiff_t>(first));
         }
@@ -145,6 +159,35 @@ void BandSignal::TakeCells(std::size_t first, std::span<const double> samples) {
     cells_[k] = CellOf(samples.first(count));
     samples = samples.subspan(count);
   }
+}
+
+// what lies in frames of samples from `first` on; a frame may lie in two pieces
+void BandSignal::TakeFrames(std::size_t first, std::span<const double> samples) {
+  if (in_frames_.empty()) return;
+  const std::size_t stride = frames_.stride;
+  const std::size_t end = (first + samples.size() + stride - 1) / stride;
+  std::size_t n = (first + stride - 1) / stride;
+  while (n < end) {
+    // from the frame's begin, or within it, to its end
+    const std::size_t number = n / frames_.period;
+    const std::size_t begin = number * frames_.period + frames_.offset;
+    const std::size_t last = std::min(begin + frames_.frame, end);
+    double* out = in_frames_.data() + number * frames_.frame;
+    for (n = std::max(n, begin); n < last; ++n) out[n - begin] = samples[n * stride - first];
+    n = (number + 1) * frames_.period;
+  }
+}
+
+// samples that lie in one frame; nothing where they do not
+std::span<const double> BandSignal::InFrames(std::size_t first, std::size_t stride,
+                                             std::size_t count) const {
+  if (in_frames_.empty() || stride != frames_.stride || first % stride != 0) return {};
+  const std::size_t n = first / stride;
+  if (frames_.frame == frames_.period) return std::span(in_frames_).subspan(n, count);
+  const std::size_t number = n / frames_.period;
+  const std::size_t begin = number * frames_.period + frames_.offset;
+  if (n < begin || n + count > begin + frames_.frame) return {};
+  return std::span(in_frames_).subspan(number * frames_.frame + n - begin, count);
 }
 
 // in cells: the greatest dependence in each, the RMS over whole ones
@@ -188,6 +231,31 @@ Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
     std::ranges::copy(wanted.first(count), out.begin());
     first += count;
     out = out.subspan(count);
+  }
+  return {};
+}
+
+Result<void> BandSignal::ReadThinned(std::size_t first, std::size_t stride,
+                                     std::span<double> out) const {
+  if (out.empty()) return {};
+  if (!kept_.empty()) {
+    for (std::size_t n = 0; n < out.size(); ++n) out[n] = kept_[first + n * stride];
+    return {};
+  }
+  if (const auto kept = InFrames(first, stride, out.size()); !kept.empty()) {
+    std::ranges::copy(kept, out.begin());
+    return {};
+  }
+  // filtered again, some pieces at a time
+  const std::size_t at_once = std::max<std::size_t>(1, kThinnedAtOnce / stride);
+  std::vector<double> raw;
+  while (!out.empty()) {
+    const auto part = out.first(std::min(at_once, out.size()));
+    raw.resize((part.size() - 1) * stride + 1);
+    if (auto read = Read(first, raw); !read) return read;
+    for (std::size_t n = 0; n < part.size(); ++n) part[n] = raw[n * stride];
+    first += part.size() * stride;
+    out = out.subspan(part.size());
   }
   return {};
 }

@@ -27,12 +27,22 @@ struct Extremes {
   double most = 0;
 };
 
+/// Which filtered samples of a long segment stay in memory: of every `stride`-th one, counted from
+/// the segment's first, `frame` in each `period`, from the `offset`-th on.
+struct KeptFrames {
+  std::size_t stride = 1;
+  std::size_t period = 0;
+  std::size_t offset = 0;
+  std::size_t frame = 0;  ///< 0: none; period: all
+};
+
 /// One segment, filtered forward and backward, readable by range whatever its length.
 ///
-/// Only the cells stay in memory (24 B each), and 384 B for each 32 256 samples; samples are
-/// filtered again when they are read, but those of a segment of 2^18 at most (2 MB) are kept. They
-/// are counted from the segment's first. Every number depends on the samples alone: not on the
-/// ranges that are asked for, nor on the number of threads. Threads may read at the same time.
+/// Only the cells stay in memory (24 B each), 384 B for each 32 256 samples, and the frames that
+/// are asked for; other samples are filtered again when they are read, but those of a segment of
+/// 2^18 at most (2 MB) are kept. They are counted from the segment's first. Every number depends on
+/// the samples alone: not on the ranges that are asked for, nor on the number of threads. Threads
+/// may read at the same time.
 class BandSignal {
  public:
   /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase.h), and
@@ -40,16 +50,18 @@ class BandSignal {
   ///
   /// Settled cells are found as settled samples are (SettledRange), by what each depends on the
   /// ends at most.
-  /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells.
+  /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells and `frames`.
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
-                                                 const FilterDesign& design, int threads);
+                                                 const FilterDesign& design, int threads,
+                                                 const KeptFrames& frames = {});
 
   /// The same with motion below the band taken from the samples before the filter, and what a
   /// filter makes of it for ever added behind it (dsp/spectrum/below_band_model.h); `model` is the
   /// segment's.
   [[nodiscard]] static Result<BandSignal> FilterBeside(const SegmentSamples& samples,
                                                        const FilterDesign& design,
-                                                       BelowBandModel model, int threads);
+                                                       BelowBandModel model, int threads,
+                                                       const KeptFrames& frames = {});
 
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
   [[nodiscard]] double rate_hz() const { return samples_.rate_hz(); }
@@ -78,6 +90,14 @@ class BandSignal {
   /// filtered.
   [[nodiscard]] Result<void> Read(std::size_t first, std::span<double> out) const;
 
+  /// Whether every filtered sample is in memory.
+  [[nodiscard]] bool is_kept() const { return !kept_.empty(); }
+
+  /// Every `stride`-th filtered sample from `first` on, the last one within size().
+  /// Errors, cost: as Read; without filtering where they are in a frame that was kept.
+  [[nodiscard]] Result<void> ReadThinned(std::size_t first, std::size_t stride,
+                                         std::span<double> out) const;
+
   /// Sum of the squares of samples [begin, end): whole cells, and the cut ones at the two ends
   /// sample by sample; compensated (Neumaier). Errors: as SegmentSamples::Read.
   [[nodiscard]] Result<double> SquareSum(std::size_t begin, std::size_t end) const;
@@ -87,13 +107,16 @@ class BandSignal {
 
  private:
   BandSignal(const SegmentSamples& samples, const FilterDesign& design,
-             std::optional<BelowBandModel> model);
+             std::optional<BelowBandModel> model, const KeptFrames& frames);
 
   // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
   [[nodiscard]] Result<void> FilterAll(int threads);
   [[nodiscard]] Result<void> FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch);
   void TakeCells(std::size_t first, std::span<const double> samples);
+  void TakeFrames(std::size_t first, std::span<const double> samples);
+  [[nodiscard]] std::span<const double> InFrames(std::size_t first, std::size_t stride,
+                                                 std::size_t count) const;
   void FindSettled(const EndDependence& dependence);
 
   // what a range falls into: whole cells and the samples of the cut ones at its ends
@@ -113,6 +136,8 @@ class BandSignal {
   std::size_t cell_samples_ = 1;
   std::vector<BandCell> cells_;
   std::vector<double> kept_;  // all filtered samples of a short segment, or none
+  KeptFrames frames_;
+  std::vector<double> in_frames_;                     // one frame after the other
   std::vector<ZeroPhaseBlocks::PieceStates> states_;  // from which each piece can be read again
 };
 

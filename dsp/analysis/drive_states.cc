@@ -1,7 +1,5 @@
 #include "dsp/analysis/drive_states.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -21,32 +19,125 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 // thinned samples a period of the upper corner
 constexpr double kRatePerUpper = 5.2;
-constexpr std::size_t kTile = std::size_t{1} << 16U;
+// thinned samples that are all looked at, and those in the frames of more
+constexpr std::size_t kMostValues = std::size_t{1} << 21U;
+constexpr std::size_t kMostInFrames = std::size_t{1} << 20U;
 // periods of the tone in a block
 constexpr double kPeriods = 4;
 constexpr std::size_t kLeastSamples = 16;
 // moves of the ridge: bins a block, and what a bin and a jump cost of the largest magnitude
-constexpr std::ptrdiff_t kMostBins = 2;
+constexpr std::size_t kMostBins = 2;
 constexpr double kBinCost = 0.02;
 constexpr double kJumpCost = 1;
 constexpr std::size_t kPadding = 4;
 
-// the spectra of frames of two blocks, between the band's corners
-class Frames {
+// samples from one thinned sample to the next
+std::size_t StrideOf(double rate_hz, const BandPass& band) {
+  return std::max<std::size_t>(1,
+                               static_cast<std::size_t>(rate_hz / (kRatePerUpper * band.upper_hz)));
+}
+
+// thinned samples of a block of `block_s`
+std::size_t BlockSamples(double block_s, double thinned_hz) {
+  return std::max(kLeastSamples, static_cast<std::size_t>(std::lround(block_s * thinned_hz)));
+}
+
+// two blocks of `block` thinned samples in each period, so many that kMostInFrames are enough for a
+// segment of `size` samples; none where that is all of it
+KeptFrames FramesOf(std::size_t size, std::size_t stride, std::size_t block) {
+  const std::size_t thinned = (size - 1) / stride + 1;
+  const std::size_t frame = 2 * block;
+  if (thinned <= kMostValues || thinned < 2 * frame) return {.stride = stride};
+  const std::size_t frames = std::max<std::size_t>(1, kMostInFrames / frame);
+  const std::size_t period = (thinned + frames - 1) / frames;
+  return {.stride = stride, .period = period, .offset = (period - frame) / 2, .frame = frame};
+}
+
+// The thinned samples that are looked at, and the blocks they lie in: all of a segment, whose
+// blocks follow each other, or a frame in the middle of each block.
+struct Samples {
+  double rate_hz = 0;
+  std::size_t begin = 0;   // of the first block, in samples of the segment
+  std::size_t block = 0;   // thinned samples of a fit
+  std::size_t frame = 0;   // and of a spectrum
+  std::size_t period = 0;  // and from block to block
+  std::size_t blocks = 0;
+  bool in_frames = false;
+  std::vector<double> values{};
+
+  // of the fit of block k
+  [[nodiscard]] std::span<const double> Fitted(std::size_t k) const {
+    return std::span(values).subspan(in_frames ? k * frame : k * block, block);
+  }
+  // behind it, of frames only
+  [[nodiscard]] std::span<const double> Following(std::size_t k) const {
+    return std::span(values).subspan(k * frame + block, block);
+  }
+  // the frame about block k; the first and the last lie within the samples
+  [[nodiscard]] std::span<const double> Frame(std::size_t k) const {
+    if (in_frames) return std::span(values).subspan(k * frame, frame);
+    const std::size_t middle = k * block + block / 2;
+    const std::size_t first = std::min(middle - std::min(middle, frame / 2), values.size() - frame);
+    return std::span(values).subspan(first, frame);
+  }
+};
+
+// the frames of all periods that are free of transients
+Result<Samples> ReadFrames(const BandSignal& signal, const BandPass& band, const KeptFrames& frames,
+                           std::span<const SteadyLine> lines) {
+  const std::size_t period = frames.period * frames.stride;
+  const std::size_t first = (signal.settled_begin() + period - 1) / period;
+  const std::size_t last = std::max(first, signal.settled_end() / period);
+  Samples samples{.rate_hz = signal.rate_hz() / static_cast<double>(frames.stride),
+                  .begin = first * period,
+                  .block = frames.frame / 2,
+                  .frame = frames.frame,
+                  .period = frames.period,
+                  .blocks = last - first,
+                  .in_frames = true};
+  samples.values.reserve(samples.blocks * frames.frame);
+  for (std::size_t k = first; k < last; ++k) {
+    const std::size_t begin = k * period + frames.offset * frames.stride;
+    const std::size_t end = begin + (frames.frame - 1) * frames.stride + 1;
+    const auto frame = ReadForStates(signal, band, lines, begin, end);
+    if (!frame) return std::unexpected(frame.error());
+    samples.values.insert(samples.values.end(), frame->begin(), frame->end());
+  }
+  return samples;
+}
+
+// all samples that are free of transients, in blocks of `block` thinned ones
+Result<Samples> ReadBlocks(const BandSignal& signal, const BandPass& band, std::size_t block,
+                           std::span<const SteadyLine> lines) {
+  const std::size_t stride = StrideOf(signal.rate_hz(), band);
+  Samples samples{.rate_hz = signal.rate_hz() / static_cast<double>(stride),
+                  .begin = signal.settled_begin()};
+  // kept samples are multiples of the stride
+  if (!signal.is_kept()) samples.begin = (samples.begin + stride - 1) / stride * stride;
+  auto values = ReadForStates(signal, band, lines, samples.begin, signal.settled_end());
+  if (!values) return std::unexpected(values.error());
+  samples.values = *std::move(values);
+  samples.block = samples.period = std::min(block, samples.values.size());
+  samples.frame = std::min(2 * samples.block, samples.values.size());
+  samples.blocks = samples.values.size() / samples.block;
+  return samples;
+}
+
+// the spectra of frames between the band's corners
+class Spectra {
  public:
-  Frames(ThinnedSignal& samples, std::size_t block, const BandPass& band)
+  Spectra(const Samples& samples, const BandPass& band)
       : samples_(&samples),
-        block_(block),
-        frame_(std::min(2 * block, samples.size())),
-        fft_(std::bit_ceil(kPadding * frame_)),
+        fft_(std::bit_ceil(kPadding * samples.frame)),
         padded_(fft_.size()),
         spectrum_(fft_.bins()),
-        window_(frame_) {
-    for (std::size_t n = 0; n < frame_; ++n) {
-      const double turn = kTwoPi * (static_cast<double>(n) + 0.5) / static_cast<double>(frame_);
+        window_(samples.frame) {
+    for (std::size_t n = 0; n < window_.size(); ++n) {
+      const double turn =
+          kTwoPi * (static_cast<double>(n) + 0.5) / static_cast<double>(samples.frame);
       window_[n] = 0.5 - 0.5 * std::cos(turn);
     }
-    bin_hz_ = samples.rate_hz() / static_cast<double>(fft_.size());
+    bin_hz_ = samples.rate_hz / static_cast<double>(fft_.size());
     first_ = static_cast<std::size_t>(std::ceil(band.lower_hz / bin_hz_));
     const auto last = static_cast<std::size_t>(band.upper_hz / bin_hz_);
     count_ = std::min(last, fft_.bins() - 2) + 1 - first_;
@@ -57,26 +148,19 @@ class Frames {
     return (static_cast<double>(first_) + bin) * bin_hz_;
   }
 
-  // magnitudes of the frame about block `k`; the first and the last lie within the samples
-  Result<void> Magnitudes(std::size_t k, std::span<double> magnitudes) {
-    const std::size_t middle = k * block_ + block_ / 2;
-    const std::size_t begin =
-        std::min(middle - std::min(middle, frame_ / 2), samples_->size() - frame_);
-    const auto values = samples_->At(begin, frame_);
-    if (!values) return std::unexpected(values.error());
-    std::ranges::fill(padded_, 0);
-    for (std::size_t n = 0; n < frame_; ++n) padded_[n] = window_[n] * (*values)[n];
+  // magnitudes of the frame about block `k`
+  void Magnitudes(std::size_t k, std::span<double> magnitudes) {
+    const std::span<const double> values = samples_->Frame(k);
+    // what is behind the frame stays zero
+    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = window_[n] * values[n];
     fft_.Forward(padded_, spectrum_);
     for (std::size_t bin = 0; bin < count_; ++bin) {
       magnitudes[bin] = std::sqrt(std::norm(spectrum_[first_ + bin]));
     }
-    return {};
   }
 
  private:
-  ThinnedSignal* samples_;
-  std::size_t block_;
-  std::size_t frame_;
+  const Samples* samples_;
   RealFft fft_;
   std::vector<double> padded_;
   std::vector<std::complex<double>> spectrum_;
@@ -86,27 +170,31 @@ class Frames {
   std::size_t count_ = 0;
 };
 
-// best score of each bin after one block more, and the bin that it came from
+// Best score of each bin after one block more, and the bin that it came from. `score` has kMostBins
+// of minus infinity at either end.
 void Advance(std::span<const double> magnitudes, double largest, std::vector<double>& score,
-             std::span<std::uint16_t> from) {
-  const auto count = static_cast<std::ptrdiff_t>(score.size());
-  const std::ptrdiff_t top = std::ranges::max_element(score) - score.begin();
-  std::vector<double> next(score.size());
-  for (std::ptrdiff_t bin = 0; bin < count; ++bin) {
-    double best = score[static_cast<std::size_t>(top)] - kJumpCost * largest;
-    std::ptrdiff_t origin = top;
-    for (std::ptrdiff_t step = -kMostBins; step <= kMostBins; ++step) {
-      const std::ptrdiff_t at = bin + step;
-      if (at < 0 || at >= count) continue;
-      const double cost = kBinCost * largest * static_cast<double>(std::abs(step));
-      if (score[static_cast<std::size_t>(at)] - cost <= best) continue;
-      best = score[static_cast<std::size_t>(at)] - cost;
-      origin = at;
-    }
-    next[static_cast<std::size_t>(bin)] = best + magnitudes[static_cast<std::size_t>(bin)];
-    from[static_cast<std::size_t>(bin)] = static_cast<std::uint16_t>(origin);
+             std::vector<double>& next, std::span<std::uint16_t> from) {
+  constexpr std::size_t kSteps = 2 * kMostBins + 1;
+  std::array<double, kSteps> cost{};
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    cost[step] = kBinCost * largest * std::abs(static_cast<double>(step) - double{kMostBins});
   }
-  score = std::move(next);
+  const auto highest = std::ranges::max_element(score);
+  const double jump = *highest - kJumpCost * largest;
+  const auto top = static_cast<std::size_t>(highest - score.begin()) - kMostBins;
+  for (std::size_t bin = 0; bin < magnitudes.size(); ++bin) {
+    double best = jump;
+    // origin + kMostBins, so that it is never below zero
+    std::size_t origin = top + kMostBins;
+    for (std::size_t step = 0; step < kSteps; ++step) {
+      const double with = score[bin + step] - cost[step];
+      origin = with > best ? bin + step : origin;
+      best = with > best ? with : best;
+    }
+    next[bin + kMostBins] = best + magnitudes[bin];
+    from[bin] = static_cast<std::uint16_t>(origin - kMostBins);
+  }
+  std::swap(score, next);
 }
 
 // bin between the neighbours at which a parabola through three logarithms is highest
@@ -123,65 +211,88 @@ double Interpolated(std::span<const double> magnitudes, std::size_t bin) {
 }
 
 // frequencies of the ridge, a block each
-Result<std::vector<double>> FindRidge(Frames& frames, std::size_t blocks) {
-  const std::size_t bins = frames.bins();
-  std::vector<double> magnitudes(bins);
-  std::vector<double> score(bins, 0.0);
-  std::vector<std::uint16_t> from(bins * blocks);
+std::vector<double> FindRidge(const Samples& samples, const BandPass& band) {
+  Spectra spectra(samples, band);
+  const std::size_t bins = spectra.bins();
+  std::vector<double> magnitudes(bins * samples.blocks);
+  const auto of = [&](std::size_t k) { return std::span(magnitudes).subspan(k * bins, bins); };
   // the largest magnitude decides what moves cost
   double largest = 0;
-  for (std::size_t k = 0; k < blocks; ++k) {
-    if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
-    largest = std::max(largest, *std::ranges::max_element(magnitudes));
+  for (std::size_t k = 0; k < samples.blocks; ++k) {
+    spectra.Magnitudes(k, of(k));
+    largest = std::max(largest, *std::ranges::max_element(of(k)));
   }
-  for (std::size_t k = 0; k < blocks; ++k) {
-    if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
-    Advance(magnitudes, largest, score, std::span(from).subspan(k * bins, bins));
+  // scores with a margin in which no path begins
+  std::vector<double> score(bins + 2 * kMostBins, -std::numeric_limits<double>::infinity());
+  std::vector<double> next = score;
+  std::fill_n(score.begin() + kMostBins, bins, 0.0);
+  std::vector<std::uint16_t> from(bins * samples.blocks);
+  for (std::size_t k = 0; k < samples.blocks; ++k) {
+    Advance(of(k), largest, score, next, std::span(from).subspan(k * bins, bins));
   }
-  // the path back from the best end, then forward: samples are read in that order
-  std::vector<std::size_t> path(blocks);
-  auto bin = static_cast<std::size_t>(std::ranges::max_element(score) - score.begin());
-  for (std::size_t k = blocks; k-- > 0;) {
-    path[k] = bin;
+  // the path back from the best end
+  auto bin = static_cast<std::size_t>(std::ranges::max_element(score) - score.begin()) - kMostBins;
+  std::vector<double> ridge(samples.blocks);
+  for (std::size_t k = samples.blocks; k-- > 0;) {
+    ridge[k] = spectra.FrequencyOf(Interpolated(of(k), bin));
     bin = from[k * bins + bin];
-  }
-  std::vector<double> ridge(blocks);
-  for (std::size_t k = 0; k < blocks; ++k) {
-    if (auto read = frames.Magnitudes(k, magnitudes); !read) return std::unexpected(read.error());
-    ridge[k] = frames.FrequencyOf(Interpolated(magnitudes, path[k]));
   }
   return ridge;
 }
 
-// least squares of (a + a' u) cos + (b + b' u) sin, u from -1 to 1 over the block
+// x and y of  p x + q y = r,  q x + s y = t
+std::array<double, 2> Solved(double p, double q, double s, double r, double t) {
+  const double determinant = p * s - q * q;
+  return {(s * r - q * t) / determinant, (p * t - q * r) / determinant};
+}
+
+// Least squares of (a + a' u) cos + (b + b' u) sin, u from -1 to 1 over the block. About its middle
+// cos and u sin are even, sin and u cos odd: two pairs that know nothing of each other.
 DriveBlock FitBlock(std::span<const double> values, double rate_hz, double frequency_hz,
                     double degrees) {
   const auto n = static_cast<double>(values.size());
   const double middle = 0.5 * (n - 1);
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
-  double square = 0;
   const double step = kTwoPi * frequency_hz / rate_hz;
-  std::complex<double> turn = std::polar(1.0, -step * middle);
-  const std::complex<double> advance = std::polar(1.0, step);
-  for (std::size_t k = 0; k < values.size(); ++k, turn *= advance) {
+  const double advance_cos = std::cos(step);
+  const double advance_sin = std::sin(step);
+  double cos = std::cos(step * middle);
+  double sin = -std::sin(step * middle);
+  // sums over the block: of squares and products, then of what the values share with each
+  double square = 0;
+  double cos2 = 0;
+  double u2 = 0;
+  double u2cos2 = 0;
+  double cross = 0;
+  std::array<double, 4> right{};
+  for (std::size_t k = 0; k < values.size(); ++k) {
     const double u = (static_cast<double>(k) - middle) / (0.5 * n);
-    const Eigen::Vector4d row(turn.real(), turn.imag(), u * turn.real(), u * turn.imag());
-    normal.noalias() += row * row.transpose();
-    right += values[k] * row;
-    square += values[k] * values[k];
+    const double x = values[k];
+    square += x * x;
+    cos2 += cos * cos;
+    u2 += u * u;
+    u2cos2 += u * u * cos * cos;
+    cross += u * cos * sin;
+    right[0] += x * cos;
+    right[1] += x * u * sin;
+    right[2] += x * sin;
+    right[3] += x * u * cos;
+    const double turned = cos * advance_cos - sin * advance_sin;
+    sin = cos * advance_sin + sin * advance_cos;
+    cos = turned;
   }
-  const Eigen::Vector4d fit = normal.ldlt().solve(right);
+  const auto even = Solved(cos2, cross, u2 - u2cos2, right[0], right[1]);
+  const auto odd = Solved(n - cos2, cross, u2cos2, right[2], right[3]);
   DriveBlock block;
-  block.amplitude_m = {fit[0], -fit[1]};
+  block.amplitude_m = {even[0], -odd[0]};
   // d(phase)/dt = Im(z' / z), u advances by 2 rate / n a second
-  const std::complex<double> slope(fit[2], -fit[3]);
+  const std::complex<double> slope(odd[1], -even[1]);
   const double moved = std::abs(block.amplitude_m) > 0 ? std::imag(slope / block.amplitude_m) : 0;
   block.frequency_hz = frequency_hz + moved * 2 * rate_hz / n / kTwoPi;
   block.mean_square = square / n;
+  const double explained =
+      even[0] * right[0] + even[1] * right[1] + odd[0] * right[2] + odd[1] * right[3];
   // four parameters are taken from the independent values, of which there are fewer than n
-  block.residual =
-      std::max(0.0, square - fit.dot(right)) / n * degrees / std::max(1.0, degrees - 4);
+  block.residual = std::max(0.0, square - explained) / n * degrees / std::max(1.0, degrees - 4);
   return block;
 }
 
@@ -198,68 +309,117 @@ double FrequencyOfStrong(const std::vector<DriveBlock>& blocks) {
   return frequencies[frequencies.size() / 2];
 }
 
-Result<BlockCourse> MeasureIn(ThinnedSignal& samples, const BandSignal& signal,
-                              const BandPass& band, double block_s) {
-  const auto wanted = static_cast<std::size_t>(std::lround(block_s * samples.rate_hz()));
-  const std::size_t block = std::min(std::max(kLeastSamples, wanted), samples.size());
-  const double begin_s = static_cast<double>(signal.settled_begin()) / signal.rate_hz();
-  BlockCourse course{.start_s = signal.start_s() + begin_s,
-                     .block_s = static_cast<double>(block) / samples.rate_hz(),
-                     .bandwidth_hz = band.upper_hz - band.lower_hz,
-                     .blocks = {}};
-  const std::size_t blocks = samples.size() / block;
-  Frames frames(samples, block, band);
-  const auto ridge = FindRidge(frames, blocks);
-  if (!ridge) return std::unexpected(ridge.error());
-  course.blocks.reserve(blocks);
-  for (std::size_t k = 0; k < blocks; ++k) {
-    const auto values = samples.At(k * block, block);
-    if (!values) return std::unexpected(values.error());
-    course.blocks.push_back(
-        FitBlock(*values, samples.rate_hz(), (*ridge)[k], course.degrees_of_freedom()));
+// mean square of samples [begin, end) by the cells that lie in them as a whole
+double MeanSquareOfCells(const BandSignal& signal, std::size_t begin, std::size_t end) {
+  const std::size_t size = signal.cell_samples();
+  const std::size_t first = (begin + size - 1) / size;
+  const std::size_t last = std::max(first + 1, end / size);
+  double sum = 0;
+  for (const BandCell& cell : signal.cells().subspan(first, last - first)) sum += cell.square_sum;
+  return sum / static_cast<double>((last - first) * size);
+}
+
+// parts of a mean square, and standard deviations of what noise makes of it, that a block's may
+// differ from its fitted part's
+constexpr double kSamePart = 0.05;
+constexpr double kSameDeviations = 4;
+
+// the whole of block `k`, which is fitted in a part, by its mean square without that of hum
+void TakeWhole(const BlockCourse& course, double mean_square, std::size_t k, DriveBlock& block) {
+  const DriveBlock& following = course.following[k];
+  const double in_frame = 0.5 * (block.mean_square + following.mean_square);
+  const double residual = 0.5 * (block.residual + following.residual);
+  const double level_square =
+      0.5 * (std::norm(block.amplitude_m) + std::norm(following.amplitude_m));
+  // of a mean square of A cos + noise r over two fits: 2 (A^2 + r) r / degrees of freedom
+  const double deviation =
+      std::sqrt(2 * (level_square + residual) * residual / (2 * course.degrees_of_freedom()));
+  const double same = kSamePart * in_frame + kSameDeviations * deviation;
+  block.residual += std::max(0.0, std::abs(mean_square - in_frame) - same);
+  block.mean_square = mean_square;
+}
+
+// Blocks that are fitted in a part take what the cells tell of all of them, the last one with what
+// is left behind it.
+void TakeCells(const BandSignal& signal, const Samples& samples, std::span<const SteadyLine> lines,
+               BlockCourse& course) {
+  double of_lines = 0;
+  for (const SteadyLine& line : lines) of_lines += 0.5 * std::pow(line.amplitude_m(), 2);
+  const double block = course.block_s * signal.rate_hz();
+  const auto at = [&](std::size_t k) {
+    return samples.begin + static_cast<std::size_t>(std::lround(static_cast<double>(k) * block));
+  };
+  for (std::size_t k = 0; k < course.blocks.size(); ++k) {
+    const std::size_t end = k + 1 < course.blocks.size() ? at(k + 1) : signal.settled_end();
+    const double mean_square = MeanSquareOfCells(signal, at(k), end) - of_lines;
+    TakeWhole(course, std::max(0.0, mean_square), k, course.blocks[k]);
   }
+}
+
+Result<BlockCourse> MeasureIn(const BandSignal& signal, const BandPass& band, double block_s,
+                              std::span<const SteadyLine> lines) {
+  const std::size_t stride = StrideOf(signal.rate_hz(), band);
+  const std::size_t block = BlockSamples(block_s, signal.rate_hz() / static_cast<double>(stride));
+  const KeptFrames frames = FramesOf(signal.size(), stride, block);
+  const auto read = frames.frame > 0 ? ReadFrames(signal, band, frames, lines)
+                                     : ReadBlocks(signal, band, block, lines);
+  if (!read) return std::unexpected(read.error());
+  const Samples& samples = *read;
+  const auto period = static_cast<double>(samples.period);
+  BlockCourse course{
+      .start_s = signal.start_s() + static_cast<double>(samples.begin) / signal.rate_hz(),
+      .block_s = period / samples.rate_hz,
+      .bandwidth_hz = band.upper_hz - band.lower_hz,
+      .blocks = {},
+      .fitted = static_cast<double>(samples.block) / period,
+      .following = {}};
+  if (samples.blocks == 0) return course;
+  const std::vector<double> ridge = FindRidge(samples, band);
+  const auto fit = [&](std::span<const double> values, std::size_t k) {
+    return FitBlock(values, samples.rate_hz, ridge[k], course.degrees_of_freedom());
+  };
+  course.blocks.reserve(samples.blocks);
+  for (std::size_t k = 0; k < samples.blocks; ++k) {
+    course.blocks.push_back(fit(samples.Fitted(k), k));
+    if (samples.in_frames) course.following.push_back(fit(samples.Following(k), k));
+  }
+  if (samples.in_frames) TakeCells(signal, samples, lines, course);
   return course;
 }
 
 }  // namespace
 
-ThinnedSignal::ThinnedSignal(const BandSignal& signal, const BandPass& band,
-                             std::span<const SteadyLine> lines, std::size_t begin, std::size_t end)
-    : signal_(&signal),
-      lines_(lines),
-      begin_(begin),
-      stride_(std::max<std::size_t>(
-          1, static_cast<std::size_t>(signal.rate_hz() / (kRatePerUpper * band.upper_hz)))),
-      size_((end - begin - 1) / stride_ + 1),
-      rate_hz_(signal.rate_hz() / static_cast<double>(stride_)) {}
+KeptFrames FramesToKeep(std::size_t size, double rate_hz, const BandPass& band) {
+  const std::size_t stride = StrideOf(rate_hz, band);
+  const double block_s = std::max(kShortestBlockS, 1 / band.lower_hz);
+  KeptFrames frames =
+      FramesOf(size, stride, BlockSamples(block_s, rate_hz / static_cast<double>(stride)));
+  if (frames.frame == 0) frames.frame = frames.period = (size - 1) / stride + 1;
+  return frames;
+}
 
-Result<std::span<const double>> ThinnedSignal::At(std::size_t first, std::size_t count) {
-  if (first >= first_ && first + count <= first_ + tile_.size()) {
-    return std::span(tile_).subspan(first - first_, count);
-  }
-  // a tile from here on, filtered again
-  first_ = first;
-  tile_.resize(std::min(std::max(count, kTile), size_ - first));
-  raw_.resize((tile_.size() - 1) * stride_ + 1);
-  if (auto read = signal_->Read(begin_ + first * stride_, raw_); !read)
+Result<std::vector<double>> ReadForStates(const BandSignal& signal, const BandPass& band,
+                                          std::span<const SteadyLine> lines, std::size_t begin,
+                                          std::size_t end) {
+  const std::size_t stride = StrideOf(signal.rate_hz(), band);
+  std::vector<double> values((end - begin - 1) / stride + 1);
+  if (auto read = signal.ReadThinned(begin, stride, values); !read) {
     return std::unexpected(read.error());
-  for (std::size_t n = 0; n < tile_.size(); ++n) tile_[n] = raw_[n * stride_];
-  SubtractLines(
-      lines_, rate_hz_,
-      static_cast<double>(begin_) / static_cast<double>(stride_) + static_cast<double>(first_),
-      tile_);
-  return std::span(std::as_const(tile_)).first(count);
+  }
+  const auto per_sample = static_cast<double>(stride);
+  SubtractLines(lines, signal.rate_hz() / per_sample, static_cast<double>(begin) / per_sample,
+                values);
+  return values;
 }
 
 Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
                                   double least_block_s, std::span<const SteadyLine> lines) {
-  ThinnedSignal samples(signal, band, lines, signal.settled_begin(), signal.settled_end());
-  auto course = MeasureIn(samples, signal, band, least_block_s);
-  if (!course) return course;
+  auto course = MeasureIn(signal, band, least_block_s, lines);
+  if (!course || course->blocks.empty()) return course;
   // a low tone needs longer blocks
   const double needed_s = kPeriods / FrequencyOfStrong(course->blocks);
-  if (needed_s <= 1.2 * course->block_s) return course;
-  return MeasureIn(samples, signal, band, needed_s);
+  if (needed_s <= 1.2 * course->fitted * course->block_s) return course;
+  return MeasureIn(signal, band, needed_s, lines);
 }
 
 namespace {
@@ -293,34 +453,39 @@ double QuantileOf(std::vector<double> values, double part) {
 
 // what the blocks are compared by, with sums over blocks [0, k)
 struct Features {
-  double level_deviation = 0;
-  double log_deviation = 0;
+  double level_variance = 0;  // the least
+  double log_variance = 0;
   std::vector<std::array<double, 5>> sums;  // x, x^2, k x, y, y^2
+  std::vector<double> inverse;              // 1 / k; 0 for none
 
   [[nodiscard]] std::size_t size() const { return sums.size() - 1; }
 
   // squares that a line leaves of the levels, and a constant of the logarithms
   [[nodiscard]] std::pair<double, double> SquaresLeft(std::size_t first, std::size_t end) const {
-    const auto m = static_cast<double>(end - first);
     std::array<double, 5> s{};
     for (std::size_t k = 0; k < s.size(); ++k) s[k] = sums[end][k] - sums[first][k];
     const double middle = 0.5 * static_cast<double>(first + end - 1);
     const double cross = s[2] - middle * s[0];
-    const double spread = m * (m * m - 1) / 12;
-    double level = s[1] - s[0] * s[0] / m;
-    if (spread > 0) level -= cross * cross / spread;
-    return {std::max(0.0, level), std::max(0.0, s[4] - s[3] * s[3] / m)};
+    // 1 / sum of (k - middle)^2 = 12 / (m (m^2 - 1))
+    const double slopes = 12 * inverse[end - first] * inverse[end - first - 1] *
+                          inverse[end - first + 1] * cross * cross;
+    const double level = s[1] - s[0] * s[0] * inverse[end - first] - slopes;
+    const double log = s[4] - s[3] * s[3] * inverse[end - first];
+    return {std::max(0.0, level), std::max(0.0, log)};
   }
 
   [[nodiscard]] double Cost(std::size_t first, std::size_t end) const {
     const auto m = static_cast<double>(end - first);
     const auto [level, log] = SquaresLeft(first, end);
-    const auto term = [m](double squares, double deviation) {
-      const double least = deviation * deviation;
-      const double variance = std::max(least, (squares + 2 * least) / (m + 2));
-      return m * std::log(variance / least) + squares / variance;
+    const auto variance_of = [&](double squares, double least) {
+      return std::max(least, (squares + 2 * least) * inverse[end - first + 2]);
     };
-    return term(level, level_deviation) + term(log, log_deviation);
+    const double of_level = variance_of(level, level_variance);
+    const double of_log = variance_of(log, log_variance);
+    // one logarithm and one division for both
+    const double product = of_level * of_log;
+    return m * std::log(product / (level_variance * log_variance)) +
+           (level * of_log + log * of_level) / product;
   }
 };
 
@@ -337,8 +502,9 @@ Features FeaturesOf(const BlockCourse& course) {
   const double least = std::max(QuantileOf(residuals, 0.25), 1e-12 * top * top);
   Features features;
   // u(|z|)^2 = 2 r / (2 B t), beside what the fit itself is off by
-  features.level_deviation = std::sqrt(2 * least / course.degrees_of_freedom()) + kLevelFloor * top;
-  features.log_deviation = std::hypot(std::sqrt(2 / course.degrees_of_freedom()), kLogFloor);
+  const double deviation = std::sqrt(2 * least / course.degrees_of_freedom()) + kLevelFloor * top;
+  features.level_variance = deviation * deviation;
+  features.log_variance = 2 / course.degrees_of_freedom() + kLogFloor * kLogFloor;
   // residuals far below what a tone's own imperfection leaves say nothing
   const double lowest = std::max(1e-300, kLevelFloor * kLevelFloor * top * top);
   features.sums.resize(levels.size() + 1);
@@ -348,6 +514,10 @@ Features FeaturesOf(const BlockCourse& course) {
     const std::array<double, 5> add{x, x * x, static_cast<double>(k) * x, y, y * y};
     for (std::size_t j = 0; j < add.size(); ++j)
       features.sums[k + 1][j] = features.sums[k][j] + add[j];
+  }
+  features.inverse.resize(levels.size() + 3);
+  for (std::size_t k = 1; k < features.inverse.size(); ++k) {
+    features.inverse[k] = 1 / static_cast<double>(k);
   }
   return features;
 }
@@ -433,16 +603,19 @@ Line LineThrough(std::size_t n, const Values& y) {
   return {mean - reach, mean + reach, n > 2 ? std::sqrt(squares / static_cast<double>(n - 2)) : 0};
 }
 
-// part of the amplitude that continues from block to block with the phase of its frequency
-double CoherenceOf(std::span<const DriveBlock> blocks, double block_s) {
+// part of the amplitude of blocks [first, end) that continues with the phase of its frequency, in
+// the next block or in what follows each fit
+double CoherenceOf(const BlockCourse& course, std::size_t first, std::size_t end) {
+  const bool is_apart = !course.following.empty();
+  const double half_turn = std::numbers::pi * course.fitted * course.block_s;
   std::complex<double> product = 0;
   double power = 0;
-  for (std::size_t k = 1; k < blocks.size(); ++k) {
-    const double turn =
-        std::numbers::pi * block_s * (blocks[k].frequency_hz + blocks[k - 1].frequency_hz);
-    product +=
-        blocks[k].amplitude_m * std::conj(blocks[k - 1].amplitude_m) * std::polar(1.0, -turn);
-    power += 0.5 * (std::norm(blocks[k].amplitude_m) + std::norm(blocks[k - 1].amplitude_m));
+  for (std::size_t k = first; k + (is_apart ? 0 : 1) < end; ++k) {
+    const DriveBlock& before = course.blocks[k];
+    const DriveBlock& after = is_apart ? course.following[k] : course.blocks[k + 1];
+    const double turn = half_turn * (after.frequency_hz + before.frequency_hz);
+    product += after.amplitude_m * std::conj(before.amplitude_m) * std::polar(1.0, -turn);
+    power += 0.5 * (std::norm(after.amplitude_m) + std::norm(before.amplitude_m));
   }
   return power > 0 ? product.real() / power : 0;
 }
@@ -469,7 +642,7 @@ StateInterval Describe(const BlockCourse& course, std::size_t first, std::size_t
       LineThrough(blocks.size(), [&](std::size_t k) { return blocks[k].frequency_hz; });
   interval.from_hz = frequency.begin;
   interval.to_hz = frequency.end;
-  interval.coherence = CoherenceOf(blocks, course.block_s);
+  interval.coherence = CoherenceOf(course, first, end);
   return interval;
 }
 

@@ -25,7 +25,7 @@ namespace haptometer::dsp {
 /// frequency: an amplitude that rises and a frequency that differs by a few hertz leave nothing in
 /// the residual.
 struct DriveBlock {
-  std::complex<double> amplitude_m;  ///< a - i b: of cos(2 pi f t + phase), t from the middle
+  std::complex<double> amplitude_m;  ///< a - i b: of cos(2 pi f t + phase), t from the fit's middle
   double frequency_hz = 0;           ///< of the fit: ridge + Im(amplitude' / amplitude) / (2 pi)
   double mean_square = 0;            ///< of the samples, m2
   double residual = 0;               ///< mean square beside the tone, m2; four parameters less
@@ -35,49 +35,45 @@ struct DriveBlock {
 
 /// The blocks of a segment without its transients, one after the other; the last one ends within a
 /// block of their end.
+///
+/// Of a long segment the fit is of a part in each block's middle. The mean square is that of the
+/// whole block, and where it differs from the part's by more than a twentieth and four standard
+/// deviations of what noise gives, the rest of the difference is added to the residual: a pause or
+/// a burst beside the part shows there.
 struct BlockCourse {
   double start_s = 0;
   double block_s = 0;
   double bandwidth_hz = 0;  ///< of the noise
   std::vector<DriveBlock> blocks;
+  double fitted = 1;                    ///< part of a block that its fit is of
+  std::vector<DriveBlock> following{};  ///< fits of what follows each part; empty: the next block
 
   /// From the begin of block `first` to that of block `end`.
   [[nodiscard]] TimeWindow Window(std::size_t first, std::size_t end) const {
     return {start_s + static_cast<double>(first) * block_s,
             start_s + static_cast<double>(end) * block_s};
   }
-  /// Independent values in a block: 2 x bandwidth x block.
-  [[nodiscard]] double degrees_of_freedom() const { return 2 * bandwidth_hz * block_s; }
+  /// Independent values in a fit: 2 x bandwidth x its duration.
+  [[nodiscard]] double degrees_of_freedom() const { return 2 * bandwidth_hz * fitted * block_s; }
 };
 
-/// Filtered samples [begin, end) of a segment, as few of them as hold the band, by range.
+/// The shortest blocks.
+inline constexpr double kShortestBlockS = 0.015;
+
+/// Filtered samples of a segment of `size` from which MeasureBlocks finds the shortest blocks of a
+/// long segment: as few as hold the band.
 ///
 /// Every n-th sample, n the greatest number that leaves 5.2 upper corners: behind both passes of an
-/// order-6 filter what folds into the band is below 1e-7 of it. `lines` are subtracted. A tile
-/// stays in memory: ranges that go forward cost one pass. Memory: 2^16 values.
-class ThinnedSignal {
- public:
-  ThinnedSignal(const BandSignal& signal, const BandPass& band, std::span<const SteadyLine> lines,
-                std::size_t begin, std::size_t end);
+/// order-6 filter what folds into the band is below 1e-7 of it. All of them where they are 2^21 at
+/// most (16 MB: ten minutes of a band up to 500 Hz), else at most 2^20 in frames.
+[[nodiscard]] KeptFrames FramesToKeep(std::size_t size, double rate_hz, const BandPass& band);
 
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] double rate_hz() const { return rate_hz_; }
-  [[nodiscard]] std::size_t stride() const { return stride_; }
-  /// Values [first, first + count), within size(); valid until the next call.
-  /// Errors: as BandSignal::Read.
-  [[nodiscard]] Result<std::span<const double>> At(std::size_t first, std::size_t count);
-
- private:
-  const BandSignal* signal_;
-  std::span<const SteadyLine> lines_;
-  std::size_t begin_;
-  std::size_t stride_;
-  std::size_t size_;
-  double rate_hz_;
-  std::size_t first_ = 0;  // of tile_
-  std::vector<double> tile_;
-  std::vector<double> raw_;
-};
+/// Filtered samples [begin, end) of a signal, one in n of FramesToKeep's, with `lines` subtracted.
+/// Errors: as BandSignal::Read. Memory: the samples.
+[[nodiscard]] Result<std::vector<double>> ReadForStates(const BandSignal& signal,
+                                                        const BandPass& band,
+                                                        std::span<const SteadyLine> lines,
+                                                        std::size_t begin, std::size_t end);
 
 /// Measures what is free of transients of `signal` in blocks of at least `least_block_s`.
 ///
@@ -85,9 +81,12 @@ class ThinnedSignal {
 /// through the spectra of two blocks each (Hann window, padded to four times) that collects most
 /// magnitude, less 0.02 of the largest one for each bin that it moves, at most two bins a block, or
 /// the largest one for a jump to any bin (Viterbi's algorithm; L. Angrisani and others use it so
-/// for ridges of time-frequency planes). A tone that moves by 100 Hz/s is followed. Errors: as
-/// BandSignal::Read. Cost: four passes over the signal, three transforms a block; memory: 2 B a bin
-/// and block.
+/// for ridges of time-frequency planes). A tone that moves by 100 Hz/s is followed.
+///
+/// Where FramesToKeep gives frames, there are so many blocks as frames of two of those blocks hold
+/// 2^20 samples, each as long as it takes: the spectrum is that of the frame in the middle, the fit
+/// that of its first half. Errors: as BandSignal::Read. Cost: a transform a block; frames of other
+/// blocks than the shortest are filtered again. Memory: 10 B a bin and block, 64 MB at most.
 [[nodiscard]] Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
                                                 double least_block_s,
                                                 std::span<const SteadyLine> lines);

@@ -19,7 +19,6 @@ constexpr double kMainsTolerance = 0.06;  // Hz, of the fundamental
 constexpr int kMostMultiples = 10;
 constexpr double kShortestS = 1;
 constexpr double kLongestWindowS = 20;
-constexpr std::size_t kMostValues = std::size_t{1} << 21U;
 // of |z|: how far a window may lie from the mean, and how far above the noise it is
 constexpr double kSteadyPart = 0.3;
 constexpr double kAboveNoise = 5;
@@ -131,15 +130,15 @@ void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double fir
 
 Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass& band,
                                         std::optional<double> stated_hz) {
-  ThinnedSignal samples(signal, band, {}, 0, signal.size());
-  const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
+  const KeptFrames kept = FramesToKeep(signal.size(), signal.rate_hz(), band);
+  const double rate_hz = signal.rate_hz() / static_cast<double>(kept.stride);
+  const double duration_s = static_cast<double>((signal.size() - 1) / kept.stride + 1) / rate_hz;
   std::vector<SteadyLine> lines;
-  if (duration_s < kShortestS || samples.size() > kMostValues) return lines;
-  const auto values = samples.At(0, samples.size());
+  if (duration_s < kShortestS || kept.frame != kept.period) return lines;
+  const auto values = ReadForStates(signal, band, {}, 0, signal.size());
   if (!values) return std::unexpected(values.error());
   const double window_s = std::min(kLongestWindowS, duration_s / 2);
-  const Windows windows(*values, samples.rate_hz(),
-                        static_cast<std::size_t>(window_s * samples.rate_hz()));
+  const Windows windows(*values, rate_hz, static_cast<std::size_t>(window_s * rate_hz));
   for (const double mains_hz : kMainsHz) {
     if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
     if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kStatedHz) continue;

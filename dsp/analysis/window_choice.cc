@@ -15,7 +15,6 @@ namespace {
 
 // blocks of a period of the lower corner, then longer ones for tones below the noise
 constexpr std::array<double, 3> kBlockLengths{1, 4, 16};
-constexpr double kShortestBlockS = 0.015;
 constexpr double kLeastBlocks = 24;  // in a segment, before blocks are made longer
 constexpr double kLeastLongBlocks = 8;
 // tones up to this multiple of the lower corner, below this part of the drive, are of tremor
@@ -138,8 +137,11 @@ std::vector<std::pair<std::size_t, std::size_t>> BumpBlocks(const std::vector<do
 SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, std::size_t begin,
                      std::size_t end) {
   const double block_samples = course.blocks.block_s * course.signal->rate_hz();
-  // blocks count from the first sample free of transients
-  const std::size_t base = course.signal->settled_begin();
+  // blocks count from their own first sample
+  const auto base = static_cast<std::size_t>(
+      std::lround((course.blocks.start_s - course.signal->start_s()) * course.signal->rate_hz()));
+  begin = std::max(begin, base);
+  if (end <= begin) return {};
   const auto first = static_cast<std::size_t>(static_cast<double>(begin - base) / block_samples);
   const auto last =
       std::min(course.blocks.blocks.size(),

@@ -86,6 +86,35 @@ TEST(BandSignal, NeitherThreadsNorRangesChangeABit) {
   }
 }
 
+// Frames hold what is read without them, whatever piece or block they lie in.
+TEST(BandSignal, FramesAreThoseSamples) {
+  const Held held(LongRecord());
+  const Segment& segment = held.segments.parts.at(0);
+  const FilterDesign design = Designed({}, kRateHz);
+  const BandSignal none = held.Filter();
+  const std::vector<double> whole = ReadAll(none, none.size());
+  // all, frames of which the last is cut, and frames of which the last is missing
+  for (const KeptFrames& frames : {KeptFrames{3, 200'000, 0, 200'000},
+                                   KeptFrames{3, 1001, 370, 620}, KeptFrames{7, 5000, 3000, 260}}) {
+    for (const int threads : {1, 2}) {
+      const BandSignal signal =
+          BandSignal::Filter({held.rows, 0, segment}, design, threads, frames).value();
+      const std::size_t last = (whole.size() - 1) / frames.stride + 1;
+      for (std::size_t begin = frames.offset; begin < last; begin += frames.period) {
+        // from within the frame, and on beyond it where there is no other
+        const std::size_t first = begin + frames.frame / 3;
+        if (first >= last) break;
+        const std::size_t more = begin + 2 * frames.period > last ? 50 : 0;
+        std::vector<double> read(std::min(begin + frames.frame + more, last) - first);
+        ASSERT_TRUE(signal.ReadThinned(first * frames.stride, frames.stride, read));
+        for (std::size_t n = 0; n < read.size(); ++n) {
+          ASSERT_EQ(read[n], whole[(first + n) * frames.stride]) << first + n;
+        }
+      }
+    }
+  }
+}
+
 TEST(BandSignal, SumsAndExtremesAreThoseOfTheSamples) {
   const Held held(LongRecord());
   const BandSignal signal = held.Filter();

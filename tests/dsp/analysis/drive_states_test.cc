@@ -13,9 +13,11 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/readings/segments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
@@ -466,6 +468,167 @@ TEST(DriveStates, WhatRisesBelowTheNoiseIsATransition) {
   // of a level that stays it is off
   for (std::size_t k = 0; k < 12; ++k) course.blocks[k].amplitude_m = 0.44;
   EXPECT_EQ(FindStates(course, kLowerHz)[0].state, DriveState::kOff);
+}
+
+// ---- Records of which only a frame in each block is looked at: 51 minutes at 2.6 kHz, in blocks
+// of 0.76 s of which 0.1 s are.
+
+constexpr double kLongRateHz = 2600;
+constexpr std::size_t kLongRows = 8'000'000;
+constexpr std::size_t kLongBlock = 1985;  // ceil(8e6 / floor(2^20 / 260))
+
+// rows made up as they are read: amplitude(row) of a tone of 100 Hz, in noise of 20 nm
+class MadeRows final : public trial::RowSource {
+ public:
+  explicit MadeRows(std::function<double(std::size_t)> amplitude)
+      : amplitude_(std::move(amplitude)) {
+    head_.rows = kLongRows;
+    head_.times_are_known = false;
+    head_.stretches = {{0, kLongRows, 0, kLongRateHz, 0}};
+    head_.channels.emplace_back();
+    head_.channels[0].role = trial::ChannelRole::kDisplacement;
+    head_.channels[0].unit = "m";
+    for (std::size_t k = 0; k < period_.size(); ++k) {
+      period_[k] = std::sin(2 * std::numbers::pi * static_cast<double>(k) / 26);
+    }
+  }
+  [[nodiscard]] const trial::Record& head() const override { return head_; }
+  [[nodiscard]] Result<void> Read(std::size_t /*channel*/, std::size_t first,
+                                  std::span<double> values,
+                                  std::span<trial::SampleStatus> statuses) const override {
+    ++reads;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const std::size_t row = first + k;
+      values[k] = amplitude_(row) * period_[row % period_.size()] + 20e-9 * Uniform(row);
+      statuses[k] = trial::SampleStatus::kOk;
+    }
+    return {};
+  }
+  mutable std::size_t reads = 0;
+
+ private:
+  // -sqrt(3) to sqrt(3), by splitmix64
+  static double Uniform(std::size_t row) {
+    std::uint64_t z = (row + 1) * 0x9E3779B97F4A7C15U;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+    z ^= z >> 31U;
+    return std::numbers::sqrt3 * (2 * std::ldexp(static_cast<double>(z >> 11U), -53) - 1);
+  }
+  std::function<double(std::size_t)> amplitude_;
+  std::array<double, 26> period_{};
+  trial::Record head_;
+};
+
+BlockCourse LongCourse(const MadeRows& rows, const KeptFrames& frames, double block_s = kBlockS) {
+  Segment segment;
+  segment.size = kLongRows;
+  segment.rate_hz = kLongRateHz;
+  const BandSignal signal =
+      BandSignal::Filter({rows, 0, segment}, Designed({}, kLongRateHz), 1, frames).value();
+  const std::size_t reads = rows.reads;
+  auto course = MeasureBlocks(signal, {}, block_s, {}).value();
+  // what was kept is not filtered again
+  EXPECT_TRUE(frames.frame == 0 || rows.reads == reads);
+  return course;
+}
+
+KeptFrames LongFrames() { return FramesToKeep(kLongRows, kLongRateHz, {}); }
+
+TEST(DriveStatesOfLongRecords, OfAConstantDriveAreOneSteadyState) {
+  EXPECT_EQ(LongFrames().period, kLongBlock);
+  EXPECT_EQ(LongFrames().frame, 260U);
+  const MadeRows rows([](std::size_t) { return 1e-6; });
+  const BlockCourse course = LongCourse(rows, LongFrames());
+  EXPECT_ABS(course.block_s, kLongBlock / kLongRateHz, 1e-15, "round-off");
+  EXPECT_LE(course.blocks.size(), kLongRows / kLongBlock);
+  EXPECT_GE(course.blocks.size(), kLongRows / kLongBlock - 2);
+  const auto states = FindStates(course, kLowerHz);
+  ASSERT_EQ(states.size(), 1U);
+  EXPECT_TRUE(states[0].is_steady);
+  EXPECT_GT(states[0].coherence, 0.999);
+  EXPECT_REL(states[0].level_m, 1e-6, 1e-3, "passband, noise of 0.3 % in 4000 blocks");
+  EXPECT_ABS(states[0].from_hz, 100, 0.02, "noise");
+  // frames that were not kept are filtered again: the same samples
+  const BlockCourse again = LongCourse(rows, {});
+  ASSERT_EQ(again.blocks.size(), course.blocks.size());
+  for (std::size_t k = 0; k < course.blocks.size(); ++k) {
+    ASSERT_EQ(again.blocks[k].amplitude_m, course.blocks[k].amplitude_m);
+    ASSERT_EQ(again.blocks[k].residual, course.blocks[k].residual);
+  }
+}
+
+// A pause of a third of a block, a quarter of a second before the frame, and its like with ten
+// times the amplitude: the block is no part of the drive's state, and the window does not hold it.
+TEST(DriveStatesOfLongRecords, WhatLiesBetweenFramesIsSeen) {
+  constexpr std::size_t kBlock = 1500;
+  for (const double amplitude_m : {0.0, 10e-6}) {
+    const MadeRows rows([=](std::size_t row) {
+      const bool is_there = row >= kBlock * kLongBlock && row < kBlock * kLongBlock + 650;
+      return is_there ? amplitude_m : 1e-6;
+    });
+    const BlockCourse course = LongCourse(rows, LongFrames());
+    const double block_s = kLongBlock / kLongRateHz;
+    const double pause_s = kBlock * block_s;
+    const auto k = static_cast<std::size_t>(std::lround((pause_s - course.start_s) / block_s));
+    EXPECT_GT(course.blocks[k].residual, 0.1e-12);
+    EXPECT_LT(course.blocks[k - 2].residual, 1e-15);
+    EXPECT_LT(course.blocks[k + 2].residual, 1e-15);
+    const auto states = FindStates(course, kLowerHz);
+    EXPECT_TRUE(std::ranges::none_of(states, [&](const StateInterval& state) {
+      return state.is_steady && state.first <= k && state.end > k;
+    }));
+    const auto analysis = AnalyzeBand(rows, {}, 1).value();
+    ASSERT_TRUE(analysis.answered);
+    EXPECT_GT(analysis.numbers->part.window.begin_s, pause_s);
+    EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / std::numbers::sqrt2, 1e-3, "the passband");
+  }
+}
+
+TEST(DriveStatesOfLongRecords, ADriftIsNoChangeOfState) {
+  const MadeRows rows([](std::size_t row) {
+    return 1e-6 * (0.9 + 0.2 * static_cast<double>(row) / static_cast<double>(kLongRows));
+  });
+  const auto states = FindStates(LongCourse(rows, LongFrames()), kLowerHz);
+  ASSERT_EQ(states.size(), 1U);
+  EXPECT_TRUE(states[0].is_steady);
+  EXPECT_ABS(states[0].drift, 0.2, 2e-3, "noise");
+}
+
+// 20 s on, 20 s off: each change within a block of its time
+TEST(DriveStatesOfLongRecords, OfAGatedDriveLieWithinABlockOfTheTruth) {
+  constexpr std::size_t kHalf = 52'000;
+  const MadeRows rows([](std::size_t row) { return row / kHalf % 2 == 0 ? 1e-6 : 0; });
+  const BlockCourse course = LongCourse(rows, LongFrames());
+  int on = 0;
+  for (const StateInterval& state : FindStates(course, kLowerHz)) {
+    if (state.blocks() < 3) continue;
+    const double middle_s = 0.5 * (state.time.begin_s + state.time.end_s);
+    const bool is_on = static_cast<std::size_t>(middle_s / 20) % 2 == 0;
+    EXPECT_EQ(state.state, is_on ? DriveState::kOn : DriveState::kOff) << middle_s;
+    EXPECT_EQ(state.is_steady, is_on) << middle_s;
+    if (state.first > 0) {
+      EXPECT_ABS(std::remainder(state.time.begin_s, 20), 0, 1.5 * course.block_s,
+                 "the block that holds the change");
+    }
+    on += is_on ? 1 : 0;
+  }
+  EXPECT_EQ(on, 77);  // of 3077 s
+  const auto analysis = AnalyzeBand(rows, {}, 1).value();
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_GT(analysis.numbers->part.window.duration_s(), 20 - 4 * course.block_s);
+  EXPECT_LT(analysis.numbers->part.window.duration_s(), 20);
+  EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / std::numbers::sqrt2, 1e-3, "the passband");
+}
+
+// Longer blocks, of which the frames are filtered again, for a tone that is lower.
+TEST(DriveStatesOfLongRecords, ALowToneHasLongerFrames) {
+  const MadeRows rows([](std::size_t) { return 1e-6; });
+  const BlockCourse course = LongCourse(rows, {}, 0.2);
+  EXPECT_ABS(course.fitted * course.block_s, 0.2, 1e-12, "round-off");
+  const auto states = FindStates(course, kLowerHz);
+  ASSERT_EQ(states.size(), 1U);
+  EXPECT_TRUE(states[0].is_steady);
 }
 
 }  // namespace
