@@ -356,11 +356,33 @@ void TakeCells(const BandSignal& signal, const Samples& samples, std::span<const
   }
 }
 
+// blocks whose level is off the median, or that differ from their fitted part: more of them, and
+// frames do not stand for the record
+constexpr double kOtherLevel = 0.25;
+constexpr std::size_t kMostOthers = 4;
+
+// whether the frames of a course stand for what lies between them: one drive, or none, throughout
+bool IsUniform(const BlockCourse& course) {
+  std::vector<double> levels;
+  for (const DriveBlock& block : course.blocks) levels.push_back(block.level_m());
+  std::ranges::nth_element(levels, levels.begin() + std::ssize(levels) / 2);
+  const double median = levels[levels.size() / 2];
+  const auto others = std::ranges::count_if(course.blocks, [&](const DriveBlock& block) {
+    const auto k = static_cast<std::size_t>(&block - course.blocks.data());
+    const double noise = course.following[k].residual;
+    const double off =
+        kOtherLevel * median + kSameDeviations * std::sqrt(2 * noise / course.degrees_of_freedom());
+    return std::abs(block.level_m() - median) > off ||
+           block.residual > 4 * noise + kSamePart * 0.5 * median * median;
+  });
+  return static_cast<std::size_t>(others) <= kMostOthers;
+}
+
 Result<BlockCourse> MeasureIn(const BandSignal& signal, const BandPass& band, double block_s,
-                              std::span<const SteadyLine> lines) {
+                              std::span<const SteadyLine> lines, bool may_skip) {
   const std::size_t stride = StrideOf(signal.rate_hz(), band);
   const std::size_t block = BlockSamples(block_s, signal.rate_hz() / static_cast<double>(stride));
-  const KeptFrames frames = FramesOf(signal.size(), stride, block);
+  const KeptFrames frames = may_skip ? FramesOf(signal.size(), stride, block) : KeptFrames{};
   const auto read = frames.frame > 0 ? ReadFrames(signal, band, frames, lines)
                                      : ReadBlocks(signal, band, block, lines);
   if (!read) return std::unexpected(read.error());
@@ -414,12 +436,16 @@ Result<std::vector<double>> ReadForStates(const BandSignal& signal, const BandPa
 
 Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band,
                                   double least_block_s, std::span<const SteadyLine> lines) {
-  auto course = MeasureIn(signal, band, least_block_s, lines);
+  auto course = MeasureIn(signal, band, least_block_s, lines, true);
+  const bool in_frames = course && course->fitted < 1;
+  // a record that changes is measured block by block
+  const bool may_skip = in_frames && !course->blocks.empty() && IsUniform(*course);
+  if (in_frames && !may_skip) course = MeasureIn(signal, band, least_block_s, lines, false);
   if (!course || course->blocks.empty()) return course;
   // a low tone needs longer blocks
   const double needed_s = kPeriods / FrequencyOfStrong(course->blocks);
   if (needed_s <= 1.2 * course->fitted * course->block_s) return course;
-  return MeasureIn(signal, band, needed_s, lines);
+  return MeasureIn(signal, band, needed_s, lines, may_skip);
 }
 
 namespace {

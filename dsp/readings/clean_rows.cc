@@ -66,6 +66,7 @@ class Extremes {
       const std::size_t end = std::min(at + kPieceRows, values.size());
       if (block.all_ok && IsWithin(values.subspan(at, end - at))) continue;
       for (std::size_t k = at; k < end; ++k) {
+        if (IsInside(values[k])) continue;
         if (block.all_ok || IsMeasured(values[k], statuses[k])) Add({values[k], 1});
       }
     }
@@ -84,6 +85,11 @@ class Extremes {
     if (ends_[0].size() < kMostExtremes) return false;
     const RowSum sum = WidestRowKernel().sum_from(values.data(), values.size(), 0);
     return sum.least > ends_[0].back().value && sum.most < ends_[1].back().value;
+  }
+  // most rows of a piece that holds an extreme are none
+  [[nodiscard]] bool IsInside(double value) const {
+    return ends_[0].size() == kMostExtremes && value > ends_[0].back().value &&
+           value < ends_[1].back().value;
   }
   void Add(const Value& value) {
     AddTo(0, value);
