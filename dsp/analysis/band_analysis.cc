@@ -18,6 +18,7 @@
 #include "dsp/analysis/window_choice.h"
 #include "dsp/analysis/window_numbers.h"
 #include "dsp/readings/clean_rows.h"
+#include "dsp/readings/plausibility.h"
 #include "dsp/readings/raw_summary.h"
 #include "dsp/readings/regular_grid.h"
 #include "dsp/readings/segments.h"
@@ -93,7 +94,10 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
     }
     const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
-    RemarkImpossibleRms(analysis);
+    RemarkImplausibleRms(
+        analysis->numbers->rms.as_measured_m,
+        std::max(std::abs(analysis->record.offset_m), analysis->record.peak_to_peak_m),
+        &analysis->findings);
     analysis->answered = !analysis->findings.Refused();
   }
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
@@ -190,7 +194,11 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
     return std::unexpected(checked.error());
   }
   RemarkArtifacts(*clean, &analysis);
-  RemarkDoubts(head, clean->summary, &analysis);
+  const RecordFacts& facts = analysis.record;
+  RemarkPlausibility(head, clean->summary,
+                     {facts.rate_hz, facts.fresh_rate_hz, facts.duration_s,
+                      kLeastRatePerUpperCorner * question.band.upper_hz},
+                     &analysis.findings);
   // a record of one value has no vibration and no noise
   if (const auto stuck = WhyStuck(clean->summary)) {
     analysis.findings.Add(*stuck);

@@ -31,7 +31,8 @@
 ///                               become missing values (row_block.h, row_kernel.h, faults.h,
 ///                               raw_summary.h)
 ///   3. segments                 segments.h, their short holes filled by interpolation.h
-///   4. what the record is       record_facts.h, and what is left where it is too slow for the band
+///   4. what the record is       plausibility.h there; record_facts.h, and what is left where it is
+///                               too slow for the band
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
 ///   6. the states of the drive  hum.h, drive_states.h
@@ -209,11 +210,11 @@ struct BandAnalysis {
 /// middle 2^19.
 ///
 /// RMS^2 = (mean square - noise) / gain^2 (dsp/analysis/rms_estimate.h): the noise is the
-/// question's floor, that of the record's intervals without drive (0.1 s at least), or the spectrum
-/// beside the drive; the gain is the sensor's at the tone. Hum that is there all the time is
-/// subtracted, and bumps are excluded. Type B bounds: what leaks from below the band, the band's
-/// foot, hum that was not seen alone, drift of the amplitude, quantisation, interpolation, and
-/// transients. The sensor's gain is included where its uncertainty is stated.
+/// question's floor, that of the record's intervals without drive (two periods of the lower
+/// corner), or the spectrum beside the drive; the gain is the sensor's at the tone. Hum that is
+/// there all the time is subtracted, and bumps are excluded. Type B bounds: what leaks from below
+/// the band, the band's foot, hum that was not seen alone, drift of the amplitude, quantisation,
+/// interpolation, and transients. The sensor's gain is included where its uncertainty is stated.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/decimated.h"
@@ -14,13 +15,7 @@
 namespace haptometer::dsp {
 namespace {
 
-// lowest order that is tried where less than a window is free of transients
-constexpr int kLowestFallbackOrder = 2;
-// leaked power that changes an RMS by 1 %
-constexpr double kLeakedPowerLimit = 0.02;
-// a model is tried where less than this part of a segment is free of transients without it
-constexpr double kModelBelow = 0.5;
-// and possible where the segment fits into memory
+// a model is possible where the segment fits into memory
 constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
 
@@ -38,7 +33,7 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   auto plain = BandSignal::Filter(samples, design, threads, frames);
   if (!plain) return plain;
   const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
-  if (SettledSeconds(*plain) >= kModelBelow * duration_s || duration_s > kLongestModelledS ||
+  if (SettledSeconds(*plain) >= kMajority * duration_s || duration_s > kLongestModelledS ||
       samples.size() > kMostModelled) {
     return plain;
   }
@@ -94,7 +89,7 @@ Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t
   return slow;
 }
 
-// whether the leakage from below the band changes the RMS by at most 1 %
+// whether the leakage from below the band, a part 2 e of the power, changes the RMS by at most e
 Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
   const auto below = FindBelowBand(signal, lower_hz);
   if (!below) return std::unexpected(below.error());
@@ -103,7 +98,7 @@ Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
   if (!square_sum) return std::unexpected(square_sum.error());
   const double leaked_rms_m = (*below)->leaked_rms_m;
   const auto count = static_cast<double>(signal.settled_end() - signal.settled_begin());
-  return leaked_rms_m * leaked_rms_m <= kLeakedPowerLimit * *square_sum / count;
+  return leaked_rms_m * leaked_rms_m <= 2 * kSameWithin * *square_sum / count;
 }
 
 // the refusal after filtering, with the duration that would suffice

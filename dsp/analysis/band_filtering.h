@@ -7,17 +7,12 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/readings/segments.h"
 #include "trial/row_source.h"
 
 /// The filtering step of AnalyzeBand.
 namespace haptometer::dsp {
-
-/// The shortest window, in periods of the lower corner.
-inline constexpr double kLeastWindowPeriods = 2;
-
-/// Motion below the band keeps its pace, and can be modelled, for so long.
-inline constexpr double kLongestModelledS = 20;
 
 /// A record's displacement, and how many threads may filter it.
 struct Displacement {

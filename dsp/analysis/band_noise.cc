@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
@@ -73,13 +74,11 @@ BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double u
 
 namespace {
 
-// a part: so many bins and so wide, or up to this ratio; a density that falls as 1 / f^2 is
-// underestimated by 4 % of itself over the ratio
+// a part: so many bins, and twice as wide as a drive's sidebands, or up to this ratio; a density
+// that falls as 1 / f^2 is underestimated by 4 % of itself over the ratio
 constexpr double kBinsOfPart = 128;
-constexpr double kPartWidthHz = 16;
 constexpr double kPartRatio = 1.5;
 constexpr double kFootFrom = 0.4;  // of the lower corner: order 6 leaves 1e-9 there
-constexpr std::size_t kLeastBins = 8;
 // bins of Blackman and Harris's window that noise correlates over
 constexpr double kCorrelatedBins = 2.0;
 
@@ -172,7 +171,7 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
   std::vector<std::size_t> counts;
   double from_hz = band.lower_hz;
   while (from_hz < band.upper_hz * 0.999) {
-    const double wide_hz = std::max(kBinsOfPart * bin_hz, kPartWidthHz);
+    const double wide_hz = std::max(kBinsOfPart * bin_hz, 2 * kDriveReachHz);
     const FrequencyRange part{from_hz,
                               std::min({from_hz * kPartRatio, from_hz + wide_hz, band.upper_hz})};
     from_hz = part.to_hz;
@@ -182,7 +181,7 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
     noise.densities.push_back(MedianDensity(bins));
   }
   // a part that is excluded takes the density of the nearest one that is not
-  const auto usable = [&](std::size_t k) { return counts[k] >= kLeastBins; };
+  const auto usable = [&](std::size_t k) { return counts[k] >= kFewest; };
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (usable(k)) continue;
     for (std::size_t away = 1; away < counts.size(); ++away) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/findings.h"
 
@@ -18,9 +19,6 @@ struct TimeWindow {
 
   [[nodiscard]] double duration_s() const { return end_s - begin_s; }
 };
-
-/// A band-pass is used only on records sampled at least this often per cycle of its upper corner.
-inline constexpr double kLeastRatePerUpperCorner = 2.56;
 
 /// Which part of a record the numbers are of.
 enum class WindowChoice : std::uint8_t {

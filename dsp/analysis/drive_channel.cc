@@ -12,6 +12,7 @@
 
 #include "base/mapped.h"
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/readings/row_block.h"
 #include "dsp/readings/segments.h"
 #include "dsp/spectrum/envelope.h"
@@ -121,8 +122,6 @@ Result<DrivePower> PowerOf(const trial::RowSource& source, std::size_t channel,
   return power;
 }
 
-constexpr double kLongestDelayS = 1;
-
 // differences of corresponding edges: the nearest of the same kind
 std::vector<PowerEdge> Differences(std::span<const PowerEdge> drive,
                                    std::span<const PowerEdge> motion) {
@@ -230,10 +229,6 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
 
 namespace {
 
-// delay that is said, and part of the window in which a drive channel must be on
-constexpr double kDelayS = 0.05;
-constexpr double kChannelOn = 0.5;
-
 // samples of `chosen` within `window`
 void CutTo(const TimeWindow& window, ChosenPart& chosen) {
   const auto [begin, end] = SettledWithin(*chosen.signal, window);
@@ -255,7 +250,7 @@ Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPar
   if (!course) return std::unexpected(course.error());
   chosen.delay = course->delay;
   const DriveDelay delay = course->delay.value_or(DriveDelay{});
-  if (std::abs(delay.delay_s) > kDelayS) {
+  if (std::abs(delay.delay_s) > 1 / analysis->band.lower_hz) {
     analysis->findings.Note(FindingKind::kDriveDelayed,
                             {{"delay_s", delay.delay_s}, {"uncertainty_s", delay.uncertainty_s}});
   }
@@ -279,7 +274,7 @@ Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPar
                                       {"from_s", part.begin_s},
                                       {"to_s", part.end_s}},
                           .subject = source.head().channels[*channel].name});
-  if (!may_cut || longest.duration_s() < kChannelOn * part.duration_s()) return {};
+  if (!may_cut || longest.duration_s() < kMajority * part.duration_s()) return {};
   if (longest.begin_s > part.begin_s) longest.begin_s += period_s;
   if (longest.end_s < part.end_s) longest.end_s -= period_s;
   if (longest.duration_s() >= kLeastWindowPeriods * period_s) CutTo(longest, chosen);
@@ -288,13 +283,8 @@ Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPar
 
 namespace {
 
-// longest quiet and steady side about the onset
-constexpr double kLongestSideS = 1;
-// level of the drive at its begin, as a part of its steady maximum
+// level of the drive at its begin, as a part of its steady maximum: that of a 10-90 % rise
 constexpr double kDriveLevel = 0.1;
-constexpr double kNoisesBelowDrive = 2;  // times the largest reading without drive
-// above this level noise covers the begin
-constexpr double kHighestDriveLevel = 0.5;
 
 // samples of a signal: quiet, the rise, steady
 struct Around {
@@ -318,10 +308,10 @@ std::optional<Around> AroundOnset(const ChosenPart& chosen) {
     if (quiet.end_s <= on.time.begin_s) before = &quiet;
   }
   if (before == nullptr) return std::nullopt;
-  const double quiet_s = std::max(before->begin_s, before->end_s - kLongestSideS);
+  const double quiet_s = std::max(before->begin_s, before->end_s - kLongestDelayS);
   const BandSignal& signal = *chosen.signal;
   const double begin_s = TimeOfSample(signal, chosen.begin);
-  const double steady_s = std::min(TimeOfSample(signal, chosen.end), begin_s + kLongestSideS);
+  const double steady_s = std::min(TimeOfSample(signal, chosen.end), begin_s + kLongestDelayS);
   return Around{SampleAt(signal, quiet_s), SampleAt(signal, before->end_s), chosen.begin,
                 SampleAt(signal, steady_s)};
 }
@@ -383,8 +373,8 @@ std::optional<Beginning> BeginningOf(const Drive& drive, const Around& around,
   const double rest = MeanOf(std::span(drive.values).first(quiet));
   const double level = drive.Farthest(steady, drive.values.size(), rest);
   const double limit =
-      std::max(kDriveLevel * level, kNoisesBelowDrive * drive.Farthest(0, quiet, rest));
-  if (!(limit > 0 && limit <= kHighestDriveLevel * level)) return std::nullopt;
+      std::max(kDriveLevel * level, kRestsBelowDrive * drive.Farthest(0, quiet, rest));
+  if (!(limit > 0 && limit <= kMajority * level)) return std::nullopt;
   for (std::size_t k = quiet; k < steady; ++k) {
     if (!(std::abs(drive.values[k] - rest) > limit)) continue;
     // a sine of unknown phase may begin at zero: asin(limit / level) / pi periods up to the limit

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/spectrum/fft.h"
 
 namespace haptometer::dsp {
@@ -22,13 +23,9 @@ constexpr double kRatePerUpper = 5.2;
 // thinned samples that are all looked at, and those in the frames of more
 constexpr std::size_t kMostValues = std::size_t{1} << 21U;
 constexpr std::size_t kMostInFrames = std::size_t{1} << 20U;
-// periods of the tone in a block
-constexpr double kPeriods = 4;
 constexpr std::size_t kLeastSamples = 16;
-// moves of the ridge: bins a block, and what a bin and a jump cost of the largest magnitude
+// bins that the ridge moves in a block without a jump
 constexpr std::size_t kMostBins = 2;
-constexpr double kBinCost = 0.02;
-constexpr double kJumpCost = 1;
 constexpr std::size_t kPadding = 4;
 
 // samples from one thinned sample to the next
@@ -177,10 +174,10 @@ void Advance(std::span<const double> magnitudes, double largest, std::vector<dou
   constexpr std::size_t kSteps = 2 * kMostBins + 1;
   std::array<double, kSteps> cost{};
   for (std::size_t step = 0; step < kSteps; ++step) {
-    cost[step] = kBinCost * largest * std::abs(static_cast<double>(step) - double{kMostBins});
+    cost[step] = kRidgeBinCost * largest * std::abs(static_cast<double>(step) - double{kMostBins});
   }
   const auto highest = std::ranges::max_element(score);
-  const double jump = *highest - kJumpCost * largest;
+  const double jump = *highest - largest;
   const auto top = static_cast<std::size_t>(highest - score.begin()) - kMostBins;
   for (std::size_t bin = 0; bin < magnitudes.size(); ++bin) {
     double best = jump;
@@ -302,7 +299,7 @@ double FrequencyOfStrong(const std::vector<DriveBlock>& blocks) {
   for (const DriveBlock& block : blocks) top = std::max(top, block.level_m());
   std::vector<double> frequencies;
   for (const DriveBlock& block : blocks) {
-    if (block.level_m() >= 0.5 * top) frequencies.push_back(block.frequency_hz);
+    if (block.level_m() >= kMajority * top) frequencies.push_back(block.frequency_hz);
   }
   std::ranges::nth_element(
       frequencies, frequencies.begin() + static_cast<std::ptrdiff_t>(frequencies.size() / 2));
@@ -319,11 +316,6 @@ double MeanSquareOfCells(const BandSignal& signal, std::size_t begin, std::size_
   return sum / static_cast<double>((last - first) * size);
 }
 
-// parts of a mean square, and standard deviations of what noise makes of it, that a block's may
-// differ from its fitted part's
-constexpr double kSamePart = 0.05;
-constexpr double kSameDeviations = 4;
-
 // the whole of block `k`, which is fitted in a part, by its mean square without that of hum
 void TakeWhole(const BlockCourse& course, double mean_square, std::size_t k, DriveBlock& block) {
   const DriveBlock& following = course.following[k];
@@ -334,7 +326,8 @@ void TakeWhole(const BlockCourse& course, double mean_square, std::size_t k, Dri
   // of a mean square of A cos + noise r over two fits: 2 (A^2 + r) r / degrees of freedom
   const double deviation =
       std::sqrt(2 * (level_square + residual) * residual / (2 * course.degrees_of_freedom()));
-  const double same = kSamePart * in_frame + kSameDeviations * deviation;
+  // a mean square changes by twice the part of the amplitude
+  const double same = 2 * kNoticeable * in_frame + kClearUncertainties * deviation;
   block.residual += std::max(0.0, std::abs(mean_square - in_frame) - same);
   block.mean_square = mean_square;
 }
@@ -356,12 +349,9 @@ void TakeCells(const BandSignal& signal, const Samples& samples, std::span<const
   }
 }
 
-// blocks whose level is off the median, or that differ from their fitted part: more of them, and
-// frames do not stand for the record
-constexpr double kOtherLevel = 0.25;
-constexpr std::size_t kMostOthers = 4;
-
-// whether the frames of a course stand for what lies between them: one drive, or none, throughout
+// Whether the frames of a course stand for what lies between them: one drive, or none, throughout.
+// They do not where the levels of a few blocks are off the median, or these differ from their
+// fitted part.
 bool IsUniform(const BlockCourse& course) {
   std::vector<double> levels;
   for (const DriveBlock& block : course.blocks) levels.push_back(block.level_m());
@@ -370,12 +360,12 @@ bool IsUniform(const BlockCourse& course) {
   const auto others = std::ranges::count_if(course.blocks, [&](const DriveBlock& block) {
     const auto k = static_cast<std::size_t>(&block - course.blocks.data());
     const double noise = course.following[k].residual;
-    const double off =
-        kOtherLevel * median + kSameDeviations * std::sqrt(2 * noise / course.degrees_of_freedom());
+    const double off = 0.5 * kSteadyWithin * median +
+                       kClearUncertainties * std::sqrt(2 * noise / course.degrees_of_freedom());
     return std::abs(block.level_m() - median) > off ||
-           block.residual > 4 * noise + kSamePart * 0.5 * median * median;
+           block.residual > 4 * noise + kNoticeable * median * median;
   });
-  return static_cast<std::size_t>(others) <= kMostOthers;
+  return 2 * static_cast<std::size_t>(others) <= kFewest;
 }
 
 Result<BlockCourse> MeasureIn(const BandSignal& signal, const BandPass& band, double block_s,
@@ -443,31 +433,14 @@ Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band
   if (in_frames && !may_skip) course = MeasureIn(signal, band, least_block_s, lines, false);
   if (!course || course->blocks.empty()) return course;
   // a low tone needs longer blocks
-  const double needed_s = kPeriods / FrequencyOfStrong(course->blocks);
+  const double needed_s = kBlockPeriods / FrequencyOfStrong(course->blocks);
   if (needed_s <= 1.2 * course->fitted * course->block_s) return course;
   return MeasureIn(signal, band, needed_s, lines, may_skip);
 }
 
 namespace {
 
-// penalty 5 c ln(n) of a change, see the header
-constexpr double kPenalty = 5 * 1.5;
 constexpr std::size_t kMostAtOnce = 2048;
-// a level is known no better than to this part of the largest ones
-constexpr double kLevelFloor = 2e-3;
-constexpr double kLogFloor = 0.05;
-// levels of neighbours that are one state
-constexpr double kSameLevel = 0.03;
-// a state is steady if it changes and scatters by less than this part
-constexpr double kMostDrift = 0.5;
-constexpr double kMostScatter = 0.6;
-constexpr double kFoot = 2;  // times the lower corner
-constexpr double kMostScatterAtFoot = 0.15;
-constexpr std::size_t kLeastAtFoot = 6;  // blocks
-constexpr double kLeastCoherence = 0.5;
-// a state that is off and changes by more than itself, clear of its scatter, is a transition
-constexpr double kLeastChange = 1;
-constexpr double kChangeUncertainties = 3;
 
 double QuantileOf(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -530,7 +503,7 @@ Features FeaturesOf(const BlockCourse& course) {
   // u(|z|)^2 = 2 r / (2 B t), beside what the fit itself is off by
   const double deviation = std::sqrt(2 * least / course.degrees_of_freedom()) + kLevelFloor * top;
   features.level_variance = deviation * deviation;
-  features.log_variance = 2 / course.degrees_of_freedom() + kLogFloor * kLogFloor;
+  features.log_variance = 2 / course.degrees_of_freedom();
   // residuals far below what a tone's own imperfection leaves say nothing
   const double lowest = std::max(1e-300, kLevelFloor * kLevelFloor * top * top);
   features.sums.resize(levels.size() + 1);
@@ -583,7 +556,9 @@ std::vector<std::size_t> Partition(const Features& features, std::size_t first, 
 // of all blocks: in pieces, whose borders stay only where they pay
 std::vector<std::size_t> PartitionAll(const Features& features) {
   const std::size_t n = features.size();
-  const double penalty = kPenalty * std::log(static_cast<double>(std::max<std::size_t>(n, 2)));
+  // 5 c ln(n), see the header
+  const double penalty =
+      5 * kChangePenalty * std::log(static_cast<double>(std::max<std::size_t>(n, 2)));
   std::vector<std::size_t> borders{0};
   for (std::size_t first = 0; first < n; first += kMostAtOnce) {
     const auto piece = Partition(features, first, std::min(n, first + kMostAtOnce), penalty);
@@ -679,13 +654,13 @@ bool IsOn(const StateInterval& interval, const BlockCourse& course) {
   const double bins = std::max(2.0, 0.5 * course.degrees_of_freedom());
   const double ridge = quadrature * std::sqrt(2 * std::log(bins));
   const auto m = static_cast<double>(interval.blocks());
-  return interval.level_m > ridge * (1.25 + 2 / std::sqrt(m));
+  return interval.level_m > ridge * (kOnLevel + kOnScatter / std::sqrt(m));
 }
 
 // narrow noise at the band's foot, as red noise has, scatters less than the ridge of white noise
 double MostScatter(const StateInterval& state, double lower_hz) {
-  return std::max(state.from_hz, state.to_hz) < kFoot * lower_hz ? kMostScatterAtFoot
-                                                                 : kMostScatter;
+  return std::max(state.from_hz, state.to_hz) < kFootReach * lower_hz ? kScatterAtFoot
+                                                                      : kSteadyWithin;
 }
 
 bool AreOne(const StateInterval& a, const StateInterval& b) {
@@ -693,7 +668,7 @@ bool AreOne(const StateInterval& a, const StateInterval& b) {
   if (a.state == DriveState::kOff) return true;
   // levels as a whole, and where they meet
   const auto same = [](double x, double y) {
-    return std::abs(x - y) <= kSameLevel * std::max(x, y);
+    return std::abs(x - y) <= kNoticeable * std::max(x, y);
   };
   return same(a.level_m, b.level_m) &&
          same(a.level_m * (1 + 0.5 * a.drift), b.level_m * (1 - 0.5 * b.drift));
@@ -727,17 +702,16 @@ std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz
   }
   for (StateInterval& state : states) {
     // a drive that comes or goes, below the noise on average: no part of it is quiet
-    const double least = std::max(kLeastChange, kChangeUncertainties * state.drift_uncertainty);
+    const double least = std::max(kSteadyWithin, kFalseAlarmDeviations * state.drift_uncertainty);
     if (state.state == DriveState::kOff && std::abs(state.drift) > least) {
       state.state = DriveState::kTransition;
     }
     if (state.state != DriveState::kOn) continue;
-    state.is_steady = std::abs(state.drift) < kMostDrift &&
-                      state.scatter < MostScatter(state, lower_hz) &&
-                      state.coherence > kLeastCoherence;
+    state.is_steady = std::abs(state.drift) < kSteadyWithin &&
+                      state.scatter < MostScatter(state, lower_hz) && state.coherence > kMajority;
     // tremor reaches the band's foot as a tone that is never steady
-    const bool at_foot = std::max(state.from_hz, state.to_hz) < kFoot * lower_hz;
-    if (at_foot && state.blocks() < kLeastAtFoot) state.is_steady = false;
+    const bool at_foot = std::max(state.from_hz, state.to_hz) < kFootReach * lower_hz;
+    if (at_foot && state.blocks() < kFewest) state.is_steady = false;
     if (at_foot && !state.is_steady) state.state = DriveState::kOff;
   }
   return states;

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/hum.h"
 #include "dsp/filter/butterworth.h"
 
@@ -56,9 +57,6 @@ struct BlockCourse {
   /// Independent values in a fit: 2 x bandwidth x its duration.
   [[nodiscard]] double degrees_of_freedom() const { return 2 * bandwidth_hz * fitted * block_s; }
 };
-
-/// The shortest blocks.
-inline constexpr double kShortestBlockS = 0.015;
 
 /// Filtered samples of a segment of `size` from which MeasureBlocks finds the shortest blocks of a
 /// long segment: as few as hold the band.
@@ -122,9 +120,9 @@ struct StateInterval {
   bool is_steady = false;
 
   [[nodiscard]] std::size_t blocks() const { return end - first; }
-  /// Whether the amplitude changes by more than 2 % and by more than its uncertainty gives (1 %).
+  /// Whether the amplitude changes noticeably, and by more than its uncertainty gives (1e-3).
   [[nodiscard]] bool Drifts() const {
-    return std::abs(drift) > std::max(0.02, 2.6 * drift_uncertainty);
+    return std::abs(drift) > std::max(kNoticeable, kFalseAlarmDeviations * drift_uncertainty);
   }
 };
 
@@ -139,13 +137,12 @@ struct StateInterval {
 /// blocks are split in pieces, whose borders are kept only where they lower the cost.
 ///
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
-/// between others is a transition, and so is one that is off but changes by more than its level.
-/// Neighbours of the same kind whose levels meet within 3 % are
-/// one. A state is steady where its level changes by less than half and scatters by less than 0.6
-/// of itself (0.15, and six blocks at least, up to twice `lower_hz`, where red noise has a narrow
-/// ridge), and the phases of its blocks continue each other. Error rates:
-/// tests/dsp/analysis/drive_states_test.cc. Cost: linear in the blocks for states of bounded
-/// length.
+/// between others is a transition, and so is one that is off but changes by half its level.
+/// Neighbours of the same kind whose levels meet within 2 % are one. A state is steady where its
+/// level changes and scatters by less than half of itself (0.15, and eight blocks at least, up to
+/// twice `lower_hz`, where red noise has a narrow ridge), and the phases of its blocks continue
+/// each other. Limits and error rates: dsp/analysis/decision_limits.h. Cost: linear in the blocks
+/// for states of bounded length.
 [[nodiscard]] std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz);
 
 }  // namespace haptometer::dsp

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "dsp/analysis/band_noise.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
 #include "dsp/spectrum/sine_fit.h"
 
@@ -15,17 +16,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kMainsTolerance = 0.06;  // Hz, of the fundamental
 constexpr int kMostMultiples = 10;
-constexpr double kShortestS = 1;
-constexpr double kLongestWindowS = 20;
-// of |z|: how far a window may lie from the mean, and how far above the noise it is
-constexpr double kSteadyPart = 0.3;
-constexpr double kAboveNoise = 5;
-// windows in which a switched drive is seen to be off, and the noise of one
-constexpr double kShortWindowS = 0.25;
-constexpr double kShortWindows = 16;
-constexpr double kShortNoises = 3;
 
 // tapered windows of one length, each beginning half of it after the one before
 struct Windows {
@@ -66,16 +57,16 @@ struct Windows {
 // whether a line is there in every short window, but for its noise
 bool IsSteady(const Windows& windows, double frequency_hz, const std::complex<double>& mean) {
   const double whole_s = static_cast<double>(windows.values.size()) / windows.rate_hz;
-  const double short_s = std::max(kShortWindowS, whole_s / kShortWindows);
+  const double short_s = std::max(kHumWindowS, whole_s / kHumWindows);
   const Windows shorter(
       windows.values, windows.rate_hz,
       std::min(windows.length(), static_cast<std::size_t>(short_s * windows.rate_hz)));
-  const double away_hz = 5 * windows.rate_hz / static_cast<double>(shorter.length());
+  const double away_hz = kReachBins * windows.rate_hz / static_cast<double>(shorter.length());
   for (std::size_t k = 0; k < shorter.count(); ++k) {
     const double noise = std::min(std::abs(shorter.Demodulated(k, frequency_hz - away_hz)),
                                   std::abs(shorter.Demodulated(k, frequency_hz + away_hz)));
     const double off = std::abs(shorter.Demodulated(k, frequency_hz) - mean);
-    if (off > kSteadyPart * std::abs(mean) + kShortNoises * noise) return false;
+    if (off > kSteadyWithin * std::abs(mean) + kFalseAlarmDeviations * noise) return false;
   }
   return true;
 }
@@ -96,7 +87,7 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   // the windows at that frequency, and their noise from ten bins on either side
   std::vector<std::complex<double>> z;
   double noise = 0;
-  const double away_hz = 10 * windows.rate_hz / static_cast<double>(windows.length());
+  const double away_hz = 2 * kReachBins * windows.rate_hz / static_cast<double>(windows.length());
   for (std::size_t k = 0; k < windows.count(); ++k) {
     z.push_back(windows.Demodulated(k, exact_hz));
     noise += std::min(std::abs(windows.Demodulated(k, exact_hz - away_hz)),
@@ -104,7 +95,8 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   }
   std::complex<double> mean = 0;
   for (const auto& one : z) mean += one / static_cast<double>(z.size());
-  if (std::abs(mean) <= kAboveNoise * noise / static_cast<double>(z.size())) return std::nullopt;
+  if (std::abs(mean) <= kClearUncertainties * noise / static_cast<double>(z.size()))
+    return std::nullopt;
   return IsSteady(windows, exact_hz, mean)
              ? std::optional(SteadyLine{exact_hz, mean.real(), -mean.imag()})
              : std::nullopt;
@@ -134,21 +126,22 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
   const double rate_hz = signal.rate_hz() / static_cast<double>(kept.stride);
   const double duration_s = static_cast<double>((signal.size() - 1) / kept.stride + 1) / rate_hz;
   std::vector<SteadyLine> lines;
-  if (duration_s < kShortestS || kept.frame != kept.period) return lines;
+  if (duration_s < kLeastLineS || kept.frame != kept.period) return lines;
   const auto values = ReadForStates(signal, band, {}, 0, signal.size());
   if (!values) return std::unexpected(values.error());
-  const double window_s = std::min(kLongestWindowS, duration_s / 2);
+  const double window_s = std::min(kLongestModelledS, duration_s / 2);
   const Windows windows(*values, rate_hz, static_cast<std::size_t>(window_s * rate_hz));
   for (const double mains_hz : kMainsHz) {
     if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
-    if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kStatedHz) continue;
-    const auto fundamental = LineNear(windows, mains_hz, kMainsTolerance);
+    if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kMainsWithinHz) continue;
+    const double tolerance_hz = kMainsPart * kMainsHz.front();
+    const auto fundamental = LineNear(windows, mains_hz, tolerance_hz);
     if (!fundamental) continue;
     lines.push_back(*fundamental);
     for (int order = 2; order <= kMostMultiples; ++order) {
       const double at_hz = order * fundamental->frequency_hz;
       if (at_hz > band.upper_hz) break;
-      const auto line = LineNear(windows, at_hz, order * kMainsTolerance);
+      const auto line = LineNear(windows, at_hz, order * tolerance_hz);
       if (line && line->amplitude_m() <= fundamental->amplitude_m()) lines.push_back(*line);
     }
     return lines;

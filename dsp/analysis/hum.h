@@ -13,9 +13,8 @@
 /// Hum of the mains: tones at 50 or 60 Hz and its multiples that are there whether the drive is.
 namespace haptometer::dsp {
 
-/// Mains frequencies, and how far a stated drive's frequency may be off a multiple of one.
+/// Mains frequencies.
 inline constexpr std::array<double, 2> kMainsHz{50, 60};
-inline constexpr double kStatedHz = 1;
 
 /// Whether a frequency is 50 or 60 Hz or a multiple of one, to `tolerance_hz`.
 [[nodiscard]] bool IsOfMains(double frequency_hz, double tolerance_hz);
@@ -42,8 +41,8 @@ void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double fir
 /// each tapered (Blackman and Harris), so that a drive eight of their bins away (4 Hz for 4 s) does
 /// not reach it; the windows' phases give its frequency. It is hum where z exceeds five times what
 /// noise gives and each of many short windows (a quarter of a second, or a sixteenth of the
-/// segment) lies within 0.3 |z| and its own noise of it: a drive that is switched does not. A drive
-/// within 16 Hz, or 64 divided by the duration, reaches the short windows: hum there is not
+/// segment) lies within half of |z| and its own noise of it: a drive that is switched does not. A
+/// drive within 16 Hz, or 64 divided by the duration, reaches the short windows: hum there is not
 /// claimed. A multiple must not exceed the fundamental: a drive at 100 Hz beside weak hum is no
 /// hum. Where `stated_hz`, the drive's known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that
 /// mains is not sought. Below 1 s, and beyond 2^21 values, nothing is sought. Errors: as

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/window_choice.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
@@ -22,65 +23,7 @@ namespace {
 
 using trial::SampleStatus;
 
-// a sample's time must be known to this part of a period
-constexpr double kTimeUncertaintyPeriods = 0.1;
-
-constexpr std::size_t kLeastToBeStuck = 16;
-// rate of new readings over the sensor's own sampling rate above which they contradict each other
-constexpr double kRateTolerance = 1.05;
-constexpr double kFastestTableHz = 1e6;  // what a table of another program holds at most
-constexpr double kShortestTrialS = 0.1;
-constexpr double kStatedTolerance = 0.01;
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
-
-// a time column's unit that would make the rate a usable one; `factor`: printed seconds in it
-struct OtherUnit {
-  const char* column = "";
-  double factor = 1;
-};
-constexpr std::array<OtherUnit, 3> kOtherUnits{
-    {{"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_s", 1e3}}};
-
-// readings farther than any target that is plausible
-void RemarkFar(const RawSummary& summary, BandAnalysis* analysis) {
-  const double farthest_m = std::max({-summary.least, summary.most, summary.most - summary.least});
-  if (!(farthest_m > kFarthestReadingM)) return;
-  analysis->findings.Doubt(FindingKind::kFarReadings, {{"farthest_m", farthest_m}});
-}
-
-// new readings faster than the sensor samples contradict its metadata
-void RemarkSampling(const trial::Metadata& metadata, BandAnalysis* analysis) {
-  if (!metadata.sampling_s || !(*metadata.sampling_s > 0)) return;
-  const double rate_hz = analysis->record.fresh_rate_hz;
-  if (!(rate_hz * *metadata.sampling_s > kRateTolerance)) return;
-  analysis->findings.Doubt(FindingKind::kSamplingContradicted,
-                           {{"sampling_s", *metadata.sampling_s},
-                            {"samples_per_s", 1 / *metadata.sampling_s},
-                            {"new_readings_per_s", rate_hz}});
-}
-
-// a table without a sensor's name may hold times in another unit than its column states
-void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
-  const RecordFacts& facts = analysis->record;
-  const double needed_hz = kLeastRatePerUpperCorner * analysis->band.upper_hz;
-  const bool is_table = head.metadata.source.starts_with("imported") &&
-                        head.metadata.sensor.empty() && head.timing == trial::Timing::kUniform;
-  // a rate that is stated and agrees with the times is no error of units
-  const auto stated_hz = head.metadata.nominal_rate_hz;
-  const bool is_stated = stated_hz && std::abs(facts.rate_hz / *stated_hz - 1) < kStatedTolerance;
-  if (!is_table || is_stated || (facts.rate_hz >= needed_hz && facts.rate_hz <= kFastestTableHz))
-    return;
-  // the first unit that makes the rate usable and the trial long enough
-  for (const OtherUnit& unit : kOtherUnits) {
-    const double rate_hz = facts.rate_hz / unit.factor;
-    const double duration_s = facts.duration_s * unit.factor;
-    if (rate_hz < needed_hz || rate_hz > kFastestTableHz || duration_s < kShortestTrialS) continue;
-    analysis->findings.Doubt(FindingKind::kTimesInOtherUnit, {{"column", std::string(unit.column)},
-                                                              {"readings_per_s", rate_hz},
-                                                              {"duration_s", duration_s}});
-    return;
-  }
-}
 
 }  // namespace
 
@@ -199,30 +142,6 @@ void RemarkArtifacts(const CleanChannel& clean, BandAnalysis* analysis) {
   }
 }
 
-void RemarkDoubts(const trial::Record& head, const RawSummary& summary, BandAnalysis* analysis) {
-  RemarkFar(summary, analysis);
-  RemarkSampling(head.metadata, analysis);
-  RemarkTimes(head, analysis);
-}
-
-void RemarkImpossibleRms(BandAnalysis* analysis) {
-  const double rms_m = analysis->numbers->rms.as_measured_m;
-  const bool is_far = std::max(std::abs(analysis->record.offset_m),
-                               analysis->record.peak_to_peak_m) > kFarthestReadingM;
-  if (rms_m > kLargestBandRmsM && !is_far) {
-    analysis->findings.Doubt(FindingKind::kRmsTooLarge, {{"rms_m", rms_m}});
-  } else if (rms_m > 0 && rms_m < kSmallestBandRmsM) {
-    analysis->findings.Doubt(FindingKind::kRmsTooSmall, {{"rms_m", rms_m}});
-  }
-}
-
-std::optional<Finding> WhyStuck(const RawSummary& summary) {
-  if (summary.measured < kLeastToBeStuck || summary.least != summary.most) return std::nullopt;
-  return Finding{.severity = Severity::kRefusal,
-                 .kind = FindingKind::kStuck,
-                 .numbers = {{"readings", summary.measured}}};
-}
-
 Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const ChosenPart& part,
                                         const BandAnalysis& analysis) {
   const double lower_hz = analysis.band.lower_hz;
@@ -263,11 +182,6 @@ Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const 
 
 namespace {
 
-constexpr double kWorstUncertainty = 100;  // times that of a tone seen at all phases
-// a tone whose amplitude falls below the first part of its top pauses; above the second it is on
-constexpr double kPause = 0.3;
-constexpr double kOn = 0.5;
-constexpr double kClear = 5;  // uncertainties
 constexpr double kNormal95 = 1.96;
 constexpr double kScalloped = 1.03;  // 1 / sinc(1/8): a tone an eighth of a bin off
 constexpr std::size_t kLeastBlock = 16;
@@ -302,7 +216,7 @@ std::pair<std::size_t, std::size_t> LongestOn(const std::vector<double>& amplitu
   std::pair<std::size_t, std::size_t> best{0, 0};
   std::size_t begin = 0;
   for (std::size_t k = 0; k <= amplitudes.size(); ++k) {
-    if (k < amplitudes.size() && amplitudes[k] >= kOn * top) continue;
+    if (k < amplitudes.size() && amplitudes[k] >= kMajority * top) continue;
     const std::size_t first = begin > 0 ? begin + 1 : 0;
     const std::size_t last = k < amplitudes.size() && k > 0 ? k - 1 : k;
     if (last > first && last - first > best.second - best.first) best = {first, last};
@@ -324,9 +238,10 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
                                        times_s.subspan(k * size, size), frequency_hz, 1);
     if (!ToldApart(fit, size)) return {0, values.size()};
     amplitudes[k] = fit.amplitude;
-    if (fit.amplitude > kClear * fit.amplitude_uncertainty) top = std::max(top, fit.amplitude);
+    if (fit.amplitude > kClearUncertainties * fit.amplitude_uncertainty)
+      top = std::max(top, fit.amplitude);
   }
-  const auto pauses = [&](double amplitude) { return amplitude < kPause * top; };
+  const auto pauses = [&](double amplitude) { return amplitude < kMajority * top; };
   if (std::ranges::none_of(amplitudes, pauses)) return {0, values.size()};
   const auto [begin, end] = LongestOn(amplitudes, top);
   if (end <= begin) return {0, values.size()};
@@ -339,14 +254,13 @@ std::optional<SineFit> BetterNearby(std::span<const double> values, std::span<co
                                     const SineFit& at) {
   constexpr std::size_t kMost = std::size_t{1} << 14U;
   constexpr int kSteps = 40;
-  constexpr double kLess = 0.5;
   const std::size_t count = std::min(values.size(), kMost);
   const double bin_hz = 1 / (times_s[count - 1] - times_s.front());
   const auto fitted = [&](double frequency_hz) {
     return FitSineAtTimes(values.first(count), times_s.first(count), frequency_hz, 1);
   };
   SineFit best = fitted(at.frequency_hz);
-  const double limit = kLess * best.residual_rms * best.residual_rms;
+  const double limit = kMajority * best.residual_rms * best.residual_rms;
   for (int step = -kSteps; step <= kSteps; ++step) {
     const SineFit fit = fitted(at.frequency_hz + 0.25 * step * bin_hz);
     if (fit.converged && fit.residual_rms < best.residual_rms) best = fit;

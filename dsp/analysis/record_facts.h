@@ -13,9 +13,7 @@
 #include "dsp/readings/segments.h"
 #include "trial/record.h"
 
-/// The steps of AnalyzeBand that come before any filter, and those that ask whether a record is
-/// what it says: slips of a unit, a setting or a sensor that stands still. What may be right is a
-/// doubt and changes no number.
+/// The steps of AnalyzeBand that come before any filter.
 namespace haptometer::dsp {
 
 /// The number of the channel that an analysis is of: trial::DisplacementChannel.
@@ -39,25 +37,9 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
 /// where it is not corrected for.
 void RemarkArtifacts(const CleanChannel& clean, BandAnalysis* analysis);
 
-/// Farther than this from zero, or from end to end, reaches no displacement sensor.
-inline constexpr double kFarthestReadingM = 1;
-/// A band RMS above or below which no vibration is read by a laser distance sensor.
-inline constexpr double kLargestBandRmsM = 0.01;
-inline constexpr double kSmallestBandRmsM = 1e-10;
-
-/// Adds a doubt where readings lie beyond kFarthestReadingM; where the file's sampling period
-/// allows fewer new readings than came (by more than 5 %); and where an imported table is too slow
-/// or too fast for the band, but would not be with times in milli- or microseconds, or seconds.
-void RemarkDoubts(const trial::Record& head, const RawSummary& summary, BandAnalysis* analysis);
-
-/// Adds a doubt where the answer's RMS is beyond the limits above.
-void RemarkImpossibleRms(BandAnalysis* analysis);
-
-/// Why the readings cannot be of a vibration: 16 or more that are all the same; nothing otherwise.
-[[nodiscard]] std::optional<Finding> WhyStuck(const RawSummary& summary);
-
-/// The same of a part: fewer changes from reading to reading than two a period of the lower
-/// corner. Reads the part only where the whole record has that few. Errors: as RowSource::Read.
+/// Why the readings of a part cannot be of a vibration: fewer changes from reading to reading than
+/// two a period of the lower corner. Reads the part only where the whole record has that few.
+/// Errors: as RowSource::Read.
 [[nodiscard]] Result<std::optional<Finding>> WhyStuck(const Displacement& displacement,
                                                       const ChosenPart& part,
                                                       const BandAnalysis& analysis);

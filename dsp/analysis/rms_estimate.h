@@ -77,10 +77,6 @@ struct RmsEstimate {
   std::vector<UncertaintyLine> budget;  ///< adds up in squares to standard_uncertainty_m
 };
 
-/// Half of a 95 % interval beyond which an RMS is a doubt, as a part of it: an error above 5 %
-/// without one then takes four standard uncertainties.
-inline constexpr double kWideInterval = 0.025;
-
 /// Adds up a window's power and its uncertainty.
 ///
 /// The interval is that of the sum of independent mean squares by the method of variance estimates

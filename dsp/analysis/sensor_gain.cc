@@ -11,16 +11,14 @@ namespace {
 
 // frequencies at which the gain is evaluated over a band
 constexpr int kGridSteps = 1000;
-// relative deviation from a whole number that counts as rounding
-constexpr double kWholeNumber = 0.02;
 
 // rows that one reading fills
 int RepeatsOf(double rate_hz, double fresh_rate_hz) {
   const double ratio = rate_hz / fresh_rate_hz;
-  if (!(ratio > 1 + kWholeNumber)) return 1;
+  if (!(ratio > 1 + kNoticeable)) return 1;
   const double whole = std::round(ratio);
-  return static_cast<int>(std::abs(ratio - whole) <= kWholeNumber * whole ? whole
-                                                                          : std::ceil(ratio));
+  return static_cast<int>(std::abs(ratio - whole) <= kNoticeable * whole ? whole
+                                                                         : std::ceil(ratio));
 }
 
 }  // namespace

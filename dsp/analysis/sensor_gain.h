@@ -3,12 +3,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "dsp/analysis/decision_limits.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
-
-/// Below this gain the sensor has taken most of a tone away, and its amplitude is not answered.
-inline constexpr double kLeastSensorGain = 0.5;
 
 /// What is known of what a sensor does to a vibration before anybody sees a number.
 enum class SensorKnowledge : std::uint8_t {

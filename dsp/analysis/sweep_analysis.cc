@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "dsp/analysis/band_question.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/readings/clean_rows.h"
@@ -119,16 +120,12 @@ Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t ch
 }
 
 constexpr double kLongestSegmentS = 4;
-constexpr double kSegmentsInRecord = 4;   // end to end
-constexpr double kPeriods = 2;            // of the lower frequency, in a block without drive
-constexpr std::size_t kLeastPoints = 12;  // three times what the fit asks for
-constexpr double kLeastSweep = 1.1;       // highest over lowest frequency
+constexpr double kSegmentsInRecord = 4;  // end to end
 // Of a complex mode z' = -p z + 1, p = g + j d, whose distance d from resonance moves by r rad/s^2:
 // z = (1 + j r / p^2 - 3 r^2 / p^4 - 15 j r^3 / p^6 + ...) / p, by z_n+1 = -z_n' / p. At resonance
 // r / p^2 is k = r / g^2 = 2 rate Q^2 / (pi f0^2). The third term is 5 k times the second: beyond
 // 1/5 no number of terms is enough.
 constexpr double kFastest = 0.2;
-constexpr double kMuchLeft = 0.1;  // of the response, by the curve
 
 Result<void> CheckQuestion(const SweepQuestion& question) {
   if (!(question.lower_hz > 0 && question.upper_hz > question.lower_hz)) {
@@ -297,7 +294,7 @@ void TakeResonance(const Resonance& fit, const Resonance& other, double rate_hz_
       fit.quality_factor, fit.quality_factor_uncertainty, fit.degrees_of_freedom,
       std::abs(fit.quality_factor - other.quality_factor) + fast * fast * fit.quality_factor);
   found.quality_factor.lower = std::max(0.0, found.quality_factor.lower);
-  if (fit.residual_share > kMuchLeft) {
+  if (fit.residual_share > 1 - kExplained) {
     answer.findings.Doubt(FindingKind::kSeveralResonances, {{"left", fit.residual_share}});
   }
   answer.resonance = found;
@@ -335,9 +332,9 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
 }
 
 bool Sweeps(const std::vector<SweptPoint>& points) {
-  if (points.size() < kLeastPoints) return false;
+  if (points.size() < kFewest) return false;
   const auto [lowest, highest] = std::ranges::minmax_element(points, {}, &SweptPoint::frequency_hz);
-  return highest->frequency_hz > kLeastSweep * lowest->frequency_hz;
+  return highest->frequency_hz > (1 + kSweep) * lowest->frequency_hz;
 }
 
 // without a drive channel: amplitude over frequency of the band-passed displacement
@@ -359,7 +356,7 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
     }
     return points;
   };
-  const double resolution_hz = question.resolution_hz.value_or(band.lower_hz / kPeriods);
+  const double resolution_hz = question.resolution_hz.value_or(band.lower_hz / kLeastWindowPeriods);
   const double periods = band.lower_hz / resolution_hz;
   std::vector<SweptPoint> points = measure(periods);
   if (!Sweeps(points)) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <span>
 
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
@@ -14,34 +15,9 @@ namespace haptometer::dsp {
 namespace {
 
 // blocks of a period of the lower corner, then longer ones for tones below the noise
-constexpr std::array<double, 3> kBlockLengths{1, 4, 16};
-constexpr double kLeastBlocks = 24;  // in a segment, before blocks are made longer
-constexpr double kLeastLongBlocks = 8;
-// tones up to this multiple of the lower corner, below this part of the drive, are of tremor
-constexpr double kFoot = 1.6;
-constexpr double kFootLevel = 0.5;
-// a tone below the noise of blocks: from this multiple of the lower corner on, and how far its
-// amplitudes in both halves may differ
-constexpr double kFaintFoot = 2;
-constexpr double kFaintApart = 0.5;
-// in so much of a record, and so rarely of white noise: noise that averaging has coloured passes
-// more often
-constexpr double kFaintLeastS = 0.75;
-constexpr double kFaintFalseAlarm = 1e-6;
-// so close to a multiple of the mains such a tone may be hum too weak to be seen as a whole: what
-// the mains may be off, and the tone's uncertainty
-constexpr double kMainsPart = 1.2e-3;
-constexpr double kToneKnownHz = 0.05;
-// noise is measured this far from a drive, in periods of the lower corner: the filter rings there
-constexpr double kQuietPeriods = 2.5;
-// a bump: a mean square this far above its median, in logarithms
-constexpr double kBumpLeast = 0.35;
-constexpr double kBumpDeviations = 4;
-constexpr std::size_t kLeastBlocksForBumps = 8;
-constexpr double kMostBumps = 0.75;  // part of a window
-// a frequency that changes by more than this part is a sweep
-constexpr double kSweep = 0.1;
-constexpr double kDrift = 0.01;  // and by more than this one is said to drift
+constexpr std::array<double, 3> kBlockLengths{1, kLongerBlocks, kLongerBlocks* kLongerBlocks};
+// quartile of the normal distribution
+constexpr double kQuartile = 0.6745;
 
 // one signal, its hum, its blocks and their states
 struct Course {
@@ -72,11 +48,12 @@ Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Cours
     // short segments have shorter blocks
     const double duration_s = SettledSeconds(*course.signal);
     const double block_s =
-        length * std::max(kShortestBlockS, std::min(1 / band.lower_hz, duration_s / kLeastBlocks));
+        length *
+        std::max(kShortestBlockS, std::min(1 / band.lower_hz, duration_s / (3.0 * kFewest)));
     course.states.clear();
     course.blocks.blocks.clear();
     if (duration_s < kLeastWindowPeriods / band.lower_hz) continue;
-    if (length > 1 && duration_s < kLeastLongBlocks * block_s) continue;
+    if (length > 1 && duration_s < kFewest * block_s) continue;
     auto blocks = MeasureBlocks(*course.signal, band, block_s, course.hum);
     if (!blocks) return std::unexpected(blocks.error());
     course.blocks = *std::move(blocks);
@@ -101,8 +78,8 @@ std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size
 // foot
 bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
   if (state.state == DriveState::kOff) return true;
-  return state.state == DriveState::kOn && state.to_hz < kFoot * lower_hz &&
-         state.from_hz < kFoot * lower_hz && state.level_m < kFootLevel * level_m;
+  return state.state == DriveState::kOn && state.to_hz < kFootReach * lower_hz &&
+         state.from_hz < kFootReach * lower_hz && state.level_m < kMajority * level_m;
 }
 
 using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -110,13 +87,13 @@ using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
 // the blocks of samples [begin, end) that are bumps by logarithms of a mean square
 std::vector<std::pair<std::size_t, std::size_t>> BumpBlocks(const std::vector<double>& logs,
                                                             double expected) {
-  if (logs.size() < kLeastBlocksForBumps) return {};
+  if (logs.size() < kFewest) return {};
   std::vector<double> sorted = logs;
   std::ranges::sort(sorted);
   const double median = sorted[sorted.size() / 2];
   // scatter by the lower quartile, which bumps do not reach
-  const double scatter = std::max((median - sorted[sorted.size() / 4]) / 0.6745, expected);
-  const double limit = median + std::max(kBumpLeast, kBumpDeviations * scatter);
+  const double scatter = std::max((median - sorted[sorted.size() / 4]) / kQuartile, expected);
+  const double limit = median + std::max(kBumpLeast, kFalseAlarmDeviations * scatter);
   std::vector<std::pair<std::size_t, std::size_t>> bumps;
   for (std::size_t k = 0; k < logs.size(); ++k) {
     if (logs[k] <= limit) continue;
@@ -220,7 +197,7 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   best->excluded = BumpsIn(*of, &DriveBlock::residual, best->begin, best->end);
   // bumps throughout are no bumps; at an end they shorten the window
   const auto all = static_cast<double>(best->end - best->begin);
-  if (static_cast<double>(SizeOf(best->excluded)) > kMostBumps * all) best->excluded.clear();
+  if (static_cast<double>(SizeOf(best->excluded)) > kMajority * all) best->excluded.clear();
   if (!best->excluded.empty() && best->excluded.front().first == best->begin) {
     best->begin = best->excluded.front().second;
     best->excluded.erase(best->excluded.begin());
@@ -308,14 +285,14 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   const Course& course = *std::ranges::max_element(
       courses, {}, [](const Course& one) { return SettledSeconds(*one.signal); });
   const BandSignal& signal = *course.signal;
-  if (SettledSeconds(signal) < kFaintLeastS) return std::nullopt;
+  if (static_cast<double>(signal.size()) < kLeastLineS * signal.rate_hz()) return std::nullopt;
   auto samples = ReadMiddle(signal, signal.settled_begin(), signal.settled_end());
   if (!samples) return std::unexpected(samples.error());
   const std::size_t size = signal.settled_end() - signal.settled_begin();
   const std::size_t first = signal.settled_begin() + (size - samples->size()) / 2;
   SubtractLines(course.hum, signal.rate_hz(), static_cast<double>(first), *samples);
   const double bandwidth_hz = band.upper_hz - band.lower_hz;
-  const auto tone = StrongestTone(*samples, {signal.rate_hz(), kFaintFoot * band.lower_hz,
+  const auto tone = StrongestTone(*samples, {signal.rate_hz(), kFootReach * band.lower_hz,
                                              band.upper_hz, bandwidth_hz, kFaintFalseAlarm});
   if (!tone) return std::nullopt;
   const std::span<const double> all = *samples;
@@ -323,7 +300,7 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   const SineFit begin = FitSineAt(all.first(all.size() / 2), options, tone->frequency_hz);
   const SineFit end = FitSineAt(all.subspan(all.size() / 2), options, tone->frequency_hz);
   const double apart = std::abs(begin.amplitude - end.amplitude);
-  if (!begin.converged || !end.converged || apart > kFaintApart * tone->amplitude) {
+  if (!begin.converged || !end.converged || apart > kSteadyWithin * tone->amplitude) {
     return std::nullopt;
   }
   StateInterval state;
@@ -350,9 +327,11 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
 bool MayBeHum(const ChosenPart& found, const BandQuestion& question) {
   const double frequency_hz = 0.5 * (found.part.state.from_hz + found.part.state.to_hz);
   const auto stated_hz = question.drive_frequency_hz;
-  return found.part.why.kind == FindingKind::kOneState &&
-         IsOfMains(frequency_hz, kMainsPart * frequency_hz + kToneKnownHz) &&
-         !(stated_hz && std::abs(*stated_hz - frequency_hz) < kStatedHz);
+  // what the mains may be off, and a tenth of a bin
+  const double tolerance_hz =
+      kMainsPart * frequency_hz + 1 / (2 * kReachBins * found.part.state.time.duration_s());
+  return found.part.why.kind == FindingKind::kOneState && IsOfMains(frequency_hz, tolerance_hz) &&
+         !(stated_hz && std::abs(*stated_hz - frequency_hz) < kMainsWithinHz);
 }
 
 // all that is free of transients, with the refusal of a tone that may be hum
@@ -434,7 +413,7 @@ void RemarkUnsteady(const UsedPart& part, BandAnalysis* analysis) {
   if (most > (1 + kSweep) * least) {
     analysis->findings.Doubt(FindingKind::kFrequencyMoves,
                              {{"from_hz", state.from_hz}, {"to_hz", state.to_hz}});
-  } else if (most > (1 + kDrift) * least) {
+  } else if (most > (1 + kSameWithin) * least) {
     analysis->findings.Note(FindingKind::kFrequencyDrifts,
                             {{"from_hz", state.from_hz}, {"to_hz", state.to_hz}});
   }

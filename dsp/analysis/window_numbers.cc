@@ -11,6 +11,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_noise.h"
+#include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/window_remarks.h"
 #include "dsp/filter/transient.h"
@@ -25,28 +26,9 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-// shortest total duration of quiet parts that gives a floor
-constexpr double kLeastFloorS = 0.1;
-// share of clipped rows above which the RMS is a lower limit only
-constexpr double kMostClipped = 1e-3;
-// uncertainties that a tone in a quiet interval exceeds
-constexpr double kToneInQuiet = 5;
-// bins about the drive and its harmonics that are the drive's: sidebands of a motor lie within
-constexpr double kDriveReachHz = 8;
-constexpr double kDriveReachBins = 5;
-// part of its power that hum is known to, where a pause shows it alone: the switched drive reaches
-// its windows
-constexpr double kHumKnown = 5e-3;
-// a drive without a single tone moves by so many bins of the window
-constexpr double kMovedBins = 3;
-constexpr double kClearCoherence = 0.9;
-// part of the power above which the tone is all of the drive
-constexpr double kPureTone = 0.9;
-// samples that show the steps of a converter, and the share of the RMS that is a doubt
+// samples that show the steps of a converter
 constexpr std::size_t kMostForSteps = std::size_t{1} << 16U;
-constexpr double kStepsDominate = 0.02;
 constexpr std::size_t kBesideRows = 128;  // twice the most taps of a differentiator
-constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
 // t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
 constexpr double kCoverage = 1.985;
 
@@ -150,18 +132,18 @@ Result<ThinnedSamples> SamplesOf(const Window& window, double* hum_square) {
 // whether a drive that is clear in every block moves by so many bins that no sine holds half of it
 bool HasNoSingleTone(const Window& window, const SineFit& tone) {
   const StateInterval& state = window.chosen.part.state;
-  if (!window.chosen.part.from_drive || state.coherence < kClearCoherence) return false;
+  if (!window.chosen.part.from_drive || state.coherence < kExplained) return false;
   const double moved_bins = std::abs(state.to_hz - state.from_hz) * window.samples.duration_s();
   double square = 0;
   for (const double value : window.samples.values_m) square += value * value;
   square /= static_cast<double>(window.samples.values_m.size());
-  return moved_bins > kMovedBins && tone.amplitude * tone.amplitude < square;
+  return moved_bins > kReachBins && tone.amplitude * tone.amplitude < square;
 }
 
 // ranges about the drive and its harmonics that hold no bins of noise
 std::vector<FrequencyRange> DriveRanges(const Window& window) {
   const UsedPart& part = window.chosen.part;
-  const double reach_hz = std::max(kDriveReachHz, kDriveReachBins / window.samples.duration_s());
+  const double reach_hz = std::max(kDriveReachHz, kReachBins / window.samples.duration_s());
   std::vector<FrequencyRange> ranges;
   const auto add = [&](double from_hz, double to_hz) {
     const auto [least, most] = std::minmax(from_hz, to_hz);
@@ -198,7 +180,7 @@ Result<void> MeasurePower(Window& window) {
     window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
     window.tone_variance = split.variance;
     // beside a tone alone: the density next to it
-    if (split.mean_square > kPureTone * mean_square) window.density = split.density;
+    if (split.mean_square > kExplained * mean_square) window.density = split.density;
   }
   if (!window.density && window.chosen.part.from_drive) {
     const double drive_hz = window.chosen.part.state.from_hz;
@@ -231,12 +213,12 @@ void DescribeSensor(Window& window) {
     }
     return;
   }
-  // averaging reduces the tone by a known gain; above 0.02 it is divided out, below 0.5 refused
+  // averaging reduces the tone by a known gain; a noticeable one is divided out, below 0.5 refused
   const double frequency_hz = window.numbers.tone ? window.numbers.tone->fit.frequency_hz
                                                   : 0.5 * (state.from_hz + state.to_hz);
   sensor.gain_at_tone = GainAt(sensor.averaging, frequency_hz);
   const double gain = *sensor.gain_at_tone;
-  sensor.divided_out = gain < 1 && gain >= kSensorTakesAll;
+  sensor.divided_out = gain < 1 && gain >= kNoticeable;
   if (sensor.divided_out) window.power.sensor_gain = gain;
   if (gain < kLeastSensorGain) {
     sensor.amplitude_verified = false;
@@ -265,7 +247,7 @@ NoisePower QuietPower(Window& window, std::vector<double> samples) {
   if (window.numbers.tone) {
     const double tone_hz = window.numbers.tone->fit.frequency_hz;
     const SineFit left = FitSineAt(samples, {window.rate_hz(), window.bandwidth_hz(), 0}, tone_hz);
-    if (left.converged && left.amplitude > kToneInQuiet * left.amplitude_uncertainty) {
+    if (left.converged && left.amplitude > kClearUncertainties * left.amplitude_uncertainty) {
       window.analysis.findings.Note(
           FindingKind::kQuietHasDrive,
           {{"amplitude_m", left.amplitude}, {"frequency_hz", left.frequency_hz}});
@@ -277,15 +259,27 @@ NoisePower QuietPower(Window& window, std::vector<double> samples) {
   return MeasureNoise(samples, window.rate_hz(), NoiseReachHz(window.band())).power;
 }
 
+// whether readings are clipped in samples [begin, end), or as near to them as a drive's edges ring:
+// the edges of what is clipped, as tremor at an end of the range, reach all of the band
+bool IsNearClipped(const Window& window, std::size_t begin, std::size_t end) {
+  const auto reach =
+      static_cast<std::size_t>(kQuietPeriods / window.band().lower_hz * window.rate_hz());
+  const std::size_t first = begin - std::min(begin, reach);
+  const std::size_t last = std::min(end + reach, window.signal().size());
+  return ClippedRows(window.analysis.faults, window.signal().first_row() + first, last - first) > 0;
+}
+
 // noise of the intervals without drive, pooled by their durations; nothing where these are short
 Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
   std::vector<WeightedPower> parts;
   NoiseFloor floor;
   floor.from = NoiseSource::kQuiet;
+  const double least_s = kLeastWindowPeriods / window.band().lower_hz;
   for (const TimeWindow& quiet : window.chosen.part.quiet) {
     const auto [begin, end] = SettledWithin(window.signal(), quiet);
     const double part_s = static_cast<double>(end - begin) / window.rate_hz();
-    if (part_s < kLeastFloorS / 2) continue;
+    if (part_s < least_s / 2) continue;
+    if (IsNearClipped(window, begin, end)) continue;
     auto samples = WithoutHum(window, begin, end);
     if (!samples) return std::unexpected(samples.error());
     parts.push_back({QuietPower(window, *std::move(samples)), part_s});
@@ -293,7 +287,7 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
         {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
     floor.duration_s += part_s;
   }
-  if (floor.duration_s < kLeastFloorS) return std::nullopt;
+  if (floor.duration_s < least_s) return std::nullopt;
   floor.power = Pooled(parts);
   return floor;
 }
@@ -402,7 +396,7 @@ Result<void> BoundSteps(Window& window) {
   const double tone_hz = window.chosen.part.state.from_hz;
   window.steps_m = QuantisationBound(step, rms * std::numbers::sqrt2, noise,
                                      static_cast<int>(window.band().upper_hz / tone_hz));
-  if (window.steps_m > kStepsDominate * rms) {
+  if (window.steps_m > kNoticeable * rms) {
     window.analysis.findings.Doubt(FindingKind::kQuantised,
                                    {{"share", window.steps_m / rms}, {"step_m", step}});
   }
@@ -442,7 +436,7 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
   const double above = (alone ? 0.5 : 1) * window.beside.foot_mean_square;
   add(RmsCause::kFoot, (above + 0.5 * window.beside.below_mean_square) / (2 * rms));
-  add(RmsCause::kHum, (alone ? kHumKnown : 0.5) * std::abs(window.hum_square) / (2 * rms));
+  add(RmsCause::kHum, (alone ? kSameWithin : 0.5) * std::abs(window.hum_square) / (2 * rms));
   if (part.state.Drifts()) {
     add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
   }
@@ -512,7 +506,7 @@ void FinishTone(Window& window) {
 // Of a drive this weak, power beside its tone is hardly told from noise: the interval holds that of
 // the tone alone, too.
 void WidenToTone(const ToneNumbers& tone, double sensor_gain, RmsEstimate& rms) {
-  if (0.5 * (rms.upper_m - rms.lower_m) <= kWideInterval * rms.rms_m) return;
+  if (0.5 * (rms.upper_m - rms.lower_m) <= kWideShare * rms.rms_m) return;
   const double least = tone.sine_rms_m / sensor_gain * (tone.amplitude_lower_m / tone.amplitude_m);
   rms.lower_m = std::clamp(least, 0.0, rms.lower_m);
 }

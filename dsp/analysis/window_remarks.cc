@@ -8,20 +8,11 @@
 namespace haptometer::dsp {
 namespace {
 
-// loss by the filter's slope that is said, and how far a tone may be from the header's frequency
-constexpr double kCornerLoss = 0.01;
-constexpr double kOtherFrequency = 0.01;
-// bins about the drive in which a multiple of the mains hides
-constexpr double kReachBins = 5;
-constexpr double kSameRate = 0.01;       // relative
-constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
-
 // a doubt where the interval is wide
 void RemarkInterval(const ChosenPart& chosen, BandAnalysis* analysis) {
   const RmsEstimate& rms = analysis->numbers->rms;
   const double half_width_m = 0.5 * (rms.upper_m - rms.lower_m);
-  if (!chosen.part.from_drive || rms.below_floor || half_width_m <= kWideInterval * rms.rms_m)
-    return;
+  if (!chosen.part.from_drive || rms.below_floor || half_width_m <= kWideShare * rms.rms_m) return;
   analysis->findings.Doubt(FindingKind::kWideInterval, {{"share", half_width_m / rms.rms_m}});
 }
 
@@ -56,19 +47,19 @@ void RemarkTone(const ChosenPart& chosen, const BandQuestion& question, BandAnal
   const BandNumbers& numbers = *analysis->numbers;
   const double frequency_hz = numbers.tone->fit.frequency_hz;
   const double gain = std::norm(Response(chosen.signal->design(), frequency_hz));
-  if (gain < 1 - kCornerLoss) {
+  if (gain < 1 - kSameWithin) {
     analysis->findings.Note(
         FindingKind::kCornerLoss,
         {{"frequency_hz", frequency_hz}, {"gain", gain}, {"rms_m", numbers.rms.rms_m / gain}});
   }
   const auto stated_hz = question.drive_frequency_hz;
-  if (stated_hz && std::abs(frequency_hz - *stated_hz) > kOtherFrequency * *stated_hz) {
+  if (stated_hz && std::abs(frequency_hz - *stated_hz) > kSameWithin * *stated_hz) {
     analysis->findings.Doubt(FindingKind::kOtherDrive,
                              {{"frequency_hz", frequency_hz}, {"expected_hz", *stated_hz}});
   }
   // hum at the drive's own frequency is not sought: it adds to the drive or cancels it
   const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
-  if (stated_hz && IsOfMains(frequency_hz, kStatedHz) && !alone) {
+  if (stated_hz && IsOfMains(frequency_hz, kMainsWithinHz) && !alone) {
     analysis->findings.Doubt(
         FindingKind::kMainsFrequency,
         {{"frequency_hz", frequency_hz}, {"amplitude_m", numbers.tone->amplitude_m}});
@@ -98,7 +89,7 @@ void RemarkHum(const ChosenPart& chosen, BandAnalysis* analysis) {
                           .kind = FindingKind::kHumSubtracted,
                           .numbers = {frequency, amplitude, {"lines", hum.size()}}});
   // a multiple of the mains within the drive's bins
-  const double reach_hz = std::max(1.0, kReachBins / numbers.part.window.duration_s());
+  const double reach_hz = std::max(kMainsWithinHz, kReachBins / numbers.part.window.duration_s());
   const double tone_hz = chosen.part.state.from_hz;
   const double order = std::round(tone_hz / hum.front().frequency_hz);
   if (order >= 1 && std::abs(tone_hz - order * hum.front().frequency_hz) < reach_hz) {
@@ -150,7 +141,7 @@ std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
   const NoiseFloor& floor = *numbers.floor;
   // refusals of the drive-off trial are doubts of its use as a floor
   std::vector<Finding> doubts = floor.refusals;
-  if (std::abs(floor.rate_hz - rate_hz) > kSameRate * rate_hz) {
+  if (std::abs(floor.rate_hz - rate_hz) > kSameWithin * rate_hz) {
     doubts.push_back({.kind = FindingKind::kFloorOfOtherRate,
                       .numbers = {{"floor_per_s", floor.rate_hz}, {"readings_per_s", rate_hz}}});
   }
@@ -158,7 +149,7 @@ std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
   if (floor.tone_hz) {
     const bool is_same =
         numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
-                            kSameFrequency * numbers.tone->fit.frequency_hz;
+                            kSameWithin * numbers.tone->fit.frequency_hz;
     doubts.push_back(
         {.kind = is_same ? FindingKind::kFloorHasTheTone : FindingKind::kFloorHasTone,
          .numbers = {{"amplitude_m", floor.tone_amplitude_m}, {"frequency_hz", *floor.tone_hz}}});
