@@ -13,14 +13,6 @@
 /// What dsp's findings say, and other results of it that are no numbers.
 namespace haptometer::document {
 
-/// What is said of a trial whose sensor's averaging is not known, and how to make it known.
-inline constexpr std::string_view kAmplitudeNotVerified =
-    "amplitude not verified: sensor averaging unknown";
-inline constexpr std::string_view kAveragingRemedy =
-    "state it in the header of a CSV, as '# averages = 16' and '# sampling_s = 0.00033' "
-    "(haptometer "
-    "trial export FILE -o OUT.csv makes one of any trial)";
-
 /// The finding in words, its subject before them.
 [[nodiscard]] std::string TextOf(const dsp::Finding& finding);
 

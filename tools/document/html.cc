@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <array>
 #include <utility>
 
 #include "base/error.h"
@@ -37,18 +38,15 @@ figcaption { color: #555; font-size: .9rem; }
 
 // `text`, printable, with the special characters of HTML escaped
 std::string Escaped(std::string_view text) {
+  constexpr std::string_view kSpecial = "&<>\"";
+  constexpr std::array<std::string_view, 4> kEscapes{"&amp;", "&lt;", "&gt;", "&quot;"};
   std::string escaped;
   for (const char c : PrintableLines(text)) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
+    const std::size_t place = kSpecial.find(c);
+    if (place == std::string_view::npos) {
       escaped += c;
+    } else {
+      escaped += kEscapes.at(place);
     }
   }
   return escaped;

@@ -73,20 +73,16 @@ void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
   }
 }
 
-// Whether all are shown in the units of the first, so that those can stand in the heading.
-bool AreInOneUnit(const std::vector<Item>& items) {
-  return std::ranges::all_of(items, [&](const Item& item) {
-    return item.unit.spoken[0].symbol == items.front().unit.spoken[0].symbol;
-  });
-}
-
 bool HasValue(const Item& item) { return item.value.IsKnown() || item.at_most; }
 
 // one unit for a column, chosen by its largest number; else each cell has its own unit
 Column ColumnOf(const std::vector<Item>& items) {
   double size = 0;
   for (const Item& item : items) size = std::max(size, SizeOf(item));
-  const bool is_one = AreInOneUnit(items);
+  // all in the units of the first, so that those can stand in the heading
+  const auto symbol_of = [](const Item& item) { return item.unit.spoken[0].symbol; };
+  const bool is_one =
+      std::ranges::count(items, symbol_of(items.front()), symbol_of) == std::ssize(items);
   Column column{.heading = items.front().label, .is_text = true};
   const std::string_view heading_unit = is_one ? items.front().unit.For(size).symbol : "";
   if (!heading_unit.empty()) column.heading += fmt::format(" / {}", heading_unit);
