@@ -14,7 +14,6 @@
 #include "tools/sweep/sweep.h"
 #include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
-#include "tools/sweep/table_file.h"
 
 namespace {
 

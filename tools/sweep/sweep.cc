@@ -93,40 +93,6 @@ Result<Made> Merge(const SweepWords& words) {
   return Made{};
 }
 
-}  // namespace
-
-int RunSweep(int argc, const char* const* argv) {
-  cli::Options options(kText);
-  SweepWords words;
-  Declare(options, words);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  // the column of --best is checked before the computation
-  const auto wish = ReadBestWish(words.best);
-  if (!wish) return cli::ReportError(kVerb, wish.error());
-  words.command = {"haptometer", std::string(kVerb)};
-  words.command.insert(words.command.end(), argv + std::min(argc, 1), argv + argc);
-  const auto made = words.merge.empty() ? Compute(words) : Merge(words);
-  if (!made) return cli::ReportError(kVerb, made.error());
-  if (!made->is_whole) return cli::InterruptedStatus(1);
-  // the summary reads the table again, so that a resumed or merged one is complete
-  auto summary = Summarise(words.output, *wish);
-  if (!summary) return cli::ReportError(kVerb, summary.error());
-  summary->mended = made->mended;
-  // a map is no panel, so the picture is not a figure of the document
-  if (!words.plot.empty()) {
-    if (auto drawn = DrawSweep(words.plot, words.output, wish->column); !drawn) {
-      return cli::ReportError(kVerb, drawn.error());
-    }
-    summary->plot = words.plot;
-  }
-  document::Outputs outputs;
-  outputs.json = options.json();
-  outputs.all = words.all;
-  return document::Present(SweepDocument(*summary), outputs, argc, argv);
-}
-
-namespace {
-
 using document::Section;
 
 constexpr std::string_view kLeast = ":least";
@@ -160,41 +126,6 @@ void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::
     summary.first_remark = fmt::format("point {}: {}", cells.front(), cells[remark]);
   }
 }
-
-}  // namespace
-
-Result<BestWish> ReadBestWish(const std::string& word) {
-  BestWish wish;
-  wish.least = word.ends_with(kLeast);
-  wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
-  // columns of the answers only, not of the varied keys
-  const std::vector<std::string> names = Mapped(AnswerColumns(), &AnswerColumn::name);
-  if (std::ranges::find(names, wish.column) != names.end()) return wish;
-  const std::string nearest = Nearest(wish.column, names);
-  return Usage("--best", fmt::format("'{}' is not a column of the answers", wish.column),
-               nearest.empty() ? fmt::format("use one of {}", fmt::join(names, ", "))
-                               : fmt::format("did you mean {}?", nearest));
-}
-
-Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
-  HAPTOMETER_LET(auto reader, TableReader::Open(table));
-  SweepSummary summary{.table = table, .header = reader.header(), .wish = wish};
-  const std::vector<std::string>& columns = summary.header.columns;
-  const auto found = std::ranges::find(columns, wish.column);
-  if (found == columns.end()) {
-    return CannotAnswer(table, fmt::format("has no column {}", wish.column),
-                        "name one of its columns by --best");
-  }
-  const auto column = static_cast<std::size_t>(found - columns.begin());
-  // rows with another number of cells are ignored
-  for (auto row = reader.Next(); row; row = reader.Next()) {
-    const std::vector<std::string> cells = cli::CellsOf(*row);
-    if (cells.size() == columns.size()) TakeRow(summary, cells, column);
-  }
-  return summary;
-}
-
-namespace {
 
 enum class SweepFinding : std::uint8_t {
   kNothingAnswered,
@@ -271,6 +202,67 @@ Section BestSection(const SweepSummary& summary) {
 }
 
 }  // namespace
+
+int RunSweep(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  SweepWords words;
+  Declare(options, words);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  // the column of --best is checked before the computation
+  const auto wish = ReadBestWish(words.best);
+  if (!wish) return cli::ReportError(kVerb, wish.error());
+  words.command = {"haptometer", std::string(kVerb)};
+  words.command.insert(words.command.end(), argv + std::min(argc, 1), argv + argc);
+  const auto made = words.merge.empty() ? Compute(words) : Merge(words);
+  if (!made) return cli::ReportError(kVerb, made.error());
+  if (!made->is_whole) return cli::InterruptedStatus(1);
+  // the summary reads the table again, so that a resumed or merged one is complete
+  auto summary = Summarise(words.output, *wish);
+  if (!summary) return cli::ReportError(kVerb, summary.error());
+  summary->mended = made->mended;
+  // a map is no panel, so the picture is not a figure of the document
+  if (!words.plot.empty()) {
+    if (auto drawn = DrawSweep(words.plot, words.output, wish->column); !drawn) {
+      return cli::ReportError(kVerb, drawn.error());
+    }
+    summary->plot = words.plot;
+  }
+  document::Outputs outputs;
+  outputs.json = options.json();
+  outputs.all = words.all;
+  return document::Present(SweepDocument(*summary), outputs, argc, argv);
+}
+
+Result<BestWish> ReadBestWish(const std::string& word) {
+  BestWish wish;
+  wish.least = word.ends_with(kLeast);
+  wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
+  // columns of the answers only, not of the varied keys
+  const std::vector<std::string> names = Mapped(AnswerColumns(), &AnswerColumn::name);
+  if (std::ranges::find(names, wish.column) != names.end()) return wish;
+  const std::string nearest = Nearest(wish.column, names);
+  return Usage("--best", fmt::format("'{}' is not a column of the answers", wish.column),
+               nearest.empty() ? fmt::format("use one of {}", fmt::join(names, ", "))
+                               : fmt::format("did you mean {}?", nearest));
+}
+
+Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
+  HAPTOMETER_LET(auto reader, TableReader::Open(table));
+  SweepSummary summary{.table = table, .header = reader.header(), .wish = wish};
+  const std::vector<std::string>& columns = summary.header.columns;
+  const auto found = std::ranges::find(columns, wish.column);
+  if (found == columns.end()) {
+    return CannotAnswer(table, fmt::format("has no column {}", wish.column),
+                        "name one of its columns by --best");
+  }
+  const auto column = static_cast<std::size_t>(found - columns.begin());
+  // rows with another number of cells are ignored
+  for (auto row = reader.Next(); row; row = reader.Next()) {
+    const std::vector<std::string> cells = cli::CellsOf(*row);
+    if (cells.size() == columns.size()) TakeRow(summary, cells, column);
+  }
+  return summary;
+}
 
 document::Document SweepDocument(const SweepSummary& summary) {
   const TableHeader& header = summary.header;

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "tools/document/document.h"
-#include "tools/sweep/table_file.h"
+#include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
 

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "base/quantity.h"
 #include "base/text.h"
 #include "sim/scene/scene_file.h"
+#include "tools/document/number_text.h"
 
 namespace haptometer::tools {
 namespace {
@@ -70,110 +70,28 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
 }
 
 Result<void> CheckWords(const SweepWords& words) {
-  if (words.scenes.empty()) {
-    return Usage({}, "has no scene", "give a scene.toml, or tables to --merge");
-  }
-  if (words.scenes.size() > 1) {
-    return Usage(words.scenes[1], "is a second scene", "sweep one at a time");
-  }
-  if (words.output.empty()) return Usage("-o", "is missing", "name the table: -o table.csv");
-  if (words.resume && words.overwrite) {
-    return Usage("--overwrite", "cannot be combined with --resume", "give one of the two");
-  }
-  return {};
+  const bool has_second = words.scenes.size() > 1;
+  return cli::CheckRules({
+      {words.scenes.empty(), "", "has no scene", "give a scene.toml, or tables to --merge"},
+      {has_second, has_second ? words.scenes[1] : "", "is a second scene", "sweep one at a time"},
+      {words.output.empty(), "-o", "is missing", "name the table: -o table.csv"},
+      {words.resume && words.overwrite, "--overwrite", "cannot be combined with --resume",
+       "give one of the two"},
+  });
 }
-
-}  // namespace
-
-void Declare(cli::Options& options, SweepWords& words) {
-  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
-  options.Repeated(
-      "--vary", &words.vary, "KEY=VALUES",
-      "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
-  options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
-                "Points of a Latin hypercube over BEGIN:END instead of a grid");
-  options.Count("--seed", &words.seed, 0, kMostSeed, "Seed of the samples").Default("1");
-  options.Output("-o,--output", &words.output, "FILE.csv",
-                 "Table to write, with a row for each point");
-  options.Flag("--resume", &words.resume, "Continue the table of an interrupted run");
-  options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
-  options
-      .Count("--threads", &words.threads, 1, kMostSweepThreads,
-             "Number of threads; no result depends on it")
-      .Default("the number of cores");
-  options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
-  options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
-  options.Text("--best", &words.best, "COLUMN[:least]",
-               "Show the row with the largest number of this column");
-  options.Flag("--all", &words.all, "Print the provenance too");
-  options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
-                 "Draw the column of --best over one or two varied keys");
-}
-
-Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
-  HAPTOMETER_TRY(CheckWords(words));
-  HAPTOMETER_LET(const auto shard, ReadShard(words.shard));
-  HAPTOMETER_LET(auto points, ReadPoints(words));
-  const std::vector<std::string> keys = Mapped(points.axes(), &sim::SweepAxis::key);
-  auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
-  if (!scene) {
-    // an error about a varied key names the option
-    Error error = scene.error();
-    if (std::ranges::find(keys, error.where) != keys.end()) error.where = "--vary " + error.where;
-    return std::unexpected(std::move(error));
-  }
-  // before the first row: values at the ends of every axis must be accepted by the scene's reader
-  HAPTOMETER_TRY(CheckAxes(*scene, points));
-  return SweepQuestion{.scene = *std::move(scene), .points = std::move(points), .shard = shard};
-}
-
-Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
-  std::vector<std::string> tables;
-  for (const auto& group : words.merge) tables.insert(tables.end(), group.begin(), group.end());
-  // a merge computes nothing: options of a computation are refused
-  const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
-                          words.seed || words.resume || words.threads || !words.shard.empty();
-  if (has_others) {
-    return Usage("--merge", "joins tables and computes nothing",
-                 "give it tables, -o, --overwrite, --best and --plot alone");
-  }
-  if (words.output.empty()) return Usage("-o", "is missing", "name the table: -o whole.csv");
-  return tables;
-}
-
-namespace {
 
 constexpr std::string_view kLogarithmic = "log:";
 constexpr std::int64_t kMostValues = 1'000'000'000;
 
-struct KeyUnit {
-  std::string_view ending;  // of the key's name
-  Dimension dimension;
-};
-
-// those with "per" first: "_n_per_m" also ends in "_m"
-constexpr auto kKeyUnits = std::to_array<KeyUnit>({
-    {"_n_s_per_m", Dimension::kDamping},
-    {"_n_per_m", Dimension::kStiffness},
-    {"_n_per_a", Dimension::kForceConstant},
-    {"_kg", Dimension::kMass},
-    {"_hz", Dimension::kFrequency},
-    {"_ohm", Dimension::kResistance},
-    {"_m", Dimension::kLength},
-    {"_s", Dimension::kTime},
-    {"_v", Dimension::kVoltage},
-    {"_a", Dimension::kCurrent},
-    {"_h", Dimension::kInductance},
-});
-
 // dimension of the unit in the key's name; none where base/quantity.h has no such unit
 Dimension DimensionOf(std::string_view key) {
-  for (const KeyUnit& unit : kKeyUnits) {
-    if (!key.ends_with(unit.ending)) continue;
-    // "..._per_kg" is a quotient whose unit is not in the table: a plain number
-    const bool is_quotient = unit.ending.find("_per_") == std::string_view::npos &&
-                             key.substr(0, key.size() - unit.ending.size()).ends_with("_per");
-    return is_quotient ? Dimension::kNone : unit.dimension;
+  const document::Unit unit = document::UnitOfName(key);
+  // "..._per_kg" is a quotient whose unit is not known: a plain number
+  key.remove_suffix(unit.ending.size());
+  if (unit.symbol.empty() || key.ends_with("_per")) return Dimension::kNone;
+  for (auto number = static_cast<int>(Dimension::kForceConstant); number > 0; --number) {
+    if (SiUnit(static_cast<Dimension>(number)) == unit.symbol)
+      return static_cast<Dimension>(number);
   }
   return Dimension::kNone;
 }
@@ -270,33 +188,6 @@ Result<sim::SweepRange> ReadRange(std::string text, Dimension dimension, RangesA
   return range;
 }
 
-}  // namespace
-
-Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
-  const std::size_t equals = word.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
-    return Usage("--vary", fmt::format("'{}' is not KEY=VALUES", word),
-                 "write it like drive.frequency_hz=100Hz:400Hz:301");
-  }
-  sim::SweepAxis axis{.key = word.substr(0, equals), .values = {}};
-  const std::string where = fmt::format("--vary {}", axis.key);
-  const std::string text = word.substr(equals + 1);
-  const Dimension dimension = DimensionOf(axis.key);
-  if (IsRange(text)) {
-    HAPTOMETER_LET(axis.values, ReadRange(text, dimension, ranges, where));
-    return axis;
-  }
-  std::vector<sim::SweepValue> values;
-  for (const std::string& part : SplitAt(text, ',')) {
-    HAPTOMETER_LET(auto value, ReadValue(part, dimension, where));
-    values.push_back(std::move(value));
-  }
-  axis.values = std::move(values);
-  return axis;
-}
-
-namespace {
-
 // values per axis that are read through the scene before the sweep
 constexpr std::size_t kMostChecked = 1000;  // of an axis
 constexpr std::uint64_t kSampledChecked = 8;
@@ -352,8 +243,9 @@ Error Told(const sim::VariedScene& scene, const sim::SweepPoints& points,
   return error;
 }
 
-}  // namespace
-
+// Whether the scene takes what the axes give it: each value with the other keys at their first
+// values and at their last. One that is refused only beside others is for the row of its point to
+// tell. Cost: about 20 us a value.
 Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points) {
   std::vector<std::vector<sim::SweepValue>> values;
   values.reserve(points.axes().size());
@@ -377,6 +269,87 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
     }
   }
   return {};
+}
+
+}  // namespace
+
+void Declare(cli::Options& options, SweepWords& words) {
+  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
+  options.Repeated(
+      "--vary", &words.vary, "KEY=VALUES",
+      "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
+  options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
+                "Points of a Latin hypercube over BEGIN:END instead of a grid");
+  options.Count("--seed", &words.seed, 0, kMostSeed, "Seed of the samples").Default("1");
+  options.Output("-o,--output", &words.output, "FILE.csv",
+                 "Table to write, with a row for each point");
+  options.Flag("--resume", &words.resume, "Continue the table of an interrupted run");
+  options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
+  options
+      .Count("--threads", &words.threads, 1, kMostSweepThreads,
+             "Number of threads; no result depends on it")
+      .Default("the number of cores");
+  options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
+  options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
+  options.Text("--best", &words.best, "COLUMN[:least]",
+               "Show the row with the largest number of this column");
+  options.Flag("--all", &words.all, "Print the provenance too");
+  options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
+                 "Draw the column of --best over one or two varied keys");
+}
+
+Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
+  HAPTOMETER_TRY(CheckWords(words));
+  HAPTOMETER_LET(const auto shard, ReadShard(words.shard));
+  HAPTOMETER_LET(auto points, ReadPoints(words));
+  const std::vector<std::string> keys = Mapped(points.axes(), &sim::SweepAxis::key);
+  auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
+  if (!scene) {
+    // an error about a varied key names the option
+    Error error = scene.error();
+    if (std::ranges::find(keys, error.where) != keys.end()) error.where = "--vary " + error.where;
+    return std::unexpected(std::move(error));
+  }
+  // before the first row: values at the ends of every axis must be accepted by the scene's reader
+  HAPTOMETER_TRY(CheckAxes(*scene, points));
+  return SweepQuestion{.scene = *std::move(scene), .points = std::move(points), .shard = shard};
+}
+
+Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
+  std::vector<std::string> tables;
+  for (const auto& group : words.merge) tables.insert(tables.end(), group.begin(), group.end());
+  // a merge computes nothing: options of a computation are refused
+  const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
+                          words.seed || words.resume || words.threads || !words.shard.empty();
+  HAPTOMETER_TRY(cli::CheckRules({
+      {has_others, "--merge", "joins tables and computes nothing",
+       "give it tables, -o, --overwrite, --best and --plot alone"},
+      {words.output.empty(), "-o", "is missing", "name the table: -o whole.csv"},
+  }));
+  return tables;
+}
+
+Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
+    return Usage("--vary", fmt::format("'{}' is not KEY=VALUES", word),
+                 "write it like drive.frequency_hz=100Hz:400Hz:301");
+  }
+  sim::SweepAxis axis{.key = word.substr(0, equals), .values = {}};
+  const std::string where = fmt::format("--vary {}", axis.key);
+  const std::string text = word.substr(equals + 1);
+  const Dimension dimension = DimensionOf(axis.key);
+  if (IsRange(text)) {
+    HAPTOMETER_LET(axis.values, ReadRange(text, dimension, ranges, where));
+    return axis;
+  }
+  std::vector<sim::SweepValue> values;
+  for (const std::string& part : SplitAt(text, ',')) {
+    HAPTOMETER_LET(auto value, ReadValue(part, dimension, where));
+    values.push_back(std::move(value));
+  }
+  axis.values = std::move(values);
+  return axis;
 }
 
 }  // namespace haptometer::tools

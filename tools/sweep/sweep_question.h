@@ -73,13 +73,4 @@ enum class RangesAre : std::uint8_t { kGrid, kSampled };
 /// logarithm of what is not above 0.
 [[nodiscard]] Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges);
 
-/// Whether the scene takes what the axes give it, asked before any work: each value (of more than
-/// 1000 on an axis some 1000, of a sampled one its ends and some points') with the other keys at
-/// their first values and at their last. One that is taken beside neither is refused; one that is
-/// refused only beside others is for the row of its point to tell.
-///
-/// Errors: the scene's, under the key's name ("--vary drive.frequency_hz = 0").
-/// Cost: about 20 us a value.
-[[nodiscard]] Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points);
-
 }  // namespace haptometer::tools

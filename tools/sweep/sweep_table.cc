@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
@@ -12,7 +13,6 @@
 #include <span>
 #include <utility>
 
-#include "base/clock.h"
 #include "base/jobs.h"
 #include "base/mapped.h"
 #include "base/text.h"
@@ -47,6 +47,17 @@ std::vector<std::string> TextsOf(const std::vector<sim::SweepAxis>& axes) {
   return texts;
 }
 
+// why columns of a row are empty
+std::string AnswerRemark(const SceneAnswer& answer) {
+  if (answer.tones) return "";
+  if (answer.scene.drive.kind != sim::DriveKind::kSine)
+    return "the drive is not a sine: its numbers are those of run_";
+  if (!answer.steady && SettledRun(answer) == nullptr)
+    return "stops or lost contact limit the motion: its numbers are those of run_";
+  const bool is_short = answer.scene.duration_s && !answer.window;
+  return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
+}
+
 // numbers of an answer as cells, empty where it has none, and its remark or error
 void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::string_view scene) {
   for (const AnswerColumn& column : AnswerColumns()) {
@@ -57,11 +68,102 @@ void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::stri
   row += cli::CellOf(answer ? AnswerRemark(*answer) : sim::WithoutPath(answer.error(), scene));
 }
 
-Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
-                             const std::vector<sim::SweepValue>& values) {
-  HAPTOMETER_LET(const auto scene, question.scene.Read(values));
-  return AnswerScene(scene, question.scene.path());
+// number of events in the run: impacts, take-offs, landings
+std::optional<double> Events(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  if (run == nullptr) return std::nullopt;
+  std::size_t events = 0;
+  for (const sim::EventCount& event : run->events) events += event.count;
+  return static_cast<double>(events);
 }
+
+std::optional<double> Imbalance(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  return run != nullptr ? std::optional(run->ledger.Imbalance()) : std::nullopt;
+}
+
+std::optional<double> WindowRms(const SceneAnswer& answer) {
+  return answer.window ? std::optional(answer.window->skin_rms_m) : std::nullopt;
+}
+
+// error estimate of the steady motion alone
+std::optional<double> SteadyError(const SceneAnswer& answer) {
+  if (answer.tones) return answer.tones->error_estimate;
+  return answer.steady ? std::optional(answer.steady->error_estimate) : std::nullopt;
+}
+
+// order of the columns: steady motion, window, error, run
+std::vector<AnswerColumn> MakeColumns() {
+  std::vector<AnswerColumn> columns;
+  const auto add = [&columns](std::string_view before, const AnswerNumber& number) {
+    columns.push_back({fmt::format("{}{}", before, number.key.name), number.of});
+  };
+  for (const AnswerNumber& number : SteadyNumbers()) add("", number);
+  add("", {kWindowRms, WindowRms});
+  add("", {kErrorEstimate, SteadyError});
+  // names of the run's columns begin with run_, because both have an RMS
+  for (const AnswerNumber& number : RunNumbers()) add("run_", number);
+  add("run_", {document::kEvents, Events});
+  add("run_", {kEnergyImbalance, Imbalance});
+  return columns;
+}
+
+// blocks of rows that a thread takes one after the other: few enough rows that all threads end
+// together, and enough that taking them costs nothing
+constexpr std::uint64_t kBlocksOfThread = 64;
+constexpr std::uint64_t kMostInBlock = 64;
+// rows that may wait for an earlier one
+constexpr std::uint64_t kMostAhead = 16384;
+
+// Makes blocks of rows in any order and writes them in order.
+class OrderedRows {
+ public:
+  explicit OrderedRows(const RowWork& work) : work_(work), written_(work.first) {}
+
+  // waits while `first` would be too far ahead of the written rows; the earliest block never waits
+  [[nodiscard]] Result<void> Make(std::uint64_t first, std::uint64_t end) {
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return Stopped() || first < written_ + kMostAhead; });
+    }
+    Block block{.end = first, .text = {}};
+    for (; block.end < end && !Stopped(); ++block.end) block.text += work_.make(block.end);
+    return Put(first, std::move(block));
+  }
+
+  [[nodiscard]] std::uint64_t written() const { return written_; }
+
+ private:
+  struct Block {
+    std::uint64_t end = 0;  // the row behind it
+    std::string text;
+  };
+
+  // writes all blocks that follow the last written row without a gap, one thread at a time
+  Result<void> Put(std::uint64_t first, Block block) {
+    const std::scoped_lock lock(mutex_);
+    waiting_.emplace(first, std::move(block));
+    std::string ready;
+    for (auto next = waiting_.begin(); next != waiting_.end() && next->first == written_;) {
+      ready += next->second.text;
+      written_ = next->second.end;
+      next = waiting_.erase(next);
+    }
+    Result<void> done;
+    if (!ready.empty() && !has_failed_) done = work_.write(ready, written_);
+    if (!done) has_failed_ = true;
+    changed_.notify_all();
+    return done;
+  }
+  [[nodiscard]] bool Stopped() const { return has_failed_ || work_.stop->load(); }
+
+  const RowWork& work_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t written_;
+  std::map<std::uint64_t, Block> waiting_;
+  std::atomic<bool> has_failed_ = false;
+};
 
 }  // namespace
 
@@ -131,7 +233,9 @@ std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& va
 std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
   const std::vector<sim::SweepValue> values = question.points.At(point);
   std::string row = RowBegin(point, values);
-  AppendAnswer(row, AnswerOf(question, values), question.scene.path());
+  const auto scene = question.scene.Read(values);
+  const std::string& path = question.scene.path();
+  AppendAnswer(row, scene ? AnswerScene(*scene, path) : std::unexpected(scene.error()), path);
   return fmt::format("{},{}\n", row, ChecksumOf(row));
 }
 
@@ -141,172 +245,23 @@ bool MatchesChecksum(std::string_view row) {
          row.substr(comma + 1) == fmt::format("{}", ChecksumOf(row.substr(0, comma)));
 }
 
-namespace {
-
-// number of events in the run: impacts, take-offs, landings
-std::optional<double> Events(const SceneAnswer& answer) {
-  const sim::SceneRun* run = RunOf(answer);
-  if (run == nullptr) return std::nullopt;
-  std::size_t events = 0;
-  for (const sim::EventCount& event : run->events) events += event.count;
-  return static_cast<double>(events);
-}
-
-std::optional<double> Imbalance(const SceneAnswer& answer) {
-  const sim::SceneRun* run = RunOf(answer);
-  return run != nullptr ? std::optional(run->ledger.Imbalance()) : std::nullopt;
-}
-
-std::optional<double> WindowRms(const SceneAnswer& answer) {
-  return answer.window ? std::optional(answer.window->skin_rms_m) : std::nullopt;
-}
-
-// error estimate of the steady motion alone
-std::optional<double> SteadyError(const SceneAnswer& answer) {
-  if (answer.tones) return answer.tones->error_estimate;
-  return answer.steady ? std::optional(answer.steady->error_estimate) : std::nullopt;
-}
-
-// order of the columns: steady motion, window, error, run
-std::vector<AnswerColumn> MakeColumns() {
-  std::vector<AnswerColumn> columns;
-  const auto add = [&columns](std::string_view before, const AnswerNumber& number) {
-    columns.push_back({fmt::format("{}{}", before, number.key.name), number.of});
-  };
-  for (const AnswerNumber& number : SteadyNumbers()) add("", number);
-  add("", {kWindowRms, WindowRms});
-  add("", {kErrorEstimate, SteadyError});
-  // names of the run's columns begin with run_, because both have an RMS
-  for (const AnswerNumber& number : RunNumbers()) add(kOfRun, number);
-  add(kOfRun, {document::kEvents, Events});
-  add(kOfRun, {kEnergyImbalance, Imbalance});
-  return columns;
-}
-
-}  // namespace
-
 const std::vector<AnswerColumn>& AnswerColumns() {
   static const std::vector<AnswerColumn> columns = MakeColumns();
   return columns;
 }
 
-// why columns of a row are empty
-std::string AnswerRemark(const SceneAnswer& answer) {
-  if (answer.tones) return "";
-  if (answer.scene.drive.kind != sim::DriveKind::kSine)
-    return "the drive is not a sine: its numbers are those of run_";
-  if (!answer.steady && SettledRun(answer) == nullptr)
-    return "stops or lost contact limit the motion: its numbers are those of run_";
-  const bool is_short = answer.scene.duration_s && !answer.window;
-  return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
-}
-
-namespace {
-
-// 5 ms: aim for the work in a block
-constexpr MonotonicNs kBlockNs = kNsPerS / 200;
-// limits of a block and of the rows that may wait for an earlier one
-constexpr std::uint64_t kMostInBlock = 256;
-constexpr std::uint64_t kMostAhead = 16384;
-
-// some rows of one thread, in order
-struct Block {
-  std::uint64_t rows = 0;
-  std::string text;
-};
-
-// rows begin to end - 1
-struct Share {
-  std::uint64_t begin = 0;
-  std::uint64_t end = 0;
-};
-
-// Distributes rows to threads and writes them in order.
-class Rows {
- public:
-  explicit Rows(const RowWork& work) : work_(work), taken_(work.first), written_(work.first) {}
-
-  // At most `wanted` rows for one thread, fewer towards the end, so that all threads end together;
-  // waits while these rows would be too far ahead of the written ones.
-  std::optional<Share> Take(std::uint64_t wanted) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return Stopped() || taken_ < written_ + kMostAhead; });
-    if (Stopped() || taken_ >= work_.count) return std::nullopt;
-    const std::uint64_t left = work_.count - taken_;
-    // a quarter of an equal share of what is left
-    const auto parts = 4 * static_cast<std::uint64_t>(work_.threads);
-    const Share share{taken_, taken_ + std::clamp<std::uint64_t>(left / parts, 1, wanted)};
-    taken_ = share.end;
-    return share;
-  }
-
-  void Put(std::uint64_t first, Block block) {
-    const std::scoped_lock lock(mutex_);
-    // write all blocks that follow the last written row without a gap
-    waiting_.emplace(first, std::move(block));
-    std::string ready;
-    while (!waiting_.empty() && waiting_.begin()->first == written_) {
-      const Block& next = waiting_.begin()->second;
-      ready += next.text;
-      written_ += next.rows;
-      waiting_.erase(waiting_.begin());
-    }
-    if (!ready.empty() && !error_) {
-      // under the lock: one writer, and rows in their order
-      if (auto done = work_.write(ready, written_); !done) error_ = std::move(done.error());
-    }
-    changed_.notify_all();
-  }
-
-  [[nodiscard]] bool Stopped() const { return error_ || work_.stop->load(); }
-
-  [[nodiscard]] Result<std::uint64_t> result() const {
-    if (error_) return std::unexpected(*error_);
-    return written_;
-  }
-
- private:
-  const RowWork& work_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::uint64_t taken_;
-  std::uint64_t written_;
-  std::map<std::uint64_t, Block> waiting_;
-  std::optional<Error> error_;
-};
-
-void Work(const RowWork& work, Rows& rows) {
-  SystemClock clock;
-  std::uint64_t wanted = 1;
-  while (const auto share = rows.Take(wanted)) {
-    const MonotonicNs begun_ns = clock.Now();
-    Block block;
-    for (std::uint64_t row = share->begin; row < share->end && !work.stop->load(); ++row) {
-      block.text += work.make(row);
-      ++block.rows;
-    }
-    // time per block in ns, for the size of the next one
-    const MonotonicNs took_ns = std::max<MonotonicNs>(clock.Now() - begun_ns, 1);
-    const auto in_time =
-        block.rows * static_cast<std::uint64_t>(kBlockNs) / static_cast<std::uint64_t>(took_ns);
-    rows.Put(share->begin, std::move(block));
-    // from block to block at most twice the number of rows
-    wanted = std::clamp<std::uint64_t>(in_time, 1, std::min(2 * wanted, kMostInBlock));
-  }
-}
-
-}  // namespace
-
 Result<std::uint64_t> MakeRowsInOrder(const RowWork& work) {
-  Rows rows(work);
-  const auto threads = static_cast<std::size_t>(work.threads);
-  HAPTOMETER_TRY(RunJobs(threads, work.threads, [&]() -> Worker {
-    return [&](std::size_t) -> Result<void> {
-      Work(work, rows);
-      return {};
+  const std::uint64_t left = work.count - std::min(work.first, work.count);
+  const auto block = std::clamp<std::uint64_t>(
+      left / (kBlocksOfThread * static_cast<std::uint64_t>(work.threads)), 1, kMostInBlock);
+  OrderedRows rows(work);
+  HAPTOMETER_TRY(RunJobs((left + block - 1) / block, work.threads, [&]() -> Worker {
+    return [&](std::size_t job) {
+      const std::uint64_t first = work.first + job * block;
+      return rows.Make(first, std::min(first + block, work.count));
     };
   }));
-  return rows.result();
+  return rows.written();
 }
 
 }  // namespace haptometer::tools

@@ -1,5 +1,3 @@
-#include "tools/sweep/table_file.h"
-
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/file.h>
@@ -11,13 +9,12 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <functional>
-#include <queue>
 #include <utility>
 
 #include "base/input_file.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
+#include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
 namespace {
@@ -113,6 +110,98 @@ Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& change
                  "remove it and all rows below, then continue with --resume");
   }
   return rows;
+}
+
+constexpr std::string_view kTitle = "# haptometer sweep ";
+constexpr std::string_view kVary = "# vary = ";
+constexpr std::string_view kPoints = "# points = ";
+constexpr std::string_view kShard = "# shard = ";
+
+// longest row that is read: a file without line ends does not exhaust memory
+constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
+
+std::optional<std::uint64_t> LeadingCount(std::string_view text) {
+  std::uint64_t count = 0;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (failure != std::errc{}) return std::nullopt;
+  return count;
+}
+
+// a table that is merged, with its next row
+struct MergedTable {
+  TableReader reader;
+  std::string row{};
+  std::uint64_t point = 0;  // of the row; 0: behind the last
+
+  // the next row, which must be whole and of the table's sweep
+  Result<void> Advance() {
+    auto next = reader.Next();
+    if (reader.ends_amid_row()) {
+      return CannotAnswer(reader.path(), "ends within a row", "continue it with --resume first");
+    }
+    point = 0;
+    if (!next) return {};
+    row = *std::move(next);
+    point = PointOfRow(row).value_or(0);
+    if (point > 0 && point <= reader.header().points && reader.IsRow(row)) return {};
+    return CannotAnswer(reader.path(),
+                        fmt::format("holds a row that was changed or is none: '{:.40}'", row),
+                        "continue it with --resume, which computes such a row again");
+  }
+};
+
+// all tables must be of one question
+Result<std::vector<MergedTable>> OpenAll(const std::vector<std::string>& paths) {
+  std::vector<MergedTable> tables;
+  tables.reserve(paths.size());
+  for (const std::string& path : paths) {
+    HAPTOMETER_LET(auto reader, TableReader::Open(path));
+    if (!tables.empty()) {
+      const std::string difference = DifferenceOf(reader.header(), tables.front().reader.header());
+      if (!difference.empty()) {
+        return Usage(path,
+                     fmt::format("belongs to another sweep than {}: {}", paths[0], difference),
+                     "merge the shards of one sweep");
+      }
+    }
+    NoteInput(path);
+    tables.push_back({.reader = std::move(reader)});
+    HAPTOMETER_TRY(tables.back().Advance());
+  }
+  return tables;
+}
+
+// writes all rows in the order of the points, each point once
+Result<void> WriteRows(std::vector<MergedTable>& tables, cli::OutputFile& whole) {
+  constexpr std::size_t kPieceBytes = 1U << 16;
+  std::string rows;
+  const std::uint64_t points = tables.front().reader.header().points;
+  const MergedTable* last = nullptr;
+  for (std::uint64_t point = 1;; ++point) {
+    // the table whose next row is the lowest
+    const auto next = std::ranges::min_element(
+        tables, {}, [](const MergedTable& table) { return table.point - 1; });
+    if (next->point == 0 && point > points) return whole.Write(rows);
+    // below the expected point: the same shard twice
+    if (next->point > 0 && next->point < point) {
+      return Usage(
+          next->reader.path(),
+          fmt::format("holds point {}, which {} holds too", next->point, last->reader.path()),
+          "give every shard once");
+    }
+    // above it: a shard is missing or incomplete
+    if (next->point != point) {
+      return CannotAnswer({}, fmt::format("point {} of {} is in none of the tables", point, points),
+                          "give every shard, each run to its end");
+    }
+    rows += next->row + '\n';
+    if (rows.size() >= kPieceBytes) {
+      HAPTOMETER_TRY(whole.Write(rows));
+      rows.clear();
+    }
+    last = &*next;
+    HAPTOMETER_TRY(next->Advance());
+  }
 }
 
 }  // namespace
@@ -232,25 +321,6 @@ Result<void> TableFile::Finish() {
                 "make room, then continue with --resume");
 }
 
-namespace {
-
-constexpr std::string_view kTitle = "# haptometer sweep ";
-constexpr std::string_view kVary = "# vary = ";
-constexpr std::string_view kPoints = "# points = ";
-constexpr std::string_view kShard = "# shard = ";
-
-// longest row that is read: a file without line ends does not exhaust memory
-constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
-
-std::optional<std::uint64_t> LeadingCount(std::string_view text) {
-  std::uint64_t count = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (failure != std::errc{}) return std::nullopt;
-  return count;
-}
-
-}  // namespace
-
 TableReader::TableReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {}
 
 Result<TableReader> TableReader::Open(const std::string& path) {
@@ -324,111 +394,16 @@ std::optional<std::uint64_t> PointOfRow(std::string_view row) {
   return point;
 }
 
-namespace {
-
-// the next row of a table
-struct Head {
-  std::uint64_t point = 0;
-  std::size_t table = 0;
-  std::string row;
-
-  bool operator>(const Head& other) const { return point > other.point; }
-};
-
-// the lowest point first: a merge of sorted tables
-using Heads = std::priority_queue<Head, std::vector<Head>, std::greater<>>;
-
-Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables) {
-  std::vector<TableReader> readers;
-  readers.reserve(tables.size());
-  for (const std::string& path : tables) {
-    HAPTOMETER_LET(auto reader, TableReader::Open(path));
-    if (!readers.empty()) {
-      // all tables must be of one question
-      const std::string difference = DifferenceOf(reader.header(), readers.front().header());
-      if (!difference.empty()) {
-        return Usage(path,
-                     fmt::format("belongs to another sweep than {}: {}", tables[0], difference),
-                     "merge the shards of one sweep");
-      }
-    }
-    NoteInput(path);
-    readers.push_back(std::move(reader));
-  }
-  return readers;
-}
-
-// reads the next row of a table into the queue
-Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads& heads) {
-  TableReader& reader = readers[table];
-  auto row = reader.Next();
-  if (reader.ends_amid_row()) {
-    return CannotAnswer(reader.path(), "ends within a row", "continue it with --resume first");
-  }
-  if (!row) return {};
-  const auto point = PointOfRow(*row);
-  if (!point || *point > reader.header().points || !reader.IsRow(*row)) {
-    return CannotAnswer(reader.path(),
-                        fmt::format("holds a row that was changed or is none: '{:.40}'", *row),
-                        "continue it with --resume, which computes such a row again");
-  }
-  heads.push({*point, table, *std::move(row)});
-  return {};
-}
-
-Result<void> Missing(std::uint64_t point, const TableReader& reader) {
-  return CannotAnswer(
-      {}, fmt::format("point {} of {} is in none of the tables", point, reader.header().points),
-      "give every shard, each run to its end");
-}
-
-// writes all rows in the order of the points, each point once
-Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole) {
-  constexpr std::size_t kPieceBytes = 1U << 16;
-  std::string rows;
-  Heads heads;
-  for (std::size_t table = 0; table < readers.size(); ++table) {
-    HAPTOMETER_TRY(Advance(readers, table, heads));
-  }
-  const std::uint64_t points = readers.front().header().points;
-  std::uint64_t expected = 1;
-  std::size_t last_table = 0;
-  while (!heads.empty()) {
-    const Head head = heads.top();
-    heads.pop();
-    // below the expected point: the same shard twice
-    if (head.point < expected) {
-      return Usage(
-          readers[head.table].path(),
-          fmt::format("holds point {}, which {} holds too", head.point, readers[last_table].path()),
-          "give every shard once");
-    }
-    // above it: a shard is missing or incomplete
-    if (head.point > expected) return Missing(expected, readers.front());
-    rows += head.row + '\n';
-    if (rows.size() >= kPieceBytes) {
-      HAPTOMETER_TRY(whole.Write(rows));
-      rows.clear();
-    }
-    ++expected;
-    last_table = head.table;
-    HAPTOMETER_TRY(Advance(readers, head.table, heads));
-  }
-  return expected > points ? whole.Write(rows) : Missing(expected, readers.front());
-}
-
-}  // namespace
-
 Result<void> MergeTables(const std::vector<std::string>& tables, const std::string& output,
                          bool replace, const std::vector<std::string>& command) {
-  HAPTOMETER_LET(auto readers, OpenAll(tables));
+  HAPTOMETER_LET(auto merged, OpenAll(tables));
   HAPTOMETER_LET(auto file, cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace));
   // the merged table has no shard, and the provenance of this command
-  TableHeader header = readers.front().header();
+  TableHeader header = merged.front().reader.header();
   header.shard.clear();
   header.provenance = document::CommentOf(document::CollectProvenance(command), kProvenance);
   HAPTOMETER_TRY(file.Write(header.Text()));
-  HAPTOMETER_TRY(WriteRows(readers, file));
+  HAPTOMETER_TRY(WriteRows(merged, file));
   return file.Finish();
 }
 
