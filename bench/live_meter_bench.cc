@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "tools/acquire/live_meter.h"
+#include "tools/acquire/live_view.h"
 
 namespace haptometer::tools {
 namespace {

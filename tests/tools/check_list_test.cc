@@ -1,7 +1,5 @@
 // The list of a check, from made findings: every point once ok, once to fix; and the findings, from
 // made records.
-#include "tools/acquire/check_list.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
 // What the live view shows, on readings made here: closed forms where the filter passes a tone as
 // it is.
-#include "tools/acquire/live_meter.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,3 @@
-#include "tools/acquire/acquire.h"
-
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -21,9 +19,7 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "tools/acquire/check.h"
-#include "tools/acquire/live_meter.h"
 #include "tools/acquire/live_view.h"
-#include "tools/acquire/open_sensor.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/acquire/sensor_options.h"
@@ -121,21 +117,27 @@ std::function<void(const acquire::RecordingSummary&)> TellAbsences() {
   };
 }
 
-// the recording, with a live view of it where `style` asks for one
-Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& sink, Clock& clock,
-                                              const acquire::RecordingLimits& limits,
-                                              const trial::TrialHeader& header,
-                                              const dsp::BandPass& band, LiveStyle style,
+// a recording that is to be made, once its sensor has started
+struct PlannedRecording {
+  Sensor& sensor;
+  Clock& clock;
+  acquire::RecordingLimits limits;
+  trial::TrialHeader header;
+  dsp::BandPass band;
+  LiveStyle style;
+};
+
+// the recording, with a live view of it where its style asks for one
+Result<acquire::RecordingSummary> RecordShown(const PlannedRecording& made, acquire::RowSink& sink,
                                               const std::function<void()>& output_closed = {}) {
+  const auto record = [&](const acquire::RecordingHooks& watch) {
+    return acquire::Record(made.sensor, sink, made.clock, cli::Interrupted(), made.limits, watch);
+  };
   // without a live view disconnections are remarked on separate lines
-  if (style == LiveStyle::kNone) {
-    return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
-                           {.progress = TellAbsences(), .say = InWords});
-  }
-  LiveMeter meter(header, band);
-  LiveView view(meter, band, style, output_closed);
-  return acquire::Record(
-      sensor, sink, clock, cli::Interrupted(), limits,
+  if (made.style == LiveStyle::kNone) return record({.progress = TellAbsences(), .say = InWords});
+  LiveMeter meter(made.header, made.band);
+  LiveView view(meter, made.band, made.style, output_closed);
+  return record(
       {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
        .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); },
        .say = InWords});
@@ -169,39 +171,34 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
               "check that the laser is on and meets its target within the range"});
 }
 
-int Report(const AcquireOptions& wanted, const std::string& file, const Sensor& sensor,
-           const trial::TrialHeader& header, acquire::RecordingSummary summary, bool reconnects,
-           int argc, const char* const* argv) {
-  const auto time_base = ReviewTimeBase(file, header.timing, summary);
+int Report(const AcquireOptions& wanted, const std::string& file, const PlannedRecording& made,
+           acquire::RecordingSummary summary, bool reconnects, int argc, const char* const* argv) {
+  const auto time_base = ReviewTimeBase(file, made.header.timing, summary);
   // gaps between shots are intended: only a recording without trigger counts them
   if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
   const int status = document::Present(
-      RecordingDocument(file, header.metadata, summary, time_base, sensor.Found()), wanted.outputs,
-      argc, argv);
+      RecordingDocument(file, made.header.metadata, summary, time_base, made.sensor.Found()),
+      wanted.outputs, argc, argv);
   return cli::WorseStatus(status, ReportFault(file, summary, PortName(wanted.sensor), reconnects));
 }
 
 // into a trial; without a file name only through the live view
-Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwrite, Sensor& sensor,
-                                           Clock& clock, const acquire::RecordingLimits& limits,
-                                           const trial::TrialHeader& header,
-                                           const dsp::BandPass& band, LiveStyle style) {
+Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwrite,
+                                           const PlannedRecording& made) {
   if (file.empty()) {
     KeepNothing nothing;
     // the reader of stdout has closed it: end as by SIGPIPE, since no data are stored
-    return RecordShown(sensor, nothing, clock, limits, header, band, style,
-                       [] { cli::InterruptAsBy(SIGPIPE); });
+    return RecordShown(made, nothing, [] { cli::InterruptAsBy(SIGPIPE); });
   }
   // checked a second time: the sensor may have opened further input files since the command line
   HAPTOMETER_TRY(cli::CheckOutput(file, cli::kTrialOutput, overwrite));
   // a device such as /dev/null exists and is written without --overwrite
-  const bool is_device = std::filesystem::is_other(file);
-  HAPTOMETER_LET(
-      auto writer,
-      trial::TrialWriter::Create(
-          file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock));
+  const bool replaces = overwrite || std::filesystem::is_other(file);
+  HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(
+                                  file, made.header, {.flush_interval_s = 1, .overwrite = replaces},
+                                  made.clock));
   acquire::SingleTrial sink(writer);
-  auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
+  auto summary = RecordShown(made, sink);
   // the file was renamed during the recording: its data are complete under the new path
   if (const std::string& moved_to = writer.totals().moved_to; summary && !moved_to.empty()) {
     return Failed(file, "was moved while it was recorded", "it is complete, at " + moved_to);
@@ -209,52 +206,67 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
   return summary;
 }
 
-// everything between the command line and the report
-int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::BandPass& band,
-        int argc, const char* const* argv) {
-  const auto fail = [](const Error& error) {
-    return cli::InterruptedStatus(cli::ReportError(kVerb, error));
-  };
-
+// from the start of the sensor to the report; the exit status
+Result<int> Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::BandPass& band,
+                int argc, const char* const* argv) {
   // start the sensor, and state what it can observe before anything is recorded
   SystemClock clock;
-  const auto sensor = Open(wanted.sensor, plan, clock);
-  if (!sensor) return fail(sensor.error());
-  if (auto started = (*sensor)->Start(cli::Interrupted()); !started) return fail(started.error());
-  cli::Remark(kVerb, "source: " + (*sensor)->header().metadata.source);
+  HAPTOMETER_LET(const auto sensor, Open(wanted.sensor, plan, clock));
+  HAPTOMETER_TRY(sensor->Start(cli::Interrupted()));
+  cli::Remark(kVerb, "source: " + sensor->header().metadata.source);
   std::vector<std::string> said;
-  SayNew(**sensor, said);
-  if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, **sensor, clock);
+  SayNew(*sensor, said);
+  if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, *sensor, clock);
 
   // tare, header and limits, in this order: the trigger's threshold counts from the tare
-  const auto tare_m = Tare(**sensor, wanted, clock);
-  if (!tare_m) return fail(tare_m.error());
-  trial::TrialHeader header =
-      RecordingHeader(**sensor, IsSensor(wanted.sensor.sensor, SensorType::kReplay), plan.labels,
-                      cli::CommandLine({argv, argv + argc}));
-  if (*tare_m) header.metadata.tare_m = **tare_m;
-  const auto limits = LimitsOf(plan, header, clock);
-  if (!limits) return fail(limits.error());
+  HAPTOMETER_LET(const auto tare_m, Tare(*sensor, wanted, clock));
+  PlannedRecording made{
+      .sensor = *sensor,
+      .clock = clock,
+      .limits = {},
+      .header = RecordingHeader(*sensor, IsSensor(wanted.sensor.sensor, SensorType::kReplay),
+                                plan.labels, cli::CommandLine({argv, argv + argc})),
+      .band = band,
+      .style = StyleOf(wanted.outputs.json, wanted.live)};
+  if (tare_m) made.header.metadata.tare_m = *tare_m;
+  HAPTOMETER_LET(made.limits, LimitsOf(plan, made.header, clock));
 
   // the recording
-  const std::string file = FileName(wanted.recording.output, header.metadata);
-  const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
-                                band, StyleOf(wanted.outputs.json, wanted.live));
-  if (!summary) return fail(summary.error());
+  const std::string file = FileName(wanted.recording.output, made.header.metadata);
+  HAPTOMETER_LET(const auto summary, RecordTo(file, wanted.recording.overwrite, made));
   // a closed output ends the program without a report, for which there is no reader
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
-  SayNew(**sensor, said);
-  return Report(wanted, file, **sensor, header, *summary, plan.reconnects, argc, argv);
+  SayNew(*sensor, said);
+  return Report(wanted, file, made, summary, plan.reconnects, argc, argv);
 }
 
-Result<document::Document> ListPorts() {
-  HAPTOMETER_LET(const auto ports, acquire::ListPorts());
-  return PortsDocument(ports);
-}
-
-Result<document::Document> ListSensors(const AcquireOptions& wanted) {
+// the ports or the sensors
+Result<document::Document> List(const AcquireOptions& wanted) {
+  if (wanted.list_ports) {
+    HAPTOMETER_LET(const auto ports, acquire::ListPorts());
+    return PortsDocument(ports);
+  }
   HAPTOMETER_LET(const auto question, ReadCapabilityQuestion(wanted.band, wanted.resolution_m));
   return SensorsDocument(question);
+}
+
+// what the options ask for; the exit status
+Result<int> Answer(const AcquireOptions& wanted, int argc, const char* const* argv) {
+  HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
+  // lists need no sensor, so they come before the checks of the sensor's options
+  if (wanted.list_ports || wanted.list_sensors) {
+    HAPTOMETER_LET(auto document, List(wanted));
+    return document::Present(std::move(document), wanted.outputs, argc, argv);
+  }
+  HAPTOMETER_LET(const auto of_daemon, RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv));
+  if (of_daemon) return *of_daemon;
+  HAPTOMETER_TRY(CheckAcquire(wanted));
+  HAPTOMETER_LET(const auto plan,
+                 PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr)));
+  HAPTOMETER_LET(const auto band, BandOf(wanted));
+  // from here on Ctrl-C ends the recording, not the program: the trial is closed properly
+  cli::CatchInterrupts();
+  return Run(wanted, plan, band, argc, argv);
 }
 
 }  // namespace
@@ -265,27 +277,8 @@ int RunAcquire(int argc, const char* const* argv) {
   DeclareAcquire(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
   wanted.outputs.json = options.json();
-  if (auto good = document::CheckOutputs(wanted.outputs); !good) {
-    return cli::ReportError(kVerb, good.error());
-  }
-  // lists need no sensor, so they come before the checks of the sensor's options
-  if (wanted.list_ports || wanted.list_sensors) {
-    auto document = wanted.list_ports ? ListPorts() : ListSensors(wanted);
-    if (!document) return cli::ReportError(kVerb, document.error());
-    return document::Present(std::move(*document), wanted.outputs, argc, argv);
-  }
-  if (const auto status = RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv)) {
-    return *status;
-  }
-  if (auto checked = CheckAcquire(wanted); !checked)
-    return cli::ReportError(kVerb, checked.error());
-  const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));
-  if (!plan) return cli::ReportError(kVerb, plan.error());
-  const auto band = BandOf(wanted);
-  if (!band) return cli::ReportError(kVerb, band.error());
-  // from here on Ctrl-C ends the recording, not the program: the trial is closed properly
-  cli::CatchInterrupts();
-  return Run(wanted, *plan, *band, argc, argv);
+  const auto status = Answer(wanted, argc, argv);
+  return status ? *status : cli::InterruptedStatus(cli::ReportError(kVerb, status.error()));
 }
 
 std::string InWords(const acquire::Finding& found) {

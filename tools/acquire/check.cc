@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "dsp/analysis/band_analysis.h"
-#include "tools/acquire/acquire.h"
+#include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
@@ -19,7 +19,6 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr std::string_view kVerb = "acquire";
 // duration of a check without --duration
 constexpr MonotonicNs kUsualDurationNs = 10 * kNsPerS;
 
@@ -40,37 +39,6 @@ std::string CommandOf(const std::vector<std::string>& words) {
   return cli::CommandLine(kept);
 }
 
-}  // namespace
-
-int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int argc,
-                   const char* const* argv, acquire::Sensor& sensor, Clock& clock) {
-  // the check is of displacement in metres: volts without calibration have none
-  if (!trial::DisplacementChannel(sensor.header())) {
-    return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
-                                    "has no displacement channel in metres to check",
-                                    "give the calibration of its voltage"});
-  }
-  acquire::RecordingLimits limits;
-  limits.duration_ns = wanted.recording.duration_s
-                           ? NsFromSeconds(wanted.recording.duration_s->value)
-                           : kUsualDurationNs;
-  // a trial in memory has the time base of a recording
-  const auto trial = RecordInMemory(sensor, clock, cli::Interrupted(), limits);
-  if (!trial) return cli::ReportError(kVerb, trial.error());
-  CheckQuestion question{
-      .band = band, .command = CommandOf({argv, argv + argc}), .smallest_rms_m = {}};
-  if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
-  const CheckFindings findings = FindingsOf(trial->record, trial->summary, band);
-  const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
-  const int status = document::Present(CheckDocument(sensor.header(), findings, question, items),
-                                       wanted.outputs, argc, argv);
-  // 0 ready, 3 not; an error of the output or an interruption overrides 0
-  const int verdict = IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer);
-  return cli::InterruptedStatus(cli::WorseStatus(status, verdict));
-}
-
-namespace {
-
 // the bytes of a trial in memory, in place of a file
 class StringSink final : public trial::ByteSink {
  public:
@@ -85,8 +53,13 @@ class StringSink final : public trial::ByteSink {
   std::string& bytes_;
 };
 
-}  // namespace
+// a recording that was never on a disk
+struct MemoryTrial {
+  acquire::RecordingSummary summary;
+  trial::Record record;
+};
 
+// runs `sensor` (started) into a trial in memory; some 20 bytes a reading, twice
 Result<MemoryTrial> RecordInMemory(acquire::Sensor& sensor, Clock& clock,
                                    const std::atomic<bool>& stop,
                                    const acquire::RecordingLimits& limits) {
@@ -100,8 +73,6 @@ Result<MemoryTrial> RecordInMemory(acquire::Sensor& sensor, Clock& clock,
                  trial::ReadRecordFrom(trial::MakeMemorySource(std::move(bytes)), "memory"));
   return MemoryTrial{summary, std::move(recording.record)};
 }
-
-namespace {
 
 using document::Section;
 
@@ -167,33 +138,7 @@ Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band)
   return section;
 }
 
-}  // namespace
-
-document::Document CheckDocument(const trial::TrialHeader& header, const CheckFindings& findings,
-                                 const CheckQuestion& question,
-                                 const std::vector<CheckItem>& items) {
-  const auto fixes = std::ranges::count(items, Verdict::kFix, &CheckItem::verdict);
-  document::Document document{
-      .verb = "acquire",
-      .title = fixes == 0 ? "ready" : fmt::format("not ready: {} to fix", fixes)};
-  Section& root = document.root;
-  root.sources = trial::SourcesOf(header.metadata, {.closed = !findings.summary.interrupted});
-  root.Add({"ready"}, fixes == 0);
-  root.Add({document::kSensor.name}, header.metadata.sensor);
-  root.Add({document::kSource.name}, header.metadata.source);
-  Section band{.name = document::kBand.name};
-  band.Add(document::kLowerHz, question.band.lower_hz);
-  band.Add(document::kUpperHz, question.band.upper_hz);
-  root.sections = {std::move(band),
-                   ListOf({.name = "items", .shape = Section::Shape::kArray}, items, ItemSection),
-                   NumbersSection(findings, question.band),
-                   GainsSection(AveragingGains(header.metadata, question.band))};
-  return document;
-}
-
 using acquire::Outcome;
-
-namespace {
 
 // duration of the mean, s
 constexpr double kTareS = 1;
@@ -257,6 +202,53 @@ class TareMean {
 };
 
 }  // namespace
+
+Result<int> RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int argc,
+                           const char* const* argv, acquire::Sensor& sensor, Clock& clock) {
+  // the check is of displacement in metres: volts without calibration have none
+  if (!trial::DisplacementChannel(sensor.header())) {
+    return CannotAnswer(PortName(wanted.sensor), "has no displacement channel in metres to check",
+                        "give the calibration of its voltage");
+  }
+  acquire::RecordingLimits limits;
+  limits.duration_ns = wanted.recording.duration_s
+                           ? NsFromSeconds(wanted.recording.duration_s->value)
+                           : kUsualDurationNs;
+  // a trial in memory has the time base of a recording
+  HAPTOMETER_LET(const auto trial, RecordInMemory(sensor, clock, cli::Interrupted(), limits));
+  CheckQuestion question{
+      .band = band, .command = CommandOf({argv, argv + argc}), .smallest_rms_m = {}};
+  if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
+  const CheckFindings findings = FindingsOf(trial.record, trial.summary, band);
+  const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
+  const int status = document::Present(CheckDocument(sensor.header(), findings, question, items),
+                                       wanted.outputs, argc, argv);
+  // 0 ready, 3 not; an error of the output or an interruption overrides 0
+  const int verdict = IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer);
+  return cli::InterruptedStatus(cli::WorseStatus(status, verdict));
+}
+
+document::Document CheckDocument(const trial::TrialHeader& header, const CheckFindings& findings,
+                                 const CheckQuestion& question,
+                                 const std::vector<CheckItem>& items) {
+  const auto fixes = std::ranges::count(items, Verdict::kFix, &CheckItem::verdict);
+  document::Document document{
+      .verb = "acquire",
+      .title = fixes == 0 ? "ready" : fmt::format("not ready: {} to fix", fixes)};
+  Section& root = document.root;
+  root.sources = trial::SourcesOf(header.metadata, {.closed = !findings.summary.interrupted});
+  root.Add({"ready"}, fixes == 0);
+  root.Add({document::kSensor.name}, header.metadata.sensor);
+  root.Add({document::kSource.name}, header.metadata.source);
+  Section band{.name = document::kBand.name};
+  band.Add(document::kLowerHz, question.band.lower_hz);
+  band.Add(document::kUpperHz, question.band.upper_hz);
+  root.sections = {std::move(band),
+                   ListOf({.name = "items", .shape = Section::Shape::kArray}, items, ItemSection),
+                   NumbersSection(findings, question.band),
+                   GainsSection(AveragingGains(header.metadata, question.band))};
+  return document;
+}
 
 Result<double> MeasureTare(acquire::Sensor& sensor, Clock& clock, const std::atomic<bool>& stop,
                            const std::string& name) {

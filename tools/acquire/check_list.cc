@@ -1,5 +1,3 @@
-#include "tools/acquire/check_list.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "acquire/transport/port_list.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
+#include "tools/acquire/check.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/table_cells.h"
 #include "trial/sensor_head.h"
@@ -34,49 +33,6 @@ void FindValues(const trial::Channel& channel, CheckFindings& findings) {
     findings.greatest_m = std::max(findings.greatest_m.value_or(value), value);
   }
 }
-
-}  // namespace
-
-CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSummary& summary,
-                         const dsp::BandPass& band) {
-  CheckFindings findings{.summary = summary};
-  const auto number = trial::DisplacementChannel(record);
-  HAPTOMETER_CHECK(number, "a record without displacement");
-  const trial::Channel& channel = record.channels[*number];
-  findings.resolution_m = channel.resolution;
-  FindValues(channel, findings);
-  // the worst segment's standard uncertainty of a time
-  for (const trial::Stretch& stretch : record.stretches) {
-    findings.time_uncertainty_s = std::max(findings.time_uncertainty_s, stretch.time_uncertainty_s);
-  }
-  // band RMS, tone and residual noise over the whole record
-  dsp::BandQuestion question;
-  question.band = band;
-  question.choice = dsp::WindowChoice::kAll;  // at rest: no drive is looked for
-  question.keep_filtered = false;
-  const auto analysis = dsp::AnalyzeBand(record, question);
-  if (!analysis) {
-    // an analysis that ends with an error: the values found so far remain
-    findings.no_noise_because = analysis.error().what;
-    return findings;
-  }
-  findings.duration_s = analysis->record.duration_s;
-  findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
-  findings.level_m = analysis->record.offset_m;
-  // a refusal with its reason; numbers may be present all the same
-  if (!analysis->answered) findings.no_noise_because = document::RefusalOf(analysis->findings);
-  if (!analysis->numbers) return findings;
-  // noise is the residual: band RMS without the strongest tone
-  findings.noise_m = analysis->numbers->residual_rms_m;
-  if (analysis->numbers->tone) {
-    findings.tone_hz = analysis->numbers->tone->fit.frequency_hz;
-    // RMS of a sine: amplitude / sqrt(2)
-    findings.tone_rms_m = analysis->numbers->tone->fit.amplitude / std::numbers::sqrt2;
-  }
-  return findings;
-}
-
-namespace {
 
 using trial::SampleStatus;
 
@@ -351,6 +307,45 @@ CheckItem CheckLatency(const Context& c) {
 }
 
 }  // namespace
+
+CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSummary& summary,
+                         const dsp::BandPass& band) {
+  CheckFindings findings{.summary = summary};
+  const auto number = trial::DisplacementChannel(record);
+  HAPTOMETER_CHECK(number, "a record without displacement");
+  const trial::Channel& channel = record.channels[*number];
+  findings.resolution_m = channel.resolution;
+  FindValues(channel, findings);
+  // the worst segment's standard uncertainty of a time
+  for (const trial::Stretch& stretch : record.stretches) {
+    findings.time_uncertainty_s = std::max(findings.time_uncertainty_s, stretch.time_uncertainty_s);
+  }
+  // band RMS, tone and residual noise over the whole record
+  dsp::BandQuestion question;
+  question.band = band;
+  question.choice = dsp::WindowChoice::kAll;  // at rest: no drive is looked for
+  question.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(record, question);
+  if (!analysis) {
+    // an analysis that ends with an error: the values found so far remain
+    findings.no_noise_because = analysis.error().what;
+    return findings;
+  }
+  findings.duration_s = analysis->record.duration_s;
+  findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
+  findings.level_m = analysis->record.offset_m;
+  // a refusal with its reason; numbers may be present all the same
+  if (!analysis->answered) findings.no_noise_because = document::RefusalOf(analysis->findings);
+  if (!analysis->numbers) return findings;
+  // noise is the residual: band RMS without the strongest tone
+  findings.noise_m = analysis->numbers->residual_rms_m;
+  if (analysis->numbers->tone) {
+    findings.tone_hz = analysis->numbers->tone->fit.frequency_hz;
+    // RMS of a sine: amplitude / sqrt(2)
+    findings.tone_rms_m = analysis->numbers->tone->fit.amplitude / std::numbers::sqrt2;
+  }
+  return findings;
+}
 
 std::string_view Name(Verdict verdict) {
   constexpr std::array<std::string_view, 3> kNames{"ok", "fix", "unknown"};

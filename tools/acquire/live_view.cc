@@ -5,18 +5,43 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/text.h"
+#include "dsp/analysis/band_analysis.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
+#include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/plot/gnuplot.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 namespace {
+
+// least time and number of readings from which a rate is computed
+constexpr MonotonicNs kLearningNs = kNsPerS;
+constexpr std::uint64_t kLeastToLearn = 16;
+constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/readings/segments.h interpolates
+// remainder of the filter's starting transient below which its output is used
+constexpr double kDecayed = 1e-3;
+// periods of the lower corner in the RMS window
+constexpr double kWindowPeriods = 4;
+constexpr std::size_t kLongestWindow = std::size_t{1} << 20;  // 8 MiB
+
+// readings at a rail of the range or of the converter
+bool IsClipped(trial::SampleStatus status) {
+  return status == trial::SampleStatus::kOver || status == trial::SampleStatus::kUnder ||
+         status == trial::SampleStatus::kClipped;
+}
 
 using std::chrono::milliseconds;
 
@@ -35,6 +60,184 @@ winsize TerminalSize() {
 bool IsLength(const LiveFigures& figures) { return figures.unit == "m"; }
 
 }  // namespace
+
+LiveMeter::LiveMeter(const trial::TrialHeader& header, const dsp::BandPass& band)
+    : channel_(trial::DisplacementChannel(header).value_or(0)),
+      timing_(header.timing),
+      grid_rate_hz_(header.rate_hz),
+      tare_(trial::DisplacementChannel(header) ? header.metadata.tare_m : 0),
+      band_(band) {
+  HAPTOMETER_CHECK(!header.channels.empty(), "no channel");
+  format_ = header.channels[channel_];
+  band_.corners = dsp::Corners::kEach;  // one causal pass has its -3 dB points at the corners
+  figures_.channel = format_.name;
+  figures_.unit = format_.unit;
+  slots_.reserve(kSlots);
+  // a uniform source states its rate: no learning is needed
+  if (timing_ == trial::Timing::kUniform) Design(grid_rate_hz_);
+}
+
+// time of the reading: index / rate on a uniform grid, else its arrival
+MonotonicNs LiveMeter::TimeOf(const acquire::Reading& reading) const {
+  return timing_ == trial::Timing::kUniform
+             ? NsFromSeconds(static_cast<double>(reading.index) / grid_rate_hz_)
+             : reading.time_ns;
+}
+
+void LiveMeter::Add(const acquire::Reading& reading) {
+  const trial::Sample& sample = reading.samples[channel_];
+  const MonotonicNs time_ns = TimeOf(reading);
+  const std::lock_guard lock(mutex_);
+  if (!first_ns_) {
+    first_ns_ = time_ns;
+    // so that the first reading has no rows missing before it
+    last_index_ = reading.index - 1;
+  }
+  ++figures_.readings;
+  intervals_.Add(time_ns);
+  if (sample.status == trial::SampleStatus::kRepeated) ++repeated_;
+  if (design_rate_hz_ == 0) LearnRate(time_ns);
+  // indices that are skipped are lost rows of the uniform grid
+  if (timing_ == trial::Timing::kUniform) {
+    const std::int64_t skipped = reading.index - last_index_ - 1;
+    last_index_ = reading.index;
+    if (skipped > 0) Miss(static_cast<std::uint64_t>(skipped));
+  }
+  // no value for the filter, whose state stays: up to kMostMissing rows shift the phase only
+  if (!IsMeasurement(sample.status)) {
+    ++figures_.bad;
+    if (IsClipped(sample.status)) ++figures_.clipped;
+    Miss(1);
+    return;
+  }
+  missing_in_a_row_ = 0;
+  const double value = ValueOf(format_, sample) - tare_;
+  figures_.level = value;
+  if (filter_) Filter(value);
+  KeepExtremes(time_ns, value);
+}
+
+// the rate from the intervals so far, after kLearningNs and kLeastToLearn readings
+void LiveMeter::LearnRate(MonotonicNs time_ns) {
+  if (time_ns - *first_ns_ < kLearningNs || figures_.readings < kLeastToLearn) return;
+  if (const auto rate_hz = intervals_.RateHz()) Design(*rate_hz);
+}
+
+void LiveMeter::Design(double rate_hz) {
+  design_rate_hz_ = rate_hz;
+  // part of readings that are new: repeated ones add no information
+  const double fresh = figures_.readings == 0 ? 1
+                                              : 1 - static_cast<double>(repeated_) /
+                                                        static_cast<double>(figures_.readings);
+  // condition f_s >= 2.56 f_upper for new readings
+  const double needed_hz = dsp::kLeastRatePerUpperCorner * band_.upper_hz;
+  if (rate_hz * fresh < needed_hz) {
+    figures_.no_band_because =
+        fmt::format("{:g}-{:g} Hz needs {:.4g} new readings/s, {:.4g} come", band_.lower_hz,
+                    band_.upper_hz, needed_hz, rate_hz * fresh);
+    return;
+  }
+  const auto design = dsp::DesignBandPass(band_, rate_hz);
+  HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  filter_.emplace(*design);
+  // samples until the starting transient has decayed to kDecayed
+  ringing_ = dsp::RingingSamples(*design, kDecayed);
+  // window of 1 s or kWindowPeriods of the lower corner, rounded up to a power of two
+  const double wanted = rate_hz * std::max(1.0, kWindowPeriods / band_.lower_hz);
+  window_.resize(wanted < static_cast<double>(kLongestWindow)
+                     ? std::bit_ceil(static_cast<std::size_t>(wanted))
+                     : kLongestWindow);
+}
+
+void LiveMeter::Miss(std::uint64_t rows) {
+  // more rows than can be interpolated: the filter restarts from the next measurement
+  missing_in_a_row_ += rows;
+  if (missing_in_a_row_ > kMostMissing) starts_anew_ = true;
+}
+
+void LiveMeter::Filter(double value) {
+  // restart in the steady state of this value, with an empty window
+  if (starts_anew_) {
+    starts_anew_ = false;
+    filter_->StartFrom(value);
+    to_settle_ = ringing_;
+    next_ = filled_ = 0;
+  }
+  double filtered = 0;
+  filter_->Process(std::span(&value, 1), std::span(&filtered, 1));
+  if (to_settle_ > 0) {
+    --to_settle_;
+    return;
+  }
+  window_[next_] = filtered;
+  next_ = (next_ + 1) & (window_.size() - 1);  // modulo, as the size is a power of two
+  filled_ = std::min(filled_ + 1, window_.size());
+}
+
+void LiveMeter::KeepExtremes(MonotonicNs time_ns, double value) {
+  const std::int64_t slot = (time_ns - *first_ns_) / kSlotNs;
+  if (slot < last_slot_) return;  // time went back: no slot exists for it
+  if (slot == last_slot_) {
+    LiveExtremes& now = slots_[static_cast<std::size_t>(slot) % kSlots];
+    now.least = std::min(now.least, value);
+    now.greatest = std::max(now.greatest, value);
+    return;
+  }
+  // slots without readings keep their former times, which Extremes() finds out of its span
+  const LiveExtremes begun{SecondsFromNs(slot * kSlotNs), value, value};
+  // time -1 marks a slot that was never filled
+  slots_.resize(kSlots, {-1, 0, 0});
+  slots_[static_cast<std::size_t>(slot) % kSlots] = begun;
+  last_slot_ = slot;
+}
+
+LiveFigures LiveMeter::Figures() const {
+  LiveFigures figures;
+  std::vector<double> recent;
+  double rate_hz = 0;
+  // copy under the lock; the transform below runs without it
+  {
+    const std::lock_guard lock(mutex_);
+    figures = figures_;
+    figures.rate_hz = intervals_.RateHz();
+    rate_hz = design_rate_hz_;
+    if (filter_) {
+      recent.assign(window_.begin(), window_.begin() + static_cast<long>(filled_));
+      // in order of time; a ring that is not full begins at its first entry
+      if (filled_ == window_.size()) {
+        std::ranges::rotate(recent, recent.begin() + static_cast<long>(next_));
+      }
+    }
+  }
+  if (!figures.no_band_because.empty()) return figures;
+  // half of kWindowPeriods periods are the least for an RMS
+  if (recent.empty() ||
+      static_cast<double>(recent.size()) < kWindowPeriods / 2 * rate_hz / band_.lower_hz) {
+    figures.no_band_because = "settling";
+    return figures;
+  }
+  figures.band_rms = dsp::Rms(recent);
+  const auto tone = dsp::StrongestTone(
+      recent, {rate_hz, band_.lower_hz, band_.upper_hz, band_.upper_hz - band_.lower_hz});
+  // the rate of all readings is more accurate than the rate of the design: rescale the frequency
+  const bool is_grid = timing_ == trial::Timing::kUniform;
+  if (tone) figures.tone_hz = tone->frequency_hz * (is_grid ? 1 : *figures.rate_hz / rate_hz);
+  return figures;
+}
+
+std::vector<LiveExtremes> LiveMeter::Extremes() const {
+  std::vector<LiveExtremes> extremes;
+  const std::lock_guard lock(mutex_);
+  if (slots_.empty()) return extremes;
+  const double oldest_s =
+      SecondsFromNs((last_slot_ - static_cast<std::int64_t>(kSlots) + 1) * kSlotNs);
+  for (const LiveExtremes& slot : slots_) {
+    // slots older than the ring are excluded; 1e-9 s tolerates rounding of the slot's time
+    if (slot.time_s >= std::max(oldest_s, 0.0) - 1e-9) extremes.push_back(slot);
+  }
+  std::ranges::sort(extremes, {}, &LiveExtremes::time_s);
+  return extremes;
+}
 
 std::string LiveLine(const LiveFigures& figures, const dsp::BandPass& band) {
   std::string line;

@@ -1,5 +1,3 @@
-#include "tools/acquire/open_sensor.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,6 +21,7 @@
 #include "acquire/transport/open_port.h"
 #include "base/text.h"
 #include "sim/sensor_model.h"
+#include "tools/acquire/sensor_options.h"
 #include "tools/simulate/simulated_trial.h"
 #include "trial/sensor_head.h"
 
@@ -74,48 +73,8 @@ Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clo
   return std::make_unique<acquire::PipeSensor>(std::move(pipe), std::move(setup), clock);
 }
 
-// a trial or a scene at its speed
-Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& clock) {
-  const bool is_scene = wanted.is_scene();
-  HAPTOMETER_LET(auto played,
-                 is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port));
-  // default speed: a trial is copied at full speed, a scene runs in real time
-  HAPTOMETER_LET(const auto speed,
-                 ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed));
-  return std::make_unique<acquire::PacedSensor>(std::move(played), speed, clock);
-}
-
-}  // namespace
-
-Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
-  const SensorKind* kind = FindSensorKind(wanted.sensor);
-  // CheckSensor() has refused unknown names before
-  HAPTOMETER_CHECK(kind != nullptr, "sensor '{}' was not checked", wanted.sensor);
-  switch (kind->type) {
-    case SensorType::kKeyenceEn1:
-    case SensorType::kKeyenceIl:
-    case SensorType::kKeyenceLkg:
-      return OpenKeyence(wanted, clock);
-    case SensorType::kModbus:
-      return OpenModbus(wanted, clock);
-    case SensorType::kPipe:
-      return OpenPipe(wanted, clock);
-    case SensorType::kReplay:
-    case SensorType::kScene:
-      return OpenPlayed(wanted, clock);
-    case SensorType::kStream:
-      break;
-  }
-  return OpenStream(wanted, clock);
-}
-
-namespace {
-
 // baud of Keyence units without --baud
 constexpr int kDefaultBaud = 9600;
-
-bool IsLkg(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceLkg); }
-bool IsEn1(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceEn1); }
 
 int BaudOf(const SensorOptions& wanted) {
   return static_cast<int>(wanted.baud.value_or(kDefaultBaud));
@@ -133,7 +92,7 @@ std::optional<int> DecimalsOf(const SensorOptions& wanted) {
   return wanted.decimals ? std::optional(static_cast<int>(*wanted.decimals)) : std::nullopt;
 }
 
-// the data writes of all --set options, in the order given
+// data writes of all --set options, in the order given
 Result<std::vector<acquire::il_setting::Write>> WritesOf(const SensorOptions& wanted) {
   std::vector<acquire::il_setting::Write> writes;
   for (const std::string& text : wanted.settings) {
@@ -144,7 +103,7 @@ Result<std::vector<acquire::il_setting::Write>> WritesOf(const SensorOptions& wa
 }
 
 Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock) {
-  const bool is_en1 = IsEn1(wanted);
+  const bool is_en1 = IsSensor(wanted.sensor, SensorType::kKeyenceEn1);
   HAPTOMETER_LET(const auto writes, WritesOf(wanted));
   // keyence-en1: what is not a file is a host, completed by the unit's own TCP port
   std::error_code error;
@@ -177,56 +136,6 @@ Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& cloc
                                        .decimals = DecimalsOf(wanted)};
   return std::make_unique<acquire::KeyenceLkg>(std::move(port), setup, clock);
 }
-
-// whether the read command belongs to the series: m0 both, ms IL, m1 and m2 LK-G
-Result<void> CheckCommand(const SensorOptions& wanted) {
-  if (wanted.command.empty() || wanted.command == "m0") return {};
-  const bool is_ms = wanted.command == "ms";
-  if (IsLkg(wanted) && is_ms) {
-    return Usage("--command", "ms is a command of the IL series",
-                 "use m1, m2 or m0 (both outputs)");
-  }
-  if (!IsLkg(wanted) && !is_ms) {
-    return Usage("--command", wanted.command + " is a command of the LK-G series",
-                 "use m0, or ms to record the outputs too");
-  }
-  return {};
-}
-
-}  // namespace
-
-// options of one series given to another, before the port is opened
-Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
-  if (!kind.is_il && !wanted.settings.empty()) {
-    return Usage("--set", "is for the amplifiers of the IL series", "leave it out");
-  }
-  if (!kind.is_il && wanted.device_zero) {
-    return Usage("--device-zero", "is for the amplifiers of the IL series", "leave it out");
-  }
-  if (wanted.decimals && !IsEn1(wanted) && !IsLkg(wanted)) {
-    return Usage("--decimals", "is for keyence-en1 and keyence-lkg: others send the point",
-                 "leave it out");
-  }
-  if (!kind.is_keyence) {
-    if (wanted.command.empty()) return {};
-    return Usage("--command", "is for keyence-en1, keyence-il and keyence-lkg", "leave it out");
-  }
-  // a DL-RS1A has five rates only
-  const auto& bauds = acquire::dl_rs1a::kBauds;
-  if (kind.type == SensorType::kKeyenceIl &&
-      std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
-    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", BaudOf(wanted)),
-                 "use 2400, 4800, 9600, 19200 or 38400");
-  }
-  HAPTOMETER_TRY(WritesOf(wanted));
-  return CheckCommand(wanted);
-}
-
-Result<std::unique_ptr<Sensor>> OpenKeyence(const SensorOptions& wanted, Clock& clock) {
-  return IsLkg(wanted) ? OpenLkg(wanted, clock) : OpenIl(wanted, clock);
-}
-
-namespace {
 
 // a scene's sensor, computed row by row on demand instead of read from a wire
 class SceneSensor final : public acquire::Sensor {
@@ -277,9 +186,7 @@ class SceneSensor final : public acquire::Sensor {
   trial::TrialHeader header_;
 };
 
-}  // namespace
-
-Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
+Result<std::unique_ptr<Sensor>> OpenScene(const std::string& path) {
   HAPTOMETER_LET(auto scene, ReadPlayedScene(path));
   const bool is_ideal = !scene.sensor;
   // a scene without [sensor] gets an ideal one, with a remark
@@ -294,6 +201,42 @@ Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
     sensor->found.Note(acquire::FindingKind::kIdealSensor, {{"rate_hz", scene.sensor->rate_hz}});
   }
   return sensor;
+}
+
+// a trial or a scene at its speed
+Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& clock) {
+  const bool is_scene = wanted.is_scene();
+  HAPTOMETER_LET(auto played,
+                 is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port));
+  // default speed: a trial is copied at full speed, a scene runs in real time
+  HAPTOMETER_LET(const auto speed,
+                 ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed));
+  return std::make_unique<acquire::PacedSensor>(std::move(played), speed, clock);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
+  const SensorKind* kind = FindSensorKind(wanted.sensor);
+  // CheckSensor() has refused unknown names before
+  HAPTOMETER_CHECK(kind != nullptr, "sensor '{}' was not checked", wanted.sensor);
+  switch (kind->type) {
+    case SensorType::kKeyenceEn1:
+    case SensorType::kKeyenceIl:
+      return OpenIl(wanted, clock);
+    case SensorType::kKeyenceLkg:
+      return OpenLkg(wanted, clock);
+    case SensorType::kModbus:
+      return OpenModbus(wanted, clock);
+    case SensorType::kPipe:
+      return OpenPipe(wanted, clock);
+    case SensorType::kReplay:
+    case SensorType::kScene:
+      return OpenPlayed(wanted, clock);
+    case SensorType::kStream:
+      break;
+  }
+  return OpenStream(wanted, clock);
 }
 
 }  // namespace haptometer::tools

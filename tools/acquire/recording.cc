@@ -35,10 +35,8 @@ Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
 // --duration and --samples become limits; --until stays a wall time until the recording begins
 Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingPlan& plan) {
   if (wanted.duration_s) {
-    const auto time =
-        ReadTime("--duration", *wanted.duration_s, "leave it out to record until Ctrl-C");
-    if (!time) return std::unexpected(time.error());
-    plan.limits.duration_ns = *time;
+    HAPTOMETER_LET(plan.limits.duration_ns, ReadTime("--duration", *wanted.duration_s,
+                                                     "leave it out to record until Ctrl-C"));
   }
   if (wanted.samples) plan.limits.readings = static_cast<std::uint64_t>(*wanted.samples);
   if (wanted.until.empty()) return {};
@@ -48,25 +46,25 @@ Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingP
 
 // the trigger as text: its channel and unit are resolved once the sensor's header is known
 Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
-  if (wanted.trigger.empty()) {
-    // options that have a meaning with a trigger only
-    const char* alone = wanted.pre_samples  ? "--pre-samples"
-                        : wanted.hold_off_s ? "--hold-off"
-                        : wanted.shots      ? "--shots"
-                                            : nullptr;
-    if (alone == nullptr) return {};
-    return Usage(alone, "is part of a trigger", "add e.g. --trigger 'rising 0.1mm'");
-  }
+  const bool is_none = wanted.trigger.empty();
+  constexpr std::string_view kIsPart = "is part of a trigger";
+  constexpr std::string_view kAdd = "add e.g. --trigger 'rising 0.1mm'";
+  HAPTOMETER_TRY(cli::CheckRules({
+      // options that have a meaning with a trigger only
+      {is_none && wanted.pre_samples, "--pre-samples", kIsPart, kAdd},
+      {is_none && wanted.hold_off_s, "--hold-off", kIsPart, kAdd},
+      {is_none && wanted.shots, "--shots", kIsPart, kAdd},
+      // without an end of its own the first shot would last until Ctrl-C
+      {wanted.shots.value_or(1) > 1 && !wanted.duration_s && !wanted.samples, "--shots",
+       "needs an end for each shot", "add --duration or --samples"},
+  }));
+  if (is_none) return {};
   HAPTOMETER_LET(plan.trigger, ParseTrigger(wanted.trigger));
-  plan.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
-  plan.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
-  if (wanted.hold_off_s) {
-    HAPTOMETER_LET(plan.hold_off_ns, ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s"));
-  }
-  // without an end of its own the first shot would last until Ctrl-C
-  if (plan.shots > 1 && !wanted.duration_s && !wanted.samples) {
-    return Usage("--shots", "needs an end for each shot", "add --duration or --samples");
-  }
+  acquire::TriggerSetup& setup = plan.trigger->setup;
+  setup.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
+  setup.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
+  if (!wanted.hold_off_s) return {};
+  HAPTOMETER_LET(setup.hold_off_ns, ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s"));
   return {};
 }
 
@@ -88,8 +86,6 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   HAPTOMETER_LET(plan.longest_away_ns, ReadTime("--reconnect", quantity, "give forever"));
   return {};
 }
-
-}  // namespace
 
 void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
   options.Output("-o,--output", &wanted.output, "FILE|DIR/",
@@ -120,58 +116,6 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
                    "Label to store with the trial; may be repeated");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing trial");
 }
-
-Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
-                                    std::time_t now) {
-  RecordingPlan plan;
-  HAPTOMETER_LET(plan.labels, cli::ReadKeyValues(wanted.labels, "--label"));
-  for (const auto& planned : {PlanEnd(wanted, now, plan), PlanTrigger(wanted, plan),
-                              PlanReconnection(wanted, sensor, plan)}) {
-    if (!planned) return std::unexpected(planned.error());
-  }
-  // no second exists before the first row of a replay, which has the tare of its recording
-  if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
-    return Usage("--tare", "a replay has the zero of its recording", "leave it out");
-  }
-  return plan;
-}
-
-Result<void> CheckOutput(const RecordingOptions& wanted) {
-  const std::string& output = wanted.output;
-  std::error_code error;
-  if (IsDirectoryName(output)) {
-    if (!fs::is_directory(output, error)) {
-      return Usage(output, "is a directory that does not exist", "make it, or name another");
-    }
-    // each trial in a directory gets a new name, so nothing there is replaced
-    if (wanted.overwrite) {
-      return Usage("--overwrite", "replaces nothing in a directory: each trial gets a new name",
-                   "leave it out, or name a file");
-    }
-    return {};
-  }
-  return cli::CheckOutput(output, cli::kTrialOutput, wanted.overwrite);
-}
-
-Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,
-                                          const trial::TrialHeader& header, Clock& clock) {
-  acquire::RecordingLimits limits = plan.limits;
-  if (plan.until) {
-    // wall time to go, added to the monotonic clock: later steps of the wall clock have no effect
-    const std::chrono::duration<double> left_s =
-        std::chrono::system_clock::from_time_t(*plan.until) - std::chrono::system_clock::now();
-    limits.until_ns = clock.Now() + NsFromSeconds(left_s.count());
-  }
-  if (!plan.trigger) return limits;
-  HAPTOMETER_LET(auto trigger, ResolveTrigger(*plan.trigger, header));
-  trigger.pre_samples = plan.pre_samples;
-  trigger.hold_off_ns = plan.hold_off_ns;
-  trigger.shots = plan.shots;
-  limits.trigger = trigger;
-  return limits;
-}
-
-namespace {
 
 using acquire::TriggerKind;
 
@@ -206,58 +150,6 @@ Result<void> CheckQuantity(const std::string& text) {
   }
   return std::unexpected(last.error());
 }
-
-}  // namespace
-
-Result<TriggerWish> ParseTrigger(const std::string& text) {
-  // the first word that is a kind divides channel (words before) and threshold (words behind)
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  const auto kind =
-      std::ranges::find_if(words, [](const std::string& word) { return KindOf(word).has_value(); });
-  if (kind == words.end() || kind + 1 == words.end()) {
-    return Usage(std::string(kOption),
-                 fmt::format("'{}' is not [CHANNEL] above|below|rising|falling VALUE", text),
-                 std::string(kExample));
-  }
-  TriggerWish wish{.channel = fmt::format("{}", fmt::join(words.begin(), kind, " ")),
-                   .kind = *KindOf(*kind),
-                   .threshold = fmt::format("{}", fmt::join(kind + 1, words.end(), " "))};
-  HAPTOMETER_TRY(CheckQuantity(wish.threshold));
-  return wish;
-}
-
-Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
-                                             const trial::TrialHeader& header) {
-  // channel by name, or by default the first displacement (else the first channel)
-  const auto displacement = trial::DisplacementChannel(header);
-  std::size_t number = displacement.value_or(0);
-  if (!wish.channel.empty()) {
-    const auto found =
-        std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
-    if (found == header.channels.end()) {
-      const auto names = Mapped(header.channels, &trial::ChannelFormat::name);
-      return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
-                   fmt::format("the sensor has {}", fmt::join(names, ", ")));
-    }
-    number = static_cast<std::size_t>(found - header.channels.begin());
-  }
-
-  // threshold in the channel's SI unit
-  const trial::ChannelFormat& channel = header.channels[number];
-  HAPTOMETER_LET(const auto threshold,
-                 ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption));
-  acquire::TriggerSetup setup;
-  setup.channel = number;
-  setup.kind = wish.kind;
-  setup.threshold = threshold.value;
-  // a displacement's threshold counts from the tare, which the recorded values still contain
-  if (displacement == number) setup.threshold += header.metadata.tare_m;
-  return setup;
-}
-
-namespace {
 
 // the whole of `text` by one strptime format, fields that it does not set as in `start`
 std::optional<std::tm> Read(const std::string& text, const char* picture, const std::tm& start) {
@@ -298,7 +190,130 @@ std::unexpected<Error> NoSuchTime(const std::string& text) {
                "write e.g. 17:30 or 2026-03-01T17:30");
 }
 
+constexpr std::size_t kLongestStem = 200;  // file systems take 255 bytes
+
+// letters, digits, '.' and '-' are kept, other bytes become '_': no '/' can enter a file's name
+std::string Plain(std::string text) {
+  std::ranges::replace_if(
+      text,
+      [](char c) {
+        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
+                              (c >= 'A' && c <= 'Z') || c == '.' || c == '-';
+        return !is_plain;
+      },
+      '_');
+  return text;
+}
+
+// a check keeps nothing, and ends by --duration alone
+Result<void> CheckAlone(const AcquireOptions& wanted) {
+  const RecordingOptions& recording = wanted.recording;
+  const char* other = !recording.output.empty()      ? "-o"
+                      : wanted.live                  ? "--live"
+                      : recording.samples            ? "--samples"
+                      : !recording.until.empty()     ? "--until"
+                      : !recording.trigger.empty()   ? "--trigger"
+                      : !recording.reconnect.empty() ? "--reconnect"
+                      : recording.tare               ? "--tare"
+                                                     : nullptr;
+  if (other == nullptr) return {};
+  return Usage("--check", fmt::format("keeps nothing and has no use for {}", other),
+               "check first, then record");
+}
+
 }  // namespace
+
+Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
+                                    std::time_t now) {
+  RecordingPlan plan;
+  HAPTOMETER_LET(plan.labels, cli::ReadKeyValues(wanted.labels, "--label"));
+  HAPTOMETER_TRY(PlanEnd(wanted, now, plan));
+  HAPTOMETER_TRY(PlanTrigger(wanted, plan));
+  HAPTOMETER_TRY(PlanReconnection(wanted, sensor, plan));
+  // no second exists before the first row of a replay, which has the tare of its recording
+  if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
+    return Usage("--tare", "a replay has the zero of its recording", "leave it out");
+  }
+  return plan;
+}
+
+Result<void> CheckOutput(const RecordingOptions& wanted) {
+  const std::string& output = wanted.output;
+  std::error_code error;
+  if (IsDirectoryName(output)) {
+    if (!fs::is_directory(output, error)) {
+      return Usage(output, "is a directory that does not exist", "make it, or name another");
+    }
+    // each trial in a directory gets a new name, so nothing there is replaced
+    if (wanted.overwrite) {
+      return Usage("--overwrite", "replaces nothing in a directory: each trial gets a new name",
+                   "leave it out, or name a file");
+    }
+    return {};
+  }
+  return cli::CheckOutput(output, cli::kTrialOutput, wanted.overwrite);
+}
+
+Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,
+                                          const trial::TrialHeader& header, Clock& clock) {
+  acquire::RecordingLimits limits = plan.limits;
+  if (plan.until) {
+    // wall time to go, added to the monotonic clock: later steps of the wall clock have no effect
+    const std::chrono::duration<double> left_s =
+        std::chrono::system_clock::from_time_t(*plan.until) - std::chrono::system_clock::now();
+    limits.until_ns = clock.Now() + NsFromSeconds(left_s.count());
+  }
+  if (!plan.trigger) return limits;
+  HAPTOMETER_LET(limits.trigger, ResolveTrigger(*plan.trigger, header));
+  return limits;
+}
+
+Result<TriggerWish> ParseTrigger(const std::string& text) {
+  // the first word that is a kind divides channel (words before) and threshold (words behind)
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  const auto kind =
+      std::ranges::find_if(words, [](const std::string& word) { return KindOf(word).has_value(); });
+  if (kind == words.end() || kind + 1 == words.end()) {
+    return Usage(std::string(kOption),
+                 fmt::format("'{}' is not [CHANNEL] above|below|rising|falling VALUE", text),
+                 std::string(kExample));
+  }
+  TriggerWish wish{.channel = fmt::format("{}", fmt::join(words.begin(), kind, " ")),
+                   .threshold = fmt::format("{}", fmt::join(kind + 1, words.end(), " ")),
+                   .setup = {.kind = *KindOf(*kind)}};
+  HAPTOMETER_TRY(CheckQuantity(wish.threshold));
+  return wish;
+}
+
+Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
+                                             const trial::TrialHeader& header) {
+  // channel by name, or by default the first displacement (else the first channel)
+  const auto displacement = trial::DisplacementChannel(header);
+  std::size_t number = displacement.value_or(0);
+  if (!wish.channel.empty()) {
+    const auto found =
+        std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
+    if (found == header.channels.end()) {
+      const auto names = Mapped(header.channels, &trial::ChannelFormat::name);
+      return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
+                   fmt::format("the sensor has {}", fmt::join(names, ", ")));
+    }
+    number = static_cast<std::size_t>(found - header.channels.begin());
+  }
+
+  // threshold in the channel's SI unit
+  const trial::ChannelFormat& channel = header.channels[number];
+  HAPTOMETER_LET(const auto threshold,
+                 ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption));
+  acquire::TriggerSetup setup = wish.setup;
+  setup.channel = number;
+  setup.threshold = threshold.value;
+  // a displacement's threshold counts from the tare, which the recorded values still contain
+  if (displacement == number) setup.threshold += header.metadata.tare_m;
+  return setup;
+}
 
 Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
   // a time of day: today, or tomorrow where it has passed
@@ -334,25 +349,6 @@ Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
                "write HH:MM, HH:MM:SS or YYYY-MM-DDTHH:MM, in local time");
 }
 
-namespace {
-
-constexpr std::size_t kLongestStem = 200;  // file systems take 255 bytes
-
-// letters, digits, '.' and '-' are kept, other bytes become '_': no '/' can enter a file's name
-std::string Plain(std::string text) {
-  std::ranges::replace_if(
-      text,
-      [](char c) {
-        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
-                              (c >= 'A' && c <= 'Z') || c == '.' || c == '-';
-        return !is_plain;
-      },
-      '_');
-  return text;
-}
-
-}  // namespace
-
 bool IsDirectoryName(const std::string& output) {
   std::error_code ignored;
   return output.ends_with('/') || fs::is_directory(output, ignored);
@@ -386,26 +382,6 @@ std::string FirstFreePath(const std::string& path, char separator) {
   }
   return free.string();
 }
-
-namespace {
-
-// a check keeps nothing, and ends by --duration alone
-Result<void> CheckAlone(const AcquireOptions& wanted) {
-  const RecordingOptions& recording = wanted.recording;
-  const char* other = !recording.output.empty()      ? "-o"
-                      : wanted.live                  ? "--live"
-                      : recording.samples            ? "--samples"
-                      : !recording.until.empty()     ? "--until"
-                      : !recording.trigger.empty()   ? "--trigger"
-                      : !recording.reconnect.empty() ? "--reconnect"
-                      : recording.tare               ? "--tare"
-                                                     : nullptr;
-  if (other == nullptr) return {};
-  return Usage("--check", fmt::format("keeps nothing and has no use for {}", other),
-               "check first, then record");
-}
-
-}  // namespace
 
 void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
   DeclareSensor(options, wanted.sensor);
@@ -444,16 +420,17 @@ Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
 
 Result<void> CheckAcquire(const AcquireOptions& wanted) {
   HAPTOMETER_TRY(CheckSensor(wanted.sensor));
-  // a requirement on --check alone
-  if (wanted.smallest_rms_m && !wanted.check) {
-    return Usage("--smallest-rms", "is what a check asks for", "add --check");
-  }
+  const bool has_output = !wanted.recording.output.empty();
+  HAPTOMETER_TRY(cli::CheckRules({
+      // a requirement on --check alone
+      {wanted.smallest_rms_m && !wanted.check, "--smallest-rms", "is what a check asks for",
+       "add --check"},
+      // without -o a live view may run; without both there is nothing to do
+      {!wanted.check && !has_output && !wanted.live, "-o", "is missing",
+       "name the trial to write, e.g. -o trial.bin, or look with --live or --check"},
+  }));
   if (wanted.check) return CheckAlone(wanted);
-  if (!wanted.recording.output.empty()) return CheckOutput(wanted.recording);
-  // without -o a live view may run; without both there is nothing to do
-  if (wanted.live) return {};
-  return Usage("-o", "is missing",
-               "name the trial to write, e.g. -o trial.bin, or look with --live or --check");
+  return has_output ? CheckOutput(wanted.recording) : Result<void>{};
 }
 
 }  // namespace haptometer::tools

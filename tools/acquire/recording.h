@@ -9,6 +9,7 @@
 
 #include "acquire/recorder/recorder.h"
 #include "acquire/recorder/trigger.h"
+#include "acquire/sensor/sensor.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "dsp/filter/butterworth.h"
@@ -22,9 +23,9 @@ namespace haptometer::tools {
 
 /// What `--trigger` says, before it is known which channels the sensor has.
 struct TriggerWish {
-  std::string channel;  ///< by name; empty: the first displacement, or else the first channel
-  acquire::TriggerKind kind = acquire::TriggerKind::kRising;
+  std::string channel;    ///< by name; empty: the first displacement, or else the first channel
   std::string threshold;  ///< as written: "0.1mm"
+  acquire::TriggerSetup setup;  ///< without channel and threshold
 };
 
 /// Reads "[CHANNEL ]KIND VALUE": "rising 0.1mm", "voltage rising 1V"; KIND is above, below, rising
@@ -32,8 +33,8 @@ struct TriggerWish {
 /// kind, no value, a value that is a quantity of no channel.
 [[nodiscard]] Result<TriggerWish> ParseTrigger(const std::string& text);
 
-/// The trigger on the channels of `header`; pre-samples, hold-off and shots are the caller's to
-/// set. The threshold of the first displacement channel counts from header.metadata.tare_m.
+/// The trigger on the channels of `header`. The threshold of the first displacement channel counts
+/// from header.metadata.tare_m.
 /// Errors (Cause::kUsage): no such channel (with those there are), a unit that the channel does not
 /// have.
 [[nodiscard]] Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
@@ -55,18 +56,12 @@ struct RecordingOptions {
   bool tare = false;
 };
 
-/// Declares the options of a recording.
-void DeclareRecording(cli::Options& options, RecordingOptions& wanted);
-
 /// The same, read and found to make sense.
 struct RecordingPlan {
   std::map<std::string, std::string> labels;
   acquire::RecordingLimits limits;  ///< without trigger and until_ns
   std::optional<std::time_t> until;
   std::optional<TriggerWish> trigger;
-  std::size_t pre_samples = 0;
-  MonotonicNs hold_off_ns = 0;
-  std::uint64_t shots = 1;
   bool reconnects = false;
   std::optional<MonotonicNs> longest_away_ns;  ///< empty: for ever
 };
@@ -140,6 +135,21 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted);
 
 /// What is wrong with the command line, before anything is touched. Errors (Cause::kUsage).
 [[nodiscard]] Result<void> CheckAcquire(const AcquireOptions& wanted);
+
+/// What a recording begins with: what the sensor (started) says, on which host and when it was made
+/// and by which command, and its labels. A replay keeps the host and time of its trial.
+[[nodiscard]] trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,
+                                                 const std::map<std::string, std::string>& labels,
+                                                 std::string command_line);
+
+/// What a sensor finds: "amplifier 01: the amplifier holds (peak): ...".
+[[nodiscard]] std::string InWords(const acquire::Finding& found);
+
+/// The value of `sample` in the channel's unit: raw * scale + offset.
+[[nodiscard]] inline double ValueOf(const trial::ChannelFormat& channel,
+                                    const trial::Sample& sample) {
+  return sample.raw.Number(channel.encoding) * channel.scale + channel.offset;
+}
 
 /// The longest time in s that may be asked for, some 30 years: it still fits in nanoseconds.
 inline constexpr double kLongestTimeS = 1e9;

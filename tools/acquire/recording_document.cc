@@ -57,14 +57,13 @@ Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,
 
 // --- a recording ---
 
-bool IsBad(std::size_t status) { return !IsMeasurement(static_cast<SampleStatus>(status)); }
-
 // the counts by status, and in words "1 late, 2 bad_frame"
 Section BadByKind(const RecordingSummary& summary, std::string& words) {
   Section kinds{.name = "bad_by_kind"};
   for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
-    if (!IsBad(status)) continue;
-    const std::string_view name = Name(static_cast<SampleStatus>(status));
+    const auto kind = static_cast<SampleStatus>(status);
+    if (IsMeasurement(kind)) continue;
+    const std::string_view name = Name(kind);
     const std::uint64_t count = summary.statuses[status];
     kinds.Add({name}, count);
     if (count > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, name);
@@ -80,6 +79,89 @@ void AddRare(Section& section, const Key& key, std::uint64_t count) {
 
 // rows beyond which reading the trial back would take 100 MB
 constexpr std::uint64_t kMostRows = 1'000'000;
+
+// --- serial ports ---
+
+using acquire::PortInfo;
+
+// fastest baud of a DL-RS1A
+constexpr int kFastestBaud = 38400;
+
+Section PortSection(const PortInfo& port) {
+  std::optional<double> latency_s, rate_hz;
+  Section section{.heading = port.path};
+  if (port.latency_ns) {
+    // the rate of a DL-RS1A with one amplifier behind this adapter: latency adds to the poll period
+    const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
+    latency_s = SecondsFromNs(*port.latency_ns);
+    rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
+    document::AddFindings(section, acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
+  }
+  std::string usb;
+  if (port.usb_vendor && port.usb_product) {
+    usb = fmt::format("{:04x}:{:04x} {}", *port.usb_vendor, *port.usb_product, port.usb_serial);
+  }
+  section.Add(document::kPort, port.path);
+  section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
+  section.Add({"description", "description"}, TextOrNotKnown(port.description));
+  section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
+  // a port on the main board has no USB adapter and none of these entries
+  if (port.by_id.empty() && port.description.empty() && port.driver.empty()) {
+    section.Add({"", "adapter"}, "none is known");
+  }
+  section.Add({"", "USB"}, TextOrNotKnown(usb));
+  section.Add({"usb_vendor"}, port.usb_vendor);
+  section.Add({"usb_product"}, port.usb_product);
+  section.Add({"usb_serial"}, TextOrNotKnown(port.usb_serial));
+  section.Add({document::kLatency.name, "latency timer", document::kSecond}, latency_s);
+  section.Add({"dl_rs1a_38400_baud_rate_hz", "fastest DL-RS1A", document::kHertz}, rate_hz)
+      .resolution = 0.1;
+  section.Add({"in_use_by", "in use by"}, TextOrNotKnown(port.held_by));
+  return section;
+}
+
+// --- known sensors ---
+
+using acquire::Capability;
+using acquire::CapabilityQuestion;
+
+// what limits the sensor's sampling rate, in words
+std::string_view TextOf(acquire::RateLimit limit) {
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 6> kNames{
+      "the wire",           "the wire alone",        "the wire and the sensor",
+      "the unit's refresh", "the unit's processing", "the amplifier's sampling"};
+  return kNames[static_cast<std::size_t>(limit)];
+}
+
+Section CapabilitySection(const Capability& capability) {
+  const acquire::SensorAbility& sensor = capability.sensor;
+  Section section{.heading =
+                      fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
+  section.Add(document::kName, sensor.name);
+  section.Add({"can_answer"}, capability.can_answer);
+  // the reason names the limit, which only the sensor has
+  acquire::Finding reason = capability.reason;
+  reason.numbers.emplace_back("limit", std::string(TextOf(sensor.limit)));
+  section.Add({"reason", "because"}, document::WordsOf(reason));
+  std::string options;
+  for (const auto& [setting, value] : sensor.settings) {
+    options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);
+  }
+  section.Add({"option", "acquire with"}, options);
+  section.Add(document::kRate, sensor.rate_hz).label.clear();
+  section.Add({document::kHighestObservable.name}, capability.highest_hz);
+  section.Add({"gain_at_lower"}, capability.gain_lower);
+  section.Add({"gain_at_upper"}, capability.gain_upper);
+  section.Add({"resolution_m"}, sensor.resolution_m);
+  section.Add(document::kNoiseRms, sensor.noise_rms_m);
+  section.Add({"noise_in_band_m"}, capability.noise_in_band_m);
+  section.Add({document::kSmallestRms10.name}, capability.smallest_rms_10_percent_m);
+  section.Add({document::kSmallestRms1.name}, capability.smallest_rms_1_percent_m);
+  section.Add({"range_min_m"}, sensor.range_min_m);
+  section.Add({"range_max_m"}, sensor.range_max_m);
+  return section;
+}
 
 }  // namespace
 
@@ -149,50 +231,6 @@ std::string ProgressLine(const RecordingSummary& summary) {
                      summary.rate_hz ? fmt::format("{:.1f}/s", *summary.rate_hz) : "rate unknown");
 }
 
-// --- serial ports ---
-
-namespace {
-
-using acquire::PortInfo;
-
-// fastest baud of a DL-RS1A
-constexpr int kFastestBaud = 38400;
-
-Section PortSection(const PortInfo& port) {
-  std::optional<double> latency_s, rate_hz;
-  Section section{.heading = port.path};
-  if (port.latency_ns) {
-    // the rate of a DL-RS1A with one amplifier behind this adapter: latency adds to the poll period
-    const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
-    latency_s = SecondsFromNs(*port.latency_ns);
-    rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
-    document::AddFindings(section, acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
-  }
-  std::string usb;
-  if (port.usb_vendor && port.usb_product) {
-    usb = fmt::format("{:04x}:{:04x} {}", *port.usb_vendor, *port.usb_product, port.usb_serial);
-  }
-  section.Add(document::kPort, port.path);
-  section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
-  section.Add({"description", "description"}, TextOrNotKnown(port.description));
-  section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
-  // a port on the main board has no USB adapter and none of these entries
-  if (port.by_id.empty() && port.description.empty() && port.driver.empty()) {
-    section.Add({"", "adapter"}, "none is known");
-  }
-  section.Add({"", "USB"}, TextOrNotKnown(usb));
-  section.Add({"usb_vendor"}, port.usb_vendor);
-  section.Add({"usb_product"}, port.usb_product);
-  section.Add({"usb_serial"}, TextOrNotKnown(port.usb_serial));
-  section.Add({document::kLatency.name, "latency timer", document::kSecond}, latency_s);
-  section.Add({"dl_rs1a_38400_baud_rate_hz", "fastest DL-RS1A", document::kHertz}, rate_hz)
-      .resolution = 0.1;
-  section.Add({"in_use_by", "in use by"}, TextOrNotKnown(port.held_by));
-  return section;
-}
-
-}  // namespace
-
 document::Document PortsDocument(const std::vector<PortInfo>& ports) {
   document::Document document{
       .verb = "acquire",
@@ -203,53 +241,6 @@ document::Document PortsDocument(const std::vector<PortInfo>& ports) {
       ListOf({.name = "ports", .shape = Section::Shape::kArray}, ports, PortSection)};
   return document;
 }
-
-// --- known sensors ---
-
-namespace {
-
-using acquire::Capability;
-using acquire::CapabilityQuestion;
-
-// what limits the sensor's sampling rate, in words
-std::string_view TextOf(acquire::RateLimit limit) {
-  // in the order of the enumerators
-  static constexpr std::array<std::string_view, 6> kNames{
-      "the wire",           "the wire alone",        "the wire and the sensor",
-      "the unit's refresh", "the unit's processing", "the amplifier's sampling"};
-  return kNames[static_cast<std::size_t>(limit)];
-}
-
-Section CapabilitySection(const Capability& capability) {
-  const acquire::SensorAbility& sensor = capability.sensor;
-  Section section{.heading =
-                      fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
-  section.Add(document::kName, sensor.name);
-  section.Add({"can_answer"}, capability.can_answer);
-  // the reason names the limit, which only the sensor has
-  acquire::Finding reason = capability.reason;
-  reason.numbers.emplace_back("limit", std::string(TextOf(sensor.limit)));
-  section.Add({"reason", "because"}, document::WordsOf(reason));
-  std::string options;
-  for (const auto& [setting, value] : sensor.settings) {
-    options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);
-  }
-  section.Add({"option", "acquire with"}, options);
-  section.Add(document::kRate, sensor.rate_hz).label.clear();
-  section.Add({document::kHighestObservable.name}, capability.highest_hz);
-  section.Add({"gain_at_lower"}, capability.gain_lower);
-  section.Add({"gain_at_upper"}, capability.gain_upper);
-  section.Add({"resolution_m"}, sensor.resolution_m);
-  section.Add(document::kNoiseRms, sensor.noise_rms_m);
-  section.Add({"noise_in_band_m"}, capability.noise_in_band_m);
-  section.Add({document::kSmallestRms10.name}, capability.smallest_rms_10_percent_m);
-  section.Add({document::kSmallestRms1.name}, capability.smallest_rms_1_percent_m);
-  section.Add({"range_min_m"}, sensor.range_min_m);
-  section.Add({"range_max_m"}, sensor.range_max_m);
-  return section;
-}
-
-}  // namespace
 
 Result<CapabilityQuestion> ReadCapabilityQuestion(const std::string& band,
                                                   const std::optional<Quantity>& resolution_m) {

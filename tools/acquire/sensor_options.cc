@@ -8,58 +8,108 @@
 #include <limits>
 #include <utility>
 
-#include "tools/acquire/open_sensor.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/sensor/keyence/il_settings.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::tools {
 namespace {
 
-// options that only some sensors have, given to another sensor
+// alphabetical but for the scene, which SensorNames() completes to scene:FILE
+constexpr std::array<SensorKind, 8> kKinds{{
+    {.type = SensorType::kKeyenceEn1,
+     .name = "keyence-en1",
+     .is_il = true,
+     .is_keyence = true,
+     .is_asked = true},
+    {.type = SensorType::kKeyenceIl,
+     .name = "keyence-il",
+     .is_il = true,
+     .is_keyence = true,
+     .is_asked = true},
+    {.type = SensorType::kKeyenceLkg, .name = "keyence-lkg", .is_keyence = true, .is_asked = true},
+    {.type = SensorType::kModbus, .name = "modbus", .is_asked = true},
+    {.type = SensorType::kPipe, .name = "pipe", .ends_by_itself = true},
+    {.type = SensorType::kReplay, .name = "replay", .is_played = true, .ends_by_itself = true},
+    {.type = SensorType::kStream, .name = "stream"},
+    {.type = SensorType::kScene, .name = kScenePrefix, .is_played = true, .ends_by_itself = true},
+}};
+
+// all names for a message: "keyence-en1, ..., stream, scene:FILE"
+std::string SensorNames() {
+  std::string names;
+  for (const SensorKind& kind : kKinds) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
+  }
+  return names + "FILE";
+}
+
+// baud of a Keyence unit without --baud
+constexpr std::int64_t kKeyenceBaud = 9600;
+
+// options that only some sensors have, given to another one
 Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind) {
   const bool is_pipe = kind.type == SensorType::kPipe;
-  if (!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe) {
-    return Usage("--format", "is for lines that are sent without request and for samples",
-                 "add --sensor stream or --sensor pipe");
-  }
-  for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
-                                       std::pair("--calibration", !wanted.calibration.empty())}) {
-    if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
-  }
-  // a rate is either that of samples without times, or a limit of polling
-  if (wanted.rate_hz && !is_pipe && !kind.is_asked) {
-    return Usage("--rate", "is for samples, and for polled sensors: the others have their own",
-                 "leave it out");
-  }
-  if (!wanted.speed.empty() && !kind.is_played) {
-    return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
-  }
-  return {};
-}
-
-// raw samples describe nothing of themselves: channels, rate and form are required
-Result<void> CheckPipe(const SensorOptions& wanted) {
-  if (wanted.channels.empty()) {
-    return Usage("--channels", "is missing",
-                 "name what is piped in, e.g. --channels displacement:m,voltage:V");
-  }
-  if (!wanted.rate_hz) {
-    return Usage("--rate", "is missing", "give the rows per second, e.g. --rate 10kHz");
-  }
-  if (wanted.format.empty()) {
-    return Usage("--format", "is missing", "give the form of the samples: f64, f32, i16 or text");
-  }
-  return {};
-}
-
-Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
   const bool is_modbus = kind.type == SensorType::kModbus;
-  // --profile and --sensor modbus require each other
-  if (is_modbus == wanted.profile.empty()) {
-    return Usage("--profile", "belongs to --sensor modbus, and that needs it",
-                 "give both, e.g. --sensor modbus --profile baumer-om20");
-  }
-  if (!is_modbus && wanted.slave) return Usage("--slave", "is for --sensor modbus", "leave it out");
-  return {};
+  const bool is_lkg = kind.type == SensorType::kKeyenceLkg;
+  const std::string& command = wanted.command;
+  const std::int64_t baud = wanted.baud.value_or(kKeyenceBaud);
+  const bool is_known_baud = std::ranges::count(acquire::dl_rs1a::kBauds, baud) > 0;
+  const std::string_view of_il = "is for the amplifiers of the IL series";
+  return cli::CheckRules({
+      {!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe, "--format",
+       "is for lines that are sent without request and for samples",
+       "add --sensor stream or --sensor pipe"},
+      {!wanted.channels.empty() && !is_pipe, "--channels", "is for samples", "add --sensor pipe"},
+      {!wanted.calibration.empty() && !is_pipe, "--calibration", "is for samples",
+       "add --sensor pipe"},
+      // a rate is either that of samples without times, or a limit of polling
+      {wanted.rate_hz && !is_pipe && !kind.is_asked, "--rate",
+       "is for samples, and for polled sensors: the others have their own", "leave it out"},
+      {!wanted.speed.empty() && !kind.is_played, "--speed", "is for what is played",
+       "add --sensor replay or --sensor scene:FILE"},
+      {!wanted.settings.empty() && !kind.is_il, "--set", of_il, "leave it out"},
+      {wanted.device_zero && !kind.is_il, "--device-zero", of_il, "leave it out"},
+      {wanted.decimals && kind.type != SensorType::kKeyenceEn1 && !is_lkg, "--decimals",
+       "is for keyence-en1 and keyence-lkg: others send the point", "leave it out"},
+      {!command.empty() && !kind.is_keyence, "--command",
+       "is for keyence-en1, keyence-il and keyence-lkg", "leave it out"},
+      // m0 is a command of both series, ms one of the IL, m1 and m2 of the LK-G
+      {command == "ms" && is_lkg, "--command", "ms is a command of the IL series",
+       "use m1, m2 or m0 (both outputs)"},
+      {(command == "m1" || command == "m2") && !is_lkg, "--command",
+       command + " is a command of the LK-G series", "use m0, or ms to record the outputs too"},
+      // a DL-RS1A has five rates only
+      {kind.type == SensorType::kKeyenceIl && !is_known_baud, "--baud",
+       fmt::format("a DL-RS1A has no {} baud", baud), "use 2400, 4800, 9600, 19200 or 38400"},
+      // --profile and --sensor modbus require each other
+      {is_modbus == wanted.profile.empty(), "--profile",
+       "belongs to --sensor modbus, and that needs it",
+       "give both, e.g. --sensor modbus --profile baumer-om20"},
+      {wanted.slave && !is_modbus, "--slave", "is for --sensor modbus", "leave it out"},
+  });
+}
+
+// what is missing, or lies outside of its range
+Result<void> CheckPresence(const SensorOptions& wanted, const SensorKind& kind) {
+  const bool is_pipe = kind.type == SensorType::kPipe;
+  return cli::CheckRules({
+      // below 1 mHz a row would take over 16 minutes
+      {wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3), "--rate", "must be at least 1 mHz",
+       "write e.g. 10kHz"},
+      // raw samples describe nothing of themselves: channels, rate and form are required
+      {is_pipe && wanted.channels.empty(), "--channels", "is missing",
+       "name what is piped in, e.g. --channels displacement:m,voltage:V"},
+      {is_pipe && !wanted.rate_hz, "--rate", "is missing",
+       "give the rows per second, e.g. --rate 10kHz"},
+      {is_pipe && wanted.format.empty(), "--format", "is missing",
+       "give the form of the samples: f64, f32, i16 or text"},
+      // a pipe may be standard input, so its --port is not required
+      {wanted.port.empty() && !is_pipe && !wanted.is_scene(), "--port", "is missing",
+       "name the sensor's port, e.g. --port /dev/ttyUSB0"},
+      {wanted.refresh_s && !(wanted.refresh_s->value > 0), "--refresh", "must be above 0",
+       "write e.g. 7ms"},
+  });
 }
 
 }  // namespace
@@ -126,23 +176,11 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
   }
   // options of one kind first: their messages name the sensor that they belong to
   HAPTOMETER_TRY(CheckBelonging(wanted, *kind));
-  HAPTOMETER_TRY(CheckKeyence(wanted, *kind));
+  for (const std::string& setting : wanted.settings) {
+    HAPTOMETER_TRY(acquire::il_setting::Parse(setting));
+  }
   HAPTOMETER_TRY(ReadSpeed(wanted.speed));
-  HAPTOMETER_TRY(CheckModbus(wanted, *kind));
-  // below 1 mHz a row would take over 16 minutes; also refuses NaN
-  if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
-    return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");
-  }
-  // a pipe may be standard input, so --port is not required
-  if (kind->type == SensorType::kPipe) return CheckPipe(wanted);
-  if (wanted.port.empty() && !wanted.is_scene()) {
-    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
-  }
-  // also refuses NaN
-  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
-    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
-  }
-  return {};
+  return CheckPresence(wanted, *kind);
 }
 
 // zero and settings are in the device already: a reconnection must not set them again
@@ -169,30 +207,6 @@ std::string PortName(const SensorOptions& wanted) {
   return wanted.port.empty() ? "standard input" : wanted.port;
 }
 
-namespace {
-
-// alphabetical but for the scene, which SensorNames() completes to scene:FILE
-constexpr std::array<SensorKind, 8> kKinds{{
-    {.type = SensorType::kKeyenceEn1,
-     .name = "keyence-en1",
-     .is_il = true,
-     .is_keyence = true,
-     .is_asked = true},
-    {.type = SensorType::kKeyenceIl,
-     .name = "keyence-il",
-     .is_il = true,
-     .is_keyence = true,
-     .is_asked = true},
-    {.type = SensorType::kKeyenceLkg, .name = "keyence-lkg", .is_keyence = true, .is_asked = true},
-    {.type = SensorType::kModbus, .name = "modbus", .is_asked = true},
-    {.type = SensorType::kPipe, .name = "pipe", .ends_by_itself = true},
-    {.type = SensorType::kReplay, .name = "replay", .is_played = true, .ends_by_itself = true},
-    {.type = SensorType::kStream, .name = "stream"},
-    {.type = SensorType::kScene, .name = kScenePrefix, .is_played = true, .ends_by_itself = true},
-}};
-
-}  // namespace
-
 const SensorKind* FindSensorKind(std::string_view sensor) {
   // scene:FILE is found by its prefix alone
   if (sensor.starts_with(kScenePrefix)) sensor = kScenePrefix;
@@ -203,14 +217,6 @@ const SensorKind* FindSensorKind(std::string_view sensor) {
 bool IsSensor(std::string_view sensor, SensorType type) {
   const SensorKind* kind = FindSensorKind(sensor);
   return kind != nullptr && kind->type == type;
-}
-
-std::string SensorNames() {
-  std::string names;
-  for (const SensorKind& kind : kKinds) {
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
-  }
-  return names + "FILE";
 }
 
 }  // namespace haptometer::tools

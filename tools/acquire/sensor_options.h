@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "acquire/sensor/sensor.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "tools/cli/options.h"
@@ -80,7 +83,18 @@ struct SensorKind {
 /// Whether `sensor` names the kind `type`.
 [[nodiscard]] bool IsSensor(std::string_view sensor, SensorType type);
 
-/// All names for a message: "keyence-en1, ..., stream, scene:FILE".
-[[nodiscard]] std::string SensorNames();
+/// Opens the sensor's port and joins it to its protocol; says nothing to the device yet
+/// (Sensor::Start does). `wanted` has passed CheckSensor(); `clock` must outlive the sensor.
+///
+/// May be called again after the sensor was lost: nothing is kept between calls.
+///
+/// A scene's sensor has no wire between: the rows that `simulate -o` writes, as fast as they are
+/// asked for, up to the scene's duration, or without an end; each Begin() plays it from its start.
+/// A scene without [sensor] gets an ideal one on the skin, with a remark.
+/// Errors: Cause::kUsage for a setting that the sensor does not have, Cause::kCannotAnswer for a
+/// port that is none, is not there or is in use; those of ReadPlayedScene
+/// (tools/simulate/simulated_trial.h).
+[[nodiscard]] Result<std::unique_ptr<acquire::Sensor>> OpenSensor(const SensorOptions& wanted,
+                                                                  Clock& clock);
 
 }  // namespace haptometer::tools

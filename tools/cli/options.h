@@ -151,8 +151,10 @@ class Options {
   /// (base/input_file.h); those that the verb finds in folders, scenes and manifests are noted when
   /// they are opened.
   ///
-  /// Beside --describe-options the options are printed as a JSON object (tools/cli/help.h) where
-  /// nothing else is wrong than what is missing.
+  /// Beside --describe-options the options are printed as a JSON object where nothing else is
+  /// wrong than what is missing: name, summary and examples of the verb, and `options`, each with
+  /// name, kind, placeholder, unit, least, most, above and below (whether `least` and `most`
+  /// themselves are refused), choices, default, rare (shown by --help-all alone) and text.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text
@@ -167,5 +169,16 @@ class Options {
 
   std::unique_ptr<State> state_;
 };
+
+/// A rule of a command line.
+struct Rule {
+  bool is_broken = false;
+  std::string_view where;  ///< the option that breaks it
+  std::string_view what;
+  std::string_view remedy;
+};
+
+/// The first rule that is broken, as an error (Cause::kUsage).
+[[nodiscard]] Result<void> CheckRules(std::initializer_list<Rule> rules);
 
 }  // namespace haptometer::cli

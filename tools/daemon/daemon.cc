@@ -20,7 +20,6 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr std::string_view kVerb = "acquire";
 constexpr MonotonicNs kWaitNs = kNsPerS / 10;  // for a client of the socket, and between two checks
 // least interval between two status lines for systemd
 constexpr MonotonicNs kTellEveryNs = kNsPerS;
@@ -37,6 +36,17 @@ void CatchHangUp() {
   struct sigaction action{};
   action.sa_handler = OnHangUp;
   sigaction(SIGHUP, &action, nullptr);
+}
+
+// tells the service manager that started this process: "READY=1\nSTATUS=..."; else does nothing
+void NotifyService(const std::string& assignments) { (void)sd_notify(0, assignments.c_str()); }
+
+// within which time it wants a sign of life ("WATCHDOG=1"), where it does
+std::optional<MonotonicNs> WatchdogInterval() {
+  std::uint64_t interval_us = 0;
+  // microseconds by sd_watchdog_enabled(3)
+  if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
+  return static_cast<MonotonicNs>(interval_us) * 1000;
 }
 
 // messages to systemd (sd_notify): ready, watchdog, status line
@@ -125,36 +135,31 @@ Result<void> CheckDirectory(const DaemonConfig& config, const std::string& confi
                "make it, or name another");
 }
 
-}  // namespace
-
-int RunDaemon(const std::string& config_path, const std::string& command_line) {
-  const auto config = ReadDaemonConfig(config_path);
-  if (!config) return cli::ReportError(kVerb, config.error());
-  if (auto checked = CheckDirectory(*config, config_path); !checked) {
-    return cli::ReportError(kVerb, checked.error());
-  }
+// records until a signal comes; the exit status
+Result<int> RunDaemon(const std::string& config_path, const std::string& command_line) {
+  HAPTOMETER_LET(const auto config, ReadDaemonConfig(config_path));
+  HAPTOMETER_TRY(CheckDirectory(config, config_path));
   cli::CatchInterrupts();
   CatchHangUp();
   // the socket before the sensors: a second daemon of this file ends here, before it opens a port
-  const auto socket = StatusSocket::Listen(
-      config->socket.empty() ? DefaultStatusSockets(config_path).front() : config->socket);
-  if (!socket) return cli::ReportError(kVerb, socket.error());
-
+  HAPTOMETER_LET(
+      const auto socket,
+      StatusSocket::Listen(config.socket.empty() ? DefaultStatusSockets(config_path).front()
+                                                 : config.socket));
   SystemClock clock;
   Loops loops;
-  for (const DaemonSensor& sensor : config->sensors) {
-    loops.push_back(std::make_unique<SensorLoop>(sensor, *config, command_line, clock));
+  for (const DaemonSensor& sensor : config.sensors) {
+    loops.push_back(std::make_unique<SensorLoop>(sensor, config, command_line, clock));
   }
-  const auto refused = Serve(config_path, *socket, loops, clock);
+  const auto refused = Serve(config_path, socket, loops, clock);
 
   // stop all first, then wait for each: the trials close at the same time
   NotifyService("STOPPING=1\nSTATUS=closing the trials");
   for (const auto& loop : loops) loop->Stop();
   loops.clear();
-  return refused ? cli::ReportError(kVerb, *refused) : 0;
+  if (refused) return std::unexpected(*refused);
+  return 0;
 }
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -192,13 +197,6 @@ Result<DaemonStatus> Ask(const std::string& asked) {
   return ParseStatus(answer, path);
 }
 
-int ShowStatus(const std::string& asked, const document::Outputs& outputs, int argc,
-               const char* const* argv) {
-  const auto status = Ask(asked);
-  if (!status) return cli::ReportError(kVerb, status.error());
-  return document::Present(StatusDocument(*status), outputs, argc, argv);
-}
-
 // whether only the `allowed` words are given, each possibly as --name=value
 bool StandsAlone(int argc, const char* const* argv, const std::vector<std::string>& allowed) {
   return std::all_of(argv + 1, argv + argc, [&](const char* word) {
@@ -218,28 +216,22 @@ void DeclareDaemon(cli::Options& options, DaemonOptions& wanted) {
                        "Show the status of a running daemon");
 }
 
-std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document::Outputs& outputs,
-                                    int argc, const char* const* argv) {
+Result<std::optional<int>> RunDaemonOptions(const DaemonOptions& wanted,
+                                            const document::Outputs& outputs, int argc,
+                                            const char* const* argv) {
   if (wanted.config.empty() && !wanted.wants_status) return std::nullopt;
   const std::string which = wanted.wants_status ? "--status" : "--daemon";
   std::vector<std::string> allowed{which, wanted.config, wanted.asked};
   if (wanted.wants_status) allowed.insert(allowed.end(), {"--json", "--all"});
   if (!StandsAlone(argc, argv, allowed)) {
-    return cli::ReportError(kVerb, {Cause::kUsage, which, "cannot be combined with other options",
-                                    "leave the other options out; CONFIG.toml states the rest"});
+    return Usage(which, "cannot be combined with other options",
+                 "leave the other options out; CONFIG.toml states the rest");
   }
-  if (wanted.wants_status) return ShowStatus(wanted.asked, outputs, argc, argv);
-  const std::vector<std::string> words(argv, argv + argc);
-  return RunDaemon(wanted.config, cli::CommandLine(words));
-}
-
-void NotifyService(const std::string& assignments) { (void)sd_notify(0, assignments.c_str()); }
-
-std::optional<MonotonicNs> WatchdogInterval() {
-  std::uint64_t interval_us = 0;
-  // microseconds by sd_watchdog_enabled(3)
-  if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
-  return static_cast<MonotonicNs>(interval_us) * 1000;
+  if (!wanted.wants_status) {
+    return RunDaemon(wanted.config, cli::CommandLine({argv, argv + argc}));
+  }
+  HAPTOMETER_LET(const auto status, Ask(wanted.asked));
+  return document::Present(StatusDocument(status), outputs, argc, argv);
 }
 
 }  // namespace haptometer::tools

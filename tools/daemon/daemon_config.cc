@@ -130,20 +130,6 @@ Result<DaemonConfig> Read(TomlTable table) {
   return config;
 }
 
-}  // namespace
-
-Result<DaemonConfig> ReadDaemonConfig(const std::string& path) {
-  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
-  return Read(std::move(table));
-}
-
-Result<DaemonConfig> ParseDaemonConfig(std::string_view text, const std::string& where) {
-  HAPTOMETER_LET(auto table, TomlTable::ParseText(text, where));
-  return Read(std::move(table));
-}
-
-namespace {
-
 struct TextKey {
   std::string SensorOptions::* field;
 };
@@ -199,18 +185,6 @@ struct ReadInto {
   }
 };
 
-}  // namespace
-
-SensorOptions ReadSensorKeys(TomlTable& table) {
-  SensorOptions options;
-  for (const SensorKey& key : kKeys) std::visit(ReadInto{table, key.name, options}, key.kind);
-  return options;
-}
-
-std::vector<std::string_view> SensorKeyNames() { return Mapped(kKeys, &SensorKey::name); }
-
-namespace {
-
 void Replace(std::string& text, std::string_view placeholder, std::string_view by) {
   // continues behind the inserted text, which may hold the placeholder itself
   for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos;) {
@@ -229,6 +203,24 @@ std::string Filled(std::string_view pattern, std::string_view name, std::string_
 }
 
 }  // namespace
+
+Result<DaemonConfig> ReadDaemonConfig(const std::string& path) {
+  HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
+  return Read(std::move(table));
+}
+
+Result<DaemonConfig> ParseDaemonConfig(std::string_view text, const std::string& where) {
+  HAPTOMETER_LET(auto table, TomlTable::ParseText(text, where));
+  return Read(std::move(table));
+}
+
+SensorOptions ReadSensorKeys(TomlTable& table) {
+  SensorOptions options;
+  for (const SensorKey& key : kKeys) std::visit(ReadInto{table, key.name, options}, key.kind);
+  return options;
+}
+
+std::vector<std::string_view> SensorKeyNames() { return Mapped(kKeys, &SensorKey::name); }
 
 Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::string_view where) {
   constexpr const char* kRemedy = "write a name with {name}, {utc} and {part} in it";

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/acquire/acquire.h"
-#include "tools/acquire/open_sensor.h"
+#include "tools/acquire/recording.h"
+#include "tools/acquire/sensor_options.h"
 #include "tools/cli/terminal.h"
 
 namespace haptometer::tools {

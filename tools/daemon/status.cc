@@ -104,63 +104,6 @@ std::optional<SensorStatus> FromJson(const ordered_json& object) {
                       .last_error = Text(object, kLastError)};
 }
 
-}  // namespace
-
-std::string_view Name(LoopState state) { return kStateNames.at(static_cast<std::size_t>(state)); }
-
-document::Document StatusDocument(const DaemonStatus& status) {
-  document::Document document{.verb = "acquire",
-                              .title = fmt::format("{}: {}", status.config, StatusLine(status))};
-  Section& root = document.root;
-  root.Add(kConfig, status.config);
-  root.Add(document::kUtc, status.utc);
-  Section sensors{.name = document::kSensors.name, .shape = Section::Shape::kTable};
-  for (const SensorStatus& sensor : status.sensors) {
-    sensors.sections.push_back(SensorSection(sensor));
-    // the last error is shown as a note of its sensor, also after the state has changed
-    if (sensor.last_error.empty()) continue;
-    root.findings.push_back(
-        {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
-  }
-  root.sections = {std::move(sensors)};
-  return document;
-}
-
-std::string StatusJson(const DaemonStatus& status) {
-  document::Document document = StatusDocument(status);
-  document.provenance = {.version = HAPTOMETER_VERSION, .utc = status.utc};
-  return document::JsonOf(document);
-}
-
-Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
-  auto refused = CannotAnswer(where, "answers with no status of a daemon",
-                              "is it haptometer's, and of this version?");
-  // without exceptions: a document that is no JSON is discarded, and no object
-  const ordered_json document = ordered_json::parse(json, nullptr, false);
-  if (!document.is_object() || !document.contains(document::kSensors.name)) return refused;
-  DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, document::kUtc)};
-  for (const ordered_json& object : document[document::kSensors.name]) {
-    auto sensor = FromJson(object);
-    if (!sensor) return refused;
-    status.sensors.push_back(std::move(*sensor));
-  }
-  return status;
-}
-
-std::string StatusLine(const DaemonStatus& status) {
-  const auto recording =
-      std::ranges::count(status.sensors, LoopState::kRecording, &SensorStatus::state);
-  std::string line = fmt::format("{} of {} recording", recording, status.sensors.size());
-  for (const SensorStatus& sensor : status.sensors) {
-    // sensors that record are in the count; each other one is named with its state
-    if (sensor.state == LoopState::kRecording) continue;
-    line += fmt::format("; {}: {}", sensor.name, Name(sensor.state));
-  }
-  return line;
-}
-
-namespace {
-
 namespace fs = std::filesystem;
 using acquire::OwnedDescriptor;
 
@@ -219,7 +162,70 @@ Result<void> ClearPlace(const std::string& path, const sockaddr_un& address) {
   return {};
 }
 
+std::vector<fs::path> SocketDirectories() {
+  std::vector<fs::path> directories;
+  // getenv is not safe beside setenv: called before any thread is started
+  const char* own = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
+  if (own != nullptr && *own != '\0') directories.push_back(fs::path(own) / "haptometer");
+  // the user's directory first, then the system's
+  directories.emplace_back("/run/haptometer");
+  return directories;
+}
+
 }  // namespace
+
+std::string_view Name(LoopState state) { return kStateNames.at(static_cast<std::size_t>(state)); }
+
+document::Document StatusDocument(const DaemonStatus& status) {
+  document::Document document{.verb = "acquire",
+                              .title = fmt::format("{}: {}", status.config, StatusLine(status))};
+  Section& root = document.root;
+  root.Add(kConfig, status.config);
+  root.Add(document::kUtc, status.utc);
+  Section sensors{.name = document::kSensors.name, .shape = Section::Shape::kTable};
+  for (const SensorStatus& sensor : status.sensors) {
+    sensors.sections.push_back(SensorSection(sensor));
+    // the last error is shown as a note of its sensor, also after the state has changed
+    if (sensor.last_error.empty()) continue;
+    root.findings.push_back(
+        {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
+  }
+  root.sections = {std::move(sensors)};
+  return document;
+}
+
+std::string StatusJson(const DaemonStatus& status) {
+  document::Document document = StatusDocument(status);
+  document.provenance = {.version = HAPTOMETER_VERSION, .utc = status.utc};
+  return document::JsonOf(document);
+}
+
+Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
+  auto refused = CannotAnswer(where, "answers with no status of a daemon",
+                              "is it haptometer's, and of this version?");
+  // without exceptions: a document that is no JSON is discarded, and no object
+  const ordered_json document = ordered_json::parse(json, nullptr, false);
+  if (!document.is_object() || !document.contains(document::kSensors.name)) return refused;
+  DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, document::kUtc)};
+  for (const ordered_json& object : document[document::kSensors.name]) {
+    auto sensor = FromJson(object);
+    if (!sensor) return refused;
+    status.sensors.push_back(std::move(*sensor));
+  }
+  return status;
+}
+
+std::string StatusLine(const DaemonStatus& status) {
+  const auto recording =
+      std::ranges::count(status.sensors, LoopState::kRecording, &SensorStatus::state);
+  std::string line = fmt::format("{} of {} recording", recording, status.sensors.size());
+  for (const SensorStatus& sensor : status.sensors) {
+    // sensors that record are in the count; each other one is named with its state
+    if (sensor.state == LoopState::kRecording) continue;
+    line += fmt::format("; {}: {}", sensor.name, Name(sensor.state));
+  }
+  return line;
+}
 
 Result<StatusSocket> StatusSocket::Listen(std::string path) {
   HAPTOMETER_LET(const auto address, AddressOf(path));
@@ -283,20 +289,6 @@ Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
   }
   return CannotAnswer(path, "gives no status in time", "is it haptometer's daemon? try again");
 }
-
-namespace {
-
-std::vector<fs::path> SocketDirectories() {
-  std::vector<fs::path> directories;
-  // getenv is not safe beside setenv: called before any thread is started
-  const char* own = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
-  if (own != nullptr && *own != '\0') directories.push_back(fs::path(own) / "haptometer");
-  // the user's directory first, then the system's
-  directories.emplace_back("/run/haptometer");
-  return directories;
-}
-
-}  // namespace
 
 std::vector<std::string> DefaultStatusSockets(const std::string& config_path) {
   return Mapped<std::string>(SocketDirectories(), [&](const fs::path& directory) {

@@ -129,36 +129,27 @@ void Declare(cli::Options& options, Wanted& wanted) {
 
 // Options that exclude or require each other.
 Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
-  if (options.json()) {
-    return Usage("--json", "emulate has no document to print", "read its line 'ready PATH'");
-  }
-  if (wanted.scene.empty() == wanted.trial.empty()) {
-    return Usage("", "what to play is not clear", "give one of --scene FILE and --trial FILE");
-  }
-  if (!wanted.link.empty() && !wanted.tcp.empty()) {
-    return Usage("--link", "is for a terminal, and --tcp makes none", "leave one of them out");
-  }
-  // a stream and an LK-G have no buffer that is refreshed at intervals
-  if ((wanted.stream() || wanted.protocol == kLkg) && wanted.refresh_s) {
-    return Usage("--refresh", "is the buffer of a DL-RS1A",
-                 fmt::format("leave it out with --protocol {}", wanted.protocol));
-  }
-  if (wanted.stream() && wanted.amplifiers) {
-    return Usage("--amplifiers", "is for polled sensors", "leave it out with --protocol stream");
-  }
-  if (wanted.modbus() == wanted.profile.empty()) {
-    return Usage("--profile", "belongs to --protocol modbus, and that needs it",
-                 "give both, e.g. --protocol modbus --profile baumer-om20");
-  }
-  // a profile states wire and sampling of its sensor
-  if (wanted.modbus() &&
-      (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
-    return Usage("--profile", "states baud rate and sampling itself",
-                 "leave --baud, --sampling, --averages and --refresh out");
-  }
-  if (!wanted.stream() && !wanted.format.empty()) {
-    return Usage("--format", "is for lines that are sent without request", "add --protocol stream");
-  }
+  const bool has_buffer = !wanted.stream() && wanted.protocol != kLkg;
+  const std::string without = fmt::format("leave it out with --protocol {}", wanted.protocol);
+  HAPTOMETER_TRY(cli::CheckRules({
+      {options.json(), "--json", "emulate has no document to print", "read its line 'ready PATH'"},
+      {wanted.scene.empty() == wanted.trial.empty(), "", "what to play is not clear",
+       "give one of --scene FILE and --trial FILE"},
+      {!wanted.link.empty() && !wanted.tcp.empty(), "--link",
+       "is for a terminal, and --tcp makes none", "leave one of them out"},
+      // a stream and an LK-G have no buffer that is refreshed at intervals
+      {wanted.refresh_s && !has_buffer, "--refresh", "is the buffer of a DL-RS1A", without},
+      {wanted.amplifiers && wanted.stream(), "--amplifiers", "is for polled sensors", without},
+      {wanted.modbus() == wanted.profile.empty(), "--profile",
+       "belongs to --protocol modbus, and that needs it",
+       "give both, e.g. --protocol modbus --profile baumer-om20"},
+      // a profile states wire and sampling of its sensor
+      {wanted.modbus() && (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s),
+       "--profile", "states baud rate and sampling itself",
+       "leave --baud, --sampling, --averages and --refresh out"},
+      {!wanted.stream() && !wanted.format.empty(), "--format",
+       "is for lines that are sent without request", "add --protocol stream"},
+  }));
   // times in s that are converted to ns
   const std::pair<const char*, const std::optional<Quantity>*> times[] = {
       {"--duration", &wanted.duration_s},
@@ -379,23 +370,6 @@ Result<void> Emulate(const Wanted& wanted) {
   return {};
 }
 
-}  // namespace
-
-int RunEmulate(int argc, const char* const* argv) {
-  Wanted wanted;
-  cli::Options options(kText);
-  Declare(options, wanted);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  if (auto together = CheckTogether(options, wanted); !together) {
-    return cli::ReportError(kVerb, together.error());
-  }
-  cli::CatchInterrupts();
-  if (auto done = Emulate(wanted); !done) return cli::ReportError(kVerb, done.error());
-  return cli::InterruptedStatus(0);
-}
-
-namespace {
-
 // measured rows in order of time: a continuous motion by linear interpolation
 struct Path {
   std::vector<double> times_s;
@@ -414,6 +388,19 @@ double PositionAt(const Path& path, double t_s) {
 }
 
 }  // namespace
+
+int RunEmulate(int argc, const char* const* argv) {
+  Wanted wanted;
+  cli::Options options(kText);
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (auto together = CheckTogether(options, wanted); !together) {
+    return cli::ReportError(kVerb, together.error());
+  }
+  cli::CatchInterrupts();
+  if (auto done = Emulate(wanted); !done) return cli::ReportError(kVerb, done.error());
+  return cli::InterruptedStatus(0);
+}
 
 Result<RecordedMotion> MotionOf(const trial::Record& record, const std::string& where) {
   const trial::Channel* channel = record.Find(trial::ChannelRole::kDisplacement);

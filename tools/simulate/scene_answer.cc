@@ -142,69 +142,7 @@ Result<SceneAnswer> AnswerRun(SceneAnswer answer, const std::string& where) {
   return answer;
 }
 
-}  // namespace
-
-const sim::SceneRun* RunOf(const SceneAnswer& answer) {
-  if (answer.effects) return &answer.effects->run;
-  return answer.plain_run ? &*answer.plain_run : nullptr;
-}
-
-const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
-  // without a duration, where the linear steady motion does not hold
-  const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
-  return settled ? &answer.effects->run : nullptr;
-}
-
-bool IsSuperposed(const SceneAnswer& answer) {
-  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic &&
-         !answer.effects->chaotic;
-}
-
-Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
-  HAPTOMETER_TRY(CheckRun(scene, where));
-  // period and attractor are searched for a sine only
-  if (scene.drive.kind != sim::DriveKind::kSine && sim::StartOf(scene) == sim::Start::kSteady) {
-    return CannotAnswer(where,
-                        "begins with effects in the steady motion of tones, which is not "
-                        "searched for",
-                        "write start = \"rest\" in [run], and a longer duration_s");
-  }
-  auto choice = sim::ChooseEffects(scene);
-  if (!choice) return CannotAnswer(where, document::WordsOf(choice.error()));
-  return *std::move(choice);
-}
-
-Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where) {
-  SceneAnswer answer;
-  answer.scene = scene;
-  if (scene.drive.kind != sim::DriveKind::kSine) return AnswerRun(std::move(answer), where);
-  // X = (j w I - A)^-1 B V, refused where the bound of its error is 1 or more
-  const sim::SteadyState linear = sim::SolveSteadyState(scene);
-  if (!(linear.error_estimate < 1)) return std::unexpected(NoSteadyState(scene, where));
-  answer.steady = linear;
-  // effects: the scene with those that act is solved again, and the limits are checked
-  if (scene.effects.Asked()) {
-    HAPTOMETER_LET(auto choice, DecideEffects(scene, where));
-    const sim::EffectiveScene effective = sim::WithEffects(scene, choice.on);
-    answer.steady = sim::SolveSteadyState(effective.scene);
-    // a motion with limits and one without may both exist: the transient from the start decides
-    const bool limited = choice.periodic || choice.chaotic;
-    if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
-    answer.effects = std::move(choice);
-  }
-  // from the actuator's constants, by derivatives of the linear steady state
-  if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
-  answer.window = WindowOf(answer);
-  return answer;
-}
-
-namespace {
-
-// part of the input energy that the skin dissipates, 0 to 1
-double SkinShare(const sim::EnergyLedger& ledger) {
-  return ledger.dissipated_j[static_cast<std::size_t>(sim::SceneElement::kSkin)] / ledger.input_j;
-}
-
+// part of the power or energy put in that the skin dissipates, 0 to 1
 std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
   double share = std::nan("");
   if (answer.steady) {
@@ -217,8 +155,9 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
     share = answer.scene.skin.damping_n_s_per_m * speed * speed / answer.steady->power_w;
   } else if (answer.tones) {
     share = answer.tones->skin_power_w / answer.tones->power_w;
-  } else if (RunOf(answer) != nullptr) {
-    share = SkinShare(RunOf(answer)->ledger);
+  } else if (const sim::SceneRun* run = RunOf(answer)) {
+    constexpr auto kSkin = static_cast<std::size_t>(sim::SceneElement::kSkin);
+    share = run->ledger.dissipated_j[kSkin] / run->ledger.input_j;
   }
   return std::isfinite(share) ? std::optional(share) : std::nullopt;
 }
@@ -277,107 +216,63 @@ void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumber
   if (!numbers.rise) numbers.no_rise = NoRise(sim::FindingKind::kNoRise, {"run_s", duration_s});
 }
 
-}  // namespace
-
-sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
-  if (answer.effects) return sim::WithEffects(answer.scene, answer.effects->on);
-  return {.scene = answer.scene, .piecewise = {}};
-}
-
-sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
-  const bool settled = SettledRun(answer) != nullptr;
-  // the run starts from a point of the periodic or chaotic motion
-  const bool repeats = settled && answer.effects->periodic;
-  if (!repeats && !(settled && answer.effects->chaotic)) return sim::BeginningOf(effective);
-  const sim::PeriodPoint& point =
-      repeats ? answer.effects->periodic->point : answer.effects->chaotic->point;
-  // the point is one of the period's map: it is expanded to a full state
-  const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
-                           effective.scene.drive);
-  // the coil's temperature is a point's last coordinate
-  const double rise_k = effective.smooth.heating ? point.x(point.x.size() - 1) : 0;
-  return {.start = map.StartOf(point), .temperature_rise_k = rise_k};
-}
-
-MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played) {
-  MotionNumbers numbers;
-  numbers.contact_force_least_n = LeastForce(answer, played);
-  numbers.efficiency = EfficiencyOf(answer);
-  const bool rises = answer.scene.duration_s && sim::StartOf(answer.scene) == sim::Start::kRest;
-  if (!rises) return numbers;
-  if (played == nullptr) {
-    numbers.no_rise = NoRise(sim::FindingKind::kRunTooLong, {"run_s", *answer.scene.duration_s});
-  } else {
-    AddRise(answer.scene, *played, numbers);
-  }
-  return numbers;
-}
-
-namespace {
-
 using Number = std::optional<double>;
 
 // a number of the linear steady state; nothing where that does not hold
-template <double sim::SteadyState::* kMember>
+template <auto kOf>
 Number Steady(const SceneAnswer& answer) {
-  return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
+  return answer.steady ? Number(kOf(*answer.steady)) : std::nullopt;
 }
 
 // the same, or of the steady state under tones
-template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones>
+template <auto kOf>
 Number SteadyOrTones(const SceneAnswer& answer) {
-  return answer.tones ? Number((*answer.tones).*kOfTones) : Steady<kMember>(answer);
+  return answer.tones ? Number(kOf(*answer.tones)) : Steady<kOf>(answer);
 }
 
 // the same, or of the steady motion of a scene that stops, lost contact or smooth effects limit
-template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones,
-          double sim::SceneRun::* kSettled>
+template <auto kOf>
 Number Settled(const SceneAnswer& answer) {
   const sim::SceneRun* settled = SettledRun(answer);
-  return settled != nullptr ? Number(settled->*kSettled) : SteadyOrTones<kMember, kOfTones>(answer);
+  return settled != nullptr ? Number(kOf(*settled)) : SteadyOrTones<kOf>(answer);
 }
 
 // a number of the run of a scene with effects, or under a drive that is no sine
-template <double sim::SceneRun::* kMember>
+template <auto kOf>
 Number OfRun(const SceneAnswer& answer) {
   const sim::SceneRun* run = RunOf(answer);
-  return run != nullptr ? Number(run->*kMember) : std::nullopt;
+  return run != nullptr ? Number(kOf(*run)) : std::nullopt;
 }
 
+// of a steady state, one under tones, or a run
+constexpr auto kSkinRmsOf = [](const auto& motion) { return motion.skin_rms_m; };
+constexpr auto kMoverPeakOf = [](const auto& motion) { return motion.mover_peak_m; };
+constexpr auto kCaseRmsOf = [](const auto& motion) { return motion.case_rms_m; };
+constexpr auto kCurrentRmsOf = [](const auto& motion) { return motion.current_rms_a; };
+constexpr auto kPowerOf = [](const auto& motion) { return motion.power_w; };
+constexpr auto kPhaseOf = [](const auto& motion) { return motion.phase_rad; };
+constexpr auto kForceOf = [](const auto& motion) { return motion.skin_force_peak_n; };
+constexpr auto kMoverPeakOfRunOf = [](const auto& run) { return run.mover_peak_of_run_m; };
+
 constexpr auto kSteadyNumbers = std::to_array<AnswerNumber>({
-    {document::kSkinRms, Settled<&sim::SteadyState::skin_rms_m, &sim::SteadyTones::skin_rms_m,
-                                 &sim::SceneRun::skin_rms_m>},
-    {document::kMoverPeak, Settled<&sim::SteadyState::mover_peak_m, &sim::SteadyTones::mover_peak_m,
-                                   &sim::SceneRun::mover_peak_m>},
-    {kCaseRms, Settled<&sim::SteadyState::case_rms_m, &sim::SteadyTones::case_rms_m,
-                       &sim::SceneRun::case_rms_m>},
-    {document::kCurrentRms,
-     Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
-             &sim::SceneRun::current_rms_a>},
-    {document::kPower,
-     Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
-    {document::kPhase, Steady<&sim::SteadyState::phase_rad>},
-    {document::kSkinForcePeak,
-     SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
+    {document::kSkinRms, Settled<kSkinRmsOf>},
+    {document::kMoverPeak, Settled<kMoverPeakOf>},
+    {kCaseRms, Settled<kCaseRmsOf>},
+    {document::kCurrentRms, Settled<kCurrentRmsOf>},
+    {document::kPower, Settled<kPowerOf>},
+    {document::kPhase, Steady<kPhaseOf>},
+    {document::kSkinForcePeak, SteadyOrTones<kForceOf>},
 });
 
 constexpr auto kRunNumbers = std::to_array<AnswerNumber>({
-    {document::kSkinRms, OfRun<&sim::SceneRun::skin_rms_m>},
-    {kCaseRms, OfRun<&sim::SceneRun::case_rms_m>},
-    {document::kCurrentRms, OfRun<&sim::SceneRun::current_rms_a>},
-    {document::kPower, OfRun<&sim::SceneRun::power_w>},
-    {document::kMoverPeak, OfRun<&sim::SceneRun::mover_peak_m>},
+    {document::kSkinRms, OfRun<kSkinRmsOf>},
+    {kCaseRms, OfRun<kCaseRmsOf>},
+    {document::kCurrentRms, OfRun<kCurrentRmsOf>},
+    {document::kPower, OfRun<kPowerOf>},
+    {document::kMoverPeak, OfRun<kMoverPeakOf>},
     {document::Key{"mover_peak_of_run_m", "mover travel in the whole run", document::kMetre},
-     OfRun<&sim::SceneRun::mover_peak_of_run_m>},
+     OfRun<kMoverPeakOfRunOf>},
 });
-
-}  // namespace
-
-std::span<const AnswerNumber> SteadyNumbers() { return kSteadyNumbers; }
-
-std::span<const AnswerNumber> RunNumbers() { return kRunNumbers; }
-
-namespace {
 
 constexpr int kTimedRuns = 3;
 
@@ -418,6 +313,98 @@ TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on) {
 }
 
 }  // namespace
+
+const sim::SceneRun* RunOf(const SceneAnswer& answer) {
+  if (answer.effects) return &answer.effects->run;
+  return answer.plain_run ? &*answer.plain_run : nullptr;
+}
+
+const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
+  // without a duration, where the linear steady motion does not hold
+  const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
+  return settled ? &answer.effects->run : nullptr;
+}
+
+bool IsSuperposed(const SceneAnswer& answer) {
+  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic &&
+         !answer.effects->chaotic;
+}
+
+Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
+  HAPTOMETER_TRY(CheckRun(scene, where));
+  // period and attractor are searched for a sine only
+  if (scene.drive.kind != sim::DriveKind::kSine && sim::StartOf(scene) == sim::Start::kSteady) {
+    return CannotAnswer(where,
+                        "begins with effects in the steady motion of tones, which is not "
+                        "searched for",
+                        "write start = \"rest\" in [run], and a longer duration_s");
+  }
+  auto choice = sim::ChooseEffects(scene);
+  if (!choice) return CannotAnswer(where, document::WordsOf(choice.error()));
+  return *std::move(choice);
+}
+
+Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where) {
+  SceneAnswer answer;
+  answer.scene = scene;
+  if (scene.drive.kind != sim::DriveKind::kSine) return AnswerRun(std::move(answer), where);
+  // X = (j w I - A)^-1 B V, refused where the bound of its error is 1 or more
+  const sim::SteadyState linear = sim::SolveSteadyState(scene);
+  if (!(linear.error_estimate < 1)) return std::unexpected(NoSteadyState(scene, where));
+  answer.steady = linear;
+  // effects: the scene with those that act is solved again, and the limits are checked
+  if (scene.effects.Asked()) {
+    HAPTOMETER_LET(auto choice, DecideEffects(scene, where));
+    const sim::EffectiveScene effective = sim::WithEffects(scene, choice.on);
+    answer.steady = sim::SolveSteadyState(effective.scene);
+    // a motion with limits and one without may both exist: the transient from the start decides
+    const bool limited = choice.periodic || choice.chaotic;
+    if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
+    answer.effects = std::move(choice);
+  }
+  // from the actuator's constants, by derivatives of the linear steady state
+  if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
+  answer.window = WindowOf(answer);
+  return answer;
+}
+
+sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
+  if (answer.effects) return sim::WithEffects(answer.scene, answer.effects->on);
+  return {.scene = answer.scene, .piecewise = {}};
+}
+
+sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
+  const bool settled = SettledRun(answer) != nullptr;
+  // the run starts from a point of the periodic or chaotic motion
+  const bool repeats = settled && answer.effects->periodic;
+  if (!repeats && !(settled && answer.effects->chaotic)) return sim::BeginningOf(effective);
+  const sim::PeriodPoint& point =
+      repeats ? answer.effects->periodic->point : answer.effects->chaotic->point;
+  // the point is one of the period's map: it is expanded to a full state
+  const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
+                           effective.scene.drive);
+  // the coil's temperature is a point's last coordinate
+  const double rise_k = effective.smooth.heating ? point.x(point.x.size() - 1) : 0;
+  return {.start = map.StartOf(point), .temperature_rise_k = rise_k};
+}
+
+MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played) {
+  MotionNumbers numbers;
+  numbers.contact_force_least_n = LeastForce(answer, played);
+  numbers.efficiency = EfficiencyOf(answer);
+  const bool rises = answer.scene.duration_s && sim::StartOf(answer.scene) == sim::Start::kRest;
+  if (!rises) return numbers;
+  if (played == nullptr) {
+    numbers.no_rise = NoRise(sim::FindingKind::kRunTooLong, {"run_s", *answer.scene.duration_s});
+  } else {
+    AddRise(answer.scene, *played, numbers);
+  }
+  return numbers;
+}
+
+std::span<const AnswerNumber> SteadyNumbers() { return kSteadyNumbers; }
+
+std::span<const AnswerNumber> RunNumbers() { return kRunNumbers; }
 
 std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectChoice& choice) {
   std::vector<EffectTrial> trials;

@@ -231,15 +231,14 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   if (!wanted.output.empty()) {
     HAPTOMETER_TRY(cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite));
   }
-  if (wanted.waveforms.empty()) {
-    if (!wanted.rate_hz) return {};
-    return Usage("--rate", "applies to --waveforms only, which is not given",
-                 "add --waveforms FILE");
-  }
-  if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
-    return Usage("--rate", fmt::format("{:g} Hz is not a rate", wanted.rate_hz->value),
-                 "give rows per second");
-  }
+  const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : 1;
+  HAPTOMETER_TRY(cli::CheckRules({
+      {wanted.rate_hz && wanted.waveforms.empty(), "--rate",
+       "applies to --waveforms only, which is not given", "add --waveforms FILE"},
+      {!(rate_hz > 0), "--rate", fmt::format("{:g} Hz is not a rate", rate_hz),
+       "give rows per second"},
+  }));
+  if (wanted.waveforms.empty()) return {};
   return CheckWaveformPath(wanted.waveforms, wanted.overwrite);
 }
 

@@ -27,64 +27,6 @@ using document::Section;
 constexpr Key kDrivePeriods{"drive_periods", "drive periods per repetition"};
 constexpr Key kChange{"change", "change"};
 
-}  // namespace
-
-// --- findings ---
-
-document::Sentence SentenceOf(SimulateFinding kind) {
-  using enum SimulateFinding;
-  static constexpr document::KindSentence<SimulateFinding> kSentences[] = {
-      {kOtherSpringsLinear, "other-springs-linear",
-       "springs and dampers without an effect of their own are linear at any travel"},
-      {kMoverPreload, "mover-preload",
-       "{preload_n} act on the mover, towards the skin positive; positions count from static "
-       "equilibrium, where the force holds it {displacement_m} from where its spring is "
-       "unloaded[, beyond the {stop} on which it therefore rests]"},
-      {kSourceHoldsVoltage, "source-holds-voltage",
-       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
-       "phase include], and the coil keeps its resistance"},
-      {kOnlyCoilWarms, "only-coil-warms",
-       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
-       "phase include], and only the coil warms"},
-      {kStopsOff, "stops-off",
-       "travel_stops are stated and off: write travel_stops = true in the table effects to "
-       "include them"},
-      {kPreloadOff, "preload-off",
-       "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let it "
-       "break"},
-      {kSteadyNotLinear, "steady-not-linear",
-       "the steady motion is not the linear one and is not known; leave out --duration to have "
-       "it searched for"},
-      {kPeaksAreSums, "peaks-are-sums",
-       "travel and force on the skin are upper limits, the sums of the tones' amplitudes: the "
-       "tones have no short common period"},
-      {kNoWindow, "no-window", "{run_s} are less than ten periods, so there is no window_rms_m"},
-      {kChaotic, "chaotic",
-       "the motion is chaotic: small deviations grow by {growth} +-{growth_uncertainty} "
-       "(logarithm, each period of the drive); RMS values and power are averages over {periods} "
-       "periods"},
-      {kEndVaries, "end-varies",
-       "the run's end does not repeat itself: the RMS over its window has a relative standard "
-       "uncertainty of {relative_uncertainty} (standard deviation from window to window)"},
-      {kEndNotKnown, "end-not-known",
-       "the run's end does not repeat itself, and the run is too short to state what the "
-       "uncertainty of its window is"},
-      {kKnownUntil, "known-until",
-       "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"},
-      {kDurationOfDrive, "duration-of-drive",
-       "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
-       "{ring_down_s} in which the slowest motion falls to a thousandth"},
-      {kDurationAssumed, "duration-assumed", "no duration is given: files last {duration_s}"},
-      {kIdealSensor, "ideal-sensor",
-       "the scene has no sensor: the trial is that of an ideal one on the skin at {rate_hz}"},
-      {kWaveformsStalled, "waveforms-stalled",
-       "waveforms end at {at_s}, where events follow each other without end"},
-  };
-  return document::SentenceIn(kSentences, kind);
-}
-
-namespace {
-
 bool IsNamed(const SceneAnswer& solved, sim::Effect effect) {
   return solved.scene.effects[effect] != sim::Wish::kOff;
 }
@@ -459,6 +401,49 @@ Section MethodSection(const SimulateAnswer& answer) {
   return section;
 }
 
+// amplitude and frequency of each tone
+std::string DriveTonesText(const sim::Drive& drive) {
+  std::string text = "tones of ";
+  for (std::size_t k = 0; k < drive.tones.size(); ++k) {
+    const bool is_last = k + 1 == drive.tones.size();
+    if (k > 0) text += is_last ? " and " : ", ";
+    text += fmt::format("{:g} V at {:g} Hz", drive.tones[k].amplitude, drive.tones[k].frequency_hz);
+  }
+  return text;
+}
+
+// description of the drive without source resistance and offset
+std::string KindPlays(const sim::Drive& drive) {
+  const std::string when =
+      fmt::format("from {:g} to {:g} s", drive.start_s, sim::EndOfDriveS(drive));
+  switch (drive.kind) {
+    case sim::DriveKind::kSine:
+      return fmt::format("{:g} V at {:g} Hz", drive.amplitude_v, drive.frequency_hz);
+    case sim::DriveKind::kTones:
+      return DriveTonesText(drive);
+    case sim::DriveKind::kBurst:
+      return fmt::format("a burst of {:g} V at {:g} Hz {}", drive.amplitude_v, drive.frequency_hz,
+                         when);
+    case sim::DriveKind::kChirp:
+      return fmt::format("a chirp of {:g} V, {:g} to {:g} Hz {}", drive.amplitude_v,
+                         drive.frequency_hz, drive.end_frequency_hz, when);
+    case sim::DriveKind::kPulse:
+      return fmt::format("a pulse of {:g} V {}", drive.amplitude_v, when);
+    case sim::DriveKind::kSamples:
+      return fmt::format("{} voltages at {:g} Hz, up to {:g} V", drive.samples->voltages_v.size(),
+                         drive.samples->rate_hz, sim::LargestVoltageV(drive));
+  }
+  return {};
+}
+
+// with the offset and the source's resistance where there is one
+std::string DriveText(const sim::Drive& drive) {
+  std::string text = KindPlays(drive);
+  if (drive.offset_v != 0) text += fmt::format(" on an offset of {:g} V", drive.offset_v);
+  const double source_ohm = drive.source_resistance_ohm;
+  return source_ohm == 0 ? text : text + fmt::format(" through {:g} ohm", source_ohm);
+}
+
 std::string TitleOf(const SimulateAnswer& answer) {
   const sim::Scene& scene = answer.solved.scene;
   return fmt::format(
@@ -468,6 +453,58 @@ std::string TitleOf(const SimulateAnswer& answer) {
 }
 
 }  // namespace
+
+document::Sentence SentenceOf(SimulateFinding kind) {
+  using enum SimulateFinding;
+  static constexpr document::KindSentence<SimulateFinding> kSentences[] = {
+      {kOtherSpringsLinear, "other-springs-linear",
+       "springs and dampers without an effect of their own are linear at any travel"},
+      {kMoverPreload, "mover-preload",
+       "{preload_n} act on the mover, towards the skin positive; positions count from static "
+       "equilibrium, where the force holds it {displacement_m} from where its spring is "
+       "unloaded[, beyond the {stop} on which it therefore rests]"},
+      {kSourceHoldsVoltage, "source-holds-voltage",
+       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+       "phase include], and the coil keeps its resistance"},
+      {kOnlyCoilWarms, "only-coil-warms",
+       "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+       "phase include], and only the coil warms"},
+      {kStopsOff, "stops-off",
+       "travel_stops are stated and off: write travel_stops = true in the table effects to "
+       "include them"},
+      {kPreloadOff, "preload-off",
+       "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let it "
+       "break"},
+      {kSteadyNotLinear, "steady-not-linear",
+       "the steady motion is not the linear one and is not known; leave out --duration to have "
+       "it searched for"},
+      {kPeaksAreSums, "peaks-are-sums",
+       "travel and force on the skin are upper limits, the sums of the tones' amplitudes: the "
+       "tones have no short common period"},
+      {kNoWindow, "no-window", "{run_s} are less than ten periods, so there is no window_rms_m"},
+      {kChaotic, "chaotic",
+       "the motion is chaotic: small deviations grow by {growth} +-{growth_uncertainty} "
+       "(logarithm, each period of the drive); RMS values and power are averages over {periods} "
+       "periods"},
+      {kEndVaries, "end-varies",
+       "the run's end does not repeat itself: the RMS over its window has a relative standard "
+       "uncertainty of {relative_uncertainty} (standard deviation from window to window)"},
+      {kEndNotKnown, "end-not-known",
+       "the run's end does not repeat itself, and the run is too short to state what the "
+       "uncertainty of its window is"},
+      {kKnownUntil, "known-until",
+       "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"},
+      {kDurationOfDrive, "duration-of-drive",
+       "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
+       "{ring_down_s} in which the slowest motion falls to a thousandth"},
+      {kDurationAssumed, "duration-assumed", "no duration is given: files last {duration_s}"},
+      {kIdealSensor, "ideal-sensor",
+       "the scene has no sensor: the trial is that of an ideal one on the skin at {rate_hz}"},
+      {kWaveformsStalled, "waveforms-stalled",
+       "waveforms end at {at_s}, where events follow each other without end"},
+  };
+  return document::SentenceIn(kSentences, kind);
+}
 
 document::Section RiseSection(const std::optional<sim::SkinRise>& known) {
   const sim::SkinRise rise = known.value_or(sim::SkinRise{});
@@ -514,55 +551,6 @@ document::Document SimulateDocument(const SimulateAnswer& answer) {
   if (!answer.panels.empty()) root.figures = {{.caption = "motion", .panels = answer.panels}};
   AddAllFindings(answer, root);
   return document;
-}
-
-namespace {
-
-// amplitude and frequency of each tone
-std::string DriveTonesText(const sim::Drive& drive) {
-  std::string text = "tones of ";
-  for (std::size_t k = 0; k < drive.tones.size(); ++k) {
-    const bool is_last = k + 1 == drive.tones.size();
-    if (k > 0) text += is_last ? " and " : ", ";
-    text += fmt::format("{:g} V at {:g} Hz", drive.tones[k].amplitude, drive.tones[k].frequency_hz);
-  }
-  return text;
-}
-
-// description of the drive without source resistance and offset
-std::string KindPlays(const sim::Drive& drive) {
-  const std::string when =
-      fmt::format("from {:g} to {:g} s", drive.start_s, sim::EndOfDriveS(drive));
-  switch (drive.kind) {
-    case sim::DriveKind::kSine:
-      return fmt::format("{:g} V at {:g} Hz", drive.amplitude_v, drive.frequency_hz);
-    case sim::DriveKind::kTones:
-      return DriveTonesText(drive);
-    case sim::DriveKind::kBurst:
-      return fmt::format("a burst of {:g} V at {:g} Hz {}", drive.amplitude_v, drive.frequency_hz,
-                         when);
-    case sim::DriveKind::kChirp:
-      return fmt::format("a chirp of {:g} V, {:g} to {:g} Hz {}", drive.amplitude_v,
-                         drive.frequency_hz, drive.end_frequency_hz, when);
-    case sim::DriveKind::kPulse:
-      return fmt::format("a pulse of {:g} V {}", drive.amplitude_v, when);
-    case sim::DriveKind::kSamples:
-      return fmt::format("{} voltages at {:g} Hz, up to {:g} V", drive.samples->voltages_v.size(),
-                         drive.samples->rate_hz, sim::LargestVoltageV(drive));
-  }
-  return {};
-}
-
-std::string WhatItPlays(const sim::Drive& drive) {
-  if (drive.offset_v == 0) return KindPlays(drive);
-  return fmt::format("{} on an offset of {:g} V", KindPlays(drive), drive.offset_v);
-}
-
-}  // namespace
-
-std::string DriveText(const sim::Drive& drive) {
-  if (drive.source_resistance_ohm == 0) return WhatItPlays(drive);
-  return fmt::format("{} through {:g} ohm", WhatItPlays(drive), drive.source_resistance_ohm);
 }
 
 std::string KindText(sim::DriveKind kind) {

@@ -1,19 +1,29 @@
 #include "tools/simulate/simulated_trial.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
+#include "dsp/spectrum/welch.h"
 #include "sim/linear/steady_state.h"
 #include "sim/scene/scene_file.h"
 #include "tools/cli/output_file.h"
+#include "tools/document/keys.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
+#include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 
 namespace haptometer::tools {
@@ -64,6 +74,158 @@ class OutputSink final : public trial::ByteSink {
  private:
   cli::OutputFile* file_;
 };
+
+std::string EndingOf(const std::string& path) {
+  return std::filesystem::path(path).extension().string();
+}
+
+Result<cli::OutputKind> KindOf(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  if (ending == ".csv") return cli::kRowsOutput;
+  if (ending == ".h5" || ending == ".hdf5") return cli::kHdf5Output;
+  if (ending == ".bin") return cli::kTrialOutput;
+  return Usage(path, "has an ending that no waveforms are written to", "use .csv, .h5 or .bin");
+}
+
+trial::Channel ChannelOf(std::string name, trial::ChannelRole role, std::string unit,
+                         const Eigen::VectorXd& values) {
+  trial::Channel channel;
+  channel.name = std::move(name);
+  channel.role = role;
+  channel.unit = std::move(unit);
+  channel.values.assign(values.begin(), values.end());
+  channel.statuses.assign(channel.values.size(), trial::SampleStatus::kOk);
+  return channel;
+}
+
+// the displacement channel is that of the sensor's target, the skin without a sensor
+const Eigen::VectorXd& TargetOf(const sim::Waveforms& waves, const sim::Scene& scene) {
+  const auto target = scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin;
+  if (target == sim::SensorTarget::kMover) return waves.mover_m;
+  return target == sim::SensorTarget::kCase ? waves.case_m : waves.skin_m;
+}
+
+// name of a channel as a column of the CSV, with its unit
+std::string ColumnOf(const trial::Channel& channel) {
+  switch (channel.role) {
+    case trial::ChannelRole::kDisplacement:
+      return "displacement_m";
+    case trial::ChannelRole::kVoltage:
+      return "voltage_v";
+    case trial::ChannelRole::kCurrent:
+      return "current_a";
+    default:
+      return channel.name;
+  }
+}
+
+// metadata as comment lines, so that the CSV is read back with all of it
+std::string HeadOf(const trial::Record& record) {
+  std::string head = trial::CsvMetadataLines(record.metadata);
+  // times on a grid: begin and rate are exact, not computed from rounded times
+  head += trial::CsvCommentLine("times", "grid");
+  const trial::Stretch& stretch = record.stretches.front();
+  head += trial::CsvCommentLine(
+      "stretch", fmt::format("0 {} {} {} 0", stretch.rows, stretch.start_s, stretch.rate_hz));
+  std::string columns = "time_s";
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const trial::Channel& channel = record.channels[c];
+    columns += "," + ColumnOf(channel);
+    // units of channels without a role of their own
+    if (channel.role != trial::ChannelRole::kOther) continue;
+    head += trial::CsvCommentLine(fmt::format("channel.{}.unit", c + 1), channel.unit);
+  }
+  return head + columns + "\n";
+}
+
+// shortest digits that give the same double
+Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
+  const auto append = [&](std::size_t row, std::string* text) {
+    fmt::format_to(std::back_inserter(*text), "{}", TimeOf(record, row));
+    for (const trial::Channel& channel : record.channels) {
+      fmt::format_to(std::back_inserter(*text), ",{}", channel.values[row]);
+    }
+    *text += '\n';
+  };
+  return trial::WriteInPieces(HeadOf(record), record.rows, append,
+                              [&](std::string_view piece) { return file.Write(piece); });
+}
+
+Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file) {
+  HAPTOMETER_LET(const auto part, file.PathForLibrary());
+  HAPTOMETER_LET(auto writer, trial::Hdf5Writer::Create(part));
+  trial::Recording recording;
+  recording.record = record;
+  // a simulated record has no recorder that could be interrupted
+  recording.report.closed = true;
+  auto done = writer.Add("waveforms", recording, nullptr);
+  return done ? writer.Close() : done;
+}
+
+constexpr double kUm = 1e-6;  // in metres
+constexpr double kMa = 1e-3;  // in amperes
+constexpr double kShownPeriods = 10;
+constexpr double kLeastShown = 1e-6;  // of the spectrum's largest amplitude
+constexpr double kShownPart = 0.125;  // of the rate
+
+// values from row `first` on, in units of `unit`, over time in s
+plot::Series Curve(std::string title, plot::Colour colour, const Eigen::VectorXd& values,
+                   double unit, Eigen::Index first, double rate_hz) {
+  plot::Series series{.title = std::move(title), .style = plot::Lines(colour)};
+  for (Eigen::Index row = first; row < values.size(); ++row) {
+    series.x.push_back(static_cast<double>(row) / rate_hz);
+    series.y.push_back(values(row) / unit);
+  }
+  return series;
+}
+
+plot::Panel MotionPanel(const sim::Waveforms& waves, std::string title, Eigen::Index first) {
+  // travel of the mover in its case: xv - xa
+  const Eigen::VectorXd travel_m = waves.mover_m - waves.case_m;
+  return {std::move(title),
+          "time / s",
+          "displacement / um",
+          {Curve("mover in its case", plot::kGrey, travel_m, kUm, first, waves.rate_hz),
+           Curve("skin", plot::kBlue, waves.skin_m, kUm, first, waves.rate_hz)}};
+}
+
+// current in units of 10 mA, so that both curves share an axis
+plot::Panel ElectricalPanel(const sim::Waveforms& waves) {
+  return {"at the coil",
+          "time / s",
+          "voltage / V, current / 10 mA",
+          {Curve("voltage", plot::kGrey, waves.voltage_v, 1, 0, waves.rate_hz),
+           Curve("current", plot::kOrange, waves.current_a, 10 * kMa, 0, waves.rate_hz)}};
+}
+
+Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
+  // one segment of Welch's method: the whole run with a Hann window
+  HAPTOMETER_LET(const auto spectrum,
+                 dsp::WelchSpectrum({waves.skin_m.data(), static_cast<std::size_t>(waves.rows())},
+                                    {.rate_hz = waves.rate_hz,
+                                     .segment_size = static_cast<std::size_t>(waves.rows()),
+                                     .detrend = dsp::Detrend::kNothing}));
+  const std::vector<double> amplitudes_m = dsp::AmplitudeSpectrum(spectrum);
+  const double least_m = kLeastShown * std::ranges::max(amplitudes_m);
+  plot::Series series{.style = plot::Lines(plot::kBlue)};
+  // from bin 1: the constant part is no vibration
+  for (std::size_t k = 1; k < amplitudes_m.size(); ++k) {
+    const double frequency_hz = static_cast<double>(k) * spectrum.grid.resolution_hz;
+    if (frequency_hz > kShownPart * waves.rate_hz) break;
+    series.x.push_back(frequency_hz);
+    // below 1e-6 of the largest amplitude: leakage and rounding, drawn as a gap
+    series.y.push_back(amplitudes_m[k] >= least_m && least_m > 0
+                           ? amplitudes_m[k] / kUm
+                           : std::numeric_limits<double>::quiet_NaN());
+  }
+  plot::Panel panel{
+      fmt::format("spectrum of the skin, {:.3g} Hz apart (Hann)", spectrum.grid.resolution_hz),
+      "frequency / Hz",
+      "amplitude / um",
+      {std::move(series)}};
+  panel.log_axes = least_m > 0 ? plot::LogAxes::kY : plot::LogAxes::kNone;
+  return panel;
+}
 
 }  // namespace
 
@@ -130,6 +292,79 @@ Result<sim::Scene> ReadPlayedScene(const std::string& path) {
                         "add damping, or start = \"rest\" to [run]");
   }
   return scene;
+}
+
+trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
+                       const std::string& scene_path) {
+  using Role = trial::ChannelRole;
+  trial::Record record;
+  record.channels = {ChannelOf("displacement", Role::kDisplacement, "m", TargetOf(waves, scene)),
+                     ChannelOf("voltage", Role::kVoltage, "V", waves.voltage_v),
+                     ChannelOf("current", Role::kCurrent, "A", waves.current_a)};
+  const auto add = [&](const document::Key& key, const Eigen::VectorXd& values) {
+    // absent bodies have no values (no finger without tremor)
+    if (values.size() == 0) return;
+    record.channels.push_back(
+        ChannelOf(std::string(key.name), Role::kOther, std::string(key.unit.symbol), values));
+  };
+  add({"mover_m", {}, document::kMetre}, waves.mover_m);
+  add({"mover_m_per_s", {}, document::kMetrePerSecond}, waves.mover_m_per_s);
+  add({"case_m", {}, document::kMetre}, waves.case_m);
+  add({"case_m_per_s", {}, document::kMetrePerSecond}, waves.case_m_per_s);
+  add({"skin_m", {}, document::kMetre}, waves.skin_m);
+  add({"skin_m_per_s", {}, document::kMetrePerSecond}, waves.skin_m_per_s);
+  add({"finger_m", {}, document::kMetre}, waves.finger_m);
+  add({"force_n", {}, document::kNewton}, waves.force_n);
+  add(document::kEvents, waves.events);
+  // one segment at a uniform rate from 0 s
+  record.rows = static_cast<std::size_t>(waves.rows());
+  record.stretches.push_back(
+      {.first_row = 0, .rows = record.rows, .start_s = 0, .rate_hz = waves.rate_hz});
+  trial::Metadata& metadata = record.metadata;
+  metadata.source = "simulated: exact motion, no sensor";
+  metadata.hold = "sample";
+  metadata.sampling_s = 1 / waves.rate_hz;
+  metadata.averages = 1;
+  metadata.nominal_rate_hz = waves.rate_hz;
+  metadata.laser_spot = Name(scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin);
+  metadata.fields["scene"] = Printable(scene_path);
+  metadata.drive_amplitude_v = sim::LargestVoltageV(scene.drive);
+  if (scene.drive.frequency_hz > 0) metadata.drive_frequency_hz = scene.drive.frequency_hz;
+  return record;
+}
+
+Result<void> CheckWaveformPath(const std::string& path, bool overwrite) {
+  const auto kind = KindOf(path);
+  return kind ? cli::CheckOutput(path, *kind, overwrite) : std::unexpected(kind.error());
+}
+
+Result<void> WriteWaveforms(const std::string& path, const trial::Record& record, bool overwrite) {
+  HAPTOMETER_LET(const auto kind, KindOf(path));
+  if (EndingOf(path) == ".bin") return WriteSimulatedTrial(path, record, overwrite);
+  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(path, kind, overwrite));
+  auto done = EndingOf(path) == ".csv" ? WriteCsv(record, file) : WriteHdf5(record, file);
+  if (done) return file.Finish();
+  Error error = done.error();
+  error.where = path;
+  return std::unexpected(std::move(error));
+}
+
+Result<std::vector<plot::Panel>> WaveformPanels(const sim::Waveforms& waves,
+                                                const sim::Scene& scene) {
+  std::vector<plot::Panel> panels{MotionPanel(waves, "the run", 0)};
+  const double highest_hz = sim::HighestFrequencyHz(scene.drive);
+  const auto shown =
+      highest_hz > 0
+          ? static_cast<Eigen::Index>(std::ceil(kShownPeriods * waves.rate_hz / highest_hz))
+          : waves.rows();
+  // the end has its own panel where the run is twice as long
+  if (2 * shown < waves.rows() && sim::IsLasting(scene.drive)) {
+    panels.push_back(MotionPanel(waves, "its end", waves.rows() - shown - 1));
+  }
+  panels.push_back(ElectricalPanel(waves));
+  HAPTOMETER_LET(auto spectrum, SpectrumPanel(waves));
+  panels.push_back(std::move(spectrum));
+  return panels;
 }
 
 }  // namespace haptometer::tools
