@@ -198,6 +198,72 @@ bool NameNew(const std::string& part, const std::string& target) {
   return false;
 }
 
+using std::string_view_literals::operator""sv;
+
+// mark at the end of a generated file: kMark and the CRC-32 of all bytes before, in hexadecimal
+constexpr std::string_view kMark = "made by haptometer ";
+// PNG, third edition: signature, IEND chunk with length and CRC, type and keyword of a text chunk
+constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n";
+constexpr std::string_view kPngEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
+constexpr std::string_view kTextType = "tEXtSoftware\0"sv;
+
+// what stands around the mark, so that it is a comment of the format
+struct Frame {
+  std::string_view before;
+  std::string_view after;
+};
+
+// PDF comment or XML comment (SVG, HTML)
+Frame FrameOf(std::string_view content) {
+  if (content.starts_with("%PDF")) return {"% ", "\n"};
+  return {"<!-- ", " -->\n"};
+}
+
+std::uint32_t CrcOf(std::string_view bytes) {
+  return trial::Crc32(std::as_bytes(std::span(bytes)));
+}
+
+// four bytes in network order, as in PNG
+std::string BigEndian(std::uint32_t number) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>((number >> shift) & 0xffU);
+  return bytes;
+}
+
+std::string MarkOf(std::string_view before) {
+  return fmt::format("{}{:08x}", kMark, CrcOf(before));
+}
+
+// length, type and data, CRC of type and data (PNG, third edition, 5.3)
+std::string TextChunk(std::string_view text) {
+  const std::string data = std::string(kTextType) + std::string(text);
+  constexpr std::size_t kTypeBytes = 4;
+  return BigEndian(static_cast<std::uint32_t>(data.size() - kTypeBytes)) + data +
+         BigEndian(CrcOf(data));
+}
+
+// whether the mark's checksum is that of the bytes before it: an edited file has another one
+bool EndsWithMark(std::string_view content) {
+  const std::size_t at = content.rfind(kMark);
+  if (at == std::string_view::npos) return false;
+  const bool is_png = content.starts_with(kPngBegin);
+  // a chunk's length field is 4 bytes, before type and keyword
+  const std::size_t frame = is_png ? 4 + kTextType.size() : FrameOf(content).before.size();
+  if (at < frame) return false;
+  const std::string_view before = content.substr(0, at - frame);
+  return Marked(std::string(before) + std::string(is_png ? kPngEnd : "")) == content;
+}
+
+// text behind leading lines "# ..."
+std::string_view WithoutComments(std::string_view text) {
+  while (text.starts_with("# ")) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return {};
+    text.remove_prefix(end + 1);
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<void> CheckOutput(const std::string& path, const OutputKind& kind, bool overwrite) {
@@ -342,76 +408,6 @@ Result<void> WriteOutput(const std::string& path, const OutputKind& kind, bool o
   HAPTOMETER_TRY(file.Write(content));
   return file.Finish();
 }
-
-namespace {
-
-using std::string_view_literals::operator""sv;
-
-// mark at the end of a generated file: kMark and the CRC-32 of all bytes before, in hexadecimal
-constexpr std::string_view kMark = "made by haptometer ";
-// PNG, third edition: signature, IEND chunk with length and CRC, type and keyword of a text chunk
-constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n";
-constexpr std::string_view kPngEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
-constexpr std::string_view kTextType = "tEXtSoftware\0"sv;
-
-// what stands around the mark, so that it is a comment of the format
-struct Frame {
-  std::string_view before;
-  std::string_view after;
-};
-
-// PDF comment or XML comment (SVG, HTML)
-Frame FrameOf(std::string_view content) {
-  if (content.starts_with("%PDF")) return {"% ", "\n"};
-  return {"<!-- ", " -->\n"};
-}
-
-std::uint32_t CrcOf(std::string_view bytes) {
-  return trial::Crc32(std::as_bytes(std::span(bytes)));
-}
-
-// four bytes in network order, as in PNG
-std::string BigEndian(std::uint32_t number) {
-  std::string bytes;
-  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>((number >> shift) & 0xffU);
-  return bytes;
-}
-
-std::string MarkOf(std::string_view before) {
-  return fmt::format("{}{:08x}", kMark, CrcOf(before));
-}
-
-// length, type and data, CRC of type and data (PNG, third edition, 5.3)
-std::string TextChunk(std::string_view text) {
-  const std::string data = std::string(kTextType) + std::string(text);
-  constexpr std::size_t kTypeBytes = 4;
-  return BigEndian(static_cast<std::uint32_t>(data.size() - kTypeBytes)) + data +
-         BigEndian(CrcOf(data));
-}
-
-// whether the mark's checksum is that of the bytes before it: an edited file has another one
-bool EndsWithMark(std::string_view content) {
-  const std::size_t at = content.rfind(kMark);
-  if (at == std::string_view::npos) return false;
-  const bool is_png = content.starts_with(kPngBegin);
-  // a chunk's length field is 4 bytes, before type and keyword
-  const std::size_t frame = is_png ? 4 + kTextType.size() : FrameOf(content).before.size();
-  if (at < frame) return false;
-  const std::string_view before = content.substr(0, at - frame);
-  return Marked(std::string(before) + std::string(is_png ? kPngEnd : "")) == content;
-}
-
-// text behind leading lines "# ..."
-std::string_view WithoutComments(std::string_view text) {
-  while (text.starts_with("# ")) {
-    const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return {};
-    text.remove_prefix(end + 1);
-  }
-  return text;
-}
-
-}  // namespace
 
 std::string Marked(std::string content) {
   if (!content.starts_with(kPngBegin)) {

@@ -19,6 +19,24 @@ constexpr MonotonicNs kQuietNs = kNsPerS;
 constexpr MonotonicNs kRefreshNs = kNsPerS / 10;
 constexpr int kWidth = 20;
 
+// of WorkProgress: first line, update of a terminal's line, and interval of lines in a log
+constexpr std::chrono::milliseconds kQuiet{2000};
+constexpr std::chrono::milliseconds kRefresh{200};
+constexpr std::chrono::milliseconds kLineEvery{10'000};
+
+constexpr std::array kInterrupts{SIGINT, SIGTERM};
+
+// a line without its end is on the terminal: EndAtOnce() ends it first
+volatile std::sig_atomic_t line_is_open = 0;
+
+// in a signal handler write and _exit only, which are async-signal-safe
+extern "C" void EndAtOnce(int signal) {
+  if (line_is_open != 0) {
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, "\n", 1);
+  }
+  ::_exit(128 + signal);
+}
+
 }  // namespace
 
 Progress::Progress(std::string_view what)
@@ -48,28 +66,6 @@ std::string ProgressBar(std::string_view what, double share, double elapsed_s) {
   if (done > 0) bar += fmt::format(", {:.0f} s left", elapsed_s * (1 - done) / done);
   return bar;
 }
-
-namespace {
-
-// first line, update of a terminal's line, and interval of lines in a log
-constexpr std::chrono::milliseconds kQuiet{2000};
-constexpr std::chrono::milliseconds kRefresh{200};
-constexpr std::chrono::milliseconds kLineEvery{10'000};
-
-constexpr std::array kInterrupts{SIGINT, SIGTERM};
-
-// a line without its end is on the terminal: EndAtOnce() ends it first
-volatile std::sig_atomic_t line_is_open = 0;
-
-// in a signal handler write and _exit only, which are async-signal-safe
-extern "C" void EndAtOnce(int signal) {
-  if (line_is_open != 0) {
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, "\n", 1);
-  }
-  ::_exit(128 + signal);
-}
-
-}  // namespace
 
 WorkProgress::WorkProgress(std::string_view verb, std::string advice)
     : verb_(verb),

@@ -16,6 +16,48 @@
 #include "base/text.h"
 
 namespace haptometer::cli {
+namespace {
+
+// set by a signal handler
+std::atomic<bool> interrupted{false};
+std::atomic<int> which{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
+
+extern "C" void OnSignal(int signal) {
+  which.store(signal);
+  interrupted.store(true);
+}
+
+// a character without special meaning in every shell
+bool IsPlain(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+         std::string_view("_-+=:,./@%").find(c) != std::string_view::npos;
+}
+
+// $'...' with all other characters in octal, which keeps control characters out of the terminal
+std::string DollarQuoted(const std::string& word) {
+  std::string quoted = "$'";
+  for (const char c : word) {
+    if (IsPlain(c) || c == ' ') {
+      quoted += c;
+    } else {
+      fmt::format_to(std::back_inserter(quoted), "\\{:03o}", static_cast<unsigned char>(c));
+    }
+  }
+  return quoted + "'";
+}
+
+std::string Quoted(const std::string& word) {
+  if (!word.empty() && std::ranges::all_of(word, IsPlain)) return word;
+  if (!IsPrintable(word)) return DollarQuoted(word);
+  std::string quoted = "'";
+  // a single quote ends the quoted text, stands escaped, and begins it again
+  for (const char c : word) quoted += c == '\'' ? std::string(R"('\'')") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
 
 // replaces <name> of a setting by `before` and its name: "--" for options, "" in a daemon's file
 std::string WithOptions(std::string_view text, std::string_view before) {
@@ -102,21 +144,6 @@ void Remark(std::string_view verb, std::string_view text) {
   fmt::print(stderr, "{}: {}\n", verb, Printable(text));
 }
 
-namespace {
-
-// set by a signal handler
-std::atomic<bool> interrupted{false};
-std::atomic<int> which{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
-              "a signal handler may only touch lock-free atomics");
-
-extern "C" void OnSignal(int signal) {
-  which.store(signal);
-  interrupted.store(true);
-}
-
-}  // namespace
-
 void CatchInterrupts() {
   struct sigaction action{};
   action.sa_handler = OnSignal;
@@ -133,38 +160,6 @@ void InterruptAsBy(int signal) { OnSignal(signal); }
 const std::atomic<bool>& Interrupted() { return interrupted; }
 
 int InterruptedStatus(int otherwise) { return interrupted.load() ? 128 + which.load() : otherwise; }
-
-namespace {
-
-// a character without special meaning in every shell
-bool IsPlain(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-         std::string_view("_-+=:,./@%").find(c) != std::string_view::npos;
-}
-
-// $'...' with all other characters in octal, which keeps control characters out of the terminal
-std::string DollarQuoted(const std::string& word) {
-  std::string quoted = "$'";
-  for (const char c : word) {
-    if (IsPlain(c) || c == ' ') {
-      quoted += c;
-    } else {
-      fmt::format_to(std::back_inserter(quoted), "\\{:03o}", static_cast<unsigned char>(c));
-    }
-  }
-  return quoted + "'";
-}
-
-std::string Quoted(const std::string& word) {
-  if (!word.empty() && std::ranges::all_of(word, IsPlain)) return word;
-  if (!IsPrintable(word)) return DollarQuoted(word);
-  std::string quoted = "'";
-  // a single quote ends the quoted text, stands escaped, and begins it again
-  for (const char c : word) quoted += c == '\'' ? std::string(R"('\'')") : std::string(1, c);
-  return quoted + "'";
-}
-
-}  // namespace
 
 std::string CommandLine(const std::vector<std::string>& words) {
   std::string line;
