@@ -20,7 +20,6 @@
 #include "tools/fit/plan_drop_test.h"
 #include "tools/study/manifest.h"
 #include "tools/sweep/sweep.h"
-#include "tools/sweep/sweep_question.h"
 #include "tools/verbs.h"
 
 namespace {

@@ -12,8 +12,6 @@
 #include "fuzz/memory_path.h"
 #include "fuzz/seeds.h"
 #include "tools/sweep/sweep.h"
-#include "tools/sweep/sweep_question.h"
-#include "tools/sweep/sweep_table.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "base/clock.h"
-#include "tools/sweep/sweep_table.h"
+#include "tools/sweep/sweep.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,3 +1,5 @@
+#include "tools/sweep/sweep.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +13,6 @@
 #include <vector>
 
 #include "tests/tools/sweep_verb.h"
-#include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
 namespace {

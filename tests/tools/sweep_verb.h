@@ -11,7 +11,7 @@
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/cli/csv_cell.h"
-#include "tools/sweep/sweep_table.h"
+#include "tools/sweep/sweep.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -14,9 +14,6 @@
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
-#include "tools/document/present.h"
-#include "tools/sweep/sweep_question.h"
-#include "tools/sweep/sweep_table.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -56,13 +53,10 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
   return made;
 }
 
-// state of a table after this run
-struct Made {
-  bool is_whole = true;      // or a signal stopped it
-  std::uint64_t mended = 0;  // rows that did not match their checksums
-};
+// rows of a table that did not match their checksums; nothing where a signal stopped the run
+using Mended = std::optional<std::uint64_t>;
 
-Result<Made> Compute(const SweepWords& words) {
+Result<Mended> Compute(const SweepWords& words) {
   HAPTOMETER_LET(const auto question, ReadQuestion(words));
   const TableHeader header = HeaderOf(question, document::CollectProvenance(words.command));
   // the picture is checked before the first row is computed
@@ -71,26 +65,26 @@ Result<Made> Compute(const SweepWords& words) {
                                          : TableFile::Begin(words.output, header, words.overwrite));
   // from here on a signal ends the run between two rows, with a valid table
   cli::CatchInterrupts();
-  const auto made =
-      MakeRows(question, cli::ThreadsOf(words.threads, kMostSweepThreads), file, words.output);
-  if (!made) return std::unexpected(made.error());
+  HAPTOMETER_LET(
+      const auto made,
+      MakeRows(question, cli::ThreadsOf(words.threads, kMostSweepThreads), file, words.output));
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   // all rows exist
-  if (*made == rows) return Made{.mended = file.mended_rows()};
+  if (made == rows) return file.mended_rows();
   cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
-                                 words.output, *made, rows));
-  return Made{.is_whole = false};
+                                 words.output, made, rows));
+  return std::nullopt;
 }
 
 // joins the shards' tables; the header of the first one, without its shard, is that of the whole
-Result<Made> Merge(const SweepWords& words) {
+Result<Mended> Merge(const SweepWords& words) {
   HAPTOMETER_LET(const auto tables, ReadMerge(words));
   HAPTOMETER_LET(auto first, TableReader::Open(tables.front()));
   TableHeader whole = first.header();
   whole.shard.clear();
   HAPTOMETER_TRY(CheckPicture(words.plot, whole));
   HAPTOMETER_TRY(MergeTables(tables, words.output, words.overwrite, words.command));
-  return Made{};
+  return std::uint64_t{0};
 }
 
 using document::Section;
@@ -201,6 +195,21 @@ Section BestSection(const SweepSummary& summary) {
   return best;
 }
 
+// the table, then its summary; the exit status
+Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
+  // the column of --best is checked before the computation
+  HAPTOMETER_LET(const auto wish, ReadBestWish(words.best));
+  HAPTOMETER_LET(const auto mended, words.merge.empty() ? Compute(words) : Merge(words));
+  if (!mended) return cli::InterruptedStatus(1);
+  // the summary reads the table again, so that a resumed or merged one is complete
+  HAPTOMETER_LET(auto summary, Summarise(words.output, wish));
+  summary.mended = *mended;
+  // a map is no panel, so the picture is not a figure of the document
+  if (!words.plot.empty()) HAPTOMETER_TRY(DrawSweep(words.plot, words.output, wish.column));
+  summary.plot = words.plot;
+  return document::Present(SweepDocument(summary), words.outputs, argc, argv);
+}
+
 }  // namespace
 
 int RunSweep(int argc, const char* const* argv) {
@@ -208,29 +217,11 @@ int RunSweep(int argc, const char* const* argv) {
   SweepWords words;
   Declare(options, words);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  // the column of --best is checked before the computation
-  const auto wish = ReadBestWish(words.best);
-  if (!wish) return cli::ReportError(kVerb, wish.error());
+  words.outputs.json = options.json();
   words.command = {"haptometer", std::string(kVerb)};
   words.command.insert(words.command.end(), argv + std::min(argc, 1), argv + argc);
-  const auto made = words.merge.empty() ? Compute(words) : Merge(words);
-  if (!made) return cli::ReportError(kVerb, made.error());
-  if (!made->is_whole) return cli::InterruptedStatus(1);
-  // the summary reads the table again, so that a resumed or merged one is complete
-  auto summary = Summarise(words.output, *wish);
-  if (!summary) return cli::ReportError(kVerb, summary.error());
-  summary->mended = made->mended;
-  // a map is no panel, so the picture is not a figure of the document
-  if (!words.plot.empty()) {
-    if (auto drawn = DrawSweep(words.plot, words.output, wish->column); !drawn) {
-      return cli::ReportError(kVerb, drawn.error());
-    }
-    summary->plot = words.plot;
-  }
-  document::Outputs outputs;
-  outputs.json = options.json();
-  outputs.all = words.all;
-  return document::Present(SweepDocument(*summary), outputs, argc, argv);
+  const auto status = Answer(words, argc, argv);
+  return status ? *status : cli::ReportError(kVerb, status.error());
 }
 
 Result<BestWish> ReadBestWish(const std::string& word) {

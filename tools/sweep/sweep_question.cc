@@ -1,5 +1,3 @@
-#include "tools/sweep/sweep_question.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "base/text.h"
 #include "sim/scene/scene_file.h"
 #include "tools/document/number_text.h"
+#include "tools/sweep/sweep.h"
 
 namespace haptometer::tools {
 namespace {
@@ -293,7 +292,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
   options.Text("--best", &words.best, "COLUMN[:least]",
                "Show the row with the largest number of this column");
-  options.Flag("--all", &words.all, "Print the provenance too");
+  options.Flag("--all", &words.outputs.all, "Print the provenance too");
   options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
                  "Draw the column of --best over one or two varied keys");
 }

@@ -1,5 +1,3 @@
-#include "tools/sweep/sweep_table.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,6 +16,7 @@
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/document/keys.h"
+#include "tools/sweep/sweep.h"
 #include "trial/byte_io.h"
 
 namespace haptometer::tools {

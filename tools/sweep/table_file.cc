@@ -14,7 +14,7 @@
 #include "base/input_file.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
-#include "tools/sweep/sweep_table.h"
+#include "tools/sweep/sweep.h"
 
 namespace haptometer::tools {
 namespace {
