@@ -277,9 +277,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
        "largest amplitude lies at {highest_hz}: examine it with --plot or --response"},
       {kSweepTooFast, "sweep-too-fast",
-       "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than it settles, at "
-       "{rate_hz_per_s} Hz/s: sweep at {most_hz_per_s} Hz/s or more slowly, or record the drive's "
-       "voltage"},
+       "f0 and Q: the sweep passes the resonance near {frequency_hz} faster than the motion "
+       "follows, at {rate_hz_per_s SI} Hz/s: sweep at {most_hz_per_s SI} Hz/s or more slowly, or "
+       "record the drive's voltage"},
       {kSeveralResonances, "several-resonances",
        "one resonance does not explain {left %} of the response: there may be more than one"},
   };
