@@ -12,7 +12,7 @@
 #include "tests/residual.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/tuning/adapter_reference.h"
-#include "tools/reproduce/study_rows.h"
+#include "tools/reproduce/reproduce.h"
 #include "tools/reproduce/thesis_model.h"
 
 namespace haptometer::tools {

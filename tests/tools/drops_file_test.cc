@@ -43,13 +43,13 @@ TEST(DropsFile, SaysEverythingOfEveryDrop) {
   EXPECT_DOUBLE_EQ(file->knowns.resistance_ohm->standard_uncertainty, 0.1);
   EXPECT_DOUBLE_EQ(file->knowns.inductance_h->value, 130e-6);
   ASSERT_EQ(file->drops.size(), 3U);
-  EXPECT_EQ(file->drops[0].path, "shelf/open1.csv") << "beside the file";
-  EXPECT_EQ(file->drops[1].path, "shelf/late/open2.csv");
-  EXPECT_EQ(file->drops[2].path, "/far/loaded.csv");
+  EXPECT_EQ(file->drops[0].name, "shelf/open1.csv") << "beside the file";
+  EXPECT_EQ(file->drops[1].name, "shelf/late/open2.csv");
+  EXPECT_EQ(file->drops[2].name, "/far/loaded.csv");
   EXPECT_TRUE(std::isinf(file->drops[1].load_ohm->value));
   EXPECT_EQ(file->drops[1].condition, fit::CaseCondition::kHeld);
   EXPECT_FALSE(file->drops[1].drop_height_m);
-  const StatedDrop& last = file->drops[2];
+  const fit::ImpulseRecord& last = file->drops[2];
   EXPECT_DOUBLE_EQ(last.load_ohm->standard_uncertainty, 0.1);
   EXPECT_EQ(last.condition, fit::CaseCondition::kFree);
   EXPECT_DOUBLE_EQ(last.drop_height_m->standard_uncertainty, 1e-3);
@@ -63,7 +63,7 @@ TEST(DropsFile, SaysEverythingOfEveryDrop) {
 TEST(DropsFile, AFileInThisDirectoryNamesPlainPaths) {
   const auto file = ReadDropsText("[[drop]]\nfile = 'a.csv'\n", "drops.toml");
   ASSERT_TRUE(file) << file.error().Text();
-  EXPECT_EQ(file->drops[0].path, "a.csv") << "as the command line would name it";
+  EXPECT_EQ(file->drops[0].name, "a.csv") << "as the command line would name it";
 }
 
 TEST(DropsFile, MistakesAreNamed) {
@@ -81,18 +81,18 @@ TEST(DropsFile, MistakesAreNamed) {
   refused("[[drops]]\nfile = 'a.csv'\n", "key drops is not known; did you mean drop?");
   refused(drop + "load = 33\n", "[[drop]] 1: key load is not known; did you mean load_ohm?");
   refused(drop + "moving_mass_kg = 1.4e-3\n", "key moving_mass_kg is not known");
-  refused(drop + "load_ohm = 0\n", "load_ohm: a short circuit shows no voltage");
+  refused(drop + "load_ohm = 0\n", "load_ohm: '0' is not above 0");
   refused(drop + "load_ohm = '33'\ncase = 'hold'\n", "case");
   refused(drop + "files = ['b.csv']\n", "files: cannot be combined with file");
   refused("[[drop]]\nload_ohm = 33\n", "file: is missing");
   refused("[[drop]]\nfiles = []\n", "file: is missing");
   refused("[[drop]]\nfiles = ['']\n", "files: holds an empty name");
   refused("[[drop]]\nfile = 3\n", "file: is not a text");
-  refused(drop + "rebound = 1.5\n", "rebound: lies from 0 to 1");
-  refused(drop + "time_scale = 1000\n", "time_scale: is shown over true, about 1");
+  refused(drop + "rebound = 1.5\n", "rebound: '1.5' is not from 0 to 1");
+  refused(drop + "time_scale = 1000\n", "time_scale: '1000' is not from 0.5 to 2");
   refused(drop + "drop_height_m = '10g'\n", "'g' is not a unit of a length");
-  refused("moving_mass_kg = -1\n" + drop, "moving_mass_kg: must be positive");
-  refused("resistance_ohm = 'inf'\n" + drop, "resistance_ohm: must be positive");
+  refused("moving_mass_kg = -1\n" + drop, "moving_mass_kg: '-1' is not from 1e-09 kg to 1000 kg");
+  refused("resistance_ohm = 'inf'\n" + drop, "resistance_ohm: 'inf' is not from 0.001 ohm to");
 }
 
 TEST(DropsFile, IsKnownByItsName) {

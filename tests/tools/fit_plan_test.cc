@@ -153,9 +153,10 @@ TEST(FitPlan, MistakesAreNamed) {
   };
   refused(Plan({"--f0", "225Hz"}), "--resistance: is missing");
   refused(Plan({"--resistance", "27ohm"}), "--f0: is missing");
-  refused(Plan({"--resistance", "inf", "--f0", "225Hz"}), "--resistance: inf ohm is not from");
+  refused(Plan({"--resistance", "inf", "--f0", "225Hz"}),
+          "--resistance: 'inf' is not from 0.001 ohm");
   refused(Plan({"--resistance", "27ohm", "--f0", "225Hz", "--moving-mass", "1e-30g"}), "1e-12 to");
-  refused(UsualPlan({"--drop-height", "20m"}), "20 m is not from 1e-06 to 10; check its unit");
+  refused(UsualPlan({"--drop-height", "20m"}), "'20m' is not from 1 um to 10 m");
   refused(UsualPlan({"--require", "Km"}), "--require");
   refused(UsualPlan({"--save", "a.toml"}), "--save");
   refused(UsualPlan({kOpenFile}), kOpenFile);
@@ -169,8 +170,8 @@ TEST(FitPlan, MistakesAreNamed) {
   refused(UsualPlan({"--range", "0.5V"}), "clips a ringing of 0.44 V");
   refused(UsualPlan({"--rate", "1kHz"}), "below 5 samples a period");
   refused(UsualPlan({"--length", "5ms"}), "below 2 periods");
-  refused(UsualPlan({"--rebound", "2"}), "--rebound: lies from 0 to 1");
-  refused(UsualPlan({"--load", "open"}), "--load: is not a load");
+  refused(UsualPlan({"--rebound", "2"}), "--rebound: '2' is not from 0 to 1");
+  refused(UsualPlan({"--load", "open"}), "--load: 'open' is not from");
   refused(Captured(RunFitLra, "fit-lra", {kOpenFile, "--want", "Km 2%"}), "--want");
 }
 

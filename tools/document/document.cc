@@ -82,6 +82,16 @@ Item& Section::Add(const Key& key, Value value, std::optional<double> standard_u
   return items.back();
 }
 
+void Section::Find(Severity severity, std::string_view kind, std::string_view text,
+                   std::vector<FindingNumber> numbers, std::string subject) {
+  std::string words = Fill(text, numbers);
+  findings.push_back({.kind = kind,
+                      .severity = severity,
+                      .text = std::move(words),
+                      .subject = std::move(subject),
+                      .numbers = std::move(numbers)});
+}
+
 std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
   // a number has one field, an uncertain one two, one with an interval three
   if (item.form == Form::kEstimate) return EstimateFields(item);

@@ -144,6 +144,9 @@ struct Section {
 
   /// Adds an item; the reference holds until the next is added.
   Item& Add(const Key& key, Value value, std::optional<double> standard_uncertainty = {});
+  /// Adds a finding of the verb itself, with its words where it arises; `text` as in Sentence.
+  void Find(Severity severity, std::string_view kind, std::string_view text,
+            std::vector<FindingNumber> numbers = {}, std::string subject = {});
 };
 
 /// `section`, a table unless it says so, with what `to_section` makes of each element of the list.

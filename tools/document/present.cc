@@ -62,6 +62,12 @@ Detail DetailOf(const Outputs& outputs) { return outputs.all ? Detail::kAll : De
 
 }  // namespace
 
+void DeclareOutputs(cli::Options& options, Outputs& outputs, const OutputHelp& help) {
+  if (!help.all.empty()) options.Flag("--all", &outputs.all, help.all);
+  if (!help.plot.empty()) options.Output("--plot", &outputs.plot, "FILE.svg|png|pdf", help.plot);
+  if (!help.report.empty()) options.Output("--report", &outputs.report, "FILE.html", help.report);
+}
+
 // checked before the work: a wrong path must not cost a computed result
 Result<void> CheckOutputs(const Outputs& outputs) {
   if (!outputs.plot.empty()) HAPTOMETER_TRY(plot::CheckPlotPath(outputs.plot));
@@ -85,6 +91,15 @@ int Present(Document document, const Outputs& outputs, int argc, const char* con
   AddProvenance(document, outputs, argc, argv);
   cli::Print(outputs.json ? JsonOf(document) : TextOf(document, DetailOf(outputs)));
   return WriteFiles(document, outputs);
+}
+
+int RunVerb(std::string_view verb, cli::Options& options, Outputs& outputs, int argc,
+            const char* const* argv, const std::function<Result<int>()>& answer) {
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  if (const auto good = CheckOutputs(outputs); !good) return cli::ReportError(verb, good.error());
+  const auto status = answer();
+  return status ? *status : cli::ReportError(verb, status.error());
 }
 
 Presenter::Presenter(Document document, Outputs outputs, int argc, const char* const* argv)

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "tools/cli/options.h"
 #include "tools/document/document.h"
 
 /// The thin face of every verb: what is shown where.
@@ -20,6 +22,14 @@ struct Outputs {
   [[nodiscard]] bool HasFigures() const { return !plot.empty() || !report.empty(); }
 };
 
+/// What help says of --all, --plot and --report; an option is not declared where it is empty.
+struct OutputHelp {
+  std::string_view all = {};
+  std::string_view plot = {};
+  std::string_view report = "Write one page with all details and the figures";
+};
+void DeclareOutputs(cli::Options& options, Outputs& outputs, const OutputHelp& help);
+
 /// Whether the picture and the page can be written; to be asked before long work. Errors: as
 /// plot::CheckPlotPath and cli::CheckOutput; Cause::kUsage where the page does not end in .html.
 [[nodiscard]] Result<void> CheckOutputs(const Outputs& outputs);
@@ -33,6 +43,11 @@ struct Outputs {
 /// where it is shown, so the document's own is overwritten.
 [[nodiscard]] int Present(Document document, const Outputs& outputs, int argc,
                           const char* const* argv);
+
+/// The frame of a verb: reads the command line, asks whether the outputs can be written, and leaves
+/// with the exit status that `answer` gives. An error of either is reported.
+[[nodiscard]] int RunVerb(std::string_view verb, cli::Options& options, Outputs& outputs, int argc,
+                          const char* const* argv, const std::function<Result<int>()>& answer);
 
 /// Present() for an answer that comes in parts, as of one file after the other: the text of each is
 /// printed as soon as it is there. The title stands before the first part that has a text.

@@ -6,101 +6,66 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
+#include "tools/cli/help.h"
 #include "tools/cli/output_file.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::tools {
 
 using fit::ActuatorKnowns;
+using fit::FittedValue;
+using sim::StatedActuator;
 
-void DeclareCoilAndMass(cli::Options& options, ActuatorWords& words) {
-  ActuatorKnowns& knowns = words.knowns;
-  options.Number("--moving-mass", &knowns.moving_mass_kg, Dimension::kMass, "Moving mass Mv");
-  options.Number("--resistance", &knowns.resistance_ohm, Dimension::kResistance,
-                 "Resistance R of the coil");
-  options.Number("--inductance", &knowns.inductance_h, Dimension::kInductance,
-                 "Inductance L of the coil");
-  options.Text("--actuator", &words.file, "NAME|FILE",
-               "Actuator file, or thesis-c10-100, from which masses, R and L are read");
+cli::Option& Statement::Declare(cli::Options& options, std::optional<Quantity>* value) const {
+  return options.Number(option, value, dimension, bounds, help);
 }
 
-void DeclareCase(cli::Options& options, ActuatorWords& words) {
-  options.Flag("--held", &words.held, "The case was fixed to a heavy mass");
-  options.Flag("--free", &words.is_free, "The case was free");
-  options.Number("--case-mass", &words.knowns.case_mass_kg, Dimension::kMass, "Case mass Mc");
-  options.Repeated("--require", &words.required, "Kv|Bv|Km",
-                   "Status 3 where this constant is not determined; may be repeated");
-}
-
-Result<void> Check(const ActuatorWords& words) {
-  if (words.held && words.is_free) return Usage("--held", "excludes --free", "give one of them");
-  struct Row {
-    std::string_view option;
-    const std::optional<Quantity>& value;
-    std::string_view example;
-  };
-  const ActuatorKnowns& knowns = words.knowns;
-  const std::array rows{Row{"--moving-mass", knowns.moving_mass_kg, "1.4g"},
-                        Row{"--case-mass", knowns.case_mass_kg, "0.6g"},
-                        Row{"--resistance", knowns.resistance_ohm, "27ohm"}};
-  for (const Row& row : rows) {
-    if (!row.value || (row.value->value > 0 && std::isfinite(row.value->value))) continue;
-    return Usage(std::string(row.option), "must be positive",
-                 fmt::format("write it like {}", row.example));
-  }
-  if (knowns.inductance_h && knowns.inductance_h->value < 0) {
-    return Usage("--inductance", "must not be negative", "write it like 130uH");
-  }
-  // only constants that the fits determine can be required
-  for (const std::string& name : words.required) {
-    if (name == "Kv" || name == "Bv" || name == "Km") continue;
-    return Usage("--require", fmt::format("{} is none of Kv, Bv, Km", name), "write --require Km");
-  }
-  return {};
-}
-
-Result<ActuatorKnowns> KnownsOfFile(const ActuatorWords& words) {
-  if (words.file.empty()) return ActuatorKnowns{};
-  HAPTOMETER_LET(const auto actuator, sim::FindActuator(words.file));
-  return ActuatorKnowns{actuator.moving_mass_kg, actuator.case_mass_kg, actuator.resistance_ohm,
-                        actuator.inductance_h};
-}
-
-Result<ActuatorKnowns> KnownsOf(const ActuatorWords& words) {
-  HAPTOMETER_LET(auto knowns, KnownsOfFile(words));
-  // an option replaces the file's value
-  for (const auto member : {&ActuatorKnowns::moving_mass_kg, &ActuatorKnowns::case_mass_kg,
-                            &ActuatorKnowns::resistance_ohm, &ActuatorKnowns::inductance_h}) {
-    if (words.knowns.*member) knowns.*member = words.knowns.*member;
-  }
-  return knowns;
+std::optional<Quantity> Statement::Read(TomlTable& table) const {
+  if (!table.Has(key)) return std::nullopt;
+  const Quantity quantity = table.RequireQuantity(key, dimension);
+  // the range and the words of the option
+  cli::Option as_option;
+  as_option.name = key;
+  as_option.dimension = dimension;
+  as_option.bounds = bounds;
+  const auto good =
+      cli::CheckBounds(as_option, quantity.value, fmt::format("{:g}", quantity.value));
+  if (!good) table.Refuse(key, good.error().what, good.error().remedy);
+  return quantity;
 }
 
 namespace {
 
-using fit::FittedValue;
-using sim::StatedActuator;
+// places in sim::kActuatorSymbols; the three constants stand between
+constexpr std::size_t kFirstConstant = 2, kResistance = 5, kInductance = 6;
 
-// one of the numbers that a scene cannot do without
-struct Needed {
-  std::string_view key;
-  std::string_view unit;
-  std::string_view option;
-  std::optional<Quantity> ActuatorKnowns::* known;
-  Quantity StatedActuator::* stated;
-};
+// far beyond any actuator, and near enough for numbers that stay finite
+constexpr cli::Bounds kMasses = cli::Within(1e-9, 1e3);
 
-constexpr std::array<Needed, 4> kNeeded{{
-    {"moving_mass_kg", "kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg,
-     &StatedActuator::moving_mass_kg},
-    {"case_mass_kg", "kg", "--case-mass", &ActuatorKnowns::case_mass_kg,
-     &StatedActuator::case_mass_kg},
-    {"resistance_ohm", "ohm", "--resistance", &ActuatorKnowns::resistance_ohm,
-     &StatedActuator::resistance_ohm},
-    {"inductance_h", "H", "--inductance", &ActuatorKnowns::inductance_h,
-     &StatedActuator::inductance_h},
-}};
+constexpr std::array<KnownNumber, 4> kKnownNumbers{
+    {{{"moving_mass_kg", "--moving-mass", Dimension::kMass, kMasses, "Moving mass Mv"},
+      "moving mass",
+      0,
+      &ActuatorKnowns::moving_mass_kg,
+      &StatedActuator::moving_mass_kg},
+     {{"case_mass_kg", "--case-mass", Dimension::kMass, kMasses, "Case mass Mc"},
+      "case mass",
+      1,
+      &ActuatorKnowns::case_mass_kg,
+      &StatedActuator::case_mass_kg},
+     {{"resistance_ohm", "--resistance", Dimension::kResistance, cli::Within(1e-3, 1e6),
+       "Resistance R of the coil"},
+      "coil resistance",
+      kResistance,
+      &ActuatorKnowns::resistance_ohm,
+      &StatedActuator::resistance_ohm},
+     {{"inductance_h", "--inductance", Dimension::kInductance, cli::Within(0, 1),
+       "Inductance L of the coil"},
+      "coil inductance",
+      kInductance,
+      &ActuatorKnowns::inductance_h,
+      &StatedActuator::inductance_h}}};
 
 // of a fit's constants
 struct Identified {
@@ -115,12 +80,52 @@ constexpr std::array<Identified, 3> kIdentified{{
     {"force_constant_n_per_a", "N/A", &StatedActuator::force_constant_n_per_a},
 }};
 
-// places in sim::kActuatorSymbols
-constexpr std::size_t kMovingMass = 0;
-constexpr std::size_t kCaseMass = 1;
-constexpr std::size_t kFirstConstant = 2;
-constexpr std::size_t kResistance = 5;
-constexpr std::size_t kInductance = 6;
+}  // namespace
+
+std::span<const KnownNumber> KnownNumbers() { return kKnownNumbers; }
+
+void DeclareActuator(cli::Options& options, ActuatorWords& words, bool has_case) {
+  for (const KnownNumber& number : kKnownNumbers) {
+    if (!has_case && number.known == &ActuatorKnowns::case_mass_kg) continue;
+    number.Declare(options, &(words.knowns.*number.known));
+  }
+  options.Text("--actuator", &words.file, "NAME|FILE",
+               "Actuator file, or thesis-c10-100, from which masses, R and L are read");
+  if (!has_case) return;
+  options.Flag("--held", &words.held, "The case was fixed to a heavy mass");
+  options.Flag("--free", &words.is_free, "The case was free");
+  options.Exclude("--held", {"--free"}, "a case is one of the two");
+  options.Repeated("--require", &words.required, "Kv|Bv|Km",
+                   "Status 3 where this constant is not determined; may be repeated");
+}
+
+Result<void> Check(const ActuatorWords& words) {
+  // only constants that the fits determine can be required
+  for (const std::string& name : words.required) {
+    if (name == "Kv" || name == "Bv" || name == "Km") continue;
+    return Usage("--require", fmt::format("{} is none of Kv, Bv, Km", name), "write --require Km");
+  }
+  return {};
+}
+
+Result<ActuatorKnowns> KnownsOfFile(const ActuatorWords& words) {
+  ActuatorKnowns knowns;
+  if (words.file.empty()) return knowns;
+  HAPTOMETER_LET(const auto actuator, sim::FindActuator(words.file));
+  for (const KnownNumber& number : kKnownNumbers) knowns.*number.known = actuator.*number.stated;
+  return knowns;
+}
+
+Result<ActuatorKnowns> KnownsOf(const ActuatorWords& words) {
+  HAPTOMETER_LET(auto knowns, KnownsOfFile(words));
+  // an option replaces the file's value
+  for (const KnownNumber& number : kKnownNumbers) {
+    if (words.knowns.*number.known) knowns.*number.known = words.knowns.*number.known;
+  }
+  return knowns;
+}
+
+namespace {
 
 Quantity Of(const FittedValue& value) { return {value.value, value.combined_standard_uncertainty}; }
 
@@ -128,13 +133,13 @@ Quantity Of(const FittedValue& value) { return {value.value, value.combined_stan
 Result<StatedActuator> Begin(const ActuatorKnowns& knowns,
                              const std::array<const FittedValue*, 3>& constants) {
   StatedActuator stated{};
-  for (const Needed& needed : kNeeded) {
-    const auto& known = knowns.*needed.known;
+  for (const KnownNumber& number : kKnownNumbers) {
+    const auto& known = knowns.*number.known;
     if (!known) {
-      return Usage("--save", fmt::format("a scene needs {} too", needed.key),
-                   fmt::format("state it with {}", needed.option));
+      return Usage("--save", fmt::format("a scene needs {} too", number.key),
+                   fmt::format("state it with {}", number.option));
     }
-    stated.*needed.stated = *known;
+    stated.*number.stated = *known;
   }
   for (std::size_t k = 0; k < constants.size(); ++k) {
     if (constants[k]->determined) stated.*kIdentified[k].stated = Of(*constants[k]);
@@ -154,16 +159,16 @@ void Correlate(std::size_t one, std::size_t other, double covariance, double one
       std::clamp(coefficient, -1.0, 1.0);
 }
 
-// of a given number with each constant: cov = (d ln constant / d ln given) u(ln given)^2
+// of a given number with each constant: cov = (d ln constant / d ln given) u(ln given)^2; nothing
+// where the fit did not take it
 template <typename Covariance>
-void CorrelateGiven(std::size_t place, std::string_view input,
-                    const std::vector<fit::InputInfluence>& influences,
+void CorrelateGiven(const KnownNumber& given, const std::vector<fit::InputInfluence>& influences,
                     const Covariance& covariance, StatedActuator& stated) {
-  const auto found = std::ranges::find(influences, input, &fit::InputInfluence::input);
+  const auto found = std::ranges::find(influences, given.input, &fit::InputInfluence::input);
   if (found == influences.end()) return;
   const double square = std::pow(found->relative_standard_uncertainty, 2);
   for (std::size_t k = 0; k < kIdentified.size(); ++k) {
-    Correlate(place, kFirstConstant + k, found->percent_per_percent[k] * square, square,
+    Correlate(given.place, kFirstConstant + k, found->percent_per_percent[k] * square, square,
               covariance[k][k], stated);
   }
 }
@@ -189,7 +194,9 @@ std::string TextOf(const StatedActuator& stated, const document::Provenance& pro
   // --overwrite recognises such files by the first line
   std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n" +
                      document::CommentOf(provenance, "# ");
-  for (const Needed& needed : kNeeded) text += Line(needed.key, stated.*needed.stated, needed.unit);
+  for (const KnownNumber& number : kKnownNumbers) {
+    text += Line(number.key, stated.*number.stated, SiUnit(number.dimension));
+  }
   for (const Identified& identified : kIdentified) {
     const auto& value = stated.*identified.stated;
     if (value) text += Line(identified.key, *value, identified.unit);
@@ -211,13 +218,8 @@ bool IsTaken(const fit::ImpedanceFit& fit, std::string_view input) {
 
 Result<StatedActuator> FittedActuator(const fit::DropTestFit& fit, const ActuatorKnowns& knowns) {
   HAPTOMETER_LET(auto stated, Begin(knowns, {&fit.stiffness, &fit.damping, &fit.force_constant}));
-  constexpr std::array<std::pair<std::size_t, std::string_view>, 4> kInputs{
-      {{kMovingMass, "moving mass"},
-       {kCaseMass, "case mass"},
-       {kResistance, "coil resistance"},
-       {kInductance, "coil inductance"}}};
-  for (const auto& [place, input] : kInputs) {
-    CorrelateGiven(place, input, fit.influences, fit.relative_covariance, stated);
+  for (const KnownNumber& given : kKnownNumbers) {
+    CorrelateGiven(given, fit.influences, fit.relative_covariance, stated);
   }
   CorrelateConstants(fit.relative_covariance, stated);
   return stated;
@@ -230,8 +232,10 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
   if (!all.inductance_h && fit.inductance.determined) all.inductance_h = Of(fit.inductance);
   HAPTOMETER_LET(auto stated, Begin(all, {&fit.stiffness, &fit.damping, &fit.force_constant}));
   const auto& covariance = fit.relative_covariance;
-  CorrelateGiven(kMovingMass, "moving mass", fit.influences, covariance, stated);
-  CorrelateGiven(kCaseMass, "case mass", fit.influences, covariance, stated);
+  // a sweep names R and L otherwise, so that of what was given only the masses are found
+  for (const KnownNumber& given : kKnownNumbers) {
+    CorrelateGiven(given, fit.influences, covariance, stated);
+  }
   CorrelateConstants(covariance, stated);
   // behind the three constants come R and L, unless an ohmmeter's R stands in the place of the
   // fit's
@@ -249,10 +253,8 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
 }
 
 void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figures) {
-  options.Flag("--all", &files.outputs.all, "Print all details and the provenance");
-  options.Output("--plot", &files.outputs.plot, "FILE.svg|png|pdf", figures);
-  options.Output("--report", &files.outputs.report, "FILE.html",
-                 "Write one page with all details and the figures");
+  DeclareOutputs(options, files.outputs,
+                 {.all = "Print all details and the provenance", .plot = figures});
   options.Output(
       "--save", &files.save, "FILE.toml",
       "Write the actuator with uncertainties and correlations, for scenes and --actuator");
@@ -261,18 +263,17 @@ void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figur
 }
 
 Result<void> CheckFiles(const FitFiles& files) {
-  if (!files.save.empty()) {
-    HAPTOMETER_TRY(cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite));
-  }
-  return document::CheckOutputs(files.outputs);
+  if (files.save.empty()) return {};
+  return cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite);
 }
 
-Result<void> SaveActuator(const FitFiles& files, const Result<StatedActuator>& actuator,
-                          std::string_view verb, int argc, const char* const* argv) {
-  if (files.save.empty()) return {};
-  if (!actuator) return std::unexpected(actuator.error());
-  return cli::WriteOutput(files.save, cli::kActuatorOutput, files.overwrite,
-                          TextOf(*actuator, document::ProvenanceOf(verb, argc, argv)));
+int SaveActuator(const FitFiles& files, const Result<StatedActuator>& actuator,
+                 std::string_view verb, int argc, const char* const* argv) {
+  if (files.save.empty()) return 0;
+  if (!actuator) return cli::ReportError(verb, actuator.error());
+  const auto saved = cli::WriteOutput(files.save, cli::kActuatorOutput, files.overwrite,
+                                      TextOf(*actuator, document::ProvenanceOf(verb, argc, argv)));
+  return saved ? 0 : cli::ReportError(verb, saved.error());
 }
 
 }  // namespace haptometer::tools

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "base/quantity.h"
+#include "base/toml.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/impulse_record.h"
 #include "fit/impedance/impedance_fit.h"
@@ -13,6 +17,31 @@
 #include "tools/document/present.h"
 
 namespace haptometer::tools {
+
+/// A number that an option, a TOML file and the header of a recording may state, with its range.
+struct Statement {
+  std::string_view key;     ///< in files: "moving_mass_kg"
+  std::string_view option;  ///< "--moving-mass"; empty: none
+  Dimension dimension;
+  cli::Bounds bounds;
+  std::string_view help;  ///< of the option
+
+  /// Declares the option.
+  cli::Option& Declare(cli::Options& options, std::optional<Quantity>* value) const;
+  /// What the table states under the key; what is out of range is refused.
+  [[nodiscard]] std::optional<Quantity> Read(TomlTable& table) const;
+};
+
+/// A number of an actuator that a fit takes and a scene cannot do without.
+struct KnownNumber : Statement {
+  std::string_view input;  ///< its name among the inputs of a fit
+  std::size_t place;       ///< in sim::kActuatorSymbols
+  std::optional<Quantity> fit::ActuatorKnowns::* known;
+  Quantity sim::StatedActuator::* stated;
+};
+
+/// Moving mass, case mass, resistance, inductance.
+[[nodiscard]] std::span<const KnownNumber> KnownNumbers();
 
 /// What the command line of fit-lra, fit-impedance and plan-drop-test says of an actuator.
 struct ActuatorWords {
@@ -23,14 +52,11 @@ struct ActuatorWords {
   std::vector<std::string> required;  ///< constants without which the status is 3
 };
 
-/// Declares --moving-mass, --resistance, --inductance and --actuator.
-void DeclareCoilAndMass(cli::Options& options, ActuatorWords& words);
+/// Declares --moving-mass, --resistance, --inductance and --actuator; `has_case`: also --held,
+/// --free, --case-mass and --require.
+void DeclareActuator(cli::Options& options, ActuatorWords& words, bool has_case);
 
-/// Declares --held, --free, --case-mass and --require.
-void DeclareCase(cli::Options& options, ActuatorWords& words);
-
-/// Refuses values that are out of range, held and free together, and a required constant that is
-/// none of Kv, Bv, Km. Errors: Cause::kUsage.
+/// Refuses a required constant that is none of Kv, Bv, Km. Errors: Cause::kUsage.
 [[nodiscard]] Result<void> Check(const ActuatorWords& words);
 
 /// What the file of --actuator says; nothing without one. Errors: sim::FindActuator.
@@ -49,7 +75,7 @@ struct FitFiles {
 /// Declares --all, --plot (`figures`: what it draws), --report, --save and --overwrite.
 void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figures);
 
-/// Whether they can be written; to be asked before long work. Errors: Cause::kUsage.
+/// Whether `save` can be written; to be asked before long work. Errors: Cause::kUsage.
 [[nodiscard]] Result<void> CheckFiles(const FitFiles& files);
 
 /// The fitted actuator: what was given, Kv, Bv and Km with combined standard uncertainties, and
@@ -65,9 +91,8 @@ void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figur
 
 /// Writes it to `files.save`, where that is not empty, as a file for scenes, `simulate` and
 /// --actuator (sim/scene/actuator.h), behind a comment with the provenance; `argv` is the verb's.
-/// Errors: those of `actuator`; as cli::OutputFile.
-[[nodiscard]] Result<void> SaveActuator(const FitFiles& files,
-                                        const Result<sim::StatedActuator>& actuator,
-                                        std::string_view verb, int argc, const char* const* argv);
+/// Returns the exit status, after an error is reported: those of `actuator`; as cli::OutputFile.
+[[nodiscard]] int SaveActuator(const FitFiles& files, const Result<sim::StatedActuator>& actuator,
+                               std::string_view verb, int argc, const char* const* argv);
 
 }  // namespace haptometer::tools

@@ -3,11 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <utility>
 
+#include "base/mapped.h"
 #include "base/text.h"
 #include "base/toml.h"
 #include "tools/fit/fit_document.h"
@@ -21,11 +23,35 @@ using fit::CaseCondition;
 
 constexpr const char* kHeader = "the header";
 
-using Statements = Findings<StatementFinding>;
+// a number that can be stated of a drop
+struct DropNumber : Statement {
+  std::optional<Quantity> fit::ImpulseRecord::* member;
+};
+
+constexpr std::array<DropNumber, 7> kDropNumbers{
+    {{{"load_ohm", "", Dimension::kResistance, cli::Above(0), ""}, &fit::ImpulseRecord::load_ohm},
+     {{"drop_height_m", "--drop-height", Dimension::kLength, cli::Within(1e-6, 10),
+       "Height of the free fall before the impact; gives Km from one open record"},
+      &fit::ImpulseRecord::drop_height_m},
+     {{"rebound", "--rebound", Dimension::kNone, cli::Within(0, 1),
+       "Ratio of the case's speed after the impact to that before it"},
+      &fit::ImpulseRecord::rebound},
+     {{"release_current_a", "--release-current", Dimension::kCurrent, cli::Above(0),
+       "Current whose end began the motion, in place of an impact; gives Km"},
+      &fit::ImpulseRecord::release_current_a},
+     {{"added_mass_kg", "", Dimension::kMass, cli::Above(0), ""},
+      &fit::ImpulseRecord::added_mass_kg},
+     // a scale is a ratio near 1; beyond a factor of 2 it is an error of units
+     {{"voltage_scale", "--voltage-scale", Dimension::kNone, cli::Within(0.5, 2),
+       "Ratio of the recorder's voltage to the true voltage, such as '1.00(2)'"},
+      &fit::ImpulseRecord::voltage_scale},
+     {{"time_scale", "--time-scale", Dimension::kNone, cli::Within(0.5, 2),
+       "Ratio of the recorder's time to the true time, such as 1+-5e-5"},
+      &fit::ImpulseRecord::time_scale}}};
 
 // the files, and what is stated of each beside its header
 struct Sources {
-  std::vector<StatedDrop> drops;
+  std::vector<fit::ImpulseRecord> drops;
   ActuatorKnowns knowns;
   std::string said_by = "the load of the command line";
 };
@@ -48,7 +74,9 @@ Result<Sources> ListSources(const FitLraOptions& options) {
   if (from_file) return std::move(*from_file);
   Sources sources;
   const auto add = [&sources](const std::string& path, std::optional<Quantity> load_ohm) {
-    sources.drops.push_back({.path = path, .load_ohm = load_ohm});
+    fit::ImpulseRecord& drop = sources.drops.emplace_back();
+    drop.name = path;
+    drop.load_ohm = load_ohm;
   };
   for (const auto& path : options.files) add(path, {});
   // an open circuit is an infinite load
@@ -72,135 +100,58 @@ Result<Sources> ListSources(const FitLraOptions& options) {
   return sources;
 }
 
-// one drop counts once: the same file again would narrow the intervals without new data
-Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      // different paths may be links to one file
-      if (sources[k].path == sources[i].path ||
-          fs::equivalent(sources[k].path, sources[i].path, ignored)) {
-        return Usage(sources[i].path, "is given twice", "name each drop once");
-      }
-    }
-  }
-  return {};
-}
-
-// notes that `by` replaces the statement `key` = `value` of `of`
-void NoteReplaced(const std::string& subject, std::string_view by, std::string_view key,
-                  const std::string& value, const std::string& of, Statements* replaced) {
-  replaced->Add({.severity = Severity::kNote,
-                 .kind = StatementFinding::kReplaced,
-                 .numbers = {{"by", std::string(by)},
-                             {"key", std::string(key)},
-                             {"value", value},
-                             {"of", of}},
-                 .subject = subject});
-}
-
-// lays `option` over `*value`, with a note where they differ
-void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
-         std::string_view key, std::optional<Quantity>* value, Statements* replaced) {
-  if (!option) return;
-  if (*value && **value != *option) {
-    NoteReplaced(file, name, key, fmt::format("{:g}", (*value)->value), kHeader, replaced);
-  }
-  *value = option;
-}
-
-// a statement about one drop: its key, its option, and where it stands in all three
-struct DropStatement {
-  std::string_view key;
-  std::string_view option_name;
-  std::optional<Quantity> FitLraOptions::* option;  // null: there is none
-  std::optional<Quantity> StatedDrop::* said;
-  std::optional<Quantity> fit::ImpulseRecord::* member;
+// what one place says of a number or of the case
+template <typename Value>
+struct Stated {
+  std::string by;
+  std::optional<Value> value;
 };
 
-constexpr DropStatement kDropStatements[]{
-    {"load_ohm", "", nullptr, &StatedDrop::load_ohm, &fit::ImpulseRecord::load_ohm},
-    {"drop_height_m", "--drop-height", &FitLraOptions::drop_height_m, &StatedDrop::drop_height_m,
-     &fit::ImpulseRecord::drop_height_m},
-    {"rebound", "--rebound", &FitLraOptions::rebound, &StatedDrop::rebound,
-     &fit::ImpulseRecord::rebound},
-    {"release_current_a", "--release-current", &FitLraOptions::release_current_a,
-     &StatedDrop::release_current_a, &fit::ImpulseRecord::release_current_a},
-    {"added_mass_kg", "", nullptr, &StatedDrop::added_mass_kg, &fit::ImpulseRecord::added_mass_kg},
-    {"voltage_scale", "--voltage-scale", &FitLraOptions::voltage_scale, &StatedDrop::voltage_scale,
-     &fit::ImpulseRecord::voltage_scale},
-    {"time_scale", "--time-scale", &FitLraOptions::time_scale, &StatedDrop::time_scale,
-     &fit::ImpulseRecord::time_scale},
-};
+std::string TextOf(const Quantity& quantity) { return fmt::format("{:g}", quantity.value); }
+std::string TextOf(CaseCondition condition) { return std::string(Name(condition)); }
 
-// held or free: option, else drops file, else header; a replaced statement is noted
-void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-                  fit::ImpulseRecord* record, Statements* replaced) {
-  const bool has_option = options.actuator.held || options.actuator.is_free;
-  if (!has_option && !said.condition) return;
-  const auto wanted = has_option
-                          ? (options.actuator.held ? CaseCondition::kHeld : CaseCondition::kFree)
-                          : *said.condition;
-  const std::string name = has_option ? fmt::format("--{}", Name(wanted)) : said_by;
-  if (has_option && said.condition && *said.condition != wanted) {
-    NoteReplaced(record->name, name, "case", std::string(Name(*said.condition)), said_by, replaced);
+// the value of the first of `places` that states one; what it replaces of the others is noted
+template <typename Value>
+std::optional<Value> Settle(std::string_view key, const std::string& subject,
+                            const std::vector<Stated<Value>>& places, FitLraInput* input) {
+  const Stated<Value>* first = nullptr;
+  for (const Stated<Value>& place : places) {
+    if (first == nullptr && place.value) first = &place;
+    if (!place.value || *place.value == *first->value) continue;
+    input->replaced.Find(Severity::kNote, "statement-replaced",
+                         "{by} replaces {key} = {value} of {of}",
+                         {{"by", first->by},
+                          {"key", std::string(key)},
+                          {"value", TextOf(*place.value)},
+                          {"of", place.by}},
+                         subject);
   }
-  if (record->condition && *record->condition != wanted) {
-    NoteReplaced(record->name, name, "case", std::string(Name(*record->condition)), kHeader,
-                 replaced);
-  }
-  record->condition = wanted;
+  return first == nullptr ? std::nullopt : first->value;
 }
 
-// what is stated of a drop over its header, options over the drops file
-void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-             fit::ImpulseRecord* record, Statements* replaced) {
-  const std::optional<Quantity> none;
-  for (const DropStatement& row : kDropStatements) {
-    const auto& option = row.option == nullptr ? none : options.*row.option;
-    const auto& in_file = said.*row.said;
-    if (option && in_file && *option != *in_file) {
-      NoteReplaced(record->name, row.option_name, row.key, fmt::format("{:g}", in_file->value),
-                   said_by, replaced);
-    }
-    Lay(option ? option : in_file, option ? row.option_name : said_by, said.path, row.key,
-        &(record->*row.member), replaced);
+// what is stated of a drop: options over the drops file over the header
+void LayDrop(const FitLraOptions& options, const fit::ImpulseRecord& said,
+             const std::string& said_by, fit::ImpulseRecord* record, FitLraInput* input) {
+  for (const DropNumber& number : kDropNumbers) {
+    record->*number.member =
+        Settle<Quantity>(number.key, record->name,
+                         {{std::string(number.option), options.stated.*number.member},
+                          {said_by, said.*number.member},
+                          {kHeader, record->*number.member}},
+                         input);
   }
-  LayCondition(options, said, said_by, record, replaced);
-}
-
-// the seconds of "A:B"; either may be missing, "0.2s:" to the end
-struct Window {
-  double from_s = -std::numeric_limits<double>::infinity();
-  double to_s = std::numeric_limits<double>::infinity();
-};
-
-Result<Window> ParseWindow(const std::string& text) {
-  constexpr std::string_view kOption = "--window";
-  const auto colon = text.find(':');
-  Window window;
-  if (colon == std::string::npos) {
-    return Usage(std::string(kOption), fmt::format("{} has no colon", text), "write 0.2:0.8");
-  }
-  const auto read = [&](const std::string& word, double& seconds) -> Result<void> {
-    // an empty side of the colon stays infinite
-    if (word.empty()) return {};
-    HAPTOMETER_LET(const auto quantity, ParseQuantity(word, Dimension::kTime, kOption));
-    seconds = quantity.value;
-    return {};
-  };
-  HAPTOMETER_TRY(read(text.substr(0, colon), window.from_s));
-  HAPTOMETER_TRY(read(text.substr(colon + 1), window.to_s));
-  if (!(window.from_s < window.to_s)) {
-    return Usage(std::string(kOption), fmt::format("{} ends before it begins", text),
-                 "write 0.2:0.8");
-  }
-  return window;
+  std::optional<CaseCondition> option;
+  if (options.actuator.held) option = CaseCondition::kHeld;
+  if (options.actuator.is_free) option = CaseCondition::kFree;
+  record->condition = Settle<CaseCondition>("case", record->name,
+                                            {{option ? "--" + TextOf(*option) : "", option},
+                                             {said_by, said.condition},
+                                             {kHeader, record->condition}},
+                                            input);
 }
 
 // the part of a record within a window
-Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
+Result<void> CutTo(const FitWindow& window, fit::ImpulseRecord* record) {
   const auto size = static_cast<double>(record->voltage_v.size());
   const auto position = [&](double time_s) {
     // 1e-6 of a step: a limit that lies on a sample includes it in spite of rounding
@@ -223,15 +174,13 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
 }
 
 // one file as a drop with the options laid over its header
-Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
+Result<fit::ImpulseFile> ReadSource(const fit::ImpulseRecord& source, const std::string& said_by,
                                     const FitLraOptions& options, FitLraInput* input) {
-  HAPTOMETER_LET(auto recording, trial::ReadRecording(source.path, options.import));
-  NoteReading(recording, source.path, input->reading, input->sources);
-  HAPTOMETER_LET(auto file, fit::ImpulseFromRecord(recording.record, Printable(source.path)));
-  LayDrop(options, source, said_by, &file.record, &input->replaced);
-  if (options.window.empty()) return file;
-  HAPTOMETER_LET(const auto window, ParseWindow(options.window));
-  HAPTOMETER_TRY(CutTo(window, &file.record));
+  HAPTOMETER_LET(auto recording, trial::ReadRecording(source.name, options.import));
+  NoteReading(recording, source.name, input->reading, input->sources);
+  HAPTOMETER_LET(auto file, fit::ImpulseFromRecord(recording.record, Printable(source.name)));
+  LayDrop(options, source, said_by, &file.record, input);
+  if (options.window) HAPTOMETER_TRY(CutTo(*options.window, &file.record));
   return file;
 }
 
@@ -260,119 +209,89 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
   for (auto& drop : drops.left_out) input->left_out_drops.push_back(std::move(drop));
 }
 
-// a value of the actuator and its source
-struct Stated {
-  std::string_view by;
-  std::optional<Quantity> value;
-};
-
-// one statement about the actuator: option, else actuator file, else drops file, else the headers,
-// which must agree
-class Statement {
- public:
-  Statement(std::string_view key, std::string_view option_name,
-            std::optional<Quantity> fit::ActuatorKnowns::* member)
-      : key_(key), option_name_(option_name), member_(member) {}
-
-  [[nodiscard]] Result<void> Settle(const Stated& stated,
-                                    const std::vector<fit::ImpulseFile>& files,
-                                    FitLraInput* input) const {
-    std::optional<Quantity>& settled = input->knowns.*member_;
-    // headers: replaced by a stated value, else equal to each other
-    for (const auto& file : files) {
-      std::optional<Quantity> header = file.knowns.*member_;
-      if (stated.value) {
-        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->replaced);
-      } else if (header && settled && *header != *settled) {
-        return CannotAnswer(file.record.name,
-                            fmt::format("{} = {:g} contradicts {:g} of another file", key_,
-                                        header->value, settled->value),
-                            fmt::format("fit the files separately, or decide by {}", option_name_));
-      }
-      if (header) settled = header;
-    }
-    if (stated.value) settled = stated.value;
-    return {};
-  }
-
-  // what the command line states, by an option or else by an actuator, over the drops file
-  [[nodiscard]] Stated Over(const ActuatorKnowns& options, const ActuatorKnowns& actuator,
-                            const Sources& sources, Statements* replaced) const {
-    const auto& option = options.*member_;
-    const Stated command{option ? option_name_ : "--actuator", option ? option : actuator.*member_};
-    const auto& in_file = sources.knowns.*member_;
-    if (!command.value) return {sources.said_by, in_file};
-    if (in_file && *in_file != *command.value) {
-      NoteReplaced("", command.by, key_, fmt::format("{:g}", in_file->value), sources.said_by,
-                   replaced);
-    }
-    return command;
-  }
-
- private:
-  std::string_view key_;
-  std::string_view option_name_;
-  std::optional<Quantity> fit::ActuatorKnowns::* member_;
-};
-
+// each number of the actuator: option, else actuator file, else drops file, else the headers, which
+// must agree
 Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
                           const std::vector<fit::ImpulseFile>& files, FitLraInput* input) {
   HAPTOMETER_LET(const auto of_file, KnownsOfFile(options.actuator));
-  const Statement statements[]{
-      {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
-      {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
-      {"resistance_ohm", "--resistance", &ActuatorKnowns::resistance_ohm},
-      {"inductance_h", "--inductance", &ActuatorKnowns::inductance_h},
-  };
-  for (const Statement& statement : statements) {
-    const Stated stated =
-        statement.Over(options.actuator.knowns, of_file, sources, &input->replaced);
-    HAPTOMETER_TRY(statement.Settle(stated, files, input));
+  for (const KnownNumber& number : KnownNumbers()) {
+    const auto& option = options.actuator.knowns.*number.known;
+    const Stated<Quantity> command{option ? std::string(number.option) : "--actuator",
+                                   option ? option : of_file.*number.known};
+    const Stated<Quantity> in_file{sources.said_by, sources.knowns.*number.known};
+    std::optional<Quantity>& settled = input->knowns.*number.known;
+    settled = Settle<Quantity>(number.key, "", {command, in_file}, input);
+    const Stated<Quantity> stated{command.value ? command.by : in_file.by, settled};
+    for (const fit::ImpulseFile& file : files) {
+      const Stated<Quantity> header{kHeader, file.knowns.*number.known};
+      if (!stated.value && header.value && settled && *header.value != *settled) {
+        return CannotAnswer(
+            file.record.name,
+            fmt::format("{} = {:g} contradicts {:g} of another file", number.key,
+                        header.value->value, settled->value),
+            fmt::format("fit the files separately, or decide by {}", number.option));
+      }
+      const auto of_both = Settle<Quantity>(number.key, file.record.name, {stated, header}, input);
+      if (of_both) settled = of_both;
+    }
   }
   return {};
 }
 
 }  // namespace
 
-Result<void> CheckFitLraOptions(const FitLraOptions& options) {
-  HAPTOMETER_TRY(Check(options.actuator));
-  const auto positive = [](const std::optional<Quantity>& value) {
-    return !value || value->value > 0;
+cli::Option& DeclareDropNumber(cli::Options& options, std::string_view name,
+                               fit::ImpulseRecord& stated) {
+  const auto* const number = std::ranges::find(kDropNumbers, name, &DropNumber::option);
+  return number->Declare(options, &(stated.*number->member));
+}
+
+Result<FitWindow> ParseWindow(const std::string& text) {
+  constexpr std::string_view kOption = "--window";
+  const auto colon = text.find(':');
+  FitWindow window{-std::numeric_limits<double>::infinity(),
+                   std::numeric_limits<double>::infinity()};
+  if (colon == std::string::npos) {
+    return Usage(std::string(kOption), fmt::format("{} has no colon", text), "write 0.2:0.8");
+  }
+  const auto read = [&](const std::string& word, double& seconds) -> Result<void> {
+    // an empty side of the colon stays infinite
+    if (word.empty()) return {};
+    HAPTOMETER_LET(const auto quantity, ParseQuantity(word, Dimension::kTime, kOption));
+    seconds = quantity.value;
+    return {};
   };
-  if (!positive(options.drop_height_m)) {
-    return Usage("--drop-height", "must be positive", "write it like 10mm");
-  }
-  if (!positive(options.release_current_a)) {
-    return Usage("--release-current", "must be positive", "write it like 50mA");
-  }
-  // a scale is a ratio near 1; beyond a factor of 2 it is an error of units
-  const auto nearly_one = [](const std::optional<Quantity>& scale) {
-    return !scale || (scale->value > 0.5 && scale->value < 2);
-  };
-  if (!nearly_one(options.voltage_scale)) {
-    return Usage("--voltage-scale", "is shown over true volts, about 1",
-                 "write it like 1.00(2); a column's unit goes by --scale");
-  }
-  if (!nearly_one(options.time_scale)) {
-    return Usage("--time-scale", "is shown over true seconds, about 1",
-                 "write it like 1+-5e-5; a column's unit goes by --scale");
-  }
-  if (!options.window.empty()) HAPTOMETER_TRY(ParseWindow(options.window));
-  if (options.rebound && !(options.rebound->value >= 0 && options.rebound->value <= 1)) {
-    return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");
+  HAPTOMETER_TRY(read(text.substr(0, colon), window.from_s));
+  HAPTOMETER_TRY(read(text.substr(colon + 1), window.to_s));
+  if (window.from_s < window.to_s) return window;
+  return Usage(std::string(kOption), fmt::format("{} ends before it begins", text),
+               "write 0.2:0.8");
+}
+
+Result<void> CheckDistinct(const std::vector<std::string>& paths) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (auto path = paths.begin(); path != paths.end(); ++path) {
+    // different paths may be links to one file
+    const auto is_same = [&](const std::string& other) {
+      return other == *path || fs::equivalent(other, *path, ignored);
+    };
+    if (std::any_of(paths.begin(), path, is_same)) {
+      return Usage(*path, "is given twice", "name each file once");
+    }
   }
   return {};
 }
 
 Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
-  HAPTOMETER_TRY(CheckFitLraOptions(options));
+  HAPTOMETER_TRY(Check(options.actuator));
   HAPTOMETER_LET(const auto sources, ListSources(options));
-  HAPTOMETER_TRY(CheckDistinct(sources.drops));
+  HAPTOMETER_TRY(CheckDistinct(Mapped(sources.drops, &fit::ImpulseRecord::name)));
 
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
   // a file that cannot be read is excluded with its error; the others are fitted
-  for (const StatedDrop& source : sources.drops) {
+  for (const fit::ImpulseRecord& source : sources.drops) {
     auto file = ReadSource(source, sources.said_by, options, &input);
     if (file) {
       TakeDrops(*file, &files, &input);
@@ -387,35 +306,6 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
 }
 
 namespace {
-
-// bounds of a value; as those of the options
-struct Bounds {
-  bool (*holds)(double);
-  std::string_view what;
-  std::string_view remedy;
-};
-
-constexpr Bounds kPositive{[](double value) { return value > 0 && std::isfinite(value); },
-                           "must be positive", "write it like \"1.40(3)g\" or \"27ohm\""};
-constexpr Bounds kNotNegative{[](double value) { return value >= 0; }, "must not be negative",
-                              "write it like \"130uH\""};
-constexpr Bounds kShare{[](double value) { return value >= 0 && value <= 1; }, "lies from 0 to 1",
-                        "write it like 0.1"};
-constexpr Bounds kLoad{[](double value) { return value > 0; }, "a short circuit shows no voltage",
-                       "write \"33ohm\" or \"open\""};
-constexpr Bounds kScale{[](double value) { return value > 0.5 && value < 2; },
-                        "is shown over true, about 1", "write it like \"1.00(2)\""};
-
-// a quantity of the table within its bounds; nothing where the key is absent
-std::optional<Quantity> Read(TomlTable& table, std::string_view key, Dimension dimension,
-                             const Bounds& bounds) {
-  if (!table.Has(key)) return std::nullopt;
-  const Quantity quantity = table.RequireQuantity(key, dimension);
-  if (!bounds.holds(quantity.value)) {
-    table.Refuse(key, std::string(bounds.what), std::string(bounds.remedy));
-  }
-  return quantity;
-}
 
 std::vector<std::string> ReadFiles(TomlTable& table) {
   const auto file = table.Text("file");
@@ -432,22 +322,16 @@ std::vector<std::string> ReadFiles(TomlTable& table) {
 
 // the drops of one [[drop]]: what it states is true of each of its files
 void ReadDrop(TomlTable& table, const std::filesystem::path& directory,
-              std::vector<StatedDrop>& drops) {
-  StatedDrop drop;
+              std::vector<fit::ImpulseRecord>& drops) {
+  fit::ImpulseRecord drop;
   const auto files = ReadFiles(table);
-  drop.load_ohm = Read(table, "load_ohm", Dimension::kResistance, kLoad);
+  for (const DropNumber& number : kDropNumbers) drop.*number.member = number.Read(table);
   if (const auto name = table.Choice("case", {"held", "free"})) {
-    drop.condition = *name == "held" ? fit::CaseCondition::kHeld : fit::CaseCondition::kFree;
+    drop.condition = *name == "held" ? CaseCondition::kHeld : CaseCondition::kFree;
   }
-  drop.drop_height_m = Read(table, "drop_height_m", Dimension::kLength, kPositive);
-  drop.rebound = Read(table, "rebound", Dimension::kNone, kShare);
-  drop.release_current_a = Read(table, "release_current_a", Dimension::kCurrent, kPositive);
-  drop.added_mass_kg = Read(table, "added_mass_kg", Dimension::kMass, kPositive);
-  drop.voltage_scale = Read(table, "voltage_scale", Dimension::kNone, kScale);
-  drop.time_scale = Read(table, "time_scale", Dimension::kNone, kScale);
   drops.reserve(drops.size() + files.size());
   for (const std::string& file : files) {
-    drop.path = (directory / file).string();
+    drop.name = (directory / file).string();
     drops.push_back(drop);
   }
 }
@@ -455,10 +339,7 @@ void ReadDrop(TomlTable& table, const std::filesystem::path& directory,
 Result<DropsFile> Read(TomlTable table, const std::string& path) {
   DropsFile file;
   file.path = path;
-  file.knowns = {Read(table, "moving_mass_kg", Dimension::kMass, kPositive),
-                 Read(table, "case_mass_kg", Dimension::kMass, kPositive),
-                 Read(table, "resistance_ohm", Dimension::kResistance, kPositive),
-                 Read(table, "inductance_h", Dimension::kInductance, kNotNegative)};
+  for (const KnownNumber& number : KnownNumbers()) file.knowns.*number.known = number.Read(table);
   const auto directory = std::filesystem::path(path).parent_path();
   for (TomlTable* drop : table.Tables("drop")) ReadDrop(*drop, directory, file.drops);
   HAPTOMETER_TRY(table.Finish());

@@ -18,6 +18,17 @@
 
 namespace haptometer::tools {
 
+/// Declares --drop-height, --rebound, --release-current, --voltage-scale or --time-scale for
+/// `stated`.
+cli::Option& DeclareDropNumber(cli::Options& options, std::string_view name,
+                               fit::ImpulseRecord& stated);
+
+/// Seconds of a record, both ends may be infinite.
+struct FitWindow {
+  double from_s = 0;
+  double to_s = 0;
+};
+
 /// What the command line of fit-lra says; every statement here overrides the files' headers
 /// and a drops file, which overrides the headers too.
 struct FitLraOptions {
@@ -25,18 +36,14 @@ struct FitLraOptions {
   std::vector<std::vector<std::string>> open;  ///< groups of files, open circuit
   std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
   ActuatorWords actuator;
-  bool is_robust = false;  ///< Huber's loss in place of squares
-  std::optional<Quantity> drop_height_m;
-  std::optional<Quantity> rebound;
-  std::optional<Quantity> release_current_a;
-  std::optional<Quantity> voltage_scale;
-  std::optional<Quantity> time_scale;
-  std::string window;           ///< "A:B": the part of each record that is fitted, in s; empty: all
-  trial::ImportOptions import;  ///< how to read tables of other programs
+  bool is_robust = false;           ///< Huber's loss in place of squares
+  fit::ImpulseRecord stated;        ///< of every drop; without samples
+  std::optional<FitWindow> window;  ///< the part of each record that is fitted; absent: all
+  trial::ImportOptions import;      ///< how to read tables of other programs
 };
 
-/// What is found while statements of several places are laid over each other.
-enum class StatementFinding : std::uint8_t { kReplaced };
+/// Reads "A:B", either of which may be left out, of --window. Errors: Cause::kUsage.
+[[nodiscard]] Result<FitWindow> ParseWindow(const std::string& text);
 
 /// The drops that can be fitted, what is known of the actuator, and what was left out.
 struct FitLraInput {
@@ -44,41 +51,27 @@ struct FitLraInput {
   std::vector<fit::PreparedRecord> prepared;  ///< one of each, for the fit
   fit::ActuatorKnowns knowns;
   trial::Findings reading;                    ///< what is lost and what was assumed, by files
-  Findings<StatementFinding> replaced;        ///< statements that replaced others
+  document::Section replaced;                 ///< its findings: statements that replaced others
   fit::Findings findings;                     ///< of headers, and of what was done with drops
   std::vector<document::DataSource> sources;  ///< of the recordings, each once
   std::vector<Error> left_out;                ///< files that cannot be fitted; the others still are
   std::vector<fit::LeftOutDrop> left_out_drops;  ///< those of them that could be read
 };
 
-/// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.
-[[nodiscard]] Result<void> CheckFitLraOptions(const FitLraOptions& options);
-
 /// Reads the files and lays options over headers.
 ///
-/// Errors: Cause::kUsage for impossible options (no file, held and free, a value out of range, a
-/// group without files); Cause::kCannotAnswer for an actuator that cannot be read and for files
-/// whose headers contradict each other. Files that cannot be used are in `left_out`.
+/// Errors: Cause::kUsage for impossible options (no file, a group without files);
+/// Cause::kCannotAnswer for an actuator that cannot be read and for files whose headers contradict
+/// each other. Files that cannot be used are in `left_out`.
 [[nodiscard]] Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options);
-
-/// One drop as a drops file states it; what is absent is left to the recording's header.
-struct StatedDrop {
-  std::string path;  ///< of the recording, from where the program runs
-  std::optional<Quantity> load_ohm{};
-  std::optional<fit::CaseCondition> condition{};
-  std::optional<Quantity> drop_height_m{};
-  std::optional<Quantity> rebound{};
-  std::optional<Quantity> release_current_a{};
-  std::optional<Quantity> added_mass_kg{};
-  std::optional<Quantity> voltage_scale{};
-  std::optional<Quantity> time_scale{};
-};
 
 /// The drops of one actuator.
 struct DropsFile {
   std::string path;
   fit::ActuatorKnowns knowns;
-  std::vector<StatedDrop> drops;  ///< at least one, in the file's order
+  /// At least one, in the file's order, without samples. The name is the recording's path, from
+  /// where the program runs; what is absent is left to the recording's header.
+  std::vector<fit::ImpulseRecord> drops;
 };
 
 /// Whether a file given to fit-lra is a drops file and no recording: its name ends in .toml.
@@ -102,20 +95,8 @@ struct DropsFile {
 /// The same out of text; `path` is the file's name for errors and for what lies beside it.
 [[nodiscard]] Result<DropsFile> ReadDropsText(std::string_view text, const std::string& path);
 
-/// Everything that fit-lra answers.
-struct FitLraAnswer {
-  FitLraInput input;
-  std::optional<fit::DropTestFit> fit{};  ///< absent: no record could be fitted
-  fit::Findings doubts{};                 ///< what is unlike an actuator
-  std::vector<std::string> required{};    ///< "Km": constants without which there is no answer
-};
-
-/// What the findings of statements say.
-[[nodiscard]] document::Sentence SentenceOf(StatementFinding kind);
-
-/// The answer as a document (docs/reference/fit-lra.md): the constants, the budget of their
-/// uncertainties, records, given numbers, and what was found; where nothing could be fitted, the
-/// same keys without values. Its figures, where they are asked for, are those of FitLraFigures.
-[[nodiscard]] document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures);
+/// One drop or tap counts once: the same file again would narrow the intervals without new data.
+/// Errors (Cause::kUsage): two paths lead to one file.
+[[nodiscard]] Result<void> CheckDistinct(const std::vector<std::string>& paths);
 
 }  // namespace haptometer::tools

@@ -1,7 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
@@ -12,10 +10,10 @@
 #include "fit/adapter/adapter_fit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
-#include "tools/cli/terminal.h"
 #include "tools/document/findings_fit.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
+#include "tools/fit/drop_records.h"
 #include "tools/fit/fit_document.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -35,29 +33,6 @@ constexpr cli::VerbText kText{
     .examples = {"haptometer fit-adapter tap.bin --mass 4.6g",
                  "haptometer fit-adapter tap1.csv tap2.csv --mass '4.60(2)g' --all",
                  "haptometer fit-adapter tap.csv --mass 4.6g --json"}};
-
-// one tap counts once; different paths may be links to one file
-Result<void> CheckDistinct(const std::vector<std::string>& paths) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  for (auto path = paths.begin(); path != paths.end(); ++path) {
-    const auto is_same = [&](const std::string& other) {
-      return other == *path || fs::equivalent(other, *path, ignored);
-    };
-    if (std::any_of(paths.begin(), path, is_same)) {
-      return Usage(*path, "is given twice", "name each tap once");
-    }
-  }
-  return {};
-}
-
-Result<void> CheckMass(const std::optional<Quantity>& mass_kg) {
-  if (!mass_kg) {
-    return Usage("--mass", "is missing: the mass that rings on the spring", "add --mass 4.6g");
-  }
-  if (mass_kg->value > 0) return {};
-  return Usage("--mass", "must be positive", "write it like 4.6g");
-}
 
 // the taps that can be read
 struct Taps {
@@ -162,7 +137,6 @@ document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& m
   root.sections = {ConstantsOf(fit), ResonanceOf(fit), MassOf(fit, mass_kg), BirgeOf(fit),
                    ListOf({.name = "taps", .shape = Section::Shape::kArray, .detail = Detail::kAll},
                           fit.taps, TapOf)};
-  AddLeftOut(root, taps.left_out);
   document::AddFindings(root, fit.findings);
   document::AddFindings(root, taps.reading);
   return document;
@@ -190,25 +164,24 @@ int RunFitAdapter(int argc, const char* const* argv) {
   document::Outputs outputs;
   options.Positionals("taps", &files,
                       "Recordings of the displacement after a tap, the other side held");
-  options.Number("--mass", &mass_kg, Dimension::kMass, "Mass that vibrates on the spring");
-  options.Flag("--all", &outputs.all, "Print each tap too, and the provenance");
-  options.Output("--report", &outputs.report, "FILE.html", "Write one page with all details");
+  options.Number("--mass", &mass_kg, Dimension::kMass, cli::Above(0),
+                 "Mass that vibrates on the spring");
+  document::DeclareOutputs(options, outputs,
+                           {.all = "Print each tap too, and the provenance",
+                            .report = "Write one page with all details"});
   cli::DeclareImport(&options, &words);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  outputs.json = options.json();
-  const auto import = cli::ImportOf(words);
-  if (!import) return cli::ReportError(kVerb, import.error());
-  for (const auto& good : {CheckMass(mass_kg), CheckDistinct(files), CheckOutputs(outputs)}) {
-    if (!good) return cli::ReportError(kVerb, good.error());
-  }
-
-  Taps taps = ReadTaps(files, *import);
-  const fit::AdapterFit fit = FitTaps(taps, *mass_kg);
-  const int status = cli::ReportErrors(kVerb, taps.left_out);
-  // JSON has the same keys without values where no tap could be fitted
-  if (fit.taps.empty() && !IsShownEmpty(outputs)) return status;
-  return cli::WorseStatus(
-      status, document::Present(AdapterDocument(fit, *mass_kg, taps), outputs, argc, argv));
+  return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+    if (!mass_kg) {
+      return Usage("--mass", "is missing: the mass that rings on the spring", "add --mass 4.6g");
+    }
+    HAPTOMETER_TRY(CheckDistinct(files));
+    Taps taps = ReadTaps(files, import);
+    const fit::AdapterFit fit = FitTaps(taps, *mass_kg);
+    // JSON has the same keys without values where no tap could be fitted
+    return PresentWithout(taps.left_out, AdapterDocument(fit, *mass_kg, taps), !fit.taps.empty(),
+                          outputs, argc, argv);
+  });
 }
 
 }  // namespace haptometer::tools

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/mapped.h"
 #include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::tools {
 
@@ -136,15 +138,20 @@ std::vector<std::vector<double>> RowsOf(const std::vector<double>& matrix, std::
   return rows;
 }
 
-bool IsShownEmpty(const document::Outputs& outputs) { return outputs.json || outputs.HasFigures(); }
-
-void AddLeftOut(Section& section, const std::vector<Error>& errors) {
-  for (const Error& error : errors) {
-    section.findings.push_back({.kind = "left-out",
-                                .severity = Severity::kRefusal,
-                                .text = Error{error.cause, {}, error.what, error.remedy}.Text(),
-                                .subject = error.where});
-  }
+int PresentWithout(const std::vector<Error>& left_out, document::Document document,
+                   bool is_answered, document::Outputs outputs, int argc, const char* const* argv) {
+  const int status = cli::ReportErrors(document.verb, left_out);
+  const auto refusals = Mapped(left_out, [](const Error& error) {
+    return document::Finding{.kind = "left-out",
+                             .severity = Severity::kRefusal,
+                             .text = Error{error.cause, {}, error.what, error.remedy}.Text(),
+                             .subject = error.where};
+  });
+  auto& findings = document.root.findings;
+  findings.insert(findings.begin(), refusals.begin(), refusals.end());
+  if (!is_answered && !outputs.json && !outputs.HasFigures()) return status;
+  if (!is_answered && document.root.figures.empty()) outputs.plot.clear();
+  return cli::WorseStatus(status, document::Present(std::move(document), outputs, argc, argv));
 }
 
 void NoteReading(const trial::Recording& recording, const std::string& path,

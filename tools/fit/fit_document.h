@@ -1,8 +1,12 @@
 #pragma once
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -73,12 +77,30 @@ void AddSweepSearch(document::Section& section, const SweepFit& fit) {
 [[nodiscard]] std::vector<std::vector<double>> RowsOf(const std::vector<double>& matrix,
                                                       std::size_t size);
 
-/// Whether a document without an answer is shown: as JSON, with figures or as a page. As text the
-/// errors say all.
-[[nodiscard]] bool IsShownEmpty(const document::Outputs& outputs);
+/// Reports what is left out, on stderr and as refusals of the document with their files, and shows
+/// the document. Without an answer there is no picture, and no text either, as the errors say all.
+/// Returns the exit status.
+[[nodiscard]] int PresentWithout(const std::vector<Error>& left_out, document::Document document,
+                                 bool is_answered, document::Outputs outputs, int argc,
+                                 const char* const* argv);
 
-/// Files that are left out: refusals, each with its file.
-void AddLeftOut(document::Section& section, const std::vector<Error>& errors);
+/// Refuses where a required constant ("Km") of `parameters` is not determined, or the resonance is
+/// not; `remedy`: what would determine it.
+template <typename ActuatorFit>
+void RefuseUndetermined(document::Section& section, const ActuatorFit& fit,
+                        const std::vector<std::string>& required, std::string_view remedy = "") {
+  const std::pair<std::string, const fit::FittedValue*> constants[]{
+      {"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}};
+  for (const auto& [name, value] : constants) {
+    if (value->determined || std::ranges::count(required, name) == 0) continue;
+    section.Find(Severity::kRefusal, "required-not-determined",
+                 "{constant} is required and not determined", {{"constant", name}});
+  }
+  if (fit.natural_frequency.determined && fit.quality_factor.determined) return;
+  section.Find(
+      Severity::kRefusal, "resonance-not-determined",
+      fmt::format("the natural frequency or the quality factor is not determined{}", remedy));
+}
 
 /// Adds where a recording's data come from to `sources`, each once, and what is lost of it or was
 /// assumed in reading it to `findings`, with the file as subject.

@@ -8,7 +8,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <string_view>
 #include <tuple>
 #include <utility>
 

@@ -1,7 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -121,37 +119,6 @@ Section CorrelationSection(const ImpedanceFit& fit) {
   return section;
 }
 
-enum class ImpedanceFinding : std::uint8_t { kRequired, kNoResonance, kHeldAssumed };
-
-document::Sentence SentenceOf(ImpedanceFinding kind) {
-  using enum ImpedanceFinding;
-  static constexpr document::KindSentence<ImpedanceFinding> kSentences[] = {
-      {kRequired, "required-not-determined", "{constant} is required and not determined"},
-      {kNoResonance, "resonance-not-determined",
-       "the natural frequency or the quality factor is not determined"},
-      {kHeldAssumed, "held-assumed",
-       "the case was held (neither --held nor --free is given); free, the ringing mass would be "
-       "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)"},
-  };
-  return document::SentenceIn(kSentences, kind);
-}
-
-Findings<ImpedanceFinding> FindingsOf(const ImpedanceFit& fit, const ActuatorWords& words) {
-  using enum ImpedanceFinding;
-  Findings<ImpedanceFinding> findings;
-  const std::pair<std::string_view, const fit::FittedValue*> constants[]{
-      {"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}};
-  for (const auto& [name, value] : constants) {
-    if (value->determined || std::ranges::count(words.required, name) == 0) continue;
-    findings.Refuse(kRequired, {{"constant", std::string(name)}});
-  }
-  if (!fit.natural_frequency.determined || !fit.quality_factor.determined) {
-    findings.Refuse(kNoResonance);
-  }
-  if (!words.held && !words.is_free) findings.Note(kHeldAssumed);
-  return findings;
-}
-
 document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit& fit) {
   document::Document document{.verb = std::string(kVerb),
                               .title = fmt::format("Constants of an actuator from {}", path)};
@@ -170,16 +137,26 @@ document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit
 
 // --- the verb ---
 
-// the document of a sweep that cannot be answered has the same keys without values
-int Refuse(const Error& error, const std::string& path, const document::Outputs& outputs, int argc,
-           const char* const* argv) {
-  const int status = cli::ReportError(kVerb, error);
-  if (!IsShownEmpty(outputs)) return status;
-  document::Document document = ImpedanceDocument(path, {});
-  AddLeftOut(document.root, {error});
-  document::Outputs shown = outputs;
-  shown.plot.clear();
-  return cli::WorseStatus(status, document::Present(std::move(document), shown, argc, argv));
+// the document of a sweep, with its figure and findings, and its fit
+Result<document::Document> Answer(const std::string& path, const ActuatorWords& words,
+                                  const fit::ActuatorKnowns& knowns, bool has_figures,
+                                  ImpedanceFit* fit) {
+  HAPTOMETER_LET(const auto points, ReadSweep(path));
+  const auto condition = words.is_free ? fit::CaseCondition::kFree : fit::CaseCondition::kHeld;
+  HAPTOMETER_LET(*fit, fit::FitImpedance(points, knowns, condition, path));
+  document::Document document = ImpedanceDocument(path, *fit);
+  RefuseUndetermined(document.root, *fit, words.required);
+  if (!words.held && !words.is_free) {
+    document.root.Find(
+        Severity::kNote, "held-assumed",
+        "the case was held (neither --held nor --free is given); free, the ringing mass would be "
+        "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)");
+  }
+  if (has_figures) {
+    document.root.figures = {
+        {.caption = "impedance, fit and residuals", .panels = ImpedancePanels(*fit, points)}};
+  }
+  return document;
 }
 
 }  // namespace
@@ -189,32 +166,26 @@ int RunFitImpedance(int argc, const char* const* argv) {
   std::string path;
   ActuatorWords words;
   FitFiles files;
+  document::Outputs& outputs = files.outputs;
   options.Positional("sweep", &path, "frequency_hz,impedance_ohm,phase_deg of the terminals");
-  DeclareCase(options, words);
-  DeclareCoilAndMass(options, words);
+  DeclareActuator(options, words, true);
   DeclareFiles(options, files, "Draw magnitudes, phases and residuals");
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  files.outputs.json = options.json();
-  if (auto good = Check(words); !good) return cli::ReportError(kVerb, good.error());
-  if (auto good = CheckFiles(files); !good) return cli::ReportError(kVerb, good.error());
-  const auto knowns = KnownsOf(words);
-  if (!knowns) return cli::ReportError(kVerb, knowns.error());
-
-  const auto points = ReadSweep(path);
-  if (!points) return Refuse(points.error(), path, files.outputs, argc, argv);
-  const auto condition = words.is_free ? fit::CaseCondition::kFree : fit::CaseCondition::kHeld;
-  const auto fit = fit::FitImpedance(*points, *knowns, condition, path);
-  if (!fit) return Refuse(fit.error(), path, files.outputs, argc, argv);
-  document::Document document = ImpedanceDocument(path, *fit);
-  document::AddFindings(document.root, FindingsOf(*fit, words));
-  if (files.outputs.HasFigures()) {
-    document.root.figures = {
-        {.caption = "impedance, fit and residuals", .panels = ImpedancePanels(*fit, *points)}};
-  }
-  const int status = document::Present(std::move(document), files.outputs, argc, argv);
-  // the file last: the answer is shown even where it cannot be saved
-  const auto saved = SaveActuator(files, FittedActuator(*fit, *knowns), kVerb, argc, argv);
-  return saved ? status : cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
+  return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_TRY(Check(words));
+    HAPTOMETER_TRY(CheckFiles(files));
+    HAPTOMETER_LET(const auto knowns, KnownsOf(words));
+    ImpedanceFit fit;
+    auto document = Answer(path, words, knowns, outputs.HasFigures(), &fit);
+    // a sweep that cannot be answered has the same keys without values
+    if (!document) {
+      return PresentWithout({document.error()}, ImpedanceDocument(path, {}), false, outputs, argc,
+                            argv);
+    }
+    const int status = document::Present(*std::move(document), outputs, argc, argv);
+    // the file last: the answer is shown even where it cannot be saved
+    return cli::WorseStatus(status,
+                            SaveActuator(files, FittedActuator(fit, knowns), kVerb, argc, argv));
+  });
 }
 
 }  // namespace haptometer::tools

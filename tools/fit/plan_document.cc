@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "tools/document/keys.h"
@@ -70,30 +69,48 @@ const ExpectedUncertainty& Of(const TestCard& card, fit::Constant constant) {
 
 // --- findings ---
 
-// why a requirement is not reached, and what would reach it
-PlanFinding WhyNot(const fit::DropCount& count) {
-  if (count.limit == PlanLimit::kNone) return PlanFinding::kNeedsDrops;
+// why a requirement is not reached, and what would reach it: kind and words
+std::pair<std::string_view, std::string_view> WhyNot(const fit::DropCount& count) {
+  if (count.limit == PlanLimit::kNone) {
+    return {"wish-needs-drops", "make {open} open and {loaded} loaded drops"};
+  }
   // share 0: even without the limiting cause the others exceed the requirement
-  if (count.tolerable_share == 0) return PlanFinding::kOthersTooMuch;
-  if (count.limit == PlanLimit::kConverter) return PlanFinding::kNeedsBits;
-  return count.limit == PlanLimit::kNoise ? PlanFinding::kNeedsLessNoise
-                                          : PlanFinding::kNeedsCertainty;
+  if (count.tolerable_share == 0) {
+    return {"wish-out-of-reach",
+            "the {limit} limits most, and the other causes alone are too much"};
+  }
+  if (count.limit == PlanLimit::kConverter) {
+    return {"wish-needs-bits",
+            "the converter prevents it even over 50 drops of each kind: {bits} bits more would do"};
+  }
+  if (count.limit == PlanLimit::kNoise) {
+    return {"wish-needs-less-noise",
+            "noise and steps prevent it even over 50 drops of each kind: {share %} of them would "
+            "do; strike harder, take a finer range, more bits or samples"};
+  }
+  return {"wish-needs-certainty",
+          "the {limit} prevents it: {share %} of its present uncertainty would do"};
 }
 
 // a refusal for each requirement that the planned drops do not reach
-void AddWishes(const TestCard& card, Findings<PlanFinding>& findings) {
+void AddWishes(const TestCard& card, Section& root) {
   for (const AnsweredWish& answered : card.wishes) {
     if (answered.is_reached) continue;
     const fit::DropCount& count = answered.count;
     const double expected = fit::kCoverage95 * Of(card, answered.wish.constant).combined();
-    findings.Refuse(WhyNot(count), {{"constant", std::string(SymbolOf(answered.wish.constant))},
-                                    {"half_interval", HalfInterval(answered.wish)},
-                                    {"expected", expected},
-                                    {"limit", std::string(LimitName(count.limit))},
-                                    {"share", count.tolerable_share},
-                                    {"open", count.open},
-                                    {"loaded", count.loaded},
-                                    {"bits", std::ceil(-std::log2(count.tolerable_share))}});
+    const auto [kind, why] = WhyNot(count);
+    root.Find(Severity::kRefusal, kind,
+              fmt::format("{{constant}} to {{half_interval %}} is not reached: {{expected %}} is "
+                          "expected; {}",
+                          why),
+              {{"constant", std::string(SymbolOf(answered.wish.constant))},
+               {"half_interval", HalfInterval(answered.wish)},
+               {"expected", expected},
+               {"limit", std::string(LimitName(count.limit))},
+               {"share", count.tolerable_share},
+               {"open", count.open},
+               {"loaded", count.loaded},
+               {"bits", std::ceil(-std::log2(count.tolerable_share))}});
   }
 }
 
@@ -235,68 +252,6 @@ Section WishesSection(const TestCard& card) {
 
 }  // namespace
 
-document::Sentence SentenceOf(PlanFinding kind) {
-  using enum PlanFinding;
-  static constexpr document::KindSentence<PlanFinding> kSentences[] = {
-      {kClamp, "clamp-the-case",
-       "clamp the case to something a hundred times as heavy: a case that is free rings at "
-       "another frequency, one that is loose rings with its mount"},
-      {kWeigh, "weigh-the-mover",
-       "weigh the moving mass, of a specimen taken apart: 1 % of it is 1 % of Kv and Bv, and "
-       "0.5 % of Km"},
-      {kMeasureOhms, "measure-the-ohms",
-       "measure coil and load with one ohmmeter, without its leads' resistance, at the test's "
-       "temperature: copper gains 0.39 % a kelvin"},
-      {kStrike, "strike-once",
-       "let mount and actuator fall {drop_height_m} on something hard, or tap the mount as "
-       "strongly: {speed_m_per_s}, a stroke of {stroke_m}; less, if the moving mass meets its "
-       "stops; one impact a record, along the axis"},
-      {kRepeat, "five-of-each", "five drops of each kind show whether they repeat"},
-      {kMassAssumed, "mass-assumed",
-       "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
-       "--moving-mass 1.4g+-0.006g"},
-      {kMassExact, "mass-exact",
-       "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and 0.5 "
-       "% of Km"},
-      {kResistanceExact, "resistance-exact",
-       "the uncertainty of the coil's resistance is neglected"},
-      {kQualityAssumed, "quality-assumed", "Q {quality_factor} is assumed: state --guess \"Q 60\""},
-      {kForceConstantAssumed, "force-constant-assumed",
-       "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\""},
-      {kHeightAssumed, "height-assumed",
-       "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm"},
-      {kTimeBaseAssumed, "time-base-assumed",
-       "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale 1+-5e-5"},
-      {kLoadAssumed, "load-assumed",
-       "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm"},
-      {kBitsAssumed, "bits-assumed", "{bits} bits over the range are assumed: state --bits 12"},
-      {kNoiseAssumed, "noise-assumed", "noise of half a step is assumed: state --noise 3mV"},
-      {kLittleNoise, "little-noise",
-       "rounding is treated as noise; where it repeats itself, errors are up to 1.6 times as "
-       "large"},
-      {kLopsided, "lopsided-interval",
-       "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % it "
-       "is an upper limit"},
-      {kNeedsDrops, "wish-needs-drops",
-       "{constant} to {half_interval %} is not reached: {expected %} is expected; make {open} "
-       "open and {loaded} loaded drops"},
-      {kOthersTooMuch, "wish-out-of-reach",
-       "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
-       "limits most, and the other causes alone are too much"},
-      {kNeedsBits, "wish-needs-bits",
-       "{constant} to {half_interval %} is not reached: {expected %} is expected; the converter "
-       "prevents it even over 50 drops of each kind: {bits} bits more would do"},
-      {kNeedsLessNoise, "wish-needs-less-noise",
-       "{constant} to {half_interval %} is not reached: {expected %} is expected; noise and "
-       "steps prevent it even over 50 drops of each kind: {share %} of them would do; strike "
-       "harder, take a finer range, more bits or samples"},
-      {kNeedsCertainty, "wish-needs-certainty",
-       "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
-       "prevents it: {share %} of its present uncertainty would do"},
-  };
-  return document::SentenceIn(kSentences, kind);
-}
-
 document::Document PlanDocument(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
   document::Document document{
@@ -310,13 +265,14 @@ document::Document PlanDocument(const TestCard& card) {
   root.sections = {ActuatorSection(card), RecorderSection(card),    RingingSection(card.ringing),
                    DropsSection(card),    UncertaintySection(card), WishesSection(card),
                    std::move(command)};
-  Findings<PlanFinding> findings = card.findings;
-  AddWishes(card, findings);
+  root.findings = card.notes.findings;
+  AddWishes(card, root);
   constexpr double kLopsided = 0.05;  // see fit/drop_test/drop_test_solution.h
   if (Of(card, fit::Constant::kForceConstant).statistical > kLopsided) {
-    findings.Note(PlanFinding::kLopsided);
+    root.Find(Severity::kNote, "lopsided-interval",
+              "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % "
+              "it is an upper limit");
   }
-  document::AddFindings(root, findings);
   return document;
 }
 

@@ -14,6 +14,8 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
+#include "tools/fit/actuator.h"
+#include "tools/fit/drop_records.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -62,6 +64,22 @@ double RoundUp(double value) {
   return std::ceil(value / place * (1 - 1e-9)) * place;
 }
 
+// the command line
+struct PlanWords {
+  ActuatorWords actuator;
+  std::vector<std::string> wishes;   // "Km 2%"
+  std::vector<std::string> guesses;  // "Q 60", "Km 1N/A", "Bv 0.03"
+  std::optional<double> natural_frequency_hz;
+  std::optional<double> noise_v;
+  std::optional<double> range_v;
+  std::optional<double> length_s;
+  std::optional<double> rate_hz;
+  std::optional<Quantity> load_ohm;
+  fit::ImpulseRecord drop;  // height, rebound and time scale; without samples
+  std::optional<std::int64_t> bits;
+  std::optional<std::int64_t> taps;
+};
+
 // fills in a card from what is stated, else from the actuator file, else from what is usual
 class CardMaker {
  public:
@@ -71,7 +89,7 @@ class CardMaker {
     HAPTOMETER_TRY(TakeActuator());
     HAPTOMETER_TRY(TakeConstants());
     TakeBlow();
-    HAPTOMETER_TRY(TakeLoad());
+    TakeLoad();
     HAPTOMETER_TRY(TakeRecorder());
     HAPTOMETER_TRY(Answer());
     WriteCommand();
@@ -80,10 +98,12 @@ class CardMaker {
   }
 
  private:
-  using enum PlanFinding;
-
-  void Note(PlanFinding kind, std::initializer_list<FindingNumber> numbers = {}) {
-    card_.findings.Note(kind, numbers);
+  void Note(std::string_view kind, std::string_view text, std::vector<FindingNumber> numbers = {}) {
+    card_.notes.Find(Severity::kNote, kind, text, std::move(numbers));
+  }
+  void NoteIf(bool is_so, std::string_view kind, std::string_view text,
+              std::vector<FindingNumber> numbers = {}) {
+    if (is_so) Note(kind, text, std::move(numbers));
   }
 
   // masses and coil
@@ -100,9 +120,15 @@ class CardMaker {
     drops.resistance_ohm = *knowns.resistance_ohm;
     const auto& mass = knowns.moving_mass_kg;
     drops.moving_mass_kg = mass.value_or(Quantity{kUsualMassKg, kUsualMassUncertaintyKg});
-    if (!mass) Note(kMassAssumed, {{"moving_mass_kg", kUsualMassKg}});
-    if (drops.moving_mass_kg.exact()) Note(kMassExact);
-    if (drops.resistance_ohm.exact()) Note(kResistanceExact);
+    NoteIf(!mass, "mass-assumed",
+           "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
+           "--moving-mass 1.4g+-0.006g",
+           {{"moving_mass_kg", kUsualMassKg}});
+    NoteIf(drops.moving_mass_kg.exact(), "mass-exact",
+           "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and "
+           "0.5 % of Km");
+    NoteIf(drops.resistance_ohm.exact(), "resistance-exact",
+           "the uncertainty of the coil's resistance is neglected");
     drops.inductance_h = knowns.inductance_h ? knowns.inductance_h->value : 0;
     return {};
   }
@@ -113,7 +139,7 @@ class CardMaker {
     HAPTOMETER_LET(const auto guesses, ParseGuesses(words_.guesses));
     const double mass = drops.moving_mass_kg.value;
     if (words_.natural_frequency_hz) {
-      drops.natural_frequency_hz = words_.natural_frequency_hz->value;
+      drops.natural_frequency_hz = *words_.natural_frequency_hz;
     } else if (actuator_ && actuator_->stiffness_n_per_m) {
       drops.natural_frequency_hz =
           std::sqrt(actuator_->stiffness_n_per_m->value / mass) / (2 * std::numbers::pi);
@@ -129,9 +155,9 @@ class CardMaker {
     }
     drops.quality_factor =
         guesses.quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
-    if (!guesses.quality_factor && !damping) {
-      Note(kQualityAssumed, {{"quality_factor", kUsualQuality}});
-    }
+    NoteIf(!guesses.quality_factor && !damping, "quality-assumed",
+           "Q {quality_factor} is assumed: state --guess \"Q 60\"",
+           {{"quality_factor", kUsualQuality}});
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
                    "a plan needs an actuator that oscillates");
@@ -141,39 +167,38 @@ class CardMaker {
       km = actuator_->force_constant_n_per_a->value;
     }
     drops.force_constant_n_per_a = km.value_or(kUsualForceConstant);
-    if (!km) Note(kForceConstantAssumed, {{"force_constant_n_per_a", kUsualForceConstant}});
+    NoteIf(!km, "force-constant-assumed",
+           "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\"",
+           {{"force_constant_n_per_a", kUsualForceConstant}});
     return {};
   }
 
   void TakeBlow() {
     fit::PlannedDrops& drops = card_.drops;
-    card_.height_m = words_.drop_height_m ? words_.drop_height_m->value : kUsualHeightM;
-    if (!words_.drop_height_m) Note(kHeightAssumed, {{"drop_height_m", kUsualHeightM}});
-    const double rebound = words_.rebound ? words_.rebound->value : 0;
+    const fit::ImpulseRecord& stated = words_.drop;
+    card_.height_m = stated.drop_height_m.value_or(Quantity{kUsualHeightM}).value;
+    NoteIf(!stated.drop_height_m, "height-assumed",
+           "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm",
+           {{"drop_height_m", kUsualHeightM}});
+    const double rebound = stated.rebound.value_or(Quantity{}).value;
     // v0 = (1 + e) sqrt(2 g h)
     drops.speed_m_per_s = (1 + rebound) * std::sqrt(2 * fit::kGravityMPerS2 * card_.height_m);
     drops.time_scale_uncertainty =
-        words_.time_scale ? words_.time_scale->standard_uncertainty : kUsualTimeScale;
-    if (!words_.time_scale) Note(kTimeBaseAssumed);
+        stated.time_scale.value_or(Quantity{1, kUsualTimeScale}).standard_uncertainty;
+    NoteIf(!stated.time_scale, "time-base-assumed",
+           "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale "
+           "1+-5e-5");
     drops.open_drops = drops.loaded_drops =
         words_.taps ? static_cast<std::size_t>(*words_.taps) : kUsualDrops;
   }
 
   // a stated load, or a placeholder with the tolerance of a 1 % resistor
-  Result<void> TakeLoad() {
-    fit::PlannedDrops& drops = card_.drops;
-    const double resistance = drops.resistance_ohm.value;
-    drops.load_ohm = {resistance, kUsualLoadTolerance * resistance};
-    if (!words_.load_ohm) {
-      Note(kLoadAssumed);
-      return {};
-    }
-    if (!(words_.load_ohm->value > 0 && std::isfinite(words_.load_ohm->value))) {
-      return Usage("--load", "is not a load", "write --load 33ohm; the open drops are planned too");
-    }
-    drops.load_ohm = *words_.load_ohm;
-    has_load_ = true;
-    return {};
+  void TakeLoad() {
+    const double resistance = card_.drops.resistance_ohm.value;
+    card_.drops.load_ohm =
+        words_.load_ohm.value_or(Quantity{resistance, kUsualLoadTolerance * resistance});
+    NoteIf(!words_.load_ohm, "load-assumed",
+           "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm");
   }
 
   Result<void> TakeRecorder() {
@@ -181,23 +206,20 @@ class CardMaker {
     const double f0 = drops.natural_frequency_hz;
     const auto ringing = fit::ExpectRinging(drops);
     // rate, length and range in steps that a recorder has; the range in kDivisions divisions
-    drops.rate_hz = words_.rate_hz ? words_.rate_hz->value : RoundUp125(kSamplesAPeriod * f0);
+    drops.rate_hz = words_.rate_hz.value_or(RoundUp125(kSamplesAPeriod * f0));
     if (drops.rate_hz < 5 * f0) {
       return Usage("--rate", fmt::format("{:g} Hz is below 5 samples a period", drops.rate_hz),
                    fmt::format("sample with {:g} Hz or more", RoundUp125(kSamplesAPeriod * f0)));
     }
-    drops.length_s =
-        words_.length_s ? words_.length_s->value : RoundUp(kDecayTimes / ringing.open_decay_per_s);
+    drops.length_s = words_.length_s.value_or(RoundUp(kDecayTimes / ringing.open_decay_per_s));
     if (drops.length_s * f0 < 2) {
       return Usage("--length", fmt::format("{:g} s is below 2 periods", drops.length_s),
                    "write it like 0.3s");
     }
     card_.pre_trigger_s = kPreTriggerShare * drops.length_s;
     card_.trigger_v = ringing.open_amplitude_v / 10;
-    card_.range_v =
-        words_.range_v
-            ? words_.range_v->value
-            : kDivisions * RoundUp125(kRangeOverPeak * ringing.open_amplitude_v / kDivisions);
+    card_.range_v = words_.range_v.value_or(
+        kDivisions * RoundUp125(kRangeOverPeak * ringing.open_amplitude_v / kDivisions));
     if (card_.range_v < 2 * ringing.open_amplitude_v) {
       return Usage("--range",
                    fmt::format("{:g} V clips a ringing of {:.2g} V on either side", card_.range_v,
@@ -205,20 +227,23 @@ class CardMaker {
                    fmt::format("take {:.2g} V", kRangeOverPeak * ringing.open_amplitude_v));
     }
     card_.bits = words_.bits.value_or(kUsualBits);
-    if (!words_.bits) Note(kBitsAssumed, {{"bits", kUsualBits}});
+    NoteIf(!words_.bits, "bits-assumed", "{bits} bits over the range are assumed: state --bits 12",
+           {{"bits", kUsualBits}});
     // range/2^bits
     drops.step_v = std::ldexp(card_.range_v, -static_cast<int>(card_.bits));
-    drops.noise_v = words_.noise_v ? words_.noise_v->value : kUsualNoiseSteps * drops.step_v;
-    if (!words_.noise_v) Note(kNoiseAssumed);
+    drops.noise_v = words_.noise_v.value_or(kUsualNoiseSteps * drops.step_v);
+    NoteIf(!words_.noise_v, "noise-assumed", "noise of half a step is assumed: state --noise 3mV");
     // below a quarter of a step rounding repeats: the scatter may be up to 1.6 times as large
-    if (drops.noise_v < drops.step_v / 4) Note(kLittleNoise);
+    NoteIf(drops.noise_v < drops.step_v / 4, "little-noise",
+           "rounding is treated as noise; where it repeats itself, errors are up to 1.6 times as "
+           "large");
     return {};
   }
 
   Result<void> Answer() {
     fit::PlannedDrops& drops = card_.drops;
     // the best load, with the placeholder's relative uncertainty
-    if (!has_load_) {
+    if (!words_.load_ohm) {
       card_.load = fit::ChooseLoad(drops);
       const double share = drops.load_ohm.standard_uncertainty / drops.load_ohm.value;
       const double ohm = card_.load->resistor_ohm;
@@ -246,19 +271,29 @@ class CardMaker {
     return {};
   }
 
-  // how the test is made
   void NoteHow() {
     const fit::PlannedDrops& drops = card_.drops;
     // travel of the mover after the impact: v0/w0
     const double stroke_m =
         drops.speed_m_per_s / (2 * std::numbers::pi * drops.natural_frequency_hz);
-    Note(kClamp);
-    Note(kWeigh);
-    Note(kMeasureOhms);
-    Note(kStrike, {{"drop_height_m", card_.height_m},
-                   {"speed_m_per_s", drops.speed_m_per_s},
-                   {"stroke_m", stroke_m}});
-    Note(kRepeat);
+    Note("clamp-the-case",
+         "clamp the case to something a hundred times as heavy: a case that is free rings at "
+         "another frequency, one that is loose rings with its mount");
+    Note("weigh-the-mover",
+         "weigh the moving mass, of a specimen taken apart: 1 % of it is 1 % of Kv and Bv, and "
+         "0.5 "
+         "% of Km");
+    Note("measure-the-ohms",
+         "measure coil and load with one ohmmeter, without its leads' resistance, at the test's "
+         "temperature: copper gains 0.39 % a kelvin");
+    Note("strike-once",
+         "let mount and actuator fall {drop_height_m} on something hard, or tap the mount as "
+         "strongly: {speed_m_per_s}, a stroke of {stroke_m}; less, if the moving mass meets its "
+         "stops; one impact a record, along the axis",
+         {{"drop_height_m", card_.height_m},
+          {"speed_m_per_s", drops.speed_m_per_s},
+          {"stroke_m", stroke_m}});
+    Note("five-of-each", "five drops of each kind show whether they repeat");
   }
 
   // the patterns of files are not quoted: the shell expands them
@@ -284,7 +319,6 @@ class CardMaker {
 
   const PlanWords& words_;
   std::optional<sim::StatedActuator> actuator_;
-  bool has_load_ = false;
   TestCard card_;
 };
 
@@ -296,66 +330,34 @@ std::pair<std::string, std::string> Split(const std::string& word) {
   return {word.substr(0, blank), rest};
 }
 
-// far beyond any actuator and recorder, and near enough for numbers that stay finite
-Result<void> CheckRanges(const PlanWords& words) {
-  const fit::ActuatorKnowns& stated = words.actuator.knowns;
-  struct Row {
-    std::string_view option;
-    const std::optional<Quantity>& value;
-    double least;
-    double most;
-    std::string_view unit;
-  };
-  const std::array rows{Row{"--f0", words.natural_frequency_hz, 1, 1e5, "Hz"},
-                        Row{"--range", words.range_v, 1e-6, 1e4, "V"},
-                        Row{"--noise", words.noise_v, 0, 1e3, "V"},
-                        Row{"--length", words.length_s, 0, 1e6, "s"},
-                        Row{"--rate", words.rate_hz, 0, 1e10, "Hz"},
-                        Row{"--moving-mass", stated.moving_mass_kg, 1e-9, 1e3, "kg"},
-                        Row{"--resistance", stated.resistance_ohm, 1e-3, 1e6, "ohm"},
-                        Row{"--inductance", stated.inductance_h, 0, 1, "H"},
-                        Row{"--drop-height", words.drop_height_m, 1e-6, 10, "m"}};
-  for (const Row& row : rows) {
-    if (!row.value || (row.value->value >= row.least && row.value->value <= row.most)) continue;
-    return Usage(std::string(row.option),
-                 fmt::format("{:g} {} is not from {:g} to {:g}", row.value->value, row.unit,
-                             row.least, row.most),
-                 "check its unit");
-  }
-  if (words.rebound && !(words.rebound->value >= 0 && words.rebound->value <= 1)) {
-    return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");
-  }
-  if (words.time_scale && !(words.time_scale->value > 0.5 && words.time_scale->value < 2)) {
-    return Usage("--time-scale", "is shown over true seconds, about 1", "write it like 1+-5e-5");
-  }
-  return {};
-}
-
 void Declare(cli::Options& options, PlanWords& words) {
-  constexpr auto kRare = cli::Shown::kHelpAll;
-  options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency,
+  // ranges far beyond any recorder, and near enough for numbers that stay finite
+  options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency, cli::Within(1, 1e5),
                  "Rated resonance frequency");
-  DeclareCoilAndMass(options, words.actuator);
+  DeclareActuator(options, words.actuator, false);
   options.Repeated("--want", &words.wishes, "\"Km 2%\"",
                    "Required half width of the 95 % interval of Kv, Bv or Km; may be repeated");
   options.Repeated("--guess", &words.guesses, "\"Q 60\"",
                    "Assumed value of Q, Bv or Km; may be repeated");
-  options.Number("--load", &words.load_ohm, Dimension::kResistance, "Load of the loaded drops");
-  options.Number("--drop-height", &words.drop_height_m, Dimension::kLength,
-                 "Height of the free fall before the impact");
-  options.Number("--rebound", &words.rebound, Dimension::kNone,
-                 "Ratio of the case's speed after the impact to that before it, 0 to 1", kRare);
-  options.Number("--time-scale", &words.time_scale, Dimension::kNone,
-                 "Ratio of the recorder's time to the true time, such as 1+-5e-5", kRare);
-  options.Number("--rate", &words.rate_hz, Dimension::kFrequency, "Sampling rate of the recorder");
+  options.Number("--load", &words.load_ohm, Dimension::kResistance, cli::Within(1e-6, 1e9),
+                 "Load of the loaded drops; open drops are planned too");
+  DeclareDropNumber(options, "--drop-height", words.drop);
+  DeclareDropNumber(options, "--rebound", words.drop).Rare();
+  DeclareDropNumber(options, "--time-scale", words.drop).Rare();
+  options.Number("--rate", &words.rate_hz, Dimension::kFrequency, cli::Within(0, 1e10),
+                 "Sampling rate of the recorder");
   options.Count("--taps", &words.taps, 1, 1000, "Number of drops of each kind");
   options.Count("--bits", &words.bits, 4, 24, "Bits of the recorder, over --range");
-  options.Number("--range", &words.range_v, Dimension::kVoltage,
+  options.Number("--range", &words.range_v, Dimension::kVoltage, cli::Within(1e-6, 1e4),
                  "Range of the recorder, from end to end");
-  options.Number("--noise", &words.noise_v, Dimension::kVoltage, "Noise of the recorder, RMS",
-                 kRare);
-  options.Number("--length", &words.length_s, Dimension::kTime,
-                 "Length of the record after the impact", kRare);
+  options
+      .Number("--noise", &words.noise_v, Dimension::kVoltage, cli::Within(0, 1e3),
+              "Noise of the recorder, RMS")
+      .Rare();
+  options
+      .Number("--length", &words.length_s, Dimension::kTime, cli::Within(0, 1e6),
+              "Length of the record after the impact")
+      .Rare();
 }
 
 }  // namespace
@@ -410,25 +412,18 @@ Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words) {
   return guesses;
 }
 
-Result<TestCard> MakeTestCard(const PlanWords& words) {
-  HAPTOMETER_TRY(CheckRanges(words));
-  HAPTOMETER_TRY(Check(words.actuator));
-  return CardMaker(words).Make();
-}
-
 int RunPlanDropTest(int argc, const char* const* argv) {
   cli::Options options(kText);
   PlanWords words;
   document::Outputs outputs;
   Declare(options, words);
-  options.Flag("--all", &outputs.all, "Print the assumed constants too");
-  options.Output("--report", &outputs.report, "FILE.html", "Write the card as a page");
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  outputs.json = options.json();
-  if (auto good = CheckOutputs(outputs); !good) return cli::ReportError(kVerb, good.error());
-  const auto card = MakeTestCard(words);
-  if (!card) return cli::ReportError(kVerb, card.error());
-  return document::Present(PlanDocument(*card), outputs, argc, argv);
+  document::DeclareOutputs(
+      options, outputs,
+      {.all = "Print the assumed constants too", .report = "Write the card as a page"});
+  return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto card, CardMaker(words).Make());
+    return document::Present(PlanDocument(card), outputs, argc, argv);
+  });
 }
 
 }  // namespace haptometer::tools

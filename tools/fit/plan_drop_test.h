@@ -7,31 +7,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/finding.h"
-#include "base/quantity.h"
 #include "fit/drop_test/experiment_plan.h"
 #include "tools/document/document.h"
-#include "tools/fit/actuator.h"
 
 namespace haptometer::tools {
-
-/// The command line of plan-drop-test.
-struct PlanWords {
-  ActuatorWords actuator;
-  std::vector<std::string> wishes;   ///< "Km 2%"
-  std::vector<std::string> guesses;  ///< "Q 60", "Km 1N/A", "Bv 0.03"
-  std::optional<Quantity> natural_frequency_hz;
-  std::optional<Quantity> noise_v;
-  std::optional<Quantity> range_v;
-  std::optional<Quantity> length_s;
-  std::optional<Quantity> rate_hz;
-  std::optional<Quantity> load_ohm;
-  std::optional<Quantity> drop_height_m;
-  std::optional<Quantity> rebound;
-  std::optional<Quantity> time_scale;
-  std::optional<std::int64_t> bits;
-  std::optional<std::int64_t> taps;
-};
 
 /// "Kv", "Bv", "Km".
 [[nodiscard]] std::string_view SymbolOf(fit::Constant constant);
@@ -58,32 +37,6 @@ struct AnsweredWish {
   bool is_reached = false;  ///< by the card's drops
 };
 
-/// What a test card says in sentences.
-enum class PlanFinding : std::uint8_t {
-  kClamp,
-  kWeigh,
-  kMeasureOhms,
-  kStrike,
-  kRepeat,
-  kMassAssumed,
-  kMassExact,
-  kResistanceExact,
-  kQualityAssumed,
-  kForceConstantAssumed,
-  kHeightAssumed,
-  kTimeBaseAssumed,
-  kLoadAssumed,
-  kBitsAssumed,
-  kNoiseAssumed,
-  kLittleNoise,
-  kLopsided,
-  kNeedsDrops,
-  kOthersTooMuch,
-  kNeedsBits,
-  kNeedsLessNoise,
-  kNeedsCertainty,
-};
-
 /// A test of an actuator, worked out.
 struct TestCard {
   fit::PlannedDrops drops;
@@ -96,18 +49,9 @@ struct TestCard {
   double pre_trigger_s = 0;  ///< recorded before the blow, beside drops.length_s
   double trigger_v = 0;
   std::vector<AnsweredWish> wishes;
-  Findings<PlanFinding> findings;  ///< how the test is made, and what is assumed
-  std::string command;             ///< that fits the records
+  document::Section notes;  ///< its findings: how the test is made, and what is assumed
+  std::string command;      ///< that fits the records
 };
-
-/// Works out the test card. What is not stated is taken from --actuator, else assumed, and said so;
-/// only resistance and natural frequency must be stated.
-///
-/// Errors (Cause::kUsage): a word of --want or --guess that says nothing, a value out of range.
-[[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words);
-
-/// What the card's findings say.
-[[nodiscard]] document::Sentence SentenceOf(PlanFinding kind);
 
 /// The card as a document (docs/reference/plan-drop-test.md), to be printed and taken to the bench.
 [[nodiscard]] document::Document PlanDocument(const TestCard& card);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 
 #include "base/mapped.h"
@@ -78,24 +78,18 @@ std::string Both(std::string_view what, double cone, double adapter, std::string
                      unit);
 }
 
-// numbers of the rows for the search of rounded inputs, each on its own
-std::vector<RowMeasure> TerminalMeasures() {
-  using Number = double sim::SteadyState::*;
-  const auto direct = [](const ThesisModel& model, Number number) {
-    return sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).*number;
+// a number at the terminals without adapter, as a measure of the model
+std::function<double(const ThesisModel&)> Direct(double sim::SteadyState::* number) {
+  return [number](const ThesisModel& model) {
+    return std::abs(sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).*number);
   };
-  // saving: 1 - (with adapter) / (without), by current or power
-  const auto saved = [=](const ThesisModel& model, Number number) {
-    return 1 -
-           sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2)).*number / direct(model, number);
+}
+
+// what the adapter saves of it: 1 - (with adapter) / (without)
+std::function<double(const ThesisModel&)> Saved(double sim::SteadyState::* number) {
+  return [number, direct = Direct(number)](const ThesisModel& model) {
+    return 1 - sim::SolveSteadyState(WithAdapter(model, kIa2AreaM2)).*number / direct(model);
   };
-  constexpr Number kCurrent = &sim::SteadyState::current_rms_a, kPower = &sim::SteadyState::power_w;
-  return {{"current", [=](const ThesisModel& m) { return direct(m, kCurrent); }},
-          {"power", [=](const ThesisModel& m) { return direct(m, kPower); }},
-          {"phase",
-           [=](const ThesisModel& m) { return std::abs(direct(m, &sim::SteadyState::phase_rad)); }},
-          {"current-reduction", [=](const ThesisModel& m) { return saved(m, kCurrent); }},
-          {"power-reduction", [=](const ThesisModel& m) { return saved(m, kPower); }}};
 }
 
 }  // namespace
@@ -105,8 +99,7 @@ std::vector<ThesisRow> ElectricalRows(const ThesisModel& model) {
   const sim::Scene direct = WithoutAdapter(model, kCaseAreaM2);
   const sim::Scene cone = WithoutAdapter(model, kSimulatedConeAreaM2);
   const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
-  // steady states: d direct, c with cone, a with adapter
-  const sim::SteadyState d = sim::SolveSteadyState(direct);
+  // steady states: c with cone, a with adapter
   const sim::SteadyState c = sim::SolveSteadyState(cone);
   const sim::SteadyState a = sim::SolveSteadyState(adapter);
   constexpr auto kOfCone = "of the cone, not of the LRA on the skin: the text has both before it";
@@ -115,32 +108,33 @@ std::vector<ThesisRow> ElectricalRows(const ThesisModel& model) {
   const double cone_current_a = WithoutReaction(cone).current_rms_a;
   std::vector<ThesisRow> rows{
       {.key = "current",
-       .ours = d.current_rms_a,
        .candidates = {{.text = kOfCone, .gives = c.current_rms_a}},
-       .remark = Both("direct;", 1e3 * c.current_rms_a, 1e3 * a.current_rms_a, "mA")},
+       .remark = Both("direct;", 1e3 * c.current_rms_a, 1e3 * a.current_rms_a, "mA"),
+       .measure = Direct(&sim::SteadyState::current_rms_a)},
       {.key = "power",
-       .ours = d.power_w,
        .candidates = {{.text = kOfCone, .gives = c.power_w},
                       {.text = "R i^2 of the cone with equation 2.3 as printed, without the coil's "
                                "reaction on the case",
                        .gives = model.actuator.resistance_ohm * cone_current_a * cone_current_a}},
-       .remark = Both("direct;", 1e3 * c.power_w, 1e3 * a.power_w, "mW")},
+       .remark = Both("direct;", 1e3 * c.power_w, 1e3 * a.power_w, "mW"),
+       .measure = Direct(&sim::SteadyState::power_w)},
       {.key = "phase",
-       .ours = std::abs(d.phase_rad),
        .candidates = {{.text = "equation 2.3 as printed, without the coil's reaction on the case",
                        .gives = unreacted}},
        .remark = Both("direct; the current lags;", kDegrees * std::abs(c.phase_rad),
-                      kDegrees * std::abs(a.phase_rad), "deg")},
+                      kDegrees * std::abs(a.phase_rad), "deg"),
+       .measure = Direct(&sim::SteadyState::phase_rad)},
       {.key = "current-reduction",
-       .ours = 1 - a.current_rms_a / d.current_rms_a,
        .candidates = WholeRuns(adapter, direct, RunCurrent),
        .remark =
-           fmt::format("against the cone {:.1f} %", 100 * (1 - a.current_rms_a / c.current_rms_a))},
+           fmt::format("against the cone {:.1f} %", 100 * (1 - a.current_rms_a / c.current_rms_a)),
+       .measure = Saved(&sim::SteadyState::current_rms_a)},
       {.key = "power-reduction",
-       .ours = 1 - a.power_w / d.power_w,
        .candidates = WholeRuns(adapter, direct, RunPower),
-       .remark = fmt::format("against the cone {:.1f} %", 100 * (1 - a.power_w / c.power_w))}};
-  ExplainByRounding(model, TerminalMeasures(), &rows);
+       .remark = fmt::format("against the cone {:.1f} %", 100 * (1 - a.power_w / c.power_w)),
+       .measure = Saved(&sim::SteadyState::power_w)}};
+  Measure(model, &rows);
+  ExplainByRounding(model, &rows);
   return rows;
 }
 
@@ -175,10 +169,13 @@ std::vector<ThesisRow> BuiltRows(const ThesisModel& model) {
   const double tuned_ratio =
       Ratio(WithAdapter(model, kIa1AreaM2), WithoutAdapter(model, kCaseAreaM2));
   return {{.key = "built-ia1",
-           .ours = Ratio(Prototype(model, kIa1AreaM2), WithoutAdapter(model, kCaseAreaM2)),
            .remark = fmt::format("the thesis expected 2.28 and found its skin model wrong (p. 29); "
                                  "with Ma2 of Table 2.4 {:.2f}",
-                                 tuned_ratio)},
+                                 tuned_ratio),
+           .measure =
+               [](const ThesisModel& m) {
+                 return Ratio(Prototype(m, kIa1AreaM2), WithoutAdapter(m, kCaseAreaM2));
+               }},
           {.key = "built-ia2",
            .ours = Ratio(Prototype(model, kIa2AreaM2), WithoutAdapter(model, kSmallControlAreaM2)),
            .remark = "the control has its own contact, 1.1 mm2"}};
@@ -189,12 +186,15 @@ ThesisRow MatchingGainRow(ThesisModel model) {
   model.drive.frequency_hz = kMatchingFrequencyHz;
   const sim::Scene direct = WithoutAdapter(model, kCaseAreaM2);
   return {.key = "gain-at-175hz",
-          .ours = Ratio(WithAdapter(model, kIa2AreaM2), direct),
           .remark = fmt::format(
               "it weakens; IA#1 as built over direct {:.3f}, IA#2 as built over "
               "its control {:.3f}",
               Ratio(Prototype(model, kIa1AreaM2), direct),
-              Ratio(Prototype(model, kIa2AreaM2), WithoutAdapter(model, kSmallControlAreaM2)))};
+              Ratio(Prototype(model, kIa2AreaM2), WithoutAdapter(model, kSmallControlAreaM2))),
+          .measure = [](ThesisModel m) {
+            m.drive.frequency_hz = kMatchingFrequencyHz;
+            return Ratio(WithAdapter(m, kIa2AreaM2), WithoutAdapter(m, kCaseAreaM2));
+          }};
 }
 
 // power saved at "66 % of the voltage", and the voltage that the printed saving requires
@@ -254,33 +254,20 @@ ThesisRow BreakingContactRow(sim::Scene scene) {
 std::vector<ThesisRow> AssumedRows(const ThesisModel& model) {
   const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
   // least force that a contact without loss needs, against the weight
-  const sim::SteadyState steady = sim::SolveSteadyState(adapter);
   const double weight_n = kPrototypeMassKg * fit::kGravityMPerS2;
   return {{.key = "mover-travel-adapter",
-           .ours = steady.mover_peak_m,
+           .ours = sim::SolveSteadyState(adapter).mover_peak_m,
            .remark = "more than an LRA of this size can give; the thesis gives no travel limit"},
           {.key = "mover-travel-direct",
            .ours = sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).mover_peak_m},
           {.key = "contact-force",
-           .ours = steady.skin_force_peak_n,
            .remark = fmt::format(
-               "7.5 g weigh {:.4f} N: without the elastic band the contact breaks", weight_n)},
+               "7.5 g weigh {:.4f} N: without the elastic band the contact breaks", weight_n),
+           .measure =
+               [](const ThesisModel& m) {
+                 return sim::SolveSteadyState(WithAdapter(m, kIa2AreaM2)).skin_force_peak_n;
+               }},
           BreakingContactRow(adapter)};
-}
-
-std::vector<RowMeasure> PrototypeMeasures() {
-  return {{"built-ia1",
-           [](const ThesisModel& m) {
-             return Ratio(Prototype(m, kIa1AreaM2), WithoutAdapter(m, kCaseAreaM2));
-           }},
-          {"gain-at-175hz",
-           [](ThesisModel m) {
-             m.drive.frequency_hz = kMatchingFrequencyHz;
-             return Ratio(WithAdapter(m, kIa2AreaM2), WithoutAdapter(m, kCaseAreaM2));
-           }},
-          {"contact-force", [](const ThesisModel& m) {
-             return sim::SolveSteadyState(WithAdapter(m, kIa2AreaM2)).skin_force_peak_n;
-           }}};
 }
 
 }  // namespace
@@ -291,7 +278,8 @@ std::vector<ThesisRow> PrototypeRows(const ThesisModel& model) {
                       BuiltRows(model),
                       PowerRows(),
                       AssumedRows(model)});
-  ExplainByRounding(model, PrototypeMeasures(), &rows);
+  Measure(model, &rows);
+  ExplainByRounding(model, &rows);
   return rows;
 }
 

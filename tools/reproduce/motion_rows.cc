@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -29,6 +28,11 @@ constexpr double kWindowPeriods = 10;
 
 using Three = std::array<double, kKeys.size()>;
 using Scenes = std::array<sim::Scene, kKeys.size()>;
+
+Scenes TableScenes(const ThesisModel& model) {
+  return {WithoutAdapter(model, kCaseAreaM2), WithoutAdapter(model, kSimulatedConeAreaM2),
+          WithAdapter(model, kIa2AreaM2)};
+}
 
 // Part of a tone that remains if the drive is interpolated linearly between samples `step_s` apart:
 // the spectrum of the triangle, sinc^2(f h). Its images lie at kilohertz, where nothing moves.
@@ -115,21 +119,12 @@ std::string SettlingRemark(const sim::Scene& scene) {
                      std::log(1e3) / slowest_per_s);
 }
 
-ThesisRow RatioRow(const Three& exact_m) {
+ThesisRow RatioRow(const std::vector<ThesisRow>& rows) {
   const double direct = SiValue(ThesisNumberOf(kKeys[0]));
   const double adapter = SiValue(ThesisNumberOf(kKeys[2]));
   return {.key = "ratio-adapter-direct",
-          .ours = exact_m[2] / exact_m[0],
+          .ours = *rows[2].ours / *rows[0].ours,
           .remark = fmt::format("the printed pair of Table 2.3 gives {:.3f}", adapter / direct)};
-}
-
-// the three numbers of the table
-std::vector<RowMeasure> TableMeasures() {
-  const auto rms = [](const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; };
-  return {{kKeys[0], [=](const ThesisModel& m) { return rms(WithoutAdapter(m, kCaseAreaM2)); }},
-          {kKeys[1],
-           [=](const ThesisModel& m) { return rms(WithoutAdapter(m, kSimulatedConeAreaM2)); }},
-          {kKeys[2], [=](const ThesisModel& m) { return rms(WithAdapter(m, kIa2AreaM2)); }}};
 }
 
 // the thesis has two values of the largest stiffness; the row states the effect of the choice
@@ -143,19 +138,16 @@ std::string RangeRemark(const ThesisModel& model) {
 }  // namespace
 
 std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
-  const Scenes scenes{WithoutAdapter(model, kCaseAreaM2),
-                      WithoutAdapter(model, kSimulatedConeAreaM2), WithAdapter(model, kIa2AreaM2)};
-  // the answer: RMS in the linear steady state
-  Three exact_m{};
-  std::ranges::transform(scenes, exact_m.begin(), [](const sim::Scene& scene) {
-    return sim::SolveSteadyState(scene).skin_rms_m;
-  });
+  const Scenes scenes = TableScenes(model);
   const auto run = NearestRun(scenes);
 
   std::vector<ThesisRow> rows;
   rows.reserve(scenes.size() + 1);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    ThesisRow row{.key = kKeys[i], .ours = exact_m[i]};
+    // the answer: RMS in the linear steady state
+    ThesisRow row{.key = kKeys[i], .measure = [i](const ThesisModel& m) {
+                    return sim::SolveSteadyState(TableScenes(m)[i]).skin_rms_m;
+                  }};
     // candidate causes: a short run, then a sampled drive, then rounded inputs
     row.candidates.push_back(ShortRun(scenes[i]));
     if (run) {
@@ -170,12 +162,13 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
     }
     rows.push_back(std::move(row));
   }
+  Measure(model, &rows);
   // one set of inputs for all three rows
-  const auto rounded = FromRoundedInputs(model, TableMeasures());
+  const auto rounded = FromRoundedInputs(model, rows);
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].candidates.push_back(rounded[i]);
   rows.front().remark = RangeRemark(model);
   rows.back().remark = SettlingRemark(scenes.back());
-  rows.push_back(RatioRow(exact_m));
+  rows.push_back(RatioRow(rows));
   return rows;
 }
 
@@ -327,9 +320,7 @@ double StartRatio(const ThesisModel& model) {
 }  // namespace
 
 std::vector<ThesisRow> RiseRows(const ThesisModel& model) {
-  const sim::Scene direct = WithoutAdapter(model, kCaseAreaM2);
-  const sim::Scene cone = WithoutAdapter(model, kSimulatedConeAreaM2);
-  const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
+  const auto [direct, cone, adapter] = TableScenes(model);
   const auto direct_full_s = TimeToReach(direct, kFullPart * PeakOf(direct));
   const auto adapter_full_s = TimeToReach(adapter, kFullPart * PeakOf(adapter));
   const auto direct_s = TimeToReach(direct, kEarlyLevelM);
@@ -343,12 +334,16 @@ std::vector<ThesisRow> RiseRows(const ThesisModel& model) {
       {.key = "amplitude-ratio", .ours = PeakOf(adapter) / PeakOf(direct)},
       {.key = "start-ratio",
        .ours = Over(adapter_s, direct_s),
-       .remark = "the curves are not the same: the heavier skin side starts later"},
-      {.key = "latency-adapter", .ours = adapter_full_s, .remark = Judged(adapter_full_s)},
+       .remark = "the curves are not the same: the heavier skin side starts later",
+       .measure = StartRatio},
+      {.key = "latency-adapter",
+       .ours = adapter_full_s,
+       .remark = Judged(adapter_full_s),
+       .measure = FullTime},
       {.key = "start-direct", .ours = direct_s},
       {.key = "start-cone", .ours = cone_s},
       {.key = "start-adapter", .ours = adapter_s}};
-  ExplainByRounding(model, {{"latency-adapter", FullTime}, {"start-ratio", StartRatio}}, &rows);
+  ExplainByRounding(model, &rows);
   return rows;
 }
 

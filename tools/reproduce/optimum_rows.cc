@@ -21,17 +21,17 @@ namespace {
 constexpr std::size_t kValuesPerAxis = 20;  // "20 values within its search range" (p. 11)
 constexpr std::size_t kRidgePoints = 40;
 
-// the five numbers of a point, under the keys "grid-..." or "optimum-..."
+// the five numbers of a point, under the keys of the grid's rows or the optimum's
 std::vector<ThesisRow> PointRows(bool grid, const sim::AdapterPoint& point) {
-  return {
-      {.key = grid ? "grid-motor-side-mass" : "optimum-motor-side-mass",
-       .ours = point.adapter.motor_side_mass_kg},
-      {.key = grid ? "grid-skin-side-mass" : "optimum-skin-side-mass",
-       .ours = point.adapter.skin_side_mass_kg},
-      {.key = grid ? "grid-stiffness" : "optimum-stiffness",
-       .ours = point.adapter.stiffness_n_per_m},
-      {.key = grid ? "grid-damping" : "optimum-damping", .ours = point.adapter.damping_n_s_per_m},
-      {.key = grid ? "grid-contact-area" : "optimum-contact-area", .ours = point.contact_area_m2}};
+  const auto row = [grid](std::string_view of_grid, std::string_view of_optimum, double ours) {
+    return ThesisRow{.key = grid ? of_grid : of_optimum, .ours = ours};
+  };
+  const sim::Adapter& adapter = point.adapter;
+  return {row("grid-motor-side-mass", "optimum-motor-side-mass", adapter.motor_side_mass_kg),
+          row("grid-skin-side-mass", "optimum-skin-side-mass", adapter.skin_side_mass_kg),
+          row("grid-stiffness", "optimum-stiffness", adapter.stiffness_n_per_m),
+          row("grid-damping", "optimum-damping", adapter.damping_n_s_per_m),
+          row("grid-contact-area", "optimum-contact-area", point.contact_area_m2)};
 }
 
 // RMS along the ridge: at each Ma1 the best of all other numbers
@@ -227,8 +227,13 @@ std::vector<ThesisRow> ReceptorRows(const ThesisModel& model) {
   const Largest cell = LargestStimulus(model, sim::ReceptorGrid::kCellCentred);
   const Largest edge = LargestStimulus(model, sim::ReceptorGrid::kEdgeToEdge);
   const double case_radius_m = sim::ContactRadius(kCaseAreaM2);
-  const double direct_m = sim::SkinStimulus(
-      field, case_radius_m, sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).skin_rms_m);
+  const auto direct = [=](const ThesisModel& m) {
+    return sim::SkinStimulus(field, case_radius_m,
+                             sim::SolveSteadyState(WithoutAdapter(m, kCaseAreaM2)).skin_rms_m);
+  };
+  const auto adapter = [](const ThesisModel& m) {
+    return LargestStimulus(m, sim::ReceptorGrid::kCellCentred).stimulus_m;
+  };
   const double printed_ratio =
       ThesisNumberOf("stimulus-adapter").value / ThesisNumberOf("stimulus-direct").value;
   std::vector<ThesisRow> rows{
@@ -237,21 +242,15 @@ std::vector<ThesisRow> ReceptorRows(const ThesisModel& model) {
       {.key = "all-receptors-cell", .ours = AllFrom(sim::ReceptorGrid::kCellCentred)},
       {.key = "all-receptors-edge", .ours = AllFrom(sim::ReceptorGrid::kEdgeToEdge)},
       {.key = "stimulus-adapter",
-       .ours = cell.stimulus_m,
        .candidates = StimulusCauses(model, edge),
-       .remark = LargestRemark(cell, edge)},
-      {.key = "stimulus-direct", .ours = direct_m, .candidates = {PrintedDirect()}},
+       .remark = LargestRemark(cell, edge),
+       .measure = adapter},
+      {.key = "stimulus-direct", .candidates = {PrintedDirect()}, .measure = direct},
       {.key = "stimulus-ratio",
-       .ours = cell.stimulus_m / direct_m,
+       .ours = cell.stimulus_m / direct(model),
        .candidates = {{.text = "the two printed numbers", .gives = printed_ratio}}}};
-  const auto direct = [&](const ThesisModel& m) {
-    return sim::SkinStimulus(field, case_radius_m,
-                             sim::SolveSteadyState(WithoutAdapter(m, kCaseAreaM2)).skin_rms_m);
-  };
-  const auto adapter = [](const ThesisModel& m) {
-    return LargestStimulus(m, sim::ReceptorGrid::kCellCentred).stimulus_m;
-  };
-  ExplainByRounding(model, {{"stimulus-direct", direct}, {"stimulus-adapter", adapter}}, &rows);
+  Measure(model, &rows);
+  ExplainByRounding(model, &rows);
   return rows;
 }
 

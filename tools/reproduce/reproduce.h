@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,9 +9,13 @@
 #include "dsp/statistics/distributions.h"
 #include "tools/document/document.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/reproduce/study_rows.h"
+#include "tools/plot/script.h"
 #include "tools/reproduce/thesis_model.h"
 #include "tools/reproduce/thesis_numbers.h"
+#include "tools/study/linearity.h"
+#include "tools/study/matching.h"
+#include "tools/study/study_table.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 
@@ -35,9 +40,29 @@ struct ChainRow {
 /// Scene -> sensor model -> record -> analysis, for the three contacts of Table 2.3 in the steady
 /// state under the 10 kHz stream and under an IL-030 at its fastest, with a drive-off record of
 /// each as noise floor; then the adapter from rest, the same through a trial.bin, and an IL-030 at
-/// its factory setting, which is too slow for the band. Errors: as sim::SimulateRecord's analysis;
-/// no room for the trial.bin.
+/// its factory setting, which is too slow for the band. Errors: as sim::SimulateRecord's analysis.
 [[nodiscard]] Result<std::vector<ChainRow>> RunChain(const ThesisModel& model);
+
+/// The experiments of chapter 3, run by the study code on data that this program makes; the
+/// thesis's own were never published.
+struct GeneratedStudy {
+  StudyResult trials;         ///< 8 subjects x 4 conditions x 3 trials, Figure 3.3
+  MatchingResult matching;    ///< Figure 3.4
+  LinearityResult linearity;  ///< Figure 3.5
+};
+
+/// Makes and analyses all three. Truths: the controls move as the model has them, the prototypes by
+/// the thesis's factors more; matched voltages are equal at 1 V, and lower from 2 V on, so that
+/// their mean over the levels is the thesis's. Trials go through trial.bin, in memory.
+/// Errors: as the study's parts.
+[[nodiscard]] Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model);
+
+/// The rows that it answers.
+[[nodiscard]] std::vector<ThesisRow> StudyRows(const GeneratedStudy& study);
+
+/// A trial.bin of the record that exists in memory only; it is read at its path. Errors: as
+/// WriteSimulatedTrialIn.
+[[nodiscard]] Result<std::unique_ptr<plot::MemoryFile>> TrialInMemory(const trial::Record& record);
 
 /// The thesis, computed anew.
 struct Reproduction {
@@ -46,12 +71,6 @@ struct Reproduction {
   std::vector<ThesisRow> rows;                 ///< one for each of ThesisNumbers(), in their order
   std::optional<std::vector<ChainRow>> chain;  ///< where it was asked for
 };
-
-/// Computes every row of ThesisNumbers() with the rooms as they are: nothing of it is stored.
-///
-/// Cost: some 2 s, most of it the analysis of 96 generated trials. Errors: as RunGeneratedStudy and
-/// RunChain.
-[[nodiscard]] Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain);
 
 /// A figure of the thesis, drawn anew.
 struct ThesisFigure {
@@ -65,11 +84,5 @@ struct ThesisFigure {
 
 /// All: those of the model, and 3.3 to 3.5 of the generated study.
 [[nodiscard]] std::vector<ThesisFigure> FiguresOf(const Reproduction& reproduction);
-
-/// The rows, a table for each group, with the causes of each below; the chain; the figures.
-/// `files`: those that the verb writes.
-[[nodiscard]] document::Document ReproductionDocument(const Reproduction& reproduction,
-                                                      const std::vector<ThesisFigure>& figures,
-                                                      const std::vector<std::string>& files);
 
 }  // namespace haptometer::tools

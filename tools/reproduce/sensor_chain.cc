@@ -1,7 +1,5 @@
 #include <fmt/core.h>
 
-#include <array>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -13,7 +11,6 @@
 #include "sim/sensor_model.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/reproduce/reproduce.h"
-#include "tools/simulate/simulated_trial.h"
 #include "trial/import/read_recording.h"
 #include "trial/sensor_head.h"
 
@@ -163,10 +160,8 @@ Result<ChainRow> FileRow(const ThesisModel& model) {
   const ChainSensor sensor = Stream();
   const ChainScene scene{"file", "adapter", WithAdapter(model, kIa2AreaM2)};
   const trial::Record record = Sensed(scene.scene, sensor);
-  HAPTOMETER_LET(const auto folder, TemporaryFolder::Make());
-  const std::string path = folder.path() / "chain.bin";
-  HAPTOMETER_TRY(WriteSimulatedTrial(path, record, false));
-  HAPTOMETER_LET(const auto read, trial::ReadRecording(path));
+  HAPTOMETER_LET(const auto file, TrialInMemory(record));
+  HAPTOMETER_LET(const auto read, trial::ReadRecording(file->path()));
   HAPTOMETER_LET(const auto in_memory, Analyzed(record, std::nullopt));
   HAPTOMETER_LET(const auto from_file, Analyzed(read.record, std::nullopt));
   ChainRow row = RowOf(sensor, scene, "rms", "RMS from trial.bin", document::kMetre);

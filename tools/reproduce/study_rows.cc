@@ -1,12 +1,8 @@
-#include "tools/reproduce/study_rows.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -14,14 +10,14 @@
 #include <random>
 #include <span>
 #include <string>
-#include <system_error>
 #include <utility>
 
+#include "base/mapped.h"
 #include "dsp/analysis/band_analysis.h"
 #include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
-#include "tools/cli/shared_options.h"
 #include "tools/document/findings_dsp.h"
+#include "tools/reproduce/reproduce.h"
 #include "tools/simulate/simulated_trial.h"
 #include "tools/study/manifest.h"
 #include "tools/study/text_table.h"
@@ -342,40 +338,33 @@ trial::Record RecordOf(const TrialTruth& truth) {
   return record;
 }
 
-// A new file at `path` without synchronisation to the disk: Sync() gives the bytes to the system
-// only. For trials that are removed at the end of the run; a hundred syncs take seconds.
-class PassingFile : public trial::ByteSink {
+// The bytes of a trial.bin, which never reach a disk.
+class TextSink : public trial::ByteSink {
  public:
-  explicit PassingFile(const std::string& path)
-      // "x" in the mode: an existing file is an error, not replaced
-      : path_(path), file_(std::fopen(path.c_str(), "wbx"), &std::fclose) {}
+  explicit TextSink(std::string* bytes) : bytes_(bytes) {}
 
   Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
-    if (!file_) return Failed(path_, "could not be made", "is there room for temporary files?");
-    const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file_.get());
-    if (written == 0) return Failed(path_, "could not be written", "is there room?");
-    return written;
+    for (const std::byte byte : bytes) bytes_->push_back(static_cast<char>(byte));
+    return bytes.size();
   }
-
-  Result<void> Sync() override {
-    if (file_ && std::fflush(file_.get()) == 0) return {};
-    return Failed(path_, "could not be written", "is there room for temporary files?");
-  }
+  Result<void> Sync() override { return {}; }
 
  private:
-  std::string path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::string* bytes_;
 };
 
-// Writes a trial.bin for each subject, condition and repeat into `folder`, labelled. A trial is
+using TrialsInMemory = std::vector<std::unique_ptr<plot::MemoryFile>>;
+
+// A trial.bin for each subject, condition and repeat, labelled. A trial is
 // 1.2 s at 2 kHz of a tone at `frequency_hz` with tremor (8-11 Hz, 20-40 um), 1-3 mm of distance
 // with drift, and a sensor head's noise (0.5 um) and steps (0.1 um).
 //
 // The logarithm of a trial's RMS is that of its condition plus a subject's share (standard
 // deviation 0.25), the subject's own in that condition (0.12), both centred, and the trial's
 // (0.05). Errors: as WriteSimulatedTrialIn.
-Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, double frequency_hz,
-                            std::uint64_t seed, const std::filesystem::path& folder) {
+Result<TrialsInMemory> GenerateTrials(const std::vector<GeneratedCondition>& conditions,
+                                      double frequency_hz, std::uint64_t seed) {
+  TrialsInMemory trials;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> between_trials(0, kBetweenTrials);
   // the subject's level, common to all conditions
@@ -391,13 +380,12 @@ Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, d
         record.metadata.labels = {{"subject", std::to_string(s + 1)},
                                   {"condition", condition.name},
                                   {"repeat", std::to_string(repeat)}};
-        const std::string path =
-            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
-        HAPTOMETER_TRY(WriteSimulatedTrialIn(std::make_unique<PassingFile>(path), path, record));
+        HAPTOMETER_LET(auto file, TrialInMemory(record));
+        trials.push_back(std::move(file));
       }
     }
   }
-  return {};
+  return trials;
 }
 
 constexpr std::uint64_t kTrialsSeed = 20130101;
@@ -427,13 +415,10 @@ std::vector<GeneratedCondition> TrialTruths(const ThesisModel& model) {
 }
 
 Result<StudyResult> AnalyzeGenerated(const ThesisModel& model) {
-  HAPTOMETER_LET(const auto folder, TemporaryFolder::Make());
-  if (auto made =
-          GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed, folder.path());
-      !made) {
-    return std::unexpected(made.error());
-  }
-  HAPTOMETER_LET(const auto files, FilesInFolder(folder.path(), {}));
+  HAPTOMETER_LET(const auto trials,
+                 GenerateTrials(TrialTruths(model), model.drive.frequency_hz, kTrialsSeed));
+  const auto files =
+      Mapped(trials, [](const auto& trial) { return TrialFile{.path = trial->path()}; });
   StudyResult study;
   study.source = "generated trials";
   study.table = MakeStudyTable(AnalyzeTrials(files, study.question, {}), Conditions());
@@ -470,27 +455,13 @@ Result<GeneratedStudy> RunGeneratedStudy(const ThesisModel& model) {
                         AnalyzeLinearity(sweep, std::nullopt)};
 }
 
-namespace fs = std::filesystem;
-
-Result<TemporaryFolder> TemporaryFolder::Make() {
-  std::error_code failure;
-  const fs::path parent = fs::temp_directory_path(failure);
-  std::string name = parent / "haptometer-XXXXXX";
-  if (failure || mkdtemp(name.data()) == nullptr) {
-    return Failed(parent, "no temporary folder could be made", "is there room, or set TMPDIR");
-  }
-  return TemporaryFolder(name);
-}
-
-TemporaryFolder::TemporaryFolder(fs::path path) : path_(std::move(path)) {}
-
-TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
-    : path_(std::exchange(other.path_, {})) {}
-
-TemporaryFolder::~TemporaryFolder() {
-  // errors of removal are ignored: a destructor has no way to report them
-  std::error_code ignored;
-  if (!path_.empty()) fs::remove_all(path_, ignored);
+Result<std::unique_ptr<plot::MemoryFile>> TrialInMemory(const trial::Record& record) {
+  std::string bytes;
+  HAPTOMETER_TRY(
+      WriteSimulatedTrialIn(std::make_unique<TextSink>(&bytes), "a trial in memory", record));
+  auto file = std::make_unique<plot::MemoryFile>(bytes);
+  if (file->Content().size() == bytes.size()) return file;
+  return Failed("a trial in memory", "could not be written whole", "is there memory left?");
 }
 
 }  // namespace haptometer::tools

@@ -147,18 +147,18 @@ double DistanceOf(const ThesisNumber& number, double value) {
 }
 
 // values of the rows with the inputs at that place
-std::vector<double> ValuesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
+std::vector<double> ValuesAt(const ThesisModel& model, std::span<const ThesisRow> rows,
                              const Place& place) {
   const ThesisModel moved = ModelAt(model, place);
-  return Mapped(rows, [&](const RowMeasure& row) { return row.measure(moved); });
+  return Mapped(rows, [&](const ThesisRow& row) { return row.measure(moved); });
 }
 
-std::vector<double> DistancesOf(std::span<const RowMeasure> rows,
+std::vector<double> DistancesOf(std::span<const ThesisRow> rows,
                                 const std::vector<double>& values) {
   std::vector<double> distances;
   distances.reserve(rows.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    distances.push_back(DistanceOf(ThesisNumberOf(rows[k].key), values[k]));
+    distances.push_back(DistanceOf(rows[k].number(), values[k]));
   }
   return distances;
 }
@@ -170,7 +170,7 @@ double SquareOf(const std::vector<double>& distances) {
 }
 
 // derivatives d(value k)/d(input i) at `values` of the place, in the units of DistanceOf
-std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
+std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const ThesisRow> rows,
                             const Place& place, const std::vector<double>& values) {
   constexpr double kStep = 1e-3;
   std::vector<Place> slopes(rows.size());
@@ -180,7 +180,7 @@ std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const RowMeasure
     moved[i] += moved[i] > 0 ? -kStep : kStep;
     const std::vector<double> there = ValuesAt(model, rows, moved);
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const ThesisNumber& number = ThesisNumberOf(rows[k].key);
+      const ThesisNumber& number = rows[k].number();
       const double scale = number.relation == Relation::kEquals ? number.half_step * number.unit.si
                                                                 : SiValue(number);
       slopes[k][i] = (there[k] - values[k]) / (scale * (moved[i] - place[i]));
@@ -224,7 +224,7 @@ struct SearchEnd {
 };
 
 // The end of a search from a place: where every distance is 0, or where no step makes them smaller.
-SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const RowMeasure> rows) {
+SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const ThesisRow> rows) {
   constexpr int kMostSteps = 12;
   std::vector<double> values = ValuesAt(model, rows, place);
   std::vector<double> distances = DistancesOf(rows, values);
@@ -262,7 +262,7 @@ Place StartOf(int number) {
 }
 
 // best of several searches, because each ends in a local minimum
-Place Nearest(const ThesisModel& model, std::span<const RowMeasure> rows) {
+Place Nearest(const ThesisModel& model, std::span<const ThesisRow> rows) {
   constexpr int kStarts = 8;
   SearchEnd best = NearestFrom(StartOf(0), model, rows);
   for (int number = 1; number < kStarts && best.square > 0; ++number) {
@@ -288,14 +288,14 @@ std::string TextOf(const ThesisModel& model, const Place& place) {
 }  // namespace
 
 std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,
-                                              std::span<const RowMeasure> rows) {
+                                              std::span<const ThesisRow> rows) {
   const Place place = Nearest(model, rows);
   const ThesisModel moved = ModelAt(model, place);
   const std::string text =
       fmt::format("inputs that round to the printed ones{}: {}",
                   rows.size() > 1 ? fmt::format(", one set for {} rows", rows.size()) : "",
                   TextOf(model, place));
-  return Mapped(rows, [&](const RowMeasure& row) {
+  return Mapped(rows, [&](const ThesisRow& row) {
     return CandidateCause{.text = text, .gives = row.measure(moved), .kind = CauseKind::kRounding};
   });
 }
@@ -306,12 +306,16 @@ std::vector<ThesisRow> Joined(std::vector<std::vector<ThesisRow>> parts) {
   return rows;
 }
 
-void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& measures,
-                       std::vector<ThesisRow>* rows) {
-  for (const RowMeasure& measure : measures) {
-    const auto row = std::ranges::find(*rows, measure.key, &ThesisRow::key);
-    if (row == rows->end() || VerdictOf(*row) == RowVerdict::kReproduced) continue;
-    row->candidates.push_back(FromRoundedInputs(model, {&measure, 1}).front());
+void Measure(const ThesisModel& model, std::vector<ThesisRow>* rows) {
+  for (ThesisRow& row : *rows) {
+    if (row.measure) row.ours = row.measure(model);
+  }
+}
+
+void ExplainByRounding(const ThesisModel& model, std::vector<ThesisRow>* rows) {
+  for (ThesisRow& row : *rows) {
+    if (!row.measure || VerdictOf(row) == RowVerdict::kReproduced) continue;
+    row.candidates.push_back(FromRoundedInputs(model, {&row, 1}).front());
   }
 }
 

@@ -3,10 +3,8 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
-#include "base/error.h"
 #include "sim/scene/actuator.h"
 #include "sim/scene/scene.h"
 #include "sim/skin/skin.h"
@@ -82,11 +80,8 @@ struct ThesisModel {
 /// All rows, those of each part behind the ones before.
 [[nodiscard]] std::vector<ThesisRow> Joined(std::vector<std::vector<ThesisRow>> parts);
 
-/// A row's number as a function of the model.
-struct RowMeasure {
-  std::string_view key;  ///< of its ThesisNumber
-  std::function<double(const ThesisModel& model)> measure;
-};
+/// What each row's `measure` gives of the model, as its number.
+void Measure(const ThesisModel& model, std::vector<ThesisRow>* rows);
 
 /// What becomes of rows when the printed inputs of the simulation are not their printed values but
 /// numbers that round to them: one set of inputs for all the rows, sought so that each comes to
@@ -102,14 +97,14 @@ struct RowMeasure {
 /// is evaluated by the model itself. That it finds nothing is no proof that there is nothing. Cost:
 /// at most 8 searches of 12 steps of 25 evaluations of each row.
 ///
+/// @param rows each with a measure
 /// @return one cause a row, in the order of `rows`, of kind kRounding, which names the inputs
 [[nodiscard]] std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,
-                                                            std::span<const RowMeasure> rows);
+                                                            std::span<const ThesisRow> rows);
 
-/// Adds to each of `rows` that one of `measures` is of, and that is not reproduced, the cause that
-/// is found for it alone.
-void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& measures,
-                       std::vector<ThesisRow>* rows);
+/// Adds to each of `rows` that has a measure, and that is not reproduced, the cause that is found
+/// for it alone.
+void ExplainByRounding(const ThesisModel& model, std::vector<ThesisRow>* rows);
 
 /// Where `function` is largest between `low` and `high`: the best of 1000 even places, then golden
 /// section between its neighbours, to 1e-9 of the range.

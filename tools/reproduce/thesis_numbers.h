@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,8 @@
 #include "dsp/statistics/distributions.h"
 
 namespace haptometer::tools {
+
+struct ThesisModel;
 
 /// The unit that a number is printed in: 1 `name` = `si` `si_name`.
 struct ThesisUnit {
@@ -86,13 +89,16 @@ enum class RowVerdict : std::uint8_t {
 
 /// One quantity: printed, computed, compared.
 struct ThesisRow {
-  std::string_view key;        ///< of its ThesisNumber
-  std::optional<double> ours;  ///< SI, computed in this run; nothing: not determined
+  std::string_view key;          ///< of its ThesisNumber
+  std::optional<double> ours{};  ///< SI, computed in this run; nothing: not determined
   /// 95 % interval of `ours`, where it was measured on generated trials: reproduced means then that
   /// the printed value lies within.
   std::optional<dsp::Interval> interval{};
   std::vector<CandidateCause> candidates{};  ///< causes; none is proved
   std::string remark{};
+  /// `ours` as a function of the model, SI; nothing where it does not follow from the printed
+  /// inputs.
+  std::function<double(const ThesisModel&)> measure{};
   /// `ours` is of trials that this run generated with the printed number as their truth: that it
   /// comes out again is no finding about the thesis.
   bool generated = false;

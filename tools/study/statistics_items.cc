@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <utility>
 
 #include "dsp/statistics/distributions.h"
 #include "tools/study/study_document.h"
@@ -29,10 +28,6 @@ std::string TestText(Section& section, const std::optional<dsp::StudentTest>& te
 
 std::string Counted(std::size_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
-void AddRounded(Section& section, const Key& key, Value value, double resolution) {
-  section.Add(key, std::move(value)).resolution = resolution;
 }
 
 // u = s / sqrt(n)

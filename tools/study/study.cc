@@ -42,6 +42,8 @@ constexpr cli::VerbText kText{
                  "haptometer study study.toml --all --plot study.svg --methods methods.md",
                  "haptometer study study.toml --verify results.json"}};
 
+constexpr std::string_view kReportHelp = "Write a page with everything";
+
 // the command line as it was typed
 struct Wanted {
   std::string source;
@@ -58,14 +60,6 @@ struct Wanted {
   cli::ImportWords import;
 };
 
-// options of all three verbs
-void DeclareOutputs(cli::Options& options, document::Outputs& outputs, std::string_view all,
-                    std::string_view plot) {
-  options.Flag("--all", &outputs.all, all);
-  options.Output("--plot", &outputs.plot, "FILE.svg|png|pdf", plot);
-  options.Output("--report", &outputs.report, "FILE.html", "Write a page with everything");
-}
-
 void Declare(cli::Options& options, Wanted& wanted) {
   options.Positional("source", &wanted.source,
                      "A folder of trials, or a manifest (.toml, docs/reference/study.md)");
@@ -80,10 +74,12 @@ void Declare(cli::Options& options, Wanted& wanted) {
       .Text("--floor", &wanted.floor, "FILE",
             "Drive-off trial whose noise in the band is subtracted (mean square)")
       .Default("the manifest's, else each trial's own quiet part");
-  DeclareOutputs(options, wanted.outputs,
-                 "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend, "
-                 "trials, provenance",
-                 "Draw means, spread and subjects, a panel per contrast");
+  document::DeclareOutputs(
+      options, wanted.outputs,
+      {.all = "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend, "
+              "trials, provenance",
+       .plot = "Draw means, spread and subjects, a panel per contrast",
+       .report = kReportHelp});
   options.Output("--table", &wanted.table, "LONG.csv", "Write a row per trial");
   options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row per subject");
   options.Output("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
@@ -159,15 +155,8 @@ Result<void> TakeFloor(const Wanted& wanted, Task& task) {
                       "add the trials with the drive on");
 }
 
-Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
-  if (wanted.contrasts.empty()) return {};
-  HAPTOMETER_LET(task.manifest.contrasts, ParseContrasts(wanted.contrasts));
-  return {};
-}
-
 Result<Task> TaskOf(const Wanted& wanted) {
   // outputs are checked before the analysis
-  HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
   for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
                                    std::pair(&wanted.wide, cli::kStudyTableOutput),
                                    std::pair(&wanted.methods, cli::kMethodsOutput)}) {
@@ -176,7 +165,8 @@ Result<Task> TaskOf(const Wanted& wanted) {
   }
   Task task;
   HAPTOMETER_TRY(FindFiles(wanted, task));
-  HAPTOMETER_TRY(TakeContrasts(wanted, task));
+  HAPTOMETER_LET(const auto contrasts, ParseContrasts(wanted.contrasts));
+  if (!contrasts.empty()) task.manifest.contrasts = contrasts;
   // band, order and corner: command line first, then manifest, then the defaults
   cli::BandWords band = wanted.band;
   if (band.band.empty()) band.band = task.manifest.band;
@@ -303,28 +293,22 @@ int RunStudyTrials(int argc, const char* const* argv) {
   cli::Options options(kText);
   Wanted wanted;
   Declare(options, wanted);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  const auto task = TaskOf(wanted);
-  if (!task) return cli::ReportError(kVerb, task.error());
-  const auto study = Answer(wanted, *task);
-  if (!study) return cli::ReportError(kVerb, study.error());
-
-  // an unreadable trial worsens the status; the others are answered
-  int status = 0;
-  for (const StudyTrial& trial : study->table.trials) {
-    if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
-  }
-  wanted.outputs.json = options.json();
-  const document::Document document = StudyDocument(*study, wanted.outputs.HasFigures());
-  status = cli::WorseStatus(status, document::Present(document, wanted.outputs, argc, argv));
-  if (auto written = WriteFiles(wanted, *study, argc, argv); !written) {
-    return cli::ReportError(kVerb, written.error());
-  }
-  // last, so that all outputs exist where a difference is found
-  if (wanted.verify.empty()) return status;
-  const auto verified = Verify(wanted.verify, document);
-  if (!verified) return cli::ReportError(kVerb, verified.error());
-  return cli::WorseStatus(status, *verified);
+  return document::RunVerb(kVerb, options, wanted.outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto task, TaskOf(wanted));
+    HAPTOMETER_LET(const auto study, Answer(wanted, task));
+    // an unreadable trial worsens the status; the others are answered
+    int status = 0;
+    for (const StudyTrial& trial : study.table.trials) {
+      if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
+    }
+    const document::Document document = StudyDocument(study, wanted.outputs.HasFigures());
+    status = cli::WorseStatus(status, document::Present(document, wanted.outputs, argc, argv));
+    HAPTOMETER_TRY(WriteFiles(wanted, study, argc, argv));
+    // last, so that all outputs exist where a difference is found
+    if (wanted.verify.empty()) return status;
+    HAPTOMETER_LET(const int verified, Verify(wanted.verify, document));
+    return cli::WorseStatus(status, verified);
+  });
 }
 
 // --- study matching FILE.csv: voltages set until two vibrations felt alike ---
@@ -338,15 +322,6 @@ constexpr cli::VerbText kMatchingText{
                  "haptometer study matching settings.csv --plot matching.svg",
                  "haptometer study matching settings.csv --json"}};
 
-Result<MatchingResult> AnswerMatching(const std::string& file,
-                                      const std::vector<std::string>& words) {
-  HAPTOMETER_LET(const auto contrasts, ParseContrasts(words));
-  const auto table =
-      ReadTextTable(file, {"reference_v", "condition", "subject", "matched_v", "started"});
-  if (!table) return std::unexpected(table.error());
-  return AnalyzeMatching(*table, contrasts);
-}
-
 int RunStudyMatching(int argc, const char* const* argv) {
   cli::Options options(kMatchingText);
   std::string file;
@@ -355,16 +330,18 @@ int RunStudyMatching(int argc, const char* const* argv) {
   options.Positional("file", &file, "CSV with reference_v,condition,subject,matched_v,started");
   options.Repeated("--contrast", &words, "TREATMENT:CONTROL", "A planned contrast; may be repeated")
       .Default("every condition against the first");
-  DeclareOutputs(options, outputs, "Print the levels and the provenance too",
-                 "Draw matched against reference voltage");
-  if (const auto status = options.Parse(argc - 1, argv + 1)) return *status;
-  if (auto good = document::CheckOutputs(outputs); !good) {
-    return cli::ReportError(kMatching, good.error());
-  }
-  const auto result = AnswerMatching(file, words);
-  if (!result) return cli::ReportError(kMatching, result.error());
-  outputs.json = options.json();
-  return document::Present(MatchingDocument(*result, outputs.HasFigures()), outputs, argc, argv);
+  document::DeclareOutputs(options, outputs,
+                           {.all = "Print the levels and the provenance too",
+                            .plot = "Draw matched against reference voltage",
+                            .report = kReportHelp});
+  const auto answer = [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto contrasts, ParseContrasts(words));
+    HAPTOMETER_LET(const auto table, ReadTextTable(file, {"reference_v", "condition", "subject",
+                                                          "matched_v", "started"}));
+    HAPTOMETER_LET(const auto result, AnalyzeMatching(table, contrasts));
+    return document::Present(MatchingDocument(result, outputs.HasFigures()), outputs, argc, argv);
+  };
+  return document::RunVerb(kMatching, options, outputs, argc - 1, argv + 1, answer);
 }
 
 // --- study linearity FILES|CSV: RMS against the drive's amplitude ---
@@ -381,37 +358,34 @@ constexpr cli::VerbText kLinearityText{
 int RunStudyLinearity(int argc, const char* const* argv) {
   cli::Options options(kLinearityText);
   std::vector<std::string> files;
-  std::optional<Quantity> floor_m;
+  std::optional<double> floor_m;
   document::Outputs outputs;
   cli::BandWords band;
   cli::ImportWords words;
   options.Positionals("files", &files,
                       "Trials that state their drive_amplitude_v, or CSV with drive_v,rms_m");
   options
-      .Number("--floor", &floor_m, Dimension::kLength,
+      .Number("--floor", &floor_m, Dimension::kLength, cli::Bounds{},
               "RMS with the drive off, subtracted in mean square")
       .Default("the readings at 0 V");
-  DeclareOutputs(options, outputs, "Print the provenance too", "Draw RMS against drive");
+  document::DeclareOutputs(
+      options, outputs,
+      {.all = "Print the provenance too", .plot = "Draw RMS against drive", .report = kReportHelp});
   cli::DeclareBand(&options, &band, cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &words);
-  if (const auto status = options.Parse(argc - 1, argv + 1)) return *status;
-  if (auto good = document::CheckOutputs(outputs); !good) {
-    return cli::ReportError(kLinearity, good.error());
-  }
-  const auto question = cli::BandQuestionOf(band);
-  if (!question) return cli::ReportError(kLinearity, question.error());
-  const auto import = cli::ImportOf(words);
-  if (!import) return cli::ReportError(kLinearity, import.error());
-  // errors of single files are reported, the others are used
-  const DriveReadings taken = ReadDriveReadings(files, *question, *import);
-  const int status = cli::ReportErrors(kLinearity, taken.errors);
-  if (taken.readings.empty()) return status;
-  LinearityResult result =
-      AnalyzeLinearity(taken.readings, floor_m ? std::optional(floor_m->value) : std::nullopt);
-  result.sources = taken.sources;
-  outputs.json = options.json();
-  return cli::WorseStatus(status, document::Present(LinearityDocument(result, outputs.HasFigures()),
-                                                    outputs, argc, argv));
+  const auto answer = [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto question, cli::BandQuestionOf(band));
+    HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+    // errors of single files are reported, the others are used
+    const DriveReadings taken = ReadDriveReadings(files, question, import);
+    const int status = cli::ReportErrors(kLinearity, taken.errors);
+    if (taken.readings.empty()) return status;
+    LinearityResult result = AnalyzeLinearity(taken.readings, floor_m);
+    result.sources = taken.sources;
+    const document::Document document = LinearityDocument(result, outputs.HasFigures());
+    return cli::WorseStatus(status, document::Present(document, outputs, argc, argv));
+  };
+  return document::RunVerb(kLinearity, options, outputs, argc - 1, argv + 1, answer);
 }
 
 }  // namespace

@@ -129,8 +129,8 @@ Section ConditionRow(const ConditionSummary& condition) {
   row.Add({"standard_deviation_m", "sd over subjects", document::kMetre},
           condition.subjects.standard_deviation)
       .resolution = resolution;
-  AddRounded(row, {"geometric_mean_m", "geometric mean", document::kMetre}, condition.geometric_m,
-             resolution);
+  row.Add({"geometric_mean_m", "geometric mean", document::kMetre}, condition.geometric_m)
+      .resolution = resolution;
   row.Add({"morey_half_width_m"}, condition.morey_m);
   row.Add({"icc"}, MemberOf(repeats, &dsp::Reliability::icc));
   row.Add({"icc_interval_95"}, MemberOf(repeats, &dsp::Reliability::interval));
@@ -145,10 +145,10 @@ Section RepeatsRow(const ConditionSummary& condition) {
   const auto& repeats = condition.repeats;
   Section row;
   row.Add({"", kCondition.label}, condition.name);
-  AddRounded(row, {"", "error bar within subjects (Morey)", document::kMetre}, condition.morey_m,
-             ResolutionBy(condition.morey_m));
-  AddRounded(row, {"", "ICC(1,1)"}, MemberOf(repeats, &dsp::Reliability::icc), 1e-3);
-  AddRounded(row, {"", "95 %"}, MemberOf(repeats, &dsp::Reliability::interval), 1e-3);
+  row.Add({"", "error bar within subjects (Morey)", document::kMetre}, condition.morey_m)
+      .resolution = ResolutionBy(condition.morey_m);
+  row.Add({"", "ICC(1,1)"}, MemberOf(repeats, &dsp::Reliability::icc)).resolution = 1e-3;
+  row.Add({"", "95 %"}, MemberOf(repeats, &dsp::Reliability::interval)).resolution = 1e-3;
   row.Add({"", "variation within cells", document::kShare},
           repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value())
       .resolution = 1e-4;
@@ -160,8 +160,8 @@ Section FurtherSection(const Contrast& contrast) {
   const auto& ratio = contrast.ratio;
   const auto& means = contrast.ratio_of_means;
   Section section{.detail = Detail::kAll};
-  AddRounded(section, {"d_av", "effect size d_av"},
-             MemberOf(contrast.effect, &dsp::EffectSize::d_av), 0.01);
+  section.Add({"d_av", "effect size d_av"}, MemberOf(contrast.effect, &dsp::EffectSize::d_av))
+      .resolution = 0.01;
   // paired t test of the logarithms: the test of the ratio, not of the difference
   const auto& test = ratio ? ratio->log_ratio.test : std::nullopt;
   section.Add({"ratio_p"}, MemberOf(test, &dsp::StudentTest::p));
@@ -182,9 +182,9 @@ Section FurtherSection(const Contrast& contrast) {
     fieller = means->interval;
     resolution = ResolutionBy((fieller->upper - fieller->lower) / 4);
   }
-  AddRounded(section, {"ratio_of_means", "ratio of means"},
-             MemberOf(means, &dsp::RatioOfMeans::ratio), resolution);
-  AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller, resolution);
+  section.Add({"ratio_of_means", "ratio of means"}, MemberOf(means, &dsp::RatioOfMeans::ratio))
+      .resolution = resolution;
+  section.Add({"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller).resolution = resolution;
   // Fieller's interval is unbounded where the control's mean does not differ from 0
   Item& unbounded = section.Add({"ratio_of_means_unbounded"}, Value());
   if (means) unbounded.value = !means->interval;
@@ -211,10 +211,10 @@ Section ContrastSection(const Contrast& contrast) {
   if (effect) population = effect->interval;
   const double resolution =
       population ? ResolutionBy((population->upper - population->lower) / 4) : 0;
-  AddRounded(section, {"hedges_g", "effect size Hedges g"},
-             MemberOf(effect, &dsp::EffectSize::hedges_g), resolution);
-  AddRounded(section, {"d_z", "effect size d_z"}, MemberOf(effect, &dsp::EffectSize::d_z),
-             resolution);
+  section.Add({"hedges_g", "effect size Hedges g"}, MemberOf(effect, &dsp::EffectSize::hedges_g))
+      .resolution = resolution;
+  section.Add({"d_z", "effect size d_z"}, MemberOf(effect, &dsp::EffectSize::d_z)).resolution =
+      resolution;
   // one interval for both estimates
   Item& interval = section.Add({"effect_interval_95", "95 %"}, population);
   interval.resolution = resolution;
@@ -243,8 +243,8 @@ Section AnovaSection(const Key& key, const std::optional<dsp::RepeatedMeasuresAn
   section.Add({"", "Greenhouse-Geisser"},
               fmt::format("epsilon {:.3f}, p = {:.3g}", known.greenhouse_geisser,
                           known.p_greenhouse_geisser));
-  AddRounded(section, {"partial_eta_squared", "partial eta squared"}, known.partial_eta_squared,
-             1e-3);
+  section.Add({"partial_eta_squared", "partial eta squared"}, known.partial_eta_squared)
+      .resolution = 1e-3;
   return section;
 }
 

@@ -65,10 +65,6 @@ inline constexpr document::Key kContrasts{"contrasts"};
 /// "1 trial", "2 trials".
 [[nodiscard]] std::string Counted(std::size_t count, std::string_view noun);
 
-/// Adds a number that text shows to the decimal place of `resolution`.
-void AddRounded(document::Section& section, const document::Key& key, document::Value value,
-                double resolution);
-
 /// s / sqrt(n), the standard uncertainty of the mean; nothing of fewer than 2 values.
 [[nodiscard]] std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample);
 

@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
+#include "tools/cli/recording_files.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/document.h"
@@ -51,15 +52,7 @@ struct Wanted {
   cli::ImportWords import;
 };
 
-// recordings of a folder are recognised by the ending
-bool IsRecording(const fs::directory_entry& entry) {
-  std::error_code ignored;
-  const std::string ending = entry.path().extension();
-  return entry.is_regular_file(ignored) &&
-         (ending == ".bin" || ending == ".csv" || ending == ".lvm");
-}
-
-// a folder means the recordings in it, in the order of their names
+// a folder means the recordings in it, without tables of results, in the order of their names
 Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) {
   std::vector<std::string> files;
   for (const std::string& word : words) {
@@ -68,15 +61,10 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
       files.push_back(word);
       continue;
     }
-    std::vector<std::string> inside;
-    for (const auto& entry : fs::directory_iterator(word, error)) {
-      if (IsRecording(entry)) inside.push_back(entry.path());
+    HAPTOMETER_LET(const auto inside, cli::RecordingsIn(word));
+    for (const cli::RecordingFile& file : inside) {
+      if (!file.is_table) files.push_back(file.path);
     }
-    if (inside.empty()) {
-      return CannotAnswer(word, "holds no recording", "recordings end in .bin, .csv or .lvm");
-    }
-    std::ranges::sort(inside);
-    files.insert(files.end(), inside.begin(), inside.end());
   }
   return files;
 }

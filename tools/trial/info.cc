@@ -42,27 +42,6 @@ StatusCounts CountStatuses(const Channel& channel) {
   return counts;
 }
 
-// a gap between two segments
-struct Gap {
-  std::size_t row = 0;  // the first after it
-  double at_s = 0;      // when the row before it ended
-  double length_s = 0;
-};
-
-double EndOf(const Stretch& stretch) {
-  return stretch.start_s + static_cast<double>(stretch.rows) / stretch.rate_hz;
-}
-
-// gaps in the order of time; a segment ends one sample interval after its last row
-std::vector<Gap> GapsOf(const Record& record) {
-  std::vector<Gap> gaps;
-  for (std::size_t i = 1; i < record.stretches.size(); ++i) {
-    const double end_s = EndOf(record.stretches[i - 1]);
-    gaps.push_back({record.stretches[i].first_row, end_s, record.stretches[i].start_s - end_s});
-  }
-  return gaps;
-}
-
 // rows per second within the segments; nothing where no segment has two rows
 std::optional<double> MeanRate(const Record& record) {
   double intervals = 0;
@@ -81,15 +60,6 @@ std::optional<double> MeanRate(const Record& record) {
 std::optional<double> Duration(const Record& record) {
   if (record.rows == 0) return std::nullopt;
   return TimeOf(record, record.rows - 1) - TimeOf(record, 0);
-}
-
-// largest time uncertainty of the segments, s
-double WorstUncertainty(const Record& record) {
-  double worst_s = 0;
-  for (const Stretch& stretch : record.stretches) {
-    worst_s = std::max(worst_s, stretch.time_uncertainty_s);
-  }
-  return worst_s;
 }
 
 // --- sections ---
@@ -138,15 +108,24 @@ Section OriginSection(const Metadata& metadata) {
   return section;
 }
 
-// counts of all statuses for JSON, and of those that occur as words, "90 ok, 10 over"
-Section StatusSection(const StatusCounts& counts, std::string& words) {
+// counts of all statuses for JSON
+Section StatusSection(const StatusCounts& counts) {
   Section section{.name = "statuses"};
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    const std::string_view name = Name(static_cast<SampleStatus>(i));
-    section.Add({name}, counts[i]);
-    if (counts[i] > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", counts[i], name);
+    section.Add({Name(static_cast<SampleStatus>(i))}, counts[i]);
   }
   return section;
+}
+
+// those that occur: "90 ok, 10 over"
+std::string StatusText(const StatusCounts& counts) {
+  std::string words;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", counts[i],
+                         Name(static_cast<SampleStatus>(i)));
+  }
+  return words;
 }
 
 Section ChannelSection(const Channel& channel, StatusCounts& all) {
@@ -157,8 +136,7 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
   Section section{.heading =
                       fmt::format("channel {}{}{}", channel.name, channel.name == role ? "" : ", ",
                                   channel.name == role ? "" : role)};
-  std::string words;
-  section.sections = {StatusSection(counts, words)};
+  section.sections = {StatusSection(counts)};
   // the unit of the file; metres are shown with a prefix
   const document::Unit unit =
       channel.unit == document::kMetre.symbol
@@ -179,18 +157,21 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
   if (has_range) {
     section.Add({"", "range", unit}, document::Range{channel.range_min, channel.range_max});
   }
-  section.Add({"", "samples"}, words);
+  section.Add({"", "samples"}, StatusText(counts));
   return section;
 }
 
-// row after the gap, its begin and length in s
+// row after the gap, its begin and length in s; a segment ends one sample interval after its last
+// row
 Section GapsSection(const Record& record) {
   Section list{.name = document::kGaps.name, .heading = "gaps", .shape = Section::Shape::kTable};
-  for (const Gap& gap : GapsOf(record)) {
+  for (std::size_t i = 1; i < record.stretches.size(); ++i) {
+    const Stretch &before = record.stretches[i - 1], &after = record.stretches[i];
+    const double end_s = before.start_s + static_cast<double>(before.rows) / before.rate_hz;
     Section& row = list.sections.emplace_back();
-    row.Add(kRow, gap.row);
-    row.Add({"at_s", "at", document::kSecond}, gap.at_s);
-    row.Add({document::kLength.name, "length", document::kSecond}, gap.length_s);
+    row.Add(kRow, after.first_row);
+    row.Add({"at_s", "at", document::kSecond}, end_s);
+    row.Add({document::kLength.name, "length", document::kSecond}, after.start_s - end_s);
   }
   return list;
 }
@@ -275,8 +256,10 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   section.Add(document::kDuration, Duration(record));
   section.Add(document::kRate, MeanRate(record));
   section.Add({"timing"}, Name(record.timing));
-  // a uniform record has one clock and no uncertainty of single times
-  Item& uncertainty = section.Add(document::kTimeUncertainty, WorstUncertainty(record));
+  // the largest of the segments; a uniform record has one clock and none of single times
+  double worst_s = 0;
+  for (const Stretch& of : record.stretches) worst_s = std::max(worst_s, of.time_uncertainty_s);
+  Item& uncertainty = section.Add(document::kTimeUncertainty, worst_s);
   if (record.timing == trial::Timing::kUniform) uncertainty.label.clear();
   section.Add({"", "file"}, FileText(report));
   section.Add({"rows_lost"}, report.RowsLost());
@@ -312,13 +295,11 @@ document::Document TrialDocument(std::string_view verb, const std::string& path,
   for (const Channel& channel : record.channels) {
     channels.sections.push_back(ChannelSection(channel, all));
   }
-  // the words of the sum are not printed, only its counts
-  std::string ignored;
   root.sections = {HeaderSection(record.metadata),
                    OriginSection(record.metadata),
                    RowsSection(path, recording),
                    std::move(channels),
-                   {.detail = Detail::kAll, .sections = {StatusSection(all, ignored)}},
+                   {.detail = Detail::kAll, .sections = {StatusSection(all)}},
                    GapsSection(record),
                    StretchesSection(record),
                    EventsSection(recording.report.events),
@@ -350,20 +331,15 @@ int RunTrialInfo(int argc, const char* const* argv) {
   options.Output("--report", &outputs.report, "FILE.html",
                  "Write a page with all of it and a plot of the recording", cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &import);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  outputs.json = options.json();
-  if (auto good = document::CheckOutputs(outputs); !good) {
-    return cli::ReportError(kText.name, good.error());
-  }
-  const auto wanted = cli::ImportOf(import);
-  if (!wanted) return cli::ReportError(kText.name, wanted.error());
-  const auto recording = trial::ReadRecording(path, *wanted);
-  if (!recording) return cli::ReportError(kText.name, recording.error());
-  const int status = document::Present(
-      TrialDocument(kText.name, path, *recording, outputs.HasFigures()), outputs, argc, argv);
-  // the drawing in characters is for the text only
-  if (!outputs.json) cli::Print(Thumbnail(recording->record));
-  return status;
+  return document::RunVerb(kText.name, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_LET(const auto wanted, cli::ImportOf(import));
+    HAPTOMETER_LET(const auto recording, trial::ReadRecording(path, wanted));
+    const int status = document::Present(
+        TrialDocument(kText.name, path, recording, outputs.HasFigures()), outputs, argc, argv);
+    // the drawing in characters is for the text only
+    if (!outputs.json) cli::Print(Thumbnail(recording.record));
+    return status;
+  });
 }
 
 }  // namespace haptometer::tools

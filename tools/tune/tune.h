@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "sim/linear/steady_state.h"
 #include "sim/skin/skin.h"
 #include "sim/skin/skin_rise.h"
@@ -13,9 +12,7 @@
 #include "sim/tuning/adapter_objective.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "sim/tuning/tuning_problem.h"
-#include "tools/cli/options.h"
 #include "tools/document/document.h"
-#include "tools/document/present.h"
 
 namespace haptometer::tools {
 
@@ -31,24 +28,6 @@ struct TuneQuestion {
   std::vector<std::string> left_out{};      ///< effects of the scene that tune leaves out
   bool has_stops = false;                   ///< among them travel stops
 };
-
-/// The command line of tune: what is asked without the scene, and what is put to the scene.
-struct TuneWords {
-  TuneQuestion asked{.name = "thesis", .problem = sim::ThesisProblem()};
-  std::vector<std::string> scenes;
-  std::string objective = "skin-rms";
-  std::string skin = "text";
-  std::string receptor_grid = "cell";
-  std::optional<double> voltage_v, frequency_hz, receptors_per_mm2;
-  std::optional<std::int64_t> grid;
-  document::Outputs outputs;
-};
-
-void Declare(cli::Options& options, TuneWords& words);
-
-/// Reads the scene, if there is one. Errors (Cause::kUsage): more than one scene, bounds that
-/// Fault() refuses, a drive of 0, an objective that is not answered for what else is asked.
-[[nodiscard]] Result<TuneQuestion> ReadQuestion(const TuneWords& words);
 
 /// How the adapter was found where its latency is limited.
 struct LatencySearch {

@@ -40,39 +40,6 @@ Unit ObjectiveUnit(sim::Objective objective) {
 
 // --- findings ---
 
-enum class TuneFinding : std::uint8_t {
-  kSkinGiven,
-  kSkinOfArea,
-  kLatencyProved,
-  kLatencySearched,
-  kLeftOut,
-  kStopsLeftOut,
-};
-
-document::Sentence SentenceOf(TuneFinding kind) {
-  using enum TuneFinding;
-  static constexpr document::KindSentence<TuneFinding> kSentences[] = {
-      {kSkinGiven, "skin-given", "the skin is the scene's for any contact area"},
-      {kSkinOfArea, "skin-of-area",
-       "the skin follows the thesis's cube root of the contact's area"},
-      {kLatencyProved, "latency-proved",
-       "the latency is that of a simulated run, its standard uncertainty added; the best "
-       "adapter without the limit keeps to it, so that the upper bound is the answer's own"},
-      {kLatencySearched, "latency-searched",
-       "the latency is that of a simulated run, its standard uncertainty added, and was "
-       "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs from "
-       "its best that keep to the limit and from the best without it): the adapter keeps to the "
-       "limit; another that does may move the skin more; the upper bound is that without the "
-       "limit"},
-      {kLeftOut, "effects-left-out",
-       "the numbers are without these effects of the scene: {effects}; check the adapter by "
-       "simulate"},
-      {kStopsLeftOut, "stops-left-out",
-       "the stops are not modelled: limit the travel with --mover-travel"},
-  };
-  return document::SentenceIn(kSentences, kind);
-}
-
 // a run too long to simulate, or a run whose rise determines no latency
 sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
   using enum sim::FindingKind;
@@ -82,22 +49,40 @@ sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoin
 }
 
 // assumptions of the numbers: skin, latency and omitted effects
-Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
-  using enum TuneFinding;
+void AddTuneFindings(const TuneAnswer& answer, Section& root) {
   const TuneQuestion& question = answer.question;
-  Findings<TuneFinding> findings;
-  findings.Note(question.problem.fixed_skin ? kSkinGiven : kSkinOfArea);
-  if (answer.latency && answer.latency->proved) findings.Note(kLatencyProved);
+  const auto note = [&root](std::string_view kind, std::string_view text,
+                            std::vector<FindingNumber> numbers = {}) {
+    root.Find(Severity::kNote, kind, text, std::move(numbers));
+  };
+  if (question.problem.fixed_skin) {
+    note("skin-given", "the skin is the scene's for any contact area");
+  } else {
+    note("skin-of-area", "the skin follows the thesis's cube root of the contact's area");
+  }
+  if (answer.latency && answer.latency->proved) {
+    note("latency-proved",
+         "the latency is that of a simulated run, its standard uncertainty added; the best "
+         "adapter without the limit keeps to it, so that the upper bound is the answer's own");
+  }
   if (answer.latency && !answer.latency->proved) {
-    findings.Note(kLatencySearched, {{"runs", answer.latency->runs}});
+    note("latency-searched",
+         "the latency is that of a simulated run, its standard uncertainty added, and was "
+         "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs from "
+         "its best that keep to the limit and from the best without it): the adapter keeps to the "
+         "limit; another that does may move the skin more; the upper bound is that without the "
+         "limit",
+         {{"runs", answer.latency->runs}});
   }
   // effects of the scene that tuning does not include: its model is linear and steady
-  if (question.left_out.empty()) return findings;
-  findings.Note(kLeftOut, {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
+  if (question.left_out.empty()) return;
+  note("effects-left-out",
+       "the numbers are without these effects of the scene: {effects}; check the adapter by "
+       "simulate",
+       {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
   if (question.has_stops && std::isinf(question.problem.mover_limit_m)) {
-    findings.Note(kStopsLeftOut);
+    note("stops-left-out", "the stops are not modelled: limit the travel with --mover-travel");
   }
-  return findings;
 }
 
 // findings of every scene (linear springs, kept contact), and of the rise
@@ -293,32 +278,22 @@ document::SpokenUnit SpokenOf(sim::Objective objective) {
 constexpr std::size_t kFactors = 121;
 constexpr std::size_t kRidgeMasses = 41;
 
+// a number of the adapter, distinguishable in grey too (Okabe and Ito, 2008)
 struct Number {
   const char* name;
   plot::Colour colour;
+  double& (*of)(sim::AdapterPoint& point);
 };
-// distinguishable in grey too (Okabe and Ito, 2008)
-constexpr std::array<Number, 5> kNumbers{{{"motor side's mass", plot::kBlue},
-                                          {"skin side's mass", plot::kOrange},
-                                          {"spring", plot::kGreen},
-                                          {"damper", plot::kPurple},
-                                          {"contact's area", plot::kYellow}}};
+using Point = sim::AdapterPoint;
+constexpr std::array<Number, 5> kNumbers{
+    {{"motor side's mass", plot::kBlue,
+      [](Point& at) -> double& { return at.adapter.motor_side_mass_kg; }},
+     {"skin side's mass", plot::kOrange,
+      [](Point& at) -> double& { return at.adapter.skin_side_mass_kg; }},
+     {"spring", plot::kGreen, [](Point& at) -> double& { return at.adapter.stiffness_n_per_m; }},
+     {"damper", plot::kPurple, [](Point& at) -> double& { return at.adapter.damping_n_s_per_m; }},
+     {"contact's area", plot::kYellow, [](Point& at) -> double& { return at.contact_area_m2; }}}};
 constexpr std::size_t kSpring = 2, kArea = 4;
-
-double& PartOf(sim::AdapterPoint& point, std::size_t number) {
-  switch (number) {
-    case 0:
-      return point.adapter.motor_side_mass_kg;
-    case 1:
-      return point.adapter.skin_side_mass_kg;
-    case kSpring:
-      return point.adapter.stiffness_n_per_m;
-    case 3:
-      return point.adapter.damping_n_s_per_m;
-    default:
-      return point.contact_area_m2;
-  }
-}
 
 // factors 0.7 to 1.3: +-30 % around the optimum
 std::vector<double> Factors() { return sim::EqualSteps({.lower = 0.7, .upper = 1.3}, kFactors); }
@@ -335,7 +310,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
                        .x = Factors()};
     for (const double factor : curve.x) {
       sim::AdapterPoint point = answer.optimum.point;
-      PartOf(point, number) *= factor;
+      kNumbers[number].of(point) *= factor;
       // outside of these areas the skin's law does not hold
       const bool known = number != kArea || (point.contact_area_m2 >= sim::kSkinAreaMinM2 &&
                                              point.contact_area_m2 <= sim::kSkinAreaMaxM2);
@@ -464,7 +439,7 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
       WrongSprings(answer)};
   if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
   document::AddFindings(root, SimFindingsOf(answer));
-  document::AddFindings(root, FindingsOf(answer));
+  AddTuneFindings(answer, root);
   return document;
 }
 
