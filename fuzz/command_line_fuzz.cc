@@ -35,6 +35,8 @@ const std::vector<Verb>& Verbs() {
   static const std::vector<Verb> verbs{{tools::RunAcquire, {"acquire"}},
                                        {tools::RunTrial, {"trial", "info"}},
                                        {tools::RunTrial, {"trial", "label"}},
+                                       {tools::RunTrial, {"trial", "exclude"}},
+                                       {tools::RunTrial, {"trial", "include"}},
                                        {tools::RunTrial, {"trial", "plot"}},
                                        {tools::RunTrial, {"trial", "export"}},
                                        {tools::RunAnalyze, {"analyze"}},

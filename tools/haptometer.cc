@@ -55,6 +55,8 @@ struct Part {
 };
 constexpr auto kParts = std::to_array<Part>({{"trial", "info"},
                                              {"trial", "label"},
+                                             {"trial", "exclude"},
+                                             {"trial", "include"},
                                              {"trial", "plot"},
                                              {"trial", "export"},
                                              {"study", "matching"},

@@ -14,7 +14,8 @@ namespace {
 
 constexpr Names<Encoding, 3> kEncodingNames{{"i32", "f32", "f64"}};
 constexpr Names<Timing, 3> kTimingNames{{"uniform", "arrival", "polled"}};
-constexpr Names<EventKind, 5> kEventNames{{"gap", "reconnect", "remark", "labels", "time_base"}};
+constexpr Names<EventKind, kEventKindCount> kEventNames{
+    {"gap", "reconnect", "remark", "labels", "time_base", "excluded", "included"}};
 
 }  // namespace
 
@@ -266,7 +267,7 @@ Event EventFrom(const Json& json) {
   if (json.contains("stretch")) event.stretch = StretchFrom(json.at("stretch"));
   // an absent `missing` is no loss; a null one is a loss of unknown size
   if (json.contains("missing")) event.missing = GetOptional<std::uint64_t>(json, "missing");
-  const auto kind = GetEnum<EventKind>(json, "event", 5);
+  const auto kind = GetEnum<EventKind>(json, "event", kEventKindCount);
   if (kind) {
     event.kind = *kind;
   } else {

@@ -101,9 +101,13 @@ enum class EventKind : std::uint8_t {
   kRemark,     ///< something worth knowing, in `text`
   kLabels,     ///< labels given later; the last word counts
   kTimeBase,   ///< one stretch of the cleaned time base
+  kExcluded,   ///< no part of any study from now on, for the reason in `text`
+  kIncluded,   ///< takes kExcluded back; of both the last word counts
 };
 
-/// "gap", "reconnect", "remark", "labels", "time_base".
+inline constexpr std::size_t kEventKindCount = 7;
+
+/// "gap", "reconnect", "remark", "labels", "time_base", "excluded", "included".
 [[nodiscard]] std::string_view Name(EventKind kind);
 
 /// What happened beside the rows.
@@ -131,6 +135,10 @@ inline constexpr std::string_view kInterruptedText =
 /// The metadata field of a source that numbers its rows, "0 to 99": every loss, up to whole turns
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";
+
+/// The metadata field of a trial that is excluded from studies, with the reason. kExcluded sets it,
+/// kIncluded removes it (MetadataOf); an export and a CSV carry it as any other field.
+inline constexpr std::string_view kExcludedField = "excluded";
 
 /// The members of Metadata that hold one text, by their keys in files (docs/reference/formats.md).
 inline constexpr std::array<std::pair<std::string_view, std::string Metadata::*>, 8> kMetadataTexts{

@@ -345,8 +345,19 @@ Metadata MetadataOf(const TrialHeader& header, const ReadReport& report) {
   for (const Event& event : report.events) {
     // labels given later override earlier ones
     for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
+    // so do exclusions and what takes them back
+    if (event.kind == EventKind::kExcluded) {
+      metadata.fields[std::string(kExcludedField)] = event.text.empty() ? "not stated" : event.text;
+    } else if (event.kind == EventKind::kIncluded) {
+      metadata.fields.erase(std::string(kExcludedField));
+    }
   }
   return metadata;
+}
+
+std::optional<std::string> ExclusionOf(const Metadata& metadata) {
+  const auto found = metadata.fields.find(std::string(kExcludedField));
+  return found == metadata.fields.end() ? std::nullopt : std::optional(found->second);
 }
 
 namespace {

@@ -147,8 +147,12 @@ class TrialReader {
   std::unique_ptr<State> state_;
 };
 
-/// What `header` says of the measurement, with the labels as the events last gave them.
+/// What `header` says of the measurement, with labels and exclusion (kExcludedField) as the events
+/// last gave them.
 [[nodiscard]] Metadata MetadataOf(const TrialHeader& header, const ReadReport& report);
+
+/// Why the recording is excluded from studies; nothing where it is not.
+[[nodiscard]] std::optional<std::string> ExclusionOf(const Metadata& metadata);
 
 /// A measurement in memory and how well it could be read.
 struct Recording {

@@ -83,12 +83,9 @@ Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
   HAPTOMETER_LET(const auto report, ReadToTheEnd(path));
   HAPTOMETER_LET(auto reader, trial::TrialReader::Open(path));
   std::unique_ptr<Replay> replay(new Replay(std::move(reader)));
-  // the header of the new trial: the old one, with the labels as last given
+  // the header of the new trial: the old one, with labels and exclusion as last given
   trial::Metadata& metadata = replay->header_.metadata;
-  // later labels replace earlier ones
-  for (const trial::Event& event : report.events) {
-    for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
-  }
+  metadata = trial::MetadataOf(replay->header_, report);
   metadata.source = fmt::format("replay of {} ({})", path, metadata.source);
   // what the recording itself cannot give
   if (!report.closed) {

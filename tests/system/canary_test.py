@@ -181,7 +181,8 @@ def trials(run):
     run("trial", "label", "evil.bin", "subject=3")
     for words in (["trial", "label", "evil.bin", "subject=a\nb"],
                   ["trial", "label", "evil.bin", "a\x1b=b"],
-                  ["trial", "label", "evil.bin", "a=b", "--reason", "a\rb"]):
+                  ["trial", "label", "evil.bin", "a=b", "--reason", "a\rb"],
+                  ["trial", "exclude", "evil.bin", "--reason", "a\x1bb"]):
         run(*words, statuses=(2,))
     run("analyze", "evil.bin", "--all", "--plot", "drawn.svg", "--report", "drawn.html",
         "--spectrum", "drawn2.svg", "--spectrogram", "drawn3.svg")

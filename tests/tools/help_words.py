@@ -18,7 +18,7 @@ def add(*verb):
 verbs = re.findall(r"^  ([a-z][a-z-]+) ", HELP["haptometer"], re.MULTILINE)
 for verb in verbs:
     add(verb)
-for verb, kind in [("trial", kind) for kind in ("export", "info", "label", "plot")] + [
+for verb, kind in [("trial", kind) for kind in ("exclude", "export", "include", "info", "label", "plot")] + [
         ("study", kind) for kind in ("linearity", "matching")]:
     add(verb, kind)
 check(len(verbs) > 10, f"{len(verbs)} verbs")

@@ -125,6 +125,46 @@ TEST_F(StudyVerb, ATrialWithoutADriveIsCountedAndIsNoMeasurement) {
   EXPECT_EQ(document["contrasts"].at(0)["n"], 2) << "its subject has no value in the condition";
 }
 
+// what is excluded is in no number, and is counted and named with its reason in every output
+TEST_F(StudyVerb, AnExcludedTrialIsCountedAndNamedAndInNoNumber) {
+  WriteNamedTrials();
+  const std::vector<std::string> words{directory(), "--pattern", "s{subject}_{condition}",
+                                       "--json"};
+  const Json before = Json::parse(Study(words).out);
+  // a fourth subject, and a condition that only it has, excluded; a second s9_a in a folder below
+  const std::string reason = "# excluded = finger slipped\n";
+  static_cast<void>(Trial("s12_other.csv", 500, reason));
+  fs::create_directories(directory_ / "first");
+  const std::string again = Trial("first/s9_a.csv", 500, reason);
+  const std::string methods = directory_ / "methods.md";
+  const std::string table = directory_ / "long.csv";
+  std::vector<std::string> more = words;
+  more.insert(more.end(), {"--methods", methods, "--table", table});
+  const Outcome outcome = Study(more);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json after = Json::parse(outcome.out);
+  for (const char* key : {"subjects", "conditions", "contrasts", "missing", "outlying"}) {
+    EXPECT_EQ(after[key], before[key]) << key;
+  }
+  EXPECT_EQ(after["counts"]["excluded"], 2);
+  EXPECT_EQ(after["counts"]["answered"], 6);
+  EXPECT_EQ(after["counts"]["without_value"], 0);
+  EXPECT_EQ(after["trials"].at(0)["excluded"], "finger slipped") << "first/s9_a.csv";
+  EXPECT_EQ(after["trials"].at(0)["reasons"].at(0), "excluded and not analysed: finger slipped");
+  EXPECT_TRUE(after["trials"].at(7)["excluded"].is_null());
+  EXPECT_THAT(ContentOf(methods),
+              HasSubstr("6 of 8 trials of 3 subjects in 2 conditions (a, b) gave a value. 2 trials "
+                        "were excluded without analysis. "));
+  EXPECT_THAT(ContentOf(methods),
+              HasSubstr("- " + again + ": excluded and not analysed: finger slipped\n"));
+  EXPECT_THAT(ContentOf(table), HasSubstr(",excluded,"));
+  more = {words.begin(), words.end() - 1};
+  const Outcome text = Study(more);
+  EXPECT_THAT(text.out, ContainsRegex("trials excluded +2\n"));
+  EXPECT_THAT(text.out,
+              HasSubstr("note: " + again + ": excluded and not analysed: finger slipped"));
+}
+
 TEST_F(StudyVerb, ATrialAtAnotherFrequencyIsADoubt) {
   for (int k = 0; k < 4; ++k) {
     static_cast<void>(Trial(fmt::format("s{}_a.csv", k), 10));

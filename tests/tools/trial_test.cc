@@ -203,6 +203,61 @@ TEST_F(TrialVerb, LabelsKeepTheirReasonAndTakeAcquiresWay) {
   EXPECT_THAT(Trial({"label", trial_}).err, HasSubstr("labels: are missing"));
 }
 
+TEST_F(TrialVerb, AnExclusionIsAppendedAndTheLastWordCounts) {
+  const std::string before = Content(trial_);
+  EXPECT_EQ(Trial({"exclude", trial_, "--reason", "finger slipped"}).status, 0);
+  EXPECT_TRUE(Content(trial_).starts_with(before));
+  EXPECT_THAT(Trial({"info", trial_}).out, ::testing::ContainsRegex("excluded +finger slipped\n"));
+  const auto excluded = [&] {
+    return json::parse(Trial({"info", "--json", trial_}).out)["fields"].value("excluded", "");
+  };
+  EXPECT_EQ(excluded(), "finger slipped");
+  const json again =
+      json::parse(Trial({"exclude", trial_, "--reason", "drive was off", "--json"}).out);
+  EXPECT_EQ(again["fields"]["excluded"], "drive was off");
+  EXPECT_EQ(again["events"][0]["event"], "excluded");
+  EXPECT_EQ(again["events"][0]["text"], "finger slipped") << "its history stays";
+  EXPECT_EQ(Trial({"include", trial_}).status, 0);
+  EXPECT_EQ(excluded(), "");
+  EXPECT_EQ(Trial({"exclude", trial_, "--reason", "again"}).status, 0);
+  EXPECT_EQ(excluded(), "again");
+  EXPECT_TRUE(Content(trial_).starts_with(before));
+}
+
+TEST_F(TrialVerb, WrongExclusionsChangeNothing) {
+  const std::string before = Content(trial_);
+  for (const auto& words :
+       std::vector<std::vector<std::string>>{{"exclude", trial_},
+                                             {"exclude", trial_, "--reason", " "},
+                                             {"exclude", trial_, "--reason", "a\nb"},
+                                             {"exclude"},
+                                             {"include", trial_, "more"}}) {
+    EXPECT_EQ(Trial(words).status, 2) << words.back();
+  }
+  const Outcome included = Trial({"include", trial_});
+  EXPECT_EQ(included.status, 0);
+  EXPECT_THAT(included.err, HasSubstr("is not excluded; unchanged"));
+  EXPECT_EQ(Content(trial_), before);
+  EXPECT_EQ(Trial({"exclude", Path("none"), "--reason", "x"}).status, 3);
+}
+
+// an export carries the exclusion; in a CSV it is a line, which is written and removed by hand
+TEST_F(TrialVerb, ExclusionsOfOtherKindsAreGivenElsewhere) {
+  ASSERT_EQ(Trial({"exclude", trial_, "--reason", "finger slipped"}).status, 0);
+  for (const char* name : {"t.csv", "t.h5"}) {
+    const std::string file = Path(name);
+    ASSERT_EQ(Trial({"export", trial_, "-o", file}).status, 0);
+    EXPECT_EQ(json::parse(Trial({"info", "--json", file}).out)["fields"]["excluded"],
+              "finger slipped");
+    EXPECT_EQ(Trial({"include", file}).status, 3);
+  }
+  EXPECT_THAT(Trial({"exclude", Path("t.csv"), "--reason", "x"}).err,
+              HasSubstr("is a CSV; write the reason into it, as a line '# excluded = "));
+  EXPECT_THAT(Trial({"include", Path("t.csv")}).err, HasSubstr("remove its line '# excluded ="));
+  EXPECT_THAT(Trial({"exclude", Path("t.h5"), "--reason", "x"}).err,
+              HasSubstr("is a HDF5; exclude the trial itself and export it again"));
+}
+
 TEST_F(TrialVerb, LabelsOfOtherKindsAreGivenElsewhere) {
   const std::string hdf5 = Path("t.h5");
   ASSERT_EQ(Trial({"export", trial_, "-o", hdf5}).status, 0);

@@ -30,6 +30,7 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE "
        "-o OUT.csv makes one of any trial)[, {trials} of {of_trials} trials]"},
       {kDataMissing, "data-missing", "{what}[, {trials} of {of_trials} trials]"},
+      {kExcluded, "excluded", "excluded and not analysed: {reason}"},
       {kWithoutDrive, "without-drive",
        "no drive found in {trials} of {of_trials} trials, none of which counts as a measurement"},
       {kTableIgnored, "table-ignored", "a table of results, no trial: ignored"},

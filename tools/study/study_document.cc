@@ -23,11 +23,11 @@ using document::TextOrNotKnown;
 using document::Value;
 
 // keys of more than one place
-constexpr Key kRepeat{"repeat", "repeat"};
 constexpr Key kAnswered{document::kAnswered.name, "with a value"};
 constexpr Key kBandRms{document::kBandRms.name, "band RMS", document::kMetre,
                        document::Form::kUncertain};
 constexpr Key kOutlying{"outlying"};
+constexpr Key kExcluded{"excluded"};
 
 // --- findings ---
 
@@ -36,7 +36,7 @@ StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
   StudyFindings findings;
   for (const StudyTrial& trial : study.table.trials) {
     // a file error is printed when it happens, so that it appears among the trials only (--all)
-    if (trial.answered || trial.error.has_value() != of_errors) continue;
+    if (trial.answered || trial.excluded || trial.error.has_value() != of_errors) continue;
     const auto refuse = [&](FindingOf<StudyFinding> finding) {
       finding.subject = trial.file;
       findings.Add(std::move(finding));
@@ -97,8 +97,11 @@ Section CountsSection(const StudyTable& table) {
   add("doubtful", "of which doubtful",
       [](const StudyTrial& trial) { return trial.answered && trial.is_doubtful; });
   add("without_drive", "trials without a drive", &StudyTrial::has_no_drive);
-  add("without_value", "trials without a value for another reason",
-      [](const StudyTrial& trial) { return !trial.answered && !trial.has_no_drive; });
+  add("without_value", "trials without a value for another reason", [](const StudyTrial& trial) {
+    return !trial.answered && !trial.has_no_drive && !trial.excluded;
+  });
+  add(kExcluded.name, "trials excluded",
+      [](const StudyTrial& trial) { return trial.excluded.has_value(); });
   return section;
 }
 
@@ -308,6 +311,7 @@ Section TrialRow(const StudyTrial& trial) {
   AddPlace(trial, row);
   row.Add({"", "data"}, TextOrNotKnown(document::SourcesText(trial.sources)));
   row.Add(kAnswered, trial.answered);
+  row.Add(kExcluded, trial.excluded);
   row.Add(document::kReasons, ReasonsOf(trial));
   row.Add({"deviations", "findings"}, DeviationsOf(trial));
   row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
@@ -368,6 +372,12 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
     findings.Add(std::move(finding));
   }
   findings.AddAll(FindOtherFrequencies(study.table));
+  // exclusions are the user's own, each with its reason
+  for (const StudyTrial& trial : study.table.trials) {
+    if (!trial.excluded) continue;
+    findings.Add(
+        {Severity::kNote, StudyFinding::kExcluded, {{"reason", *trial.excluded}}, trial.file});
+  }
   // trials without a drive are named together: a session with the amplifier off has many
   std::vector<std::string> without_drive;
   for (const StudyTrial& trial : study.table.trials) {
@@ -402,6 +412,10 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
 
 std::vector<std::string> ReasonsOf(const StudyTrial& trial) {
   if (trial.error) return {trial.error->Text()};
+  if (trial.excluded) {
+    return {
+        document::Fill(SentenceOf(StudyFinding::kExcluded).text, {{"reason", *trial.excluded}})};
+  }
   std::vector<std::string> reasons = trial.reasons;
   for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
     if (finding.severity != Severity::kRefusal) continue;
@@ -450,6 +464,7 @@ document::Section LongTable(const StudyResult& study) {
     row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
     row.Add(kAnswered, static_cast<int>(trial.answered));
     row.Add(kOutlying, static_cast<int>(is_outlying));
+    row.Add(kExcluded, static_cast<int>(trial.excluded.has_value()));
     row.Add(document::kDataSources, document::SourcesText(trial.sources));
     row.Add({"remarks"}, fmt::format("{}", fmt::join(remarks, "; ")));
     row.Add(document::kFile, trial.file);

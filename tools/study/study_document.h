@@ -50,6 +50,7 @@ namespace haptometer::tools {
 
 // How the numbers of statistics stand in these documents, and the keys that they share.
 inline constexpr document::Key kCondition{"condition", "condition"};
+inline constexpr document::Key kRepeat{"repeat", "repeat"};
 inline constexpr document::Key kTreatment{"treatment"};
 inline constexpr document::Key kControl{"control"};
 inline constexpr document::Key kUnitOfAnalysis{"unit_of_analysis"};

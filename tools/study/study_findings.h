@@ -21,6 +21,7 @@ enum class StudyFinding : std::uint8_t {
   kFloorDoubtful,      ///< doubt
   kAveragingUnknown,   ///< so the sensor's gain is
   kDataMissing,        ///< what
+  kExcluded,           ///< reason: by `trial exclude`; it was not analysed
   // of a study; those of a trial may have trials and of_trials too
   kWithoutDrive,           ///< trials, of_trials
   kTableIgnored,           ///< a table of results among the trials

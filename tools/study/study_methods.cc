@@ -90,13 +90,22 @@ std::string CorrectionsText(const StudyResult& study) {
           : "");
 }
 
+// "1 trial was", "2 trials were"
+std::string Were(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}", Counted(count, noun), count == 1 ? "was" : "were");
+}
+
 // numbers of trials, subjects and conditions, and the unit of analysis
 std::string SubjectsText(const StudyResult& study, std::size_t all) {
   const StudyTable& table = study.table;
+  // decided by the experimenter and listed below with the reasons
+  const auto excluded = static_cast<std::size_t>(std::ranges::count_if(
+      table.trials, [](const StudyTrial& trial) { return trial.excluded.has_value(); }));
   return fmt::format(
-      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ", all,
+      "{} of {} of {} in {} ({}) gave a value. {}The unit of analysis was the subject: {}. ", all,
       Counted(table.trials.size(), "trial"), Counted(table.subjects.size(), "subject"),
       Counted(table.conditions.size(), "condition"), fmt::join(table.conditions, ", "),
+      excluded == 0 ? "" : fmt::format("{} excluded without analysis. ", Were(excluded, "trial")),
       table.repeats > 1
           ? fmt::format("up to {} trials of a subject in a condition were averaged first",
                         table.repeats)
@@ -136,7 +145,7 @@ std::string OutliersText() {
 std::string ExceptionsText(const StudyResult& study) {
   std::string list;
   for (const StudyTrial& trial : study.table.trials) {
-    if (trial.answered) continue;
+    if (trial.answered || trial.excluded) continue;
     fmt::format_to(std::back_inserter(list), "- {}: no value ({})\n", trial.file,
                    fmt::join(ReasonsOf(trial), "; "));
   }

@@ -43,7 +43,8 @@ std::vector<std::string> Sorted(const std::set<std::string>& names) {
 // a trial without subject or condition belongs to no cell
 void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
   for (StudyTrial& trial : trials) {
-    if (trial.error || (!trial.subject.empty() && !trial.condition.empty())) continue;
+    if (trial.error || trial.excluded) continue;
+    if (!trial.subject.empty() && !trial.condition.empty()) continue;
     const std::string_view missing = trial.subject.empty() ? "subject" : "condition";
     trial.error =
         Error{Cause::kCannotAnswer, trial.file, fmt::format("has no label {}", missing),
@@ -58,11 +59,13 @@ void NumberRepeats(std::vector<StudyTrial>& trials) {
   // labelled repeats first, so that no number is given twice
   std::map<std::pair<std::string, std::string>, std::set<std::string>> taken;
   for (const StudyTrial& trial : trials) {
-    if (!trial.repeat.empty()) taken[{trial.subject, trial.condition}].insert(trial.repeat);
+    // an excluded trial leaves its number to the one that was recorded in its place
+    if (trial.excluded || trial.repeat.empty()) continue;
+    taken[{trial.subject, trial.condition}].insert(trial.repeat);
   }
   std::set<std::tuple<std::string, std::string, std::string>> seen;
   for (StudyTrial& trial : trials) {
-    if (trial.error) continue;
+    if (trial.error || trial.excluded) continue;
     auto& names = taken[{trial.subject, trial.condition}];
     for (int k = 1; trial.repeat.empty(); ++k) {
       if (names.insert(std::to_string(k)).second) trial.repeat = std::to_string(k);
@@ -83,7 +86,7 @@ void FillCells(StudyTable& table) {
   table.cells.assign(table.subjects.size(), std::vector<Cell>(table.conditions.size()));
   for (std::size_t i = 0; i < table.trials.size(); ++i) {
     const StudyTrial& trial = table.trials[i];
-    if (trial.subject.empty() || trial.condition.empty()) continue;
+    if (trial.excluded || trial.subject.empty() || trial.condition.empty()) continue;
     Cell& cell =
         table.cells[place(table.subjects, trial.subject)][place(table.conditions, trial.condition)];
     // an RMS of 0 has no logarithm
@@ -149,6 +152,7 @@ StudyTable MakeStudyTable(std::vector<StudyTrial> trials, const std::vector<std:
   std::set<std::string> subjects;
   std::set<std::string> conditions;
   for (const StudyTrial& trial : table.trials) {
+    if (trial.excluded) continue;
     if (!trial.subject.empty()) subjects.insert(trial.subject);
     if (!trial.condition.empty()) conditions.insert(trial.condition);
   }
@@ -254,6 +258,8 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   trial.sensor = metadata.sensor;
   if (!metadata.head.empty()) trial.sensor += (trial.sensor.empty() ? "" : " ") + metadata.head;
   trial.sources = trial::SourcesOf(metadata, recording->report);
+  trial.excluded = trial::ExclusionOf(metadata);
+  if (trial.excluded) return trial;
   // only the numbers are used, not the filtered samples
   dsp::BandQuestion numbers_alone = question;
   numbers_alone.keep_filtered = false;

@@ -29,9 +29,10 @@ struct StudyTrial {
   std::string sensor;             ///< with its head; empty where unknown
   std::optional<double> drive_v;  ///< amplitude of the drive, where the file says it
   std::vector<document::DataSource> sources;
-  std::optional<Error> error;        ///< it cannot be read, or has no place in the study
-  bool answered = false;             ///< rms_m is there
-  std::vector<std::string> reasons;  ///< why the analysis does not answer
+  std::optional<std::string> excluded;  ///< why it is in no number; it is not analysed then
+  std::optional<Error> error;           ///< it cannot be read, or has no place in the study
+  bool answered = false;                ///< rms_m is there
+  std::vector<std::string> reasons;     ///< why the analysis does not answer
   StudyFindings
       findings;  ///< why there is no value, or how its analysis differs from what was asked
   std::optional<double> rms_m;             ///< within the band
@@ -87,8 +88,9 @@ struct StudyTable {
 };
 
 /// Sorts trials into cells. Trials without subject or condition get an error, those with a repeat
-/// that their cell already has as well; both stay in `trials`. `first` are the conditions in the
-/// order in which they are to be shown.
+/// that their cell already has as well; both stay in `trials`, as do excluded ones, which make no
+/// subject, condition or repeat. `first` are the conditions in the order in which they are to be
+/// shown.
 [[nodiscard]] StudyTable MakeStudyTable(std::vector<StudyTrial> trials,
                                         const std::vector<std::string>& first);
 

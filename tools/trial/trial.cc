@@ -29,11 +29,15 @@ struct Word {
   std::string_view example;
 };
 
-constexpr std::array<Word, 4> kWords{
+constexpr std::array<Word, 6> kWords{
     {{"info", RunTrialInfo, "Show what a recording holds: channels, times, gaps, labels, losses.",
       "haptometer trial info trial.bin"},
      {"label", RunTrialLabel, "Add labels to a trial.",
       "haptometer trial label trial.bin subject=3 condition=stock"},
+     {"exclude", RunTrialExclude, "Exclude a trial from studies.",
+      "haptometer trial exclude trial.bin --reason 'finger slipped'"},
+     {"include", RunTrialInclude, "Include an excluded trial again.",
+      "haptometer trial include trial.bin"},
      {"plot", RunTrialPlot, "Draw a recording.", "haptometer trial plot trial.bin -o trial.svg"},
      {"export", RunTrialExport, "Write recordings as CSV, HDF5, NumPy, WAV or MATLAB files.",
       "haptometer trial export trial.bin -o trial.h5"}}};
@@ -75,16 +79,40 @@ constexpr cli::VerbText kLabelText{
                  "haptometer trial label trial.bin subject=4 --reason 'wrong subject noted'",
                  "haptometer trial label trial.bin 'condition=with adapter'"}};
 
-// files of other kinds have labels in another form: the error gets its remedy
-Error Explained(Error error, const std::string& path) {
+// where files of other kinds than trial.bin have what a trial gets by an event
+struct Elsewhere {
+  std::string in_csv;
+  std::string in_others;
+};
+
+// the error of a file of another kind gets its remedy
+Error Explained(Error error, const std::string& path, const Elsewhere& elsewhere) {
   if (error.what != "is not a trial") return error;
   const auto other = trial::ReadRecording(path);
   if (!other || other->report.kind == trial::FileKind::kTrial) return error;
   error.what = fmt::format("is a {}", Name(other->report.kind));
-  error.remedy = other->report.kind == trial::FileKind::kCsv
-                     ? "write the label into it, as a line '# label.subject = 3' above the columns"
-                     : "label the trial itself and export it again";
+  error.remedy =
+      other->report.kind == trial::FileKind::kCsv ? elsewhere.in_csv : elsewhere.in_others;
   return error;
+}
+
+// an event is appended: the recorded bytes do not change
+Result<void> Append(const std::string& path, const trial::Event& event,
+                    const Elsewhere& elsewhere) {
+  auto done = trial::AppendEvent(path, event);
+  if (!done) return std::unexpected(Explained(done.error(), path, elsewhere));
+  return {};
+}
+
+// the answer to a change: with --json what the trial holds now
+int ShowChanged(const cli::VerbText& text, const std::string& path, bool is_json, int argc,
+                const char* const* argv) {
+  if (!is_json) return 0;
+  const auto recording = trial::ReadRecording(path);
+  if (!recording) return cli::ReportError(text.name, recording.error());
+  document::Outputs outputs;
+  outputs.json = true;
+  return document::Present(TrialDocument(text.name, path, *recording, false), outputs, argc, argv);
 }
 
 Result<void> Label(const std::string& path, const std::vector<std::string>& words,
@@ -95,10 +123,9 @@ Result<void> Label(const std::string& path, const std::vector<std::string>& word
   HAPTOMETER_LET(auto labels, cli::ReadKeyValues(words, "label"));
   const trial::Event event{
       .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(labels)};
-  // a label is appended as an event: the recorded bytes do not change
-  auto done = trial::AppendEvent(path, event);
-  if (!done) return std::unexpected(Explained(done.error(), path));
-  return {};
+  return Append(path, event,
+                {"write the label into it, as a line '# label.subject = 3' above the columns",
+                 "label the trial itself and export it again"});
 }
 
 }  // namespace
@@ -120,15 +147,71 @@ int RunTrialLabel(int argc, const char* const* argv) {
   if (auto done = Label(path, words, reason); !done) {
     return cli::ReportError(kLabelText.name, done.error());
   }
-  if (options.json()) {
-    const auto recording = trial::ReadRecording(path);
-    if (!recording) return cli::ReportError(kLabelText.name, recording.error());
-    document::Outputs outputs;
-    outputs.json = true;
-    return document::Present(TrialDocument(kLabelText.name, path, *recording, false), outputs, argc,
-                             argv);
+  return ShowChanged(kLabelText, path, options.json(), argc, argv);
+}
+
+// trial exclude and trial include: whether studies use the trial.
+namespace {
+
+constexpr cli::VerbText kExcludeText{
+    .name = "trial exclude",
+    .summary =
+        "Exclude a trial from studies, with the reason; nothing that was recorded is changed.",
+    .examples = {"haptometer trial exclude trial.bin --reason 'finger slipped'",
+                 "haptometer trial exclude trial.bin --reason 'drive was off' --json",
+                 "haptometer trial include trial.bin"}};
+
+constexpr cli::VerbText kIncludeText{
+    .name = "trial include",
+    .summary = "Include an excluded trial in studies again; the exclusion stays in its history.",
+    .examples = {"haptometer trial include trial.bin",
+                 "haptometer trial include trial.bin --reason 'the other trial was meant'",
+                 "haptometer trial exclude trial.bin --reason 'finger slipped'"}};
+
+// the event that `kind` asks for; nothing is appended to a trial that is not excluded
+Result<void> SetExclusion(const std::string& path, trial::EventKind kind,
+                          const std::string& reason) {
+  const bool excludes = kind == trial::EventKind::kExcluded;
+  if (excludes && reason.find_first_not_of(' ') == std::string::npos) {
+    return Usage("--reason", "is missing", "state why, for example --reason 'finger slipped'");
   }
-  return 0;
+  if (!excludes) {
+    HAPTOMETER_LET(const auto recording, trial::ReadRecording(path));
+    if (!trial::ExclusionOf(recording.record.metadata)) {
+      cli::Remark(kIncludeText.name, fmt::format("{}: is not excluded; unchanged", path));
+      return {};
+    }
+  }
+  return Append(
+      path, {.kind = kind, .text = reason},
+      {excludes ? "write the reason into it, as a line '# excluded = finger slipped' above "
+                  "the columns"
+                : "remove its line '# excluded = ...'",
+       fmt::format("{} the trial itself and export it again", excludes ? "exclude" : "include")});
+}
+
+int RunExclusion(const cli::VerbText& text, trial::EventKind kind, int argc,
+                 const char* const* argv) {
+  std::string path;
+  std::string reason;
+  cli::Options options(text);
+  options.Positional("file", &path, "trial.bin");
+  options.Text("--reason", &reason, "TEXT", "Reason, stored in the trial");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (auto done = SetExclusion(path, kind, reason); !done) {
+    return cli::ReportError(text.name, done.error());
+  }
+  return ShowChanged(text, path, options.json(), argc, argv);
+}
+
+}  // namespace
+
+int RunTrialExclude(int argc, const char* const* argv) {
+  return RunExclusion(kExcludeText, trial::EventKind::kExcluded, argc, argv);
+}
+
+int RunTrialInclude(int argc, const char* const* argv) {
+  return RunExclusion(kIncludeText, trial::EventKind::kIncluded, argc, argv);
 }
 
 // trial plot: a recording over time.

@@ -40,6 +40,8 @@ inline constexpr std::size_t kMostPanels = 8;
 /// program's exit status.
 int RunTrialInfo(int argc, const char* const* argv);
 int RunTrialLabel(int argc, const char* const* argv);
+int RunTrialExclude(int argc, const char* const* argv);
+int RunTrialInclude(int argc, const char* const* argv);
 int RunTrialExport(int argc, const char* const* argv);
 int RunTrialPlot(int argc, const char* const* argv);
 

@@ -58,6 +58,10 @@ std::vector<Case> Cases() {
        "CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o "
        "OUT.csv makes one of any trial), 3 of 3 trials"},
       {kDataMissing, {{"what", std::string("cut short")}}, "data-missing", "cut short"},
+      {kExcluded,
+       {{"reason", std::string("finger slipped")}},
+       "excluded",
+       "excluded and not analysed: finger slipped"},
       {kWithoutDrive,
        {{"trials", 2}, {"of_trials", 9}},
        "without-drive",
