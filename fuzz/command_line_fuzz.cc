@@ -18,6 +18,7 @@
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/shared_options.h"
 #include "tools/fit/plan_drop_test.h"
+#include "tools/session/session.h"
 #include "tools/study/manifest.h"
 #include "tools/sweep/sweep.h"
 #include "tools/verbs.h"
@@ -33,6 +34,8 @@ struct Verb {
 
 const std::vector<Verb>& Verbs() {
   static const std::vector<Verb> verbs{{tools::RunAcquire, {"acquire"}},
+                                       {tools::RunSession, {"session", "new"}},
+                                       {tools::RunSession, {"session", "relabel"}},
                                        {tools::RunTrial, {"trial", "info"}},
                                        {tools::RunTrial, {"trial", "label"}},
                                        {tools::RunTrial, {"trial", "exclude"}},

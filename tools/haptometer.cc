@@ -17,6 +17,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/terminal.h"
+#include "tools/session/session.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -31,6 +32,7 @@ struct Verb {
 // in the order of the work: record, inspect, analyse; then verbs without hardware
 constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "Record a sensor's readings into a trial", RunAcquire},
+    {"session", "Plan and record the trials of a study, with a verdict after each", RunSession},
     {"trial", "Show, label, plot and export recordings", RunTrial},
     {"analyze", "Determine the band-limited RMS displacement of a recording", RunAnalyze},
     {"study", "Compare conditions over subjects; matched voltages; linearity", RunStudy},
@@ -53,7 +55,14 @@ struct Part {
   std::string_view verb;
   const char* name;
 };
-constexpr auto kParts = std::to_array<Part>({{"trial", "info"},
+constexpr auto kParts = std::to_array<Part>({{"session", "new"},
+                                             {"session", "next"},
+                                             {"session", "redo"},
+                                             {"session", "reject"},
+                                             {"session", "relabel"},
+                                             {"session", "floor"},
+                                             {"session", "status"},
+                                             {"trial", "info"},
                                              {"trial", "label"},
                                              {"trial", "exclude"},
                                              {"trial", "include"},
@@ -61,8 +70,8 @@ constexpr auto kParts = std::to_array<Part>({{"trial", "info"},
                                              {"trial", "export"},
                                              {"study", "matching"},
                                              {"study", "linearity"}});
-// a verb without options of its own
-constexpr std::string_view kOnlyParts = "trial";
+// verbs without options of their own
+constexpr std::array<std::string_view, 2> kOnlyParts{"session", "trial"};
 
 const Verb* Find(std::string_view name) {
   const auto found = std::ranges::find(kVerbs, name, &Verb::name);
@@ -94,7 +103,7 @@ int DescribeOptions() {
     status = cli::WorseStatus(status, verb.run(static_cast<int>(words.size()), words.data()));
   };
   for (const Verb& verb : kVerbs) {
-    if (verb.name != kOnlyParts) describe(verb, {});
+    if (std::ranges::count(kOnlyParts, verb.name) == 0) describe(verb, {});
     for (const Part& part : kParts) {
       if (part.verb == verb.name) describe(verb, {part.name});
     }

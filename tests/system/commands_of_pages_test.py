@@ -43,7 +43,8 @@ class Command(NamedTuple):
 
 # --- what the pages need ---
 
-DAQ, DAYS, STUDY = (f"docs/how-to/{name}.md" for name in ("record-with-a-daq", "record-for-days", "run-a-study"))
+DAQ, DAYS, STUDY, SESSION = (f"docs/how-to/{name}.md" for name in ("record-with-a-daq", "record-for-days", "run-a-study",
+                                                                   "run-a-session"))
 
 
 def block(page, language):
@@ -112,6 +113,7 @@ EMULATED = {
     "docs/reference/daemon.md": HEADS,
     DAYS: HEADS,
     STUDY: {"/dev/ttyUSB0": ["--protocol", "stream"]},
+    SESSION: {"/dev/ttyUSB0": ["--protocol", "stream", "--baud", "921600"]},
 }
 
 # Other texts in the commands of a page, what takes their place, and why.

@@ -133,7 +133,7 @@ def verbs():
     names = re.findall(r"^  (\S+) +\S", run("--help").stdout, re.M)
     two = [word for name in names for word in re.findall(rf"^ +haptometer ({name} [a-z]+)\b", help_of([name]), re.M)]
     two = [word for word in two if f"haptometer {word}" in help_of(word.split()).split("Options")[0]]
-    return sorted({*names, *two} - {"trial"})
+    return sorted({*names, *two} - {"trial", "session"})
 
 
 def check_all_options_are_known():
@@ -373,6 +373,15 @@ def check_links():
     clear("run.new", "run.part", "to_a_recording")
 
 
+def check_sessions():
+    """session new makes a new folder or fills an empty one, and writes over nothing."""
+    words = ["--subjects", "1", "--conditions", "a", "--duration", "0.5s", "--", "--sensor", "scene:scene.toml"]
+    for name in ("trials", "t.bin", "note.txt"):
+        attempt(["session", "new", name, *words], 2, "a session in " + name)
+    for word in ("next", "redo", "floor", "status"):
+        attempt(["session", word, "trials"], 3, f"session {word} in a folder that is none")
+
+
 def check_standard_output():
     """All verbs print; a full device is an error, a reader that goes away is none."""
     printing = [["--help"], ["--version"], ["analyze", "t.bin"], ["analyze", "t.bin", "--json"], ["tune", "--version"],
@@ -451,6 +460,7 @@ def main():
             return
         check_two_of_one_name()
         check_links()
+        check_sessions()
         check_standard_output()
         check_reproduce()
         os.mkdir("disk")

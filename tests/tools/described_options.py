@@ -68,7 +68,9 @@ def check_examples(verb):
     for example in verb["examples"]:
         words = shlex.split(example.split("|")[0])
         words = words[words[0] == "haptometer":]
-        done = answer([*words, DESCRIBE])
+        # what stands behind -- is no option of the verb
+        end = words.index("--") if "--" in words else len(words)
+        done = answer([*words[:end], DESCRIBE, *words[end:]])
         check(done.returncode == 0, f"{example}: {done.stderr}")
 
 

@@ -1,0 +1,52 @@
+// A session's plan and log: whatever they hold, they are read or refused, and what is read is
+// written as the same.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "fuzz/require.h"
+#include "fuzz/seeds.h"
+#include "tools/session/session_log.h"
+#include "tools/session/session_plan.h"
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kSeeds{
+    "subjects = [\"1\", \"2\"]\nconditions = [\"stock\", \"cone\"]\nrepeats = 2\norder = "
+    "\"random\"\nseed = 7\nfloor = \"per-subject\"\nduration_s = 4\nexpect = "
+    "\"tone=225Hz+-1Hz\"\nsource = [\"--port\", \"/dev/ttyUSB0\"]\n",
+    "utc,event,subject,condition,repeat,attempt,file,verdict,reason,crc32\n"
+    "2026-11-24T18:53:22.936Z,begin,1,cone,1,1,a.bin,,,a5bf0132\n"};
+
+}  // namespace
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
+                                               std::size_t max_size, unsigned random) {
+  return haptometer::fuzz::MutateFromSeeds(kSeeds, 0, {data, max_size}, size, random);
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace haptometer;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  if (const auto plan = tools::ParsePlan(text, "session.toml")) {
+    const std::string toml = tools::TomlOf(*plan);
+    const auto again = tools::ParsePlan(toml, "session.toml");
+    fuzz::Require(again.has_value() && tools::TomlOf(*again) == toml);
+    const auto cells = tools::CellsOf(*plan);
+    const auto counts = tools::CountCells(cells, {});
+    fuzz::Require(counts.planned + counts.floors == cells.size() && counts.next.has_value());
+  } else {
+    fuzz::Require(!plan.error().Text().empty());
+  }
+  // any text is a log; behind it a new attempt counts
+  const tools::SessionCell cell{"1", "cone", 1};
+  const std::string more = tools::TextOf(
+      {"", tools::SessionEvent::kEnd, cell, 1, "fuzz.bin", tools::SessionVerdict::kGood, ""});
+  const auto before = tools::ReadLog(text);
+  const auto after = tools::ReadLog(std::string(text) + "\n" + more);
+  fuzz::Require(after.attempts.size() >= before.attempts.size());
+  fuzz::Require(after.Latest(cell) != nullptr);
+  return 0;
+}

@@ -1,0 +1,232 @@
+"""A session of four trials against the emulator, typed by a script: killed in the middle of a trial (kill -9), a second
+command at the same time, a trial done again, rejected and relabelled, a log that was cut, and nothing is lost or
+overwritten; `study` then needs no manifest.
+
+  tests/system/session_test.py [KILLS]
+"""
+import csv
+import hashlib
+import io
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import DEADLINE_S, SCENE, Emulator, check, info, program, run, wait_for
+
+SECONDS = "1s"
+
+
+def status(folder):
+    return json.loads(run("session", "status", folder, "--json").stdout)
+
+
+def log(folder):
+    with open(f"{folder}/log.csv", encoding="utf-8", newline="") as file:
+        return file.read()
+
+
+def lines(folder):
+    return list(csv.DictReader(io.StringIO(log(folder))))
+
+
+def trials(folder):
+    """The files with their sizes and the bytes that they begin with."""
+    return {name: open(f"{folder}/trials/{name}", "rb").read() for name in os.listdir(f"{folder}/trials")}
+
+
+def nothing_lost(before, folder):
+    """Every file is there, and every byte that it had: events are appended only."""
+    after = trials(folder)
+    for name, content in before.items():
+        check(after.get(name, b"").startswith(content), f"{name} has changed")
+    return after
+
+
+def start(*words):
+    return subprocess.Popen([program("haptometer"), "session", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def killed_in_a_trial(folder):
+    """kill -9 while a trial is recorded: the cell stays open, and what was recorded stays."""
+    before = trials(folder)
+    known, begun = status(folder), len(lines(folder))
+    process = start("next", folder)
+    wait_for("the attempt", lambda: len(lines(folder)) > begun and len(trials(folder)) > len(before))
+    # a second command is refused meanwhile, and one that only reads is not
+    refused = run("session", "next", folder, status=1).stderr
+    check("in use by another command" in refused, refused)
+    check(status(folder)["next"] == known["next"], "a trial that is being recorded is no cell")
+    process.send_signal(signal.SIGKILL)
+    process.communicate(timeout=DEADLINE_S)
+    after = status(folder)
+    check(after["next"] == known["next"] and after["done"] == known["done"], "the killed cell stays open")
+    check(after["attempts_not_ended"] == known["attempts_not_ended"] + 1, after)
+    nothing_lost(before, folder)
+
+
+def record(folder, word="next", expected=0):
+    before = trials(folder)
+    cell = status(folder)["next"]
+    outcome = json.loads(run("session", word, folder, "--json", status=expected).stdout)
+    nothing_lost(before, folder)
+    check(len(trials(folder)) == len(before) + 1, "an attempt is a new file")
+    if word == "next":
+        check({key: outcome[key] for key in cell} == cell, f"{outcome} is not of {cell}")
+    header = info(outcome["file"])
+    check(header["labels"]["subject"] == outcome["subject"], header)
+    with open(f"{folder}/session.toml", "rb") as plan:
+        check(header["fields"]["session.plan_sha256"] == hashlib.sha256(plan.read()).hexdigest(), header["fields"])
+    return outcome
+
+
+def excluded(path):
+    return info(path)["fields"].get("excluded", "")
+
+
+def day(folder, port):
+    source = ["--", "--sensor", "stream", "--baud", "921600", "--port", port]
+    new = ["session", "new", folder, "--subjects", "2", "--conditions", "stock,cone", "--duration", SECONDS,
+           "--expect", "tone=225Hz+-1Hz", "--seed", "3"]
+    said = json.loads(run(*new, "--json", *source).stdout)
+    check(said["planned"] == 4 and said["recording_s"] == 4, said)
+    check("not an empty folder" in run(*new, *source, status=2).stderr, "a session is never written over")
+    first = record(folder)
+    check(first["verdict"] == "GOOD" and abs(first["tone_frequency_hz"] - 225) < 0.1, first)
+    killed_in_a_trial(folder)
+    second = record(folder)
+    check(second["attempt"] == 2, f"the number of the killed attempt is not given again: {second}")
+    killed = [line["file"] for line in lines(folder) if line["event"] == "begin"][1]
+    check(excluded(f"{folder}/trials/{killed}") == "session: interrupted", "a study leaves the killed one out")
+    # rejected, done again: the new attempt counts, and the file of the old one is excluded
+    run("session", "reject", folder, "--reason", "finger slipped, twice")
+    check(excluded(second["file"]) == "session: rejected: finger slipped, twice", "rejected")
+    check(status(folder)["bad"] == 1, status(folder))
+    again = record(folder, "redo")
+    check(again["attempt"] == 3 and status(folder)["done"] == 2 and status(folder)["bad"] == 0, status(folder))
+    check(excluded(second["file"]) == "session: a later attempt counts", excluded(second["file"]))
+    return again
+
+
+def relabelled(folder):
+    """To another cell and back: labels and counts follow, and the log has both."""
+    third = record(folder)
+    other = "stock" if third["condition"] == "cone" else "cone"
+    run("session", "relabel", folder, "--condition", other, "--reason", "adapters swapped")
+    check(info(third["file"])["labels"]["condition"] == other, "the trial has the new label")
+    check(status(folder)["next"]["condition"] == third["condition"], status(folder))
+    run("session", "relabel", folder, "--condition", third["condition"], "--reason", "they were not")
+    check(info(third["file"])["labels"]["condition"] == third["condition"], "and the old one again")
+    check(excluded(third["file"]) == "", "it counts")
+    for words in (["--condition", "other", "--reason", "x"], ["--condition", other],
+                  ["--file", "none.bin", "--condition", other, "--reason", "x"]):
+        before = log(folder)
+        run("session", "relabel", folder, *words, status=2)
+        check(log(folder) == before, "a refused relabelling leaves no line")
+
+
+def torn(folder):
+    """A log that ends in a part of a line: what was whole counts, and going on starts a new line."""
+    whole = log(folder)
+    last = whole.rstrip("\n").rfind("\n") + 1
+    before = status(folder)
+    with open(f"{folder}/log.csv", "w", encoding="utf-8", newline="") as file:
+        file.write(whole + whole[last:last + 30])
+    check(status(folder)["next"] == before["next"] and status(folder)["done"] == before["done"], "a torn line")
+    outcome = record(folder)
+    check(outcome["verdict"] == "GOOD", outcome)
+    check(log(folder).startswith(whole + whole[last:last + 30] + "\n"), "the log is only appended to")
+    check(status(folder)["damaged_lines"] == 1, status(folder))
+
+
+def ended(folder):
+    counts = status(folder)
+    check([counts[key] for key in ("planned", "done", "good", "check", "bad")] == [4, 4, 4, 0, 0], counts)
+    check(counts["next"] is None, counts)
+    check("is done" in run("session", "next", folder, status=3).stderr, "nothing is left to record")
+    study = json.loads(run("study", folder, "--json").stdout)
+    check(study["counts"]["answered"] == 4 and study["counts"]["excluded"] == 2, study["counts"])
+    check(study["missing"] == [] and study["subjects"] == ["1", "2"], study["missing"])
+
+
+def other_limits(folder, port):
+    """230 Hz is expected and 225 Hz is there: CHECK, with the reason."""
+    run("session", "new", folder, "--subjects", "ann", "--conditions", "a", "--duration", SECONDS, "--expect",
+        "tone=230Hz+-1Hz", "--floor", "per-subject", "--", "--sensor", "stream", "--baud", "921600", "--port", port)
+    floor = record(folder, expected=3)
+    check(floor["is_floor"] and floor["verdict"] == "BAD" and floor["reasons"] == ["a drive is on"], floor)
+    checked = record(folder, expected=3)
+    check(checked["verdict"] == "CHECK" and "230 Hz +- 1 Hz is expected" in checked["reasons"][0], checked)
+    counts = status(folder)
+    check(counts["done"] == counts["check"] == 1 and counts["floors"] == {"planned": 1, "done": 0}, counts)
+    check(counts["next"]["is_floor"], "the bad floor comes again")
+
+
+def killed_at_any_moment(folder, kills):
+    """kill -9 at random moments of `session next`: after each the state is one of before and after the step, and every
+    byte is there. In the end each cell is done once for a study."""
+    seed = random.randrange(1 << 32)
+    moments = random.Random(seed)
+    print(f"moments of seed {seed}")
+    cells = max(6, kills // 2)
+    run("session", "new", folder, "--subjects", "2", "--conditions", "a", "--repeats", str(cells // 2), "--duration",
+        "0.6s", "--", "--sensor", f"scene:{SCENE}", "--speed", "max")
+    process, took_s = start("next", folder), time.monotonic()
+    check(process.wait(DEADLINE_S) == 0, process.communicate())
+    took_s = time.monotonic() - took_s
+    for _ in range(kills):
+        before, known, said = trials(folder), status(folder), log(folder)
+        process = start("next", folder)
+        time.sleep(1.2 * took_s * moments.random())
+        process.send_signal(signal.SIGKILL)
+        process.communicate(timeout=DEADLINE_S)
+        after = status(folder)
+        nothing_lost(before, folder)
+        check(log(folder).startswith(said), f"the log is only appended to, seed {seed}")
+        check(after["done"] - known["done"] in (0, 1) and after["bad"] == 0, f"seed {seed}: {known} {after}")
+        check((after["next"] == known["next"]) == (after["done"] == known["done"]), f"seed {seed}: {known} {after}")
+    while status(folder)["next"]:
+        record(folder)
+    counts = status(folder)
+    check(counts["good"] == counts["planned"], counts)
+    study = json.loads(run("study", folder, "--json").stdout)
+    check(study["counts"]["answered"] == counts["planned"], f"seed {seed}: {study['counts']}")
+    check(study["counts"]["without_value"] == 0, f"seed {seed}: {study['counts']}")
+    print(f"{kills} kills, {counts['attempts_not_ended']} attempts did not end, {counts['planned']} cells")
+
+
+def refusals(folder):
+    """Wrong plans and folders: one line, and nothing is made."""
+    good = ["--subjects", "2", "--conditions", "a,b", "--duration", "1s"]
+    source = ["--", "--port", "/dev/none"]
+    for words, status_ in (([*good], 2), ([*good, "--", "-o", "x.bin"], 2), ([*good, "--", "--nonsense"], 2),
+                           (["--subjects", "2", "--conditions", "a,A", "--duration", "1s", *source], 2),
+                           (["--subjects", "0", "--conditions", "a", "--duration", "1s", *source], 2),
+                           (["--subjects", "2", "--conditions", "a\nb", "--duration", "1s", *source], 2),
+                           ([*good, "--expect", "tone", *source], 2), ([*good[:4], *source], 2)):
+        run("session", "new", folder, *words, status=status_)
+        check(not os.path.exists(folder), f"{words} leaves a folder")
+    for word in ("next", "redo", "status", "floor"):
+        check("is not a session" in run("session", word, folder, status=3).stderr, word)
+    run("session", "new", folder, *good, *source)
+    check(run("session", "next", folder, status=3).stderr.count("\n") == 2, "a device that is not there")
+    check(len(lines(folder)) == 0, "no device, no attempt")
+
+
+if __name__ == "__main__":
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory() as directory:
+        with Emulator("--protocol", "stream", "--baud", "921600", "--link", f"{directory}/port") as emulator:
+            day(f"{directory}/day", emulator.port)
+            relabelled(f"{directory}/day")
+            torn(f"{directory}/day")
+            ended(f"{directory}/day")
+            other_limits(f"{directory}/limits", emulator.port)
+        killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
+        refusals(f"{directory}/wrong")
+    print(f"passed in {time.monotonic() - began:.1f} s")

@@ -1,0 +1,173 @@
+#include "tools/session/session_log.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace haptometer::tools {
+namespace {
+
+using enum SessionEvent;
+using enum SessionVerdict;
+
+const SessionCell kOne{"1", "stock", 1};
+const SessionCell kTwo{"1", "cone, wide", 2};  // a comma, which the table has to quote
+const SessionCell kThree{"2", "stock", 1};
+const SessionCell kFloor{"1", "", 1};
+
+SessionLogLine Begin(const SessionCell& cell, std::int64_t attempt, const std::string& file) {
+  return {"2026-11-24T12:00:00.000Z", kBegin, cell, attempt, file, {}, ""};
+}
+
+SessionLogLine End(const SessionCell& cell, std::int64_t attempt, const std::string& file,
+                   SessionVerdict verdict, const std::string& reason = "") {
+  return {"2026-11-24T12:00:04.000Z", kEnd, cell, attempt, file, verdict, reason};
+}
+
+std::string LogOf(const std::vector<SessionLogLine>& lines) {
+  std::string text(kSessionLogHeader);
+  for (const SessionLogLine& line : lines) text += TextOf(line);
+  return text;
+}
+
+// a day: floor, good, killed, bad, redone, rejected, relabelled
+const std::vector<SessionLogLine> kDay{
+    Begin(kFloor, 1, "f.bin"),
+    End(kFloor, 1, "f.bin", kGood),
+    Begin(kOne, 1, "a.bin"),
+    End(kOne, 1, "a.bin", kGood),
+    Begin(kTwo, 1, "b.bin"),
+    Begin(kTwo, 2, "c.bin"),
+    End(kTwo, 2, "c.bin", kBad, "no drive, \"none\""),
+    Begin(kTwo, 3, "d.bin"),
+    End(kTwo, 3, "d.bin", kCheck, "=1+1; the tone is at 230 Hz"),
+    Begin(kThree, 1, "e.bin"),
+    End(kThree, 1, "e.bin", kGood),
+    {"2026-11-24T11:00:00.000Z", kReject, kThree, 1, "e.bin", {}, "finger slipped"},
+    {"2026-11-24T11:00:00.000Z", kRelabel, kThree, 2, "a.bin", {}, "subjects swapped"}};
+const std::vector<SessionCell> kPlanned{kFloor, kOne, kTwo, kThree};
+
+TEST(SessionLog, ALineIsReadAsItWasWritten) {
+  for (const SessionLogLine& line : kDay) {
+    const std::string text = TextOf(line);
+    ASSERT_TRUE(text.ends_with('\n'));
+    const auto read = ReadLogLine(std::string_view(text).substr(0, text.size() - 1));
+    ASSERT_TRUE(read) << text;
+    EXPECT_EQ(TextOf(*read), text);
+    EXPECT_EQ(read->cell, line.cell);
+    EXPECT_EQ(read->reason, line.reason);
+  }
+}
+
+TEST(SessionLog, ALineThatIsCutOrChangedIsNone) {
+  const std::string text = TextOf(kDay[6]);
+  const std::string line = text.substr(0, text.size() - 1);
+  for (std::size_t cut = 0; cut < line.size(); ++cut) {
+    EXPECT_FALSE(ReadLogLine(line.substr(0, cut))) << cut;
+  }
+  for (std::size_t at = 0; at < line.size(); ++at) {
+    std::string changed = line;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    EXPECT_FALSE(ReadLogLine(changed)) << at;
+  }
+}
+
+TEST(SessionLog, CellsCountByTheirLatestFinishedAttempt) {
+  const std::size_t before_rejection = kDay.size() - 2;
+  const auto counts = [](std::size_t lines) {
+    return CountCells(
+        kPlanned,
+        ReadLog(LogOf({kDay.begin(), kDay.begin() + static_cast<std::ptrdiff_t>(lines)})));
+  };
+  const SessionCounts none = counts(0);
+  EXPECT_EQ(none.planned, 3U) << "a floor is counted apart";
+  EXPECT_EQ(none.floors, 1U);
+  EXPECT_EQ(none.next, kFloor);
+  // the attempt of kTwo that did not end is no cell: it comes next again
+  const SessionCounts killed = counts(5);
+  EXPECT_EQ(killed.done, 1U);
+  EXPECT_EQ(killed.attempts, 3U);
+  EXPECT_EQ(killed.interrupted, 1U);
+  EXPECT_EQ(killed.next, kTwo);
+  // a bad cell lets the next one come first
+  const SessionCounts bad = counts(7);
+  EXPECT_EQ(bad.bad, 1U);
+  EXPECT_EQ(bad.next, kThree);
+  const SessionCounts done = counts(before_rejection);
+  EXPECT_EQ(done.good, 2U);
+  EXPECT_EQ(done.check, 1U);
+  EXPECT_EQ(done.done, 3U);
+  EXPECT_EQ(done.floors_done, 1U);
+  EXPECT_EQ(done.next, std::nullopt);
+  const SessionCounts rejected = counts(before_rejection + 1);
+  EXPECT_EQ(rejected.bad, 1U);
+  EXPECT_EQ(rejected.done, 2U);
+  EXPECT_EQ(rejected.next, kThree) << "where all are finished, what is bad comes again";
+  // a.bin is of kThree from now on, so kOne has none
+  const SessionCounts relabelled = counts(before_rejection + 2);
+  EXPECT_EQ(relabelled.good, 1U);
+  EXPECT_EQ(relabelled.bad, 0U);
+  EXPECT_EQ(relabelled.next, kOne);
+}
+
+TEST(SessionLog, ARelabellingIsUndoneTheSameWay) {
+  std::vector<SessionLogLine> lines = kDay;
+  lines.push_back({"", kRelabel, kOne, 2, "a.bin", {}, "they were not"});
+  const SessionState state = ReadLog(LogOf(lines));
+  EXPECT_EQ(state.Latest(kOne)->file, "a.bin");
+  EXPECT_EQ(state.Latest(kThree)->file, "e.bin");
+  EXPECT_EQ(state.NextNumber(kOne), 3);
+  EXPECT_EQ(state.damaged_lines, 0U);
+}
+
+// what kill -9 at any moment leaves: whole lines and a part of one
+TEST(SessionLog, AnyBeginningOfTheLogGivesTheStateOfItsWholeLines) {
+  const std::string log = LogOf(kDay);
+  for (std::size_t bytes = 0; bytes <= log.size(); ++bytes) {
+    const std::string text = log.substr(0, bytes);
+    // a line that lacks its end alone is whole: its checksum is there
+    const auto ends = std::ranges::count(log.substr(0, bytes + 1), '\n');
+    const std::ptrdiff_t whole_lines = std::max<std::ptrdiff_t>(ends, 1) - 1;
+    const bool is_torn =
+        bytes < log.size() && bytes > 0 && log[bytes] != '\n' && log[bytes - 1] != '\n';
+    const SessionState state = ReadLog(text);
+    const SessionState expected = ReadLog(LogOf({kDay.begin(), kDay.begin() + whole_lines}));
+    ASSERT_EQ(state.damaged_lines, 0U) << bytes;
+    ASSERT_EQ(state.is_torn, is_torn) << bytes;
+    ASSERT_EQ(state.attempts.size(), expected.attempts.size()) << bytes;
+    for (std::size_t i = 0; i < state.attempts.size(); ++i) {
+      EXPECT_EQ(state.attempts[i].file, expected.attempts[i].file);
+      EXPECT_EQ(state.attempts[i].cell, expected.attempts[i].cell);
+      EXPECT_EQ(state.attempts[i].verdict, expected.attempts[i].verdict);
+    }
+    // going on behind a torn line: it is passed over, and what follows counts
+    const bool has_end = text.empty() || text.ends_with('\n');
+    const std::string more = text + (has_end ? "" : "\n") + TextOf(Begin(kOne, 9, "z.bin")) +
+                             TextOf(End(kOne, 9, "z.bin", kGood));
+    const SessionState after = ReadLog(more);
+    ASSERT_EQ(after.damaged_lines, state.is_torn ? 1U : 0U) << bytes;
+    ASSERT_EQ(after.Latest(kOne)->file, "z.bin") << bytes;
+    ASSERT_EQ(after.attempts.size(), state.attempts.size() + 1) << bytes;
+  }
+}
+
+TEST(SessionLog, WhatFitsNothingIsCountedAndPassedOver) {
+  std::string log = LogOf({Begin(kOne, 1, "a.bin")});
+  log += TextOf({"", kReject, kOne, 1, "a.bin", {}, "it has not ended"});
+  log += TextOf({"", kRelabel, kOne, 1, "none.bin", {}, "no such attempt"});
+  log += TextOf(Begin(kOne, 1, "a.bin"));
+  log += "a line of somebody else\n";
+  const SessionState state = ReadLog(log);
+  EXPECT_EQ(state.damaged_lines, 4U);
+  ASSERT_EQ(state.attempts.size(), 1U);
+  EXPECT_EQ(state.attempts[0].verdict, std::nullopt);
+  EXPECT_EQ(CountCells({}, ReadLog(LogOf(kDay))).outside, 5U) << "finished, without a plan";
+  // an end whose beginning is lost says all of the attempt
+  EXPECT_EQ(ReadLog(LogOf({End(kOne, 4, "a.bin", kGood)})).NextNumber(kOne), 5);
+}
+
+}  // namespace
+}  // namespace haptometer::tools

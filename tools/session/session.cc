@@ -1,0 +1,479 @@
+#include "tools/session/session.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/mapped.h"
+#include "base/text.h"
+#include "tools/acquire/recording_document.h"
+#include "tools/cli/options.h"
+#include "tools/cli/terminal.h"
+#include "tools/document/keys.h"
+#include "tools/document/present.h"
+#include "tools/session/attempt.h"
+#include "tools/session/session_folder.h"
+#include "tools/study/study_document.h"
+
+// session: a plan of trials, recorded one after the other, with a verdict after each.
+
+namespace haptometer::tools {
+namespace {
+
+using document::Item;
+using document::Key;
+using document::Section;
+
+// keys of more than one place
+constexpr Key kAttempt{"attempt", "attempt"};
+constexpr Key kPlanned{"planned"};
+constexpr Key kDone{"done"};
+constexpr Key kNext{"next", "next"};
+
+// --- documents ---
+
+Section CellSection(const SessionCell& cell) {
+  Section section;
+  section.Add({document::kSubject.name}, cell.subject);
+  section.Add({kCondition.name}, document::TextOrNotKnown(cell.condition));
+  section.Add({kRepeat.name}, cell.is_floor() ? document::Value() : document::Value(cell.repeat));
+  section.Add({"is_floor"}, cell.is_floor());
+  return section;
+}
+
+// subject, condition and repeat of the cell that comes next; null where all are done
+void AddNext(const SessionCounts& counts, Section& section) {
+  Section next = CellSection(counts.next.value_or(SessionCell{}));
+  next.name = kNext.name;
+  next.is_known = counts.next.has_value();
+  section.sections.push_back(std::move(next));
+  section.Add({"", kNext.label},
+              counts.next ? NameOf(*counts.next) : std::string("nothing, all cells are done"));
+}
+
+Section FloorsSection(const SessionCounts& counts) {
+  Section floors{.name = "floors"};
+  floors.Add(kPlanned, counts.floors);
+  floors.Add(kDone, counts.floors_done);
+  if (counts.floors > 0) {
+    floors.Add({"", "floors"}, fmt::format("{} of {}", counts.floors_done, counts.floors));
+  }
+  return floors;
+}
+
+// a row for each attempt, in the order of their beginnings
+Section AttemptsSection(const SessionState& state) {
+  Section list{.name = "attempts",
+               .heading = "attempts",
+               .shape = Section::Shape::kTable,
+               .detail = document::Detail::kAll};
+  for (const SessionAttempt& attempt : state.attempts) {
+    Section& row = list.sections.emplace_back();
+    row.Add(document::kSubject, attempt.cell.subject);
+    row.Add(kCondition, document::TextOrNotKnown(attempt.cell.condition));
+    row.Add(kRepeat, attempt.cell.repeat);
+    row.Add(kAttempt, attempt.number);
+    row.Add({document::kVerdict.name, "verdict"},
+            attempt.verdict ? document::Value(Name(*attempt.verdict)) : document::Value());
+    row.Add({document::kFile.name, "file"}, attempt.file);
+    row.Add({document::kReasons.name, "reasons"}, document::TextOrNotKnown(attempt.reason));
+  }
+  return list;
+}
+
+document::Document StatusDocument(const SessionFolder& session) {
+  const SessionCounts counts = session.Counts();
+  document::Document document{.verb = "session status", .title = session.folder()};
+  Section& root = document.root;
+  root.Add({"", "done"}, fmt::format("{} of {} trials", counts.done, counts.planned));
+  root.Add(kPlanned, counts.planned);
+  root.Add(kDone, counts.done);
+  root.Add({"good", "GOOD"}, counts.good);
+  root.Add({"check", "CHECK"}, counts.check);
+  root.Add({kBadKey.name, "BAD"}, counts.bad);
+  AddNext(counts, root);
+  const auto add_if = [&](const Key& key, std::string_view label, std::size_t count) {
+    root.Add({key.name, count > 0 ? label : ""}, count);
+  };
+  root.Add({"attempt_count", "attempts"}, counts.attempts);
+  add_if({"attempts_not_ended"}, "attempts that did not end", counts.interrupted);
+  add_if({"attempts_outside_plan"}, "attempts outside the plan", counts.outside);
+  add_if({"damaged_lines"}, "lines of the log that are damaged", session.state().damaged_lines);
+  root.sections.push_back(FloorsSection(counts));
+  root.sections.push_back(AttemptsSection(session.state()));
+  return document;
+}
+
+document::Document AttemptDocument(std::string_view verb, const SessionFolder& session,
+                                   const AttemptOutcome& outcome) {
+  const SessionAttempt& attempt = outcome.attempt;
+  document::Document document{
+      .verb = std::string(verb),
+      .title = std::string(Name(*attempt.verdict)) + "  " + NameOf(attempt.cell)};
+  Section& root = document.root;
+  root.sections.push_back(CellSection(attempt.cell));
+  root.Add(kAttempt, attempt.number);
+  root.Add({document::kFile.name, "file"}, session.trials() + attempt.file);
+  root.Add(document::kVerdict, Name(*attempt.verdict));
+  root.Add({document::kBandRms.name, "band RMS", document::kMetre}, outcome.band_rms_m);
+  root.Add({document::kToneFrequency.name, "tone", document::kHertz}, outcome.tone_hz);
+  root.Add({document::kReasons.name}, outcome.reasons);
+  for (const std::string& reason : outcome.reasons) root.Add({"", "because"}, reason);
+  const SessionCounts counts = session.Counts();
+  AddNext(counts, root);
+  root.Add({"", "done"}, fmt::format("{} of {} trials", counts.done, counts.planned));
+  return document;
+}
+
+document::Document PlanDocument(const std::string& folder, const SessionPlan& plan) {
+  const std::vector<SessionCell> cells = CellsOf(plan);
+  const SessionCounts counts = CountCells(cells, {});
+  document::Document document{.verb = "session new", .title = folder};
+  Section& root = document.root;
+  root.Add({kPlanned.name, "trials"}, counts.planned);
+  root.Add({"", "of"}, fmt::format("{}, {}, {}", Counted(plan.subjects.size(), "subject"),
+                                   Counted(plan.conditions.size(), "condition"),
+                                   Counted(static_cast<std::size_t>(plan.repeats), "repeat")));
+  root.Add({document::kOrder.name, "order"}, Name(plan.order));
+  root.sections.push_back(FloorsSection(counts));
+  root.Add({"recording_s", "recording", document::kSecond},
+           plan.duration_s * static_cast<double>(cells.size()))
+      .note = "without what lies between";
+  AddNext(counts, root);
+  return document;
+}
+
+// --- session new ---
+
+constexpr cli::VerbText kNewText{
+    .name = "session new",
+    .summary = "Plan a session: write its folder, with session.toml and an empty log.",
+    .examples = {"haptometer session new day1 --subjects 8 --conditions stock,adapter --repeats 3 "
+                 "--duration 4s -- --port /dev/ttyUSB0",
+                 "haptometer session new day1 --subjects ann,ben --conditions a,b,c --floor "
+                 "per-subject --seed 7 --duration 3s --expect 'tone=225Hz+-1Hz' -- --sensor stream "
+                 "--port /dev/ttyUSB1",
+                 "haptometer session next day1"}};
+
+int RunNew(int argc, const char* const* argv) {
+  // what stands behind -- is acquire's
+  const auto* const dashes = std::find_if(
+      argv, argv + argc, [](const char* word) { return std::string_view(word) == "--"; });
+  const auto own = static_cast<int>(dashes - argv);
+  SessionPlan plan;
+  std::string folder;
+  std::string subjects;
+  std::string conditions;
+  std::string order = "balanced";
+  std::string floor = "none";
+  std::optional<double> duration_s;
+  cli::Options options(kNewText);
+  options.Positional("folder", &folder, "The new folder of the session");
+  options.Text("--subjects", &subjects, "N|NAMES", "How many subjects, or their names with commas");
+  options.Text("--conditions", &conditions, "NAMES", "The conditions, with commas between");
+  options.Count("--repeats", &plan.repeats, 1, kMostRepeats,
+                "Trials of each subject in each condition");
+  options.Choice("--order", &order, {"balanced", "random", "given"},
+                 "Order of the conditions: a Williams design, shuffled blocks, or as listed");
+  options.Count("--seed", &plan.seed, 0, std::int64_t{1} << 53, "Of the order");
+  options.Choice("--floor", &floor, {"none", "per-subject"},
+                 "A trial with the drive off before each subject's trials");
+  options.Number("--duration", &duration_s, Dimension::kTime, cli::Above(0), "Of each trial");
+  options.Text("--expect", &plan.expect, "LIMITS",
+               "What a trial has to keep to, as of analyze: 'tone=225Hz+-1Hz, change<5%'");
+  if (const auto status = options.Parse(own, argv)) return *status;
+  const auto make = [&]() -> Result<document::Document> {
+    HAPTOMETER_LET(plan.subjects, ReadSubjects(subjects));
+    plan.conditions = NamesIn(conditions);
+    plan.order = OrderNamed(order).value_or(plan.order);
+    plan.has_floors = floor != "none";
+    plan.duration_s = duration_s.value_or(0);
+    if (own < argc) plan.source.assign(argv + own + 1, argv + argc);
+    HAPTOMETER_TRY(CheckPlan(plan, "session"));
+    HAPTOMETER_TRY(ReadSource(plan));
+    HAPTOMETER_TRY(SessionFolder::Create(folder, plan));
+    return PlanDocument(folder, plan);
+  };
+  auto document = make();
+  if (!document) return cli::ReportError(kNewText.name, document.error());
+  document::Outputs outputs;
+  outputs.json = options.json();
+  return document::Present(*std::move(document), outputs, argc, argv);
+}
+
+// --- session status ---
+
+constexpr cli::VerbText kStatusText{
+    .name = "session status",
+    .summary = "Show what of a session is done, and what comes next.",
+    .examples = {"haptometer session status day1", "haptometer session status day1 --all",
+                 "haptometer session status day1 --json"}};
+
+int RunStatus(int argc, const char* const* argv) {
+  std::string folder;
+  document::Outputs outputs;
+  cli::Options options(kStatusText);
+  options.Positional("folder", &folder, "Folder of the session");
+  options.Flag("--all", &outputs.all, "Print all attempts and the provenance too");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  const auto session = SessionFolder::Read(folder);
+  if (!session) return cli::ReportError(kStatusText.name, session.error());
+  return document::Present(StatusDocument(*session), outputs, argc, argv);
+}
+
+// --- recording: next, redo, floor ---
+
+using Choose = std::function<Result<SessionCell>(const SessionFolder&)>;
+
+Result<SessionCell> ChooseNext(const SessionFolder& session) {
+  const auto next = session.Counts().next;
+  if (next) return *next;
+  return CannotAnswer(session.folder(), "is done: every cell is GOOD or CHECK",
+                      "record one again with session redo");
+}
+
+Result<SessionCell> ChooseLast(const SessionFolder& session) {
+  const SessionAttempt* last = session.state().LastFinished();
+  if (last != nullptr) return last->cell;
+  return CannotAnswer(session.folder(), "has no finished attempt", "record with session next");
+}
+
+// of the subject that comes next, or was last
+Result<SessionCell> ChooseFloor(const SessionFolder& session) {
+  const auto next = session.Counts().next;
+  const SessionAttempt* last = session.state().LastFinished();
+  const std::string& subject = next   ? next->subject
+                               : last ? last->cell.subject
+                                      : session.plan().subjects.front();
+  return SessionCell{.subject = subject, .condition = "", .repeat = 1};
+}
+
+int RunRecording(const cli::VerbText& text, const Choose& choose, int argc,
+                 const char* const* argv) {
+  std::string folder;
+  document::Outputs outputs;
+  cli::Options options(text);
+  options.Positional("folder", &folder, "Folder of the session");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  auto session = SessionFolder::Open(folder);
+  if (!session) return cli::ReportError(text.name, session.error());
+  const auto cell = choose(*session);
+  if (!cell) return cli::ReportError(text.name, cell.error());
+  cli::CatchInterrupts();
+  cli::Remark(text.name, NameOf(*cell));
+  const auto outcome = RecordAttempt(*session, *cell, cli::CommandLine({argv, argv + argc}));
+  if (!outcome) return cli::InterruptedStatus(cli::ReportError(text.name, outcome.error()));
+  const int status =
+      document::Present(AttemptDocument(text.name, *session, *outcome), outputs, argc, argv);
+  const bool is_good = *outcome->attempt.verdict == SessionVerdict::kGood;
+  return cli::WorseStatus(status,
+                          cli::InterruptedStatus(is_good ? 0 : ExitStatus(Cause::kCannotAnswer)));
+}
+
+constexpr cli::VerbText kNextText{
+    .name = "session next",
+    .summary = "Record the next trial of the plan and judge it: status 0 GOOD, 3 CHECK or BAD.",
+    .examples = {"haptometer session next day1", "haptometer session next day1 --json",
+                 "haptometer session redo day1"}};
+
+int RunNext(int argc, const char* const* argv) {
+  return RunRecording(kNextText, ChooseNext, argc, argv);
+}
+
+constexpr cli::VerbText kRedoText{
+    .name = "session redo",
+    .summary = "Record the last trial again, as a new attempt that counts from now on.",
+    .examples = {"haptometer session redo day1", "haptometer session redo day1 --json",
+                 "haptometer session status day1 --all"}};
+
+int RunRedo(int argc, const char* const* argv) {
+  return RunRecording(kRedoText, ChooseLast, argc, argv);
+}
+
+constexpr cli::VerbText kFloorText{
+    .name = "session floor",
+    .summary = "Record the floor of the present subject: a trial with the drive off.",
+    .examples = {"haptometer session floor day1", "haptometer session floor day1 --json",
+                 "haptometer session next day1"}};
+
+int RunFloor(int argc, const char* const* argv) {
+  return RunRecording(kFloorText, ChooseFloor, argc, argv);
+}
+
+// --- decisions on a finished attempt: reject, relabel ---
+
+struct Decision {
+  std::string folder;
+  std::string file;
+  std::string reason;
+};
+
+void DeclareDecision(cli::Options& options, Decision& wanted) {
+  options.Positional("folder", &wanted.folder, "Folder of the session");
+  options.Text("--file", &wanted.file, "NAME", "Of another attempt than the last")
+      .Default("the last that ended");
+  options.Text("--reason", &wanted.reason, "TEXT", "Reason, stored in the log and the trial");
+}
+
+// the attempt that is meant: the last, or that of a file
+Result<SessionAttempt> AttemptOf(const SessionFolder& session, const Decision& wanted) {
+  if (wanted.file.empty()) {
+    HAPTOMETER_TRY(ChooseLast(session));
+    return *session.state().LastFinished();
+  }
+  const std::string name = wanted.file.substr(wanted.file.rfind('/') + 1);
+  const auto& attempts = session.state().attempts;
+  const auto found = std::ranges::find(attempts, name, &SessionAttempt::file);
+  if (found != attempts.end() && found->verdict) return *found;
+  return Usage(wanted.file, "is not a finished attempt of the session",
+               "see session status --all for its files");
+}
+
+Result<void> CheckReason(const std::string& reason) {
+  HAPTOMETER_TRY(CheckPrintable("--reason", reason));
+  if (reason.find_first_not_of(' ') != std::string::npos) return {};
+  return Usage("--reason", "is missing", "state why, for example --reason 'finger slipped'");
+}
+
+SessionLogLine LineOf(const SessionAttempt& attempt, SessionEvent event, std::string reason) {
+  return {.utc = {},
+          .event = event,
+          .cell = attempt.cell,
+          .attempt = attempt.number,
+          .file = attempt.file,
+          .verdict = {},
+          .reason = std::move(reason)};
+}
+
+int Show(const cli::VerbText& text, const Result<SessionFolder>& session, bool is_json, int argc,
+         const char* const* argv) {
+  if (!session) return cli::ReportError(text.name, session.error());
+  document::Document document = StatusDocument(*session);
+  document.verb = text.name;
+  document::Outputs outputs;
+  outputs.json = is_json;
+  return document::Present(std::move(document), outputs, argc, argv);
+}
+
+constexpr cli::VerbText kRejectText{
+    .name = "session reject",
+    .summary = "Reject the last trial with a reason: it is BAD, stays, and is excluded.",
+    .examples = {"haptometer session reject day1 --reason 'finger slipped'",
+                 "haptometer session reject day1 --file NAME.bin --reason 'wrong actuator'",
+                 "haptometer session redo day1"}};
+
+Result<SessionFolder> Reject(const Decision& wanted) {
+  HAPTOMETER_TRY(CheckReason(wanted.reason));
+  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
+  HAPTOMETER_LET(const auto attempt, AttemptOf(session, wanted));
+  HAPTOMETER_TRY(session.Append(LineOf(attempt, SessionEvent::kReject, wanted.reason)));
+  HAPTOMETER_TRY(session.Settle(attempt.cell));
+  return session;
+}
+
+int RunReject(int argc, const char* const* argv) {
+  Decision wanted;
+  cli::Options options(kRejectText);
+  DeclareDecision(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  return Show(kRejectText, Reject(wanted), options.json(), argc, argv);
+}
+
+constexpr cli::VerbText kRelabelText{
+    .name = "session relabel",
+    .summary = "State that the last trial is of another cell of the plan; undone the same way.",
+    .examples = {"haptometer session relabel day1 --condition stock --reason 'adapters swapped'",
+                 "haptometer session relabel day1 --subject 4 --reason 'subject 4 came first'",
+                 "haptometer session status day1 --all"}};
+
+// the new cell is one of the plan; what is not given stays
+Result<SessionFolder> Relabel(const Decision& wanted, const std::string& subject,
+                              const std::string& condition,
+                              const std::optional<std::int64_t>& repeat) {
+  HAPTOMETER_TRY(CheckReason(wanted.reason));
+  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
+  HAPTOMETER_LET(const auto attempt, AttemptOf(session, wanted));
+  SessionCell cell = attempt.cell;
+  if (!subject.empty()) cell.subject = subject;
+  if (!condition.empty()) cell.condition = condition;
+  cell.repeat = repeat.value_or(cell.repeat);
+  if (std::ranges::count(session.cells(), cell) == 0) {
+    return Usage(NameOf(cell), "is not in the plan", "see subjects and conditions in session.toml");
+  }
+  if (cell == attempt.cell) return Usage(attempt.file, "is of this cell already");
+  SessionLogLine line = LineOf(attempt, SessionEvent::kRelabel, wanted.reason);
+  line.cell = cell;
+  line.attempt = session.state().NextNumber(cell);
+  HAPTOMETER_TRY(session.Append(line));
+  HAPTOMETER_TRY(session.Settle(cell));
+  HAPTOMETER_TRY(session.Settle(attempt.cell));
+  return session;
+}
+
+int RunRelabel(int argc, const char* const* argv) {
+  Decision wanted;
+  std::string subject;
+  std::string condition;
+  std::optional<std::int64_t> repeat;
+  cli::Options options(kRelabelText);
+  DeclareDecision(options, wanted);
+  options.Text("--subject", &subject, "NAME", "Subject of the trial").Default("as it is");
+  options.Text("--condition", &condition, "NAME", "Condition of the trial").Default("as it is");
+  options.Count("--repeat", &repeat, 1, kMostRepeats, "Repeat of the trial").Default("as it is");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  return Show(kRelabelText, Relabel(wanted, subject, condition, repeat), options.json(), argc,
+              argv);
+}
+
+struct Word {
+  std::string_view name;
+  int (*run)(int argc, const char* const* argv);
+  const cli::VerbText* text;
+};
+
+constexpr std::array<Word, 7> kWords{{{"new", RunNew, &kNewText},
+                                      {"next", RunNext, &kNextText},
+                                      {"redo", RunRedo, &kRedoText},
+                                      {"reject", RunReject, &kRejectText},
+                                      {"relabel", RunRelabel, &kRelabelText},
+                                      {"floor", RunFloor, &kFloorText},
+                                      {"status", RunStatus, &kStatusText}}};
+
+void PrintHelp() {
+  cli::Print("Plan a session of trials and record it, with a verdict after each trial.\n\n");
+  for (const Word& word : kWords) {
+    cli::Print(fmt::format("  haptometer session {:<8} {}\n", word.name, word.text->summary));
+  }
+  cli::Print("\nExamples:\n");
+  for (const Word& word : kWords) cli::Print(fmt::format("  {}\n", word.text->examples[0]));
+}
+
+}  // namespace
+
+int RunSession(int argc, const char* const* argv) {
+  // without a word the help is printed, with status 2
+  const std::string_view name = argc > 1 ? argv[1] : "--help";
+  const auto word = std::ranges::find(kWords, name, &Word::name);
+  if (word != kWords.end()) return word->run(argc - 1, argv + 1);
+  if (name == "--help" || name == "-h" || name == "--help-all") {
+    PrintHelp();
+    return argc > 1 ? 0 : 2;
+  }
+  const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
+  return cli::ReportError("session",
+                          {Cause::kUsage, std::string(name), "is not something session can do",
+                           nearest.empty() ? "see haptometer session --help"
+                                           : fmt::format("did you mean session {}?", nearest)});
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace haptometer::tools {
+
+/// `haptometer session new|next|redo|reject|relabel|floor|status` (docs/reference/session.md);
+/// argv[0] is the verb. The return value is the program's exit status.
+int RunSession(int argc, const char* const* argv);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/session/session_log.h"
+#include "tools/session/session_plan.h"
+#include "trial/byte_io.h"
+
+namespace haptometer::tools {
+
+/// The files of a session: session.toml (the plan), log.csv (the state) and the folder trials.
+///
+/// The log is append-only. A line is handed to the disk before the next step is taken, so the state
+/// survives the end of the process at any moment. Nothing is deleted or written over.
+class SessionFolder {
+ public:
+  /// Makes the folder and its files, session.toml last. Errors: Cause::kUsage where the folder
+  /// holds something; Cause::kFailed where it cannot be made.
+  [[nodiscard]] static Result<void> Create(const std::string& folder, const SessionPlan& plan);
+
+  /// Reads plan and log. Errors: Cause::kCannotAnswer where it is no session; as ParsePlan.
+  [[nodiscard]] static Result<SessionFolder> Read(const std::string& folder);
+
+  /// The same for a command that records or changes something, one at a time: the log stays locked
+  /// (flock) as long as the object lives, and what the last attempt's cell lacks is made up for
+  /// (Settle). Errors: Cause::kFailed where another process has it.
+  [[nodiscard]] static Result<SessionFolder> Open(const std::string& folder);
+
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] const SessionPlan& plan() const { return plan_; }
+  [[nodiscard]] const std::vector<SessionCell>& cells() const { return cells_; }
+  [[nodiscard]] const SessionState& state() const { return state_; }
+  [[nodiscard]] SessionCounts Counts() const { return CountCells(cells_, state_); }
+  [[nodiscard]] std::string plan_path() const;
+  [[nodiscard]] std::string trials() const;  ///< the folder, with a '/' at its end
+
+  /// Appends a line, which gets the time, and syncs it; state() follows. Errors (Cause::kFailed):
+  /// the disk is full or the log was cut.
+  [[nodiscard]] Result<void> Append(SessionLogLine line);
+
+  /// Brings the trials of a cell in agreement with the log: labels, and what studies use of them.
+  /// The attempt that counts is included if it is GOOD or CHECK; others are excluded with a reason
+  /// that begins with kSessionReason. An exclusion by the user stays. Events are appended to trials
+  /// that lack them. Errors: as trial::AppendEvent.
+  [[nodiscard]] Result<void> Settle(const SessionCell& cell) const;
+
+ private:
+  [[nodiscard]] Result<void> SettleTrial(const SessionAttempt& attempt, bool counts) const;
+  [[nodiscard]] Result<void> ReadState();
+
+  std::string folder_;
+  SessionPlan plan_;
+  std::vector<SessionCell> cells_;
+  SessionState state_;
+  bool ends_in_line_ = true;              // the log's last byte is a line end
+  std::unique_ptr<trial::ByteSink> log_;  // locked; nullptr: read only
+};
+
+/// What the reasons of exclusions by a session begin with.
+inline constexpr std::string_view kSessionReason = "session: ";
+/// The reason of a floor, which its header has from the beginning.
+inline constexpr std::string_view kFloorReason = "session: floor, drive off";
+
+/// The labels of a cell's trials: subject, condition and repeat; of a floor the subject.
+[[nodiscard]] std::map<std::string, std::string> LabelsOf(const SessionCell& cell);
+
+}  // namespace haptometer::tools

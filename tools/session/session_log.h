@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/session/session_plan.h"
+
+namespace haptometer::tools {
+
+/// What a trial is good for.
+enum class SessionVerdict : std::uint8_t {
+  kGood,
+  kCheck,  ///< it has a value that deviates from what is accepted, or is doubted
+  kBad,    ///< it has none, or was rejected
+};
+
+/// "GOOD", "CHECK", "BAD".
+[[nodiscard]] std::string_view Name(SessionVerdict verdict);
+
+enum class SessionEvent : std::uint8_t {
+  kBegin,    ///< before an attempt: its file does not exist yet
+  kEnd,      ///< after it, with the verdict
+  kReject,   ///< of a finished attempt, with the reason
+  kRelabel,  ///< a finished attempt is of this cell from now on, with the reason
+};
+
+/// "begin", "end", "reject", "relabel".
+[[nodiscard]] std::string_view Name(SessionEvent event);
+
+/// A line of log.csv.
+struct SessionLogLine {
+  std::string utc;
+  SessionEvent event = SessionEvent::kBegin;
+  SessionCell cell;                       ///< of kRelabel the new one
+  std::int64_t attempt = 1;               ///< its number within the cell, from 1
+  std::string file;                       ///< in the folder trials; names the attempt
+  std::optional<SessionVerdict> verdict;  ///< kEnd
+  std::string reason;
+};
+
+/// The first line of log.csv, with its end.
+inline constexpr std::string_view kSessionLogHeader =
+    "utc,event,subject,condition,repeat,attempt,file,verdict,reason,crc32\n";
+
+/// The line with its end. The last cell is the CRC-32 of all before it, so a line of which a part
+/// is missing or changed is known.
+[[nodiscard]] std::string TextOf(const SessionLogLine& line);
+
+/// A line without its end; nothing where it is not whole.
+[[nodiscard]] std::optional<SessionLogLine> ReadLogLine(std::string_view text);
+
+/// One recording of a cell, begun.
+struct SessionAttempt {
+  SessionCell cell;
+  std::int64_t number = 1;
+  std::string file;
+  std::optional<SessionVerdict> verdict;  ///< empty: it did not end
+  std::string reason;                     ///< of the verdict, or of the rejection
+  bool is_rejected = false;
+};
+
+/// What log.csv says.
+struct SessionState {
+  /// In the order of their beginnings; a relabelled one comes behind those before.
+  std::vector<SessionAttempt> attempts;
+  std::size_t damaged_lines = 0;  ///< passed over: no line of this log, or one of no known attempt
+  bool is_torn = false;           ///< the last line is a part: the program was killed in it
+
+  /// The latest finished attempt of a cell, which is the one that counts; nullptr where there is
+  /// none.
+  [[nodiscard]] const SessionAttempt* Latest(const SessionCell& cell) const;
+  /// The last attempt that ended, of any cell; nullptr where there is none.
+  [[nodiscard]] const SessionAttempt* LastFinished() const;
+  /// The number of the cell's next attempt: numbers of unfinished ones are not given again.
+  [[nodiscard]] std::int64_t NextNumber(const SessionCell& cell) const;
+};
+
+/// The state after the lines of `text`. Any text has one: what is no line is counted and passed
+/// over, so a log that was cut at any byte gives the state of its whole lines. Cost: O(n) and
+/// O(attempts) a line.
+[[nodiscard]] SessionState ReadLog(std::string_view text);
+
+/// What of the plan is done; cells count by their latest finished attempt.
+struct SessionCounts {
+  std::size_t planned = 0;  ///< cells that are no floors
+  std::size_t done = 0;     ///< good + check
+  std::size_t good = 0;
+  std::size_t check = 0;
+  std::size_t bad = 0;
+  std::size_t floors = 0;  ///< planned
+  std::size_t floors_done = 0;
+  std::size_t attempts = 0;     ///< begun, of all cells
+  std::size_t interrupted = 0;  ///< of these not ended
+  std::size_t outside = 0;      ///< finished, of cells that the plan does not have
+  /// The first cell without a finished attempt; where all have one, the first that is bad; nothing
+  /// where all are done.
+  std::optional<SessionCell> next;
+};
+
+[[nodiscard]] SessionCounts CountCells(const std::vector<SessionCell>& cells,
+                                       const SessionState& state);
+
+}  // namespace haptometer::tools
