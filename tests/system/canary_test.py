@@ -247,6 +247,31 @@ def foreign_files(run):
     run("trial", "plot", "mark.h5", "--plot", "drawn.svg")
 
 
+def sessions(run):
+    """Names of a plan and a log that somebody else wrote."""
+    scene = pathlib.Path("fixtures/lra_adapter.toml").resolve()
+    words = ["--subjects", "1", "--duration", "0.6s", "--", "--sensor", f"scene:{scene}", "--speed", "max"]
+    for number, payload in enumerate([*PAYLOADS, EVIL]):
+        name = payload.replace("\0", "").replace(",", ";").strip()
+        made = run("session", "new", f"s{number}", "--conditions", name, *words, statuses=(0, 2))
+        if made:
+            run("session", "next", f"s{number}", statuses=(0, 3))
+            run("session", "reject", f"s{number}", "--reason", name or "x", statuses=(0, 2))
+            run("session", "status", f"s{number}", "--all")
+            run("session", "status", f"s{number}", "--json")
+    run("session", "new", "s", "--conditions", "a", *words)
+    cell = '"' + EVIL.replace('"', '""').replace("\n", " ") + '"'
+    for file in (cell, "../evil.bin", "a.bin"):
+        line = f"u,end,1,a,1,1,{file},GOOD,{cell},"
+        line += f"{zlib.crc32(line.encode()):08x}\n"
+        with open(run.folder / "s" / "log.csv", "ab") as log:
+            log.write(line.encode())
+    run("session", "status", "s", "--all")
+    run("session", "redo", "s", statuses=(0, 3))
+    (run.folder / "s" / "session.toml").write_text('subjects = ["a\\u001b"]\n', encoding="utf-8")
+    run("session", "status", "s", statuses=(2, 3))
+
+
 def studies(run):
     folder = run.folder / "study"
     folder.mkdir()
@@ -463,7 +488,7 @@ def status(run):
         path.unlink()
 
 
-PARTS = [trials, file_names, foreign_files, studies, fits, scenes, recordings, devices, status]
+PARTS = [trials, file_names, foreign_files, sessions, studies, fits, scenes, recordings, devices, status]
 
 
 def main():

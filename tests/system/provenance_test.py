@@ -37,6 +37,7 @@ COMMANDS = [
      ["emulated", "simulated", "imported", "interrupted"], ["table.csv", "wide.csv", "methods.md", "study.html"]),
     ("study matching fixtures/matching.csv --report matching.html", ["fixtures/matching.csv"], ["imported"],
      ["matching.html"]),
+    ("session status day", ["day/session.toml"], None, []),
     ("reproduce --report reproduce.html", [], ["simulated"], ["reproduce.html"]),
 ]
 VERSION = re.compile(r"haptometer \d+\.\d+\.\d+")
@@ -97,6 +98,7 @@ def make_inputs(fixtures):
         rows = [line for line in file if not line.startswith("#")]
     with open("plain.csv", "w", encoding="utf-8") as file:
         file.writelines(rows)
+    run("session", "new", "day", "--subjects", "2", "--conditions", "a,b", "--duration", "1s", "--", "--port", "/dev/none")
     os.mkdir("trials")
     with open("trials/s1_a.bin", "wb") as file:
         file.write(recorded[:100000])

@@ -209,7 +209,8 @@ def refusals(folder):
                            (["--subjects", "0", "--conditions", "a", "--duration", "1s", *source], 2),
                            (["--subjects", "2", "--conditions", "a\nb", "--duration", "1s", *source], 2),
                            ([*good, "--expect", "tone", *source], 2), ([*good[:4], *source], 2)):
-        run("session", "new", folder, *words, status=status_)
+        said = run("session", "new", folder, *words, status=status_).stderr
+        check(said.count("\n") == 1, f"one line: {said}")
         check(not os.path.exists(folder), f"{words} leaves a folder")
     for word in ("next", "redo", "status", "floor"):
         check("is not a session" in run("session", word, folder, status=3).stderr, word)

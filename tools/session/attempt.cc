@@ -159,10 +159,7 @@ Result<SessionSource> ReadSource(const SessionPlan& plan) {
   std::vector<const char*> words{"session"};
   words.reserve(plan.source.size() + 1);
   for (const std::string& word : plan.source) words.push_back(word.c_str());
-  if (options.Parse(static_cast<int>(words.size()), words.data())) {
-    return Usage("source", "cannot be read",
-                 "write the sensor's options of acquire behind --, e.g. -- --port /dev/ttyUSB0");
-  }
+  if (options.Parse(static_cast<int>(words.size()), words.data())) return Usage("", "");
   if (const char* decided = Decided(recording)) {
     return Usage(decided, "is not an option of a session's source", "leave it out");
   }

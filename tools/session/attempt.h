@@ -18,8 +18,9 @@ struct SessionSource {
   RecordingPlan plan;
 };
 
-/// Reads SessionPlan::source. A wrong option is reported on stderr as acquire does. Errors
-/// (Cause::kUsage): an option that the session decides itself (file, labels, end), or acquire's.
+/// Reads SessionPlan::source. A word that is no option of acquire is reported on stderr at once;
+/// its error has no words. Other errors (Cause::kUsage): an option that the session decides itself
+/// (file, labels, end), or acquire's.
 [[nodiscard]] Result<SessionSource> ReadSource(const SessionPlan& plan);
 
 /// What an attempt gave.

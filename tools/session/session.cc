@@ -151,6 +151,11 @@ document::Document PlanDocument(const std::string& folder, const SessionPlan& pl
   return document;
 }
 
+// an error without words was reported where it arose (ReadSource)
+int Report(const cli::VerbText& text, const Error& error) {
+  return error.what.empty() ? ExitStatus(error.cause) : cli::ReportError(text.name, error);
+}
+
 // --- session new ---
 
 constexpr cli::VerbText kNewText{
@@ -203,7 +208,7 @@ int RunNew(int argc, const char* const* argv) {
     return PlanDocument(folder, plan);
   };
   auto document = make();
-  if (!document) return cli::ReportError(kNewText.name, document.error());
+  if (!document) return Report(kNewText, document.error());
   document::Outputs outputs;
   outputs.json = options.json();
   return document::Present(*std::move(document), outputs, argc, argv);
@@ -272,7 +277,7 @@ int RunRecording(const cli::VerbText& text, const Choose& choose, int argc,
   cli::CatchInterrupts();
   cli::Remark(text.name, NameOf(*cell));
   const auto outcome = RecordAttempt(*session, *cell, cli::CommandLine({argv, argv + argc}));
-  if (!outcome) return cli::InterruptedStatus(cli::ReportError(text.name, outcome.error()));
+  if (!outcome) return cli::InterruptedStatus(Report(text, outcome.error()));
   const int status =
       document::Present(AttemptDocument(text.name, *session, *outcome), outputs, argc, argv);
   const bool is_good = *outcome->attempt.verdict == SessionVerdict::kGood;

@@ -52,13 +52,16 @@ std::optional<SessionLogLine> ReadLogLine(std::string_view text) {
   // an attempt is known by its file, and its end has a verdict
   const bool has_verdict = verdict.has_value() || *event != SessionEvent::kEnd;
   if (cells[2].empty() || cells[6].empty() || !has_verdict) return std::nullopt;
-  return SessionLogLine{.utc = cells[0],
+  // a name of another folder is none of the session's
+  if (cells[6].contains('/')) return std::nullopt;
+  // any program may have written it: the code behind this place meets no control character
+  return SessionLogLine{.utc = Printable(cells[0]),
                         .event = *event,
-                        .cell = {cells[2], cells[3], *repeat},
+                        .cell = {Printable(cells[2]), Printable(cells[3]), *repeat},
                         .attempt = *attempt,
-                        .file = cells[6],
+                        .file = Printable(cells[6]),
                         .verdict = verdict,
-                        .reason = cells[8]};
+                        .reason = Printable(cells[8])};
 }
 
 const SessionAttempt* SessionState::Latest(const SessionCell& cell) const {

@@ -1,11 +1,15 @@
 #include "tools/session/session_log.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "trial/byte_io.h"
 
 namespace haptometer::tools {
 namespace {
@@ -73,6 +77,19 @@ TEST(SessionLog, ALineThatIsCutOrChangedIsNone) {
     changed[at] = static_cast<char>(changed[at] ^ 1);
     EXPECT_FALSE(ReadLogLine(changed)) << at;
   }
+}
+
+// a log from elsewhere, with sound checksums
+TEST(SessionLog, WhatALineNamesIsPrintableAndInTheSessionsFolder) {
+  const auto read = [](const std::string& file, const std::string& reason) {
+    // written by hand, as TextOf() escapes
+    std::string text = "u,end,1,a,1,1," + file + ",GOOD," + reason + ",";
+    text += fmt::format("{:08x}", trial::Crc32(std::as_bytes(std::span(text))));
+    return ReadLogLine(text);
+  };
+  EXPECT_EQ(read("a.bin", "\x1b[2J")->reason, "\\x1b[2J");
+  EXPECT_FALSE(read("../a.bin", ""));
+  EXPECT_FALSE(read("/etc/passwd", ""));
 }
 
 TEST(SessionLog, CellsCountByTheirLatestFinishedAttempt) {
