@@ -126,6 +126,9 @@ std::string HelpOf(const Option& option) {
 }
 
 // NaN satisfies no bound; without bounds both are infinite
+
+}  // namespace
+
 Result<void> CheckBounds(const Option& option, double number, const std::string& text) {
   const Bounds& bounds = option.bounds;
   const bool is_above = bounds.is_above ? number > bounds.least : number >= bounds.least;
@@ -134,6 +137,8 @@ Result<void> CheckBounds(const Option& option, double number, const std::string&
   return Usage(option.name, fmt::format("'{}' is not {}", text, BoundsText(option)),
                "write one within");
 }
+
+namespace {
 
 // One JSON object: name, summary and examples of the verb, and `options`, without those that are
 // alike in all verbs. What is not known is null.

@@ -72,6 +72,11 @@ struct Option {
   }
 };
 
+/// `number` of an option within its bounds. Errors (Cause::kUsage): outside; `text` as it was
+/// typed.
+[[nodiscard]] Result<void> CheckBounds(const Option& option, double number,
+                                       const std::string& text);
+
 /// The command line of one verb. Declare every option with the variable that takes it, then
 /// Parse().
 ///

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "tools/cli/help.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 
