@@ -87,36 +87,6 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   return {};
 }
 
-void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
-  options.Output("-o,--output", &wanted.output, "FILE|DIR/",
-                 "The trial to write; a directory names it by start, sensor and labels");
-  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
-                 "Stop after this time, with a trigger after this time of each shot");
-  options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
-                "Stop after this many readings, with a trigger after this many of each shot");
-  options.Text("--until", &wanted.until, "HH:MM[:SS]",
-               "Stop at this local time; also YYYY-MM-DDTHH:MM[:SS]");
-  options.Text("--trigger", &wanted.trigger, "[CHANNEL] KIND VALUE",
-               "Record from here on: 'rising 0.1mm', 'voltage above 1V'; KIND is above, below, "
-               "rising or falling");
-  options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
-                "Number of readings stored from before each trigger", cli::Shown::kHelpAll);
-  options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
-                 "Least time from one trigger to the next", cli::Shown::kHelpAll);
-  options
-      .Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53, "Number of triggers to record",
-             cli::Shown::kHelpAll)
-      .Default("1");
-  options.Text("--reconnect", &wanted.reconnect, "TIME|forever",
-               "Wait up to this time for a disconnected device, and continue");
-  options.Flag(
-      "--tare", &wanted.tare,
-      "Store the mean of the second before the recording as its zero; readings are not changed");
-  options.Repeated("--label", &wanted.labels, "KEY=VALUE",
-                   "Label to store with the trial; may be repeated");
-  options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing trial");
-}
-
 using acquire::TriggerKind;
 
 // the kinds of a trigger, by their names in --trigger
@@ -222,6 +192,36 @@ Result<void> CheckAlone(const AcquireOptions& wanted) {
 }
 
 }  // namespace
+
+void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
+  options.Output("-o,--output", &wanted.output, "FILE|DIR/",
+                 "The trial to write; a directory names it by start, sensor and labels");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+                 "Stop after this time, with a trigger after this time of each shot");
+  options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
+                "Stop after this many readings, with a trigger after this many of each shot");
+  options.Text("--until", &wanted.until, "HH:MM[:SS]",
+               "Stop at this local time; also YYYY-MM-DDTHH:MM[:SS]");
+  options.Text("--trigger", &wanted.trigger, "[CHANNEL] KIND VALUE",
+               "Record from here on: 'rising 0.1mm', 'voltage above 1V'; KIND is above, below, "
+               "rising or falling");
+  options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
+                "Number of readings stored from before each trigger", cli::Shown::kHelpAll);
+  options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
+                 "Least time from one trigger to the next", cli::Shown::kHelpAll);
+  options
+      .Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53, "Number of triggers to record",
+             cli::Shown::kHelpAll)
+      .Default("1");
+  options.Text("--reconnect", &wanted.reconnect, "TIME|forever",
+               "Wait up to this time for a disconnected device, and continue");
+  options.Flag(
+      "--tare", &wanted.tare,
+      "Store the mean of the second before the recording as its zero; readings are not changed");
+  options.Repeated("--label", &wanted.labels, "KEY=VALUE",
+                   "Label to store with the trial; may be repeated");
+  options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing trial");
+}
 
 Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
                                     std::time_t now) {

@@ -56,6 +56,9 @@ struct RecordingOptions {
   bool tare = false;
 };
 
+/// Declares the options of a recording.
+void DeclareRecording(cli::Options& options, RecordingOptions& wanted);
+
 /// The same, read and found to make sense.
 struct RecordingPlan {
   std::map<std::string, std::string> labels;
