@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (file->drops.empty()) std::abort();
   for (const auto& drop : file->drops) {
-    if (drop.path.empty()) std::abort();
+    if (drop.name.empty()) std::abort();
     if (drop.load_ohm && !(drop.load_ohm->value > 0)) std::abort();
     if (drop.rebound && !(drop.rebound->value >= 0 && drop.rebound->value <= 1)) std::abort();
   }

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
 
 #include "dsp/analysis/decision_limits.h"
-#include "dsp/spectrum/fft.h"
+#include "dsp/spectrum/changing_sine.h"
+#include "dsp/spectrum/ridge.h"
+#include "dsp/statistics/change_points.h"
 
 namespace haptometer::dsp {
 
@@ -24,9 +23,6 @@ constexpr double kRatePerUpper = 5.2;
 constexpr std::size_t kMostValues = std::size_t{1} << 21U;
 constexpr std::size_t kMostInFrames = std::size_t{1} << 20U;
 constexpr std::size_t kLeastSamples = 16;
-// bins that the ridge moves in a block without a jump
-constexpr std::size_t kMostBins = 2;
-constexpr std::size_t kPadding = 4;
 
 // samples from one thinned sample to the next
 std::size_t StrideOf(double rate_hz, const BandPass& band) {
@@ -120,176 +116,20 @@ Result<Samples> ReadBlocks(const BandSignal& signal, const BandPass& band, std::
   return samples;
 }
 
-// the spectra of frames between the band's corners
-class Spectra {
- public:
-  Spectra(const Samples& samples, const BandPass& band)
-      : samples_(&samples),
-        fft_(std::bit_ceil(kPadding * samples.frame)),
-        padded_(fft_.size()),
-        spectrum_(fft_.bins()),
-        window_(samples.frame) {
-    for (std::size_t n = 0; n < window_.size(); ++n) {
-      const double turn =
-          kTwoPi * (static_cast<double>(n) + 0.5) / static_cast<double>(samples.frame);
-      window_[n] = 0.5 - 0.5 * std::cos(turn);
-    }
-    bin_hz_ = samples.rate_hz / static_cast<double>(fft_.size());
-    first_ = static_cast<std::size_t>(std::ceil(band.lower_hz / bin_hz_));
-    const auto last = static_cast<std::size_t>(band.upper_hz / bin_hz_);
-    count_ = std::min(last, fft_.bins() - 2) + 1 - first_;
-  }
-
-  [[nodiscard]] std::size_t bins() const { return count_; }
-  [[nodiscard]] double FrequencyOf(double bin) const {
-    return (static_cast<double>(first_) + bin) * bin_hz_;
-  }
-
-  // magnitudes of the frame about block `k`
-  void Magnitudes(std::size_t k, std::span<double> magnitudes) {
-    const std::span<const double> values = samples_->Frame(k);
-    // what is behind the frame stays zero
-    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = window_[n] * values[n];
-    fft_.Forward(padded_, spectrum_);
-    for (std::size_t bin = 0; bin < count_; ++bin) {
-      magnitudes[bin] = std::sqrt(std::norm(spectrum_[first_ + bin]));
-    }
-  }
-
- private:
-  const Samples* samples_;
-  RealFft fft_;
-  std::vector<double> padded_;
-  std::vector<std::complex<double>> spectrum_;
-  std::vector<double> window_;
-  double bin_hz_ = 0;
-  std::size_t first_ = 0;
-  std::size_t count_ = 0;
-};
-
-// Best score of each bin after one block more, and the bin that it came from. `score` has kMostBins
-// of minus infinity at either end.
-void Advance(std::span<const double> magnitudes, double largest, std::vector<double>& score,
-             std::vector<double>& next, std::span<std::uint16_t> from) {
-  constexpr std::size_t kSteps = 2 * kMostBins + 1;
-  std::array<double, kSteps> cost{};
-  for (std::size_t step = 0; step < kSteps; ++step) {
-    cost[step] = kRidgeBinCost * largest * std::abs(static_cast<double>(step) - double{kMostBins});
-  }
-  const auto highest = std::ranges::max_element(score);
-  const double jump = *highest - largest;
-  const auto top = static_cast<std::size_t>(highest - score.begin()) - kMostBins;
-  for (std::size_t bin = 0; bin < magnitudes.size(); ++bin) {
-    double best = jump;
-    // origin + kMostBins, so that it is never below zero
-    std::size_t origin = top + kMostBins;
-    for (std::size_t step = 0; step < kSteps; ++step) {
-      const double with = score[bin + step] - cost[step];
-      origin = with > best ? bin + step : origin;
-      best = with > best ? with : best;
-    }
-    next[bin + kMostBins] = best + magnitudes[bin];
-    from[bin] = static_cast<std::uint16_t>(origin - kMostBins);
-  }
-  std::swap(score, next);
-}
-
-// bin between the neighbours at which a parabola through three logarithms is highest
-double Interpolated(std::span<const double> magnitudes, std::size_t bin) {
-  const auto middle = static_cast<double>(bin);
-  if (bin == 0 || bin + 1 >= magnitudes.size()) return middle;
-  const double tiny = std::numeric_limits<double>::min();
-  const double left = std::log(magnitudes[bin - 1] + tiny);
-  const double top = std::log(magnitudes[bin] + tiny);
-  const double right = std::log(magnitudes[bin + 1] + tiny);
-  const double bend = left - 2 * top + right;
-  if (!(bend < 0)) return middle;
-  return middle + std::clamp(0.5 * (left - right) / bend, -0.5, 0.5);
-}
-
-// frequencies of the ridge, a block each
-std::vector<double> FindRidge(const Samples& samples, const BandPass& band) {
-  Spectra spectra(samples, band);
-  const std::size_t bins = spectra.bins();
-  std::vector<double> magnitudes(bins * samples.blocks);
-  const auto of = [&](std::size_t k) { return std::span(magnitudes).subspan(k * bins, bins); };
-  // the largest magnitude decides what moves cost
-  double largest = 0;
-  for (std::size_t k = 0; k < samples.blocks; ++k) {
-    spectra.Magnitudes(k, of(k));
-    largest = std::max(largest, *std::ranges::max_element(of(k)));
-  }
-  // scores with a margin in which no path begins
-  std::vector<double> score(bins + 2 * kMostBins, -std::numeric_limits<double>::infinity());
-  std::vector<double> next = score;
-  std::fill_n(score.begin() + kMostBins, bins, 0.0);
-  std::vector<std::uint16_t> from(bins * samples.blocks);
-  for (std::size_t k = 0; k < samples.blocks; ++k) {
-    Advance(of(k), largest, score, next, std::span(from).subspan(k * bins, bins));
-  }
-  // the path back from the best end
-  auto bin = static_cast<std::size_t>(std::ranges::max_element(score) - score.begin()) - kMostBins;
-  std::vector<double> ridge(samples.blocks);
-  for (std::size_t k = samples.blocks; k-- > 0;) {
-    ridge[k] = spectra.FrequencyOf(Interpolated(of(k), bin));
-    bin = from[k * bins + bin];
-  }
-  return ridge;
-}
-
-// x and y of  p x + q y = r,  q x + s y = t
-std::array<double, 2> Solved(double p, double q, double s, double r, double t) {
-  const double determinant = p * s - q * q;
-  return {(s * r - q * t) / determinant, (p * t - q * r) / determinant};
-}
-
-// Least squares of (a + a' u) cos + (b + b' u) sin, u from -1 to 1 over the block. About its middle
-// cos and u sin are even, sin and u cos odd: two pairs that know nothing of each other.
+// the fit of a block; `degrees` are the independent values in it, of which there are fewer than
+// samples
 DriveBlock FitBlock(std::span<const double> values, double rate_hz, double frequency_hz,
                     double degrees) {
   const auto n = static_cast<double>(values.size());
-  const double middle = 0.5 * (n - 1);
-  const double step = kTwoPi * frequency_hz / rate_hz;
-  const double advance_cos = std::cos(step);
-  const double advance_sin = std::sin(step);
-  double cos = std::cos(step * middle);
-  double sin = -std::sin(step * middle);
-  // sums over the block: of squares and products, then of what the values share with each
-  double square = 0;
-  double cos2 = 0;
-  double u2 = 0;
-  double u2cos2 = 0;
-  double cross = 0;
-  std::array<double, 4> right{};
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double u = (static_cast<double>(k) - middle) / (0.5 * n);
-    const double x = values[k];
-    square += x * x;
-    cos2 += cos * cos;
-    u2 += u * u;
-    u2cos2 += u * u * cos * cos;
-    cross += u * cos * sin;
-    right[0] += x * cos;
-    right[1] += x * u * sin;
-    right[2] += x * sin;
-    right[3] += x * u * cos;
-    const double turned = cos * advance_cos - sin * advance_sin;
-    sin = cos * advance_sin + sin * advance_cos;
-    cos = turned;
-  }
-  const auto even = Solved(cos2, cross, u2 - u2cos2, right[0], right[1]);
-  const auto odd = Solved(n - cos2, cross, u2cos2, right[2], right[3]);
+  const ChangingSine fit = FitChangingSine(values, kTwoPi * frequency_hz / rate_hz);
   DriveBlock block;
-  block.amplitude_m = {even[0], -odd[0]};
+  block.amplitude_m = fit.amplitude;
   // d(phase)/dt = Im(z' / z), u advances by 2 rate / n a second
-  const std::complex<double> slope(odd[1], -even[1]);
-  const double moved = std::abs(block.amplitude_m) > 0 ? std::imag(slope / block.amplitude_m) : 0;
+  const double moved = std::abs(fit.amplitude) > 0 ? std::imag(fit.slope / fit.amplitude) : 0;
   block.frequency_hz = frequency_hz + moved * 2 * rate_hz / n / kTwoPi;
-  block.mean_square = square / n;
-  const double explained =
-      even[0] * right[0] + even[1] * right[1] + odd[0] * right[2] + odd[1] * right[3];
-  // four parameters are taken from the independent values, of which there are fewer than n
-  block.residual = std::max(0.0, square - explained) / n * degrees / std::max(1.0, degrees - 4);
+  block.mean_square = fit.square_sum / n;
+  // four parameters are taken from the independent values
+  block.residual = fit.residual_sum / n * degrees / std::max(1.0, degrees - 4);
   return block;
 }
 
@@ -386,7 +226,11 @@ Result<BlockCourse> MeasureIn(const BandSignal& signal, const BandPass& band, do
       .fitted = static_cast<double>(samples.block) / period,
       .following = {}};
   if (samples.blocks == 0) return course;
-  const std::vector<double> ridge = FindRidge(samples, band);
+  const std::vector<double> ridge =
+      FindRidge({.frame = [&samples](std::size_t k) { return samples.Frame(k); },
+                 .count = samples.blocks,
+                 .rate_hz = samples.rate_hz},
+                band.lower_hz, band.upper_hz, kRidgeBinCost);
   const auto fit = [&](std::span<const double> values, std::size_t k) {
     return FitBlock(values, samples.rate_hz, ridge[k], course.degrees_of_freedom());
   };
@@ -439,8 +283,6 @@ Result<BlockCourse> MeasureBlocks(const BandSignal& signal, const BandPass& band
 }
 
 namespace {
-
-constexpr std::size_t kMostAtOnce = 2048;
 
 double QuantileOf(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -519,60 +361,6 @@ Features FeaturesOf(const BlockCourse& course) {
     features.inverse[k] = 1 / static_cast<double>(k);
   }
   return features;
-}
-
-// borders of the cheapest partition of blocks [first, end), first and end included
-std::vector<std::size_t> Partition(const Features& features, std::size_t first, std::size_t end,
-                                   double penalty) {
-  const std::size_t n = end - first;
-  std::vector<double> cost(n + 1, 0.0);
-  std::vector<std::size_t> from(n + 1, 0);
-  cost[0] = -penalty;
-  std::vector<std::size_t> candidates{0};
-  std::vector<double> with;
-  for (std::size_t k = 1; k <= n; ++k) {
-    cost[k] = std::numeric_limits<double>::infinity();
-    with.resize(candidates.size());
-    for (std::size_t j = 0; j < candidates.size(); ++j) {
-      with[j] = cost[candidates[j]] + features.Cost(first + candidates[j], first + k);
-      if (with[j] + penalty >= cost[k]) continue;
-      cost[k] = with[j] + penalty;
-      from[k] = candidates[j];
-    }
-    // a candidate that lost by more than a penalty never wins again
-    std::size_t kept = 0;
-    for (std::size_t j = 0; j < candidates.size(); ++j) {
-      if (with[j] <= cost[k] + penalty) candidates[kept++] = candidates[j];
-    }
-    candidates.resize(kept);
-    candidates.push_back(k);
-  }
-  std::vector<std::size_t> borders{end};
-  for (std::size_t k = n; k > 0; k = from[k]) borders.push_back(first + from[k]);
-  std::ranges::reverse(borders);
-  return borders;
-}
-
-// of all blocks: in pieces, whose borders stay only where they pay
-std::vector<std::size_t> PartitionAll(const Features& features) {
-  const std::size_t n = features.size();
-  // 5 c ln(n), see the header
-  const double penalty =
-      5 * kChangePenalty * std::log(static_cast<double>(std::max<std::size_t>(n, 2)));
-  std::vector<std::size_t> borders{0};
-  for (std::size_t first = 0; first < n; first += kMostAtOnce) {
-    const auto piece = Partition(features, first, std::min(n, first + kMostAtOnce), penalty);
-    borders.insert(borders.end(), piece.begin() + 1, piece.end());
-  }
-  for (std::size_t piece = kMostAtOnce; piece < n; piece += kMostAtOnce) {
-    const auto at = std::ranges::lower_bound(borders, piece);
-    if (at == borders.end() || *at != piece) continue;
-    const std::size_t before = *(at - 1);
-    const std::size_t after = *(at + 1);
-    const double apart = features.Cost(before, piece) + features.Cost(piece, after) + penalty;
-    if (features.Cost(before, after) <= apart) borders.erase(at);
-  }
-  return borders;
 }
 
 // value at the begin and at the end of a line through y(k), k = 0 .. n - 1
@@ -684,7 +472,12 @@ std::string_view Name(DriveState state) {
 std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz) {
   if (course.blocks.empty()) return {};
   const Features features = FeaturesOf(course);
-  const std::vector<std::size_t> borders = PartitionAll(features);
+  // 5 c ln(n), see the header
+  const double penalty =
+      5 * kChangePenalty * std::log(static_cast<double>(std::max<std::size_t>(features.size(), 2)));
+  const std::vector<std::size_t> borders = CheapestPartition(
+      features.size(), penalty,
+      [&](std::size_t first, std::size_t end) { return features.Cost(first, end); });
   std::vector<StateInterval> states;
   for (std::size_t k = 0; k + 1 < borders.size(); ++k) {
     StateInterval next = Describe(course, borders[k], borders[k + 1]);

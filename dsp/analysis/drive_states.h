@@ -75,11 +75,9 @@ struct BlockCourse {
 
 /// Measures what is free of transients of `signal` in blocks of at least `least_block_s`.
 ///
-/// A block lasts the longer of `least_block_s` and four periods of the tone. The ridge is the path
-/// through the spectra of two blocks each (Hann window, padded to four times) that collects most
-/// magnitude, less 0.02 of the largest one for each bin that it moves, at most two bins a block, or
-/// the largest one for a jump to any bin (Viterbi's algorithm; L. Angrisani and others use it so
-/// for ridges of time-frequency planes). A tone that moves by 100 Hz/s is followed.
+/// A block lasts the longer of `least_block_s` and four periods of the tone, whose frequency is
+/// that of the ridge through the spectra of two blocks each (dsp/spectrum/ridge.h). A tone that
+/// moves by 100 Hz/s is followed.
 ///
 /// Where FramesToKeep gives frames, there are so many blocks as frames of two of those blocks hold
 /// 2^20 samples, each as long as it takes: the spectrum is that of the frame in the middle, the fit
@@ -128,13 +126,11 @@ struct StateInterval {
 
 /// Splits a course into states.
 ///
-/// Optimal partitioning (Jackson et al., IEEE Signal Processing Letters 12(2), 2005, p. 105) with
-/// the pruning of Killick et al. (JASA 107, 2012, p. 1590), of the level |z| (a line in each state)
+/// The cheapest partition (dsp/statistics/change_points.h) of the level |z| (a line in each state)
 /// and of ln(residual) (a constant) together. With m blocks in a state, RSS their squared residuals
 /// and v = max(s^2, (RSS + 2 s^2) / (m + 2)) their variance,
 ///   cost = sum over states of m ln v1 + RSS1 / v1 + m ln v2 + RSS2 / v2 + 5 c ln n,   c = 1.5
-/// s is what noise gives the level of a block and the logarithm of its residual. More than 2048
-/// blocks are split in pieces, whose borders are kept only where they lower the cost.
+/// s is what noise gives the level of a block and the logarithm of its residual.
 ///
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
 /// between others is a transition, and so is one that is off but changes by half its level.

@@ -481,6 +481,9 @@ void FinishTone(Window& window) {
   }
   // the fit is of filtered samples: leakage is added there, the filter's gain divided out after it
   AddLeakedLine(window, fit);
+  // what steps may change of the RMS, they change of the amplitude: a rectangular distribution
+  const double steps_m = window.steps_m * std::numbers::sqrt2 / std::numbers::sqrt3;
+  fit.amplitude_uncertainty = std::hypot(fit.amplitude_uncertainty, steps_m);
   fit.amplitude /= gain;
   fit.amplitude_uncertainty /= gain;
   // the rate is a line through times: each of its ends may be off by their uncertainty

@@ -115,5 +115,20 @@ TEST(WindowNumbers, ASilentCurrentIsSaidAndAnotherUnitIsNoCurrent) {
   EXPECT_EQ(shunt->findings.list().size() + 1, silent->findings.list().size());
 }
 
+// three steps of a sine: what rounding does to its amplitude is in no noise, but in the interval
+TEST(QuantisedTone, LiesInTheIntervalOfItsAmplitude) {
+  for (const double amplitude : {2.6, 3.0, 3.3, 4.2}) {
+    std::vector<double> values = Samples(kRateHz, kRows, 0.5, {{amplitude, 173.3}});
+    for (double& value : values) value = std::round(value) * 1e-6;
+    const auto analysis = AnalyzeBand(RecordOf(values, kRateHz), {});
+    ASSERT_TRUE(analysis && analysis->numbers && analysis->numbers->tone) << amplitude;
+    const ToneNumbers& tone = *analysis->numbers->tone;
+    EXPECT_LT(tone.amplitude_lower_m, amplitude * 1e-6);
+    EXPECT_GT(tone.amplitude_upper_m, amplitude * 1e-6);
+    // the bound is no wider than a step
+    EXPECT_LT(tone.amplitude_uncertainty_m, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
