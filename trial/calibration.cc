@@ -40,6 +40,9 @@ const KeyUnit* UnitOf(ChannelRole role) {
   return nullptr;
 }
 
+// a sensor whose gain is known no better is not calibrated
+constexpr double kLargestGainUncertainty = 0.2;
+
 // key of a channel's table, and end of the field that keeps it
 constexpr std::string_view kRelativeUncertainty = "relative_standard_uncertainty";
 
@@ -148,9 +151,9 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   ReadCounts(table, in, &calibration);
   const std::string relative(kRelativeUncertainty);
   calibration.gain_uncertainty = table.Number(relative, Dimension::kNone);
-  if (calibration.gain_uncertainty &&
-      !(*calibration.gain_uncertainty > 0 && *calibration.gain_uncertainty < 1)) {
-    table.Refuse(relative, "is not above 0 and below 1");
+  if (calibration.gain_uncertainty && !(*calibration.gain_uncertainty > 0 &&
+                                        *calibration.gain_uncertainty <= kLargestGainUncertainty)) {
+    table.Refuse(relative, "is not above 0 and at most 0.2");
   }
   calibration.range_min = table.Number(fmt::format("range_min_{}", out->letter), out->dimension);
   calibration.range_max = table.Number(fmt::format("range_max_{}", out->letter), out->dimension);
@@ -267,10 +270,13 @@ Result<double> ParseGainUncertainty(std::string_view text, std::string_view wher
   if (is_percent) text.remove_suffix(1);
   HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, where));
   const double relative = is_percent ? number.value / 100 : number.value;
-  if (relative > 0 && relative < 1) return relative;
-  return Usage(std::string(where),
-               fmt::format("{:g} is no relative standard uncertainty", relative),
-               "give a share above 0 and below 1, as 0.5%");
+  // a bare 0.5 is a forgotten %
+  if (relative > 0 && relative <= kLargestGainUncertainty) return relative;
+  return Usage(
+      std::string(where),
+      fmt::format("{:g} % is no relative standard uncertainty of a calibration", 100 * relative),
+      fmt::format("give a share above 0 and at most {:g} %, as 0.5%",
+                  100 * kLargestGainUncertainty));
 }
 
 Result<std::optional<double>> GainUncertaintyOf(const Metadata& metadata,

@@ -76,7 +76,7 @@ struct Calibration {
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
 
 /// A relative standard uncertainty of a gain: "0.005" or "0.5%". Errors (Cause::kUsage), at
-/// `where`: not a number, or not above 0 and below 1.
+/// `where`: not a number, or not above 0 and at most 0.2.
 [[nodiscard]] Result<double> ParseGainUncertainty(std::string_view text, std::string_view where);
 
 /// The relative standard uncertainty of the gain of `channel` that CalibrationFields kept; nothing

@@ -98,10 +98,13 @@ def day(folder, port):
     check("not an empty folder" in run(*new, *source, status=2).stderr, "a session is never written over")
     first = record(folder)
     check(first["verdict"] == "GOOD" and abs(first["tone_frequency_hz"] - 225) < 0.1, first)
+    check(excluded(first["file"]) == "", "a trial that ended counts")
     killed_in_a_trial(folder)
+    # before any other command: its header says so
+    killed = [line["file"] for line in lines(folder) if line["event"] == "begin"][1]
+    check(excluded(f"{folder}/trials/{killed}") == "session: interrupted", "a study leaves the killed one out at once")
     second = record(folder)
     check(second["attempt"] == 2, f"the number of the killed attempt is not given again: {second}")
-    killed = [line["file"] for line in lines(folder) if line["event"] == "begin"][1]
     check(excluded(f"{folder}/trials/{killed}") == "session: interrupted", "a study leaves the killed one out")
     # rejected, done again: the new attempt counts, and the file of the old one is excluded
     run("session", "reject", folder, "--reason", "finger slipped, twice")

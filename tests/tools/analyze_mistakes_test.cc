@@ -199,6 +199,10 @@ TEST_F(AnalyzeMistakes, AStatedCalibrationIsInTheBudget) {
   // of two trials one states it: the other one's exclusion is still shown
   EXPECT_THAT(Analyze({stated, trial}).out, HasSubstr("uncertainty excludes"));
   EXPECT_EQ(Analyze({"--calibration-uncertainty", "2", trial}).status, 2);
+  // a forgotten %
+  const auto forgotten = Analyze({"--calibration-uncertainty", "0.5", trial});
+  EXPECT_EQ(forgotten.status, 2);
+  EXPECT_THAT(forgotten.err, HasSubstr("at most 20 %, as 0.5%"));
 }
 
 TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {

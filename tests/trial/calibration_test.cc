@@ -53,7 +53,7 @@ TEST(CalibrationFile, AnUncertaintyOfTheGainIsKept) {
   EXPECT_EQ(GainUncertaintyOf(metadata, "displacement").value(), 0.004);
   EXPECT_EQ(GainUncertaintyOf(metadata, "voltage").value(), std::nullopt);
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1e-3\nrelative_standard_uncertainty = 0\n"),
-              HasSubstr("is not above 0 and below 1"));
+              HasSubstr("is not above 0 and at most 0.2"));
 }
 
 TEST(ParseGainUncertainty, IsAShareOrPercent) {

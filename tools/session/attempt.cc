@@ -62,12 +62,7 @@ trial::TrialHeader HeaderOf(const acquire::Sensor& sensor, const SessionFolder& 
   fields["session.plan_sha256"] = PlanHash(session);
   fields["session.cell"] = fmt::format("{} of {}", place + 1, session.cells().size());
   fields["session.attempt"] = std::to_string(number);
-  if (cell.is_floor()) {
-    fields[std::string(trial::kExcludedField)] = kFloorReason;
-  } else {
-    // a replayed trial's own exclusion is not this one's
-    fields.erase(std::string(trial::kExcludedField));
-  }
+  fields[std::string(trial::kExcludedField)] = cell.is_floor() ? kFloorReason : kInterruptedReason;
   return header;
 }
 

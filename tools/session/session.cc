@@ -383,6 +383,8 @@ Result<SessionFolder> Reject(const Decision& wanted) {
   HAPTOMETER_LET(const auto attempt, AttemptOf(session, wanted));
   HAPTOMETER_TRY(session.Append(LineOf(attempt, SessionEvent::kReject, wanted.reason)));
   HAPTOMETER_TRY(session.Settle(attempt.cell));
+  cli::Remark(kRejectText.name, fmt::format("rejected: {}, attempt {}, {}", NameOf(attempt.cell),
+                                            attempt.number, attempt.file));
   return session;
 }
 
@@ -422,6 +424,8 @@ Result<SessionFolder> Relabel(const Decision& wanted, const std::string& subject
   HAPTOMETER_TRY(session.Append(line));
   HAPTOMETER_TRY(session.Settle(cell));
   HAPTOMETER_TRY(session.Settle(attempt.cell));
+  cli::Remark(kRelabelText.name,
+              fmt::format("{}: {} is now {}", attempt.file, NameOf(attempt.cell), NameOf(cell)));
   return session;
 }
 

@@ -41,7 +41,7 @@ Result<void> WriteDurably(trial::ByteSink& sink, std::string_view text, const st
 
 std::string ReasonOf(const SessionAttempt& attempt, bool counts) {
   if (attempt.cell.is_floor()) return std::string(kFloorReason);
-  if (!attempt.verdict) return fmt::format("{}interrupted", kSessionReason);
+  if (!attempt.verdict) return std::string(kInterruptedReason);
   if (!counts) return fmt::format("{}a later attempt counts", kSessionReason);
   if (*attempt.verdict != SessionVerdict::kBad) return {};
   return fmt::format("{}{}: {}", kSessionReason, attempt.is_rejected ? "rejected" : "BAD",
@@ -172,9 +172,11 @@ Result<void> SessionFolder::SettleTrial(const SessionAttempt& attempt, bool coun
   // what the user excluded stays excluded
   const bool is_users = !present.empty() && !present.starts_with(kSessionReason);
   if (is_users || present == wanted) return {};
-  return trial::AppendEvent(
-      path, {.kind = wanted.empty() ? trial::EventKind::kIncluded : trial::EventKind::kExcluded,
-             .text = wanted});
+  if (!wanted.empty()) {
+    return trial::AppendEvent(path, {.kind = trial::EventKind::kExcluded, .text = wanted});
+  }
+  return trial::AppendEvent(path, {.kind = trial::EventKind::kIncluded,
+                                   .text = fmt::format("{}it counts", kSessionReason)});
 }
 
 }  // namespace haptometer::tools

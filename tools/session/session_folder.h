@@ -64,8 +64,10 @@ class SessionFolder {
 
 /// What the reasons of exclusions by a session begin with.
 inline constexpr std::string_view kSessionReason = "session: ";
-/// The reason of a floor, which its header has from the beginning.
+/// The reasons that a trial's header has from the beginning: of a floor, and of every other trial,
+/// which is included when its attempt has ended. A killed attempt is so in no study.
 inline constexpr std::string_view kFloorReason = "session: floor, drive off";
+inline constexpr std::string_view kInterruptedReason = "session: interrupted";
 
 /// The labels of a cell's trials: subject, condition and repeat; of a floor the subject.
 [[nodiscard]] std::map<std::string, std::string> LabelsOf(const SessionCell& cell);

@@ -183,7 +183,7 @@ Result<void> SetExclusion(const std::string& path, trial::EventKind kind,
     }
   }
   return Append(
-      path, {.kind = kind, .text = reason},
+      path, {.kind = kind, .text = reason.empty() ? "in studies again" : reason},
       {excludes ? "write the reason into it, as a line '# excluded = finger slipped' above "
                   "the columns"
                 : "remove its line '# excluded = ...'",
