@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
 #include "base/jobs.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/record_facts.h"

@@ -39,8 +39,8 @@ TEST(Ridge, FollowsAToneThatMoves) {
   const std::size_t count = 26'000;
   const std::vector<double> ridge = RidgeOf(Chirp(150, 400, count));
   for (std::size_t k = 0; k < ridge.size(); ++k) {
-    const double middle =
-        static_cast<double>(k * kFrame / 2 + kFrame / 2) / static_cast<double>(count);
+    const std::size_t middle_sample = (k + 1) * (kFrame / 2);
+    const double middle = static_cast<double>(middle_sample) / static_cast<double>(count);
     EXPECT_ABS(ridge[k], 150 + 250 * middle, kRateHz / 2048,
                "a bin: at its ends the path saves the cost of the last move");
   }
