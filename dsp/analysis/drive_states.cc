@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -193,8 +194,8 @@ void TakeCells(const BandSignal& signal, const Samples& samples, std::span<const
 // They do not where the levels of a few blocks are off the median, or these differ from their
 // fitted part.
 bool IsUniform(const BlockCourse& course) {
-  std::vector<double> levels;
-  for (const DriveBlock& block : course.blocks) levels.push_back(block.level_m());
+  const auto of_blocks = course.blocks | std::views::transform(&DriveBlock::level_m);
+  std::vector<double> levels(of_blocks.begin(), of_blocks.end());
   std::ranges::nth_element(levels, levels.begin() + std::ssize(levels) / 2);
   const double median = levels[levels.size() / 2];
   const auto others = std::ranges::count_if(course.blocks, [&](const DriveBlock& block) {

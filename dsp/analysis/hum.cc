@@ -124,7 +124,8 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
                                         std::optional<double> stated_hz) {
   const KeptFrames kept = FramesToKeep(signal.size(), signal.rate_hz(), band);
   const double rate_hz = signal.rate_hz() / static_cast<double>(kept.stride);
-  const double duration_s = static_cast<double>((signal.size() - 1) / kept.stride + 1) / rate_hz;
+  const std::size_t frames = (signal.size() - 1) / kept.stride + 1;
+  const double duration_s = static_cast<double>(frames) / rate_hz;
   std::vector<SteadyLine> lines;
   if (duration_s < kLeastLineS || kept.frame != kept.period) return lines;
   const auto values = ReadForStates(signal, band, {}, 0, signal.size());

@@ -166,6 +166,7 @@ std::vector<plot::Series> ArtifactMarks(const Rows& rows) {
 // intervals of x for shading
 std::vector<std::pair<double, double>> IntervalsOf(const std::vector<dsp::TimeWindow>& windows) {
   std::vector<std::pair<double, double>> intervals;
+  intervals.reserve(windows.size());
   for (const dsp::TimeWindow& one : windows) intervals.emplace_back(one.begin_s, one.end_s);
   return intervals;
 }

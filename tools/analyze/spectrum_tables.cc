@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -180,8 +181,8 @@ void MarkSpectrum(const dsp::BandAnalysis& analysis, const SpectrumQuestion& que
   }
   std::vector<double> drive_hz;
   if (numbers.tone) drive_hz.push_back(numbers.tone->fit.frequency_hz);
-  std::vector<double> hum_hz;
-  for (const dsp::SteadyLine& line : numbers.hum) hum_hz.push_back(line.frequency_hz);
+  const auto of_hum = numbers.hum | std::views::transform(&dsp::SteadyLine::frequency_hz);
+  const std::vector<double> hum_hz(of_hum.begin(), of_hum.end());
   for (plot::Series& tones :
        std::array{TonesOn(curve, "strongest tone", plot::kOrange, drive_hz),
                   TonesOn(curve, "its harmonics", plot::kYellow, harmonics_hz),

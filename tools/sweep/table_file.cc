@@ -176,7 +176,7 @@ Result<void> WriteRows(std::vector<MergedTable>& tables, cli::OutputFile& whole)
   constexpr std::size_t kPieceBytes = 1U << 16;
   std::string rows;
   const std::uint64_t points = tables.front().reader.header().points;
-  const MergedTable* last = nullptr;
+  const MergedTable* last = &tables.front();  // that of the point before
   for (std::uint64_t point = 1;; ++point) {
     // the table whose next row is the lowest
     const auto next = std::ranges::min_element(
