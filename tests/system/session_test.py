@@ -133,6 +133,31 @@ def relabelled(folder):
         check(log(folder) == before, "a refused relabelling leaves no line")
 
 
+def remarked(directory):
+    """A skipped cell comes again behind the others; notes and skips change no trial."""
+    folder = f"{directory}/remarks"
+    run("session", "new", folder, "--subjects", "1", "--conditions", "a,b", "--order", "given", "--duration", "0.6s",
+        "--", "--sensor", f"scene:{SCENE}", "--speed", "max")
+    run("session", "note", folder, "--text", "cold room")
+    counts = json.loads(run("session", "skip", folder, "--reason", "a is broken", "--json").stdout)
+    check(counts["next"]["condition"] == "b" and counts["skipped_count"] == 1, counts)
+    first = record(folder)
+    before = trials(folder)
+    run("session", "note", folder, "--text", "subject speaks")
+    counts = status(folder)
+    check(counts["attempts"][0]["notes"] == "subject speaks", counts)
+    check([one["notes"] for one in counts["cell_notes"]] == ["cold room"], counts)
+    check(counts["skipped"][0]["reason"] == "a is broken", counts)
+    check(counts["next"]["condition"] == "a", "what was skipped comes again")
+    check(trials(folder) == before, "a note changes no trial")
+    for words in (["note", folder], ["note", folder, "--text", " "], ["note", folder, "--text", "x", "--file", "none"],
+                  ["skip", folder], ["skip", folder, "--reason", ""]):
+        said = log(folder)
+        check(run("session", *words, status=2).stderr.count("\n") == 1 and log(folder) == said, words)
+    check(record(folder)["condition"] == "a" and status(folder)["skipped_count"] == 0, first)
+    check("is done" in run("session", "skip", folder, "--reason", "x", status=3).stderr, "nothing to skip")
+
+
 def torn(folder):
     """A log that ends in a part of a line: what was whole counts, and going on starts a new line."""
     whole = log(folder)
@@ -231,6 +256,7 @@ if __name__ == "__main__":
             torn(f"{directory}/day")
             ended(f"{directory}/day")
             other_limits(f"{directory}/limits", emulator.port)
+        remarked(directory)
         killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
         refusals(f"{directory}/wrong")
     print(f"passed in {time.monotonic() - began:.1f} s")

@@ -37,6 +37,7 @@ constexpr Key kAttempt{"attempt", "attempt"};
 constexpr Key kPlanned{"planned"};
 constexpr Key kDone{"done"};
 constexpr Key kNext{"next", "next"};
+constexpr Key kNotes{"notes", "notes"};
 
 // --- documents ---
 
@@ -85,6 +86,22 @@ Section AttemptsSection(const SessionState& state) {
             attempt.verdict ? document::Value(Name(*attempt.verdict)) : document::Value());
     row.Add({document::kFile.name, "file"}, attempt.file);
     row.Add({document::kReasons.name, "reasons"}, document::TextOrNotKnown(attempt.reason));
+    row.Add(kNotes, document::TextOrNotKnown(fmt::format("{}", fmt::join(attempt.notes, "; "))));
+  }
+  return list;
+}
+
+// a row for each cell that is skipped, or has notes without an attempt
+Section RemarksSection(const Key& key, std::string_view text_name,
+                       const std::vector<SessionRemark>& remarks) {
+  Section list{.name = key.name,
+               .heading = std::string(key.label),
+               .shape = Section::Shape::kTable,
+               .detail = document::Detail::kAll};
+  for (const SessionRemark& remark : remarks) {
+    Section& row = list.sections.emplace_back(CellSection(remark.cell));
+    row.Add({"", "cell"}, NameOf(remark.cell));
+    row.Add({text_name, text_name}, remark.text);
   }
   return list;
 }
@@ -104,11 +121,16 @@ document::Document StatusDocument(const SessionFolder& session) {
     root.Add({key.name, count > 0 ? label : ""}, count);
   };
   root.Add({"attempt_count", "attempts"}, counts.attempts);
+  add_if({"skipped_count"}, "cells skipped", counts.skipped);
   add_if({"attempts_not_ended"}, "attempts that did not end", counts.interrupted);
   add_if({"attempts_outside_plan"}, "attempts outside the plan", counts.outside);
   add_if({"damaged_lines"}, "lines of the log that are damaged", session.state().damaged_lines);
   root.sections.push_back(FloorsSection(counts));
   root.sections.push_back(AttemptsSection(session.state()));
+  root.sections.push_back(
+      RemarksSection({"skipped", "skipped cells"}, "reason", session.state().skipped));
+  root.sections.push_back(
+      RemarksSection({"cell_notes", "notes of cells"}, kNotes.name, session.state().notes));
   return document;
 }
 
@@ -344,10 +366,16 @@ Result<SessionAttempt> AttemptOf(const SessionFolder& session, const Decision& w
                "see session status --all for its files");
 }
 
+// a text of the user's own, kept for ever
+Result<void> CheckText(const std::string& option, const std::string& text,
+                       const std::string& example) {
+  HAPTOMETER_TRY(CheckPrintable(option, text));
+  if (text.find_first_not_of(' ') != std::string::npos) return {};
+  return Usage(option, "is missing", fmt::format("write, for example, {} '{}'", option, example));
+}
+
 Result<void> CheckReason(const std::string& reason) {
-  HAPTOMETER_TRY(CheckPrintable("--reason", reason));
-  if (reason.find_first_not_of(' ') != std::string::npos) return {};
-  return Usage("--reason", "is missing", "state why, for example --reason 'finger slipped'");
+  return CheckText("--reason", reason, "finger slipped");
 }
 
 SessionLogLine LineOf(const SessionAttempt& attempt, SessionEvent event, std::string reason) {
@@ -444,18 +472,80 @@ int RunRelabel(int argc, const char* const* argv) {
               argv);
 }
 
+// --- remarks: note, skip ---
+
+constexpr cli::VerbText kNoteText{
+    .name = "session note",
+    .summary = "Keep a note with the last trial, or with the next cell where none has ended.",
+    .examples = {"haptometer session note day1 --text 'subject speaks'",
+                 "haptometer session note day1 --file NAME.bin --text 'warm finger'",
+                 "haptometer session status day1 --all"}};
+
+Result<SessionFolder> Note(const Decision& wanted, const std::string& text) {
+  HAPTOMETER_TRY(CheckText("--text", text, "subject speaks"));
+  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
+  const auto next = session.Counts().next;
+  SessionAttempt of{.cell = next.value_or(SessionCell{}), .number = 0};
+  if (!wanted.file.empty() || session.state().LastFinished() != nullptr || !next) {
+    HAPTOMETER_LET(of, AttemptOf(session, wanted));
+  }
+  HAPTOMETER_TRY(session.Append(LineOf(of, SessionEvent::kNote, text)));
+  cli::Remark(kNoteText.name,
+              fmt::format("of {}{}{}", NameOf(of.cell), of.file.empty() ? "" : ", ", of.file));
+  return session;
+}
+
+int RunNote(int argc, const char* const* argv) {
+  Decision wanted;
+  std::string text;
+  cli::Options options(kNoteText);
+  options.Positional("folder", &wanted.folder, "Folder of the session");
+  options.Text("--file", &wanted.file, "NAME", "Of another attempt than the last")
+      .Default("the last that ended");
+  options.Text("--text", &text, "TEXT", "The note, stored in the log");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  return Show(kNoteText, Note(wanted, text), options.json(), argc, argv);
+}
+
+constexpr cli::VerbText kSkipText{
+    .name = "session skip",
+    .summary = "Skip the next cell with a reason: it comes again behind all others.",
+    .examples = {"haptometer session skip day1 --reason 'cone is broken'",
+                 "haptometer session next day1", "haptometer session status day1 --all"}};
+
+Result<SessionFolder> Skip(const std::string& folder, const std::string& reason) {
+  HAPTOMETER_TRY(CheckReason(reason));
+  HAPTOMETER_LET(auto session, SessionFolder::Open(folder));
+  HAPTOMETER_LET(const auto cell, ChooseNext(session));
+  HAPTOMETER_TRY(session.Append(LineOf({.cell = cell, .number = 0}, SessionEvent::kSkip, reason)));
+  cli::Remark(kSkipText.name, fmt::format("skipped: {}", NameOf(cell)));
+  return session;
+}
+
+int RunSkip(int argc, const char* const* argv) {
+  std::string folder;
+  std::string reason;
+  cli::Options options(kSkipText);
+  options.Positional("folder", &folder, "Folder of the session");
+  options.Text("--reason", &reason, "TEXT", "Reason, stored in the log");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  return Show(kSkipText, Skip(folder, reason), options.json(), argc, argv);
+}
+
 struct Word {
   std::string_view name;
   int (*run)(int argc, const char* const* argv);
   const cli::VerbText* text;
 };
 
-constexpr std::array<Word, 7> kWords{{{"new", RunNew, &kNewText},
+constexpr std::array<Word, 9> kWords{{{"new", RunNew, &kNewText},
                                       {"next", RunNext, &kNextText},
                                       {"redo", RunRedo, &kRedoText},
                                       {"reject", RunReject, &kRejectText},
                                       {"relabel", RunRelabel, &kRelabelText},
                                       {"floor", RunFloor, &kFloorText},
+                                      {"note", RunNote, &kNoteText},
+                                      {"skip", RunSkip, &kSkipText},
                                       {"status", RunStatus, &kStatusText}}};
 
 void PrintHelp() {

@@ -16,9 +16,9 @@ namespace haptometer::tools {
 namespace {
 
 constexpr Names<SessionVerdict, 3> kVerdictNames{{"GOOD", "CHECK", "BAD"}};
-constexpr Names<SessionEvent, 4> kEventNames{{"begin", "end", "reject", "relabel"}};
+constexpr Names<SessionEvent, 6> kEventNames{{"begin", "end", "reject", "relabel", "note", "skip"}};
 
-constexpr std::size_t kCells = 10;
+constexpr std::size_t kCells = 11;
 
 std::string CrcOf(std::string_view text) {
   return fmt::format("{:08x}", trial::Crc32(std::as_bytes(std::span(text))));
@@ -31,9 +31,10 @@ std::string_view Name(SessionEvent event) { return kEventNames.Of(event); }
 
 std::string TextOf(const SessionLogLine& line) {
   const std::string text = fmt::format(
-      "{},{},{},{},{},{},{},{},{},", line.utc, Name(line.event), cli::CellOf(line.cell.subject),
+      "{},{},{},{},{},{},{},{},{},{},", line.utc, Name(line.event), cli::CellOf(line.cell.subject),
       cli::CellOf(line.cell.condition), line.cell.repeat, line.attempt, cli::CellOf(line.file),
-      line.verdict ? Name(*line.verdict) : "", cli::CellOf(line.reason));
+      line.verdict ? Name(*line.verdict) : "", cli::CellOf(line.reason),
+      line.band_rms_m ? fmt::format("{}", *line.band_rms_m) : "");
   return text + CrcOf(text) + "\n";
 }
 
@@ -48,10 +49,15 @@ std::optional<SessionLogLine> ReadLogLine(std::string_view text) {
   const auto repeat = NumberFrom<std::int64_t>(cells[4]);
   const auto attempt = NumberFrom<std::int64_t>(cells[5]);
   const auto verdict = kVerdictNames.From(cells[7]);
-  if (!event || !repeat || !attempt || *repeat < 1 || *attempt < 1) return std::nullopt;
-  // an attempt is known by its file, and its end has a verdict
-  const bool has_verdict = verdict.has_value() || *event != SessionEvent::kEnd;
-  if (cells[2].empty() || cells[6].empty() || !has_verdict) return std::nullopt;
+  if (!event || !repeat || !attempt || *repeat < 1) return std::nullopt;
+  // a cell alone has remarks only; an attempt is known by its file, and its end has a verdict
+  using enum SessionEvent;
+  const bool is_of_cell = cells[6].empty();
+  const bool may_be_of_cell = *event == kNote || *event == kSkip;
+  if (is_of_cell ? !may_be_of_cell || *attempt != 0 : *event == kSkip || *attempt < 1) {
+    return std::nullopt;
+  }
+  if (cells[2].empty() || (*event == kEnd && !verdict)) return std::nullopt;
   // a name of another folder is none of the session's
   if (cells[6].contains('/')) return std::nullopt;
   // any program may have written it: the code behind this place meets no control character
@@ -61,7 +67,8 @@ std::optional<SessionLogLine> ReadLogLine(std::string_view text) {
                         .attempt = *attempt,
                         .file = Printable(cells[6]),
                         .verdict = verdict,
-                        .reason = Printable(cells[8])};
+                        .reason = Printable(cells[8]),
+                        .band_rms_m = NumberFrom<double>(cells[9])};
 }
 
 const SessionAttempt* SessionState::Latest(const SessionCell& cell) const {
@@ -78,6 +85,20 @@ const SessionAttempt* SessionState::LastFinished() const {
   return found == attempts.rend() ? nullptr : &*found;
 }
 
+const SessionAttempt* SessionState::FloorOf(const SessionAttempt& attempt) const {
+  const SessionAttempt* last = nullptr;
+  for (const SessionAttempt& floor : attempts) {
+    const bool is_floor = floor.cell.is_floor() && floor.cell.subject == attempt.cell.subject;
+    const bool is_good = floor.verdict == SessionVerdict::kGood && floor.begun < attempt.begun;
+    if (is_floor && is_good && (last == nullptr || floor.begun > last->begun)) last = &floor;
+  }
+  return last;
+}
+
+bool SessionState::IsSkipped(const SessionCell& cell) const {
+  return std::ranges::find(skipped, cell, &SessionRemark::cell) != skipped.end();
+}
+
 std::int64_t SessionState::NextNumber(const SessionCell& cell) const {
   std::int64_t next = 1;
   for (const SessionAttempt& attempt : attempts) {
@@ -88,37 +109,71 @@ std::int64_t SessionState::NextNumber(const SessionCell& cell) const {
 
 namespace {
 
-// false: the line does not fit what is known
-bool Take(const SessionLogLine& line, std::vector<SessionAttempt>& attempts) {
-  auto known = std::ranges::find(attempts, line.file, &SessionAttempt::file);
-  const bool is_known = known != attempts.end();
+// a note of an attempt, or of a cell
+bool TakeNote(const SessionLogLine& line, SessionState& state) {
+  if (line.file.empty()) {
+    state.notes.push_back({line.cell, line.reason});
+    return true;
+  }
+  const auto known = std::ranges::find(state.attempts, line.file, &SessionAttempt::file);
+  if (known == state.attempts.end()) return false;
+  known->notes.push_back(line.reason);
+  return true;
+}
+
+// a beginning, or an end whose beginning was damaged and that says all of it
+bool TakeNew(const SessionLogLine& line, SessionState& state) {
+  if (line.event != SessionEvent::kBegin && line.event != SessionEvent::kEnd) return false;
+  state.attempts.push_back({.cell = line.cell,
+                            .number = line.attempt,
+                            .file = line.file,
+                            .verdict = line.verdict,
+                            .reason = line.reason,
+                            .band_rms_m = line.band_rms_m,
+                            .begun = state.attempts.size()});
+  return true;
+}
+
+// what is said of an attempt that has begun
+bool TakeKnown(const SessionLogLine& line, SessionAttempt& known,
+               std::vector<SessionAttempt>& attempts) {
   using enum SessionEvent;
-  // an end whose beginning was damaged says all of it
-  if (!is_known && (line.event == kBegin || line.event == kEnd)) {
-    attempts.push_back({line.cell, line.attempt, line.file, line.verdict, line.reason, false});
-    return true;
-  }
-  if (!is_known || line.event == kBegin) return false;
+  if (line.event == kBegin || (line.event == kEnd) == known.verdict.has_value()) return false;
   if (line.event == kEnd) {
-    if (known->verdict) return false;
-    known->verdict = line.verdict;
-    known->reason = line.reason;
+    known.verdict = line.verdict;
+    known.reason = line.reason;
+    known.band_rms_m = line.band_rms_m;
     return true;
   }
-  if (!known->verdict) return false;
   if (line.event == kReject) {
-    known->is_rejected = true;
-    known->verdict = SessionVerdict::kBad;
-    known->reason = line.reason;
+    known.is_rejected = true;
+    known.verdict = SessionVerdict::kBad;
+    known.reason = line.reason;
     return true;
   }
   // relabelled: the latest of its new cell
-  SessionAttempt moved = *known;
+  SessionAttempt moved = known;
   moved.cell = line.cell;
   moved.number = line.attempt;
-  attempts.erase(known);
+  std::erase_if(attempts, [&](const SessionAttempt& one) { return one.file == line.file; });
   attempts.push_back(std::move(moved));
   return true;
+}
+
+// false: the line does not fit what is known
+bool Take(const SessionLogLine& line, SessionState& state) {
+  if (line.event == SessionEvent::kNote) return TakeNote(line, state);
+  // a cell is skipped until an attempt is of it
+  if (line.event != SessionEvent::kReject) {
+    std::erase_if(state.skipped, [&](const SessionRemark& one) { return one.cell == line.cell; });
+  }
+  if (line.event == SessionEvent::kSkip) {
+    state.skipped.push_back({line.cell, line.reason});
+    return true;
+  }
+  const auto known = std::ranges::find(state.attempts, line.file, &SessionAttempt::file);
+  return known == state.attempts.end() ? TakeNew(line, state)
+                                       : TakeKnown(line, *known, state.attempts);
 }
 
 }  // namespace
@@ -138,21 +193,40 @@ SessionState ReadLog(std::string_view text) {
     // what is no line at the end was being written when the program was killed
     if (!read && !has_end) {
       state.is_torn = true;
-    } else if (!read || !Take(*read, state.attempts)) {
+    } else if (!read || !Take(*read, state)) {
       ++state.damaged_lines;
     }
   }
   return state;
 }
 
+namespace {
+
+// the cell that is recorded next, by the latest attempts and what is skipped
+std::optional<SessionCell> NextOf(const std::vector<SessionCell>& cells,
+                                  const SessionState& state) {
+  std::optional<SessionCell> first_bad;
+  for (const SessionCell& cell : cells) {
+    if (state.IsSkipped(cell)) continue;
+    const SessionAttempt* latest = state.Latest(cell);
+    if (latest == nullptr) return cell;
+    if (*latest->verdict == SessionVerdict::kBad && !first_bad) first_bad = cell;
+  }
+  if (first_bad) return first_bad;
+  for (const SessionRemark& one : state.skipped) {
+    if (std::ranges::count(cells, one.cell) > 0) return one.cell;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 SessionCounts CountCells(const std::vector<SessionCell>& cells, const SessionState& state) {
   SessionCounts counts;
-  std::optional<SessionCell> first_bad;
   for (const SessionCell& cell : cells) {
     const SessionAttempt* latest = state.Latest(cell);
     const bool is_done = latest != nullptr && *latest->verdict != SessionVerdict::kBad;
-    if (latest == nullptr && !counts.next) counts.next = cell;
-    if (latest != nullptr && !is_done && !first_bad) first_bad = cell;
+    counts.skipped += static_cast<std::size_t>(state.IsSkipped(cell));
     if (cell.is_floor()) {
       ++counts.floors;
       counts.floors_done += static_cast<std::size_t>(is_done);
@@ -165,7 +239,7 @@ SessionCounts CountCells(const std::vector<SessionCell>& cells, const SessionSta
                                                     : counts.bad);
   }
   counts.done = counts.good + counts.check;
-  if (!counts.next) counts.next = first_bad;
+  counts.next = NextOf(cells, state);
   counts.attempts = state.attempts.size();
   // some may be of cells that were planned once
   for (const SessionAttempt& attempt : state.attempts) {

@@ -26,25 +26,29 @@ enum class SessionEvent : std::uint8_t {
   kEnd,      ///< after it, with the verdict
   kReject,   ///< of a finished attempt, with the reason
   kRelabel,  ///< a finished attempt is of this cell from now on, with the reason
+  kNote,     ///< what was seen at an attempt, or at a cell that has none
+  kSkip,     ///< the cell comes again behind all others, with the reason
 };
 
-/// "begin", "end", "reject", "relabel".
+/// "begin", "end", "reject", "relabel", "note", "skip".
 [[nodiscard]] std::string_view Name(SessionEvent event);
 
 /// A line of log.csv.
 struct SessionLogLine {
   std::string utc;
   SessionEvent event = SessionEvent::kBegin;
-  SessionCell cell;                       ///< of kRelabel the new one
-  std::int64_t attempt = 1;               ///< its number within the cell, from 1
-  std::string file;                       ///< in the folder trials; names the attempt
+  SessionCell cell;          ///< of kRelabel the new one
+  std::int64_t attempt = 1;  ///< its number within the cell, from 1; 0 of a cell alone
+  std::string file;          ///< in the folder trials; names the attempt. Empty: of a cell alone,
+                             ///< which kNote may and kSkip must be
   std::optional<SessionVerdict> verdict;  ///< kEnd
-  std::string reason;
+  std::string reason;                     ///< of kNote its text
+  std::optional<double> band_rms_m = {};  ///< kEnd, of a trial that has one
 };
 
 /// The first line of log.csv, with its end.
 inline constexpr std::string_view kSessionLogHeader =
-    "utc,event,subject,condition,repeat,attempt,file,verdict,reason,crc32\n";
+    "utc,event,subject,condition,repeat,attempt,file,verdict,reason,band_rms_m,crc32\n";
 
 /// The line with its end. The last cell is the CRC-32 of all before it, so a line of which a part
 /// is missing or changed is known.
@@ -57,16 +61,27 @@ inline constexpr std::string_view kSessionLogHeader =
 struct SessionAttempt {
   SessionCell cell;
   std::int64_t number = 1;
-  std::string file;
-  std::optional<SessionVerdict> verdict;  ///< empty: it did not end
-  std::string reason;                     ///< of the verdict, or of the rejection
+  std::string file = {};
+  std::optional<SessionVerdict> verdict = {};  ///< empty: it did not end
+  std::string reason = {};                     ///< of the verdict, or of the rejection
   bool is_rejected = false;
+  std::optional<double> band_rms_m = {};
+  std::size_t begun = 0;  ///< attempts that began before it
+  std::vector<std::string> notes = {};
+};
+
+/// A cell with what was said of it.
+struct SessionRemark {
+  SessionCell cell;
+  std::string text;
 };
 
 /// What log.csv says.
 struct SessionState {
   /// In the order of their beginnings; a relabelled one comes behind those before.
   std::vector<SessionAttempt> attempts;
+  std::vector<SessionRemark> notes;    ///< of cells; those of attempts are there
+  std::vector<SessionRemark> skipped;  ///< cells of which no attempt has begun since, with reasons
   std::size_t damaged_lines = 0;  ///< passed over: no line of this log, or one of no known attempt
   bool is_torn = false;           ///< the last line is a part: the program was killed in it
 
@@ -75,6 +90,10 @@ struct SessionState {
   [[nodiscard]] const SessionAttempt* Latest(const SessionCell& cell) const;
   /// The last attempt that ended, of any cell; nullptr where there is none.
   [[nodiscard]] const SessionAttempt* LastFinished() const;
+  /// The subject's last floor that is GOOD and began before `attempt`; nullptr where there is none.
+  [[nodiscard]] const SessionAttempt* FloorOf(const SessionAttempt& attempt) const;
+  /// Whether the cell is skipped.
+  [[nodiscard]] bool IsSkipped(const SessionCell& cell) const;
   /// The number of the cell's next attempt: numbers of unfinished ones are not given again.
   [[nodiscard]] std::int64_t NextNumber(const SessionCell& cell) const;
 };
@@ -96,8 +115,9 @@ struct SessionCounts {
   std::size_t attempts = 0;     ///< begun, of all cells
   std::size_t interrupted = 0;  ///< of these not ended
   std::size_t outside = 0;      ///< finished, of cells that the plan does not have
-  /// The first cell without a finished attempt; where all have one, the first that is bad; nothing
-  /// where all are done.
+  std::size_t skipped = 0;      ///< cells, floors too
+  /// The first cell without a finished attempt; where all have one, the first that is bad; behind
+  /// these the skipped ones, in the order in which they were skipped; nothing where all are done.
   std::optional<SessionCell> next;
 };
 

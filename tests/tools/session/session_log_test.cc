@@ -83,7 +83,7 @@ TEST(SessionLog, ALineThatIsCutOrChangedIsNone) {
 TEST(SessionLog, WhatALineNamesIsPrintableAndInTheSessionsFolder) {
   const auto read = [](const std::string& file, const std::string& reason) {
     // written by hand, as TextOf() escapes
-    std::string text = "u,end,1,a,1,1," + file + ",GOOD," + reason + ",";
+    std::string text = "u,end,1,a,1,1," + file + ",GOOD," + reason + ",,";
     text += fmt::format("{:08x}", trial::Crc32(std::as_bytes(std::span(text))));
     return ReadLogLine(text);
   };
@@ -141,6 +141,67 @@ TEST(SessionLog, ARelabellingIsUndoneTheSameWay) {
 }
 
 // what kill -9 at any moment leaves: whole lines and a part of one
+// first(kOne), last: what is skipped comes behind all others, also behind what is bad
+TEST(SessionLog, ASkippedCellComesAgainBehindTheOthersAndIsUndoneByAnAttempt) {
+  const std::vector<SessionCell> planned{kOne, kTwo, kThree};
+  std::vector<SessionLogLine> lines{{"", kSkip, kOne, 0, "", {}, "cone is broken"}};
+  const auto counts = [&] { return CountCells(planned, ReadLog(LogOf(lines))); };
+  EXPECT_EQ(counts().next, kTwo);
+  EXPECT_EQ(counts().skipped, 1U);
+  lines.push_back({"", kSkip, kTwo, 0, "", {}, "too"});
+  lines.push_back(Begin(kThree, 1, "c.bin"));
+  lines.push_back(End(kThree, 1, "c.bin", kBad));
+  EXPECT_EQ(counts().next, kThree) << "what is bad comes before what is skipped";
+  lines.push_back(End(kThree, 2, "d.bin", kGood));
+  EXPECT_EQ(counts().next, kOne) << "skipped first";
+  lines.push_back({"", kSkip, kOne, 0, "", {}, "still"});
+  EXPECT_EQ(counts().next, kTwo) << "skipped again, behind the other";
+  lines.push_back(Begin(kTwo, 1, "e.bin"));
+  EXPECT_EQ(counts().skipped, 1U) << "an attempt of it has begun";
+  EXPECT_EQ(counts().next, kTwo);
+  lines.push_back(End(kTwo, 1, "e.bin", kGood));
+  lines.push_back({"", kRelabel, kOne, 1, "d.bin", {}, "it was the other"});
+  EXPECT_EQ(counts().skipped, 0U) << "an attempt is of it";
+  EXPECT_EQ(counts().next, kThree);
+  EXPECT_EQ(ReadLog(LogOf(lines)).damaged_lines, 0U);
+}
+
+TEST(SessionLog, NotesStayWithTheirAttemptOrCell) {
+  std::vector<SessionLogLine> lines{{"", kNote, kOne, 0, "", {}, "cold room"},
+                                    End(kOne, 1, "a.bin", kGood),
+                                    {"", kNote, kOne, 1, "a.bin", {}, "subject speaks, \"loud\""},
+                                    {"", kNote, kOne, 1, "a.bin", {}, "twice"},
+                                    {"", kRelabel, kTwo, 1, "a.bin", {}, "swapped"},
+                                    {"", kNote, kOne, 1, "none.bin", {}, "of nothing"}};
+  const SessionState state = ReadLog(LogOf(lines));
+  ASSERT_EQ(state.attempts.size(), 1U);
+  EXPECT_EQ(state.attempts[0].notes,
+            (std::vector<std::string>{"subject speaks, \"loud\"", "twice"}));
+  ASSERT_EQ(state.notes.size(), 1U);
+  EXPECT_EQ(state.notes[0].text, "cold room");
+  EXPECT_EQ(state.damaged_lines, 1U);
+  // a beginning without a file and a skip of an attempt are no lines
+  EXPECT_EQ(ReadLog(LogOf({Begin(kOne, 1, "")})).damaged_lines, 1U);
+  EXPECT_EQ(ReadLog(LogOf({{"", kSkip, kOne, 1, "a.bin", {}, "x"}})).damaged_lines, 1U);
+}
+
+TEST(SessionLog, AFloorServesTheTrialsThatBeganBehindIt) {
+  const SessionCell other{"2", "", 1};
+  const SessionState state = ReadLog(LogOf(
+      {End(kOne, 1, "a.bin", kGood), End(kFloor, 1, "f.bin", kGood), End(other, 1, "o.bin", kGood),
+       End(kTwo, 1, "b.bin", kGood), End(kFloor, 2, "g.bin", kBad), Begin(kTwo, 2, "c.bin"),
+       End(kFloor, 3, "h.bin", kGood), Begin(kTwo, 3, "d.bin")}));
+  const auto floor = [&](const std::string& file) {
+    const auto* found =
+        state.FloorOf(*std::ranges::find(state.attempts, file, &SessionAttempt::file));
+    return found == nullptr ? std::string() : found->file;
+  };
+  EXPECT_EQ(floor("a.bin"), "") << "recorded before it";
+  EXPECT_EQ(floor("b.bin"), "f.bin");
+  EXPECT_EQ(floor("c.bin"), "f.bin") << "one that is BAD is none";
+  EXPECT_EQ(floor("d.bin"), "h.bin");
+}
+
 TEST(SessionLog, AnyBeginningOfTheLogGivesTheStateOfItsWholeLines) {
   const std::string log = LogOf(kDay);
   for (std::size_t bytes = 0; bytes <= log.size(); ++bytes) {
