@@ -56,6 +56,7 @@ inline constexpr Key kNaturalFrequency{"natural_frequency", "natural frequency f
 inline constexpr Key kNaturalFrequencyHz{"natural_frequency_hz", "natural frequency f0", kHertz};
 inline constexpr Key kNewReadings{"new_readings_per_s", "new readings", kPerSecond};
 inline constexpr Key kNoiseRms{"noise_rms_m"};
+inline constexpr Key kNotes{"notes", "notes"};
 inline constexpr Key kObservableUpper{"observable_upper_hz", "observable to", kHertz};
 inline constexpr Key kOffsetM{"offset_m", "offset", kMetre};
 inline constexpr Key kOn{"on"};

@@ -37,7 +37,6 @@ constexpr Key kAttempt{"attempt", "attempt"};
 constexpr Key kPlanned{"planned"};
 constexpr Key kDone{"done"};
 constexpr Key kNext{"next", "next"};
-constexpr Key kNotes{"notes", "notes"};
 
 // --- documents ---
 
@@ -86,7 +85,8 @@ Section AttemptsSection(const SessionState& state) {
             attempt.verdict ? document::Value(Name(*attempt.verdict)) : document::Value());
     row.Add({document::kFile.name, "file"}, attempt.file);
     row.Add({document::kReasons.name, "reasons"}, document::TextOrNotKnown(attempt.reason));
-    row.Add(kNotes, document::TextOrNotKnown(fmt::format("{}", fmt::join(attempt.notes, "; "))));
+    row.Add(document::kNotes,
+            document::TextOrNotKnown(fmt::format("{}", fmt::join(attempt.notes, "; "))));
   }
   return list;
 }
@@ -129,8 +129,8 @@ document::Document StatusDocument(const SessionFolder& session) {
   root.sections.push_back(AttemptsSection(session.state()));
   root.sections.push_back(
       RemarksSection({"skipped", "skipped cells"}, "reason", session.state().skipped));
-  root.sections.push_back(
-      RemarksSection({"cell_notes", "notes of cells"}, kNotes.name, session.state().notes));
+  root.sections.push_back(RemarksSection({"cell_notes", "notes of cells"}, document::kNotes.name,
+                                         session.state().notes));
   return document;
 }
 
@@ -477,12 +477,12 @@ int RunRelabel(int argc, const char* const* argv) {
 constexpr cli::VerbText kNoteText{
     .name = "session note",
     .summary = "Keep a note with the last trial, or with the next cell where none has ended.",
-    .examples = {"haptometer session note day1 --text 'subject speaks'",
+    .examples = {"haptometer session note day1 --text 'cold finger'",
                  "haptometer session note day1 --file NAME.bin --text 'warm finger'",
                  "haptometer session status day1 --all"}};
 
 Result<SessionFolder> Note(const Decision& wanted, const std::string& text) {
-  HAPTOMETER_TRY(CheckText("--text", text, "subject speaks"));
+  HAPTOMETER_TRY(CheckText("--text", text, "cold finger"));
   HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
   const auto next = session.Counts().next;
   SessionAttempt of{.cell = next.value_or(SessionCell{}), .number = 0};

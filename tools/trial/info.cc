@@ -94,7 +94,8 @@ Section HeaderSection(const Metadata& metadata) {
   // a tare of 0 is given in JSON only
   Item& tare = section.Add({"tare_m", "tare", document::kMetre}, metadata.tare_m);
   if (metadata.tare_m == 0) tare.label.clear();
-  section.Add({"notes", metadata.notes.empty() ? "" : "notes"}, metadata.notes);
+  section.Add({document::kNotes.name, metadata.notes.empty() ? "" : document::kNotes.label},
+              metadata.notes);
   section.sections = {TextsSection(kLabels, metadata.labels),
                       TextsSection({"fields", "field"}, metadata.fields)};
   return section;

@@ -169,14 +169,14 @@ TEST(SessionLog, ASkippedCellComesAgainBehindTheOthersAndIsUndoneByAnAttempt) {
 TEST(SessionLog, NotesStayWithTheirAttemptOrCell) {
   std::vector<SessionLogLine> lines{{"", kNote, kOne, 0, "", {}, "cold room"},
                                     End(kOne, 1, "a.bin", kGood),
-                                    {"", kNote, kOne, 1, "a.bin", {}, "subject speaks, \"loud\""},
+                                    {"", kNote, kOne, 1, "a.bin", {}, "cold finger, \"loud\""},
                                     {"", kNote, kOne, 1, "a.bin", {}, "twice"},
                                     {"", kRelabel, kTwo, 1, "a.bin", {}, "swapped"},
                                     {"", kNote, kOne, 1, "none.bin", {}, "of nothing"}};
   const SessionState state = ReadLog(LogOf(lines));
   ASSERT_EQ(state.attempts.size(), 1U);
   EXPECT_EQ(state.attempts[0].notes,
-            (std::vector<std::string>{"subject speaks, \"loud\"", "twice"}));
+            (std::vector<std::string>{"cold finger, \"loud\"", "twice"}));
   ASSERT_EQ(state.notes.size(), 1U);
   EXPECT_EQ(state.notes[0].text, "cold room");
   EXPECT_EQ(state.damaged_lines, 1U);
