@@ -96,4 +96,17 @@ std::optional<Interval> NoncentralityInterval(double t, double df) {
   return t >= 0 ? Interval{*lower, *upper} : Interval{-*upper, -*lower};
 }
 
+std::optional<double> NoncentralityForPower(double df, double alpha, double power) {
+  HAPTOMETER_CHECK(df > 0 && alpha > 0 && alpha < power && power < 1, "{}, {}, {}", df, alpha,
+                   power);
+  const double critical = math::quantile(math::complement(Student(df), alpha / 2));
+  if (!(critical <= kLargestT) || critical > kLargestT * std::sqrt(df)) return std::nullopt;
+  const auto excess = [&](double delta) {
+    const NoncentralStudent t(df, delta);
+    return math::cdf(math::complement(t, critical)) + math::cdf(t, -critical) - power;
+  };
+  // normal over chi: above 40 critical values every level is reached
+  return Root(excess, 0, 40 * critical + 40);
+}
+
 }  // namespace haptometer::dsp

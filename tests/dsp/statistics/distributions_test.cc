@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "tests/residual.h"
 
@@ -36,6 +39,24 @@ TEST(NoncentralityInterval, MirrorsAndIsCentralAtZero) {
   EXPECT_TRUE(NoncentralityInterval(900, 7).has_value());
   EXPECT_FALSE(NoncentralityInterval(1e4, 7).has_value());
   EXPECT_FALSE(NoncentralityInterval(std::numeric_limits<double>::quiet_NaN(), 7).has_value());
+}
+
+// SciPy's noncentral t, at 12 numbers of subjects and 5 of tests
+TEST(NoncentralityForPower, IsThatOfScipy) {
+  std::ifstream file("tests/dsp/statistics/power_reference.csv");
+  std::string line;
+  int rows = 0;
+  while (std::getline(file, line)) {
+    int subjects = 0;
+    int tests = 0;
+    double effect = 0;
+    if (std::sscanf(line.c_str(), "%d,%d,%lg", &subjects, &tests, &effect) != 3) continue;
+    ++rows;
+    const auto found = NoncentralityForPower(subjects - 1, 0.05 / tests, 0.8);
+    EXPECT_REL(found.value() / std::sqrt(subjects), effect, 1e-8, "SciPy's distribution");
+  }
+  EXPECT_EQ(rows, 60);
+  EXPECT_FALSE(NoncentralityForPower(1, 1e-4, 0.8)) << "a critical t of 6366";
 }
 
 }  // namespace
