@@ -18,7 +18,6 @@
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/shared_options.h"
 #include "tools/fit/plan_drop_test.h"
-#include "tools/session/session.h"
 #include "tools/study/manifest.h"
 #include "tools/sweep/sweep.h"
 #include "tools/verbs.h"

@@ -17,7 +17,6 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/session.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

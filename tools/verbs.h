@@ -13,6 +13,7 @@ int RunFitLra(int argc, const char* const* argv);
 int RunFitSkin(int argc, const char* const* argv);
 int RunPlanDropTest(int argc, const char* const* argv);
 int RunReproduce(int argc, const char* const* argv);
+int RunSession(int argc, const char* const* argv);
 int RunSimulate(int argc, const char* const* argv);
 int RunStudy(int argc, const char* const* argv);
 int RunSweep(int argc, const char* const* argv);

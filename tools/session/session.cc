@@ -1,5 +1,3 @@
-#include "tools/session/session.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -12,16 +10,17 @@
 #include <utility>
 #include <vector>
 
-#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
+#include "tools/cli/verb_words.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/session/attempt.h"
 #include "tools/session/session_folder.h"
 #include "tools/study/study_document.h"
+#include "tools/verbs.h"
 
 // session: a plan of trials, recorded one after the other, with a verdict after each.
 
@@ -532,47 +531,23 @@ int RunSkip(int argc, const char* const* argv) {
   return Show(kSkipText, Skip(folder, reason), options.json(), argc, argv);
 }
 
-struct Word {
-  std::string_view name;
-  int (*run)(int argc, const char* const* argv);
-  const cli::VerbText* text;
-};
-
-constexpr std::array<Word, 9> kWords{{{"new", RunNew, &kNewText},
-                                      {"next", RunNext, &kNextText},
-                                      {"redo", RunRedo, &kRedoText},
-                                      {"reject", RunReject, &kRejectText},
-                                      {"relabel", RunRelabel, &kRelabelText},
-                                      {"floor", RunFloor, &kFloorText},
-                                      {"note", RunNote, &kNoteText},
-                                      {"skip", RunSkip, &kSkipText},
-                                      {"status", RunStatus, &kStatusText}}};
-
-void PrintHelp() {
-  cli::Print("Plan a session of trials and record it, with a verdict after each trial.\n\n");
-  for (const Word& word : kWords) {
-    cli::Print(fmt::format("  haptometer session {:<8} {}\n", word.name, word.text->summary));
-  }
-  cli::Print("\nExamples:\n");
-  for (const Word& word : kWords) cli::Print(fmt::format("  {}\n", word.text->examples[0]));
-}
+constexpr auto kWords = std::to_array<cli::VerbWord>(
+    {{"new", RunNew, kNewText.summary, kNewText.examples[0]},
+     {"next", RunNext, kNextText.summary, kNextText.examples[0]},
+     {"redo", RunRedo, kRedoText.summary, kRedoText.examples[0]},
+     {"reject", RunReject, kRejectText.summary, kRejectText.examples[0]},
+     {"relabel", RunRelabel, kRelabelText.summary, kRelabelText.examples[0]},
+     {"floor", RunFloor, kFloorText.summary, kFloorText.examples[0]},
+     {"note", RunNote, kNoteText.summary, kNoteText.examples[0]},
+     {"skip", RunSkip, kSkipText.summary, kSkipText.examples[0]},
+     {"status", RunStatus, kStatusText.summary, kStatusText.examples[0]}});
 
 }  // namespace
 
 int RunSession(int argc, const char* const* argv) {
-  // without a word the help is printed, with status 2
-  const std::string_view name = argc > 1 ? argv[1] : "--help";
-  const auto word = std::ranges::find(kWords, name, &Word::name);
-  if (word != kWords.end()) return word->run(argc - 1, argv + 1);
-  if (name == "--help" || name == "-h" || name == "--help-all") {
-    PrintHelp();
-    return argc > 1 ? 0 : 2;
-  }
-  const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
-  return cli::ReportError("session",
-                          {Cause::kUsage, std::string(name), "is not something session can do",
-                           nearest.empty() ? "see haptometer session --help"
-                                           : fmt::format("did you mean session {}?", nearest)});
+  return cli::RunVerbWord("session",
+                          "Plan a session of trials and record it, with a verdict after each trial.",
+                          kWords, argc, argv);
 }
 
 }  // namespace haptometer::tools

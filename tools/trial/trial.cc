@@ -7,11 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "base/mapped.h"
-#include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/cli/verb_words.h"
 #include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -22,14 +21,7 @@
 namespace haptometer::tools {
 namespace {
 
-struct Word {
-  std::string_view name;
-  int (*run)(int argc, const char* const* argv);
-  std::string_view summary;
-  std::string_view example;
-};
-
-constexpr std::array<Word, 6> kWords{
+constexpr auto kWords = std::to_array<cli::VerbWord>(
     {{"info", RunTrialInfo, "Show what a recording holds: channels, times, gaps, labels, losses.",
       "haptometer trial info trial.bin"},
      {"label", RunTrialLabel, "Add labels to a trial.",
@@ -40,33 +32,12 @@ constexpr std::array<Word, 6> kWords{
       "haptometer trial include trial.bin"},
      {"plot", RunTrialPlot, "Draw a recording.", "haptometer trial plot trial.bin -o trial.svg"},
      {"export", RunTrialExport, "Write recordings as CSV, HDF5, NumPy, WAV or MATLAB files.",
-      "haptometer trial export trial.bin -o trial.h5"}}};
-
-void PrintHelp() {
-  cli::Print("Show, label, draw and export recordings.\n\n");
-  for (const Word& word : kWords)
-    cli::Print(fmt::format("  haptometer trial {:<7} {}\n", word.name, word.summary));
-  cli::Print("\nExamples:\n");
-  for (const Word& word : kWords) cli::Print(fmt::format("  {}\n", word.example));
-}
+      "haptometer trial export trial.bin -o trial.h5"}});
 
 }  // namespace
 
 int RunTrial(int argc, const char* const* argv) {
-  // without a word the help is printed, with status 2
-  const std::string_view name = argc > 1 ? argv[1] : "--help";
-  const auto word = std::ranges::find(kWords, name, &Word::name);
-  if (word != kWords.end()) return word->run(argc - 1, argv + 1);
-  if (name == "--help" || name == "-h" || name == "--help-all") {
-    PrintHelp();
-    return argc > 1 ? 0 : 2;
-  }
-  const std::string nearest = Nearest(name, Mapped<std::string>(kWords, &Word::name));
-  return cli::ReportError("trial",
-                          {Cause::kUsage, std::string(name), "is not something trial can do",
-                           // the most similar word, for typing errors
-                           nearest.empty() ? "see haptometer trial --help"
-                                           : fmt::format("did you mean trial {}?", nearest)});
+  return cli::RunVerbWord("trial", "Show, label, draw and export recordings.", kWords, argc, argv);
 }
 
 // trial label: labels given after the recording.
