@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/text.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
@@ -18,6 +17,7 @@
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/session/attempt.h"
+#include "tools/session/decisions.h"
 #include "tools/session/session_folder.h"
 #include "tools/study/study_document.h"
 #include "tools/verbs.h"
@@ -260,29 +260,6 @@ int RunStatus(int argc, const char* const* argv) {
 
 using Choose = std::function<Result<SessionCell>(const SessionFolder&)>;
 
-Result<SessionCell> ChooseNext(const SessionFolder& session) {
-  const auto next = session.Counts().next;
-  if (next) return *next;
-  return CannotAnswer(session.folder(), "is done: every cell is GOOD or CHECK",
-                      "record one again with session redo");
-}
-
-Result<SessionCell> ChooseLast(const SessionFolder& session) {
-  const SessionAttempt* last = session.state().LastFinished();
-  if (last != nullptr) return last->cell;
-  return CannotAnswer(session.folder(), "has no finished attempt", "record with session next");
-}
-
-// of the subject that comes next, or was last
-Result<SessionCell> ChooseFloor(const SessionFolder& session) {
-  const auto next = session.Counts().next;
-  const SessionAttempt* last = session.state().LastFinished();
-  const std::string& subject = next   ? next->subject
-                               : last ? last->cell.subject
-                                      : session.plan().subjects.front();
-  return SessionCell{.subject = subject, .condition = "", .repeat = 1};
-}
-
 int RunRecording(const cli::VerbText& text, const Choose& choose, int argc,
                  const char* const* argv) {
   std::string folder;
@@ -338,58 +315,22 @@ int RunFloor(int argc, const char* const* argv) {
 
 // --- decisions on a finished attempt: reject, relabel ---
 
-struct Decision {
-  std::string folder;
-  std::string file;
-  std::string reason;
-};
-
-void DeclareDecision(cli::Options& options, Decision& wanted) {
-  options.Positional("folder", &wanted.folder, "Folder of the session");
-  options.Text("--file", &wanted.file, "NAME", "Of another attempt than the last")
+void DeclareDecision(cli::Options& options, std::string& folder, Decision& decision) {
+  options.Positional("folder", &folder, "Folder of the session");
+  options.Text("--file", &decision.file, "NAME", "Of another attempt than the last")
       .Default("the last that ended");
-  options.Text("--reason", &wanted.reason, "TEXT", "Reason, stored in the log and the trial");
+  options.Text("--reason", &decision.reason, "TEXT", "Reason, stored in the log and the trial");
 }
 
-// the attempt that is meant: the last, or that of a file
-Result<SessionAttempt> AttemptOf(const SessionFolder& session, const Decision& wanted) {
-  if (wanted.file.empty()) {
-    HAPTOMETER_TRY(ChooseLast(session));
-    return *session.state().LastFinished();
-  }
-  const std::string name = wanted.file.substr(wanted.file.rfind('/') + 1);
-  const auto& attempts = session.state().attempts;
-  const auto found = std::ranges::find(attempts, name, &SessionAttempt::file);
-  if (found != attempts.end() && found->verdict) return *found;
-  return Usage(wanted.file, "is not a finished attempt of the session",
-               "see session status --all for its files");
-}
-
-// a text of the user's own, kept for ever
-Result<void> CheckText(const std::string& option, const std::string& text,
-                       const std::string& example) {
-  HAPTOMETER_TRY(CheckPrintable(option, text));
-  if (text.find_first_not_of(' ') != std::string::npos) return {};
-  return Usage(option, "is missing", fmt::format("write, for example, {} '{}'", option, example));
-}
-
-Result<void> CheckReason(const std::string& reason) {
-  return CheckText("--reason", reason, "finger slipped");
-}
-
-SessionLogLine LineOf(const SessionAttempt& attempt, SessionEvent event, std::string reason) {
-  return {.utc = {},
-          .event = event,
-          .cell = attempt.cell,
-          .attempt = attempt.number,
-          .file = attempt.file,
-          .verdict = {},
-          .reason = std::move(reason)};
-}
-
-int Show(const cli::VerbText& text, const Result<SessionFolder>& session, bool is_json, int argc,
-         const char* const* argv) {
+// what was decided on stderr, and what is done and comes next on stdout
+int Decide(const cli::VerbText& text, const std::string& folder, bool is_json,
+           const std::function<Result<std::string>(SessionFolder&)>& decide, int argc,
+           const char* const* argv) {
+  auto session = SessionFolder::Open(folder);
   if (!session) return cli::ReportError(text.name, session.error());
+  const auto done = decide(*session);
+  if (!done) return cli::ReportError(text.name, done.error());
+  cli::Remark(text.name, *done);
   document::Document document = StatusDocument(*session);
   document.verb = text.name;
   document::Outputs outputs;
@@ -404,23 +345,14 @@ constexpr cli::VerbText kRejectText{
                  "haptometer session reject day1 --file NAME.bin --reason 'wrong actuator'",
                  "haptometer session redo day1"}};
 
-Result<SessionFolder> Reject(const Decision& wanted) {
-  HAPTOMETER_TRY(CheckReason(wanted.reason));
-  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
-  HAPTOMETER_LET(const auto attempt, AttemptOf(session, wanted));
-  HAPTOMETER_TRY(session.Append(LineOf(attempt, SessionEvent::kReject, wanted.reason)));
-  HAPTOMETER_TRY(session.Settle(attempt.cell));
-  cli::Remark(kRejectText.name, fmt::format("rejected: {}, attempt {}, {}", NameOf(attempt.cell),
-                                            attempt.number, attempt.file));
-  return session;
-}
-
 int RunReject(int argc, const char* const* argv) {
-  Decision wanted;
+  std::string folder;
+  Decision decision;
   cli::Options options(kRejectText);
-  DeclareDecision(options, wanted);
+  DeclareDecision(options, folder, decision);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  return Show(kRejectText, Reject(wanted), options.json(), argc, argv);
+  const auto reject = [&](SessionFolder& session) { return Reject(session, decision); };
+  return Decide(kRejectText, folder, options.json(), reject, argc, argv);
 }
 
 constexpr cli::VerbText kRelabelText{
@@ -430,45 +362,20 @@ constexpr cli::VerbText kRelabelText{
                  "haptometer session relabel day1 --subject 4 --reason 'subject 4 came first'",
                  "haptometer session status day1 --all"}};
 
-// the new cell is one of the plan; what is not given stays
-Result<SessionFolder> Relabel(const Decision& wanted, const std::string& subject,
-                              const std::string& condition,
-                              const std::optional<std::int64_t>& repeat) {
-  HAPTOMETER_TRY(CheckReason(wanted.reason));
-  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
-  HAPTOMETER_LET(const auto attempt, AttemptOf(session, wanted));
-  SessionCell cell = attempt.cell;
-  if (!subject.empty()) cell.subject = subject;
-  if (!condition.empty()) cell.condition = condition;
-  cell.repeat = repeat.value_or(cell.repeat);
-  if (std::ranges::count(session.cells(), cell) == 0) {
-    return Usage(NameOf(cell), "is not in the plan", "see subjects and conditions in session.toml");
-  }
-  if (cell == attempt.cell) return Usage(attempt.file, "is of this cell already");
-  SessionLogLine line = LineOf(attempt, SessionEvent::kRelabel, wanted.reason);
-  line.cell = cell;
-  line.attempt = session.state().NextNumber(cell);
-  HAPTOMETER_TRY(session.Append(line));
-  HAPTOMETER_TRY(session.Settle(cell));
-  HAPTOMETER_TRY(session.Settle(attempt.cell));
-  cli::Remark(kRelabelText.name,
-              fmt::format("{}: {} is now {}", attempt.file, NameOf(attempt.cell), NameOf(cell)));
-  return session;
-}
-
 int RunRelabel(int argc, const char* const* argv) {
-  Decision wanted;
-  std::string subject;
-  std::string condition;
-  std::optional<std::int64_t> repeat;
+  std::string folder;
+  Decision decision;
+  OtherCell other;
   cli::Options options(kRelabelText);
-  DeclareDecision(options, wanted);
-  options.Text("--subject", &subject, "NAME", "Subject of the trial").Default("as it is");
-  options.Text("--condition", &condition, "NAME", "Condition of the trial").Default("as it is");
-  options.Count("--repeat", &repeat, 1, kMostRepeats, "Repeat of the trial").Default("as it is");
+  DeclareDecision(options, folder, decision);
+  options.Text("--subject", &other.subject, "NAME", "Subject of the trial").Default("as it is");
+  options.Text("--condition", &other.condition, "NAME", "Condition of the trial")
+      .Default("as it is");
+  options.Count("--repeat", &other.repeat, 1, kMostRepeats, "Repeat of the trial")
+      .Default("as it is");
   if (const auto status = options.Parse(argc, argv)) return *status;
-  return Show(kRelabelText, Relabel(wanted, subject, condition, repeat), options.json(), argc,
-              argv);
+  const auto relabel = [&](SessionFolder& session) { return Relabel(session, decision, other); };
+  return Decide(kRelabelText, folder, options.json(), relabel, argc, argv);
 }
 
 // --- remarks: note, skip ---
@@ -480,30 +387,18 @@ constexpr cli::VerbText kNoteText{
                  "haptometer session note day1 --file NAME.bin --text 'warm finger'",
                  "haptometer session status day1 --all"}};
 
-Result<SessionFolder> Note(const Decision& wanted, const std::string& text) {
-  HAPTOMETER_TRY(CheckText("--text", text, "cold finger"));
-  HAPTOMETER_LET(auto session, SessionFolder::Open(wanted.folder));
-  const auto next = session.Counts().next;
-  SessionAttempt of{.cell = next.value_or(SessionCell{}), .number = 0};
-  if (!wanted.file.empty() || session.state().LastFinished() != nullptr || !next) {
-    HAPTOMETER_LET(of, AttemptOf(session, wanted));
-  }
-  HAPTOMETER_TRY(session.Append(LineOf(of, SessionEvent::kNote, text)));
-  cli::Remark(kNoteText.name,
-              fmt::format("of {}{}{}", NameOf(of.cell), of.file.empty() ? "" : ", ", of.file));
-  return session;
-}
-
 int RunNote(int argc, const char* const* argv) {
-  Decision wanted;
+  std::string folder;
+  std::string file;
   std::string text;
   cli::Options options(kNoteText);
-  options.Positional("folder", &wanted.folder, "Folder of the session");
-  options.Text("--file", &wanted.file, "NAME", "Of another attempt than the last")
+  options.Positional("folder", &folder, "Folder of the session");
+  options.Text("--file", &file, "NAME", "Of another attempt than the last")
       .Default("the last that ended");
   options.Text("--text", &text, "TEXT", "The note, stored in the log");
   if (const auto status = options.Parse(argc, argv)) return *status;
-  return Show(kNoteText, Note(wanted, text), options.json(), argc, argv);
+  const auto note = [&](SessionFolder& session) { return Note(session, file, text); };
+  return Decide(kNoteText, folder, options.json(), note, argc, argv);
 }
 
 constexpr cli::VerbText kSkipText{
@@ -512,15 +407,6 @@ constexpr cli::VerbText kSkipText{
     .examples = {"haptometer session skip day1 --reason 'cone is broken'",
                  "haptometer session next day1", "haptometer session status day1 --all"}};
 
-Result<SessionFolder> Skip(const std::string& folder, const std::string& reason) {
-  HAPTOMETER_TRY(CheckReason(reason));
-  HAPTOMETER_LET(auto session, SessionFolder::Open(folder));
-  HAPTOMETER_LET(const auto cell, ChooseNext(session));
-  HAPTOMETER_TRY(session.Append(LineOf({.cell = cell, .number = 0}, SessionEvent::kSkip, reason)));
-  cli::Remark(kSkipText.name, fmt::format("skipped: {}", NameOf(cell)));
-  return session;
-}
-
 int RunSkip(int argc, const char* const* argv) {
   std::string folder;
   std::string reason;
@@ -528,7 +414,8 @@ int RunSkip(int argc, const char* const* argv) {
   options.Positional("folder", &folder, "Folder of the session");
   options.Text("--reason", &reason, "TEXT", "Reason, stored in the log");
   if (const auto status = options.Parse(argc, argv)) return *status;
-  return Show(kSkipText, Skip(folder, reason), options.json(), argc, argv);
+  const auto skip = [&](SessionFolder& session) { return Skip(session, reason); };
+  return Decide(kSkipText, folder, options.json(), skip, argc, argv);
 }
 
 constexpr auto kWords = std::to_array<cli::VerbWord>(
