@@ -55,6 +55,7 @@ struct Part {
   const char* name;
 };
 constexpr auto kParts = std::to_array<Part>({{"session", "new"},
+                                             {"session", "run"},
                                              {"session", "next"},
                                              {"session", "redo"},
                                              {"session", "reject"},

@@ -39,10 +39,10 @@ int RunVerbWord(std::string_view verb, std::string_view summary, std::span<const
   }
   // the most similar word, for typing errors
   const std::string nearest = Nearest(name, Mapped<std::string>(words, &VerbWord::name));
-  return ReportError(verb, {Cause::kUsage, std::string(name),
-                            fmt::format("is not something {} can do", verb),
-                            nearest.empty() ? fmt::format("see haptometer {} --help", verb)
-                                            : fmt::format("did you mean {} {}?", verb, nearest)});
+  return ReportError(
+      verb, {Cause::kUsage, std::string(name), fmt::format("is not something {} can do", verb),
+             nearest.empty() ? fmt::format("see haptometer {} --help", verb)
+                             : fmt::format("did you mean {} {}?", verb, nearest)});
 }
 
 }  // namespace haptometer::cli

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
@@ -15,25 +16,32 @@
 #include "tools/cli/terminal.h"
 
 namespace haptometer::document {
-namespace {
 
-// SHA-256 (FIPS 180-4) in hexadecimal; empty where the file cannot be read
-std::string Sha256Of(const std::string& path) {
+std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash(EVP_MD_CTX_new(),
                                                                      &EVP_MD_CTX_free);
   std::ifstream file(path, std::ios::binary);
   if (!hash || EVP_DigestInit_ex(hash.get(), EVP_sha256(), nullptr) != 1 || !file) return {};
   // pieces of 256 KiB: a trial may exceed the memory
   std::vector<char> piece(1 << 18);
-  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
-    EVP_DigestUpdate(hash.get(), piece.data(), static_cast<std::size_t>(file.gcount()));
+  std::uint64_t left = first_bytes;
+  while (left > 0) {
+    const auto size = std::min<std::uint64_t>(piece.size(), left);
+    file.read(piece.data(), static_cast<std::streamsize>(size));
+    const auto got = static_cast<std::uint64_t>(file.gcount());
+    EVP_DigestUpdate(hash.get(), piece.data(), got);
+    left -= got;
+    if (got < size) break;
   }
-  if (file.bad()) return {};
+  const bool is_whole = first_bytes == std::numeric_limits<std::uint64_t>::max() || left == 0;
+  if (file.bad() || !is_whole) return {};
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned length = 0;
   EVP_DigestFinal_ex(hash.get(), digest.data(), &length);
   return fmt::format("{:02x}", fmt::join(std::span(digest.data(), length), ""));
 }
+
+namespace {
 
 InputFile InputOf(const NotedInput& noted) {
   InputFile input{.path = noted.path,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,11 @@ struct Provenance {
   std::string utc{};      ///< when the result was written, "2026-11-23T05:06:07Z"
   std::vector<InputFile> inputs{};
 };
+
+/// SHA-256 (FIPS 180-4) in hexadecimal of the file, or of its first bytes; empty where it cannot be
+/// read or is shorter than a stated number of bytes. Some 0.5 s a GB.
+[[nodiscard]] std::string Sha256Of(
+    const std::string& path, std::uint64_t first_bytes = std::numeric_limits<std::uint64_t>::max());
 
 /// The provenance of what this process answers now: the inputs are those of base/input_file.h, in
 /// the order in which they were noted. Reads each of them once more, some 0.5 s a GB.

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -18,7 +17,6 @@
 #include "tools/acquire/sensor_options.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/analyze/expectation.h"
-#include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/provenance.h"
@@ -28,38 +26,16 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr cli::VerbText kSourceText{
-    .name = "session", .summary = "Options of acquire behind --.", .examples = {"", "", ""}};
-
-// the first option that the plan or the log decides, or that a session does not have
-const char* Decided(const RecordingOptions& recording) {
-  return !recording.output.empty()      ? "-o"
-         : recording.overwrite          ? "--overwrite"
-         : !recording.labels.empty()    ? "--label"
-         : recording.samples            ? "--samples"
-         : recording.duration_s         ? "--duration"
-         : !recording.until.empty()     ? "--until"
-         : !recording.reconnect.empty() ? "--reconnect"
-         : recording.tare               ? "--tare"
-                                        : nullptr;
-}
-
-std::string PlanHash(const SessionFolder& session) {
-  for (const document::InputFile& input : document::CollectProvenance({}).inputs) {
-    if (input.path == session.plan_path()) return input.sha256;
-  }
-  return {};
-}
-
-// the trial's header: as of acquire, with plan, cell and attempt
-trial::TrialHeader HeaderOf(const acquire::Sensor& sensor, const SessionFolder& session,
-                            const SessionCell& cell, std::int64_t number, bool is_replay,
-                            std::string command_line) {
-  trial::TrialHeader header =
-      RecordingHeader(sensor, is_replay, LabelsOf(cell), std::move(command_line));
+// the trial's header: as the source has it, with plan, cell and attempt
+trial::TrialHeader HeaderOf(trial::TrialHeader header, const SessionFolder& session,
+                            const SessionCell& cell, std::int64_t number) {
   auto& fields = header.metadata.fields;
+  auto& labels = header.metadata.labels;
+  // an imported file may have labels of its own: the plan decides
+  for (const char* of_plan : {"subject", "condition", "repeat"}) labels.erase(of_plan);
+  labels.merge(LabelsOf(cell));
   const auto place = std::ranges::find(session.cells(), cell) - session.cells().begin();
-  fields["session.plan_sha256"] = PlanHash(session);
+  fields["session.plan_sha256"] = document::Sha256Of(session.plan_path());
   fields["session.cell"] = fmt::format("{} of {}", place + 1, session.cells().size());
   fields["session.attempt"] = std::to_string(number);
   fields[std::string(trial::kExcludedField)] = cell.is_floor() ? kFloorReason : kInterruptedReason;
@@ -117,85 +93,87 @@ Result<AttemptOutcome> Judge(const std::string& path, const SessionPlan& plan,
   return outcome;
 }
 
-// into a new file, which nothing is written over for
-Result<acquire::RecordingSummary> Record(acquire::Sensor& sensor, const std::string& path,
-                                         const trial::TrialHeader& header,
-                                         const acquire::RecordingLimits& limits, Clock& clock) {
-  HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(path, header, {}, clock));
-  acquire::SingleTrial sink(writer);
-  return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits, {.say = InWords});
-}
-
-// the recording and the verdict; an error of either is BAD in the log before it is reported
-Result<AttemptOutcome> RecordAndJudge(acquire::Sensor& sensor, const std::string& path,
-                                      const trial::TrialHeader& header,
-                                      const acquire::RecordingLimits& limits, Clock& clock,
-                                      const SessionPlan& plan, const SessionAttempt& attempt) {
-  HAPTOMETER_LET(const auto summary, Record(sensor, path, header, limits, clock));
+// the trial and the verdict on it
+Result<AttemptOutcome> WriteAndJudge(const AttemptSource& source, const std::string& path,
+                                     const trial::TrialHeader& header, const SessionPlan& plan,
+                                     const SessionAttempt& attempt) {
+  HAPTOMETER_LET(const auto summary, source.write(path, header));
   HAPTOMETER_LET(auto outcome, Judge(path, plan, attempt));
+  SessionVerdict& verdict = *outcome.attempt.verdict;
+  outcome.reasons.insert(outcome.reasons.end(), source.doubts.begin(), source.doubts.end());
+  if (verdict == SessionVerdict::kGood && !source.doubts.empty()) verdict = SessionVerdict::kCheck;
+  outcome.is_cut_short = summary.connection_lost || summary.interrupted;
   const char* fault = summary.connection_lost ? "the connection was lost"
                       : summary.interrupted   ? "stopped before its end"
                                               : nullptr;
   if (fault != nullptr) {
-    outcome.attempt.verdict = SessionVerdict::kBad;
+    verdict = SessionVerdict::kBad;
     outcome.reasons.insert(outcome.reasons.begin(), fault);
   }
   return outcome;
 }
 
-}  // namespace
-
-Result<SessionSource> ReadSource(const SessionPlan& plan) {
-  SessionSource source;
-  RecordingOptions recording;
-  cli::Options options(kSourceText);
-  DeclareSensor(options, source.sensor);
-  DeclareRecording(options, recording);
-  std::vector<const char*> words{"session"};
-  words.reserve(plan.source.size() + 1);
-  for (const std::string& word : plan.source) words.push_back(word.c_str());
-  if (options.Parse(static_cast<int>(words.size()), words.data())) return Usage("", "");
-  if (const char* decided = Decided(recording)) {
-    return Usage(decided, "is not an option of a session's source", "leave it out");
-  }
-  HAPTOMETER_TRY(CheckSensor(source.sensor));
-  HAPTOMETER_LET(source.plan, PlanRecording(recording, source.sensor, std::time(nullptr)));
-  source.plan.limits.duration_ns = NsFromSeconds(plan.duration_s);
-  return source;
+// what cannot be read is no failure of this program: BAD, with the reason
+Result<AttemptOutcome> OutcomeOf(Result<AttemptOutcome> made, const SessionAttempt& attempt) {
+  if (made || made.error().cause != Cause::kCannotAnswer) return made;
+  AttemptOutcome outcome{
+      .attempt = attempt, .reasons = {made.error().Text()}, .band_rms_m = {}, .tone_hz = {}};
+  outcome.attempt.verdict = SessionVerdict::kBad;
+  return outcome;
 }
 
-Result<AttemptOutcome> RecordAttempt(SessionFolder& session, const SessionCell& cell,
-                                     std::string command_line) {
-  HAPTOMETER_LET(const auto source, ReadSource(session.plan()));
-  // reading options begins with no inputs
-  NoteInput(session.plan_path());
-  // the sensor first: without it there is no attempt
-  SystemClock clock;
-  HAPTOMETER_LET(const auto sensor, OpenSensor(source.sensor, clock));
-  HAPTOMETER_TRY(sensor->Start(cli::Interrupted()));
-  const std::int64_t number = session.state().NextNumber(cell);
-  const trial::TrialHeader header =
-      HeaderOf(*sensor, session, cell, number, IsSensor(source.sensor.sensor, SensorType::kReplay),
-               std::move(command_line));
-  HAPTOMETER_LET(const auto limits, LimitsOf(source.plan, header, clock));
-  // a name that no file and no earlier attempt has, whatever the clock says
-  auto named = header.metadata.labels;
+// a name that no file and no earlier attempt has, for any state of the clock
+std::string NewPath(const SessionFolder& session, const SessionCell& cell, std::int64_t number,
+                    const std::string& sensor) {
+  auto named = LabelsOf(cell);
   named["attempt"] = std::to_string(number);
-  const std::string path = NewTrialName(session.trials(), UtcNow(), header.metadata.sensor, named);
-  const std::string file = std::filesystem::path(path).filename();
+  return NewTrialName(session.trials(), UtcNow(), sensor.empty() ? "import" : sensor, named);
+}
+
+}  // namespace
+
+Result<AttemptSource> RecordingOf(acquire::Sensor& sensor, const SessionSource& source,
+                                  Clock& clock, const RecordingWatch& watch,
+                                  std::string command_line) {
+  const bool is_replay = IsSensor(source.sensor.sensor, SensorType::kReplay);
+  AttemptSource made{.header = RecordingHeader(sensor, is_replay, {}, std::move(command_line)),
+                     .write = {}};
+  HAPTOMETER_LET(const auto limits, LimitsOf(source.plan, made.header, clock));
+  made.write = [&sensor, &clock, watch, limits](
+                   const std::string& path,
+                   const trial::TrialHeader& header) -> Result<acquire::RecordingSummary> {
+    // into a new file: nothing is written over
+    HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(path, header, {}, clock));
+    acquire::SingleTrial sink(writer);
+    if (watch.begun) watch.begun();
+    auto summary = acquire::Record(sensor, sink, clock, watch.stop, limits,
+                                   {.reading = watch.reading, .say = InWords});
+    if (watch.recorded) watch.recorded();
+    return summary;
+  };
+  return made;
+}
+
+Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& cell,
+                                   const AttemptSource& source) {
+  const std::int64_t number = session.state().NextNumber(cell);
+  const trial::TrialHeader header = HeaderOf(source.header, session, cell, number);
+  const std::string path = NewPath(session, cell, number, header.metadata.sensor);
   SessionLogLine line{.utc = {},
                       .event = SessionEvent::kBegin,
                       .cell = cell,
                       .attempt = number,
-                      .file = file,
+                      .file = std::filesystem::path(path).filename(),
                       .verdict = {},
-                      .reason = {}};
+                      .reason = source.origin};
   HAPTOMETER_TRY(session.Append(line));
-  auto outcome =
-      RecordAndJudge(*sensor, path, header, limits, clock, session.plan(),
-                     {.cell = cell, .number = number, .file = file, .verdict = {}, .reason = {}});
+  const SessionAttempt attempt{
+      .cell = cell, .number = number, .file = line.file, .verdict = {}, .reason = {}};
+  auto outcome = OutcomeOf(WriteAndJudge(source, path, header, session.plan(), attempt), attempt);
   // read again for the verdict, and written by this command: no input
   ForgetInput(path);
+  // an import that found no room on the disk did not end: its file is imported again
+  if (!outcome && !source.origin.empty()) return outcome;
   line.event = SessionEvent::kEnd;
   line.verdict = outcome ? outcome->attempt.verdict : SessionVerdict::kBad;
   line.reason =
@@ -204,6 +182,18 @@ Result<AttemptOutcome> RecordAttempt(SessionFolder& session, const SessionCell& 
   HAPTOMETER_TRY(session.Settle(cell));
   if (outcome) outcome->attempt.reason = line.reason;
   return outcome;
+}
+
+Result<AttemptOutcome> RecordAttempt(SessionFolder& session, const SessionCell& cell,
+                                     const SessionSource& source, std::string command_line) {
+  // the sensor first: without it there is no attempt
+  SystemClock clock;
+  HAPTOMETER_LET(const auto sensor, OpenSensor(source.sensor, clock));
+  HAPTOMETER_TRY(sensor->Start(cli::Interrupted()));
+  HAPTOMETER_LET(
+      const auto recording,
+      RecordingOf(*sensor, source, clock, {.stop = cli::Interrupted()}, std::move(command_line)));
+  return MakeAttempt(session, cell, recording);
 }
 
 }  // namespace haptometer::tools

@@ -1,27 +1,21 @@
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "acquire/recorder/recorder.h"
+#include "acquire/sensor/sensor.h"
+#include "base/clock.h"
 #include "base/error.h"
-#include "tools/acquire/recording.h"
-#include "tools/acquire/sensor_options.h"
 #include "tools/session/session_folder.h"
 #include "tools/session/session_log.h"
+#include "tools/session/session_source.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::tools {
-
-/// The source of a plan, read: what acquire's own options say.
-struct SessionSource {
-  SensorOptions sensor;
-  RecordingPlan plan;
-};
-
-/// Reads SessionPlan::source. A word that is no option of acquire is reported on stderr at once;
-/// its error has no words. Other errors (Cause::kUsage): an option that the session decides itself
-/// (file, labels, end), or acquire's.
-[[nodiscard]] Result<SessionSource> ReadSource(const SessionPlan& plan);
 
 /// What an attempt gave.
 struct AttemptOutcome {
@@ -29,16 +23,48 @@ struct AttemptOutcome {
   std::vector<std::string> reasons;  ///< of CHECK and BAD
   std::optional<double> band_rms_m;
   std::optional<double> tone_hz;
+  bool is_cut_short = false;  ///< the recording was stopped, or lost its device
 };
 
-/// Records one attempt of `cell` as acquire does, and judges it: the log has a line before the
-/// recording and one behind it.
+/// How the trial of an attempt comes to be: recorded from a sensor, or imported.
+struct AttemptSource {
+  trial::TrialHeader header;  ///< as the source states it: without plan, cell and attempt
+  /// Makes the file with that header. Errors of Cause::kCannotAnswer are a verdict: BAD.
+  std::function<Result<acquire::RecordingSummary>(const std::string& path,
+                                                  const trial::TrialHeader& header)>
+      write;
+  std::string origin{};               ///< of an import its file, as TextOf(FolderFile)
+  std::vector<std::string> doubts{};  ///< reasons for CHECK that the trial does not hold
+};
+
+/// Who watches a recording, and who may end it.
+struct RecordingWatch {
+  const std::atomic<bool>& stop;
+  std::function<void(const acquire::Reading&)> reading{};  ///< in the reading thread
+  std::function<void()> begun{};                           ///< the recording begins
+  std::function<void()> recorded{};  ///< the recording has ended, its verdict is to come
+};
+
+/// A recording of `sensor`, which has started; all but `source` must outlive the result. Errors: as
+/// LimitsOf.
+[[nodiscard]] Result<AttemptSource> RecordingOf(acquire::Sensor& sensor,
+                                                const SessionSource& source, Clock& clock,
+                                                const RecordingWatch& watch,
+                                                std::string command_line);
+
+/// Makes an attempt of `cell` and judges it: the log has a line before it and one behind it.
 ///
-/// BAD: interrupted, or analyze has no value for it (of a floor: it has one). CHECK: a value that
-/// deviates from the plan's limits, a doubt of analyze other than that the sensor's averaging is
-/// unknown, or lost data. Errors: those of the sensor, before the log has a line; Cause::kFailed of
-/// the disk, where the log says BAD if it can be written.
+/// BAD: interrupted, unreadable, or analyze has no value for it (of a floor: it has one). CHECK: a
+/// value that deviates from the plan's limits, a doubt of analyze other than that the sensor's
+/// averaging is unknown, or lost data. Errors: Cause::kFailed of the disk; the log then states BAD
+/// if it can be written, but for an import, which did not end: its file is imported again.
+[[nodiscard]] Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& cell,
+                                                 const AttemptSource& source);
+
+/// Opens the sensor of `source`, and makes an attempt of one recording. Errors: those of the
+/// sensor, before the log has a line; as MakeAttempt.
 [[nodiscard]] Result<AttemptOutcome> RecordAttempt(SessionFolder& session, const SessionCell& cell,
+                                                   const SessionSource& source,
                                                    std::string command_line);
 
 }  // namespace haptometer::tools

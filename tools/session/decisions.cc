@@ -70,7 +70,6 @@ Result<SessionCell> ChooseFloor(const SessionFolder& session) {
   return SessionCell{.subject = subject, .condition = "", .repeat = 1};
 }
 
-
 Result<std::string> Reject(SessionFolder& session, const Decision& decision) {
   HAPTOMETER_TRY(CheckReason(decision.reason));
   HAPTOMETER_LET(const auto attempt, AttemptOf(session, decision.file));
@@ -102,8 +101,7 @@ Result<std::string> Relabel(SessionFolder& session, const Decision& decision,
   return fmt::format("{}: {} is now {}", attempt.file, NameOf(attempt.cell), NameOf(cell));
 }
 
-Result<std::string> Note(SessionFolder& session, const std::string& file,
-                         const std::string& text) {
+Result<std::string> Note(SessionFolder& session, const std::string& file, const std::string& text) {
   HAPTOMETER_TRY(CheckText("--text", text, "subject speaks"));
   const auto next = session.Counts().next;
   SessionAttempt of{.cell = next.value_or(SessionCell{}), .number = 0};

@@ -40,7 +40,8 @@ struct OtherCell {
 };
 
 /// The attempt is of another cell of the plan from now on, as the latest there. Returns what was
-/// done, in words. Errors: as Reject; Cause::kUsage for a cell that is not in the plan, or no other.
+/// done, in words. Errors: as Reject; Cause::kUsage for a cell that is not in the plan, or no
+/// other.
 [[nodiscard]] Result<std::string> Relabel(SessionFolder& session, const Decision& decision,
                                           const OtherCell& other);
 

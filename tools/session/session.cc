@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
+#include "base/mapped.h"
+#include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
@@ -18,7 +21,11 @@
 #include "tools/document/present.h"
 #include "tools/session/attempt.h"
 #include "tools/session/decisions.h"
+#include "tools/session/imported_trial.h"
 #include "tools/session/session_folder.h"
+#include "tools/session/session_run.h"
+#include "tools/session/session_source.h"
+#include "tools/session/watched_folder.h"
 #include "tools/study/study_document.h"
 #include "tools/verbs.h"
 
@@ -189,11 +196,25 @@ constexpr cli::VerbText kNewText{
                  "--port /dev/ttyUSB1",
                  "haptometer session next day1"}};
 
+// whether a session is to be made; help and the description of the options need no source
+bool IsPlanning(int argc, const char* const* argv) {
+  return argc > 1 && std::none_of(argv + 1, argv + argc, [](std::string_view word) {
+           return word == "-h" || word == "--version" || word == "--describe-options" ||
+                  word.starts_with("--help");
+         });
+}
+
 int RunNew(int argc, const char* const* argv) {
   // what stands behind -- is acquire's
   const auto* const dashes = std::find_if(
       argv, argv + argc, [](const char* word) { return std::string_view(word) == "--"; });
   const auto own = static_cast<int>(dashes - argv);
+  if (own == argc && IsPlanning(argc, argv)) {
+    return cli::ReportError(
+        kNewText.name, {Cause::kUsage, "--", "is missing",
+                        "write the source behind it: -- --port /dev/ttyUSB0, or another sensor of "
+                        "acquire, or -- --from-folder DIR --pattern '*.csv'"});
+  }
   SessionPlan plan;
   std::string folder;
   std::string subjects;
@@ -224,7 +245,12 @@ int RunNew(int argc, const char* const* argv) {
     plan.duration_s = duration_s.value_or(0);
     if (own < argc) plan.source.assign(argv + own + 1, argv + argc);
     HAPTOMETER_TRY(CheckPlan(plan, "session"));
-    HAPTOMETER_TRY(ReadSource(plan));
+    HAPTOMETER_LET(const auto source, ReadSource(plan));
+    HAPTOMETER_TRY(CheckSource(source, folder));
+    if (source.folder) {
+      HAPTOMETER_LET(const auto files, FilesIn(*source.folder));
+      plan.files_before = Mapped<std::string>(files, [](const auto& file) { return TextOf(file); });
+    }
     HAPTOMETER_TRY(SessionFolder::Create(folder, plan));
     return PlanDocument(folder, plan);
   };
@@ -260,12 +286,34 @@ int RunStatus(int argc, const char* const* argv) {
 
 using Choose = std::function<Result<SessionCell>(const SessionFolder&)>;
 
+// how long a file of another program is waited for
+constexpr double kUsualWaitS = 600;
+
+// an attempt of the cell, from the plan's sensor or folder
+Result<AttemptOutcome> Attempt(SessionFolder& session, const SessionCell& cell,
+                               const std::optional<double>& wait_s, std::string command_line) {
+  HAPTOMETER_LET(const auto source, ReadSource(session.plan()));
+  // reading options begins with no inputs
+  NoteInput(session.plan_path());
+  if (source.folder) {
+    return ImportAttempt(session, cell, *source.folder, wait_s.value_or(kUsualWaitS),
+                         cli::Interrupted(), std::move(command_line));
+  }
+  if (wait_s) return Usage("--wait", "is for a source --from-folder", "leave it out");
+  return RecordAttempt(session, cell, source, std::move(command_line));
+}
+
 int RunRecording(const cli::VerbText& text, const Choose& choose, int argc,
                  const char* const* argv) {
   std::string folder;
+  std::optional<double> wait_s;
   document::Outputs outputs;
   cli::Options options(text);
   options.Positional("folder", &folder, "Folder of the session");
+  options
+      .Number("--wait", &wait_s, Dimension::kTime, cli::Within(0, kLongestTimeS),
+              "How long a file of --from-folder is waited for")
+      .Default("10 min");
   if (const auto status = options.Parse(argc, argv)) return *status;
   outputs.json = options.json();
   auto session = SessionFolder::Open(folder);
@@ -274,7 +322,7 @@ int RunRecording(const cli::VerbText& text, const Choose& choose, int argc,
   if (!cell) return cli::ReportError(text.name, cell.error());
   cli::CatchInterrupts();
   cli::Remark(text.name, NameOf(*cell));
-  const auto outcome = RecordAttempt(*session, *cell, cli::CommandLine({argv, argv + argc}));
+  const auto outcome = Attempt(*session, *cell, wait_s, cli::CommandLine({argv, argv + argc}));
   if (!outcome) return cli::InterruptedStatus(Report(text, outcome.error()));
   const int status =
       document::Present(AttemptDocument(text.name, *session, *outcome), outputs, argc, argv);
@@ -420,6 +468,7 @@ int RunSkip(int argc, const char* const* argv) {
 
 constexpr auto kWords = std::to_array<cli::VerbWord>(
     {{"new", RunNew, kNewText.summary, kNewText.examples[0]},
+     {"run", RunSessionRun, kSessionRunText.summary, kSessionRunText.examples[0]},
      {"next", RunNext, kNextText.summary, kNextText.examples[0]},
      {"redo", RunRedo, kRedoText.summary, kRedoText.examples[0]},
      {"reject", RunReject, kRejectText.summary, kRejectText.examples[0]},
@@ -432,9 +481,9 @@ constexpr auto kWords = std::to_array<cli::VerbWord>(
 }  // namespace
 
 int RunSession(int argc, const char* const* argv) {
-  return cli::RunVerbWord("session",
-                          "Plan a session of trials and record it, with a verdict after each trial.",
-                          kWords, argc, argv);
+  return cli::RunVerbWord(
+      "session", "Plan a session of trials and record it, with a verdict after each trial.", kWords,
+      argc, argv);
 }
 
 }  // namespace haptometer::tools

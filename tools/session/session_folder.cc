@@ -1,14 +1,20 @@
 #include "tools/session/session_folder.h"
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <span>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
 #include "base/clock.h"
 #include "base/input_file.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "trial/block.h"
 #include "trial/trial_reader.h"
@@ -46,6 +52,29 @@ std::string ReasonOf(const SessionAttempt& attempt, bool counts) {
   if (*attempt.verdict != SessionVerdict::kBad) return {};
   return fmt::format("{}{}: {}", kSessionReason, attempt.is_rejected ? "rejected" : "BAD",
                      attempt.reason);
+}
+
+// the process that holds the lock of `path`, as "process 1234 (haptometer session run day1)";
+// nothing where the system does not state it, as on a network file system
+std::string HolderOf(const std::string& path) {
+  struct stat status{};
+  if (stat(path.c_str(), &status) != 0) return {};
+  // a line is "1: FLOCK ADVISORY WRITE 1234 08:01:5678 0 EOF": of a process, device and inode
+  const std::string inode = fmt::format(":{}", status.st_ino);
+  std::ifstream locks("/proc/locks");
+  std::string number, kind, is_advisory, mode, process, place;
+  for (std::string line; std::getline(locks, line);) {
+    std::istringstream words(line);
+    words >> number >> kind >> is_advisory >> mode >> process >> place;
+    if (kind != "FLOCK" || !place.ends_with(inode)) continue;
+    std::ifstream command(fmt::format("/proc/{}/cmdline", process));
+    std::string text{std::istreambuf_iterator<char>(command), {}};
+    // words end with a zero each
+    while (text.ends_with('\0')) text.pop_back();
+    std::ranges::replace(text, '\0', ' ');
+    return fmt::format("process {} ({})", process, Printable(text));
+  }
+  return {};
 }
 
 }  // namespace
@@ -118,7 +147,9 @@ Result<SessionFolder> SessionFolder::Open(const std::string& folder) {
   if (!log) {
     Error error = log.error();
     if (error.cause == Cause::kFailed) {
-      error.what = "is in use by another command of this session";
+      const std::string holder = HolderOf(LogPath(folder));
+      error.what = "is in use by another command of this session" +
+                   (holder.empty() ? holder : ": " + holder);
       error.remedy = "wait for its end; session status reads it meanwhile";
     }
     return std::unexpected(std::move(error));

@@ -29,7 +29,7 @@ class SessionFolder {
 
   /// The same for a command that records or changes something, one at a time: the log stays locked
   /// (flock) as long as the object lives, and what the last attempt's cell lacks is made up for
-  /// (Settle). Errors: Cause::kFailed where another process has it.
+  /// (Settle). Errors: Cause::kFailed where another process has it, with that one's number.
   [[nodiscard]] static Result<SessionFolder> Open(const std::string& folder);
 
   [[nodiscard]] const std::string& folder() const { return folder_; }

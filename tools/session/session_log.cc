@@ -124,13 +124,15 @@ bool TakeNote(const SessionLogLine& line, SessionState& state) {
 // a beginning, or an end whose beginning was damaged and that says all of it
 bool TakeNew(const SessionLogLine& line, SessionState& state) {
   if (line.event != SessionEvent::kBegin && line.event != SessionEvent::kEnd) return false;
+  const bool is_begin = line.event == SessionEvent::kBegin;
   state.attempts.push_back({.cell = line.cell,
                             .number = line.attempt,
                             .file = line.file,
                             .verdict = line.verdict,
-                            .reason = line.reason,
+                            .reason = is_begin ? "" : line.reason,
                             .band_rms_m = line.band_rms_m,
-                            .begun = state.attempts.size()});
+                            .begun = state.attempts.size(),
+                            .origin = is_begin ? line.reason : ""});
   return true;
 }
 

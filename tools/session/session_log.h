@@ -68,6 +68,7 @@ struct SessionAttempt {
   std::optional<double> band_rms_m = {};
   std::size_t begun = 0;  ///< attempts that began before it
   std::vector<std::string> notes = {};
+  std::string origin = {};  ///< of an import its file (watched_folder.h): the reason of kBegin
 };
 
 /// A cell with what was said of it.

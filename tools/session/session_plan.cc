@@ -16,6 +16,7 @@
 #include "base/toml.h"
 #include "tools/acquire/recording.h"
 #include "tools/analyze/expectation.h"
+#include "tools/session/watched_folder.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::tools {
@@ -173,6 +174,10 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
   if (plan.source.empty()) {
     return Usage(where + ": source", "is missing", "write the options of acquire behind --");
   }
+  for (const std::string& file : plan.files_before) {
+    if (ReadFolderFile(file)) continue;
+    return Usage(where + ": files_before", fmt::format("'{}' is no file with its size", file));
+  }
   if (plan.expect.empty()) return {};
   const auto expected = ParseExpectation(plan.expect);
   return expected ? Result<void>{} : std::unexpected(expected.error());
@@ -180,13 +185,18 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
 
 std::string TomlOf(const SessionPlan& plan) {
   return fmt::format(
-      "# a session of haptometer; a change of names or numbers changes the plan for what is not "
-      "recorded yet\n"
-      "subjects = {}\nconditions = {}\nrepeats = {}\norder = \"{}\"\nseed = {}\nfloor = \"{}\"\n"
-      "duration_s = {}\nexpect = {}\nsource = {}\n",
-      TomlList(plan.subjects), TomlList(plan.conditions), plan.repeats, Name(plan.order), plan.seed,
-      plan.has_floors ? kPerSubject : "none", plan.duration_s, TomlString(plan.expect),
-      TomlList(plan.source));
+             "# a session of haptometer; a change of names or numbers changes the plan for what is "
+             "not "
+             "recorded yet\n"
+             "subjects = {}\nconditions = {}\nrepeats = {}\norder = \"{}\"\nseed = {}\nfloor = "
+             "\"{}\"\n"
+             "duration_s = {}\nexpect = {}\nsource = {}\n",
+             TomlList(plan.subjects), TomlList(plan.conditions), plan.repeats, Name(plan.order),
+             plan.seed, plan.has_floors ? kPerSubject : "none", plan.duration_s,
+             TomlString(plan.expect), TomlList(plan.source)) +
+         (plan.files_before.empty()
+              ? std::string()
+              : fmt::format("files_before = {}\n", TomlList(plan.files_before)));
 }
 
 Result<SessionPlan> ParsePlan(std::string_view text, const std::string& where) {
@@ -202,6 +212,7 @@ Result<SessionPlan> ParsePlan(std::string_view text, const std::string& where) {
   plan.duration_s = table.Require("duration_s", Dimension::kTime);
   plan.expect = table.Text("expect").value_or("");
   plan.source = table.TextList("source");
+  plan.files_before = table.TextList("files_before");
   HAPTOMETER_TRY(table.Finish());
   HAPTOMETER_TRY(CheckPlan(plan, where));
   return plan;

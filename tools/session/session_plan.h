@@ -46,7 +46,9 @@ struct SessionPlan {
   bool has_floors = false;  ///< one a subject, before its trials
   double duration_s = 0;    ///< of a trial and of a floor
   std::string expect;       ///< acceptance limits, as analyze --expect; empty: none
-  std::vector<std::string> source;  ///< the sensor and its options, as acquire has them
+  std::vector<std::string> source;  ///< the sensor and its options, as acquire has them; a folder
+  /// Of a folder the files that were there when the session was made (watched_folder.h).
+  std::vector<std::string> files_before{};
 };
 
 inline constexpr std::size_t kMostSubjects = 1000;

@@ -1,0 +1,186 @@
+#include "tools/session/imported_trial.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/input_file.h"
+#include "base/text.h"
+#include "tools/document/document.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_reader.h"
+#include "trial/trial_writer.h"
+
+namespace haptometer::tools {
+namespace {
+
+// of the rate and of a place on the grid; printed times have some six digits
+constexpr double kSameRate = 1e-6;
+constexpr double kOnPlace = 0.01;
+
+// how long a look at the folder is apart from the next
+constexpr MonotonicNs kLookEveryNs = kNsPerS / 5;
+
+// the place of each segment's first row on one grid that begins with the first row; nothing where
+// the rows are not clocked, or do not lie on one grid
+std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
+  if (record.timing != trial::Timing::kUniform || record.times_are_known) return std::nullopt;
+  const trial::Stretch& first = record.stretches.front();
+  std::vector<std::int64_t> places;
+  places.reserve(record.stretches.size());
+  std::int64_t next = 0;
+  for (const trial::Stretch& stretch : record.stretches) {
+    const double place = (stretch.start_s - first.start_s) * first.rate_hz;
+    const bool is_on_grid = std::abs(stretch.rate_hz / first.rate_hz - 1) < kSameRate &&
+                            std::abs(place - std::round(place)) < kOnPlace &&
+                            std::round(place) >= static_cast<double>(next);
+    if (!is_on_grid) return std::nullopt;
+    places.push_back(std::llround(place));
+    next = places.back() + static_cast<std::int64_t>(stretch.rows);
+  }
+  return places;
+}
+
+// rows without a grid carry their own times, and the time base of the importer
+Result<void> WriteTimed(const trial::Record& record, trial::TrialWriter& writer,
+                        const std::function<Result<void>(std::size_t, trial::Row)>& append) {
+  const double start_s = record.stretches.front().start_s;
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    const double time_s =
+        record.raw_times_s.empty() ? trial::TimeOf(record, row) : record.raw_times_s[row];
+    const std::int64_t time_ns = NsFromSeconds(time_s - start_s);
+    HAPTOMETER_TRY(append(row, {.time_ns = time_ns, .reply_ns = time_ns}));
+  }
+  for (trial::Stretch stretch : record.stretches) {
+    stretch.start_s -= start_s;
+    HAPTOMETER_TRY(writer.AddEvent({.kind = trial::EventKind::kTimeBase, .stretch = stretch}));
+  }
+  return {};
+}
+
+Result<void> WriteRows(const trial::Record& record, trial::TrialWriter& writer) {
+  std::vector<trial::Sample> samples(record.channels.size());
+  const auto append = [&](std::size_t row, trial::Row next) {
+    for (std::size_t c = 0; c < samples.size(); ++c) {
+      const trial::Channel& channel = record.channels[c];
+      samples[c] = {trial::RawValue::F64(channel.values[row]), channel.statuses[row]};
+    }
+    next.samples = samples;
+    return writer.Append(next);
+  };
+  const auto places = PlacesOn(record);
+  if (!places) return WriteTimed(record, writer, append);
+  for (std::size_t s = 0; s < places->size(); ++s) {
+    const trial::Stretch& stretch = record.stretches[s];
+    for (std::size_t i = 0; i < stretch.rows; ++i) {
+      const std::int64_t place = (*places)[s] + static_cast<std::int64_t>(i);
+      HAPTOMETER_TRY(append(stretch.first_row + i, {.index = place}));
+    }
+  }
+  return {};
+}
+
+// what a trial can hold of it
+Result<trial::Recording> ReadFile(const std::string& path, const trial::ImportOptions& import) {
+  HAPTOMETER_LET(auto recording, trial::ReadRecording(path, import));
+  if (recording.record.stretches.empty()) return CannotAnswer(path, "holds no rows");
+  if (recording.record.times_are_known) {
+    return CannotAnswer(path, "has times on no grid, which a trial cannot hold",
+                        "let the other program write rows at a fixed rate");
+  }
+  return recording;
+}
+
+void AddOrigin(const FolderFile& file, trial::Metadata& metadata) {
+  const std::string name = Printable(file.name);
+  if (metadata.source.empty() || metadata.source.starts_with("imported")) {
+    metadata.source = "imported from " + name;
+  }
+  metadata.fields["import.file"] = name;
+  metadata.fields["import.bytes"] = std::to_string(file.bytes);
+  metadata.fields["import.sha256"] = file.sha256;
+  metadata.fields["import.modified_ns"] = std::to_string(file.modified_ns);
+}
+
+trial::TrialHeader HeaderOfImport(const trial::Record& record) {
+  trial::TrialHeader header = trial::HeaderOf(record);
+  header.timing = PlacesOn(record)                           ? trial::Timing::kUniform
+                  : record.timing == trial::Timing::kUniform ? trial::Timing::kArrival
+                                                             : record.timing;
+  return header;
+}
+
+// notes of the importer become notes of the trial, doubts those of the attempt
+void AddFindings(const trial::Recording& recording, AttemptSource& made) {
+  for (const trial::Finding& found : recording.report.AllFindings().list()) {
+    auto& words = found.severity == Severity::kNote ? made.header.metadata.notes : made.doubts;
+    words.push_back(document::WordsOf(found));
+  }
+}
+
+}  // namespace
+
+AttemptSource ImportOf(const FolderSource& source, const FolderFile& file, Clock& clock,
+                       std::string command_line) {
+  const std::string path = std::filesystem::path(source.folder) / file.name;
+  AttemptSource made{.header = {}, .write = {}, .origin = TextOf(file)};
+  auto read = ReadFile(path, source.import);
+  if (!read) {
+    made.write = [error = read.error()](
+                     const std::string& /*path*/,
+                     const trial::TrialHeader& /*header*/) -> Result<acquire::RecordingSummary> {
+      return std::unexpected(error);
+    };
+    return made;
+  }
+  const auto recording = std::make_shared<const trial::Recording>(*std::move(read));
+  made.header = HeaderOfImport(recording->record);
+  made.header.metadata.command_line = std::move(command_line);
+  AddOrigin(file, made.header.metadata);
+  AddFindings(*recording, made);
+  made.write = [recording, &clock](
+                   const std::string& trial,
+                   const trial::TrialHeader& header) -> Result<acquire::RecordingSummary> {
+    HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(trial, header, {}, clock));
+    HAPTOMETER_TRY(WriteRows(recording->record, writer));
+    HAPTOMETER_TRY(writer.Finish());
+    acquire::RecordingSummary summary;
+    summary.readings = recording->record.rows;
+    return summary;
+  };
+  return made;
+}
+
+Result<AttemptOutcome> ImportAttempt(SessionFolder& session, const SessionCell& cell,
+                                     const FolderSource& source, double wait_s,
+                                     const std::atomic<bool>& stop, std::string command_line) {
+  SystemClock clock;
+  WatchedFolder folder(source, session.plan());
+  const MonotonicNs deadline_ns = clock.Now() + NsFromSeconds(wait_s);
+  while (!stop.load()) {
+    HAPTOMETER_LET(const auto found, folder.Examine(session.state(), clock.Now()));
+    if (found) {
+      return MakeAttempt(session, found->continued.value_or(cell),
+                         ImportOf(source, found->file, clock, std::move(command_line)));
+    }
+    if (clock.Now() >= deadline_ns) break;
+    clock.SleepUntil(std::min(deadline_ns, clock.Now() + kLookEveryNs));
+  }
+  const std::string what =
+      stop.load() ? "waiting for a file was interrupted"
+      : folder.growing().empty()
+          ? fmt::format("no new file {} came within {:g} s", source.pattern, wait_s)
+          : fmt::format("{} was still changing after {:g} s", folder.growing(), wait_s);
+  return CannotAnswer(source.folder, what,
+                      "see that the other program writes there, or give --wait longer");
+}
+
+}  // namespace haptometer::tools

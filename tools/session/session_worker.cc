@@ -1,0 +1,293 @@
+#include "tools/session/session_worker.h"
+
+#include <fmt/core.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/error.h"
+#include "base/input_file.h"
+#include "tools/acquire/recording.h"
+#include "tools/session/imported_trial.h"
+
+namespace haptometer::tools {
+namespace {
+
+using Kind = SessionCommand::Kind;
+
+// how long a look at the folder is apart from the next
+constexpr MonotonicNs kLookEveryNs = kNsPerS / 5;
+
+dsp::BandPass UsualBand() {
+  const auto band = BandOf(AcquireOptions{});
+  HAPTOMETER_CHECK(band, "{}", band.error().Text());
+  return *band;
+}
+
+bool IsAttempt(Kind kind) {
+  return kind == Kind::kRecord || kind == Kind::kRedo || kind == Kind::kFloor;
+}
+
+}  // namespace
+
+SessionWorker::SessionWorker(SessionFolder session, SessionSource source, std::string command_line)
+    : session_(std::move(session)),
+      source_(std::move(source)),
+      command_line_(std::move(command_line)),
+      changed_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      stays_open_(!source_.folder && !FindSensorKind(source_.sensor.sensor)->ends_by_itself) {
+  if (source_.folder) folder_.emplace(*source_.folder, session_.plan());
+  thread_ = std::thread([this] { Run(); });
+}
+
+SessionWorker::~SessionWorker() {
+  static_cast<void>(End(0));
+  thread_.join();
+  close(changed_);
+}
+
+bool SessionWorker::End(double longest_s) {
+  ends_ = true;
+  stop_recording_ = true;
+  stop_opening_ = true;
+  wake_.notify_all();
+  std::unique_lock lock(mutex_);
+  return wake_.wait_for(lock, std::chrono::duration<double>(longest_s),
+                        [this] { return has_ended_; });
+}
+
+void SessionWorker::Ask(SessionCommand command) {
+  {
+    const std::lock_guard lock(mutex_);
+    commands_.push_back(std::move(command));
+  }
+  wake_.notify_all();
+}
+
+void SessionWorker::StopRecording() { stop_recording_ = true; }
+
+SessionView SessionWorker::View() const {
+  const std::lock_guard lock(mutex_);
+  return view_;
+}
+
+// until a command comes, or for `ns`
+void SessionWorker::Wait(MonotonicNs ns) {
+  std::unique_lock lock(mutex_);
+  wake_.wait_for(lock, std::chrono::nanoseconds(ns),
+                 [this] { return ends_.load() || !commands_.empty(); });
+}
+
+void SessionWorker::Enter(SourceState state, std::string remark, bool rings) {
+  const std::lock_guard lock(mutex_);
+  if (view_.state == state && view_.remark == remark) return;
+  if (view_.state != state) view_.since_ns = clock_.Now();
+  view_.state = state;
+  view_.remark = std::move(remark);
+  view_.bells += static_cast<std::uint64_t>(rings);
+  static_cast<void>(eventfd_write(changed_, 1));
+}
+
+// the session's state to the screen; the message stays where there is no new one
+void SessionWorker::Publish(const std::string* message) {
+  const SessionCounts counts = session_.Counts();
+  const std::lock_guard lock(mutex_);
+  view_.counts = counts;
+  view_.cell = first_ ? first_ : counts.next;
+  if (view_.cell) {
+    const auto place = std::ranges::find(session_.cells(), *view_.cell);
+    view_.place = place == session_.cells().end()
+                      ? 0
+                      : static_cast<std::size_t>(place - session_.cells().begin()) + 1;
+    view_.attempt = session_.state().NextNumber(*view_.cell);
+  }
+  if (message != nullptr) view_.message = *message;
+  static_cast<void>(eventfd_write(changed_, 1));
+}
+
+void SessionWorker::Run() {
+  Publish();
+  while (!ends_) {
+    std::optional<SessionCommand> command;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!commands_.empty()) {
+        command = std::move(commands_.front());
+        commands_.pop_front();
+      }
+    }
+    if (command) {
+      Do(*command);
+    } else if (folder_) {
+      ExamineFolder();
+    } else {
+      ReadSensor();
+    }
+  }
+  sensor_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    has_ended_ = true;
+  }
+  wake_.notify_all();
+}
+
+void SessionWorker::Do(const SessionCommand& command) {
+  if (IsAttempt(command.kind)) {
+    Attempt(command.kind);
+    return;
+  }
+  const auto done = Decide(command);
+  const std::string message = done ? *done : done.error().Text();
+  Publish(&message);
+}
+
+Result<std::string> SessionWorker::Decide(const SessionCommand& command) {
+  const Decision decision{.reason = command.text};
+  switch (command.kind) {
+    case Kind::kReject:
+      return Reject(session_, decision);
+    case Kind::kRelabel:
+      return Relabel(session_, decision, command.other);
+    case Kind::kNote:
+      return Note(session_, "", command.text);
+    default:
+      break;
+  }
+  // what comes first is no cell of the plan's order: it is left, with the reason as a note
+  if (!first_) return Skip(session_, command.text);
+  HAPTOMETER_TRY(Note(session_, "", command.text));
+  return "not now: " + NameOf(*std::exchange(first_, std::nullopt));
+}
+
+Result<SessionCell> SessionWorker::CellOf(Kind kind) const {
+  if (kind == Kind::kRedo) return ChooseLast(session_);
+  if (kind == Kind::kFloor) return ChooseFloor(session_);
+  if (first_) return *first_;
+  return ChooseNext(session_);
+}
+
+void SessionWorker::Attempt(Kind kind) {
+  const auto cell = CellOf(kind);
+  std::string message;
+  if (!cell) {
+    message = cell.error().Text();
+  } else if (folder_) {
+    // the next file is of this cell
+    if (kind != Kind::kRecord) first_ = *cell;
+    message = kind == Kind::kRecord ? "a file is waited for, no key is needed" : "";
+  } else if (stays_open_ && !sensor_) {
+    message = "the device is not there";
+  } else {
+    Record(*cell);
+    return;
+  }
+  Publish(&message);
+}
+
+// false: it does not open now
+bool SessionWorker::Open() {
+  const bool was_away = View().state == SourceState::kAway;
+  if (!was_away) Enter(SourceState::kOpening);
+  stop_opening_ = ends_.load();
+  auto opened = OpenSensor(source_.sensor, clock_);
+  Result<void> started;
+  if (opened) started = (*opened)->Start(stop_opening_);
+  if (!opened || !started) {
+    const Error& error = opened ? started.error() : opened.error();
+    Enter(stays_open_ ? SourceState::kAway : SourceState::kReady, error.Text());
+    return false;
+  }
+  sensor_ = std::move(*opened);
+  pause_.Reset();
+  // settings of the device and its zero are written once, not at each return
+  source_.sensor = WithoutChanges(source_.sensor);
+  meter_ = std::make_shared<LiveMeter>(sensor_->header(), UsualBand());
+  {
+    const std::lock_guard lock(mutex_);
+    view_.meter = meter_;
+  }
+  static_cast<void>(sensor_->Begin());
+  Enter(SourceState::kReady, {}, was_away);
+  return true;
+}
+
+// between two recordings
+void SessionWorker::ReadSensor() {
+  if (!stays_open_) {
+    Enter(SourceState::kReady, View().remark);
+    Wait(kNsPerS);
+    return;
+  }
+  if (!sensor_ && !Open()) {
+    Wait(pause_.Next());
+    return;
+  }
+  switch (sensor_->Next(reading_)) {
+    case acquire::Outcome::kReading:
+      meter_->Add(reading_);
+      break;
+    case acquire::Outcome::kEnd:
+    case acquire::Outcome::kGone:
+      sensor_.reset();
+      Enter(SourceState::kAway, "the device is disconnected");
+      break;
+    default:
+      break;
+  }
+}
+
+void SessionWorker::ExamineFolder() {
+  const auto cell = CellOf(Kind::kRecord);
+  if (!cell) {
+    Enter(SourceState::kReady, "no file is waited for");
+    Wait(kNsPerS);
+    return;
+  }
+  auto found = folder_->Examine(session_.state(), clock_.Now());
+  if (!found) {
+    Enter(SourceState::kAway, found.error().Text());
+  } else if (!*found) {
+    Enter(SourceState::kWaiting, folder_->growing());
+  } else {
+    Enter(SourceState::kJudging, (*found)->file.name, true);
+    Finish(MakeAttempt(session_, (*found)->continued.value_or(*cell),
+                       ImportOf(folder_->source(), (*found)->file, clock_, command_line_)));
+    // each file is an input of its own trial alone
+    ForgetInputs();
+    return;
+  }
+  Wait(kLookEveryNs);
+}
+
+void SessionWorker::Record(const SessionCell& cell) {
+  if (!sensor_ && !Open()) return;
+  stop_recording_ = ends_.load();
+  const RecordingWatch watch{
+      .stop = stop_recording_,
+      .reading = [this](const acquire::Reading& reading) { meter_->Add(reading); },
+      .begun = [this] { Enter(SourceState::kRecording, {}, true); },
+      .recorded = [this] { Enter(SourceState::kJudging, {}, true); }};
+  const auto recording = RecordingOf(*sensor_, source_, clock_, watch, command_line_);
+  first_ = cell;
+  Publish();
+  Finish(recording ? MakeAttempt(session_, cell, *recording) : std::unexpected(recording.error()));
+  if (!stays_open_) sensor_.reset();
+}
+
+void SessionWorker::Finish(const Result<AttemptOutcome>& outcome) {
+  const bool comes_again = !outcome || outcome->is_cut_short;
+  if (!comes_again) first_.reset();
+  if (outcome) {
+    const std::lock_guard lock(mutex_);
+    view_.last = *outcome;
+  }
+  const std::string message = outcome ? "" : outcome.error().Text();
+  Publish(&message);
+  Enter(folder_ ? SourceState::kWaiting : SourceState::kReady);
+}
+
+}  // namespace haptometer::tools
