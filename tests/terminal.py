@@ -19,7 +19,7 @@ FRAME = re.compile(r"\x1b\[H(.*?)\x1b\[J", re.DOTALL)
 class Terminal:
     """`haptometer WORDS` at a terminal of its own; all times are of time.monotonic()."""
 
-    def __init__(self, *words, columns=100, lines=30, env=None):
+    def __init__(self, *words, columns=200, lines=30, env=None):
         self.master, self.slave = pty.openpty()
         self.resize(columns, lines)
         self.before = termios.tcgetattr(self.slave)
@@ -28,7 +28,7 @@ class Terminal:
         self.pid = os.fork()
         if self.pid == 0:
             os.close(self.master)
-            os.login_tty(self.slave) if hasattr(os, "login_tty") else self._login()
+            self._login()
             os.execve(program("haptometer"), ["haptometer", *words], {**os.environ, "TERM": "xterm", **(env or {})})
         self.status = None
 
@@ -53,7 +53,7 @@ class Terminal:
         self.bells += [now] * data.count(b"\a")
         self.text += data.decode(errors="replace")
         for frame in FRAME.finditer(self.text):
-            self.screen = re.sub(r"\x1b\[K|\a", "", frame[1]).replace("\r\n", "\n")
+            self.screen = re.sub(r"\x1b\[K|\a|\r", "", frame[1])
             self.screen_at = now
             self.frames += 1
             end = frame.end()

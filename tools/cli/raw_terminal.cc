@@ -123,12 +123,26 @@ std::vector<Key> TakeKeys(std::string& bytes, bool is_all) {
   return keys;
 }
 
-std::string CutToColumns(std::string_view line, std::size_t columns) {
-  std::size_t bytes = 0;
-  for (; columns > 0 && bytes < line.size(); --columns) {
-    bytes += std::max<std::size_t>(1, Utf8CharacterBytes(line.substr(bytes)));
-  }
-  return std::string(line.substr(0, bytes));
+std::vector<std::string> WrappedTo(std::string_view line, std::size_t columns) {
+  std::vector<std::string> rows;
+  do {
+    // as many characters as fit
+    std::size_t bytes = 0;
+    for (std::size_t left = columns; left > 0 && bytes < line.size(); --left) {
+      bytes += std::max<std::size_t>(1, Utf8CharacterBytes(line.substr(bytes)));
+    }
+    // a row that is not the last ends at its last blank
+    std::size_t next = bytes;
+    if (bytes < line.size()) {
+      const std::size_t blank = line.substr(0, bytes).rfind(' ');
+      const bool is_within = blank != std::string_view::npos && blank > line.find_first_not_of(' ');
+      if (is_within) bytes = blank;
+      next = is_within ? blank + 1 : bytes;
+    }
+    rows.emplace_back(line.substr(0, bytes));
+    line.remove_prefix(next);
+  } while (!line.empty());
+  return rows;
 }
 
 Result<std::unique_ptr<RawTerminal>> RawTerminal::Open() {
@@ -192,9 +206,13 @@ std::vector<Key> RawTerminal::Keys() {
 void RawTerminal::Show(const std::vector<std::string>& lines) {
   const winsize size = SizeOfTerminal();
   std::string text = "\x1b[H";
-  for (std::size_t i = 0; i < std::min<std::size_t>(lines.size(), size.ws_row); ++i) {
-    text += fmt::format("{}{}\x1b[K", i == 0 ? "" : "\r\n",
-                        CutToColumns(Printable(lines[i]), size.ws_col));
+  int left = size.ws_row;
+  for (const std::string& line : lines) {
+    for (const std::string& row : WrappedTo(Printable(line), size.ws_col)) {
+      if (left-- == 0) break;
+      text += fmt::format("{}{}\x1b[K", left + 1 == size.ws_row ? "" : "\r\n", row);
+    }
+    if (left < 0) break;
   }
   text += "\x1b[J";
   // the size is part of what is shown: another one may have damaged it

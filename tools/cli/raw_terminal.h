@@ -45,8 +45,8 @@ class RawTerminal {
   /// a sequence. A terminal that was closed counts as SIGHUP.
   [[nodiscard]] std::vector<Key> Keys();
 
-  /// Shows `lines` from the top, each cut at the terminal's width, as many as fit. Every line is
-  /// made printable (base/text.h).
+  /// Shows `lines` from the top, longer ones over several rows (WrappedTo), as many rows as fit.
+  /// Every line is made printable (base/text.h).
   void Show(const std::vector<std::string>& lines);
 
   void Bell();
@@ -59,7 +59,7 @@ class RawTerminal {
   std::string shown_;  // what is on the screen
 };
 
-/// `line` cut to `columns` characters.
-[[nodiscard]] std::string CutToColumns(std::string_view line, std::size_t columns);
+/// `line` in rows of at most `columns` (above 0) characters, broken at blanks where there are some.
+[[nodiscard]] std::vector<std::string> WrappedTo(std::string_view line, std::size_t columns);
 
 }  // namespace haptometer::cli

@@ -104,6 +104,12 @@ void SessionWorker::Publish(const std::string* message) {
                       : static_cast<std::size_t>(place - session_.cells().begin()) + 1;
     view_.attempt = session_.state().NextNumber(*view_.cell);
   }
+  // a decision may have changed the last attempt
+  const SessionAttempt* last = session_.state().LastFinished();
+  if (view_.last && last != nullptr && last->file == view_.last->attempt.file) {
+    view_.last->attempt = *last;
+    if (last->is_rejected) view_.last->reasons = {"rejected: " + last->reason};
+  }
   if (message != nullptr) view_.message = *message;
   static_cast<void>(eventfd_write(changed_, 1));
 }
@@ -275,7 +281,10 @@ void SessionWorker::Record(const SessionCell& cell) {
   first_ = cell;
   Publish();
   Finish(recording ? MakeAttempt(session_, cell, *recording) : std::unexpected(recording.error()));
-  if (!stays_open_) sensor_.reset();
+  if (stays_open_) return;
+  sensor_.reset();
+  const std::lock_guard lock(mutex_);
+  view_.meter.reset();
 }
 
 void SessionWorker::Finish(const Result<AttemptOutcome>& outcome) {
