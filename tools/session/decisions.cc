@@ -102,7 +102,7 @@ Result<std::string> Relabel(SessionFolder& session, const Decision& decision,
 }
 
 Result<std::string> Note(SessionFolder& session, const std::string& file, const std::string& text) {
-  HAPTOMETER_TRY(CheckText("--text", text, "subject speaks"));
+  HAPTOMETER_TRY(CheckText("--text", text, "cold finger"));
   const auto next = session.Counts().next;
   SessionAttempt of{.cell = next.value_or(SessionCell{}), .number = 0};
   if (!file.empty() || session.state().LastFinished() != nullptr || !next) {
