@@ -86,7 +86,7 @@ class Terminal:
                 self.status = os.waitstatus_to_exitcode(status)
         if self.status is None:
             self.kill(signal.SIGKILL)
-            os.waitpid(self.pid, 0)
+            self.status = os.waitpid(self.pid, 0)[1]
             sys.exit(f"FAILED: the program does not end within {seconds} s; the screen is\n{self.screen}")
         for _ in range(3):
             self.read()

@@ -89,7 +89,8 @@ def keys(directory):
         # the next is recorded under the wrong label; mended, and undone
         terminal.type("l\rcone\r\rwas the cone\r")
         terminal.wait_for("is now subject 1, cone, repeat 1")
-        terminal.wait_for("cell 2 of 6 +subject 1, stock, repeat 1")
+        terminal.wait_for("GOOD +subject 1, cone, repeat 1")
+        check(status(folder)["bad"] == 1, "its own cell has the rejected attempt alone")
         terminal.type("l\rstock\r\rwas not\r")
         terminal.wait_for("is now subject 1, stock, repeat 1")
         terminal.type("l9\r\r\rno such\r")

@@ -254,7 +254,8 @@ void SessionScreen::TakeCommand(const std::string& key) {
   const SourceState state = worker_.View().state;
   // keys that are struck during a recording, as a second time on a pedal, do not begin the next
   if (state == SourceState::kRecording || state == SourceState::kJudging) {
-    if (key == "q") worker_.StopRecording();
+    if (key == "q" && state == SourceState::kRecording) worker_.StopRecording();
+    if (key == "q" && state == SourceState::kJudging) quits_ = true;
     return;
   }
   if (key == " ") worker_.Ask({.kind = Kind::kRecord});

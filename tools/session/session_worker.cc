@@ -92,7 +92,7 @@ void SessionWorker::Enter(SourceState state, std::string remark, bool rings) {
 }
 
 // the session's state to the screen; the message stays where there is no new one
-void SessionWorker::Publish(const std::string* message) {
+void SessionWorker::Publish(const std::string* message, std::optional<SourceState> state) {
   const SessionCounts counts = session_.Counts();
   const std::lock_guard lock(mutex_);
   view_.counts = counts;
@@ -111,6 +111,11 @@ void SessionWorker::Publish(const std::string* message) {
     if (last->is_rejected) view_.last->reasons = {"rejected: " + last->reason};
   }
   if (message != nullptr) view_.message = *message;
+  if (state) {
+    view_.state = *state;
+    view_.remark.clear();
+    view_.since_ns = clock_.Now();
+  }
   static_cast<void>(eventfd_write(changed_, 1));
 }
 
@@ -295,8 +300,8 @@ void SessionWorker::Finish(const Result<AttemptOutcome>& outcome) {
     view_.last = *outcome;
   }
   const std::string message = outcome ? "" : outcome.error().Text();
-  Publish(&message);
-  Enter(folder_ ? SourceState::kWaiting : SourceState::kReady);
+  // the verdict and the end of the attempt at once
+  Publish(&message, folder_ ? SourceState::kWaiting : SourceState::kReady);
 }
 
 }  // namespace haptometer::tools

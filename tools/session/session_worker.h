@@ -96,7 +96,7 @@ class SessionWorker {
   void Record(const SessionCell& cell);
   void Finish(const Result<AttemptOutcome>& outcome);
   void Enter(SourceState state, std::string remark = {}, bool rings = false);
-  void Publish(const std::string* message = nullptr);
+  void Publish(const std::string* message = nullptr, std::optional<SourceState> state = {});
   void Wait(MonotonicNs ns);
 
   SessionFolder session_;
