@@ -1,12 +1,14 @@
 """`session run` at a pseudo terminal, and sessions whose trials come from another program's folder.
 
-  tests/system/session_run_test.py keys|device|ending|folder
+  tests/system/session_run_test.py keys|device|ending|folder|disk
+  tests/system/session_run_test.py kills N
 """
 import csv
 import hashlib
 import io
 import json
 import os
+import random
 import re
 import signal
 import subprocess
@@ -18,7 +20,7 @@ import time
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from programs import DEADLINE_S, SCENE, Emulator, check, info, program, run, wait_for
+from programs import DEADLINE_S, SCENE, Emulator, check, info, program, run, skip, wait_for
 from terminal import Terminal
 
 SCENE_SOURCE = ["--", "--sensor", f"scene:{SCENE}", "--speed", "max"]
@@ -403,7 +405,101 @@ def from_screen(folder, daq):
     check("screen4" not in open(f"{folder}/log.csv", encoding="utf-8").read(), "nothing behind the plan is taken")
 
 
-PARTS = {"keys": (keys, verdict_in_time), "device": (device,), "ending": (ending,), "folder": (folder_source,)}
+# --- kill -9, and a full disk ---
+
+def kills(directory, count=6):
+    """kill -9 at random moments of `session run`: after each the state is one of before and after the step, every byte
+    is there, and the next one continues at the right cell."""
+    seed = random.randrange(1 << 32)
+    moments = random.Random(seed)
+    cells = max(6, count)
+    folder = new(f"{directory}/kills", "--subjects", "1", "--conditions", "a", "--repeats", str(cells), "--duration",
+                 "0.6s", source=SCENE_SOURCE)
+    begun = 0
+    for _ in range(count):
+        known, said = status(folder), open(f"{folder}/log.csv", "rb").read()
+        trials = content(f"{folder}/trials")
+        with Terminal("session", "run", folder) as terminal:
+            terminal.wait_for(": ready")
+            terminal.type(" ")
+            time.sleep(0.25 * moments.random())
+            terminal.kill(signal.SIGKILL)
+            check(terminal.end() == -signal.SIGKILL, terminal.status)
+        after = status(folder)
+        check(open(f"{folder}/log.csv", "rb").read().startswith(said), f"the log is only appended to, seed {seed}")
+        for name, text in trials.items():
+            check(open(f"{folder}/trials/{name}", "rb").read().startswith(text), f"{name} has changed, seed {seed}")
+        check(after["done"] - known["done"] in (0, 1) and after["bad"] == 0, f"seed {seed}: {known} {after}")
+        check((after["next"] == known["next"]) == (after["done"] == known["done"]), f"seed {seed}: {known} {after}")
+        begun += after["attempts_not_ended"] - known["attempts_not_ended"]
+    print(f"{count} kills of seed {seed}, {begun} of them in an attempt, {status(folder)['done']} trials done")
+    while status(folder)["next"]:
+        run("session", "next", folder)
+    study = json.loads(run("study", folder, "--json").stdout)
+    check(study["counts"]["answered"] == cells and study["counts"]["without_value"] == 0, study["counts"])
+
+
+def disk(directory):
+    """In a namespace of its own, where a small disk can be mounted; skipped where that is not allowed."""
+    if subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode != 0:
+        skip("this system permits no mounts in a namespace of one's own")
+    sys.exit(subprocess.run(["unshare", "-rm", "/usr/bin/python3", __file__, "full_disk"], check=False).returncode)
+
+
+def fill(directory, leave):
+    free = os.statvfs(directory)
+    with open(f"{directory}/hog", "wb") as file:
+        os.posix_fallocate(file.fileno(), 0, free.f_bavail * free.f_frsize - leave)
+
+
+def full_disk(directory):
+    """A disk that is full before and within a recording, and at an import: stated, nothing lost, and it continues."""
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", directory], check=True)
+    folder = new(f"{directory}/day", "--subjects", "1", "--conditions", "a,b,c", "--order", "given", "--duration", "1s",
+                 source=SCENE_SOURCE)
+    with Terminal("session", "run", folder) as terminal:
+        terminal.wait_for(": ready")
+        record(terminal, " ", "GOOD", "subject 1, a, repeat 1")
+        before = content(f"{folder}/trials")
+        for leave in (0, 24576):
+            fill(directory, leave)
+            terminal.type(" ")
+            terminal.wait_for("No space left")
+            terminal.wait_for("subject 1, b, repeat 1")
+            terminal.wait_for(": ready")
+            os.unlink(f"{directory}/hog")
+            check({name: content(f"{folder}/trials")[name] for name in before} == before, "nothing is lost")
+        terminal.type(" ")
+        terminal.wait_for("GOOD +subject 1, b, repeat 1")
+        record(terminal, " ", "GOOD", "subject 1, c, repeat 1")
+        terminal.type("q")
+        check(terminal.end() == 0, terminal.text)
+    check(status(folder)["good"] == 3, status(folder))
+    imported(directory)
+
+
+def imported(directory):
+    with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as daq:
+        folder = new(f"{directory}/files", "--subjects", "1", "--conditions", "a", "--duration", "1s",
+                     source=["--", "--from-folder", daq, "--unchanged", "0.3s"])
+        with Terminal("session", "run", folder) as terminal:
+            terminal.wait_for("waiting for a file")
+            fill(directory, 24576)
+            write(f"{daq}/a.csv", table())
+            terminal.wait_for("SPACE tries it again")
+            terminal.wait_for("No space left")
+            begun = len(log(folder))
+            time.sleep(1)
+            check(len(log(folder)) == begun, "no attempts without an end")
+            os.unlink(f"{directory}/hog")
+            terminal.type(" ")
+            terminal.wait_for("GOOD +subject 1, a, repeat 1")
+            terminal.type("q")
+            check(terminal.end() == 0, terminal.text)
+
+
+PARTS = {"keys": (keys, verdict_in_time), "device": (device,), "ending": (ending,), "folder": (folder_source, kills), "disk": (disk,),
+         "full_disk": (full_disk,), "kills": (lambda directory: kills(directory, int(sys.argv[2])),)}
 
 if __name__ == "__main__":
     began = time.monotonic()

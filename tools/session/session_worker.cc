@@ -189,6 +189,7 @@ void SessionWorker::Attempt(Kind kind) {
   } else if (folder_) {
     // the next file is of this cell
     if (kind != Kind::kRecord) first_ = *cell;
+    is_held_ = false;
     message = kind == Kind::kRecord ? "a file is waited for, no key is needed" : "";
   } else if (stays_open_ && !sensor_) {
     message = "the device is not there";
@@ -258,6 +259,12 @@ void SessionWorker::ExamineFolder() {
     Wait(kNsPerS);
     return;
   }
+  // a full disk is no reason to begin attempts without an end
+  if (is_held_) {
+    Enter(SourceState::kAway, "the last import failed; SPACE tries it again");
+    Wait(kNsPerS);
+    return;
+  }
   auto found = folder_->Examine(session_.state(), clock_.Now());
   if (!found) {
     Enter(SourceState::kAway, found.error().Text());
@@ -265,8 +272,11 @@ void SessionWorker::ExamineFolder() {
     Enter(SourceState::kWaiting, folder_->growing());
   } else {
     Enter(SourceState::kJudging, (*found)->file.name, true);
-    Finish(MakeAttempt(session_, (*found)->continued.value_or(*cell),
-                       ImportOf(folder_->source(), (*found)->file, clock_, command_line_)));
+    const auto outcome =
+        MakeAttempt(session_, (*found)->continued.value_or(*cell),
+                    ImportOf(folder_->source(), (*found)->file, clock_, command_line_));
+    is_held_ = !outcome;
+    Finish(outcome);
     // each file is an input of its own trial alone
     ForgetInputs();
     return;

@@ -110,6 +110,7 @@ class SessionWorker {
   std::unique_ptr<acquire::Sensor> sensor_;
   std::shared_ptr<LiveMeter> meter_;  // of the sensor
   std::optional<WatchedFolder> folder_;
+  bool is_held_ = false;  // an import failed: the next waits for a command
   acquire::RetryPause pause_;
   acquire::Reading reading_;
   std::optional<SessionCell> first_;  // comes before the plan's next: cut short, or asked for

@@ -140,6 +140,31 @@ TEST(SessionLog, ARelabellingIsUndoneTheSameWay) {
   EXPECT_EQ(state.damaged_lines, 0U);
 }
 
+// a clock that is set back by an hour during the day: the order of the lines decides
+TEST(SessionLog, TimesDecideNothing) {
+  const auto at = [](const char* utc, SessionLogLine line) {
+    line.utc = utc;
+    return line;
+  };
+  const SessionState state =
+      ReadLog(LogOf({at("2026-11-26T12:00:00.000Z", Begin(kOne, 1, "a.bin")),
+                     at("2026-11-26T12:00:05.000Z", End(kOne, 1, "a.bin", kBad)),
+                     at("2026-11-26T11:00:10.000Z", Begin(kOne, 2, "b.bin")),
+                     at("2026-11-26T11:00:15.000Z", End(kOne, 2, "b.bin", kGood))}));
+  ASSERT_NE(state.Latest(kOne), nullptr);
+  EXPECT_EQ(state.Latest(kOne)->file, "b.bin");
+  EXPECT_EQ(state.NextNumber(kOne), 3);
+  EXPECT_EQ(state.damaged_lines, 0U);
+}
+
+TEST(SessionLog, AnImportStatesItsFileWhenItBegins) {
+  SessionLogLine begin = Begin(kOne, 1, "a.bin");
+  begin.reason = "12 bytes, modified 3, run1.csv";
+  const SessionState state = ReadLog(LogOf({begin, End(kOne, 1, "a.bin", kGood)}));
+  EXPECT_EQ(state.attempts.at(0).origin, begin.reason);
+  EXPECT_EQ(state.attempts.at(0).reason, "");
+}
+
 // what kill -9 at any moment leaves: whole lines and a part of one
 // first(kOne), last: what is skipped comes behind all others, also behind what is bad
 TEST(SessionLog, ASkippedCellComesAgainBehindTheOthersAndIsUndoneByAnAttempt) {
