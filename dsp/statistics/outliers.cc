@@ -117,7 +117,8 @@ std::vector<Outlier> OutliersOfGroups(std::vector<std::vector<double>> groups,
   std::vector<std::vector<std::size_t>> places;
   places.reserve(groups.size());
   for (const std::vector<double>& group : groups) {
-    std::iota(places.emplace_back(group.size()).begin(), places.back().end(), std::size_t{0});
+    std::vector<std::size_t>& of = places.emplace_back(group.size());
+    std::iota(of.begin(), of.end(), std::size_t{0});
   }
   std::vector<Outlier> outliers;
   while (true) {

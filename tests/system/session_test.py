@@ -8,6 +8,7 @@ import csv
 import hashlib
 import io
 import json
+import math
 import os
 import random
 import signal
@@ -112,7 +113,8 @@ def day(folder, port):
     check(status(folder)["bad"] == 1, status(folder))
     again = record(folder, "redo")
     check(again["attempt"] == 3 and status(folder)["done"] == 2 and status(folder)["bad"] == 0, status(folder))
-    check(excluded(second["file"]) == "session: a later attempt counts", excluded(second["file"]))
+    check(excluded(second["file"]) == "session: rejected: finger slipped, twice; a later attempt counts",
+          excluded(second["file"]))
     return again
 
 
@@ -156,6 +158,81 @@ def remarked(directory):
         check(run("session", *words, status=2).stderr.count("\n") == 1 and log(folder) == said, words)
     check(record(folder)["condition"] == "a" and status(folder)["skipped_count"] == 0, first)
     check("is done" in run("session", "skip", folder, "--reason", "x", status=3).stderr, "nothing to skip")
+
+
+def planned(directory):
+    """Drive, contrasts and limits of the plan; floors, repeats, and what is done to trials by hand."""
+    folder = f"{directory}/planned"
+    source = ["--", "--sensor", f"scene:{SCENE}", "--speed", "max"]
+    said = json.loads(run("session", "new", folder, "--subjects", "8", "--conditions", "cone,cones", "--repeats", "3",
+                          "--order", "given", "--duration", "0.6s", "--drive-frequency", "230Hz", "--drive-amplitude",
+                          "5V", "--contrast", "cones:cone", "--spread", "10%", "--json", *source).stdout)
+    kinds = {one["kind"] for one in said["findings"]}
+    check({"planned-names-alike", "scale-not-checked"} <= kinds, kinds)
+    # tests/dsp/statistics/power_reference.csv
+    check(abs(said["detectable_effect_d_z"] - 1.156035) < 1e-6, said)
+    check(abs(said["detectable_difference"] - 0.1156035) < 1e-7, said)
+    first = record(folder, expected=3)
+    check(first["reasons"] == ["the tone is at 225 Hz; 230 Hz +- 2.3 Hz is expected"], first)
+    header = info(first["file"])
+    check([header["drive_frequency_hz"], header["drive_amplitude_v"]] == [230, 5], header)
+    # done again, and the old one included by hand: the cell counts once
+    again = record(folder, "redo", expected=3)
+    run("trial", "include", first["file"])
+    check(excluded(first["file"]) == "", "included by hand")
+    second = record(folder, expected=3)
+    run("trial", "exclude", second["file"], "--reason", "by hand")
+    run("trial", "label", again["file"], "condition=cones")
+    counts = status(folder)
+    check(counts["done"] == 2 and counts["excluded_by_user"] == 1, counts)
+    check({"excluded-by-user", "labels-by-hand"} == {one["kind"] for one in counts["findings"]}, counts["findings"])
+    run("trial", "label", again["file"], "condition=cone")
+    third = record(folder, expected=3)
+    study = json.loads(run("study", folder, "--contrast", "cones:cone", "--json", status=2).stdout or "{}")
+    check(study == {}, "cones has no trial that counts")
+    run("trial", "include", second["file"])
+    study = json.loads(run("study", folder, "--json", status=3).stdout)
+    check(study["contrasts_planned"] and study["contrasts"][0]["treatment"] == "cones", "contrasts of the plan")
+    check("labels-alike" in {one["kind"] for one in study["findings"]}, study["findings"])
+    left = [one for one in study["trials"] if one["excluded"]]
+    check(len(left) == 1 and left[0]["file"] == first["file"], left)
+    check("a later attempt of its cell counts" in left[0]["excluded"] and third, left)
+
+
+def floors(directory):
+    """The subject's floor is subtracted from its later trials, in the session and in its study."""
+    folder = f"{directory}/floors"
+    rate = 10000
+    run("session", "new", folder, "--subjects", "1", "--conditions", "a", "--floor", "per-subject", "--repeats", "4",
+        "--duration", "1.5s", "--expect", "repeats<10%, bad<1%, steady>1s, distance=30mm+-2mm", "--", "--sensor",
+        "pipe", "--format", "text", "--rate", f"{rate}Hz", "--channels", "displacement:m")
+    noise = random.Random(5)
+
+    def samples(amplitude_m, distance_m=0.03):
+        return "".join(
+            f"{distance_m + amplitude_m * math.sin(2 * math.pi * 225 * k / rate) + 2e-6 * noise.gauss(0, 1):.9f}\n"
+            for k in range(3 * rate // 2)).encode()
+
+    def next_(amplitude_m, expected=0, **options):
+        return json.loads(run("session", "next", folder, "--json", data=samples(amplitude_m, **options),
+                              status=expected).stdout)
+
+    floor = next_(0)
+    check(floor["is_floor"] and floor["verdict"] == "GOOD" and floor["noise_floor"] is None, floor)
+    name = os.path.basename(floor["file"])
+    for amplitude_m in (50e-6, 51e-6):
+        good = next_(amplitude_m)
+        check(good["verdict"] == "GOOD" and good["noise_floor"] == name, good)
+    other = next_(65e-6, 3)
+    check(other["verdict"] == "CHECK" and "from the median of the earlier repeats" in other["reasons"][0], other)
+    moved = next_(50e-6, 3, distance_m=-0.03)
+    check(any("check the polarity" in reason for reason in moved["reasons"]), moved)
+    study = json.loads(run("study", folder, "--json", status=3).stdout)
+    check([one["subject"] for one in study["subject_floors"]] == ["1"], study["subject_floors"])
+    check(study["subject_floors"][0]["file"].endswith(name), study["subject_floors"])
+    # 2 um of white noise in 480 of 5000 Hz
+    check(abs(study["subject_floors"][0]["rms_m"] / (2e-6 * math.sqrt(480 / 5000)) - 1) < 0.1, "the floor's RMS")
+    check(study["trials"][1]["band_rms_m"] == good["band_rms_m"] or study["counts"]["answered"] == 4, study["trials"])
 
 
 def torn(folder):
@@ -236,7 +313,11 @@ def refusals(folder):
                            (["--subjects", "2", "--conditions", "a,A", "--duration", "1s", *source], 2),
                            (["--subjects", "0", "--conditions", "a", "--duration", "1s", *source], 2),
                            (["--subjects", "2", "--conditions", "a\nb", "--duration", "1s", *source], 2),
-                           ([*good, "--expect", "tone", *source], 2), ([*good[:4], *source], 2)):
+                           ([*good, "--expect", "tone", *source], 2), ([*good[:4], *source], 2),
+                           ([*good, "--expect", "", *source], 2), ([*good, "--contrast", "a:c", *source], 2),
+                           ([*good, "--contrast", "a", *source], 2), ([*good, "--spread", "10", *source], 2),
+                           ([*good, "--spread", "", *source], 2), ([*good, "--drive-frequency", "0Hz", *source], 2),
+                           ([*good, "--expect", "averaging=x", *source], 2)):
         said = run("session", "new", folder, *words, status=status_).stderr
         check(said.count("\n") == 1, f"one line: {said}")
         check(not os.path.exists(folder), f"{words} leaves a folder")
@@ -257,6 +338,8 @@ if __name__ == "__main__":
             ended(f"{directory}/day")
             other_limits(f"{directory}/limits", emulator.port)
         remarked(directory)
+        planned(directory)
+        floors(directory)
         killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
         refusals(f"{directory}/wrong")
     print(f"passed in {time.monotonic() - began:.1f} s")

@@ -62,7 +62,7 @@ TEST(TrialPanel, GapsBreakTheLineAndBadSamplesAreMarked) {
                       .values = {1e-3, 3e-3, std::nan(""), 2e-3},
                       .statuses = {kOk, kRepeated, kLate, kOk}}};
   const Panel panel = tools::PanelOf(record, record.channels[0]);
-  EXPECT_EQ(panel.title, "laser about 2000.000 um");
+  EXPECT_EQ(panel.title, "laser about 2000 um");
   ASSERT_EQ(panel.series.size(), 2);
   EXPECT_EQ(panel.series[0].x, (std::vector<double>{0, 0.1, 5, 5, 5.1}));
   EXPECT_TRUE(std::isnan(panel.series[0].y[2]) && std::isnan(panel.series[0].y[3]));

@@ -378,8 +378,14 @@ Section VibrationSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbe
               numbers.peak_to_peak_m);
   section.Add({document::kResidualRms.name, "without the tone (RMS)", document::kMetre},
               numbers.residual_rms_m);
+  // u(rms) = u(mean square) / (2 rms)
+  std::optional<double> floor_uncertainty_m;
+  if (numbers.floor && numbers.rms.floor_m > 0) {
+    floor_uncertainty_m = std::sqrt(numbers.floor->power.variance) / 2 / *numbers.rms.floor_m;
+  }
   section
-      .Add({document::kNoiseRms.name, "noise floor (RMS)", document::kMetre}, numbers.rms.floor_m)
+      .Add({document::kNoiseRms.name, "noise floor (RMS)", document::kMetre}, numbers.rms.floor_m,
+           floor_uncertainty_m)
       .note = numbers.floor ? "from " + document::SourceOf(*numbers.floor) : "";
   if (!numbers.floor) AddWords(section, "noise floor", "not known, not subtracted");
   section.Add({"noise_from"}, numbers.floor ? Value(document::SourceOf(*numbers.floor)) : Value());

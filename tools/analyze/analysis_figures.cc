@@ -256,9 +256,11 @@ plot::Panel StatesPanel(const Rows& rows) {
 plot::Panel FilteredPanel(const Rows& rows, const std::vector<double>& used_um) {
   const dsp::BandAnalysis& analysis = rows.analysis;
   const auto outside = [&](std::size_t row) { return !IsInWindow(analysis, row); };
-  plot::Panel panel{fmt::format("{:g}-{:g} Hz: {:.5g} um RMS over the window, as measured",
+  const dsp::RmsEstimate& rms = analysis.numbers->rms;
+  plot::Panel panel{fmt::format("{:g}-{:g} Hz: {} um RMS over the window, as measured",
                                 analysis.band.lower_hz, analysis.band.upper_hz,
-                                analysis.numbers->rms.as_measured_m / kUm),
+                                document::NumberText(rms.as_measured_m / kUm,
+                                                     rms.standard_uncertainty_m / kUm, 0, 5)),
                     "time / s",
                     "in band / um",
                     {{"not used", plot::Lines(plot::kDarkGrey), rows.times_s,

@@ -144,6 +144,10 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   if (!words.expect.empty()) {
     auto expected = ParseExpectation(words.expect);
     if (!expected) return std::unexpected(expected.error());
+    if (expected->most_off_repeats) {
+      return Usage("--expect", "repeats<... is for a session, which has earlier trials",
+                   "leave it out");
+    }
     job.expected = *expected;
   }
   if (words.floor.empty()) return job;

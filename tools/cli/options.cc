@@ -366,9 +366,14 @@ Option& Options::Flag(std::string_view name, bool* value, std::string_view help,
 
 Option& Options::Text(std::string_view name, std::string* value, std::string_view placeholder,
                       std::string_view help, Shown shown) {
-  const auto keep = [value](const std::string& text) { *value = text; };
-  return state_->AddRead(Declared(name, Option::Kind::kText, placeholder, help), keep, shown)
-      .Default(*value);
+  Option option = Declared(name, Option::Kind::kText, placeholder, help);
+  const auto keep = [value, name = option.name](const std::string& text) {
+    // an empty text is often a variable of a script that has no value, and would mean the default
+    if (text.empty())
+      throw Refused{{Cause::kUsage, name, "is empty", "write a value, or leave it out"}};
+    *value = text;
+  };
+  return state_->AddRead(std::move(option), keep, shown).Default(*value);
 }
 
 Option& Options::Parsed(std::string_view name, std::string_view placeholder,

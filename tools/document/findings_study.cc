@@ -37,10 +37,14 @@ document::Sentence SentenceOf(StudyFinding kind) {
       // completeness and outliers, which are reported and retained
       {kTrialsMissing, "trials-missing", "{answered} of {expected} trial{expected s} with a value"},
       {kOutlyingTrial, "outlying-trial",
-       "possible outlier: {times} times the median of its cell, robust z = {robust_z}; retained"},
+       "possible outlier: {times} times the mean of the other repeats of its cell, studentized "
+       "residual {studentized}, p = {p} over the study; retained"},
       {kOutlyingCell, "outlying-cell",
        "possible outlier: {times} times the additive prediction of subject and condition, "
-       "robust z = {robust_z}; retained"},
+       "studentized residual {studentized}, p = {p} over the study; retained"},
+      {kLabelsAlike, "labels-alike",
+       "the {label}s {one} and {other} differ by {how}: if they are one, correct a trial by "
+       "haptometer trial label"},
       // tests that are not possible
       {kContrastsNotPlanned, "contrasts-not-planned",
        "no contrast is planned, so every condition is compared with the first, {control} "

@@ -15,6 +15,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/sensor_options.h"
+#include "tools/analyze/analyze.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/analyze/expectation.h"
 #include "tools/cli/terminal.h"
@@ -25,6 +26,9 @@
 
 namespace haptometer::tools {
 namespace {
+
+// a recording that is shorter than this share of what is planned has ended too early
+constexpr double kLeastOfDuration = 0.9;
 
 // the trial's header: as the source has it, with plan, cell and attempt
 trial::TrialHeader HeaderOf(trial::TrialHeader header, const SessionFolder& session,
@@ -38,6 +42,11 @@ trial::TrialHeader HeaderOf(trial::TrialHeader header, const SessionFolder& sess
   fields["session.plan_sha256"] = document::Sha256Of(session.plan_path());
   fields["session.cell"] = fmt::format("{} of {}", place + 1, session.cells().size());
   fields["session.attempt"] = std::to_string(number);
+  // what is planned, where the sensor does not know better
+  auto& frequency_hz = header.metadata.drive_frequency_hz;
+  if (!frequency_hz) frequency_hz = session.plan().drive_frequency_hz;
+  auto& amplitude_v = header.metadata.drive_amplitude_v;
+  if (!amplitude_v) amplitude_v = session.plan().drive_amplitude_v;
   fields[std::string(trial::kExcludedField)] = cell.is_floor() ? kFloorReason : kInterruptedReason;
   return header;
 }
@@ -51,55 +60,84 @@ void AddDoubts(const dsp::Findings& findings, std::vector<std::string>& reasons)
   }
 }
 
-// the verdict on a finished file, by what analyze says of it
-Result<AttemptOutcome> Judge(const std::string& path, const SessionPlan& plan,
-                             SessionAttempt attempt) {
-  AttemptOutcome outcome{
-      .attempt = std::move(attempt), .reasons = {}, .band_rms_m = {}, .tone_hz = {}};
-  SessionVerdict& verdict = outcome.attempt.verdict.emplace(SessionVerdict::kBad);
-  HAPTOMETER_LET(const auto question, QuestionOf(AnalyzeWords{}));
-  HAPTOMETER_LET(const auto opened, trial::OpenRows(path));
-  const auto analysis = dsp::AnalyzeBand(*opened.rows, question);
-  if (!analysis) {
-    outcome.reasons = {analysis.error().Text()};
-    return outcome;
+// a floor is the noise without a drive
+void JudgeFloor(const std::string& path, const dsp::BandQuestion& question, bool has_value,
+                AttemptOutcome& outcome) {
+  if (has_value) {
+    outcome.reasons = {"a drive is on"};
+  } else if (const auto floor = ReadFloor(path, question, {}, 1); floor) {
+    outcome.attempt.verdict = SessionVerdict::kGood;
+  } else {
+    outcome.reasons = {floor.error().Text()};
   }
-  const bool has_value = analysis->answered && analysis->numbers;
-  if (outcome.attempt.cell.is_floor()) {
-    // a floor is the noise without a drive
-    if (has_value) outcome.reasons = {"a drive is on"};
-    if (!has_value) verdict = SessionVerdict::kGood;
-    return outcome;
+}
+
+// where a trial with a value differs from the plan, or is doubted
+void JudgeValue(const SessionFolder& session, const trial::OpenedRows& opened,
+                const dsp::BandAnalysis& analysis, AttemptOutcome& outcome) {
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  outcome.band_rms_m = numbers.rms.rms_m;
+  outcome.band_rms_uncertainty_m = numbers.rms.standard_uncertainty_m;
+  if (numbers.tone) {
+    outcome.tone_hz = numbers.tone->fit.frequency_hz;
+    outcome.tone_uncertainty_hz =
+        (numbers.tone->frequency_upper_hz - numbers.tone->frequency_lower_hz) /
+        4;  // a 95 % interval
   }
-  if (!has_value) {
-    outcome.reasons = document::RefusalsOf(analysis->findings);
-    return outcome;
-  }
-  outcome.band_rms_m = analysis->numbers->rms.rms_m;
-  if (analysis->numbers->tone) outcome.tone_hz = analysis->numbers->tone->fit.frequency_hz;
-  // the limits were read with the plan
-  if (!plan.expect.empty()) {
-    HAPTOMETER_LET(const auto expected, ParseExpectation(plan.expect));
-    const auto sources = trial::SourcesOf(opened.rows->head().metadata, opened.report);
-    for (const auto& found : DeviationsFrom(expected, *analysis, sources).list()) {
-      outcome.reasons.push_back(document::WordsOf(found));
-    }
-  }
-  AddDoubts(analysis->findings, outcome.reasons);
+  const auto sources = trial::SourcesOf(opened.rows->head().metadata, opened.report);
+  const auto deviations = DeviationsFrom(ExpectationOf(session.plan()), analysis, sources,
+                                         session.state().RepeatsRms(outcome.attempt.cell));
+  for (const auto& found : deviations.list()) outcome.reasons.push_back(document::WordsOf(found));
+  AddDoubts(analysis.findings, outcome.reasons);
   for (const trial::Finding& found : opened.report.AllFindings().list()) {
     if (found.severity != Severity::kNote) outcome.reasons.push_back(document::WordsOf(found));
   }
-  verdict = outcome.reasons.empty() ? SessionVerdict::kGood : SessionVerdict::kCheck;
+  outcome.attempt.verdict =
+      outcome.reasons.empty() ? SessionVerdict::kGood : SessionVerdict::kCheck;
+}
+
+// the verdict on a finished file, by what analyze says of it
+Result<AttemptOutcome> Judge(const std::string& path, const SessionFolder& session,
+                             SessionAttempt attempt) {
+  AttemptOutcome outcome{.attempt = std::move(attempt), .reasons = {}};
+  outcome.attempt.verdict = SessionVerdict::kBad;
+  HAPTOMETER_LET(auto question, QuestionOf(AnalyzeWords{}));
+  const bool is_floor = outcome.attempt.cell.is_floor();
+  const SessionAttempt* floor = is_floor ? nullptr : session.state().FloorOf(outcome.attempt);
+  if (floor != nullptr) {
+    HAPTOMETER_LET(question.floor, ReadFloor(session.trials() + floor->file, question, {}, 1));
+    outcome.floor = floor->file;
+  }
+  HAPTOMETER_LET(const auto opened, trial::OpenRows(path));
+  const auto analysis = dsp::AnalyzeBand(*opened.rows, question);
+  if (analysis) outcome.duration_s = analysis->record.duration_s;
+  const bool has_value = analysis && analysis->answered && analysis->numbers;
+  if (!analysis) {
+    outcome.reasons = {analysis.error().Text()};
+  } else if (is_floor) {
+    JudgeFloor(path, question, has_value, outcome);
+  } else if (!has_value) {
+    outcome.reasons = document::RefusalsOf(analysis->findings);
+  } else {
+    JudgeValue(session, opened, *analysis, outcome);
+  }
   return outcome;
 }
 
 // the trial and the verdict on it
 Result<AttemptOutcome> WriteAndJudge(const AttemptSource& source, const std::string& path,
-                                     const trial::TrialHeader& header, const SessionPlan& plan,
+                                     const trial::TrialHeader& header, const SessionFolder& session,
                                      const SessionAttempt& attempt) {
   HAPTOMETER_LET(const auto summary, source.write(path, header));
-  HAPTOMETER_LET(auto outcome, Judge(path, plan, attempt));
+  HAPTOMETER_LET(auto outcome, Judge(path, session, attempt));
   SessionVerdict& verdict = *outcome.attempt.verdict;
+  // a source that ends by itself, as a pipe; gaps are data that are lost
+  const double planned_s = session.plan().duration_s;
+  if (source.origin.empty() && outcome.duration_s < kLeastOfDuration * planned_s) {
+    outcome.reasons.push_back(
+        fmt::format("it ended after {:.3g} of {:g} s", outcome.duration_s, planned_s));
+    if (verdict == SessionVerdict::kGood) verdict = SessionVerdict::kCheck;
+  }
   outcome.reasons.insert(outcome.reasons.end(), source.doubts.begin(), source.doubts.end());
   if (verdict == SessionVerdict::kGood && !source.doubts.empty()) verdict = SessionVerdict::kCheck;
   outcome.is_cut_short = summary.connection_lost || summary.interrupted;
@@ -116,8 +154,7 @@ Result<AttemptOutcome> WriteAndJudge(const AttemptSource& source, const std::str
 // what cannot be read is no failure of this program: BAD, with the reason
 Result<AttemptOutcome> OutcomeOf(Result<AttemptOutcome> made, const SessionAttempt& attempt) {
   if (made || made.error().cause != Cause::kCannotAnswer) return made;
-  AttemptOutcome outcome{
-      .attempt = attempt, .reasons = {made.error().Text()}, .band_rms_m = {}, .tone_hz = {}};
+  AttemptOutcome outcome{.attempt = attempt, .reasons = {made.error().Text()}};
   outcome.attempt.verdict = SessionVerdict::kBad;
   return outcome;
 }
@@ -167,9 +204,8 @@ Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& ce
                       .verdict = {},
                       .reason = source.origin};
   HAPTOMETER_TRY(session.Append(line));
-  const SessionAttempt attempt{
-      .cell = cell, .number = number, .file = line.file, .verdict = {}, .reason = {}};
-  auto outcome = OutcomeOf(WriteAndJudge(source, path, header, session.plan(), attempt), attempt);
+  const SessionAttempt attempt = session.state().attempts.back();
+  auto outcome = OutcomeOf(WriteAndJudge(source, path, header, session, attempt), attempt);
   // read again for the verdict, and written by this command: no input
   ForgetInput(path);
   // an import that found no room on the disk did not end: its file is imported again
@@ -178,6 +214,7 @@ Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& ce
   line.verdict = outcome ? outcome->attempt.verdict : SessionVerdict::kBad;
   line.reason =
       outcome ? fmt::format("{}", fmt::join(outcome->reasons, "; ")) : outcome.error().Text();
+  if (outcome) line.band_rms_m = outcome->band_rms_m;
   HAPTOMETER_TRY(session.Append(line));
   HAPTOMETER_TRY(session.Settle(cell));
   if (outcome) outcome->attempt.reason = line.reason;

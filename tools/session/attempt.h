@@ -21,8 +21,12 @@ namespace haptometer::tools {
 struct AttemptOutcome {
   SessionAttempt attempt;            ///< ended
   std::vector<std::string> reasons;  ///< of CHECK and BAD
-  std::optional<double> band_rms_m;
-  std::optional<double> tone_hz;
+  std::optional<double> band_rms_m = {};
+  std::optional<double> band_rms_uncertainty_m = {};  ///< standard
+  std::optional<double> tone_hz = {};
+  std::optional<double> tone_uncertainty_hz = {};  ///< standard
+  double duration_s = 0;                           ///< of the samples
+  std::string floor = {};                          ///< the subject's floor that was subtracted
   bool is_cut_short = false;  ///< the recording was stopped, or lost its device
 };
 
@@ -54,10 +58,11 @@ struct RecordingWatch {
 
 /// Makes an attempt of `cell` and judges it: the log has a line before it and one behind it.
 ///
-/// BAD: interrupted, unreadable, or analyze has no value for it (of a floor: it has one). CHECK: a
-/// value that deviates from the plan's limits, a doubt of analyze other than that the sensor's
-/// averaging is unknown, or lost data. Errors: Cause::kFailed of the disk; the log then states BAD
-/// if it can be written, but for an import, which did not end: its file is imported again.
+/// The noise of the subject's last GOOD floor is subtracted. BAD: interrupted, unreadable, or
+/// analyze has no value for it (of a floor: it has one, or tells no noise). CHECK: a value that
+/// deviates from the plan's limits, a doubt of analyze other than that the sensor's averaging is
+/// unknown, or lost data. Errors: Cause::kFailed of the disk; the log then states BAD if it can be
+/// written, but for an import, which did not end: its file is imported again.
 [[nodiscard]] Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& cell,
                                                  const AttemptSource& source);
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/alike_names.h"
 #include "base/input_file.h"
 #include "base/mapped.h"
 #include "tools/acquire/recording.h"
@@ -25,6 +26,7 @@
 #include "tools/session/session_folder.h"
 #include "tools/session/session_run.h"
 #include "tools/session/session_source.h"
+#include "tools/session/trial_headers.h"
 #include "tools/session/watched_folder.h"
 #include "tools/study/study_document.h"
 #include "tools/verbs.h"
@@ -76,12 +78,13 @@ Section FloorsSection(const SessionCounts& counts) {
 }
 
 // a row for each attempt, in the order of their beginnings
-Section AttemptsSection(const SessionState& state) {
+Section AttemptsSection(const SessionFolder& session) {
   Section list{.name = "attempts",
                .heading = "attempts",
                .shape = Section::Shape::kTable,
                .detail = document::Detail::kAll};
-  for (const SessionAttempt& attempt : state.attempts) {
+  for (const SessionAttempt& attempt : session.state().attempts) {
+    const bool is_running = session.IsRunning(attempt);
     Section& row = list.sections.emplace_back();
     row.Add(document::kSubject, attempt.cell.subject);
     row.Add(kCondition, document::TextOrNotKnown(attempt.cell.condition));
@@ -89,8 +92,12 @@ Section AttemptsSection(const SessionState& state) {
     row.Add(kAttempt, attempt.number);
     row.Add({document::kVerdict.name, "verdict"},
             attempt.verdict ? document::Value(Name(*attempt.verdict)) : document::Value());
+    row.Add({"is_running"}, is_running);
+    row.Add({document::kBandRms.name, "RMS", document::kMetre}, attempt.band_rms_m).resolution =
+        attempt.band_rms_m ? *attempt.band_rms_m * 1e-3 : 0;
     row.Add({document::kFile.name, "file"}, attempt.file);
-    row.Add({document::kReasons.name, "reasons"}, document::TextOrNotKnown(attempt.reason));
+    row.Add({document::kReasons.name, "reasons"},
+            document::TextOrNotKnown(is_running ? "is being recorded" : attempt.reason));
     row.Add(document::kNotes,
             document::TextOrNotKnown(fmt::format("{}", fmt::join(attempt.notes, "; "))));
   }
@@ -128,11 +135,15 @@ document::Document StatusDocument(const SessionFolder& session) {
   };
   root.Add({"attempt_count", "attempts"}, counts.attempts);
   add_if({"skipped_count"}, "cells skipped", counts.skipped);
-  add_if({"attempts_not_ended"}, "attempts that did not end", counts.interrupted);
+  const auto running = static_cast<std::size_t>(std::ranges::count_if(
+      session.state().attempts,
+      [&](const SessionAttempt& attempt) { return session.IsRunning(attempt); }));
+  add_if({"attempts_running"}, "attempts being recorded", running);
+  add_if({"attempts_not_ended"}, "attempts that did not end", counts.interrupted - running);
   add_if({"attempts_outside_plan"}, "attempts outside the plan", counts.outside);
   add_if({"damaged_lines"}, "lines of the log that are damaged", session.state().damaged_lines);
   root.sections.push_back(FloorsSection(counts));
-  root.sections.push_back(AttemptsSection(session.state()));
+  root.sections.push_back(AttemptsSection(session));
   root.sections.push_back(
       RemarksSection({"skipped", "skipped cells"}, "reason", session.state().skipped));
   root.sections.push_back(RemarksSection({"cell_notes", "notes of cells"}, document::kNotes.name,
@@ -151,8 +162,12 @@ document::Document AttemptDocument(std::string_view verb, const SessionFolder& s
   root.Add(kAttempt, attempt.number);
   root.Add({document::kFile.name, "file"}, session.trials() + attempt.file);
   root.Add(document::kVerdict, Name(*attempt.verdict));
-  root.Add({document::kBandRms.name, "band RMS", document::kMetre}, outcome.band_rms_m);
-  root.Add({document::kToneFrequency.name, "tone", document::kHertz}, outcome.tone_hz);
+  using document::Form;
+  root.Add({document::kBandRms.name, "band RMS", document::kMetre, Form::kUncertain},
+           outcome.band_rms_m, outcome.band_rms_uncertainty_m);
+  root.Add({document::kToneFrequency.name, "tone", document::kHertz, Form::kUncertain},
+           outcome.tone_hz, outcome.tone_uncertainty_hz);
+  root.Add({"noise_floor", "noise floor"}, document::TextOrNotKnown(outcome.floor));
   root.Add({document::kReasons.name}, outcome.reasons);
   for (const std::string& reason : outcome.reasons) root.Add({"", "because"}, reason);
   const SessionCounts counts = session.Counts();
@@ -161,7 +176,50 @@ document::Document AttemptDocument(std::string_view verb, const SessionFolder& s
   return document;
 }
 
-document::Document PlanDocument(const std::string& folder, const SessionPlan& plan) {
+// the difference that the study can show; `spread`: relative standard deviation of the subjects'
+// differences, where it is stated
+void AddDetectable(const SessionPlan& plan, std::optional<double> spread, Section& root) {
+  const auto effect = DetectableEffect(plan);
+  const std::size_t contrasts = ContrastsOf(plan);
+  root.Add({"contrast_count"}, contrasts);
+  Item& item = root.Add({"detectable_effect_d_z", "difference that is shown"}, effect);
+  item.resolution = 0.01;
+  item.note = fmt::format(
+      "standard deviations of the subjects' differences, at 80 % power: paired t at 5 %{}",
+      contrasts > 1 ? fmt::format(", Holm over {} contrasts", contrasts) : "");
+  if (!effect) {
+    root.Find(Severity::kNote, "no-detectable-effect",
+              "what difference the study can show is not determined: it takes 2 subjects and 2 "
+              "conditions at least");
+  }
+  if (!effect || !spread) return;
+  Item& share = root.Add({"detectable_difference", "", document::kShare}, *effect * *spread);
+  share.label = "in percent";
+  share.resolution = 1e-3;
+  share.note = fmt::format("where the subjects' differences scatter by {:g} %", 100 * *spread);
+}
+
+// what of a plan should be known before the first trial
+void FindInPlan(const SessionPlan& plan, Section& root) {
+  for (const auto& [label, names] :
+       {std::pair("subject", &plan.subjects), std::pair("condition", &plan.conditions)}) {
+    for (const AlikeNames& pair : NamesAlike(*names)) {
+      root.Find(
+          Severity::kDoubt, "planned-names-alike",
+          "the {label}s {one} and {other} differ by one letter: if they are one, plan again in "
+          "another folder",
+          {{"label", std::string(label)}, {"one", pair.one}, {"other", pair.other}});
+    }
+  }
+  const Expectation expected = ExpectationOf(plan);
+  if (expected.rms_m || expected.amplitude_m || expected.distance_m) return;
+  root.Find(Severity::kNote, "scale-not-checked",
+            "scale and polarity of the sensor are not checked: no rms, amplitude or distance is in "
+            "--expect");
+}
+
+document::Document PlanDocument(const std::string& folder, const SessionPlan& plan,
+                                std::optional<double> spread) {
   const std::vector<SessionCell> cells = CellsOf(plan);
   const SessionCounts counts = CountCells(cells, {});
   document::Document document{.verb = "session new", .title = folder};
@@ -175,6 +233,8 @@ document::Document PlanDocument(const std::string& folder, const SessionPlan& pl
   root.Add({"recording_s", "recording", document::kSecond},
            plan.duration_s * static_cast<double>(cells.size()))
       .note = "without what lies between";
+  AddDetectable(plan, spread, root);
+  FindInPlan(plan, root);
   AddNext(counts, root);
   return document;
 }
@@ -204,6 +264,16 @@ bool IsPlanning(int argc, const char* const* argv) {
          });
 }
 
+// "10%" as a share
+Result<double> ReadSpread(const std::string& text) {
+  const bool is_percent = text.ends_with('%');
+  const auto percent =
+      ParseQuantity(std::string_view(text).substr(0, text.empty() ? 0 : text.size() - 1),
+                    Dimension::kNone, "--spread");
+  if (is_percent && percent && percent->exact() && percent->value > 0) return percent->value / 100;
+  return Usage("--spread", fmt::format("'{}' is no share above 0", text), "write it as 10%");
+}
+
 int RunNew(int argc, const char* const* argv) {
   // what stands behind -- is acquire's
   const auto* const dashes = std::find_if(
@@ -222,6 +292,8 @@ int RunNew(int argc, const char* const* argv) {
   std::string order = "balanced";
   std::string floor = "none";
   std::optional<double> duration_s;
+  std::vector<std::string> contrasts;
+  std::optional<double> spread;
   cli::Options options(kNewText);
   options.Positional("folder", &folder, "The new folder of the session");
   options.Text("--subjects", &subjects, "N|NAMES", "How many subjects, or their names with commas");
@@ -236,6 +308,22 @@ int RunNew(int argc, const char* const* argv) {
   options.Number("--duration", &duration_s, Dimension::kTime, cli::Above(0), "Of each trial");
   options.Text("--expect", &plan.expect, "LIMITS",
                "What a trial has to keep to, as of analyze: 'tone=225Hz+-1Hz, change<5%'");
+  options.Number("--drive-frequency", &plan.drive_frequency_hz, Dimension::kFrequency,
+                 cli::Above(0), "Of the drive; the tone of a trial has to be within 1 %");
+  options.Number("--drive-amplitude", &plan.drive_amplitude_v, Dimension::kVoltage, cli::Above(0),
+                 "Of the drive, written into the trials");
+  options
+      .Repeated("--contrast", &contrasts, "TREATMENT:CONTROL",
+                "What study compares; may be repeated")
+      .Default("every condition against the first");
+  options.Parsed(
+      "--spread", "PERCENT",
+      [&](const std::string& text) -> Result<void> {
+        HAPTOMETER_LET(spread, ReadSpread(text));
+        return {};
+      },
+      "Standard deviation of the subjects' differences, as 10%: what the study can show in "
+      "percent");
   if (const auto status = options.Parse(own, argv)) return *status;
   const auto make = [&]() -> Result<document::Document> {
     HAPTOMETER_LET(plan.subjects, ReadSubjects(subjects));
@@ -243,6 +331,7 @@ int RunNew(int argc, const char* const* argv) {
     plan.order = OrderNamed(order).value_or(plan.order);
     plan.has_floors = floor != "none";
     plan.duration_s = duration_s.value_or(0);
+    HAPTOMETER_LET(plan.contrasts, ParseContrasts(contrasts));
     if (own < argc) plan.source.assign(argv + own + 1, argv + argc);
     HAPTOMETER_TRY(CheckPlan(plan, "session"));
     HAPTOMETER_LET(const auto source, ReadSource(plan));
@@ -252,7 +341,7 @@ int RunNew(int argc, const char* const* argv) {
       plan.files_before = Mapped<std::string>(files, [](const auto& file) { return TextOf(file); });
     }
     HAPTOMETER_TRY(SessionFolder::Create(folder, plan));
-    return PlanDocument(folder, plan);
+    return PlanDocument(folder, plan, spread);
   };
   auto document = make();
   if (!document) return Report(kNewText, document.error());
@@ -279,7 +368,15 @@ int RunStatus(int argc, const char* const* argv) {
   outputs.json = options.json();
   const auto session = SessionFolder::Read(folder);
   if (!session) return cli::ReportError(kStatusText.name, session.error());
-  return document::Present(StatusDocument(*session), outputs, argc, argv);
+  document::Document document = StatusDocument(*session);
+  // counted apart: the log does not know what was done to a trial by hand
+  const auto by_hand = CompareHeaders(*session);
+  const auto excluded = std::ranges::count(by_hand.list(), HeaderFinding::kExcludedByUser,
+                                           &FindingOf<HeaderFinding>::kind);
+  document.root.Add({"excluded_by_user", excluded > 0 ? "excluded by trial exclude" : ""},
+                    static_cast<std::size_t>(excluded));
+  document::AddFindings(document.root, by_hand);
+  return document::Present(std::move(document), outputs, argc, argv);
 }
 
 // --- recording: next, redo, floor ---

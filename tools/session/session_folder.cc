@@ -48,10 +48,11 @@ Result<void> WriteDurably(trial::ByteSink& sink, std::string_view text, const st
 std::string ReasonOf(const SessionAttempt& attempt, bool counts) {
   if (attempt.cell.is_floor()) return std::string(kFloorReason);
   if (!attempt.verdict) return std::string(kInterruptedReason);
-  if (!counts) return fmt::format("{}a later attempt counts", kSessionReason);
-  if (*attempt.verdict != SessionVerdict::kBad) return {};
-  return fmt::format("{}{}: {}", kSessionReason, attempt.is_rejected ? "rejected" : "BAD",
-                     attempt.reason);
+  const std::string later = counts ? "" : "a later attempt counts";
+  if (*attempt.verdict != SessionVerdict::kBad)
+    return counts ? "" : std::string(kSessionReason) + later;
+  return fmt::format("{}{}: {}{}{}", kSessionReason, attempt.is_rejected ? "rejected" : "BAD",
+                     attempt.reason, counts ? "" : "; ", later);
 }
 
 // the process that holds the lock of `path`, as "process 1234 (haptometer session run day1)";
@@ -89,6 +90,11 @@ std::map<std::string, std::string> LabelsOf(const SessionCell& cell) {
 
 std::string SessionFolder::plan_path() const { return PlanPath(folder_); }
 std::string SessionFolder::trials() const { return (fs::path(folder_) / "trials").string() + "/"; }
+
+bool SessionFolder::IsRunning(const SessionAttempt& attempt) const {
+  // a trial is locked by who writes it
+  return !attempt.verdict && !HolderOf(trials() + attempt.file).empty();
+}
 
 Result<void> SessionFolder::Create(const std::string& folder, const SessionPlan& plan) {
   std::error_code error;

@@ -40,6 +40,9 @@ class SessionFolder {
   [[nodiscard]] std::string plan_path() const;
   [[nodiscard]] std::string trials() const;  ///< the folder, with a '/' at its end
 
+  /// Whether a process records the attempt at this moment.
+  [[nodiscard]] bool IsRunning(const SessionAttempt& attempt) const;
+
   /// Appends a line, which gets the time, and syncs it; state() follows. Errors (Cause::kFailed):
   /// the disk is full or the log was cut.
   [[nodiscard]] Result<void> Append(SessionLogLine line);

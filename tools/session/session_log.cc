@@ -9,6 +9,7 @@
 
 #include "base/names.h"
 #include "base/text.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/csv_cell.h"
 #include "trial/byte_io.h"
 
@@ -93,6 +94,21 @@ const SessionAttempt* SessionState::FloorOf(const SessionAttempt& attempt) const
     if (is_floor && is_good && (last == nullptr || floor.begun > last->begun)) last = &floor;
   }
   return last;
+}
+
+std::optional<double> SessionState::RepeatsRms(const SessionCell& cell) const {
+  std::vector<double> rms_m;
+  for (const SessionAttempt& attempt : attempts) {
+    const bool is_repeat = attempt.cell.subject == cell.subject &&
+                           attempt.cell.condition == cell.condition &&
+                           attempt.cell.repeat != cell.repeat;
+    const bool is_good = attempt.verdict == SessionVerdict::kGood && attempt.band_rms_m;
+    if (is_repeat && is_good && Latest(attempt.cell) == &attempt) {
+      rms_m.push_back(*attempt.band_rms_m);
+    }
+  }
+  if (rms_m.size() < 2) return std::nullopt;
+  return dsp::Median(std::move(rms_m));
 }
 
 bool SessionState::IsSkipped(const SessionCell& cell) const {

@@ -93,6 +93,9 @@ struct SessionState {
   [[nodiscard]] const SessionAttempt* LastFinished() const;
   /// The subject's last floor that is GOOD and began before `attempt`; nullptr where there is none.
   [[nodiscard]] const SessionAttempt* FloorOf(const SessionAttempt& attempt) const;
+  /// The median RMS of the other repeats of the cell's subject and condition that count and are
+  /// GOOD; nothing of fewer than 2.
+  [[nodiscard]] std::optional<double> RepeatsRms(const SessionCell& cell) const;
   /// Whether the cell is skipped.
   [[nodiscard]] bool IsSkipped(const SessionCell& cell) const;
   /// The number of the cell's next attempt: numbers of unfinished ones are not given again.

@@ -4,16 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <random>
 
+#include "base/alike_names.h"
 #include "base/mapped.h"
 #include "base/names.h"
 #include "base/text.h"
 #include "base/toml.h"
+#include "dsp/statistics/distributions.h"
 #include "tools/acquire/recording.h"
 #include "tools/analyze/expectation.h"
 #include "tools/session/watched_folder.h"
@@ -24,16 +24,10 @@ namespace {
 
 constexpr Names<SessionOrder, 3> kOrderNames{{"balanced", "random", "given"}};
 
-constexpr std::string_view kPerSubject = "per-subject";
+// of the tests that a plan is judged by
+constexpr double kPower = 0.8;
 
-// a name without blanks and case, by which names that look alike are found
-std::string Folded(const std::string& name) {
-  std::string folded;
-  for (const char c : name) {
-    if (c != ' ') folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return folded;
-}
+constexpr std::string_view kPerSubject = "per-subject";
 
 Result<void> CheckNames(const std::vector<std::string>& names, const std::string& where,
                         std::size_t most) {
@@ -41,19 +35,20 @@ Result<void> CheckNames(const std::vector<std::string>& names, const std::string
   if (names.size() > most) {
     return Usage(where, fmt::format("are {}, at most {} are possible", names.size(), most));
   }
-  std::map<std::string, std::string> known;
   for (const std::string& name : names) {
     HAPTOMETER_TRY(CheckPrintable(where, name));
     if (name.empty() || trial::Trimmed(name) != name) {
       return Usage(where, fmt::format("'{}' is empty or has a blank at an end", name),
                    "write the name alone");
     }
-    const auto [other, is_new] = known.emplace(Folded(name), name);
-    if (is_new) continue;
+    if (std::ranges::count(names, name) > 1) {
+      return Usage(where, fmt::format("name {} twice", name), "give each a name of its own");
+    }
+  }
+  for (const AlikeNames& pair : NamesAlike(names)) {
+    if (pair.likeness != Likeness::kCaseOrBlanks) continue;
     return Usage(where,
-                 name == other->second
-                     ? fmt::format("name {} twice", name)
-                     : fmt::format("{} and {} differ by case or blanks only", other->second, name),
+                 fmt::format("{} and {} differ by case or blanks only", pair.one, pair.other),
                  "give each a name of its own");
   }
   return {};
@@ -121,6 +116,19 @@ std::string TomlList(const std::vector<std::string>& texts) {
   return fmt::format("[{}]", fmt::join(quoted, ", "));
 }
 
+// a line of what is planned; none of what is not
+std::string NumberLine(std::string_view key, const std::optional<double>& number) {
+  return number ? fmt::format("{} = {}\n", key, *number) : "";
+}
+
+std::string ContrastsLine(const std::vector<PlannedContrast>& contrasts) {
+  if (contrasts.empty()) return {};
+  const auto pairs = Mapped<std::string>(contrasts, [](const PlannedContrast& contrast) {
+    return TomlList({contrast.treatment, contrast.control});
+  });
+  return fmt::format("contrasts = [{}]\n", fmt::join(pairs, ", "));
+}
+
 }  // namespace
 
 std::string_view Name(SessionOrder order) { return kOrderNames.Of(order); }
@@ -178,25 +186,54 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
     if (ReadFolderFile(file)) continue;
     return Usage(where + ": files_before", fmt::format("'{}' is no file with its size", file));
   }
+  for (const PlannedContrast& contrast : plan.contrasts) {
+    HAPTOMETER_TRY(CheckConditions(contrast, plan.conditions));
+  }
+  const bool has_frequency = !plan.drive_frequency_hz || *plan.drive_frequency_hz > 0;
+  const bool has_amplitude = !plan.drive_amplitude_v || *plan.drive_amplitude_v > 0;
+  if (!has_frequency || !has_amplitude) return Usage(where + ": drive", "is not above 0");
   if (plan.expect.empty()) return {};
   const auto expected = ParseExpectation(plan.expect);
   return expected ? Result<void>{} : std::unexpected(expected.error());
 }
 
+Expectation ExpectationOf(const SessionPlan& plan) {
+  // the limits were read by CheckPlan()
+  Expectation expected;
+  if (auto read = ParseExpectation(plan.expect)) expected = *std::move(read);
+  if (!expected.tone_hz && plan.drive_frequency_hz) {
+    expected.tone_hz = Quantity{*plan.drive_frequency_hz, 0.01 * *plan.drive_frequency_hz};
+  }
+  return expected;
+}
+
+std::size_t ContrastsOf(const SessionPlan& plan) {
+  return plan.contrasts.empty() ? plan.conditions.size() - 1 : plan.contrasts.size();
+}
+
+std::optional<double> DetectableEffect(const SessionPlan& plan) {
+  const auto subjects = static_cast<double>(plan.subjects.size());
+  const auto contrasts = static_cast<double>(ContrastsOf(plan));
+  if (subjects < 2 || contrasts < 1) return std::nullopt;
+  const auto shown =
+      dsp::NoncentralityForPower(subjects - 1, (1 - dsp::kConfidence) / contrasts, kPower);
+  if (!shown) return std::nullopt;
+  return *shown / std::sqrt(subjects);
+}
+
 std::string TomlOf(const SessionPlan& plan) {
   return fmt::format(
-             "# a session of haptometer; a change of names or numbers changes the plan for what is "
-             "not "
-             "recorded yet\n"
-             "subjects = {}\nconditions = {}\nrepeats = {}\norder = \"{}\"\nseed = {}\nfloor = "
-             "\"{}\"\n"
-             "duration_s = {}\nexpect = {}\nsource = {}\n",
-             TomlList(plan.subjects), TomlList(plan.conditions), plan.repeats, Name(plan.order),
-             plan.seed, plan.has_floors ? kPerSubject : "none", plan.duration_s,
-             TomlString(plan.expect), TomlList(plan.source)) +
-         (plan.files_before.empty()
-              ? std::string()
-              : fmt::format("files_before = {}\n", TomlList(plan.files_before)));
+      "# a session of haptometer; a change of names or numbers changes the plan for what is not "
+      "recorded yet\n"
+      "subjects = {}\nconditions = {}\nrepeats = {}\norder = \"{}\"\nseed = {}\nfloor = \"{}\"\n"
+      "duration_s = {}\nexpect = {}\n{}{}{}source = {}\n{}",
+      TomlList(plan.subjects), TomlList(plan.conditions), plan.repeats, Name(plan.order), plan.seed,
+      plan.has_floors ? kPerSubject : "none", plan.duration_s, TomlString(plan.expect),
+      NumberLine("drive_frequency_hz", plan.drive_frequency_hz),
+      NumberLine("drive_amplitude_v", plan.drive_amplitude_v), ContrastsLine(plan.contrasts),
+      TomlList(plan.source),
+      plan.files_before.empty() ? std::string()
+                                : fmt::format("files_before = {}\n", TomlList(plan.files_before)));
 }
 
 Result<SessionPlan> ParsePlan(std::string_view text, const std::string& where) {
@@ -211,6 +248,9 @@ Result<SessionPlan> ParsePlan(std::string_view text, const std::string& where) {
   plan.has_floors = table.Choice("floor", {"per-subject", "none"}) == kPerSubject;
   plan.duration_s = table.Require("duration_s", Dimension::kTime);
   plan.expect = table.Text("expect").value_or("");
+  plan.drive_frequency_hz = table.Number("drive_frequency_hz", Dimension::kFrequency);
+  plan.drive_amplitude_v = table.Number("drive_amplitude_v", Dimension::kVoltage);
+  plan.contrasts = ReadContrasts(table);
   plan.source = table.TextList("source");
   plan.files_before = table.TextList("files_before");
   HAPTOMETER_TRY(table.Finish());

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "tools/analyze/expectation.h"
+#include "tools/study/manifest.h"
 
 namespace haptometer::tools {
 
@@ -46,6 +48,9 @@ struct SessionPlan {
   bool has_floors = false;  ///< one a subject, before its trials
   double duration_s = 0;    ///< of a trial and of a floor
   std::string expect;       ///< acceptance limits, as analyze --expect; empty: none
+  std::optional<double> drive_frequency_hz = {};  ///< written into the trials, with the next one
+  std::optional<double> drive_amplitude_v = {};
+  std::vector<PlannedContrast> contrasts = {};  ///< what `study` compares; empty: as it does
   std::vector<std::string> source;  ///< the sensor and its options, as acquire has them; a folder
   /// Of a folder the files that were there when the session was made (watched_folder.h).
   std::vector<std::string> files_before{};
@@ -67,6 +72,20 @@ inline constexpr std::size_t kMostCells = 100'000;
 /// its ends; two names that differ by case, blanks or not at all; too many cells; a duration that
 /// is not above 0 or beyond 30 years; limits that are none.
 [[nodiscard]] Result<void> CheckPlan(const SessionPlan& plan, const std::string& where);
+
+/// What a trial of the plan has to keep to: SessionPlan::expect, and the tone within 1 % of the
+/// drive's frequency where only that is planned.
+[[nodiscard]] Expectation ExpectationOf(const SessionPlan& plan);
+
+/// How many contrasts a study of the plan tests: those planned, or all conditions against the
+/// first.
+[[nodiscard]] std::size_t ContrastsOf(const SessionPlan& plan);
+
+/// The mean difference, in standard deviations of the subjects' differences, that the paired t
+/// tests of the study show with 80 % power at 5 %, two-sided; of several contrasts by the level of
+/// Holm's first step, 5 % over their number. Nothing of one subject or one condition, or where it
+/// cannot be computed (dsp::NoncentralityForPower).
+[[nodiscard]] std::optional<double> DetectableEffect(const SessionPlan& plan);
 
 /// The plan as session.toml, which ParsePlan() reads as the same.
 [[nodiscard]] std::string TomlOf(const SessionPlan& plan);

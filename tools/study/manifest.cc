@@ -34,6 +34,20 @@ TrialGroup ReadGroup(TomlTable& table) {
 
 }  // namespace
 
+std::vector<PlannedContrast> ReadContrasts(TomlTable& table) {
+  // pairs [treatment, control]
+  std::vector<PlannedContrast> contrasts;
+  for (const auto& pair : table.TextLists("contrasts")) {
+    if (pair.size() != 2 || pair[0].empty() || pair[1].empty() || pair[0] == pair[1]) {
+      table.Refuse("contrasts", "holds something other than pairs of two conditions",
+                   R"(write it as [["ia1", "stock"]])");
+      break;
+    }
+    contrasts.push_back({pair[0], pair[1]});
+  }
+  return contrasts;
+}
+
 Result<Manifest> ReadManifest(const std::string& path) {
   HAPTOMETER_LET(auto table, TomlTable::ParseFile(path));
   Manifest manifest;
@@ -45,17 +59,7 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.floor = table.Text("floor").value_or("");
   manifest.groups =
       Mapped(table.Tables("trials"), [](TomlTable* group) { return ReadGroup(*group); });
-  // contrasts are pairs [treatment, control]
-  const auto contrasts = table.TextLists("contrasts");
-  manifest.contrasts.reserve(contrasts.size());
-  for (const auto& pair : contrasts) {
-    if (pair.size() != 2 || pair[0].empty() || pair[1].empty() || pair[0] == pair[1]) {
-      table.Refuse("contrasts", "holds something other than pairs of two conditions",
-                   R"(write it as [["ia1", "stock"]])");
-      break;
-    }
-    manifest.contrasts.push_back({pair[0], pair[1]});
-  }
+  manifest.contrasts = ReadContrasts(table);
   // unknown keys and wrong types are reported together at the end
   HAPTOMETER_TRY(table.Finish());
   return manifest;

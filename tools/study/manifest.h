@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "base/toml.h"
+#include "dsp/analysis/band_question.h"
 
 namespace haptometer::tools {
 
@@ -24,6 +28,9 @@ struct PlannedContrast {
 /// Each as ParseContrast.
 [[nodiscard]] Result<std::vector<PlannedContrast>> ParseContrasts(
     const std::vector<std::string>& words);
+
+/// The key `contrasts` of a table, pairs of treatment and control; what is none is refused there.
+[[nodiscard]] std::vector<PlannedContrast> ReadContrasts(TomlTable& table);
 
 /// Every condition against the first: what is compared where nothing was planned.
 [[nodiscard]] std::vector<PlannedContrast> AllAgainstTheFirst(
@@ -63,6 +70,11 @@ struct TrialFile {
   std::string path;
   std::map<std::string, std::string> labels{};  ///< of subject, condition, repeat
   std::optional<Error> error{};                 ///< its name does not fit the pattern
+  /// The drive-off trial that a session states for it; the study's floor where absent.
+  std::shared_ptr<const dsp::NoiseFloor> floor{};
+  /// Its place among a session's attempts: of several that are included for one subject, condition
+  /// and repeat the last counts.
+  std::optional<std::size_t> attempt{};
   /// A table of results among recordings (FilesInFolder), to be ignored: no trial.
   bool is_table = false;
 };

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -20,6 +22,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
 #include "tools/document/render.h"
+#include "tools/session/session_folder.h"
 #include "tools/study/study_document.h"
 #include "tools/verbs.h"
 
@@ -139,6 +142,39 @@ std::string FloorPath(const Wanted& wanted, const Manifest& manifest) {
   return fs::path(wanted.source).parent_path() / manifest.floor;
 }
 
+// the noise of a session's floor; nothing, and a remark, where it cannot be read any more
+std::shared_ptr<const dsp::NoiseFloor> FloorOfSession(const std::string& path, const Task& task) {
+  auto floor = ReadFloor(path, task.question, task.import, 1);
+  if (floor) return std::make_shared<const dsp::NoiseFloor>(*std::move(floor));
+  cli::Remark(kVerb, floor.error().Text());
+  return nullptr;
+}
+
+// what the session in a folder states: contrasts, order of conditions, attempts and floors
+Result<void> TakeSession(const Wanted& wanted, Task& task) {
+  std::error_code ignored;
+  if (!fs::exists(fs::path(wanted.source) / "session.toml", ignored)) return {};
+  HAPTOMETER_LET(const auto session, SessionFolder::Read(wanted.source));
+  task.manifest.contrasts = session.plan().contrasts;
+  task.manifest.conditions = session.plan().conditions;
+  const auto& attempts = session.state().attempts;
+  // each floor is read once, in the band of the trials
+  std::map<std::string, std::shared_ptr<const dsp::NoiseFloor>> floors;
+  for (TrialFile& file : task.files) {
+    const std::string name = fs::path(file.path).filename();
+    const auto known = std::ranges::find(attempts, name, &SessionAttempt::file);
+    if (known == attempts.end()) continue;
+    file.attempt = static_cast<std::size_t>(known - attempts.begin());
+    const SessionAttempt* floor = session.state().FloorOf(*known);
+    const bool is_replaced = !FloorPath(wanted, task.manifest).empty();
+    if (floor == nullptr || known->cell.is_floor() || is_replaced) continue;
+    const auto [place, is_new] = floors.try_emplace(floor->file);
+    if (is_new) place->second = FloorOfSession(session.trials() + floor->file, task);
+    file.floor = place->second;
+  }
+  return {};
+}
+
 // noise of the drive-off trial, which is then no trial of the study
 Result<void> TakeFloor(const Wanted& wanted, Task& task) {
   const std::string path = FloorPath(wanted, task.manifest);
@@ -165,8 +201,6 @@ Result<Task> TaskOf(const Wanted& wanted) {
   }
   Task task;
   HAPTOMETER_TRY(FindFiles(wanted, task));
-  HAPTOMETER_LET(const auto contrasts, ParseContrasts(wanted.contrasts));
-  if (!contrasts.empty()) task.manifest.contrasts = contrasts;
   // band, order and corner: command line first, then manifest, then the defaults
   cli::BandWords band = wanted.band;
   if (band.band.empty()) band.band = task.manifest.band;
@@ -174,7 +208,10 @@ Result<Task> TaskOf(const Wanted& wanted) {
   if (band.corner.empty()) band.corner = task.manifest.corner;
   HAPTOMETER_LET(task.question, cli::BandQuestionOf(band));
   HAPTOMETER_LET(task.import, cli::ImportOf(wanted.import));
-  // after the question: the floor is computed in the band of the trials
+  // after the question: floors are computed in the band of the trials
+  HAPTOMETER_TRY(TakeSession(wanted, task));
+  HAPTOMETER_LET(const auto contrasts, ParseContrasts(wanted.contrasts));
+  if (!contrasts.empty()) task.manifest.contrasts = contrasts;
   HAPTOMETER_TRY(TakeFloor(wanted, task));
   return task;
 }

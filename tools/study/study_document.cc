@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/alike_names.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {
@@ -117,6 +118,23 @@ Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
            std::sqrt(known.power.variance) / 2 / rms_m)
       .note = fmt::format("RMS of {}, subtracted in mean square", known.file);
   section.Add({document::kDuration.name}, known.duration_s);
+  return section;
+}
+
+// the floors of a session, each of a subject, in the order of the trials
+Section FloorsSection(const StudyTable& table) {
+  Section section{.name = "subject_floors", .heading = "noise floors", .shape = Section::Shape::kTable};
+  std::set<const dsp::NoiseFloor*> known;
+  for (const StudyTrial& trial : table.trials) {
+    if (!trial.floor || !known.insert(trial.floor.get()).second) continue;
+    const double rms_m = std::sqrt(trial.floor->power.mean_square);
+    Section& row = section.sections.emplace_back();
+    row.Add(document::kSubject, trial.subject);
+    row.Add({document::kRms.name, "RMS", document::kMetre}, rms_m,
+            std::sqrt(trial.floor->power.variance) / 2 / rms_m);
+    row.Add({document::kDuration.name}, trial.floor->duration_s);
+    row.Add({document::kFile.name, "file"}, trial.floor->file);
+  }
   return section;
 }
 
@@ -333,7 +351,8 @@ Section OutlyingRow(const Outlying& outlying) {
   row.Add({kCondition.name}, outlying.condition);
   row.Add(document::kFile, TextOrNotKnown(outlying.file));
   row.Add({"times"}, outlying.times);
-  row.Add({"robust_standard_deviations"}, outlying.score);
+  row.Add({"studentized_residual"}, outlying.t);
+  row.Add(kP, outlying.p);
   return row;
 }
 
@@ -353,6 +372,17 @@ std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
     if (trial.answered) sources.insert(trial.sources.begin(), trial.sources.end());
   }
   return {sources.begin(), sources.end()};
+}
+
+// names that may be one, written in two ways
+void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
+                    StudyFindings& findings) {
+  for (const AlikeNames& pair : NamesAlike(names)) {
+    findings.Doubt(StudyFinding::kLabelsAlike, {{"label", label},
+                                                {"one", pair.one},
+                                                {"other", pair.other},
+                                                {"how", std::string(WordsOf(pair.likeness))}});
+  }
 }
 
 }  // namespace
@@ -389,6 +419,8 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
                   {{"trials", without_drive.size()}, {"of_trials", study.table.trials.size()}},
                   fmt::format("{}", fmt::join(without_drive, ", "))});
   }
+  AddLabelsAlike("subject", study.table.subjects, findings);
+  AddLabelsAlike("condition", study.table.conditions, findings);
   // place of a subject's mean in a message
   const auto cell = [](const auto& of) {
     return fmt::format("subject {} in {}", of.subject, of.condition);
@@ -404,7 +436,7 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
     const bool is_cell = outlying.file.empty();
     findings.Add({Severity::kDoubt,
                   is_cell ? StudyFinding::kOutlyingCell : StudyFinding::kOutlyingTrial,
-                  {{"times", outlying.times}, {"robust_z", outlying.score}},
+                  {{"times", outlying.times}, {"studentized", outlying.t}, {"p", outlying.p}},
                   is_cell ? cell(outlying) : outlying.file});
   }
   return findings;
@@ -440,6 +472,7 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
   root.Add(kContrastsPlanned, study.planned);
   root.sections = {BandSection(study.question.band),
                    FloorSection(study.question.floor),
+                   FloorsSection(table),
                    CountsSection(table),
                    ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
                    ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray},

@@ -26,8 +26,9 @@ enum class StudyFinding : std::uint8_t {
   kWithoutDrive,           ///< trials, of_trials
   kTableIgnored,           ///< a table of results among the trials
   kTrialsMissing,          ///< answered, expected
-  kOutlyingTrial,          ///< times, robust_z
-  kOutlyingCell,           ///< times, robust_z
+  kOutlyingTrial,          ///< times, studentized, p
+  kOutlyingCell,           ///< times, studentized, p
+  kLabelsAlike,            ///< label, one, other, how
   kContrastsNotPlanned,    ///< control
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects

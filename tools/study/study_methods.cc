@@ -82,6 +82,8 @@ std::string CorrectionsText(const StudyResult& study) {
           ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
                         "{})",
                         std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->file)
+      : study.CountAnswered([](const StudyTrial& trial) { return trial.floor != nullptr; }) > 0
+          ? "The noise of a drive-off trial of the subject, or else of the trial's own quiet part,"
           : "The noise of the trial's own quiet part",
       Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"),
       study.CountAnswered(
@@ -133,12 +135,13 @@ std::string ContrastsText(const StudyResult& study) {
 // outlying values are named and retained; limits from study_table.h
 std::string OutliersText() {
   return fmt::format(
-      "Trials farther than {:g} robust standard deviations from the median of their cell, and "
-      "cells as far from the additive prediction of subject and condition, were named and retained "
-      "(a "
-      "standard deviation counted for no less than {:g} % and no less than the stated "
-      "uncertainty). ",
-      kOutlyingScore, 100 * kLeastScatter);
+      "Trials that differ from the other repeats of their cell, and cells that differ from the "
+      "additive prediction of subject and condition, were named and retained (externally "
+      "studentized residuals of logarithms with Bonferroni's correction, false alarms in at most "
+      "{:g} % of studies; a standard deviation counted for no less than {:g} % and no less than "
+      "the "
+      "stated uncertainty). ",
+      100 * (kFalseAlarmsOfTrials + kFalseAlarmsOfCells), 100 * kLeastScatter);
 }
 
 // trials that differ from the paragraph, an item each

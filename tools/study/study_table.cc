@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/window_remarks.h"
+#include "dsp/statistics/outliers.h"
 #include "tools/cli/progress.h"
 #include "tools/document/findings_dsp.h"
 #include "trial/import/read_recording.h"
@@ -51,6 +52,25 @@ void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
               fmt::format("use haptometer trial label {} {}=..., or give a pattern of the names",
                           trial.file, missing)};
     trial.answered = false;
+  }
+}
+
+// of a session's attempts at a cell that are included the last one counts
+void LeaveOutEarlierAttempts(std::vector<StudyTrial>& trials) {
+  std::map<std::tuple<std::string, std::string, std::string>, StudyTrial*> last;
+  for (StudyTrial& trial : trials) {
+    if (trial.error || trial.excluded || !trial.attempt) continue;
+    StudyTrial*& latest = last[{trial.subject, trial.condition, trial.repeat}];
+    StudyTrial* earlier = latest;
+    if (earlier == nullptr || *earlier->attempt < *trial.attempt) {
+      latest = &trial;
+    } else {
+      earlier = &trial;
+    }
+    if (earlier == nullptr) continue;
+    earlier->excluded =
+        fmt::format("a later attempt of its cell counts, and is included too: {}", latest->file);
+    earlier->answered = false;
   }
 }
 
@@ -148,6 +168,7 @@ StudyTable MakeStudyTable(std::vector<StudyTrial> trials, const std::vector<std:
   StudyTable table;
   table.trials = std::move(trials);
   RefuseUnlabelled(table.trials);
+  LeaveOutEarlierAttempts(table.trials);
   NumberRepeats(table.trials);
   std::set<std::string> subjects;
   std::set<std::string> conditions;
@@ -245,6 +266,7 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
     trial.error = std::move(error);
     return trial;
   };
+  trial.attempt = file.attempt;
   // an error of the pattern comes before any reading
   if (file.error) return fail(*file.error);
   const auto recording = trial::ReadRecording(file.path, import);
@@ -263,6 +285,10 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   // only the numbers are used, not the filtered samples
   dsp::BandQuestion numbers_alone = question;
   numbers_alone.keep_filtered = false;
+  if (file.floor) {
+    trial.floor = file.floor;
+    numbers_alone.floor = *file.floor;
+  }
   const auto analysis = dsp::AnalyzeBand(recording->record, numbers_alone);
   if (!analysis) return fail(analysis.error());
   TakeAnalysis(*analysis, question, trial);
@@ -317,56 +343,57 @@ double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
       Mapped(cell.trials, [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); }));
 }
 
+// trials that stand apart from the repeats of their cell
 void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {
-  // logarithms of all cells: the scatter within cells is common, as a relative one
-  std::vector<std::vector<double>> all;
+  const std::size_t conditions = table.conditions.size();
+  std::vector<std::vector<double>> logs;
+  std::vector<std::vector<double>> least;
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
-    for (std::size_t c = 0; c < table.conditions.size(); ++c) all.push_back(table.Logs(s, c));
-  }
-  // robust standard deviation, at least kLeastScatter, so that equal repeats flag nothing
-  const double scatter = std::max(kLeastScatter, dsp::RobustWithinDeviation(all).value_or(0));
-  for (std::size_t s = 0; s < table.subjects.size(); ++s) {
-    for (std::size_t c = 0; c < table.conditions.size(); ++c) {
-      const std::vector<double>& logs = all[s * table.conditions.size() + c];
-      // with two trials the median cannot show which of them is outlying
-      if (logs.size() < 3) continue;
-      const double median = dsp::Median(logs);
-      for (std::size_t i = 0; i < logs.size(); ++i) {
-        const StudyTrial& trial = table.trials[table.cells[s][c].trials[i]];
-        // a trial with a large uncertainty of its own may deviate more
-        const double scale = std::max(scatter, RelativeUncertainty(trial));
-        const double score = std::abs(logs[i] - median) / scale;
-        if (score <= kOutlyingScore) continue;
-        outlying.push_back({table.subjects[s], table.conditions[c], trial.file,
-                            std::exp(logs[i] - median), score});
-      }
+    for (std::size_t c = 0; c < conditions; ++c) {
+      logs.push_back(table.Logs(s, c));
+      // a trial with a large uncertainty of its own may deviate more
+      least.push_back(Mapped(table.cells[s][c].trials, [&](std::size_t i) {
+        return std::max(kLeastScatter, RelativeUncertainty(table.trials[i]));
+      }));
     }
   }
+  for (const dsp::Outlier& one : dsp::OutliersOfGroups(logs, least, kFalseAlarmsOfTrials)) {
+    const std::size_t s = one.group / conditions;
+    const std::size_t c = one.group % conditions;
+    outlying.push_back({table.subjects[s], table.conditions[c],
+                        table.trials[table.cells[s][c].trials[one.place]].file,
+                        std::exp(one.deviation), one.t, one.p});
+  }
+}
+
+// the mean of a cell's logarithms without trials that are named, unless all are
+double MeanOfRetained(const StudyTable& table, const Cell& cell,
+                      const std::vector<Outlying>& outlying) {
+  std::vector<double> logs;
+  for (std::size_t i = 0; i < cell.trials.size(); ++i) {
+    const std::string& file = table.trials[cell.trials[i]].file;
+    if (std::ranges::count(outlying, file, &Outlying::file) > 0) continue;
+    logs.push_back(std::log(cell.rms_m[i]));
+  }
+  return logs.empty() ? *cell.mean_log() : dsp::Mean(logs);
 }
 
 // a subject's mean in one condition that fits neither subject nor condition
 void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlying) {
   std::vector<std::size_t> whole;
-  dsp::CompleteTable medians = table.Complete(&Cell::mean_log, &whole);
-  // a residual needs at least four subjects and three conditions
-  if (medians.subjects() < 4 || medians.conditions() < 3) return;
+  dsp::CompleteTable means = table.Complete(&Cell::mean_log, &whole);
+  dsp::CompleteTable least = means;
   for (std::size_t row = 0; row < whole.size(); ++row) {
-    for (std::size_t c = 0; c < medians.conditions(); ++c) {
-      medians.At(row, c) = dsp::Median(table.Logs(whole[row], c));
+    for (std::size_t c = 0; c < means.conditions(); ++c) {
+      const Cell& cell = table.cells[whole[row]][c];
+      means.At(row, c) = MeanOfRetained(table, cell, outlying);
+      least.At(row, c) = std::max(kLeastScatter, RelativeUncertainty(table, cell));
     }
   }
-  // median polish: ln(rms) = subject + condition + residual
-  const dsp::CompleteTable left = dsp::MedianPolish(medians);
-  const double scatter = std::max(kLeastScatter, dsp::DeviationOfPolished(left));
-  for (std::size_t row = 0; row < whole.size(); ++row) {
-    for (std::size_t c = 0; c < medians.conditions(); ++c) {
-      const double scale =
-          std::max(scatter, RelativeUncertainty(table, table.cells[whole[row]][c]));
-      const double score = std::abs(left.At(row, c)) / scale;
-      if (score <= kOutlyingScore) continue;
-      outlying.push_back(
-          {table.subjects[whole[row]], table.conditions[c], "", std::exp(left.At(row, c)), score});
-    }
+  const double false_alarms = kFalseAlarmsOfCells + (table.repeats < 2 ? kFalseAlarmsOfTrials : 0);
+  for (const dsp::Outlier& one : dsp::OutliersOfTable(means, least, false_alarms)) {
+    outlying.push_back({table.subjects[whole[one.group]], table.conditions[one.place], "",
+                        std::exp(one.deviation), one.t, one.p});
   }
 }
 

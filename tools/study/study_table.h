@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct StudyTrial {
   std::string sensor;             ///< with its head; empty where unknown
   std::optional<double> drive_v;  ///< amplitude of the drive, where the file says it
   std::vector<document::DataSource> sources;
+  std::shared_ptr<const dsp::NoiseFloor> floor;  ///< of the session, that was subtracted
+  std::optional<std::size_t> attempt;            ///< its place among a session's attempts
   std::optional<std::string> excluded;  ///< why it is in no number; it is not analysed then
   std::optional<Error> error;           ///< it cannot be read, or has no place in the study
   bool answered = false;                ///< rms_m is there
@@ -107,14 +110,17 @@ struct Outlying {
   std::string subject;
   std::string condition;
   std::string file;  ///< empty: the whole cell
-  double times = 0;  ///< RMS over what its place lets expect
-  double score = 0;  ///< distance in robust standard deviations, of logarithms
+  double times = 0;  ///< RMS over what the others let expect of its place
+  double t = 0;      ///< externally studentized residual of ln(RMS)
+  double p = 0;      ///< after Bonferroni's correction over the study
 };
 
-/// Robust standard deviations beyond which a trial or cell is named.
-inline constexpr double kOutlyingScore = 5;
+/// The chance that a study without outliers has any named, at most: of its trials, and of its
+/// cells' means. Of a study without repeats, whose cells are its trials, the sum of both.
+inline constexpr double kFalseAlarmsOfTrials = 0.04;
+inline constexpr double kFalseAlarmsOfCells = 0.01;
 /// The least standard deviation of ln(RMS) that a trial or cell is judged by: where repeats agree
-/// to less, what differs by less than kOutlyingScore times this is no news to anybody.
+/// to less, a difference of a few percent is no news to anybody.
 inline constexpr double kLeastScatter = 0.01;
 
 /// What several answered trials have in common: how their analysis differs from what was asked.
@@ -128,15 +134,13 @@ struct Deviation {
 
 [[nodiscard]] std::vector<MissingTrials> FindMissing(const StudyTable& table);
 
-/// Outlying trials and cells, by logarithms of the RMS and with medians, so that they do not hide
-/// themselves:
-/// - a trial's distance from its cell's median, against the median within-cell standard deviation
-///   (dsp/statistics/repeated_measures.h), in cells of 3 trials or more;
-/// - a cell's median less its condition's and its subject's effect (median polish, subjects that
-///   have all conditions), against the standard deviation that these residuals tell
-///   (dsp::DeviationOfPolished), with 4 subjects and 3 conditions or more.
-/// Neither scale counts below kLeastScatter, nor below the relative standard uncertainty that the
-/// trial states (a cell: the median of its trials').
+/// Outlying trials and cells, by logarithms of the RMS (dsp/statistics/outliers.h):
+/// - a trial against the other repeats of its cell, in cells of 2 trials or more; of two it is not
+///   known which one it is, and both are named;
+/// - a cell's mean, without trials that are named, against the effects of subject and condition, of
+///   3 subjects or more that have all conditions.
+/// No standard deviation counts below kLeastScatter, nor below the relative standard uncertainty
+/// that the trial states (a cell: the median of its trials').
 [[nodiscard]] std::vector<Outlying> FindOutlying(const StudyTable& table);
 
 /// Trials whose tone is farther from the median of their condition than kOtherFrequencyShare, in

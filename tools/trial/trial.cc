@@ -252,10 +252,12 @@ double MeanOf(const trial::Channel& channel) {
   return count == 0 ? 0 : first + sum / count;
 }
 
-// "displacement about 30012.345 um"
+// "displacement about 30012.3 um", to the resolution of the channel
 std::string Title(const trial::Channel& channel, double mean) {
-  if (channel.unit == "m") return fmt::format("{} about {:.3f} um", channel.name, mean * 1e6);
-  return fmt::format("{} about {:.6g} {}", channel.name, mean, channel.unit);
+  const double factor = channel.unit == "m" ? 1e6 : 1;
+  return fmt::format("{} about {} {}", channel.name,
+                     document::NumberText(mean * factor, 0, channel.resolution * factor, 6),
+                     factor == 1 ? channel.unit : "um");
 }
 
 }  // namespace

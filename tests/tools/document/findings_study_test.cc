@@ -72,14 +72,23 @@ std::vector<Case> Cases() {
        "trials-missing",
        "2 of 3 trials with a value"},
       {kOutlyingTrial,
-       {{"times", 1.1234}, {"robust_z", 5.04}},
+       {{"times", 1.1234}, {"studentized", 5.04}, {"p", 0.00123}},
        "outlying-trial",
-       "possible outlier: 1.123 times the median of its cell, robust z = 5.04; retained"},
+       "possible outlier: 1.123 times the mean of the other repeats of its cell, studentized "
+       "residual 5.04, p = 0.00123 over the study; retained"},
       {kOutlyingCell,
-       {{"times", 5.0}, {"robust_z", 12.0}},
+       {{"times", 5.0}, {"studentized", 12.0}, {"p", 0.001}},
        "outlying-cell",
-       "possible outlier: 5 times the additive prediction of subject and condition, robust z = 12; "
-       "retained"},
+       "possible outlier: 5 times the additive prediction of subject and condition, studentized "
+       "residual 12, p = 0.001 over the study; retained"},
+      {kLabelsAlike,
+       {{"label", std::string("condition")},
+        {"one", std::string("cone")},
+        {"other", std::string("cones")},
+        {"how", std::string("one letter")}},
+       "labels-alike",
+       "the conditions cone and cones differ by one letter: if they are one, correct a trial by "
+       "haptometer trial label"},
       {kContrastsNotPlanned,
        {{"control", std::string("stock")}},
        "contrasts-not-planned",

@@ -165,6 +165,26 @@ TEST(SessionLog, AnImportStatesItsFileWhenItBegins) {
   EXPECT_EQ(state.attempts.at(0).reason, "");
 }
 
+TEST(SessionLog, RepeatsAreTheGoodOnesThatCount) {
+  const auto end = [](std::int64_t repeat, const std::string& file, double rms_m,
+                      SessionVerdict verdict = kGood) {
+    SessionLogLine line = End({"1", "stock", repeat}, 1, file, verdict);
+    line.band_rms_m = rms_m;
+    return line;
+  };
+  std::vector<SessionLogLine> lines{end(1, "a.bin", 1e-5), end(2, "b.bin", 9e-5, kCheck)};
+  const SessionCell of{"1", "stock", 9};
+  EXPECT_FALSE(ReadLog(LogOf(lines)).RepeatsRms(of)) << "one is GOOD, two are needed";
+  lines.push_back(end(3, "c.bin", 2.123456789012345e-5));
+  EXPECT_EQ(ReadLog(LogOf(lines)).RepeatsRms(of), (1e-5 + 2.123456789012345e-5) / 2)
+      << "to the last digit";
+  EXPECT_FALSE(ReadLog(LogOf(lines)).RepeatsRms({"1", "stock", 3})) << "not by itself";
+  EXPECT_FALSE(ReadLog(LogOf(lines)).RepeatsRms({"2", "stock", 9}));
+  lines.push_back(end(1, "d.bin", 3e-5));
+  EXPECT_EQ(ReadLog(LogOf(lines)).RepeatsRms(of), (3e-5 + 2.123456789012345e-5) / 2)
+      << "done again: the later one counts";
+}
+
 // what kill -9 at any moment leaves: whole lines and a part of one
 // first(kOne), last: what is skipped comes behind all others, also behind what is bad
 TEST(SessionLog, ASkippedCellComesAgainBehindTheOthersAndIsUndoneByAnAttempt) {
@@ -200,8 +220,7 @@ TEST(SessionLog, NotesStayWithTheirAttemptOrCell) {
                                     {"", kNote, kOne, 1, "none.bin", {}, "of nothing"}};
   const SessionState state = ReadLog(LogOf(lines));
   ASSERT_EQ(state.attempts.size(), 1U);
-  EXPECT_EQ(state.attempts[0].notes,
-            (std::vector<std::string>{"cold finger, \"loud\"", "twice"}));
+  EXPECT_EQ(state.attempts[0].notes, (std::vector<std::string>{"cold finger, \"loud\"", "twice"}));
   ASSERT_EQ(state.notes.size(), 1U);
   EXPECT_EQ(state.notes[0].text, "cold room");
   EXPECT_EQ(state.damaged_lines, 1U);

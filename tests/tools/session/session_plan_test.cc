@@ -101,12 +101,38 @@ TEST(SessionPlan, IsReadAsItWasWritten) {
   plan.has_floors = true;
   plan.duration_s = 0.1;
   plan.expect = "tone=225Hz+-1Hz, change<5%";
+  plan.drive_frequency_hz = 225;
+  plan.drive_amplitude_v = 5.1;
+  plan.contrasts = {{"c2", "c1"}, {"c3", "c1"}};
   const auto read = ParsePlan(TomlOf(plan), "session.toml");
   ASSERT_TRUE(read) << read.error().Text();
   EXPECT_EQ(TomlOf(*read), TomlOf(plan));
   EXPECT_EQ(CellsOf(*read), CellsOf(plan));
   EXPECT_EQ(read->duration_s, plan.duration_s);
   EXPECT_EQ(read->source, plan.source);
+  EXPECT_EQ(read->contrasts.at(1).treatment, "c3");
+  EXPECT_EQ(read->drive_amplitude_v, 5.1);
+}
+
+// of 8 subjects 1.1560 (tests/dsp/statistics/power_reference.csv), of 2 contrasts 1.3392
+TEST(SessionPlan, StatesTheEffectThatItsSubjectsShow) {
+  SessionPlan plan = PlanOf(8, 2, SessionOrder::kGiven);
+  EXPECT_NEAR(*DetectableEffect(plan), 1.15603, 1e-5);
+  plan.conditions.emplace_back("third");
+  EXPECT_NEAR(*DetectableEffect(plan), 1.33917, 1e-5) << "against the first, both";
+  plan.contrasts = {{"third", "c2"}};
+  EXPECT_NEAR(*DetectableEffect(plan), 1.15603, 1e-5);
+  plan.subjects = {"1"};
+  EXPECT_EQ(DetectableEffect(plan), std::nullopt);
+}
+
+TEST(SessionPlan, ADriveLimitsTheToneWhereNothingElseDoes) {
+  SessionPlan plan = PlanOf(2, 2, SessionOrder::kGiven);
+  EXPECT_FALSE(ExpectationOf(plan).tone_hz);
+  plan.drive_frequency_hz = 200;
+  EXPECT_EQ(ExpectationOf(plan).tone_hz, (Quantity{200, 2}));
+  plan.expect = "tone=225Hz+-1Hz";
+  EXPECT_EQ(ExpectationOf(plan).tone_hz, (Quantity{225, 1}));
 }
 
 TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
@@ -130,6 +156,8 @@ TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
   EXPECT_NE(refused([](SessionPlan& plan) { plan.duration_s = 0; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.source.clear(); }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.expect = "tone"; }), "");
+  EXPECT_NE(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c9"}}; }), "");
+  EXPECT_NE(refused([](SessionPlan& plan) { plan.drive_frequency_hz = 0; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) {
               plan.subjects = *ReadSubjects("1000");
               plan.repeats = 1000;

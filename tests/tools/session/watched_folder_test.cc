@@ -140,9 +140,8 @@ TEST_F(WatchedFolderTest, TextsOfFilesAreReadAsTheyAreWritten) {
     EXPECT_EQ(TextOf(*read), TextOf(file));
     EXPECT_EQ(read->name, file.name);
   }
-  for (const char* wrong :
-       {"", "a.csv", "1 bytes, modified 2, ", "-1 bytes, modified 2, a", "1 bytes, modified x, a",
-        "SHA-256 ab, 1 bytes, modified 2, a"}) {
+  for (const char* wrong : {"", "a.csv", "1 bytes, modified 2, ", "-1 bytes, modified 2, a",
+                            "1 bytes, modified x, a", "SHA-256 ab, 1 bytes, modified 2, a"}) {
     EXPECT_FALSE(ReadFolderFile(wrong)) << wrong;
   }
 }

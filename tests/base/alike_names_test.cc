@@ -1,0 +1,34 @@
+#include "base/alike_names.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace haptometer {
+namespace {
+
+TEST(LikenessOf, IsOfCaseBlanksAndOneLetter) {
+  using enum Likeness;
+  EXPECT_EQ(LikenessOf("Stock", "sto ck"), kCaseOrBlanks);
+  for (const auto& [one, other] :
+       {std::pair("cone", "cones"), std::pair("adapter", "adaptor"), std::pair("Cone", "cony"),
+        std::pair("stock", "tock"), std::pair("left pad", "lef pad")}) {
+    EXPECT_EQ(LikenessOf(one, other), kOneLetter) << one;
+    EXPECT_EQ(LikenessOf(other, one), kOneLetter) << other;
+  }
+  for (const auto& [one, other] :
+       {std::pair("cone", "cone"), std::pair("a", "b"), std::pair("1", "11"),
+        std::pair("ia1", "ia2"), std::pair("s1", "s11"), std::pair("rig a", "rig b"),
+        std::pair("padA", "padB"), std::pair("pad", "padB"), std::pair("cone", "stock"),
+        std::pair("on", "off"), std::pair("left", "right"), std::pair("", "abc")}) {
+    EXPECT_EQ(LikenessOf(one, other), kNone) << one << ", " << other;
+    EXPECT_EQ(LikenessOf(other, one), kNone) << one << ", " << other;
+  }
+  const auto alike = NamesAlike({"cone", "stock", "cones", "Stock"});
+  ASSERT_EQ(alike.size(), 2U);
+  EXPECT_EQ(alike[0].other, "cones");
+  EXPECT_EQ(alike[1].likeness, kCaseOrBlanks);
+}
+
+}  // namespace
+}  // namespace haptometer
