@@ -43,7 +43,7 @@ TEST(NoncentralityInterval, MirrorsAndIsCentralAtZero) {
 
 // SciPy's noncentral t, at 12 numbers of subjects and 5 of tests
 TEST(NoncentralityForPower, IsThatOfScipy) {
-  std::ifstream file("tests/dsp/statistics/power_reference.csv");
+  std::ifstream file(HAPTOMETER_FIXTURES "/../tests/dsp/statistics/power_reference.csv");
   std::string line;
   int rows = 0;
   while (std::getline(file, line)) {
