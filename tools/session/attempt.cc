@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/input_file.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/readings/faults.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/analyze/analyze.h"
@@ -51,11 +52,25 @@ trial::TrialHeader HeaderOf(trial::TrialHeader header, const SessionFolder& sess
   return header;
 }
 
-// doubts that are of the trial and not of every trial of its sensor
-void AddDoubts(const dsp::Findings& findings, std::vector<std::string>& reasons) {
-  for (const dsp::Finding& found : findings.list()) {
+// whether all held readings lie beside the rows that the numbers are of: a value that noise repeats
+// before the drive begins is no reason
+bool AreHeldBesideWindow(const dsp::BandAnalysis& analysis) {
+  const dsp::UsedPart& part = analysis.numbers->part;
+  const dsp::Faults& faults = analysis.faults;
+  return faults.Count(dsp::FaultKind::kHeld) <= dsp::kMostListed &&
+         std::ranges::none_of(faults.list, [&](const dsp::Fault& fault) {
+           return fault.kind == dsp::FaultKind::kHeld &&
+                  fault.first_row < part.first_row + part.rows &&
+                  fault.first_row + fault.rows > part.first_row;
+         });
+}
+
+// doubts that are of the trial's numbers, and not of every trial of its sensor
+void AddDoubts(const dsp::BandAnalysis& analysis, std::vector<std::string>& reasons) {
+  for (const dsp::Finding& found : analysis.findings.list()) {
     if (found.severity != Severity::kDoubt) continue;
     if (found.kind == dsp::FindingKind::kAveragingUnknown) continue;
+    if (found.kind == dsp::FindingKind::kHeld && AreHeldBesideWindow(analysis)) continue;
     reasons.push_back(document::WordsOf(found));
   }
 }
@@ -88,7 +103,7 @@ void JudgeValue(const SessionFolder& session, const trial::OpenedRows& opened,
   const auto deviations = DeviationsFrom(ExpectationOf(session.plan()), analysis, sources,
                                          session.state().RepeatsRms(outcome.attempt.cell));
   for (const auto& found : deviations.list()) outcome.reasons.push_back(document::WordsOf(found));
-  AddDoubts(analysis.findings, outcome.reasons);
+  AddDoubts(analysis, outcome.reasons);
   for (const trial::Finding& found : opened.report.AllFindings().list()) {
     if (found.severity != Severity::kNote) outcome.reasons.push_back(document::WordsOf(found));
   }

@@ -61,8 +61,9 @@ struct RecordingWatch {
 /// The noise of the subject's last GOOD floor is subtracted. BAD: interrupted, unreadable, or
 /// analyze has no value for it (of a floor: it has one, or tells no noise). CHECK: a value that
 /// deviates from the plan's limits, a doubt of analyze other than that the sensor's averaging is
-/// unknown, or lost data. Errors: Cause::kFailed of the disk; the log then states BAD if it can be
-/// written, but for an import, which did not end: its file is imported again.
+/// unknown or readings are held beside its window, lost data, or an early end. Errors:
+/// Cause::kFailed of the disk; the log then states BAD if it can be written, but for an import,
+/// which did not end: its file is imported again.
 [[nodiscard]] Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& cell,
                                                  const AttemptSource& source);
 
