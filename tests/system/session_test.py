@@ -328,6 +328,52 @@ def refusals(folder):
     check(len(lines(folder)) == 0, "no device, no attempt")
 
 
+def contents(folder):
+    """Every file below a folder, with its bytes."""
+    return {os.path.join(at, name): open(os.path.join(at, name), "rb").read()
+            for at, _, names in os.walk(folder) for name in names}
+
+
+def foreign(directory):
+    """Files of others in place of a session's: one line, and nothing is touched."""
+    source = ["--subjects", "1", "--conditions", "a", "--duration", "0.6s", "--", "--sensor", f"scene:{SCENE}",
+              "--speed", "max"]
+    folder = f"{directory}/foreign"
+    os.mkdir(folder)
+    with open(f"{folder}/thesis.txt", "w", encoding="utf-8") as file:
+        file.write("of somebody else")
+    before = contents(folder)
+    for place, status_ in ((folder, 2), (f"{folder}/thesis.txt", 2), (f"{folder}/thesis.txt/day", 1)):
+        said = run("session", "new", place, *source, status=status_).stderr
+        check(said.count("\n") == 1, said)
+    check(contents(folder) == before, "session new touches nothing of others")
+    for k, (name, text) in enumerate((("session.toml", b"subjects = 3"), ("session.toml", b"\xff\x00\x1b[2J"), ("session.toml", b""),
+                                      ("session.toml", b"[[trials]]\nfiles = 'a'"), ("session.toml", None), ("log.csv", None))):
+        day = f"{directory}/day_{k}"
+        run("session", "new", day, *source)
+        os.remove(f"{day}/{name}")
+        if text is None:
+            os.mkdir(f"{day}/{name}")
+        else:
+            with open(f"{day}/{name}", "wb") as file:
+                file.write(text)
+        before = contents(day)
+        for words in (["next", day], ["status", day], ["skip", day, "--reason", "x"], ["note", day, "--text", "x"]):
+            done = subprocess.run([program("haptometer"), "session", *words], capture_output=True, timeout=DEADLINE_S)
+            check(done.returncode in (1, 2, 3) and done.stderr.count(b"\n") == 1 and b"\x1b" not in done.stderr,
+                  f"{name} {text}: {words[0]}: {done.returncode} {done.stderr}")
+        check(contents(day) == before, f"{name} {text}: nothing is touched")
+    # what lies among the trials is none of the session's
+    day = f"{directory}/strangers"
+    run("session", "new", day, *source)
+    with open(f"{day}/trials/notes.txt", "w", encoding="utf-8") as file:
+        file.write("of somebody else")
+    record(day)
+    check(contents(day)[f"{day}/trials/notes.txt"] == b"of somebody else", "a file of others stays")
+    os.remove(f"{day}/trials/{lines(day)[0]['file']}")
+    check([one["kind"] for one in status(day)["findings"]] == ["trial-missing"], status(day)["findings"])
+
+
 if __name__ == "__main__":
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as directory:
@@ -342,4 +388,5 @@ if __name__ == "__main__":
         floors(directory)
         killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
         refusals(f"{directory}/wrong")
+        foreign(directory)
     print(f"passed in {time.monotonic() - began:.1f} s")
