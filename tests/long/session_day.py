@@ -115,6 +115,8 @@ def one(tmux, rig, key, cell, mounted=None):
     while len([line for line in log(f"{rig.directory}/day") if line["event"] == "end"]) == attempts:
         check(time.monotonic() < deadline, f"{name} does not end:\n{tmux.screen()}")
         time.sleep(0.05)
+    # the verdict and the next cell come to the screen at once
+    tmux.wait_for(": ready")
     tmux.wait_for(f"(GOOD|CHECK|BAD) +{name}")
 
 

@@ -96,6 +96,7 @@ PREPARED = {
     DAQ: {**DAQ_FILES, "off.txt": drive_off,
           "off.bin": "acquire --sensor pipe --format text --rate 10kHz --channels displacement:V"
                      " --calibration il030.toml -o off.bin <off.txt"},
+    SESSION: {"daq": "mkdir daq"},
     STUDY: {"recorded": "mkdir recorded"},
     "docs/reference/analyze.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin",
                                   "trials": "mkdir trials; cp fixtures/recorded_trial.bin trials"},
@@ -103,6 +104,7 @@ PREPARED = {
     "docs/reference/fit-adapter.md": TAP,
     "docs/reference/fit-impedance.md": IMPEDANCE,
     "docs/reference/sensors.md": DAQ_FILES,
+    "docs/reference/session.md": {"DIR": "mkdir DIR"},
     "docs/reference/study.md": {"trials": block(STUDY, "sh"), "drive.csv": drives},
     "docs/tutorial.md": {"mine.toml": lambda: block("docs/tutorial.md", "toml")},
 }
@@ -116,11 +118,23 @@ EMULATED = {
     SESSION: {"/dev/ttyUSB0": ["--protocol", "stream", "--baud", "921600"]},
 }
 
+
+def at_terminal(command, keys):
+    """The command at a terminal of its own, with keys that are typed there."""
+    return f"({keys}) | TERM=xterm script -qec '{command}' /dev/null"
+
+
 # Other texts in the commands of a page, what takes their place, and why.
 CHANGED = {
     "docs/reference/acquire.md": [("--duration 10s", "--duration 1s", "a second shows as much")],
     "docs/reference/sensors.md": [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
     DAQ: [("my_daq |", "/usr/bin/python3 my_daq.py |", "what the page puts in place of a DAQ")],
+    SESSION: [("--duration 4s --expect", "--duration 1s --expect", "a second shows as much"),
+              ("haptometer session run day1",
+               at_terminal("haptometer session run day1", "sleep 2; printf ' '; sleep 3; printf q; sleep 1"),
+               "it needs a terminal, and a key for a trial"),
+              ("haptometer session run day2", at_terminal("haptometer session run day2", "sleep 1; printf q; sleep 1"),
+               "it needs a terminal")],
     STUDY: [("--duration 3s -o trials/", "--duration 1s -o recorded/", "the study is that of the simulated trials"),
             ("trials/FILE.bin", "trials/*adapter_repeat-1_subject-4.bin", "FILE has the time in it")],
 }
