@@ -3,6 +3,7 @@
   tests/system/session_run_test.py keys|device|ending|folder|disk
   tests/system/session_run_test.py kills N
 """
+import contextlib
 import csv
 import hashlib
 import io
@@ -11,6 +12,7 @@ import os
 import random
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -189,6 +191,18 @@ def device(directory, away_s=3):
 
 # --- how it ends ---
 
+def refused_plans(directory):
+    """What `new` can find out is refused in one line, and nothing is made."""
+    plan = ["--subjects", "1", "--conditions", "a", "--duration", "1s"]
+    for words, expected, part in (([*plan, "--", "--sensor", "scene:none.toml"], 3, "none.toml"),
+                                  ([*plan, "--", "--sensor", "replay", "--port", SCENE], 3, "is not a trial"),
+                                  ([*plan, "--port", "/dev/ttyUSB0"], 2, "write the source behind it"),
+                                  (plan, 2, "-- --port /dev/ttyUSB0")):
+        said = run("session", "new", f"{directory}/refused", *words, status=expected).stderr
+        check(said.count("\n") == 1 and part in said, said)
+        check(not os.path.exists(f"{directory}/refused"), words)
+
+
 def ending(directory):
     """Without a terminal, a second one, Ctrl-C, SIGTERM twice, a closed terminal, an abort, a small window."""
     folder = new(f"{directory}/ending", "--subjects", "1", "--conditions", "a", "--duration", "20s", "--repeats", "9",
@@ -237,6 +251,7 @@ def ending(directory):
         wait_for("the end", lambda: os.waitpid(terminal.pid, os.WNOHANG)[0])
         terminal.status = 0
     check(log(folder)[-1]["event"] == "end" and "stopped" in log(folder)[-1]["reason"], log(folder)[-1])
+    hanging_port(directory)
     # q stops a recording, and its cell comes again
     with Terminal("session", "run", folder) as terminal:
         terminal.wait_for(": ready")
@@ -249,6 +264,67 @@ def ending(directory):
         terminal.wait_for(f"{cell} +attempt 2")
         terminal.type("q")
         check(terminal.end() == 0, terminal.text)
+
+
+CLOCK = r"""
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <time.h>
+extern "C" int clock_gettime(clockid_t clock, struct timespec* time) noexcept {
+  using Read = int (*)(clockid_t, struct timespec*);
+  static const Read read = reinterpret_cast<Read>(dlsym(RTLD_NEXT, "clock_gettime"));
+  const int status = read(clock, time);
+  if (clock == CLOCK_REALTIME) time->tv_sec += atoi(getenv("CLOCK_OFFSET_S"));
+  return status;
+}
+"""
+
+
+def clock_set_back(directory):
+    """By an hour between two trials: the order of the lines decides, and no file is written over."""
+    shim = f"{directory}/clock.so"
+    subprocess.run(["g++", "-shared", "-fPIC", "-D_GNU_SOURCE", "-x", "c++", "-o", shim, "-"], input=CLOCK, text=True,
+                   check=True)
+    folder = new(f"{directory}/clock", "--subjects", "1", "--conditions", "a,b,c", "--order", "given", "--duration",
+                 "1s", source=SCENE_SOURCE)
+    recorded = []
+    for word, offset_s in (("next", 0), ("redo", -3600), ("next", -3600), ("redo", -7200), ("next", 0)):
+        done = subprocess.run([program("haptometer"), "session", word, folder, "--json"], capture_output=True, check=True,
+                              env={**os.environ, "LD_PRELOAD": shim, "CLOCK_OFFSET_S": str(offset_s)})
+        outcome = json.loads(done.stdout)
+        recorded.append((outcome["condition"], outcome["attempt"]))
+    check(recorded == [("a", 1), ("a", 2), ("b", 1), ("b", 2), ("c", 1)], recorded)
+    times = [line["utc"] for line in log(folder)]
+    check(times != sorted(times), "the clock was set back")
+    check(len(os.listdir(f"{folder}/trials")) == 5 and status(folder)["next"] is None, status(folder))
+    # of each cell the attempt counts that came last, not the one with the latest time
+    counted = [attempt["attempt"] for attempt in status(folder)["attempts"]
+               if "excluded" not in info(f"{folder}/trials/{attempt['file']}")["fields"]]
+    check(counted == [2, 2, 1], counted)
+
+
+def hanging_port(directory):
+    """A port whose opening hangs: q leaves all the same, and nothing is asked of a device while it is waited for."""
+    with contextlib.ExitStack() as stack:
+        server = stack.enter_context(socket.socket())
+        server.bind(("127.0.0.1", 0))
+        server.listen(0)
+        # a full queue takes no further connection, and refuses none
+        for _ in range(4):
+            client = stack.enter_context(socket.socket())
+            client.setblocking(False)
+            client.connect_ex(server.getsockname())
+        folder = new(f"{directory}/hanging", "--subjects", "1", "--conditions", "a", "--duration", "1s", source=[
+            "--", "--sensor", "stream", "--port", f"127.0.0.1:{server.getsockname()[1]}"])
+        with Terminal("session", "run", folder) as terminal:
+            terminal.wait_for(": opening")
+            time.sleep(0.5)
+            began = time.monotonic()
+            terminal.type(" q")
+            check(terminal.end() == 0, terminal.text)
+            check(time.monotonic() - began < 5, f"q took {time.monotonic() - began:.1f} s")
+            terminal.check_restored()
+        check(log(folder) == [], "no device, no attempt")
 
 
 def check_fits(terminal, columns, lines):
@@ -498,7 +574,7 @@ def imported(directory):
             check(terminal.end() == 0, terminal.text)
 
 
-PARTS = {"keys": (keys, verdict_in_time), "device": (device,), "ending": (ending,), "folder": (folder_source, kills), "disk": (disk,),
+PARTS = {"keys": (keys, verdict_in_time), "device": (lambda directory: device(directory, float(sys.argv[2]) if len(sys.argv) > 2 else 3),), "ending": (refused_plans, ending, clock_set_back), "folder": (folder_source, kills), "disk": (disk,),
          "full_disk": (full_disk,), "kills": (lambda directory: kills(directory, int(sys.argv[2])),)}
 
 if __name__ == "__main__":

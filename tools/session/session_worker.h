@@ -59,14 +59,12 @@ struct SessionView {
 /// Records a session in a thread of its own, so that a screen is never waited for.
 ///
 /// A device stays open between the recordings: its readings are shown, and its loss is noticed at
-/// once. It is then opened again after each acquire::RetryPause, up to kLongestOpeningS at a time.
-/// A recording that loses it ends BAD, and its cell comes again next. What is played or piped in is
+/// once. It is then opened again after each acquire::RetryPause, with the deadlines of OpenSensor and
+/// Sensor::Start. A recording that loses it ends BAD, and its cell comes again next. What is played or piped in is
 /// opened for each recording. A folder's next complete file becomes the next trial without a
 /// command.
 class SessionWorker {
  public:
-  static constexpr double kLongestOpeningS = 10;
-
   /// Begins. `session` is open to be changed; `command_line` goes into the trials.
   SessionWorker(SessionFolder session, SessionSource source, std::string command_line);
   /// Ends a recording, which is BAD then, and waits until its file is closed.
