@@ -530,7 +530,17 @@ def fill(directory, leave):
 
 def full_disk(directory):
     """A disk that is full before and within a recording, and at an import: stated, nothing lost, and it continues."""
-    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", directory], check=True)
+    small = f"{directory}/small"
+    os.mkdir(small)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", small], check=True)
+    try:
+        recorded(small)
+        imported(small)
+    finally:
+        subprocess.run(["umount", small], check=True)
+
+
+def recorded(directory):
     folder = new(f"{directory}/day", "--subjects", "1", "--conditions", "a,b,c", "--order", "given", "--duration", "1s",
                  source=SCENE_SOURCE)
     with Terminal("session", "run", folder) as terminal:
@@ -551,7 +561,6 @@ def full_disk(directory):
         terminal.type("q")
         check(terminal.end() == 0, terminal.text)
     check(status(folder)["good"] == 3, status(folder))
-    imported(directory)
 
 
 def imported(directory):
