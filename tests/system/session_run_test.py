@@ -498,7 +498,7 @@ def kills(directory, count=6):
         with Terminal("session", "run", folder) as terminal:
             terminal.wait_for(": ready")
             terminal.type(" ")
-            time.sleep(0.25 * moments.random())
+            time.sleep(0.12 * moments.random())
             terminal.kill(signal.SIGKILL)
             check(terminal.end() == -signal.SIGKILL, terminal.status)
         after = status(folder)

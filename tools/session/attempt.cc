@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "acquire/recorder/recorder.h"
@@ -184,6 +185,17 @@ std::string NewPath(const SessionFolder& session, const SessionCell& cell, std::
 
 }  // namespace
 
+Result<trial::TrialWriter> CreateTrial(const std::string& path, const trial::TrialHeader& header,
+                                       Clock& clock) {
+  const std::string begun = path + ".new";
+  HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(begun, header, {}, clock));
+  // NewPath() has found the name free, and this session is locked
+  std::error_code error;
+  std::filesystem::rename(begun, path, error);
+  if (error) return Failed(path, "cannot be made: " + error.message(), "check the disk");
+  return writer;
+}
+
 Result<AttemptSource> RecordingOf(acquire::Sensor& sensor, const SessionSource& source,
                                   Clock& clock, const RecordingWatch& watch,
                                   std::string command_line) {
@@ -194,8 +206,7 @@ Result<AttemptSource> RecordingOf(acquire::Sensor& sensor, const SessionSource& 
   made.write = [&sensor, &clock, watch, limits](
                    const std::string& path,
                    const trial::TrialHeader& header) -> Result<acquire::RecordingSummary> {
-    // into a new file: nothing is written over
-    HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(path, header, {}, clock));
+    HAPTOMETER_LET(auto writer, CreateTrial(path, header, clock));
     acquire::SingleTrial sink(writer);
     if (watch.begun) watch.begun();
     auto summary = acquire::Record(sensor, sink, clock, watch.stop, limits,

@@ -14,6 +14,7 @@
 #include "tools/session/session_log.h"
 #include "tools/session/session_source.h"
 #include "trial/trial_format.h"
+#include "trial/trial_writer.h"
 
 namespace haptometer::tools {
 
@@ -48,6 +49,13 @@ struct RecordingWatch {
   std::function<void()> begun{};                           ///< the recording begins
   std::function<void()> recorded{};  ///< the recording has ended, its verdict is to come
 };
+
+/// A new trial at `path`, which is there with its whole header at once: until then it has the name
+/// with `.new` behind it, so that kill -9 leaves no file without a header to studies. Errors: as
+/// trial::TrialWriter::Create.
+[[nodiscard]] Result<trial::TrialWriter> CreateTrial(const std::string& path,
+                                                     const trial::TrialHeader& header,
+                                                     Clock& clock);
 
 /// A recording of `sensor`, which has started; all but `source` must outlive the result. Errors: as
 /// LimitsOf.

@@ -149,7 +149,7 @@ AttemptSource ImportOf(const FolderSource& source, const FolderFile& file, Clock
   made.write = [recording, &clock](
                    const std::string& trial,
                    const trial::TrialHeader& header) -> Result<acquire::RecordingSummary> {
-    HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(trial, header, {}, clock));
+    HAPTOMETER_LET(auto writer, CreateTrial(trial, header, clock));
     HAPTOMETER_TRY(WriteRows(recording->record, writer));
     HAPTOMETER_TRY(writer.Finish());
     acquire::RecordingSummary summary;
