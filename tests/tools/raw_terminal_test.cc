@@ -18,9 +18,13 @@ std::vector<Key> Keys(std::string bytes) {
 }
 
 TEST(RawTerminal, KeysAreCharactersAndAFewOthers) {
-  EXPECT_EQ(Keys("a \r\n\x7f\b\x03"),
-            (std::vector<Key>{{kText, "a"}, {kText, " "}, {kEnter}, {kEnter}, {kBackspace},
-                              {kBackspace}, {kInterrupt}}));
+  EXPECT_EQ(Keys("a \r\n\x7f\b\x03"), (std::vector<Key>{{kText, "a"},
+                                                        {kText, " "},
+                                                        {kEnter},
+                                                        {kEnter},
+                                                        {kBackspace},
+                                                        {kBackspace},
+                                                        {kInterrupt}}));
   EXPECT_EQ(Keys("\u00fc\u20ac"), (std::vector<Key>{{kText, "\u00fc"}, {kText, "\u20ac"}}));
   // other control characters, and bytes that are no UTF-8
   EXPECT_EQ(Keys("\t\x01\x1a\xff\xc3"), std::vector<Key>{});

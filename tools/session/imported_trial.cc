@@ -26,9 +26,6 @@ namespace {
 constexpr double kSameRate = 1e-6;
 constexpr double kOnPlace = 0.01;
 
-// how long a look at the folder is apart from the next
-constexpr MonotonicNs kLookEveryNs = kNsPerS / 5;
-
 // the place of each segment's first row on one grid that begins with the first row; nothing where
 // the rows are not clocked, or do not lie on one grid
 std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
@@ -172,7 +169,7 @@ Result<AttemptOutcome> ImportAttempt(SessionFolder& session, const SessionCell& 
                          ImportOf(source, found->file, clock, std::move(command_line)));
     }
     if (clock.Now() >= deadline_ns) break;
-    clock.SleepUntil(std::min(deadline_ns, clock.Now() + kLookEveryNs));
+    clock.SleepUntil(std::min(deadline_ns, clock.Now() + kExamineEveryNs));
   }
   const std::string what =
       stop.load() ? "waiting for a file was interrupted"

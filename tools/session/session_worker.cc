@@ -18,9 +18,6 @@ namespace {
 
 using Kind = SessionCommand::Kind;
 
-// how long a look at the folder is apart from the next
-constexpr MonotonicNs kLookEveryNs = kNsPerS / 5;
-
 dsp::BandPass UsualBand() {
   const auto band = BandOf(AcquireOptions{});
   HAPTOMETER_CHECK(band, "{}", band.error().Text());
@@ -281,7 +278,7 @@ void SessionWorker::ExamineFolder() {
     ForgetInputs();
     return;
   }
-  Wait(kLookEveryNs);
+  Wait(kExamineEveryNs);
 }
 
 void SessionWorker::Record(const SessionCell& cell) {

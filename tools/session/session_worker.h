@@ -59,10 +59,10 @@ struct SessionView {
 /// Records a session in a thread of its own, so that a screen is never waited for.
 ///
 /// A device stays open between the recordings: its readings are shown, and its loss is noticed at
-/// once. It is then opened again after each acquire::RetryPause, with the deadlines of OpenSensor and
-/// Sensor::Start. A recording that loses it ends BAD, and its cell comes again next. What is played or piped in is
-/// opened for each recording. A folder's next complete file becomes the next trial without a
-/// command.
+/// once. It is then opened again after each acquire::RetryPause, with the deadlines of OpenSensor
+/// and Sensor::Start. A recording that loses it ends BAD, and its cell comes again next. What is
+/// played or piped in is opened for each recording. A folder's next complete file becomes the next
+/// trial without a command.
 class SessionWorker {
  public:
   /// Begins. `session` is open to be changed; `command_line` goes into the trials.

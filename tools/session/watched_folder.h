@@ -32,6 +32,9 @@ struct FolderFile {
 /// name. Errors (Cause::kCannotAnswer): the folder cannot be read.
 [[nodiscard]] Result<std::vector<FolderFile>> FilesIn(const FolderSource& source);
 
+/// How long one examination of a folder is apart from the next.
+inline constexpr MonotonicNs kExamineEveryNs = kNsPerS / 5;
+
 /// A file that is complete and was not imported before.
 struct NewFile {
   FolderFile file;
