@@ -11,6 +11,7 @@ import json
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -424,6 +425,32 @@ def folder_source(directory):
     check(study["counts"]["answered"] == 8, study["counts"])
 
 
+def kinds(directory):
+    """Recordings of every kind: as trial.bin with times of arrival, HDF5, with a gap, with labels of their own."""
+    daq, folder = f"{directory}/daq", f"{directory}/kinds"
+    os.mkdir(daq)
+    new(folder, "--subjects", "1", "--conditions", "a,b,c,d", "--order", "given", "--duration", "1s",
+        source=["--", "--from-folder", daq, "--pattern", "*.*", "--unchanged", "0.3s"])
+    run("trial", "export", "fixtures/recorded_trial.bin", "-o", f"{directory}/recorded.h5")
+    lines = table(seconds=2).splitlines(True)
+    gap = "# subject = somebody else\n# condition = none of the plan\n" + "".join(lines[:8000] + lines[8600:])
+    with open(f"{directory}/gap.csv", "w", encoding="utf-8") as file:
+        file.write(gap)
+    with Emulator("--protocol", "stream", "--baud", "921600", "--link", f"{directory}/port") as emulator:
+        run("acquire", "--sensor", "stream", "--port", emulator.port, "--duration", "1.5s", "--label", "subject=9", "-o",
+            f"{directory}/arrival.bin")
+    for condition, path in zip("abcd", ("fixtures/recorded_trial.bin", f"{directory}/recorded.h5", f"{directory}/gap.csv",
+                                        f"{directory}/arrival.bin")):
+        shutil.copy(path, daq)
+        done = subprocess.run([program("haptometer"), "session", "next", folder, "--json"], capture_output=True, check=False)
+        outcome = json.loads(done.stdout)
+        check(outcome["verdict"] in ("GOOD", "CHECK") and outcome["condition"] == condition, outcome)
+        header = info(outcome["file"])
+        check(header["labels"] == {**header["labels"], "subject": "1", "condition": condition}, header["labels"])
+        check(header["fields"]["import.file"] == os.path.basename(path), header["fields"])
+        same_numbers(outcome, path)
+
+
 def check_import(outcome, path, folder):
     header = info(outcome["file"])
     with open(path, "rb") as file:
@@ -583,7 +610,7 @@ def imported(directory):
             check(terminal.end() == 0, terminal.text)
 
 
-PARTS = {"keys": (keys, verdict_in_time), "device": (lambda directory: device(directory, float(sys.argv[2]) if len(sys.argv) > 2 else 3),), "ending": (refused_plans, ending, clock_set_back), "folder": (folder_source, kills), "disk": (disk,),
+PARTS = {"keys": (keys, verdict_in_time), "device": (lambda directory: device(directory, float(sys.argv[2]) if len(sys.argv) > 2 else 3),), "ending": (refused_plans, ending, clock_set_back), "folder": (folder_source, kinds, kills), "disk": (disk,),
          "full_disk": (full_disk,), "kills": (lambda directory: kills(directory, int(sys.argv[2])),)}
 
 if __name__ == "__main__":

@@ -26,8 +26,15 @@ namespace {
 constexpr double kSameRate = 1e-6;
 constexpr double kOnPlace = 0.01;
 
-// the place of each segment's first row on one grid that begins with the first row; nothing where
-// the rows are not clocked, or do not lie on one grid
+// the time of place 0 of the grid: that of the file where a grid from there holds its first row,
+// else the first row's
+double OriginOf(const trial::Stretch& first) {
+  const double place = first.start_s * first.rate_hz;
+  return place >= 0 && std::abs(place - std::round(place)) < kOnPlace ? 0 : first.start_s;
+}
+
+// the place of each segment's first row on one grid; nothing where the rows are not clocked, or do
+// not lie on one grid
 std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
   if (record.timing != trial::Timing::kUniform || record.times_are_known) return std::nullopt;
   const trial::Stretch& first = record.stretches.front();
@@ -35,7 +42,7 @@ std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
   places.reserve(record.stretches.size());
   std::int64_t next = 0;
   for (const trial::Stretch& stretch : record.stretches) {
-    const double place = (stretch.start_s - first.start_s) * first.rate_hz;
+    const double place = (stretch.start_s - OriginOf(first)) * first.rate_hz;
     const bool is_on_grid = std::abs(stretch.rate_hz / first.rate_hz - 1) < kSameRate &&
                             std::abs(place - std::round(place)) < kOnPlace &&
                             std::round(place) >= static_cast<double>(next);
@@ -49,15 +56,13 @@ std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
 // rows without a grid carry their own times, and the time base of the importer
 Result<void> WriteTimed(const trial::Record& record, trial::TrialWriter& writer,
                         const std::function<Result<void>(std::size_t, trial::Row)>& append) {
-  const double start_s = record.stretches.front().start_s;
   for (std::size_t row = 0; row < record.rows; ++row) {
     const double time_s =
         record.raw_times_s.empty() ? trial::TimeOf(record, row) : record.raw_times_s[row];
-    const std::int64_t time_ns = NsFromSeconds(time_s - start_s);
+    const std::int64_t time_ns = NsFromSeconds(time_s);
     HAPTOMETER_TRY(append(row, {.time_ns = time_ns, .reply_ns = time_ns}));
   }
-  for (trial::Stretch stretch : record.stretches) {
-    stretch.start_s -= start_s;
+  for (const trial::Stretch& stretch : record.stretches) {
     HAPTOMETER_TRY(writer.AddEvent({.kind = trial::EventKind::kTimeBase, .stretch = stretch}));
   }
   return {};
