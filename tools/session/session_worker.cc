@@ -201,7 +201,8 @@ void SessionWorker::Attempt(Kind kind) {
 bool SessionWorker::Open() {
   const bool was_away = View().state == SourceState::kAway;
   if (!was_away) Enter(SourceState::kOpening);
-  stop_opening_ = ends_.load();
+  stop_opening_ = false;
+  if (ends_) return false;
   auto opened = OpenSensor(source_.sensor, clock_);
   Result<void> started;
   if (opened) started = (*opened)->Start(stop_opening_);
@@ -283,7 +284,8 @@ void SessionWorker::ExamineFolder() {
 
 void SessionWorker::Record(const SessionCell& cell) {
   if (!sensor_ && !Open()) return;
-  stop_recording_ = ends_.load();
+  stop_recording_ = false;
+  if (ends_) return;
   const RecordingWatch watch{
       .stop = stop_recording_,
       .reading = [this](const acquire::Reading& reading) { meter_->Add(reading); },
