@@ -33,8 +33,7 @@ constexpr double kFarthestM = 1e30;
 
 // the band and the window must be possible; whether the record has them is an answer, not an error
 Result<void> CheckQuestion(const BandQuestion& question) {
-  const auto possible = DesignBandPass(question.band, 4 * question.band.upper_hz);
-  if (!possible) return std::unexpected(possible.error());
+  HAPTOMETER_TRY(DesignBandPass(question.band, 4 * question.band.upper_hz));
   if (question.choice == WindowChoice::kGiven &&
       !(question.window.end_s > question.window.begin_s)) {
     return Usage("window",
@@ -76,23 +75,20 @@ Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis* anal
 // filters, chooses the part and measures it, where enough of it is free of transients
 Result<void> AnswerBand(const Displacement& displacement, const Segments& segments,
                         const BandQuestion& question, BandAnalysis* analysis) {
-  const auto all = FilterSettledEnough(displacement, segments, question, analysis);
-  if (!all) return std::unexpected(all.error());
-  if (all->empty()) return {};
-  auto chosen = ChoosePart(*all, question, analysis);
-  if (!chosen) return std::unexpected(chosen.error());
-  if (*chosen) {
+  HAPTOMETER_LET(const auto all, FilterSettledEnough(displacement, segments, question, analysis));
+  if (all.empty()) return {};
+  HAPTOMETER_LET(auto chosen, ChoosePart(all, question, analysis));
+  if (chosen) {
     const bool may_cut = question.choice == WindowChoice::kAuto;
-    const auto followed = FollowDrive(displacement.source, may_cut, **chosen, analysis);
+    const auto followed = FollowDrive(displacement.source, may_cut, *chosen, analysis);
     if (!followed) return followed;
     // readings that rarely change are no measurement of vibration
-    const auto stuck = WhyStuck(displacement, **chosen, *analysis);
-    if (!stuck) return std::unexpected(stuck.error());
-    if (*stuck) {
-      analysis->findings.Add(**stuck);
+    HAPTOMETER_LET(const auto stuck, WhyStuck(displacement, *chosen, *analysis));
+    if (stuck) {
+      analysis->findings.Add(*stuck);
       return {};
     }
-    const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
+    const auto measured = MeasureWindow(displacement, all, *chosen, question, analysis);
     if (!measured) return measured;
     RemarkImplausibleRms(
         analysis->numbers->rms.as_measured_m,
@@ -100,7 +96,7 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
         &analysis->findings);
     analysis->answered = !analysis->findings.Refused();
   }
-  return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
+  return question.keep_filtered ? KeepFiltered(all, analysis) : Result<void>{};
 }
 
 // drift and tremor from all rows, where they are uniformly spaced
@@ -114,14 +110,14 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
 // alike
 Result<void> IncludeGain(const trial::Record& head, std::size_t channel,
                          const BandQuestion& question, BandAnalysis* analysis) {
-  const auto stated = trial::GainUncertaintyOf(head.metadata, head.channels[channel].name);
-  if (!stated) return std::unexpected(stated.error());
-  analysis->gain_uncertainty = question.gain_uncertainty ? question.gain_uncertainty : *stated;
+  HAPTOMETER_LET(const auto stated,
+                 trial::GainUncertaintyOf(head.metadata, head.channels[channel].name));
+  analysis->gain_uncertainty = question.gain_uncertainty ? question.gain_uncertainty : stated;
   if (!analysis->gain_uncertainty) return {};
   const double relative = *analysis->gain_uncertainty;
   analysis->findings.Note(FindingKind::kCalibrationIncluded, {{"share", relative}});
-  if (*stated && question.gain_uncertainty) {
-    analysis->findings.Note(FindingKind::kCalibrationReplaced, {{"share", **stated}});
+  if (stated && question.gain_uncertainty) {
+    analysis->findings.Note(FindingKind::kCalibrationReplaced, {{"share", *stated}});
   }
   const auto include = [relative](double length, double& uncertainty) {
     uncertainty = std::hypot(uncertainty, relative * length);
@@ -179,54 +175,48 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
                                  const std::optional<Finding>& why_not) {
   const std::optional<double>& stated_hz = source.head().metadata.drive_frequency_hz;
   if (!question.drive_frequency_hz) question.drive_frequency_hz = stated_hz;
-  const auto channel = AnalyzedChannel(source.head());
-  if (!channel) return std::unexpected(channel.error());
+  HAPTOMETER_LET(const auto channel, AnalyzedChannel(source.head()));
 
   BandAnalysis analysis;
   analysis.band = question.band;
   // segments without artifacts; everything else reads parts of them again
-  const auto clean = Clean(source, *channel, threads);
-  if (!clean) return std::unexpected(clean.error());
-  const trial::Record& head = clean->rows->head();
-  analysis.faults = clean->faults;
-  DescribeRecord(head, clean->segments, clean->summary, &analysis);
-  if (auto checked = CheckReadings(head, clean->summary, analysis.record); !checked) {
-    return std::unexpected(checked.error());
-  }
-  RemarkArtifacts(*clean, &analysis);
+  HAPTOMETER_LET(const auto clean, Clean(source, channel, threads));
+  const trial::Record& head = clean.rows->head();
+  analysis.faults = clean.faults;
+  DescribeRecord(head, clean.segments, clean.summary, &analysis);
+  HAPTOMETER_TRY(CheckReadings(head, clean.summary, analysis.record));
+  RemarkArtifacts(clean, &analysis);
   const RecordFacts& facts = analysis.record;
-  RemarkPlausibility(head, clean->summary,
+  RemarkPlausibility(head, clean.summary,
                      {facts.rate_hz, facts.fresh_rate_hz, facts.duration_s,
                       kLeastRatePerUpperCorner * question.band.upper_hz},
                      &analysis.findings);
   // a record of one value has no vibration and no noise
-  if (const auto stuck = WhyStuck(clean->summary)) {
+  if (const auto stuck = WhyStuck(clean.summary)) {
     analysis.findings.Add(*stuck);
-    CountRows(*clean->rows, source.head().rows, &analysis);
+    CountRows(*clean.rows, source.head().rows, &analysis);
     return analysis;
   }
   if (why_not) analysis.findings.Add(*why_not);
-  CheckObservable(head, clean->segments, question.band, &analysis);
-  const Displacement displacement{*clean->rows, *channel, threads};
+  CheckObservable(head, clean.segments, question.band, &analysis);
+  const Displacement displacement{*clean.rows, channel, threads};
   std::optional<SlowMotion> slow_motion;
   // motion below the band is answered also where the band is refused
   const auto done = RunBeside(
       threads, {[&]() -> Result<void> {
-                  slow_motion = SlowMotionOf(head, clean->summary);
+                  slow_motion = SlowMotionOf(head, clean.summary);
                   return {};
                 },
                 [&] {
                   // a refused band still permits a fit at a known frequency
                   return analysis.findings.Refused()
                              ? FitKnownTone(displacement, question, &analysis)
-                             : AnswerBand(displacement, clean->segments, question, &analysis);
+                             : AnswerBand(displacement, clean.segments, question, &analysis);
                 }});
   if (!done) return std::unexpected(done.error());
   analysis.slow_motion = slow_motion;
-  if (auto included = IncludeGain(head, *channel, question, &analysis); !included) {
-    return std::unexpected(included.error());
-  }
-  CountRows(*clean->rows, source.head().rows, &analysis);
+  HAPTOMETER_TRY(IncludeGain(head, channel, question, &analysis));
+  CountRows(*clean.rows, source.head().rows, &analysis);
   return analysis;
 }
 
@@ -249,14 +239,13 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
 
 Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
                                  int threads) {
-  if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
+  HAPTOMETER_TRY(CheckQuestion(question));
   // non-uniform times are put on a grid first; without a grid the reason is part of the answer
   if (!source.head().times_are_known) return AnalyzeRows(source, question, threads, {});
-  const auto grid = OnRegularGrid(source, question.band.upper_hz);
-  if (!grid) return std::unexpected(grid.error());
-  if (grid->refusal) return AnalyzeRows(source, question, threads, grid->refusal);
-  auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
-  if (analysis) RemarkGrid(*grid, &*analysis);
+  HAPTOMETER_LET(const auto grid, OnRegularGrid(source, question.band.upper_hz));
+  if (grid.refusal) return AnalyzeRows(source, question, threads, grid.refusal);
+  auto analysis = AnalyzeRows(trial::RecordRows(grid.record), question, threads, {});
+  if (analysis) RemarkGrid(grid, &*analysis);
   return analysis;
 }
 
@@ -280,11 +269,9 @@ WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::siz
 // samples before the filter, from the segment that holds the window's middle
 Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysis& analysis,
                                std::size_t most) {
-  const auto channel = AnalyzedChannel(source.head());
-  if (!channel) return std::unexpected(channel.error());
-  const auto clean = Clean(source, *channel);
-  if (!clean) return std::unexpected(clean.error());
-  const Segments* segments = &clean->segments;
+  HAPTOMETER_LET(const auto channel, AnalyzedChannel(source.head()));
+  HAPTOMETER_LET(const auto clean, Clean(source, channel));
+  const Segments* segments = &clean.segments;
   const TimeWindow& window = analysis.numbers->part.window;
   const double middle_s = (window.begin_s + window.end_s) / 2;
   const auto holds_window = [&](const Segment& segment) {
@@ -295,9 +282,8 @@ Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysi
   HAPTOMETER_CHECK(segment != segments->parts.end(), "{} s are in no segment", middle_s);
   WindowSamples samples = PlaceOf(*segment, window, most);
   const double first = std::round((samples.start_s - segment->start_s) * segment->rate_hz);
-  const auto read = SegmentSamples(*clean->rows, *channel, *segment)
-                        .Read(static_cast<std::size_t>(first), samples.values_m);
-  if (!read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(SegmentSamples(*clean.rows, channel, *segment)
+                     .Read(static_cast<std::size_t>(first), samples.values_m));
   return samples;
 }
 

@@ -18,10 +18,13 @@ namespace {
 // a model is possible where the segment fits into memory
 constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
+// rate over the band's lower corner, and fewest samples, that decimation leaves of these
+constexpr double kSearchedRatePerLower = 16;
+constexpr std::size_t kLeastSearched = std::size_t{1} << 16U;
 
 Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
   std::vector<double> values(samples.size());
-  if (auto read = samples.Read(0, values); !read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(samples.Read(0, values));
   return values;
 }
 
@@ -37,9 +40,8 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
       samples.size() > kMostModelled) {
     return plain;
   }
-  const auto values = ReadAll(samples);
-  if (!values) return std::unexpected(values.error());
-  auto model = BelowBandModel::Fit(*values, samples.rate_hz(), band.lower_hz, band.upper_hz);
+  HAPTOMETER_LET(const auto values, ReadAll(samples));
+  auto model = BelowBandModel::Fit(values, samples.rate_hz(), band.lower_hz, band.upper_hz);
   if (!model) return plain;
   auto beside = BandSignal::FilterBeside(samples, design, std::move(*model), threads, frames);
   if (!beside) return beside;
@@ -61,10 +63,9 @@ Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
     if (!LongEnough(segment, band.lower_hz)) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());
-    auto signal = FilterOne({displacement.source, displacement.channel, segment}, *design, band,
-                            displacement.threads);
-    if (!signal) return std::unexpected(signal.error());
-    all.push_back(std::move(*signal));
+    HAPTOMETER_LET(auto signal, FilterOne({displacement.source, displacement.channel, segment},
+                                          *design, band, displacement.threads));
+    all.push_back(std::move(signal));
   }
   return all;
 }
@@ -81,8 +82,7 @@ Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t
     const std::size_t count = std::min(at_once, decimator.SizeOf(size) - slow.size());
     // a piece overlaps the next by the taps of the decimator
     piece.resize((count - 1) * decimator.factor() + decimator.taps());
-    const auto read = samples.Read(first + slow.size() * decimator.factor(), piece);
-    if (!read) return std::unexpected(read.error());
+    HAPTOMETER_TRY(samples.Read(first + slow.size() * decimator.factor(), piece));
     const std::vector<double> more = decimator.Decimate(piece);
     slow.insert(slow.end(), more.begin(), more.end());
   }
@@ -91,14 +91,13 @@ Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t
 
 // whether the leakage from below the band, a part 2 e of the power, changes the RMS by at most e
 Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
-  const auto below = FindBelowBand(signal, lower_hz);
-  if (!below) return std::unexpected(below.error());
-  if (!*below) return true;
-  const auto square_sum = signal.SquareSum(signal.settled_begin(), signal.settled_end());
-  if (!square_sum) return std::unexpected(square_sum.error());
-  const double leaked_rms_m = (*below)->leaked_rms_m;
+  HAPTOMETER_LET(const auto below, FindBelowBand(signal, lower_hz));
+  if (!below) return true;
+  HAPTOMETER_LET(const auto square_sum,
+                 signal.SquareSum(signal.settled_begin(), signal.settled_end()));
+  const double leaked_rms_m = below->leaked_rms_m;
   const auto count = static_cast<double>(signal.settled_end() - signal.settled_begin());
-  return leaked_rms_m * leaked_rms_m <= 2 * kSameWithin * *square_sum / count;
+  return leaked_rms_m * leaked_rms_m <= 2 * kSameWithin * square_sum / count;
 }
 
 // the refusal after filtering, with the duration that would suffice
@@ -135,12 +134,13 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
   const double least_hz = 2 * signal.rate_hz() / static_cast<double>(size);
   if (least_hz >= lower_hz) return std::nullopt;
   // a band far below the rate: decimated samples suffice
-  const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(), lower_hz),
+  const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(),
+                                                 kSearchedRatePerLower * lower_hz, kLeastSearched),
                             signal.rate_hz());
-  const auto slow = Decimated(signal.samples(), (signal.size() - size) / 2, size, decimator);
-  if (!slow) return std::unexpected(slow.error());
-  const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow->size());
-  const auto tone = StrongestTone(*slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
+  HAPTOMETER_LET(const auto slow,
+                 Decimated(signal.samples(), (signal.size() - size) / 2, size, decimator));
+  const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow.size());
+  const auto tone = StrongestTone(slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
   if (!tone) return std::nullopt;
   // the decimator's gain divided out, then |H|^2 of both passes for the leakage
   const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
@@ -169,9 +169,8 @@ Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displace
     if (order == asked) asked_settled_s = SettledSeconds(longest);
     if (SettledSeconds(longest) < kLeastWindowPeriods / question.band.lower_hz) continue;
     if (order == asked) return all;
-    const auto leaks_little = LeaksLittle(longest, question.band.lower_hz);
-    if (!leaks_little) return std::unexpected(leaks_little.error());
-    leaks = !*leaks_little;
+    HAPTOMETER_LET(const auto leaks_little, LeaksLittle(longest, question.band.lower_hz));
+    leaks = !leaks_little;
     if (leaks) continue;
     analysis->findings.Note(
         FindingKind::kOrderLowered,

@@ -97,7 +97,7 @@ Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const Filte
                                       int threads, const KeptFrames& frames) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
   BandSignal signal(samples, design, std::nullopt, frames);
-  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(signal.FilterAll(threads));
   return signal;
 }
 
@@ -106,7 +106,7 @@ Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
                                             int threads, const KeptFrames& frames) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
   BandSignal signal(samples, design, std::move(model), frames);
-  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
+  HAPTOMETER_TRY(signal.FilterAll(threads));
   return signal;
 }
 
@@ -118,9 +118,7 @@ Result<void> BandSignal::FilterAll(int threads) {
     const auto scratch = std::make_shared<ZeroPhaseBlocks::Scratch>();
     return [&, scratch](std::size_t job) -> Result<void> {
       if (job > 0) return FilterBlock(job - 1, *scratch);
-      auto measured = MeasureEndDependence(blocks_, reading(), *scratch);
-      if (!measured) return std::unexpected(measured.error());
-      dependence = std::move(*measured);
+      HAPTOMETER_LET(dependence, MeasureEndDependence(blocks_, reading(), *scratch));
       return {};
     };
   });
@@ -262,7 +260,7 @@ Result<void> BandSignal::ReadThinned(std::size_t first, std::size_t stride,
 
 Result<BandCell> BandSignal::CutCell(std::size_t begin, std::size_t end) const {
   std::vector<double> samples(end - begin);
-  if (auto read = Read(begin, samples); !read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(Read(begin, samples));
   return CellOf(samples);
 }
 
@@ -275,9 +273,8 @@ Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end)
   CutRange range;
   const auto take = [&](std::size_t from, std::size_t to) -> Result<void> {
     if (from >= to) return {};
-    const auto cut = CutCell(from, to);
-    if (!cut) return std::unexpected(cut.error());
-    range.cut.push_back(*cut);
+    HAPTOMETER_LET(const auto cut, CutCell(from, to));
+    range.cut.push_back(cut);
     return {};
   };
   Result<void> taken = take(begin, std::min(first * cell_samples_, end));
@@ -290,19 +287,17 @@ Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end)
 }
 
 Result<double> BandSignal::SquareSum(std::size_t begin, std::size_t end) const {
-  const auto range = Cut(begin, end);
-  if (!range) return std::unexpected(range.error());
-  return SquareSumOf(range->whole) + SquareSumOf(range->cut);
+  HAPTOMETER_LET(const auto range, Cut(begin, end));
+  return SquareSumOf(range.whole) + SquareSumOf(range.cut);
 }
 
 Result<Extremes> BandSignal::ExtremesOf(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin < end, "samples {} to {}", begin, end);
-  const auto range = Cut(begin, end);
-  if (!range) return std::unexpected(range.error());
+  HAPTOMETER_LET(const auto range, Cut(begin, end));
   Extremes extremes{std::numeric_limits<double>::infinity(),
                     -std::numeric_limits<double>::infinity()};
   for (const std::span<const BandCell> cells :
-       {range->whole, std::span<const BandCell>(range->cut)}) {
+       {range.whole, std::span<const BandCell>(range.cut)}) {
     for (const BandCell& cell : cells) {
       extremes.least = std::min(extremes.least, cell.least);
       extremes.most = std::max(extremes.most, cell.most);

@@ -96,9 +96,8 @@ Result<DrivePower> PowerOf(const trial::RowSource& source, std::size_t channel,
   // a trigger's rest level is the least value over all rows, not only over those in question
   Steps steps;
   if (is_trigger) {
-    const auto seen = ForEachValue(source, channel, 0, source.head().rows,
-                                   [&](std::size_t, double value) { steps.See(value); });
-    if (!seen) return std::unexpected(seen.error());
+    HAPTOMETER_TRY(ForEachValue(source, channel, 0, source.head().rows,
+                                [&](std::size_t, double value) { steps.See(value); }));
   }
   const double rest = is_trigger ? steps.least : 0;
   DrivePower power;
@@ -108,8 +107,7 @@ Result<DrivePower> PowerOf(const trial::RowSource& source, std::size_t channel,
     const double x = std::isfinite(value) ? value - rest : 0;
     power.mean_square[k / cell_rows] += x * x / static_cast<double>(cell_rows);
   };
-  const auto seen = ForEachValue(source, channel, signal.first_row(), signal.size(), see);
-  if (!seen) return std::unexpected(seen.error());
+  HAPTOMETER_TRY(ForEachValue(source, channel, signal.first_row(), signal.size(), see));
   if (is_trigger) return power;
   // without a stated resolution the least change is taken as one step
   const double step = of.resolution > 0 ? of.resolution : steps.step;
@@ -171,9 +169,9 @@ Result<std::optional<std::vector<double>>> FilteredPower(const trial::RowSource&
   // what was interpolated is displacement
   Segment segment = signal.segment();
   segment.bridges.clear();
-  const auto filtered = BandSignal::Filter({source, channel, segment}, signal.design(), 1);
-  if (!filtered) return std::unexpected(filtered.error());
-  std::vector<double> squares = MeanSquares(*filtered);
+  HAPTOMETER_LET(const auto filtered,
+                 BandSignal::Filter({source, channel, segment}, signal.design(), 1));
+  std::vector<double> squares = MeanSquares(filtered);
   const double in_band = std::accumulate(squares.begin(), squares.end(), 0.0);
   return in_band > 0.5 * power ? std::optional(std::move(squares)) : std::nullopt;
 }
@@ -212,15 +210,14 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
   }
   if (edges.empty()) return course;
   // changes of both, refined
-  const auto filtered = FilteredPower(source, channel, signal, power);
-  if (!filtered) return std::unexpected(filtered.error());
+  HAPTOMETER_LET(const auto filtered, FilteredPower(source, channel, signal, power));
   const double of_phase_s = 1 / (4 * std::numbers::pi * tone_hz * std::numbers::sqrt2);
   const double apart_hz = 1 / (1 / std::max(tone_hz - band.lower_hz, band.lower_hz) +
                                1 / std::max(band.upper_hz - tone_hz, band.lower_hz));
   const double unknown_s =
-      *filtered ? of_phase_s : 1 / (4 * std::pow(std::numbers::pi, 2) * apart_hz);
+      filtered ? of_phase_s : 1 / (4 * std::pow(std::numbers::pi, 2) * apart_hz);
   const auto of_drive =
-      RefinedEdges(*filtered ? **filtered : drive->mean_square, shape, unknown_s, edges);
+      RefinedEdges(filtered ? *filtered : drive->mean_square, shape, unknown_s, edges);
   const auto differences =
       Differences(of_drive, RefinedEdges(motion, shape, of_phase_s, of_motion));
   if (!differences.empty()) course.delay = DelayOf(differences);
@@ -246,10 +243,10 @@ Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPar
   const auto channel = DriveChannel(source.head());
   if (!channel || !chosen.part.from_drive) return {};
   const double tone_hz = 0.5 * (chosen.part.state.from_hz + chosen.part.state.to_hz);
-  const auto course = FollowChannel(source, *channel, *chosen.signal, analysis->band, tone_hz);
-  if (!course) return std::unexpected(course.error());
-  chosen.delay = course->delay;
-  const DriveDelay delay = course->delay.value_or(DriveDelay{});
+  HAPTOMETER_LET(const auto course,
+                 FollowChannel(source, *channel, *chosen.signal, analysis->band, tone_hz));
+  chosen.delay = course.delay;
+  const DriveDelay delay = course.delay.value_or(DriveDelay{});
   if (std::abs(delay.delay_s) > 1 / analysis->band.lower_hz) {
     analysis->findings.Note(FindingKind::kDriveDelayed,
                             {{"delay_s", delay.delay_s}, {"uncertainty_s", delay.uncertainty_s}});
@@ -259,7 +256,7 @@ Result<void> FollowDrive(const trial::RowSource& source, bool may_cut, ChosenPar
                         TimeOfSample(*chosen.signal, chosen.end)};
   TimeWindow longest{part.begin_s, part.begin_s};
   double on_s = 0;
-  for (const TimeWindow& on : course->on) {
+  for (const TimeWindow& on : course.on) {
     const TimeWindow shared{std::max(part.begin_s, on.begin_s + delay.delay_s),
                             std::min(part.end_s, on.end_s + delay.delay_s)};
     on_s += std::max(0.0, shared.duration_s());
@@ -339,9 +336,7 @@ Result<std::optional<Drive>> ReadDrive(const trial::RowSource& source, std::size
   drive.values.resize(rows);
   drive.turns = source.head().channels[*channel].role != trial::ChannelRole::kTrigger;
   std::vector<trial::SampleStatus> statuses(rows);
-  if (auto read = source.Read(*channel, first_row, drive.values, statuses); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_TRY(source.Read(*channel, first_row, drive.values, statuses));
   for (std::size_t k = 0; k < rows; ++k) {
     if (!IsMeasured(drive.values[k], statuses[k])) drive.values[k] = std::nan("");
   }
@@ -396,9 +391,7 @@ Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& sourc
   const double rate_hz = signal.rate_hz();
   // samples before the filter: the filter would ring ahead of the onset
   std::vector<double> samples(around->end - around->begin);
-  if (auto read = signal.samples().Read(around->begin, samples); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_TRY(signal.samples().Read(around->begin, samples));
   const Envelope envelope = DemodulateTone(samples, {rate_hz, tone_hz});
   const auto seconds = [&](std::size_t sample) {
     return static_cast<double>(sample - around->begin) / rate_hz;
@@ -415,10 +408,10 @@ Result<std::optional<OnsetNumbers>> FindDriveOnset(const trial::RowSource& sourc
   OnsetNumbers onset;
   onset.edge = *edge;
   onset.edge.time_s += begin_s;
-  const auto drive = ReadDrive(source, signal.first_row() + around->begin, samples.size());
-  if (!drive) return std::unexpected(drive.error());
-  if (!*drive) return onset;
-  const auto beginning = BeginningOf(**drive, *around, rate_hz / tone_hz);
+  HAPTOMETER_LET(const auto drive,
+                 ReadDrive(source, signal.first_row() + around->begin, samples.size()));
+  if (!drive) return onset;
+  const auto beginning = BeginningOf(*drive, *around, rate_hz / tone_hz);
   if (!beginning) return onset;
   onset.drive_s = begin_s + beginning->sample / rate_hz;
   // rectangular distribution: half width / sqrt(3)
@@ -445,9 +438,7 @@ Result<std::vector<double>> ReadChannel(const trial::RowSource& source, std::siz
                                         std::size_t* unmeasured) {
   std::vector<double> values(rows);
   std::vector<trial::SampleStatus> statuses(rows);
-  if (auto read = source.Read(channel, first_row, values, statuses); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_TRY(source.Read(channel, first_row, values, statuses));
   for (std::size_t k = 0; k < rows; ++k) *unmeasured += IsMeasured(values[k], statuses[k]) ? 0 : 1;
   return values;
 }
@@ -462,16 +453,14 @@ Result<ElectricalFinding> MeasureElectrical(const trial::RowSource& source, std:
   const std::size_t size = std::min(rows, kMostFitted);
   const std::size_t first = first_row + (rows - size) / 2;
   std::size_t unmeasured = 0;
-  const auto volts = ReadChannel(source, *voltage, first, size, &unmeasured);
-  if (!volts) return std::unexpected(volts.error());
-  const auto amperes = ReadChannel(source, *current, first, size, &unmeasured);
-  if (!amperes) return std::unexpected(amperes.error());
+  HAPTOMETER_LET(const auto volts, ReadChannel(source, *voltage, first, size, &unmeasured));
+  HAPTOMETER_LET(const auto amperes, ReadChannel(source, *current, first, size, &unmeasured));
   // every row is required: a sine fit at uniform times has no gaps
   if (unmeasured > 0) {
     return ElectricalFinding{std::nullopt, Finding{.kind = FindingKind::kElectricalUnmeasured,
                                                    .numbers = {{"readings", unmeasured}}}};
   }
-  ElectricalFinding found{DescribeElectrical(*volts, *amperes, rate_hz, tone_hz), {}};
+  ElectricalFinding found{DescribeElectrical(volts, amperes, rate_hz, tone_hz), {}};
   if (!found.state) {
     found.why_not = {.kind = FindingKind::kElectricalNoTone,
                      .numbers = {{"frequency_hz", tone_hz}}};

@@ -93,9 +93,8 @@ Result<Samples> ReadFrames(const BandSignal& signal, const BandPass& band, const
   for (std::size_t k = first; k < last; ++k) {
     const std::size_t begin = k * period + frames.offset * frames.stride;
     const std::size_t end = begin + (frames.frame - 1) * frames.stride + 1;
-    const auto frame = ReadForStates(signal, band, lines, begin, end);
-    if (!frame) return std::unexpected(frame.error());
-    samples.values.insert(samples.values.end(), frame->begin(), frame->end());
+    HAPTOMETER_LET(const auto frame, ReadForStates(signal, band, lines, begin, end));
+    samples.values.insert(samples.values.end(), frame.begin(), frame.end());
   }
   return samples;
 }
@@ -214,10 +213,8 @@ Result<BlockCourse> MeasureIn(const BandSignal& signal, const BandPass& band, do
   const std::size_t stride = StrideOf(signal.rate_hz(), band);
   const std::size_t block = BlockSamples(block_s, signal.rate_hz() / static_cast<double>(stride));
   const KeptFrames frames = may_skip ? FramesOf(signal.size(), stride, block) : KeptFrames{};
-  const auto read = frames.frame > 0 ? ReadFrames(signal, band, frames, lines)
-                                     : ReadBlocks(signal, band, block, lines);
-  if (!read) return std::unexpected(read.error());
-  const Samples& samples = *read;
+  HAPTOMETER_LET(const Samples samples, frames.frame > 0 ? ReadFrames(signal, band, frames, lines)
+                                                         : ReadBlocks(signal, band, block, lines));
   const auto period = static_cast<double>(samples.period);
   BlockCourse course{
       .start_s = signal.start_s() + static_cast<double>(samples.begin) / signal.rate_hz(),
@@ -260,9 +257,7 @@ Result<std::vector<double>> ReadForStates(const BandSignal& signal, const BandPa
                                           std::size_t end) {
   const std::size_t stride = StrideOf(signal.rate_hz(), band);
   std::vector<double> values((end - begin - 1) / stride + 1);
-  if (auto read = signal.ReadThinned(begin, stride, values); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_TRY(signal.ReadThinned(begin, stride, values));
   const auto per_sample = static_cast<double>(stride);
   SubtractLines(lines, signal.rate_hz() / per_sample, static_cast<double>(begin) / per_sample,
                 values);

@@ -1,10 +1,11 @@
 #include "dsp/analysis/hum.h"
 
+#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "dsp/analysis/band_noise.h"
@@ -16,6 +17,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr std::size_t kBlock = PhasorBlocks::kBlock;
 constexpr int kMostMultiples = 10;
 
 // tapered windows of one length, each beginning half of it after the one before
@@ -23,9 +25,13 @@ struct Windows {
   std::span<const double> values;
   double rate_hz = 0;
   std::vector<double> weights;
+  double weight_sum = 0;
 
   Windows(std::span<const double> all, double rate, std::size_t length)
-      : values(all), rate_hz(rate), weights(BlackmanHarris(length)) {}
+      : values(all),
+        rate_hz(rate),
+        weights(BlackmanHarris(length)),
+        weight_sum(std::accumulate(weights.begin(), weights.end(), 0.0)) {}
 
   [[nodiscard]] std::size_t length() const { return weights.size(); }
   [[nodiscard]] std::size_t step() const { return length() / 2; }
@@ -36,21 +42,21 @@ struct Windows {
   [[nodiscard]] std::complex<double> Demodulated(std::size_t k, double frequency_hz) const {
     const std::size_t first = k * step();
     const PhasorBlocks phasors(kTwoPi * frequency_hz / rate_hz);
-    std::array<double, PhasorBlocks::kBlock> cosines;
-    std::array<double, PhasorBlocks::kBlock> sines;
+    Eigen::ArrayXd cosines(kBlock);
+    Eigen::ArrayXd sines(kBlock);
+    Eigen::ArrayXd weighted(kBlock);
     std::complex<double> sum = 0;
-    double total = 0;
-    for (std::size_t begin = 0; begin < length(); begin += PhasorBlocks::kBlock) {
-      const std::size_t size = std::min(PhasorBlocks::kBlock, length() - begin);
-      phasors.Fill(static_cast<double>(first + begin), std::span(cosines).first(size),
-                   std::span(sines).first(size));
-      for (std::size_t n = 0; n < size; ++n) {
-        const double weighted = weights[begin + n] * values[first + begin + n];
-        sum += std::complex(weighted * cosines[n], -weighted * sines[n]);
-        total += weights[begin + n];
-      }
+    for (std::size_t begin = 0; begin < length(); begin += kBlock) {
+      const std::size_t size = std::min(kBlock, length() - begin);
+      const auto count = static_cast<Eigen::Index>(size);
+      phasors.Fill(static_cast<double>(first + begin), std::span(cosines.data(), size),
+                   std::span(sines.data(), size));
+      weighted.head(count) = Eigen::Map<const Eigen::ArrayXd>(&weights[begin], count) *
+                             Eigen::Map<const Eigen::ArrayXd>(&values[first + begin], count);
+      sum += std::complex((weighted * cosines).head(count).sum(),
+                          -(weighted * sines).head(count).sum());
     }
-    return 2.0 * sum / total;
+    return 2.0 * sum / weight_sum;
   }
 };
 
@@ -128,10 +134,9 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
   const double duration_s = static_cast<double>(frames) / rate_hz;
   std::vector<SteadyLine> lines;
   if (duration_s < kLeastLineS || kept.frame != kept.period) return lines;
-  const auto values = ReadForStates(signal, band, {}, 0, signal.size());
-  if (!values) return std::unexpected(values.error());
+  HAPTOMETER_LET(const auto values, ReadForStates(signal, band, {}, 0, signal.size()));
   const double window_s = std::min(kLongestModelledS, duration_s / 2);
-  const Windows windows(*values, rate_hz, static_cast<std::size_t>(window_s * rate_hz));
+  const Windows windows(values, rate_hz, static_cast<std::size_t>(window_s * rate_hz));
   for (const double mains_hz : kMainsHz) {
     if (mains_hz < band.lower_hz || mains_hz > band.upper_hz) continue;
     if (stated_hz && std::abs(std::remainder(*stated_hz, mains_hz)) < kMainsWithinHz) continue;

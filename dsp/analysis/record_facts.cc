@@ -159,10 +159,9 @@ Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const 
   double last = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t done = 0; done < rows; done += values.size()) {
     const std::size_t count = std::min(values.size(), rows - done);
-    const auto read =
-        displacement.source.Read(displacement.channel, first + done, std::span(values).first(count),
-                                 std::span(statuses).first(count));
-    if (!read) return std::unexpected(read.error());
+    HAPTOMETER_TRY(displacement.source.Read(displacement.channel, first + done,
+                                            std::span(values).first(count),
+                                            std::span(statuses).first(count)));
     for (std::size_t k = 0; k < count; ++k) {
       if (!IsMeasured(values[k], statuses[k])) continue;
       if (std::isfinite(last) && values[k] != last) ++changes;

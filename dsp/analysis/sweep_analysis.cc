@@ -110,11 +110,9 @@ Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t ch
   piece.rate_hz = longest->rate_hz;
   piece.displacement_m.resize(std::min(longest->size, kMostSamples));
   const SegmentSamples samples(source, channel, *longest);
-  if (auto read = samples.Read(0, piece.displacement_m); !read)
-    return std::unexpected(read.error());
+  HAPTOMETER_TRY(samples.Read(0, piece.displacement_m));
   if (const auto drive = DriveChannelOf(source.head())) {
-    const auto added = AddDrive(source, *drive, longest->first_row, piece, findings);
-    if (!added) return std::unexpected(added.error());
+    HAPTOMETER_TRY(AddDrive(source, *drive, longest->first_row, piece, findings));
   }
   return piece;
 }
@@ -219,19 +217,18 @@ struct Response {
 Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, const Band& band,
                            const SensorAveraging& sensor) {
   const WelchOptions options{piece.rate_hz, segment_size};
-  auto points =
-      MeasureResponse(piece.drive, piece.displacement_m, options, band.lower_hz, band.upper_hz);
-  if (!points) return std::unexpected(points.error());
-  for (ResponsePoint& point : *points) point.response /= GainOr1(sensor, point.frequency_hz);
+  HAPTOMETER_LET(auto points, MeasureResponse(piece.drive, piece.displacement_m, options,
+                                              band.lower_hz, band.upper_hz));
+  for (ResponsePoint& point : points) point.response /= GainOr1(sensor, point.frequency_hz);
   // segments that overlap by half
   const std::size_t whole = piece.drive.size() / segment_size;
   const auto segments = static_cast<double>(2 * whole - 1);
   Response response;
-  response.asked = points->size();
-  KeepSignificant(*points, segments);
+  response.asked = points.size();
+  KeepSignificant(points, segments);
   response.resonance =
-      FitResonance(IndependentPoints(*points, piece.rate_hz / static_cast<double>(segment_size)));
-  response.points = std::move(*points);
+      FitResonance(IndependentPoints(points, piece.rate_hz / static_cast<double>(segment_size)));
+  response.points = std::move(points);
   return response;
 }
 
@@ -311,23 +308,21 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
     return {};
   }
   answer.resolution_hz = piece.rate_hz / static_cast<double>(size);
-  const auto response = RespondBy(piece, size, band, answer.sensor);
-  if (!response) return std::unexpected(response.error());
-  const auto halved = RespondBy(piece, size / 2, band, answer.sensor);
-  if (!halved) return std::unexpected(halved.error());
-  answer.points.reserve(response->points.size());
-  for (const ResponsePoint& point : response->points) {
+  HAPTOMETER_LET(const auto response, RespondBy(piece, size, band, answer.sensor));
+  HAPTOMETER_LET(const auto halved, RespondBy(piece, size / 2, band, answer.sensor));
+  answer.points.reserve(response.points.size());
+  for (const ResponsePoint& point : response.points) {
     answer.points.push_back(
         {point.frequency_hz, std::abs(point.response), std::arg(point.response), point.coherence});
   }
-  if (const std::size_t left_out = response->asked - response->points.size(); left_out > 0) {
+  if (const std::size_t left_out = response.asked - response.points.size(); left_out > 0) {
     answer.findings.Note(FindingKind::kFrequenciesExcluded,
-                         {{"excluded", left_out}, {"frequencies", response->asked}});
+                         {{"excluded", left_out}, {"frequencies", response.asked}});
   }
   if (answer.points.empty()) {
     answer.findings.Refuse(FindingKind::kNoResponse);
   }
-  TakeResonance(response->resonance, halved->resonance, 0, answer);
+  TakeResonance(response.resonance, halved.resonance, 0, answer);
   return {};
 }
 
@@ -341,17 +336,17 @@ bool Sweeps(const std::vector<SweptPoint>& points) {
 Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
                          SweepAnswer& answer) {
   answer.findings.Doubt(FindingKind::kNoDriveChannel);
-  const auto design =
-      DesignBandPass({.lower_hz = band.lower_hz, .upper_hz = band.upper_hz}, piece.rate_hz);
-  if (!design) return std::unexpected(design.error());
-  const std::vector<double> filtered = FilterZeroPhase(*design, piece.displacement_m);
+  HAPTOMETER_LET(
+      const auto design,
+      DesignBandPass({.lower_hz = band.lower_hz, .upper_hz = band.upper_hz}, piece.rate_hz));
+  const std::vector<double> filtered = FilterZeroPhase(design, piece.displacement_m);
   const auto measure = [&](double periods) {
     auto points =
         LongestSweep(SweptAmplitude(filtered, piece.rate_hz, band.lower_hz, band.upper_hz, periods),
                      periods / band.lower_hz);
     for (SweptPoint& point : points) {
       // two passes of the filter, gain |H|^2, and the sensor's gain
-      const double gain = Magnitude(*design, point.frequency_hz);
+      const double gain = Magnitude(design, point.frequency_hz);
       point.amplitude /= gain * gain * GainOr1(answer.sensor, point.frequency_hz);
     }
     return points;
@@ -399,9 +394,8 @@ Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
 }  // namespace
 
 Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQuestion& question) {
-  if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
-  const auto channel = AnalyzedChannel(source.head());
-  if (!channel) return std::unexpected(channel.error());
+  HAPTOMETER_TRY(CheckQuestion(question));
+  HAPTOMETER_LET(const auto channel, AnalyzedChannel(source.head()));
   SweepAnswer answer;
   // a sweep requires a clocked record: uniform times, not polled
   if (source.head().times_are_known || source.head().timing == trial::Timing::kPolled) {
@@ -409,17 +403,15 @@ Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQues
                                                          : FindingKind::kSweepPolled);
     return answer;
   }
-  const auto clean = Clean(source, *channel);
-  if (!clean) return std::unexpected(clean.error());
-  const auto piece = ReadSweepPiece(*clean->rows, *channel, clean->segments, answer.findings);
-  if (!piece) return std::unexpected(piece.error());
-  if (piece->displacement_m.empty()) {
+  HAPTOMETER_LET(const auto clean, Clean(source, channel));
+  HAPTOMETER_LET(const auto piece,
+                 ReadSweepPiece(*clean.rows, channel, clean.segments, answer.findings));
+  if (piece.displacement_m.empty()) {
     answer.findings.Refuse(FindingKind::kNoMeasurement);
     return answer;
   }
-  TakePiece(source.head(), *piece, answer);
-  const auto done = Answer(*clean->rows, *piece, clean->segments, question, answer);
-  if (!done) return std::unexpected(done.error());
+  TakePiece(source.head(), piece, answer);
+  HAPTOMETER_TRY(Answer(*clean.rows, piece, clean.segments, question, answer));
   answer.answered = !answer.points.empty();
   return answer;
 }

@@ -286,16 +286,15 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
       courses, {}, [](const Course& one) { return SettledSeconds(*one.signal); });
   const BandSignal& signal = *course.signal;
   if (static_cast<double>(signal.size()) < kLeastLineS * signal.rate_hz()) return std::nullopt;
-  auto samples = ReadMiddle(signal, signal.settled_begin(), signal.settled_end());
-  if (!samples) return std::unexpected(samples.error());
+  HAPTOMETER_LET(auto samples, ReadMiddle(signal, signal.settled_begin(), signal.settled_end()));
   const std::size_t size = signal.settled_end() - signal.settled_begin();
-  const std::size_t first = signal.settled_begin() + (size - samples->size()) / 2;
-  SubtractLines(course.hum, signal.rate_hz(), static_cast<double>(first), *samples);
+  const std::size_t first = signal.settled_begin() + (size - samples.size()) / 2;
+  SubtractLines(course.hum, signal.rate_hz(), static_cast<double>(first), samples);
   const double bandwidth_hz = band.upper_hz - band.lower_hz;
-  const auto tone = StrongestTone(*samples, {signal.rate_hz(), kFootReach * band.lower_hz,
-                                             band.upper_hz, bandwidth_hz, kFaintFalseAlarm});
+  const auto tone = StrongestTone(samples, {signal.rate_hz(), kFootReach * band.lower_hz,
+                                            band.upper_hz, bandwidth_hz, kFaintFalseAlarm});
   if (!tone) return std::nullopt;
-  const std::span<const double> all = *samples;
+  const std::span<const double> all = samples;
   const SineFitOptions options{signal.rate_hz(), bandwidth_hz, 0};
   const SineFit begin = FitSineAt(all.first(all.size() / 2), options, tone->frequency_hz);
   const SineFit end = FitSineAt(all.subspan(all.size() / 2), options, tone->frequency_hz);
@@ -349,9 +348,7 @@ ChosenPart WithoutDrive(const ChosenPart& may_be_hum) {
 Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
   for (const double length : kBlockLengths) {
-    if (auto found = FindStatesOf(question.band, length, courses); !found) {
-      return std::unexpected(found.error());
-    }
+    HAPTOMETER_TRY(FindStatesOf(question.band, length, courses));
     auto best = LongestSteady(courses, question.band.lower_hz);
     const bool is_shortest = length == kBlockLengths.front();
     if (best || is_shortest) KeepStates(courses, analysis);
@@ -450,16 +447,15 @@ Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t beg
                                        std::size_t end) {
   std::vector<double> samples(FittedOf(end - begin));
   const std::size_t first = begin + (end - begin - samples.size()) / 2;
-  if (auto read = signal.Read(first, samples); !read) return std::unexpected(read.error());
+  HAPTOMETER_TRY(signal.Read(first, samples));
   return samples;
 }
 
 Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                              const BandQuestion& question, BandAnalysis* analysis) {
-  auto courses = FindHumOf(all, question);
-  if (!courses) return std::unexpected(courses.error());
+  HAPTOMETER_LET(auto courses, FindHumOf(all, question));
   if (question.choice == WindowChoice::kAuto) {
-    auto chosen = ChooseDriven(*courses, all, question, analysis);
+    auto chosen = ChooseDriven(courses, all, question, analysis);
     if (!chosen) return std::unexpected(chosen.error());
     RemarkUnsteady(chosen->part, analysis);
     RemarkBumps(*chosen, analysis);
@@ -468,11 +464,9 @@ Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
   auto chosen = question.choice == WindowChoice::kGiven ? ChooseGiven(all, question, analysis)
                                                         : AllSettled(LongestSettled(all));
   if (!chosen) return chosen;
-  if (auto found = FindStatesOf(question.band, 1, *courses); !found) {
-    return std::unexpected(found.error());
-  }
-  KeepStates(*courses, analysis);
-  DescribeGiven(*courses, question.band.lower_hz, *chosen, analysis);
+  HAPTOMETER_TRY(FindStatesOf(question.band, 1, courses));
+  KeepStates(courses, analysis);
+  DescribeGiven(courses, question.band.lower_hz, *chosen, analysis);
   RemarkUnsteady(chosen->part, analysis);
   return chosen;
 }

@@ -162,9 +162,8 @@ std::vector<FrequencyRange> DriveRanges(const Window& window) {
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
   const std::size_t begin = window.chosen.begin;
-  const auto square = MeanSquareKept(window, begin, begin + window.rows);
-  if (!square) return std::unexpected(square.error());
-  const double mean_square = std::max(0.0, *square - window.hum_square);
+  HAPTOMETER_LET(const auto square, MeanSquareKept(window, begin, begin + window.rows));
+  const double mean_square = std::max(0.0, square - window.hum_square);
   // variance from the fitted samples, scaled from their duration to that of the window
   const BandNoise whole =
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
@@ -187,9 +186,8 @@ Result<void> MeasurePower(Window& window) {
     window.density = window.beside.DensityAt(drive_hz) *
                      std::pow(std::norm(Response(window.signal().design(), drive_hz)), 2);
   }
-  const auto extremes = window.signal().ExtremesOf(begin, begin + window.rows);
-  if (!extremes) return std::unexpected(extremes.error());
-  window.numbers.peak_to_peak_m = extremes->most - extremes->least;
+  HAPTOMETER_LET(const auto extremes, window.signal().ExtremesOf(begin, begin + window.rows));
+  window.numbers.peak_to_peak_m = extremes.most - extremes.least;
   return {};
 }
 
@@ -408,6 +406,7 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   const BandNumbers& numbers = window.numbers;
   const double rms = std::sqrt(numbers.power.mean_square);
   std::vector<RmsBound> bounds;
+  bounds.reserve(kRmsCauseCount);
   const auto add = [&](RmsCause cause, double half_width) {
     if (half_width > 0) bounds.push_back({cause, half_width});
   };
@@ -538,14 +537,12 @@ Result<void> DescribeHarmonics(Window& window) {
 // when the drive began, and what it takes
 Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
-  const auto onset = FindDriveOnset(source, window.chosen, frequency_hz);
-  if (!onset) return std::unexpected(onset.error());
-  window.numbers.onset = *onset;
-  const auto found = MeasureElectrical(source, window.numbers.part.first_row, window.rows,
-                                       window.rate_hz(), frequency_hz);
-  if (!found) return std::unexpected(found.error());
-  window.numbers.electrical = found->state;
-  if (found->why_not) window.analysis.findings.Add(*found->why_not);
+  HAPTOMETER_LET(const auto onset, FindDriveOnset(source, window.chosen, frequency_hz));
+  window.numbers.onset = onset;
+  HAPTOMETER_LET(const auto found, MeasureElectrical(source, window.numbers.part.first_row,
+                                                     window.rows, window.rate_hz(), frequency_hz));
+  window.numbers.electrical = found.state;
+  if (found.why_not) window.analysis.findings.Add(*found.why_not);
   return {};
 }
 
@@ -559,9 +556,7 @@ Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, st
   const std::size_t before = std::min(first - signal.settled_begin(), kBesideRows);
   const std::size_t after = std::min(signal.settled_end() - first - size, kBesideRows);
   std::vector<double> samples(before + size + after);
-  if (auto read = signal.Read(first - before, samples); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_TRY(signal.Read(first - before, samples));
   auto motion = DescribeKinematics(samples, signal.rate_hz(), upper_hz, before, before + size);
   if (!motion) return std::nullopt;
   // from samples that were read to rows of the record
@@ -573,10 +568,9 @@ Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, st
 
 Result<void> DescribeMotion(Window& window) {
   const std::size_t begin = window.chosen.begin;
-  const auto motion =
-      MeasureKinematics(window.signal(), begin, begin + window.rows, window.band().upper_hz);
-  if (!motion) return std::unexpected(motion.error());
-  window.numbers.kinematics = *motion;
+  HAPTOMETER_LET(const auto motion, MeasureKinematics(window.signal(), begin, begin + window.rows,
+                                                      window.band().upper_hz));
+  window.numbers.kinematics = motion;
   return {};
 }
 
@@ -610,9 +604,8 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
     return MeasurePower(window);
   };
   const auto describe_below = [&]() -> Result<void> {
-    const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
-    if (!below_band) return std::unexpected(below_band.error());
-    window.numbers.below_band = *below_band;
+    HAPTOMETER_LET(const auto below_band, FindBelowBand(*chosen.signal, analysis->band.lower_hz));
+    window.numbers.below_band = below_band;
     return {};
   };
   const int threads = displacement.threads;
@@ -626,9 +619,8 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   if (auto taken = TakeFloor(window); !taken) return taken;
   if (auto bounded = BoundSteps(window); !bounded) return bounded;
   if (auto judged = JudgeClipping(window); !judged) return judged;
-  const auto edges = EdgeBound(window);
-  if (!edges) return std::unexpected(edges.error());
-  window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
+  HAPTOMETER_LET(const auto edges, EdgeBound(window));
+  window.numbers.rms = EstimateRms(window.power, BoundsOf(window, edges));
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
   if (has_tone && chosen.part.from_drive) {

@@ -65,10 +65,15 @@ class Extremes {
     for (std::size_t at = 0; at < values.size(); at += kPieceRows) {
       const std::size_t end = std::min(at + kPieceRows, values.size());
       if (block.all_ok && IsWithin(values.subspan(at, end - at))) continue;
+      // equal readings in a row are added together
+      Value run;
       for (std::size_t k = at; k < end; ++k) {
         if (IsInside(values[k])) continue;
-        if (block.all_ok || IsMeasured(values[k], statuses[k])) Add({values[k], 1});
+        if (!block.all_ok && !IsMeasured(values[k], statuses[k])) continue;
+        if (run.rows > 0 && values[k] != run.value) Add(std::exchange(run, Value{}));
+        run = {values[k], run.rows + 1};
       }
+      if (run.rows > 0) Add(run);
     }
   }
 

@@ -28,7 +28,13 @@ constexpr int kMostInBand = 2;
 constexpr int kMostSteps = 12;
 // last change of a phase at the ends in rad
 constexpr double kAtRestRad = 1e-11;
-constexpr Eigen::Index kRowsAtOnce = 256;
+// steps that shrink by less than this are slow because of noise; what they leave, as a part of that
+constexpr double kSlowRate = 0.1;
+constexpr double kOfNoise = 0.1;
+// rate over the band's upper corner, and fewest samples, that decimation leaves
+constexpr double kRatePerUpper = 4;
+constexpr std::size_t kLeastSize = 4096;
+constexpr std::size_t kBlock = PhasorBlocks::kBlock;
 
 using Sine = BelowBandModel::Sine;
 
@@ -49,22 +55,7 @@ struct Frame {
   [[nodiscard]] double Tau(std::size_t n) const {
     return (static_cast<double>(n) - middle) / middle;
   }
-  [[nodiscard]] double Angle(const Sine& sine, std::size_t n) const {
-    return kTwoPi * sine.frequency_hz * (static_cast<double>(n) - middle) / rate_hz;
-  }
 };
-
-// m(tau) = sum of drift[k] P_k(tau) + sum of (cosine cos(w t) + sine sin(w t))
-double ValueAt(const Frame& frame, const Parts& parts, std::size_t n) {
-  const auto p = Legendre(frame.Tau(n));
-  double value = 0;
-  for (std::size_t k = 0; k < kDriftTerms; ++k) value += parts.drift[k] * p[k];
-  for (const Sine& sine : parts.sines) {
-    const double angle = frame.Angle(sine, n);
-    value += sine.cosine * std::cos(angle) + sine.sine * std::sin(angle);
-  }
-  return value;
-}
 
 // adds `factor` times the parts to samples from `first` on
 void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double factor,
@@ -75,12 +66,12 @@ void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double 
     for (std::size_t term = 0; term < kDriftTerms; ++term) value += parts.drift[term] * p[term];
     samples[k] += factor * value;
   }
-  std::array<double, PhasorBlocks::kBlock> cosines;
-  std::array<double, PhasorBlocks::kBlock> sines;
+  std::array<double, kBlock> cosines;
+  std::array<double, kBlock> sines;
   for (const Sine& sine : parts.sines) {
     const PhasorBlocks phasors(kTwoPi * sine.frequency_hz / frame.rate_hz);
-    for (std::size_t begin = 0; begin < samples.size(); begin += PhasorBlocks::kBlock) {
-      const std::size_t count = std::min(PhasorBlocks::kBlock, samples.size() - begin);
+    for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
+      const std::size_t count = std::min(kBlock, samples.size() - begin);
       phasors.Fill(static_cast<double>(first + begin) - frame.middle,
                    std::span(cosines).first(count), std::span(sines).first(count));
       for (std::size_t k = 0; k < count; ++k) {
@@ -90,21 +81,43 @@ void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double 
   }
 }
 
-// derivatives of the model by the drift's terms, then by cosine, sine and w T/2 of each sine
-void FillRow(const Frame& frame, const Parts& parts, std::size_t n,
-             Eigen::Ref<Eigen::VectorXd> row) {
-  const double tau = frame.Tau(n);
-  const auto p = Legendre(tau);
-  Eigen::Index column = 0;
-  for (const double value : p) row[column++] = value;
-  for (const Sine& sine : parts.sines) {
-    const double angle = frame.Angle(sine, n);
-    const double c = std::cos(angle);
-    const double s = std::sin(angle);
-    row[column++] = c;
-    row[column++] = s;
-    row[column++] = tau * (sine.sine * c - sine.cosine * s);
+// derivatives of the model at samples from `first` on: by the drift's terms, then by cosine, sine
+// and w T/2 of each sine
+void FillRows(const Frame& frame, const Parts& parts, std::span<const PhasorBlocks> phasors,
+              std::size_t first, Eigen::Ref<Eigen::MatrixXd> rows) {
+  const auto size = static_cast<std::size_t>(rows.rows());
+  Eigen::ArrayXd tau(rows.rows());
+  for (std::size_t k = 0; k < size; ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    tau[row] = frame.Tau(first + k);
+    const auto p = Legendre(tau[row]);
+    for (std::size_t term = 0; term < kDriftTerms; ++term) {
+      rows(row, static_cast<Eigen::Index>(term)) = p[term];
+    }
   }
+  const double first_from_middle = static_cast<double>(first) - frame.middle;
+  Eigen::Index column = kDriftTerms;
+  for (std::size_t k = 0; k < phasors.size(); ++k, column += 3) {
+    const Sine& sine = parts.sines[k];
+    auto c = rows.col(column);
+    auto s = rows.col(column + 1);
+    phasors[k].Fill(first_from_middle, std::span(c.data(), size), std::span(s.data(), size));
+    rows.col(column + 2) = tau * (sine.sine * c.array() - sine.cosine * s.array());
+  }
+}
+
+// m = sum of drift[k] P_k + sum of (cosine cos(w t) + sine sin(w t)), by the columns of FillRows
+Eigen::VectorXd FactorsOf(const Parts& parts) {
+  const auto columns = static_cast<Eigen::Index>(kDriftTerms + 3 * parts.sines.size());
+  Eigen::VectorXd factors = Eigen::VectorXd::Zero(columns);
+  Eigen::Index column = 0;
+  for (const double term : parts.drift) factors[column++] = term;
+  for (const Sine& sine : parts.sines) {
+    factors[column] = sine.cosine;
+    factors[column + 1] = sine.sine;
+    column += 3;
+  }
+  return factors;
 }
 
 struct Normal {
@@ -112,22 +125,25 @@ struct Normal {
   Eigen::VectorXd right;
 };
 
-// J'J and J' residual of one step, kRowsAtOnce rows at a time
+// J'J and J' residual of one step, a block of rows at a time
 Normal Linearise(const Frame& frame, const Parts& parts, std::span<const double> signal) {
-  const auto columns = static_cast<Eigen::Index>(kDriftTerms + 3 * parts.sines.size());
-  Normal normal{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns)};
-  Eigen::MatrixXd rows(columns, kRowsAtOnce);
-  Eigen::VectorXd left(kRowsAtOnce);
-  for (std::size_t begin = 0; begin < signal.size(); begin += kRowsAtOnce) {
-    const auto size =
-        static_cast<Eigen::Index>(std::min<std::size_t>(kRowsAtOnce, signal.size() - begin));
-    for (Eigen::Index k = 0; k < size; ++k) {
-      const std::size_t n = begin + static_cast<std::size_t>(k);
-      FillRow(frame, parts, n, rows.col(k));
-      left[k] = signal[n] - ValueAt(frame, parts, n);
-    }
-    normal.matrix.noalias() += rows.leftCols(size) * rows.leftCols(size).transpose();
-    normal.right.noalias() += rows.leftCols(size) * left.head(size);
+  const Eigen::VectorXd factors = FactorsOf(parts);
+  Normal normal{Eigen::MatrixXd::Zero(factors.size(), factors.size()),
+                Eigen::VectorXd::Zero(factors.size())};
+  std::vector<PhasorBlocks> phasors;
+  phasors.reserve(parts.sines.size());
+  for (const Sine& sine : parts.sines) {
+    phasors.emplace_back(kTwoPi * sine.frequency_hz / frame.rate_hz);
+  }
+  Eigen::MatrixXd block(kBlock, factors.size());
+  for (std::size_t begin = 0; begin < signal.size(); begin += kBlock) {
+    const auto size = static_cast<Eigen::Index>(std::min(kBlock, signal.size() - begin));
+    auto rows = block.topRows(size);
+    FillRows(frame, parts, phasors, begin, rows);
+    const Eigen::VectorXd left =
+        Eigen::Map<const Eigen::VectorXd>(signal.data() + begin, size) - rows * factors;
+    normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    normal.right.noalias() += rows.transpose() * left;
   }
   return normal;
 }
@@ -158,10 +174,19 @@ std::optional<double> Step(const Frame& frame, std::span<const double> signal, P
   return turn;
 }
 
+// Whether what steps of `turn` rad, each `rate` times the one before, leave to go is a small part
+// of the phase's own uncertainty. Steps of Gauss and Newton shrink at once where the model explains
+// the signal; else by the rate of the motion that is not explained to the sine's amplitude, which
+// is the uncertainty of its phase in rad.
+bool IsWithinNoise(double turn, double rate) {
+  return rate > kSlowRate && rate < 1 && turn * rate / (1 - rate) < kOfNoise * rate;
+}
+
 // Gauss-Newton steps until they converge; false where a frequency leaves its start by 1 / duration
 bool Refine(const Frame& frame, std::span<const double> signal, Parts& parts) {
   const std::vector<Sine> start = parts.sines;
   const double most_hz = 0.5 * frame.rate_hz / frame.middle;  // 1 / duration
+  double before = 0;
   for (int step = 0; step < kMostSteps; ++step) {
     const std::optional<double> turn = Step(frame, signal, parts);
     if (!turn) return false;
@@ -169,7 +194,8 @@ bool Refine(const Frame& frame, std::span<const double> signal, Parts& parts) {
       const double moved = std::abs(parts.sines[k].frequency_hz - start[k].frequency_hz);
       if (!(moved <= most_hz) || !(parts.sines[k].frequency_hz > 0)) return false;
     }
-    if (*turn < kAtRestRad) return true;
+    if (*turn < kAtRestRad || IsWithinNoise(*turn, before > 0 ? *turn / before : 0)) return true;
+    before = *turn;
   }
   return true;  // noise keeps it moving by less than it matters
 }
@@ -192,8 +218,9 @@ double BelowBandModel::Sine::amplitude() const { return std::hypot(cosine, sine)
 
 std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal, double rate_hz,
                                                   double lower_hz, double upper_hz) {
-  // decimated for the band's upper corner: sines in the band are fitted too
-  const Decimator decimator(Decimator::FactorFor(signal.size(), rate_hz, upper_hz), rate_hz);
+  // sines in the band are fitted too, to be let go: what folds onto them matters little
+  const Decimator decimator(
+      Decimator::FactorFor(signal.size(), rate_hz, kRatePerUpper * upper_hz, kLeastSize), rate_hz);
   if (decimator.factor() == 1) return FitAll(signal, rate_hz, lower_hz, upper_hz);
   const std::vector<double> slow = decimator.Decimate(signal);
   auto model = FitAll(slow, decimator.rate_hz(), lower_hz, upper_hz);

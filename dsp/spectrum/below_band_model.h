@@ -38,9 +38,10 @@ class BelowBandModel {
   /// Fits the cubic and up to three sines below `lower_hz`, together with up to two in-band tones
   /// (up to `upper_hz`) that are then let go, by Gauss and Newton's method; each sine starts at the
   /// strongest tone of what is left. Nothing where no tone below the band stands out, which is so
-  /// for fewer than two of its periods. Of 2^17 samples and more at 32 `upper_hz` and more every
-  /// n-th is fitted, behind a low-pass whose gain is divided out (dsp/spectrum/decimated.h). Cost:
-  /// 100 flops a sample, sine and step. Memory: two copies.
+  /// for fewer than two of its periods. Where that leaves 4096 samples and a rate of 4 `upper_hz`,
+  /// every n-th is fitted, behind a low-pass whose gain is divided out (dsp/spectrum/decimated.h).
+  /// Steps end where what they leave is small against the noise's share of a sine. Cost: 100 flops
+  /// a sample, sine and step. Memory: two copies.
   [[nodiscard]] static std::optional<BelowBandModel> Fit(std::span<const double> signal,
                                                          double rate_hz, double lower_hz,
                                                          double upper_hz);

@@ -9,12 +9,6 @@
 namespace haptometer::dsp {
 namespace {
 
-// new rate over the upper frequency, see FactorFor
-constexpr double kRatePerUpper = 16;
-// fewest samples for which decimation saves time, and fewest that it leaves
-constexpr std::size_t kLeastSize = std::size_t{1} << 17U;
-constexpr std::size_t kLeastLeft = std::size_t{1} << 14U;
-
 // sum of products; eight running sums do not depend on each other, so they overlap
 double Dot(const double* x, std::span<const double> taps) {
   constexpr std::size_t kLanes = 8;
@@ -44,11 +38,11 @@ Decimator::Decimator(std::size_t factor, double rate_hz)
   }
 }
 
-std::size_t Decimator::FactorFor(std::size_t size, double rate_hz, double upper_hz) {
+std::size_t Decimator::FactorFor(std::size_t size, double rate_hz, double least_hz,
+                                 std::size_t least_size) {
   std::size_t factor = 1;
-  if (size < kLeastSize) return factor;
-  while (rate_hz / static_cast<double>(2 * factor) >= kRatePerUpper * upper_hz &&
-         size / (2 * factor) >= kLeastLeft) {
+  while (rate_hz / static_cast<double>(2 * factor) >= least_hz &&
+         size / (2 * factor) >= least_size) {
     factor *= 2;
   }
   return factor;

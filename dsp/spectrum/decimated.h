@@ -22,9 +22,10 @@ class Decimator {
   /// `factor` >= 1 (1: the samples themselves).
   Decimator(std::size_t factor, double rate_hz);
 
-  /// The greatest power of two that leaves a rate of 16 `upper_hz` and more, and of `size` samples
-  /// 2^14 and more; 1 for `size` below 2^17, which costs little as it is.
-  [[nodiscard]] static std::size_t FactorFor(std::size_t size, double rate_hz, double upper_hz);
+  /// The greatest power of two that leaves a rate of `least_hz` and more, and of `size` samples
+  /// `least_size` and more.
+  [[nodiscard]] static std::size_t FactorFor(std::size_t size, double rate_hz, double least_hz,
+                                             std::size_t least_size);
 
   [[nodiscard]] std::size_t factor() const { return factor_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_ / static_cast<double>(factor_); }

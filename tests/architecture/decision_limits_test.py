@@ -30,12 +30,12 @@ MATHEMATICS = {
 }
 # memory, speed, and what is left out because it is below the accuracy that is stated beside it
 SIZES = {
-    "band_filtering.cc": {"kMostModelled", "kMostSearched", "kPiece"},
+    "band_filtering.cc": {"kMostModelled", "kMostSearched", "kLeastSearched", "kSearchedRatePerLower", "kPiece"},
     "band_noise.cc": {"kFootFrom", "kSteps", "kFolded", "kLeastSamples", "kRatePerUpper"},
     "band_signal.cc": {"kMostKept", "kThinnedAtOnce", "kLongestCellS", "kMostCells"},
     "drive_channel.cc": {"kBlock"},
     "drive_states.cc": {"kRatePerUpper", "kMostValues", "kMostInFrames", "kLeastSamples"},
-    "hum.cc": {"kMostMultiples"},
+    "hum.cc": {"kMostMultiples", "kBlock"},
     "record_facts.cc": {"kBlock", "kLeastBlock", "kMostBlocks", "kMost", "kSteps"},
     "sensor_gain.cc": {"kGridSteps"},
     "sweep_analysis.cc": {"kMostSamples"},

@@ -48,10 +48,10 @@ TEST(Decimator, WhatFoldsIsBelowItsBound) {
 }
 
 TEST(Decimator, FactorLeavesRateAndLength) {
-  EXPECT_EQ(Decimator::FactorFor(10'000, 392e3, 20), 1U) << "short";
-  EXPECT_EQ(Decimator::FactorFor(std::size_t{1} << 21U, 10e3, 20), 16U) << "16 x 20 Hz";
-  EXPECT_EQ(Decimator::FactorFor(std::size_t{1} << 21U, 392e3, 20), 128U) << "2^14 samples";
-  EXPECT_EQ(Decimator::FactorFor(std::size_t{1} << 19U, 10e3, 500), 1U);
+  EXPECT_EQ(Decimator::FactorFor(10'000, 392e3, 320, 10'000), 1U) << "short";
+  EXPECT_EQ(Decimator::FactorFor(1U << 21U, 10e3, 320, 1000), 16U) << "625 Hz, 312.5 are too few";
+  EXPECT_EQ(Decimator::FactorFor(1U << 21U, 392e3, 320, 1U << 14U), 128U) << "2^14 samples";
+  EXPECT_EQ(Decimator::FactorFor(1U << 19U, 10e3, 8000, 1), 1U);
 }
 
 TEST(Decimator, ByOneIsNothing) {
