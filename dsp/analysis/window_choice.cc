@@ -150,6 +150,9 @@ std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double low
   std::vector<TimeWindow> quiet;
   for (std::size_t k = 0; k < states.size(); ++k) {
     if (!IsQuiet(states[k], level_m, lower_hz)) continue;
+    // a drive that ends just within a segment, or begins: a line through it and noise crosses zero
+    if (k == 0 && states[k].drift < -2) continue;
+    if (k + 1 == states.size() && states[k].drift > 2) continue;
     TimeWindow window = states[k].time;
     if (k > 0) window.begin_s += kQuietPeriods / lower_hz;
     window.end_s = k + 1 < states.size() ? window.end_s - kQuietPeriods / lower_hz

@@ -326,5 +326,20 @@ TEST(DriveChannel, ThatFlickersIsNone) {
       << static_cast<int>(analysis.numbers->part.why.kind);
 }
 
+// The drive is on for 0.25 s of each 0.6 s: what is settled begins 12 ms before the end of a burst.
+TEST(UnsettledDrive, EndOfADriveAtTheBeginningIsNoNoise) {
+  constexpr double kFastHz = 10e3;
+  std::vector<double> in = Samples(kFastHz, 40'000, 0, {{std::numbers::sqrt2 * kRmsM, 225}});
+  Noise noise(1);
+  for (std::size_t n = 0; n < in.size(); ++n) {
+    in[n] = (n % 6000 < 2500 ? in[n] : 0) + 0.2e-6 * noise();
+  }
+  const BandAnalysis analysis = Answer(RecordOf(in, kFastHz));
+  ASSERT_TRUE(analysis.numbers && analysis.numbers->floor);
+  // of 0.2 um up to 5 kHz a tenth of the power lies in the band
+  EXPECT_LT(std::sqrt(analysis.numbers->floor->power.mean_square), 0.1e-6) << "0.063e-6 of noise";
+  EXPECT_REL(analysis.numbers->rms.rms_m, kRmsM, 2e-3, "noise over 0.1 s, the bursts' edges");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
