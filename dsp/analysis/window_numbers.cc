@@ -97,18 +97,16 @@ std::vector<std::pair<std::size_t, std::size_t>> KeptOf(const ChosenPart& chosen
   return kept;
 }
 
-// mean square over the samples kept of [begin, end), from the sums of their cells
-Result<double> MeanSquareKept(const Window& window, std::size_t begin, std::size_t end) {
+// mean square over the samples kept, `inset` away from each end of what is kept, from the sums of
+// their cells
+Result<double> MeanSquareKept(const Window& window, std::size_t inset) {
   double sum = 0;
   std::size_t count = 0;
   for (const auto& [from, to] : KeptOf(window.chosen, window.rows)) {
-    const std::size_t first = std::max(from, begin);
-    const std::size_t last = std::min(to, end);
-    if (first >= last) continue;
-    const auto square_sum = window.signal().SquareSum(first, last);
-    if (!square_sum) return square_sum;
-    sum += *square_sum;
-    count += last - first;
+    if (to - from <= 2 * inset) continue;
+    HAPTOMETER_LET(const double square_sum, window.signal().SquareSum(from + inset, to - inset));
+    sum += square_sum;
+    count += to - from - 2 * inset;
   }
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
@@ -161,8 +159,7 @@ std::vector<FrequencyRange> DriveRanges(const Window& window) {
 // the window's mean square, its tone, and the noise beside the drive
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
-  const std::size_t begin = window.chosen.begin;
-  HAPTOMETER_LET(const auto square, MeanSquareKept(window, begin, begin + window.rows));
+  HAPTOMETER_LET(const auto square, MeanSquareKept(window, 0));
   const double mean_square = std::max(0.0, square - window.hum_square);
   // variance from the fitted samples, scaled from their duration to that of the window
   const BandNoise whole =
@@ -186,7 +183,8 @@ Result<void> MeasurePower(Window& window) {
     window.density = window.beside.DensityAt(drive_hz) *
                      std::pow(std::norm(Response(window.signal().design(), drive_hz)), 2);
   }
-  HAPTOMETER_LET(const auto extremes, window.signal().ExtremesOf(begin, begin + window.rows));
+  HAPTOMETER_LET(const auto extremes, window.signal().ExtremesOf(
+                                          window.chosen.begin, window.chosen.begin + window.rows));
   window.numbers.peak_to_peak_m = extremes.most - extremes.least;
   return {};
 }
@@ -365,18 +363,16 @@ Result<void> JudgeClipping(Window& window) {
   return {};
 }
 
-// change of the RMS if either end of a driven part moves inwards by a period of the lower corner:
-// the drive's edges ring in the filter
+// change of the RMS if each end of what is kept of a driven part moves inwards by a period of the
+// lower corner: the drive's edges, and bumps, ring in the filter
 Result<double> EdgeBound(const Window& window) {
   if (!window.chosen.part.from_drive) return 0;
   const auto period = static_cast<std::size_t>(window.rate_hz() / window.band().lower_hz);
   if (window.rows < 4 * period) return 0;
-  const std::size_t begin = window.chosen.begin + period;
-  const std::size_t end = window.chosen.begin + window.rows - period;
-  const auto square = MeanSquareKept(window, begin, end);
-  if (!square) return square;
+  HAPTOMETER_LET(const double square, MeanSquareKept(window, period));
+  if (square == 0) return 0;
   // with the hum in both
-  return std::abs(std::sqrt(*square) -
+  return std::abs(std::sqrt(square) -
                   std::sqrt(window.numbers.power.mean_square + window.hum_square));
 }
 
