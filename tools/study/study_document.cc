@@ -123,7 +123,8 @@ Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
 
 // the floors of a session, each of a subject, in the order of the trials
 Section FloorsSection(const StudyTable& table) {
-  Section section{.name = "subject_floors", .heading = "noise floors", .shape = Section::Shape::kTable};
+  Section section{
+      .name = "subject_floors", .heading = "noise floors", .shape = Section::Shape::kTable};
   std::set<const dsp::NoiseFloor*> known;
   for (const StudyTrial& trial : table.trials) {
     if (!trial.floor || !known.insert(trial.floor.get()).second) continue;
