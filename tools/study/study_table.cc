@@ -10,6 +10,7 @@
 #include <string_view>
 #include <thread>
 #include <tuple>
+#include <utility>
 
 #include "base/error.h"
 #include "base/input_file.h"
@@ -345,11 +346,12 @@ double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
 
 // trials that stand apart from the repeats of their cell
 void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {
-  const std::size_t conditions = table.conditions.size();
+  std::vector<std::pair<std::size_t, std::size_t>> cells;
   std::vector<std::vector<double>> logs;
   std::vector<std::vector<double>> least;
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
-    for (std::size_t c = 0; c < conditions; ++c) {
+    for (std::size_t c = 0; c < table.conditions.size(); ++c) {
+      cells.emplace_back(s, c);
       logs.push_back(table.Logs(s, c));
       // a trial with a large uncertainty of its own may deviate more
       least.push_back(Mapped(table.cells[s][c].trials, [&](std::size_t i) {
@@ -358,8 +360,7 @@ void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlyi
     }
   }
   for (const dsp::Outlier& one : dsp::OutliersOfGroups(logs, least, kFalseAlarmsOfTrials)) {
-    const std::size_t s = one.group / conditions;
-    const std::size_t c = one.group % conditions;
+    const auto [s, c] = cells[one.group];
     outlying.push_back({table.subjects[s], table.conditions[c],
                         table.trials[table.cells[s][c].trials[one.place]].file,
                         std::exp(one.deviation), one.t, one.p});
