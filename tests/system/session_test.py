@@ -334,6 +334,25 @@ def contents(folder):
             for at, _, names in os.walk(folder) for name in names}
 
 
+def elsewhere(directory):
+    """A plan means the same source from every directory, and a closed standard error costs no status."""
+    day = os.path.abspath(f"{directory}/elsewhere")
+    with open(SCENE, encoding="utf-8") as file, open(f"{directory}/here.toml", "w", encoding="utf-8") as copy:
+        copy.write(file.read())
+    here = os.getcwd()
+    os.chdir(directory)
+    try:
+        run("session", "new", day, "--subjects", "1", "--conditions", "a,b", "--duration", "0.6s", "--",
+            "--sensor", "scene:here.toml", "--speed", "max")
+    finally:
+        os.chdir(here)
+    run("session", "next", day)
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        status = subprocess.run([program("haptometer"), "session", "next", day], stdout=subprocess.DEVNULL,
+                                stderr=full, check=False).returncode
+    check(status == 0, f"standard error that cannot be written: status {status}")
+
+
 def foreign(directory):
     """Files of others in place of a session's: one line, and nothing is touched."""
     source = ["--subjects", "1", "--conditions", "a", "--duration", "0.6s", "--", "--sensor", f"scene:{SCENE}",
@@ -389,4 +408,5 @@ if __name__ == "__main__":
         killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
         refusals(f"{directory}/wrong")
         foreign(directory)
+        elsewhere(directory)
     print(f"passed in {time.monotonic() - began:.1f} s")

@@ -21,6 +21,7 @@
 #include "dsp/statistics/moments.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
+#include "tools/cli/terminal.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/record.h"
 
@@ -281,9 +282,9 @@ LiveView::~LiveView() {
   wake_.notify_all();
   thread_.join();
   // clear the progress line: the report follows in its place
-  if (style_ == LiveStyle::kProgressLine) fmt::print(stderr, "\r\x1b[K");
+  if (style_ == LiveStyle::kProgressLine) cli::PrintError("\r\x1b[K");
   // the last plot stays on the screen
-  if (style_ == LiveStyle::kPlot) fmt::print(stderr, "\n");
+  if (style_ == LiveStyle::kPlot) cli::PrintError("\n");
 }
 
 void LiveView::Progress(const acquire::RecordingSummary& summary) {
@@ -312,13 +313,13 @@ void LiveView::Show() {
     case LiveStyle::kNone:
       break;
     case LiveStyle::kProgressLine:
-      fmt::print(stderr, "\r{}\x1b[K", text);
+      cli::PrintError(fmt::format("\r{}\x1b[K", text));
       break;
     case LiveStyle::kPlot: {
       // over the previous plot (lines_shown_ lines); no alternate screen, so the scrollback stays
       const std::string plot = Plot();
       const std::string up = lines_shown_ > 0 ? fmt::format("\x1b[{}A", lines_shown_) : "";
-      fmt::print(stderr, "\r{}\x1b[J{}{}", up, plot, text);
+      cli::PrintError(fmt::format("\r{}\x1b[J{}{}", up, plot, text));
       lines_shown_ = static_cast<std::size_t>(std::ranges::count(plot, '\n'));
       break;
     }
@@ -328,7 +329,7 @@ void LiveView::Show() {
       if (std::fflush(stdout) != 0 && output_closed_) output_closed_();
       break;
     case LiveStyle::kErrorLines:
-      fmt::print(stderr, "{}\n", text);
+      cli::PrintError(fmt::format("{}\n", text));
       break;
   }
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {
@@ -43,7 +44,7 @@ Progress::Progress(std::string_view what)
     : what_(what), begun_ns_(clock_.Now()), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (shown_) PrintError("\r\033[K");
 }
 
 void Progress::Update(double share) {
@@ -52,8 +53,8 @@ void Progress::Update(double share) {
   if (now_ns - begun_ns_ < kQuietNs || now_ns - shown_ns_ < kRefreshNs) return;
   shown_ns_ = now_ns;
   shown_ = true;
-  fmt::print(stderr, "\r{}\033[K",
-             ProgressBar(Printable(what_), share, SecondsFromNs(now_ns - begun_ns_)));
+  PrintError(fmt::format("\r{}\033[K",
+                         ProgressBar(Printable(what_), share, SecondsFromNs(now_ns - begun_ns_))));
   std::fflush(stderr);
 }
 
@@ -97,7 +98,7 @@ WorkProgress::~WorkProgress() {
   }
   changed_.notify_all();
   telling_.join();
-  if (shown_ && on_terminal_) fmt::print(stderr, "\r\033[K");
+  if (shown_ && on_terminal_) PrintError("\r\033[K");
   line_is_open = 0;
   // signals act again as before the work
   for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
@@ -110,7 +111,7 @@ void WorkProgress::Say(double elapsed_s) {
   if (!shown_) line += "; " + advice_;
   shown_ = true;
   line_is_open = on_terminal_ ? 1 : 0;
-  fmt::print(stderr, "{}{}{}", on_terminal_ ? "\r\033[K" : "", line, on_terminal_ ? "" : "\n");
+  PrintError(fmt::format("{}{}{}", on_terminal_ ? "\r\033[K" : "", line, on_terminal_ ? "" : "\n"));
   std::fflush(stderr);
 }
 

@@ -90,7 +90,7 @@ std::string WithOptions(std::string_view text, std::string_view before) {
 
 int ReportError(std::string_view verb, const Error& error) {
   const std::string_view blank = verb.empty() ? "" : " ";
-  fmt::print(stderr, "haptometer{}{}: {}\n", blank, verb, WithOptions(error.Text()));
+  PrintError(fmt::format("haptometer{}{}: {}\n", blank, verb, WithOptions(error.Text())));
   return ExitStatus(error.cause);
 }
 
@@ -140,8 +140,10 @@ int StatusWithOutput(int status, int failure) {
   return WorseStatus(status, ReportError("", {Cause::kFailed, "standard output", what, {}}));
 }
 
+void PrintError(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
 void Remark(std::string_view verb, std::string_view text) {
-  fmt::print(stderr, "{}: {}\n", verb, Printable(text));
+  PrintError(fmt::format("{}: {}\n", verb, Printable(text)));
 }
 
 void CatchInterrupts() {

@@ -45,6 +45,10 @@ inline constexpr int kUnreadStatus = 141;
 /// line is made (base/text.h).
 void Print(std::string_view text);
 
+/// Text as it is on stderr. Where it cannot be written (a closed terminal) nobody reads it: no
+/// error.
+void PrintError(const std::string& text);
+
 /// A remark on stderr, in one printable line: "VERB: TEXT".
 void Remark(std::string_view verb, std::string_view text);
 

@@ -332,7 +332,7 @@ int RunNew(int argc, const char* const* argv) {
     plan.has_floors = floor != "none";
     plan.duration_s = duration_s.value_or(0);
     HAPTOMETER_LET(plan.contrasts, ParseContrasts(contrasts));
-    if (own < argc) plan.source.assign(argv + own + 1, argv + argc);
+    if (own < argc) plan.source = WithFullPaths({argv + own + 1, argv + argc});
     HAPTOMETER_TRY(CheckPlan(plan, "session"));
     HAPTOMETER_LET(const auto source, ReadSource(plan));
     HAPTOMETER_TRY(CheckSource(source, folder));

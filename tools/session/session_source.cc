@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <ctime>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -79,7 +82,35 @@ Result<void> CheckFolder(const FolderSource& source, const std::string& session_
   return {};
 }
 
+// the part of `word` from `at` on as a full path
+void MakeFull(std::string& word, std::size_t at) {
+  std::error_code error;
+  const fs::path full = fs::absolute(word.substr(at), error).lexically_normal();
+  if (!error) word.replace(at, std::string::npos, full.string());
+}
+
 }  // namespace
+
+std::vector<std::string> WithFullPaths(std::vector<std::string> words) {
+  constexpr std::string_view kScene = "scene:";
+  constexpr std::array<std::string_view, 4> kOfFiles{kFromFolder, "--port", "--profile",
+                                                     "--calibration"};
+  std::error_code error;
+  std::string_view option;  // the word before
+  for (std::string& word : words) {
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    const std::size_t begin = equals == std::string::npos ? 0 : equals + 1;
+    if (begin > 0) option = std::string_view(word).substr(0, equals);
+    if (std::string_view(word).substr(begin).starts_with(kScene)) {
+      MakeFull(word, begin + kScene.size());
+    } else if (std::ranges::find(kOfFiles, option) != kOfFiles.end() &&
+               fs::exists(word.substr(begin), error)) {
+      MakeFull(word, begin);
+    }
+    option = begin > 0 ? std::string_view() : std::string_view(word);
+  }
+  return words;
+}
 
 Result<SessionSource> ReadSource(const SessionPlan& plan) {
   SessionSource source;

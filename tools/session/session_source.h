@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "tools/acquire/recording.h"
@@ -10,6 +11,11 @@
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {
+
+/// The words of a source with the files and folders that they name as full paths, so that the plan
+/// means the same from every directory: those behind --from-folder, --port, --profile and
+/// --calibration, where they are there, and a scene's.
+[[nodiscard]] std::vector<std::string> WithFullPaths(std::vector<std::string> words);
 
 /// A folder into which another program writes a file for each trial.
 struct FolderSource {
