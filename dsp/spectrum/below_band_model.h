@@ -40,8 +40,8 @@ class BelowBandModel {
   /// strongest tone of what is left. Nothing where no tone below the band stands out, which is so
   /// for fewer than two of its periods. Where that leaves 4096 samples and a rate of 4 `upper_hz`,
   /// every n-th is fitted, behind a low-pass whose gain is divided out (dsp/spectrum/decimated.h).
-  /// Steps end where what they leave is small against the noise's share of a sine. Cost: 100 flops
-  /// a sample, sine and step. Memory: two copies.
+  /// Steps end where what they leave is a tenth of a phase's uncertainty from noise, or after
+  /// twelve. Cost: 100 flops a sample, sine and step. Memory: two copies.
   [[nodiscard]] static std::optional<BelowBandModel> Fit(std::span<const double> signal,
                                                          double rate_hz, double lower_hz,
                                                          double upper_hz);
