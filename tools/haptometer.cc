@@ -31,6 +31,7 @@ struct Verb {
 // in the order of the work: record, inspect, analyse; then verbs without hardware
 constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "Record a sensor's readings into a trial", RunAcquire},
+    {"calibrate", "Determine the gain of an analog output, with its uncertainty", RunCalibrate},
     {"session", "Plan and record the trials of a study, with a verdict after each", RunSession},
     {"trial", "Show, label, plot and export recordings", RunTrial},
     {"analyze", "Determine the band-limited RMS displacement of a recording", RunAnalyze},

@@ -6,6 +6,7 @@ namespace haptometer::tools {
 /// the program's exit status (docs/reference/common.md).
 int RunAcquire(int argc, const char* const* argv);
 int RunAnalyze(int argc, const char* const* argv);
+int RunCalibrate(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);
 int RunFitAdapter(int argc, const char* const* argv);
 int RunFitImpedance(int argc, const char* const* argv);

@@ -133,6 +133,64 @@ void ReadCounts(TomlTable& table, const KeyUnit& in, ChannelCalibration* calibra
   }
 }
 
+// how the line was found: uncertainties, linearity, range
+void ReadEvidence(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
+                  ChannelCalibration* calibration) {
+  const auto read = [&](const std::string& key, Dimension dimension) {
+    const auto number = table.Number(key, dimension);
+    if (number) calibration->stated[key] = *number;
+    return number;
+  };
+  const auto read_size = [&](const std::string& key, Dimension dimension) {
+    const auto number = read(key, dimension);
+    if (number && !(*number >= 0)) table.Refuse(key, "is below 0");
+    return number;
+  };
+  calibration->scale_uncertainty = read_size(
+      fmt::format("scale_standard_uncertainty_{}_per_{}", out.letter, in.letter), Dimension::kNone);
+  calibration->offset_uncertainty =
+      read_size(fmt::format("offset_standard_uncertainty_{}", out.letter), out.dimension);
+  // |cov(a, b)| <= u(a) u(b), but for rounding
+  const std::string covariance = fmt::format("scale_offset_covariance_{}2_per_{}", out.letter,
+                                             in.letter);
+  calibration->covariance = read(covariance, Dimension::kNone).value_or(0);
+  if (std::abs(calibration->covariance) > 1.0001 * calibration->scale_uncertainty.value_or(0) *
+                                              calibration->offset_uncertainty.value_or(0)) {
+    table.Refuse(covariance, "is more than the product of both standard uncertainties");
+  }
+  if (const auto degrees = read("degrees_of_freedom", Dimension::kNone)) {
+    if (!(*degrees >= 1 && *degrees <= 1e6)) table.Refuse("degrees_of_freedom", "is not 1 to 1e6");
+    calibration->degrees_of_freedom = static_cast<int>(std::clamp(*degrees, 1.0, 1e6));
+  }
+  read_size(fmt::format("nonlinearity_{}", out.letter), out.dimension);
+  read(fmt::format("hysteresis_{}", out.letter), out.dimension);
+  const std::string range_min = fmt::format("calibrated_min_{}", in.letter);
+  calibration->calibrated_min = read(range_min, in.dimension);
+  calibration->calibrated_max = read(fmt::format("calibrated_max_{}", in.letter), in.dimension);
+  if (calibration->calibrated_min && calibration->calibrated_max &&
+      !(*calibration->calibrated_min < *calibration->calibrated_max)) {
+    table.Refuse(range_min, "is not below calibrated_max");
+  }
+}
+
+Averaging ReadAveraging(TomlTable& table) {
+  constexpr long long kMostAverages = 1'000'000;
+  Averaging averaging;
+  averaging.sampling_s = table.Number("sampling_s", Dimension::kTime);
+  if (averaging.sampling_s && !(*averaging.sampling_s > 0)) {
+    table.Refuse("sampling_s", "is not above 0");
+  }
+  const auto averages = table.Integer("averages");
+  if (!averages) return averaging;
+  if (*averages < 1 || *averages > kMostAverages) table.Refuse("averages", "is not 1 to 1e6");
+  averaging.averages = static_cast<int>(std::clamp(*averages, 1LL, kMostAverages));
+  // a mean of several has a gain only with the period of what it averages
+  if (*averages > 1 && !averaging.sampling_s) {
+    table.Refuse("sampling_s", "is missing", "state the period of the samples that are averaged");
+  }
+  return averaging;
+}
+
 ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   ChannelCalibration calibration;
   const KeyUnit* out = UnitOf(role);
@@ -149,6 +207,7 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   ReadLine(table, in, *out, &calibration);
   ReadLimits(table, in, &calibration.limits);
   ReadCounts(table, in, &calibration);
+  ReadEvidence(table, in, *out, &calibration);
   const std::string relative(kRelativeUncertainty);
   calibration.gain_uncertainty = table.Number(relative, Dimension::kNone);
   if (calibration.gain_uncertainty && !(*calibration.gain_uncertainty > 0 &&
@@ -170,6 +229,8 @@ Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelForm
   calibration.name = table.Text("name").value_or("");
   calibration.date = table.Text("date").value_or("");
   calibration.notes = table.Text("notes").value_or("");
+  calibration.averaging = ReadAveraging(table);
+  calibration.provenance = table.Texts("provenance");
   std::string names;
   for (const ChannelFormat& channel : channels) {
     names += (names.empty() ? "" : ", ") + channel.name;
@@ -203,6 +264,11 @@ SampleStatus StatusOf(const RawLimits& limits, double number) {
   if (number <= limits.rail_min || number >= limits.rail_max) return SampleStatus::kClipped;
   if (number < limits.bad_below || number > limits.bad_above) return SampleStatus::kInvalid;
   return SampleStatus::kOk;
+}
+
+void StateAveraging(const Averaging& averaging, Metadata* metadata) {
+  if (averaging.averages) metadata->averages = averaging.averages;
+  if (averaging.sampling_s) metadata->sampling_s = averaging.sampling_s;
 }
 
 Result<Calibration> ReadCalibrationFile(const std::string& path,
@@ -251,6 +317,9 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
   std::map<std::string, std::string> fields{{"calibration", calibration.name}};
   if (!calibration.date.empty()) fields["calibration.date"] = calibration.date;
   if (!calibration.notes.empty()) fields["calibration.notes"] = calibration.notes;
+  for (const auto& [key, text] : calibration.provenance) {
+    fields["calibration.provenance." + key] = text;
+  }
   for (const auto& [name, channel] : calibration.channels) {
     const RawLimits& limits = channel.limits;
     // one sentence per channel, so that a trial documents its own calibration
@@ -260,6 +329,9 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
         Bounds("DAQ", limits.rail_min, limits.rail_max, channel.input_unit));
     if (channel.gain_uncertainty) {
       fields[UncertaintyField(name)] = fmt::format("{}", *channel.gain_uncertainty);
+    }
+    for (const auto& [key, number] : channel.stated) {
+      fields[fmt::format("calibration.{}.{}", name, key)] = fmt::format("{}", number);
     }
   }
   return fields;

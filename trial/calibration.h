@@ -35,6 +35,14 @@ struct ChannelCalibration {
   /// Relative standard uncertainty of the slope, linearity included; nothing where it is not
   /// stated.
   std::optional<double> gain_uncertainty;
+  std::optional<double> scale_uncertainty;   ///< standard uncertainty, of scale alone
+  std::optional<double> offset_uncertainty;  ///< standard uncertainty, of offset
+  double covariance = 0;                     ///< of scale and offset
+  std::optional<int> degrees_of_freedom;     ///< of these; nothing: many
+  std::optional<double> calibrated_min;      ///< the line was measured from here to here, in the
+  std::optional<double> calibrated_max;      ///< input unit
+  /// The numbers above and further ones of how the line was found, by key, as the file states them.
+  std::map<std::string, double> stated;
   std::optional<double> input_per_count;  ///< > 0; needed for counts only
   double input_at_zero_count = 0;         ///< in the input unit
   RawLimits limits;                       ///< in the input unit
@@ -42,11 +50,22 @@ struct ChannelCalibration {
   std::optional<double> range_max;
 };
 
+/// How a sensor averages, where its user states it.
+struct Averaging {
+  std::optional<int> averages;       ///< raw samples in a reading, 1 to 1e6
+  std::optional<double> sampling_s;  ///< their period; > 0, needed for more than one
+};
+
+/// Puts what is stated into `metadata`.
+void StateAveraging(const Averaging& averaging, Metadata* metadata);
+
 /// What a calibration file says (docs/reference/formats.md).
 struct Calibration {
   std::string name;
   std::string date;
   std::string notes;
+  Averaging averaging;                            ///< of the sensor
+  std::map<std::string, std::string> provenance;  ///< how the file was made, by the user's own keys
   std::map<std::string, ChannelCalibration> channels;  ///< by channel name
 };
 
@@ -71,8 +90,9 @@ struct Calibration {
                                   double input_at_zero_raw, ChannelFormat* channel);
 
 /// What of it is kept in a trial's metadata.fields: `calibration`, `calibration.date`, `.notes`, a
-/// sentence a channel, `calibration.CHANNEL`, and where it is stated
-/// `calibration.CHANNEL.relative_standard_uncertainty`.
+/// sentence a channel, `calibration.CHANNEL`, where it is stated
+/// `calibration.CHANNEL.relative_standard_uncertainty` and all of ChannelCalibration::stated, and
+/// `calibration.provenance.KEY`.
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
 
 /// A relative standard uncertainty of a gain: "0.005" or "0.5%". Errors (Cause::kUsage), at

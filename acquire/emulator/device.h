@@ -63,12 +63,21 @@ class SerialLine {
   std::size_t burst_bytes_ = 0;
 };
 
+/// The analog output of an amplifier: 5 V at the end of the head's linear range, 1 V/mm of an
+/// IL-030, and 5.5 V where there is no reading. What the amplifier says of it (data 042) is
+/// gain_error times this and offset_error_v.
+struct AnalogOutput {
+  double gain_error = 1;
+  double offset_error_v = 0;
+};
+
 /// A sensor head that looks at something moving, over the emulator's time (0: switched on).
 struct MovingHead {
   trial::SensorHead head;
   trial::Displacement
       displacement;        ///< metres at seconds since the start; also asked at negative times
   std::uint64_t seed = 1;  ///< of the noise
+  AnalogOutput analog{};
 
   /// When raw sample `number` is complete: number * sampling_s, rounded to nanoseconds.
   [[nodiscard]] MonotonicNs SampleTime(std::int64_t number) const;

@@ -25,10 +25,26 @@ const dl_rs1a::Head& TypeOf(const std::string& name) {
   return type != nullptr ? *type : *dl_rs1a::FindHead("IL-030");
 }
 
+// volts per metre of the analog output: 5 V at the end of the linear range
+double AnalogVoltsPerMetre(const dl_rs1a::Head& type) {
+  constexpr double kUsualMm = 5;  // where the head's range is not known
+  return 5e3 / (type.linear_half_range_mm > 0 ? type.linear_half_range_mm : kUsualMm);
+}
+
+constexpr double kMostAnalogV = 5;  // beyond, the output stays there
+
 IlDatum ValueDatum(const Value& value) { return {.kind = IlDatum::Kind::kValue, .value = value}; }
 IlDatum NumberDatum(int number, int digits) { return {.number = number, .digits = digits}; }
 
 }  // namespace
+
+double AnalogVolts(const trial::SensorHead& head, double displacement_m) {
+  if (displacement_m < head.range_min_m || displacement_m > head.range_max_m) {
+    return 1e-3 * dl_rs1a::kAnalogErrorMv;
+  }
+  return std::clamp(AnalogVoltsPerMetre(TypeOf(head.name)) * displacement_m, -kMostAnalogV,
+                    kMostAnalogV);
+}
 
 Result<void> ValidateIlHead(const trial::SensorHead& head) {
   if (!dl_rs1a::SamplingCode(head.sampling_s)) {
@@ -88,6 +104,18 @@ std::optional<IlDatum> IlAmplifier::Read(int number, const Value& present) const
     case dl_rs1a::kPresentValue:
     case dl_rs1a::kRawValue:
       return ValueDatum(present);
+    case dl_rs1a::kAnalogOutput: {
+      // 5.5 V without a reading
+      int mv = dl_rs1a::kAnalogErrorMv;
+      if (present.status == SampleStatus::kOk) {
+        const double metres = 1e-3 * present.counts / PowerOfTen(type_.decimals);
+        const double volts = std::clamp(AnalogVoltsPerMetre(type_) * metres, -kMostAnalogV,
+                                        kMostAnalogV);
+        mv = static_cast<int>(
+            std::lround(1e3 * (head_.analog.gain_error * volts + head_.analog.offset_error_v)));
+      }
+      return IlDatum{.kind = IlDatum::Kind::kAnalog, .number = mv};
+    }
     case dl_rs1a::kPeak:  // peak and bottom do not exist in sample hold
     case dl_rs1a::kBottom:
       return ValueDatum({.decimals = type_.decimals, .status = SampleStatus::kInvalid});
@@ -245,6 +273,7 @@ std::string DlUnit::AnswerData(const dl::Request& request, MonotonicNs now,
   std::string data = datum->text;
   // values and numbers in the spelling of the unit, texts as they are
   if (datum->kind == IlDatum::Kind::kValue) data = model_.format_data_value(datum->value);
+  if (datum->kind == IlDatum::Kind::kAnalog) data = model_.format_analog(datum->number);
   if (datum->kind == IlDatum::Kind::kNumber) {
     data = model_.format_number(datum->number, datum->digits);
   }
@@ -258,10 +287,13 @@ std::string DlUnit::AnswerDecimals(const dl::Request& request, const Fault* faul
   const auto datum = amplifiers_[*place].Read(request.number, {});
   if (!datum) return Refuse(request.command, model_.no_such_number);
   // FR: digits behind the point; 0 for a number that is no measured value
-  const bool is_value = datum->kind == IlDatum::Kind::kValue;
+  constexpr int kOfMillivolts = 3;
+  const int decimals = datum->kind == IlDatum::Kind::kValue    ? amplifiers_[*place].decimals()
+                       : datum->kind == IlDatum::Kind::kAnalog ? kOfMillivolts
+                                                               : 0;
   return dl::FormatDataReply(
       request.command, request.unit + (AnswersForAnother(fault) ? 1 : 0), request.number,
-      model_.format_number(is_value ? amplifiers_[*place].decimals() : 0, 1));
+      model_.format_number(decimals, 1));
 }
 
 std::string DlUnit::AnswerWrite(const dl::Request& request, MonotonicNs now) {
@@ -307,7 +339,8 @@ const DlModel& Rs1aModel() {
       .too_long = dl_rs1a::kDataLength,
       .faulty = dl_rs1a::kCommunication,
       .format_number = [](int number, int digits) { return fmt::format("{:0{}}", number, digits); },
-      .format_data_value = dl_rs1a::FormatValue};
+      .format_data_value = dl_rs1a::FormatValue,
+      .format_analog = dl_rs1a::FormatAnalogMv};
   return kModel;
 }
 
@@ -361,7 +394,8 @@ const DlModel& En1Model() {
       .too_long = dl_en1::kFormat,
       .faulty = dl_en1::kNotExecutable,
       .format_number = [](int number, int /*digits*/) { return dl_en1::FormatNumber(number); },
-      .format_data_value = dl_en1::FormatIlValue};
+      .format_data_value = dl_en1::FormatIlValue,
+      .format_analog = dl_en1::FormatNumber};
   return kModel;
 }
 

@@ -19,10 +19,10 @@ namespace haptometer::acquire::emulator {
 
 /// What a data number of an amplifier holds; how it is spelled is the communication unit's matter.
 struct IlDatum {
-  enum class Kind : std::uint8_t { kValue, kNumber, kText };
+  enum class Kind : std::uint8_t { kValue, kNumber, kText, kAnalog };
   Kind kind = Kind::kNumber;
   Value value{};       ///< kValue
-  int number = 0;      ///< kNumber
+  int number = 0;      ///< kNumber; kAnalog: mV
   int digits = 1;      ///< kNumber: as many as a DL-RS1A sends
   std::string text{};  ///< kText
 };
@@ -32,7 +32,7 @@ enum class IlWriteOutcome : std::uint8_t { kDone, kNoSuchNumber, kReadOnly, kOut
 
 /// An IL amplifier with its head: readings, and the data numbers that describe and set it.
 ///
-/// Data 033, 036-040, 054, 098, 132, 133, 136, 152, 159, 193, 195 and 200 (the product name, which
+/// Data 033, 036-040, 042, 054, 098, 132, 133, 136, 152, 159, 193, 195 and 200 (the product name, which
 /// is EMULATED) can be read; 098, 132, 133, 136, 152 and 159 written, and 001 and 002 (zero shift
 /// and its reset, at the edge from 0 to 1). Sampling and averages take effect; after a change of
 /// 132, 133 or 136 the readings are invalid for two response times. Hold and filter are kept and
@@ -68,6 +68,10 @@ class IlAmplifier {
   MonotonicNs settled_at_ = 0;
 };
 
+/// What the analog output of an amplifier with this head shows for `displacement_m`, in V
+/// (AnalogOutput), without the amplifier's error; 5.5 V beyond the measuring range.
+[[nodiscard]] double AnalogVolts(const trial::SensorHead& head, double displacement_m);
+
 /// Errors (Cause::kUsage): a sampling cycle or averaging that an IL-1000 does not have, with those
 /// it has.
 [[nodiscard]] Result<void> ValidateIlHead(const trial::SensorHead& head);
@@ -82,6 +86,7 @@ struct DlModel {
   int faulty;                                            ///< of the fault `error`
   std::string (*format_number)(int number, int digits);  ///< as SR carries it
   std::string (*format_data_value)(const Value& value);  ///< as SR carries it
+  std::string (*format_analog)(int mv);                  ///< as SR carries it
 };
 
 /// How long a unit takes; the makers' maxima where they are known.

@@ -160,6 +160,7 @@ Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format
 
   PipeChannels channels;
   if (!calibration_path.empty()) channels.fields = CalibrationFields(calibration);
+  channels.averaging = calibration.averaging;
   // a channel of the calibration, else one that comes in its own unit
   for (const Word& word : words) {
     trial::ChannelFormat channel{.name = word.name, .role = RoleOf(word.name)};
@@ -265,6 +266,7 @@ void PipeSensor::Describe() {
   header_.metadata.source = fmt::format("{}, {}", transport_->Source(), FormName(setup_));
   header_.metadata.nominal_rate_hz = setup_.rate_hz;
   header_.metadata.fields = setup_.channels.fields;
+  StateAveraging(setup_.channels.averaging, &header_.metadata);
   // the rate is the user's statement: the pipe carries no times
   found_.Note(FindingKind::kStatedRate, {{"rate_hz", setup_.rate_hz},
                                          {"observable_hz", HighestObservableHz(setup_.rate_hz)},

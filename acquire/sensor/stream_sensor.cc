@@ -124,6 +124,7 @@ void StreamSensor::MakeHeader() {
   header_.channels = {channel};
   header_.metadata.sensor = "stream";
   header_.metadata.source = link_.Source(is_emulated_);
+  StateAveraging(setup_.averaging, &header_.metadata);
   AddLatencyTimer(link_.transport().LatencyTimer(), header_.metadata);
   if (format.counter_digits > 0) {
     header_.metadata.fields[std::string(trial::kLineNumbersField)] =

@@ -7,16 +7,20 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <signal.h>
+#include <spawn.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -292,7 +296,66 @@ class InputPipe final : public PlainPort {
   }
 };
 
+// the output of a process group of its own, which ends with it
+class CommandPipe final : public PlainPort {
+ public:
+  CommandPipe(OwnedDescriptor descriptor, pid_t group, const std::string& command)
+      : PlainPort(std::move(descriptor), command, fmt::format("piped in by: {}", command)),
+        group_(group) {}
+  CommandPipe(const CommandPipe&) = delete;
+  CommandPipe& operator=(const CommandPipe&) = delete;
+  ~CommandPipe() override {
+    SystemClock clock;
+    kill(-group_, SIGTERM);
+    const MonotonicNs deadline = clock.Now() + kNsPerS;
+    while (waitpid(group_, nullptr, WNOHANG) == 0) {
+      if (clock.Now() >= deadline) kill(-group_, SIGKILL);
+      clock.SleepUntil(clock.Now() + kLookEveryNs);
+    }
+  }
+  Result<void> Write(std::string_view /*bytes*/, MonotonicNs /*deadline*/) override {
+    return Failed(name(), "takes no bytes");
+  }
+
+ private:
+  static constexpr MonotonicNs kLookEveryNs = 5'000'000;
+  pid_t group_;
+};
+
 }  // namespace
+
+Result<std::unique_ptr<Transport>> OpenCommandPipe(const std::string& command) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    return Failed(command, fmt::format("no pipe: {}", std::strerror(errno)));
+  }
+  OwnedDescriptor from(ends[0]);
+  const OwnedDescriptor to(ends[1]);
+  (void)fcntl(from.get(), F_SETFL, O_NONBLOCK);
+  (void)fcntl(from.get(), F_SETPIPE_SZ, kPipeBytes);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, to.get(), STDOUT_FILENO);
+  // a group of its own: Ctrl-C at the terminal ends the verb, which then ends the group
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  std::string words[] = {"sh", "-c", command};
+  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+  pid_t process = 0;
+  const int failure =
+      posix_spawn(&process, "/bin/sh", &actions, &attributes, arguments, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure != 0) {
+    return Failed(command, fmt::format("does not start: {}", std::strerror(failure)));
+  }
+  return std::make_unique<CommandPipe>(std::move(from), process, command);
+}
 
 Result<std::unique_ptr<Transport>> OpenInputPipe(const std::string& path) {
   const bool is_stdin = path.empty() || path == "-";

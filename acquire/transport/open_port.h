@@ -63,4 +63,9 @@ struct NetworkName {
 /// directory.
 [[nodiscard]] Result<std::unique_ptr<Transport>> OpenInputPipe(const std::string& path);
 
+/// Starts `command` by /bin/sh and reads its standard output as OpenInputPipe does; its end is
+/// ReadState::kGone. The command and all that it has started end with the object: SIGTERM, and
+/// SIGKILL after 1 s. Errors (Cause::kFailed): the shell does not start.
+[[nodiscard]] Result<std::unique_ptr<Transport>> OpenCommandPipe(const std::string& command);
+
 }  // namespace haptometer::acquire

@@ -33,9 +33,17 @@ using acquire::Sensor;
 // baud of `stream` without --baud
 constexpr int kDefaultStreamBaud = 921600;
 
+trial::Averaging AveragingOf(const SensorOptions& wanted) {
+  trial::Averaging averaging;
+  if (wanted.averages) averaging.averages = static_cast<int>(*wanted.averages);
+  if (wanted.sampling_s) averaging.sampling_s = wanted.sampling_s->value;
+  return averaging;
+}
+
 Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& clock) {
   acquire::StreamSetup setup;
   setup.baud = static_cast<int>(wanted.baud.value_or(kDefaultStreamBaud));
+  setup.averaging = AveragingOf(wanted);
   if (!wanted.format.empty()) {
     HAPTOMETER_LET(setup.format, acquire::ParseStreamFormat(wanted.format));
   }
@@ -67,6 +75,8 @@ Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clo
   // channels and calibration are read before the pipe is opened
   HAPTOMETER_LET(auto channels,
                  acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration));
+  // the options override the calibration
+  if (wanted.averages) channels.averaging = AveragingOf(wanted);
   HAPTOMETER_LET(auto pipe, acquire::OpenInputPipe(wanted.port));
   acquire::PipeSetup setup{
       .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(channels)};

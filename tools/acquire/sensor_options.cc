@@ -63,6 +63,13 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
       {!wanted.channels.empty() && !is_pipe, "--channels", "is for samples", "add --sensor pipe"},
       {!wanted.calibration.empty() && !is_pipe, "--calibration", "is for samples",
        "add --sensor pipe"},
+      {(wanted.averages || wanted.sampling_s) && !is_pipe && kind.type != SensorType::kStream,
+       wanted.averages ? "--averaging" : "--sampling", "is for a stream and for samples",
+       "leave it out: other sensors report it, or state it in their file"},
+      {wanted.averages.value_or(1) > 1 && !wanted.sampling_s, "--sampling",
+       "is missing: the period of the samples that are averaged", "give it, e.g. --sampling 1ms"},
+      {wanted.sampling_s && !(wanted.sampling_s->value > 0), "--sampling", "must be above 0",
+       "write e.g. 0.33ms"},
       // a rate is either that of samples without times, or a limit of polling
       {wanted.rate_hz && !is_pipe && !kind.is_asked, "--rate",
        "is for samples, and for polled sensors: the others have their own", "leave it out"},
@@ -148,6 +155,13 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
   options.Text(
       "--calibration", &wanted.calibration, "FILE",
       "Calibration of the volts or counts of a pipe's channels (docs/reference/formats.md)");
+  options
+      .Count("--averaging", &wanted.averages, 1, 1'000'000,
+             "Samples that the sensor of a stream or pipe averages in a reading; 1: none",
+             cli::Shown::kHelpAll)
+      .Default("as in --calibration, else unknown");
+  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime,
+                 "Period of the samples that --averaging is of", cli::Shown::kHelpAll);
   options
       .Text("--speed", &wanted.speed, "recorded|max|FACTOR", "Speed of a replay or a scene",
             cli::Shown::kHelpAll)

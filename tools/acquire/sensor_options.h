@@ -27,6 +27,8 @@ struct SensorOptions {
   std::optional<std::int64_t> slave;  ///< modbus: its address
   std::string channels;               ///< pipe
   std::string calibration;            ///< pipe: a file
+  std::optional<std::int64_t> averages;  ///< pipe, stream: of the sensor before it
+  std::optional<Quantity> sampling_s;    ///< pipe, stream: period of what is averaged
   std::string speed;                  ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;

@@ -40,6 +40,8 @@ inline constexpr OutputKind kTrialsTableOutput{
 inline constexpr OutputKind kMethodsOutput{.name = "a methods paragraph", .begin = "## Methods\n"};
 inline constexpr OutputKind kActuatorOutput{.name = "an actuator written by --save",
                                             .begin = "# written by haptometer fit-lra"};
+inline constexpr OutputKind kCalibrationOutput{.name = "a calibration file",
+                                               .begin = "# written by haptometer calibrate"};
 inline constexpr OutputKind kHdf5Output{.name = "an HDF5 file", .begin = "\x89HDF\r\n\x1a\n"};
 inline constexpr OutputKind kNpyOutput{.name = "a NumPy file", .begin = "\x93NUMPY"};
 inline constexpr OutputKind kWavOutput{.name = "a WAV file", .begin = "RIFF"};

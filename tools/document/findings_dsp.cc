@@ -51,9 +51,10 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "filter transients excluded: the first {first_s} and the last {last_s} of a segment of "
        "{segment_s}"},
       {kAveragingUnknown, "averaging-unknown",
-       "amplitude not verified: sensor averaging unknown; state it in the header of a CSV, as '# "
-       "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes "
-       "one of any trial)"},
+       "amplitude not verified: sensor averaging unknown; state it by acquire --averaging 16 "
+       "--sampling 0.33ms, in the calibration file, or in the header of a CSV, as '# averages = 16' "
+       "and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes one of any "
+       "trial)"},
       // rate and times
       {kTooFewReadings, "too-few-readings",
        "{new_readings_per_s SI} new readings/s show vibration up to {observable_hz}; {lower_hz} to "

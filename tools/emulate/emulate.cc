@@ -25,6 +25,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/emulate/analog_output.h"
 #include "tools/simulate/simulated_trial.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -68,6 +69,10 @@ struct Wanted {
   std::optional<Quantity> refresh_s;
   std::optional<std::int64_t> amplifiers;
   bool is_writable = false;
+  std::string analog;
+  double analog_gain = 1;
+  double analog_offset_v = 0;
+  double analog_noise_v = 1e-3;
   cli::ImportWords import;
 
   [[nodiscard]] bool stream() const { return protocol == kStream; }
@@ -123,6 +128,15 @@ void Declare(cli::Options& options, Wanted& wanted) {
       .Default("1");
   options.Flag("--writable", &wanted.is_writable,
                "Set the unit's R/W switch to W: SW and AW are executed", cli::Shown::kHelpAll);
+  options.Text("--analog", &wanted.analog, "PATH",
+               "Named pipe, made where it is not there, into which a DAQ at the analog output "
+               "writes 1000 lines of volts a second");
+  options.Number("--analog-gain", &wanted.analog_gain, Dimension::kNone, cli::Within(0.5, 1.5),
+                 "Factor on the analog value that the amplifier reports (data 042)");
+  options.Number("--analog-offset", &wanted.analog_offset_v, Dimension::kVoltage,
+                 cli::Within(-1, 1), "Added to it");
+  options.Number("--analog-noise", &wanted.analog_noise_v, Dimension::kVoltage, cli::Within(0, 1),
+                 "Standard deviation of a sample of --analog");
   // --format is declared above, as the form of the lines that are sent
   cli::DeclareImport(&options, &wanted.import, cli::Scaled::kDisplacement, true);
 }
@@ -147,6 +161,8 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
       {wanted.modbus() && (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s),
        "--profile", "states baud rate and sampling itself",
        "leave --baud, --sampling, --averages and --refresh out"},
+      {!wanted.analog.empty() && (wanted.stream() || wanted.modbus() || wanted.protocol == kLkg),
+       "--analog", "is the output of an IL amplifier", without},
       {!wanted.stream() && !wanted.format.empty(), "--format",
        "is for lines that are sent without request", "add --protocol stream"},
   }));
@@ -333,12 +349,22 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
   if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
   if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
+  head.analog = {.gain_error = wanted.analog_gain, .offset_error_v = wanted.analog_offset_v};
+  const emulator::MovingHead tapped = head;
   auto made = wanted.modbus()           ? MakeModbus(wanted, std::move(head), faults)
               : wanted.stream()         ? MakeStream(wanted, std::move(head), faults)
               : wanted.protocol == kEn1 ? MakeEn1(wanted, head, faults)
               : wanted.protocol == kLkg ? MakeLkg(wanted, head, faults)
                                         : MakeUnit(wanted, head, faults);
-  if (made) made->remark = source_remark + made->remark;
+  if (!made) return made;
+  made->remark = source_remark + made->remark;
+  if (!wanted.analog.empty()) {
+    HAPTOMETER_LET(made->device,
+                   WithAnalogOutput(std::move(made->device), tapped,
+                                    {.path = wanted.analog,
+                                     .noise_rms_v = wanted.analog_noise_v,
+                                     .seed = tapped.seed + 1000}));
+  }
   return made;
 }
 

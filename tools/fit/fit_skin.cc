@@ -47,54 +47,30 @@ constexpr cli::VerbText kText{
 
 // --- reading ---
 
-// a column's name and what its numbers are multiplied by
-struct Known {
-  std::string_view name;
-  double factor;
-};
-
 // amplitude over RMS of a sine
 constexpr double kRms = std::numbers::sqrt2;
-constexpr Known kDisplacements[]{
+constexpr KnownColumn kDisplacements[]{
     {"displacement_amplitude_m", 1},      {"displacement_amplitude_mm", 1e-3},
     {"displacement_amplitude_um", 1e-6},  {"displacement_rms_m", kRms},
     {"displacement_rms_mm", kRms * 1e-3}, {"displacement_rms_um", kRms * 1e-6},
     {document::kSkinRms.name, kRms}};  // of sweep
-constexpr Known kCurrents[]{{"current_amplitude_a", 1},
+constexpr KnownColumn kCurrents[]{{"current_amplitude_a", 1},
                             {"current_amplitude_ma", 1e-3},
                             {document::kCurrentRms.name, kRms},
                             {"current_rms_ma", kRms * 1e-3}};
-constexpr Known kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
-constexpr Known kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
+constexpr KnownColumn kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
+constexpr KnownColumn kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
                                  {"displacement_standard_uncertainty_um", 1e-6}};
 
 // amplitudes over that of the drive, as analyze --sweep --response writes them
-constexpr Known kPerCurrent[]{{"amplitude_m_per_a", 1}};
-constexpr Known kPerVoltage[]{{"amplitude_m_per_v", 1}};
+constexpr KnownColumn kPerCurrent[]{{"amplitude_m_per_a", 1}};
+constexpr KnownColumn kPerVoltage[]{{"amplitude_m_per_v", 1}};
 
 using Column = std::optional<std::vector<double>>;
 
-// the one of `known` that the table has; nothing where it has none
-Result<Column> Find(const TextTable& table, std::span<const Known> known) {
-  Column found;
-  std::string_view name;
-  for (const Known& column : known) {
-    if (!table.columns.contains(std::string(column.name))) continue;
-    if (found) {
-      return CannotAnswer(table.name, fmt::format("has both {} and {}", name, column.name),
-                          "leave one out");
-    }
-    HAPTOMETER_LET(auto numbers, NumbersOf(table, std::string(column.name)));
-    for (double& number : numbers) number *= column.factor;
-    found = std::move(numbers);
-    name = column.name;
-  }
-  return found;
-}
-
-Result<std::vector<double>> Required(const TextTable& table, std::span<const Known> known,
+Result<std::vector<double>> Required(const TextTable& table, std::span<const KnownColumn> known,
                                      const char* what, const char* remedy) {
-  HAPTOMETER_LET(auto column, Find(table, known));
+  HAPTOMETER_LET(auto column, FindColumn(table, known));
   if (column) return std::move(*column);
   return CannotAnswer(table.name, fmt::format("has no {} with its unit", what), remedy);
 }
@@ -114,9 +90,9 @@ struct Columns {
 // has none
 Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
   // analyze writes the phase in rad
-  constexpr Known kPhase[]{{document::kPhase.name, 180 / std::numbers::pi}};
-  HAPTOMETER_LET(auto per_current, Find(table, kPerCurrent));
-  HAPTOMETER_LET(auto per_voltage, Find(table, kPerVoltage));
+  constexpr KnownColumn kPhase[]{{document::kPhase.name, 180 / std::numbers::pi}};
+  HAPTOMETER_LET(auto per_current, FindColumn(table, kPerCurrent));
+  HAPTOMETER_LET(auto per_voltage, FindColumn(table, kPerVoltage));
   if (!per_current && !per_voltage) {
     const bool is_response = table.columns.contains(std::string(document::kAmplitude.name)) ||
                              table.columns.contains("amplitude_m_per_unit");
@@ -129,12 +105,12 @@ Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
   columns->displacements_m = std::move(per_current ? *per_current : *per_voltage);
   // per unit of drive: the drive is 1 A or 1 V
   columns->drives.assign(columns->displacements_m.size(), 1);
-  HAPTOMETER_LET(columns->phases_deg, Find(table, kPhase));
+  HAPTOMETER_LET(columns->phases_deg, FindColumn(table, kPhase));
   return true;
 }
 
 Result<void> ReadDrive(const TextTable& table, Columns* columns) {
-  HAPTOMETER_LET(auto current, Find(table, kCurrents));
+  HAPTOMETER_LET(auto current, FindColumn(table, kCurrents));
   if (current) {
     columns->drives = std::move(*current);
     return {};
@@ -148,9 +124,9 @@ Result<void> ReadDrive(const TextTable& table, Columns* columns) {
 }
 
 Result<Columns> ReadColumns(const TextTable& table) {
-  constexpr Known kFrequency[]{{document::kFrequency.name, 1}, {"drive.frequency_hz", 1}};
-  constexpr Known kPhase[]{{"phase_deg", 1}};
-  constexpr Known kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
+  constexpr KnownColumn kFrequency[]{{document::kFrequency.name, 1}, {"drive.frequency_hz", 1}};
+  constexpr KnownColumn kPhase[]{{"phase_deg", 1}};
+  constexpr KnownColumn kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
   Columns columns;
   auto frequency =
       Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
@@ -164,12 +140,12 @@ Result<Columns> ReadColumns(const TextTable& table) {
                           "its header needs displacement_amplitude_um (or _m, _mm, or "
                           "displacement_rms_um, _m, _mm)"));
   HAPTOMETER_TRY(ReadDrive(table, &columns));
-  const std::pair<std::span<const Known>, Column*> kOptional[]{
+  const std::pair<std::span<const KnownColumn>, Column*> kOptional[]{
       {kPhase, &columns.phases_deg},
       {kUncertainties, &columns.uncertainties_m},
       {kArea, &columns.areas_mm2}};
   for (const auto& [known, column] : kOptional) {
-    HAPTOMETER_LET(*column, Find(table, known));
+    HAPTOMETER_LET(*column, FindColumn(table, known));
   }
   return columns;
 }

@@ -125,4 +125,22 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
   return numbers;
 }
 
+Result<std::optional<std::vector<double>>> FindColumn(const TextTable& table,
+                                                      std::span<const KnownColumn> known) {
+  std::optional<std::vector<double>> found;
+  std::string_view name;
+  for (const KnownColumn& column : known) {
+    if (!table.columns.contains(std::string(column.name))) continue;
+    if (found) {
+      return CannotAnswer(table.name, fmt::format("has both {} and {}", name, column.name),
+                          "leave one out");
+    }
+    HAPTOMETER_LET(auto numbers, NumbersOf(table, std::string(column.name)));
+    for (double& number : numbers) number *= column.factor;
+    found = std::move(numbers);
+    name = column.name;
+  }
+  return found;
+}
+
 }  // namespace haptometer::tools

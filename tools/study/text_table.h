@@ -1,7 +1,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -27,5 +30,16 @@ struct TextTable {
 /// one of a magnitude that no measurement has (base/quantity.h), with its line.
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
+
+/// A name that a column may have, and what its numbers are multiplied by: to SI.
+struct KnownColumn {
+  std::string_view name;
+  double factor;
+};
+
+/// The numbers of the one of `known` that the table has; nothing where it has none. Errors: as
+/// NumbersOf; it has two of them.
+[[nodiscard]] Result<std::optional<std::vector<double>>> FindColumn(
+    const TextTable& table, std::span<const KnownColumn> known);
 
 }  // namespace haptometer::tools

@@ -72,6 +72,20 @@ std::string FormatValue(const Value& value) {
   return WithPoint(value.counts < 0 ? '-' : '+', fmt::format("{:05}", size), value.decimals);
 }
 
+std::optional<int> ParseAnalogMv(std::string_view text) {
+  constexpr std::size_t kWidth = 6;  // sign, digit, point, three digits
+  if (text.size() != kWidth || (text[0] != '+' && text[0] != '-') || text[2] != '.') {
+    return std::nullopt;
+  }
+  const auto mv = ParseDigits(std::string(text.substr(1, 1)).append(text.substr(3)));
+  return mv && text[0] == '-' ? -*mv : mv;
+}
+
+std::string FormatAnalogMv(int mv) {
+  HAPTOMETER_CHECK(std::abs(mv) <= 9999, "mv = {}", mv);
+  return WithPoint(mv < 0 ? '-' : '+', fmt::format("{:04}", std::abs(mv)), 3);
+}
+
 const dl::Spelling& Spelling() {
   static constexpr dl::Spelling kSpelling{.parse_value = ParseValue,
                                           .format_value = FormatValue,

@@ -39,6 +39,7 @@ inline constexpr int kPresentValue = 37;  ///< what M0 gives
 inline constexpr int kRawValue = 38;
 inline constexpr int kPeak = 39;
 inline constexpr int kBottom = 40;
+inline constexpr int kAnalogOutput = 42;
 inline constexpr int kZeroShiftResult = 54;  ///< 0 busy, 1 done, 2 failed
 inline constexpr int kBank = 98;
 inline constexpr int kSamplingCycle = 132;
@@ -75,6 +76,14 @@ inline constexpr int kWriteControl = 67;
 /// The inverse of ParseValue: the status decides first, then counts and decimals (1 to 3).
 /// Counts beyond 5 digits are a programmer's error.
 [[nodiscard]] std::string FormatValue(const Value& value);
+
+/// The analog output in the error state and for an invalid value: no measurement (IL Edition, p. 14).
+inline constexpr int kAnalogErrorMv = 5500;
+/// Reads the analog output of data 042, in mV: `+1.234`; nothing for other text, as for the 5
+/// characters of a current output (`12.00`).
+[[nodiscard]] std::optional<int> ParseAnalogMv(std::string_view text);
+/// The inverse of ParseAnalogMv; |mv| <= 9999.
+[[nodiscard]] std::string FormatAnalogMv(int mv);
 
 /// How this unit spells the lines that it shares with the DL-EN1.
 [[nodiscard]] const dl::Spelling& Spelling();

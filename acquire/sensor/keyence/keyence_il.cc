@@ -6,9 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/port_list.h"
+#include "base/text.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -193,6 +195,32 @@ Result<void> KeyenceIl::Change(IlTalk& talk) {
   HAPTOMETER_LET(auto shifts, ShiftZeros(talk, units, clock_));
   changes_.insert(changes_.end(), shifts.begin(), shifts.end());
   return {};
+}
+
+Result<IlAnalog> KeyenceIl::ReadAnalog(const std::atomic<bool>& stop) {
+  IlTalk talk(line_, traits_, stop);
+  HAPTOMETER_LET(const auto raw, talk.Read(traits_.first_unit, dl_rs1a::kRawValue));
+  HAPTOMETER_LET(const auto output, talk.Read(traits_.first_unit, dl_rs1a::kAnalogOutput));
+  if (!raw || !output) return IlAnalog{};
+  // a DL-EN1 sends neither point: decimals are those of the amplifier, and mV
+  const bool is_en1 = setup_.unit == IlUnit::kDlEn1;
+  auto value = traits_.spelling.parse_value(*raw);
+  if (value && is_en1) value = dl_en1::WithIlSpecials(*value);
+  const auto mv = is_en1 ? dl::NumberOf(*output) : dl_rs1a::ParseAnalogMv(*output);
+  if (!mv) {
+    return CannotAnswer(line_.name(),
+                        fmt::format("the analog output is '{}', no voltage", Printable(*output)),
+                        "set the amplifier's analog output to a voltage");
+  }
+  if (!value) return IlAnalog{.status = trial::SampleStatus::kBadFrame};
+  // +5.5 V is the state of the output, whatever the value says
+  if (*mv == dl_rs1a::kAnalogErrorMv && value->status == trial::SampleStatus::kOk) {
+    value->status = trial::SampleStatus::kInvalid;
+  }
+  const int decimals = is_en1 ? decimals_.front() : value->decimals;
+  return IlAnalog{.status = value->status,
+                  .displacement_m = 1e-3 * value->counts / std::pow(10.0, decimals),
+                  .volts = 1e-3 * *mv};
 }
 
 // --- header and findings ---

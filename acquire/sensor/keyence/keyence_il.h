@@ -28,6 +28,15 @@ struct KeyenceIlSetup {
   std::optional<int> decimals{};            ///< DL-EN1: where the unit does not tell them (0 to 6)
 };
 
+/// What the main amplifier measures and puts out at one time.
+struct IlAnalog {
+  /// kOk: both are there; kLate: one was not answered or is not known to the unit; else why there
+  /// is no reading, which the amplifier's output shows by +5.5 V.
+  trial::SampleStatus status = trial::SampleStatus::kLate;
+  double displacement_m = 0;  ///< R.V., data 038
+  double volts = 0;           ///< analog output, data 042
+};
+
 /// Keyence IL amplifiers, one to fifteen, behind a DL-RS1A (`keyence-il`) or a DL-EN1
 /// (`keyence-en1`), polled by M0 or MS (sensor/polled_line.h): each reply is one row, with the
 /// instants of request and reply; each amplifier is a channel with the step of its own head.
@@ -45,6 +54,9 @@ class KeyenceIl final : public Sensor {
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] Findings Found() const override;
+  /// Reads data 038 and 042 of the main amplifier, one after the other; between Start() and Begin().
+  /// Errors: as PolledLine::Exchange; Cause::kCannotAnswer: the output is a current or off.
+  [[nodiscard]] Result<IlAnalog> ReadAnalog(const std::atomic<bool>& stop);
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }
   [[nodiscard]] std::uint64_t discarded_bytes() const override {

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/error.h"
+#include "fit/calibration/straight_line.h"
+
+namespace haptometer::fit {
+
+/// The difference of readings that were approached from below and from above.
+struct Hysteresis {
+  double difference = 0;  ///< mean residual of rising points less that of falling ones, in y's unit
+  double standard_uncertainty = 0;
+  bool is_significant = false;  ///< beyond three standard uncertainties
+};
+
+/// A calibration line and how well its points keep to it; y is the reference (m), x the input (V).
+struct CalibrationFit {
+  StraightLine line;
+  /// Largest distance of a point from the line in y, and which point has it.
+  double nonlinearity = 0;
+  std::size_t farthest = 0;
+  /// Of each point: 1 where y rose to it from the point before, -1 where it fell, 0 for the first.
+  std::vector<int> directions;
+  /// Nothing without two points of each direction.
+  std::optional<Hysteresis> hysteresis;
+  /// Whether a cubic explains the residuals better than chance does: F test of the quadratic and
+  /// cubic terms, level 1 %; of six points at least.
+  bool is_curved = false;
+  /// Relative standard uncertainty by which the slope within the range differs from the line's:
+  /// RMS over the range of the cubic's slope less the line's; 0 unless curved.
+  double local_slope_uncertainty = 0;
+  /// Relative standard uncertainty of the slope of a small motion anywhere in the range,
+  ///   hypot(coverage u(b) / (1.96 |b|), local slope),
+  /// which, times 1.96, gives the 95 % interval for any number of points.
+  double relative_uncertainty = 0;
+};
+
+/// Fits the line through `points` in the order in which they were measured. Errors: as
+/// FitStraightLine.
+[[nodiscard]] Result<CalibrationFit> FitCalibration(std::span<const LinePoint> points,
+                                                    Scatter scatter);
+
+/// The normalised error of two results (k = 2; ISO 13528, 9.7):
+///   E_n = (a - b) / sqrt((2 u(a))^2 + (2 u(b))^2)
+/// They disagree where |E_n| > 1. Not finite where both are exact and differ.
+[[nodiscard]] double NormalizedError(double a, double a_uncertainty, double b,
+                                     double b_uncertainty);
+
+}  // namespace haptometer::fit

@@ -1,0 +1,164 @@
+#include "fit/calibration/straight_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Pearson's points with York's weights, weight = 1 / u^2 (D. York, Can. J. Phys. 44, 1079 (1966))
+std::vector<LinePoint> PearsonYork() {
+  constexpr double kRows[][4] = {{0.0, 1000, 5.9, 1}, {0.9, 1000, 5.4, 1.8}, {1.8, 500, 4.4, 4},
+                                 {2.6, 800, 4.6, 8},  {3.3, 200, 3.5, 20},   {4.4, 80, 3.7, 20},
+                                 {5.2, 60, 2.8, 70},  {6.1, 20, 2.8, 70},    {6.5, 1.8, 2.4, 100},
+                                 {7.4, 1, 1.5, 500}};
+  std::vector<LinePoint> points;
+  for (const auto& row : kRows) {
+    points.push_back({row[0], row[2], 1 / std::sqrt(row[1]), 1 / std::sqrt(row[3])});
+  }
+  return points;
+}
+
+TEST(StraightLine, PearsonsPointsWithYorksWeights) {
+  const auto line = FitStraightLine(PearsonYork(), Scatter::kStated);
+  ASSERT_TRUE(line);
+  // York et al., Am. J. Phys. 72, 367 (2004), table II
+  EXPECT_ABS(line->slope, -0.480533407, 5e-10, "digits printed");
+  EXPECT_ABS(line->intercept, 5.47991022, 5e-9, "digits printed");
+  EXPECT_ABS(line->slope_uncertainty, 0.0579850090, 5e-11, "digits printed");
+  EXPECT_ABS(line->intercept_uncertainty, 0.294970735, 5e-10, "digits printed");
+  EXPECT_ABS(line->birge_ratio * line->birge_ratio * 8, 11.8663532, 5e-8, "sum of squares, York");
+  EXPECT_FALSE(line->is_beyond_stated);
+}
+
+// with exact y the line is the regression of x on y, turned: slope = Syy / Sxy
+TEST(StraightLine, ExactReferenceIsTheInverseRegression) {
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> noise(0, 0.02);
+  std::vector<LinePoint> points;
+  double x_mean = 0;
+  double y_mean = 0;
+  for (int i = 0; i < 12; ++i) {
+    points.push_back({i * 0.5 + noise(engine), 1e-3 * i, 0.02, 0});
+    x_mean += points.back().x / 12;
+    y_mean += points.back().y / 12;
+  }
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (const LinePoint& point : points) {
+    xx += (point.x - x_mean) * (point.x - x_mean);
+    xy += (point.x - x_mean) * (point.y - y_mean);
+    yy += (point.y - y_mean) * (point.y - y_mean);
+  }
+  const auto line = FitStraightLine(points, Scatter::kFromResiduals);
+  ASSERT_TRUE(line);
+  EXPECT_REL(line->slope, yy / xy, 1e-13, "round-off of sums of 12");
+  EXPECT_ABS(line->intercept, y_mean - yy / xy * x_mean, 1e-16, "round-off of 6 mm");
+  // u(1/slope) = s / sqrt(Syy), s^2 = (Sxx - Sxy^2 / Syy) / (n - 2); relative u is the same
+  const double s = std::sqrt((xx - xy * xy / yy) / 10);
+  EXPECT_REL(line->slope_uncertainty / line->slope, s / std::sqrt(yy) * (yy / xy), 1e-12,
+             "round-off");
+}
+
+// both exact regressions enclose the line of both uncertain (Deming, closed form)
+TEST(StraightLine, EqualUncertaintiesAreDemingsLine) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> noise(0, 0.3);
+  std::vector<LinePoint> points;
+  for (int i = 0; i < 40; ++i) {
+    points.push_back({0.2 * i + noise(engine), 1.5 * 0.2 * i + 1 + 0.5 * noise(engine), 0.3, 0.15});
+  }
+  double x_mean = 0;
+  double y_mean = 0;
+  for (const LinePoint& point : points) {
+    x_mean += point.x / 40;
+    y_mean += point.y / 40;
+  }
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (const LinePoint& point : points) {
+    xx += (point.x - x_mean) * (point.x - x_mean);
+    xy += (point.x - x_mean) * (point.y - y_mean);
+    yy += (point.y - y_mean) * (point.y - y_mean);
+  }
+  // delta = (u(y) / u(x))^2; b = (Syy - delta Sxx + sqrt((...)^2 + 4 delta Sxy^2)) / (2 Sxy)
+  const double delta = 0.25;
+  const double difference = yy - delta * xx;
+  const double slope =
+      (difference + std::sqrt(difference * difference + 4 * delta * xy * xy)) / (2 * xy);
+  const auto line = FitStraightLine(points, Scatter::kStated);
+  ASSERT_TRUE(line);
+  EXPECT_REL(line->slope, slope, 1e-13, "round-off");
+  EXPECT_REL(line->intercept, y_mean - slope * x_mean, 1e-12, "round-off");
+}
+
+// stated and unstated noise: the interval of the slope holds in 95 % of 2000 seeds
+TEST(StraightLine, IntervalsHold) {
+  for (const Scatter scatter : {Scatter::kStated, Scatter::kFromResiduals}) {
+    for (const int n : {4, 7, 21}) {
+      int held = 0;
+      std::mt19937_64 engine(static_cast<unsigned>(n));
+      std::normal_distribution<double> normal;
+      for (int seed = 0; seed < 2000; ++seed) {
+        std::vector<LinePoint> points;
+        for (int i = 0; i < n; ++i) {
+          const double volts = 10. * i / (n - 1) - 5;
+          points.push_back({volts + 2e-3 * normal(engine), 1e-3 * volts + 1e-6 * normal(engine),
+                            2e-3, 1e-6});
+        }
+        const auto line = FitStraightLine(points, scatter);
+        ASSERT_TRUE(line);
+        held += std::abs(line->slope - 1e-3) < line->coverage_95 * line->slope_uncertainty ? 1 : 0;
+      }
+      // four standard deviations of a binomial of 2000 at 95 %: 39; the 1 % that is widened adds
+      EXPECT_NEAR(held, 1900, 45) << n << " points, scatter " << static_cast<int>(scatter);
+    }
+  }
+}
+
+TEST(StraightLine, ScatterBeyondStatedWidens) {
+  std::mt19937_64 engine(1);
+  std::normal_distribution<double> normal;
+  std::vector<LinePoint> points;
+  for (int i = 0; i < 10; ++i) points.push_back({i * 1., i * 1e-3 + 1e-5 * normal(engine), 0, 1e-6});
+  const auto line = FitStraightLine(points, Scatter::kStated);
+  const auto free = FitStraightLine(points, Scatter::kFromResiduals);
+  ASSERT_TRUE(line && free);
+  EXPECT_TRUE(line->is_beyond_stated);
+  EXPECT_GT(line->birge_ratio, 5);
+  EXPECT_EQ(line->slope_uncertainty, free->slope_uncertainty);
+  EXPECT_ABS(line->coverage_95, 2.306004135, 1e-9, "Student's t, 8 degrees of freedom");
+}
+
+TEST(StraightLine, CovarianceGivesTheUncertaintyBetweenThePoints) {
+  // symmetric points far from 0: at their mean the uncertainty is s / sqrt(n)
+  std::vector<LinePoint> points;
+  for (const double x : {99., 100., 101., 102.}) points.push_back({x, 2 * x, 0, 0.1});
+  const auto line = FitStraightLine(points, Scatter::kStated);
+  ASSERT_TRUE(line);
+  EXPECT_REL(line->UncertaintyAt(100.5), 0.05, 1e-9, "cancellation of 1e4 squared");
+  EXPECT_GT(line->UncertaintyAt(0), 1);
+}
+
+TEST(StraightLine, RefusesWhatIsNoLine) {
+  const auto error = [](std::vector<LinePoint> points) {
+    const auto line = FitStraightLine(points, Scatter::kFromResiduals);
+    return line ? "no error" : line.error().Text();
+  };
+  EXPECT_THAT(error({{0, 0, 1, 0}, {1, 1, 1, 0}}), HasSubstr("2 points"));
+  EXPECT_THAT(error({{1, 0, 1, 0}, {1, 1, 1, 0}, {1, 2, 1, 0}}), HasSubstr("are the same"));
+  EXPECT_THAT(error({{0, 2, 1, 0}, {1, 2, 1, 0}, {2, 2, 1, 0}}), HasSubstr("are the same"));
+  EXPECT_THAT(error({{-1, 1, 1, 0}, {0, 0, 1, 0}, {1, 1, 1, 0}}), HasSubstr("no straight line"));
+}
+
+}  // namespace
+}  // namespace haptometer::fit

@@ -1,0 +1,280 @@
+#include "tools/calibrate/calibration_answer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "base/input_file.h"
+#include "base/text.h"
+#include "base/toml.h"
+#include "dsp/statistics/distributions.h"
+#include "tools/study/text_table.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr double kNormal95 = 1.959963984540054;
+constexpr double kErrorLevelV = 1e-3 * acquire::dl_rs1a::kAnalogErrorMv;
+// DAQ and amplifier may differ by so much there
+constexpr double kErrorToleranceV = 0.05;
+// what an amplifier's output of +-5 V reaches at most; above it stands its error level
+constexpr double kMostOutputV = 5.25;
+
+constexpr KnownColumn kDisplacements[]{
+    {"displacement_m", 1}, {"displacement_mm", 1e-3}, {"displacement_um", 1e-6}};
+constexpr KnownColumn kVoltages[]{{"voltage_v", 1}, {"voltage_mv", 1e-3}};
+constexpr KnownColumn kDisplacementUncertainties[]{{"displacement_standard_uncertainty_m", 1},
+                                                   {"displacement_standard_uncertainty_mm", 1e-3},
+                                                   {"displacement_standard_uncertainty_um", 1e-6}};
+constexpr KnownColumn kVoltageUncertainties[]{{"voltage_standard_uncertainty_v", 1},
+                                              {"voltage_standard_uncertainty_mv", 1e-3}};
+constexpr std::string_view kHeader = "displacement_mm,voltage_v";
+
+// a column that is none of these would be passed over with its meaning
+Result<void> CheckNames(const TextTable& table) {
+  std::vector<std::string> known;
+  for (const std::span<const KnownColumn> columns :
+       {std::span<const KnownColumn>(kDisplacements), std::span<const KnownColumn>(kVoltages),
+        std::span<const KnownColumn>(kDisplacementUncertainties),
+        std::span<const KnownColumn>(kVoltageUncertainties)}) {
+    for (const KnownColumn& column : columns) known.emplace_back(column.name);
+  }
+  for (const auto& [name, cells] : table.columns) {
+    if (std::ranges::count(known, name) > 0) continue;
+    const std::string nearest = Nearest(name, known);
+    return CannotAnswer(table.name, fmt::format("has a column '{}', which is none of pairs", name),
+                        nearest.empty()
+                            ? fmt::format("its header is {}, with the units in the names", kHeader)
+                            : fmt::format("is it {}?", nearest));
+  }
+  return {};
+}
+
+Result<std::vector<double>> RequiredColumn(const TextTable& table,
+                                           std::span<const KnownColumn> known,
+                                           std::string_view what) {
+  HAPTOMETER_LET(auto column, FindColumn(table, known));
+  if (column) return *std::move(column);
+  return CannotAnswer(table.name, fmt::format("has no {} with its unit", what),
+                      fmt::format("its header is {}", kHeader));
+}
+
+// uncertainties of a column, of an option, or none (0)
+Result<std::vector<double>> Uncertainties(const TextTable& table,
+                                          std::span<const KnownColumn> known,
+                                          std::optional<double> of_all, const char* option,
+                                          bool* are_stated) {
+  HAPTOMETER_LET(auto column, FindColumn(table, known));
+  if (column && of_all) {
+    return Usage(option, fmt::format("{} states the uncertainties itself", table.name),
+                 "leave one of the two out");
+  }
+  *are_stated = *are_stated || column || of_all;
+  if (!column) return std::vector<double>(table.rows(), of_all.value_or(0));
+  const auto below = std::ranges::find_if(*column, [](double u) { return u < 0; });
+  if (below == column->end()) return *std::move(column);
+  const std::size_t line = table.lines[static_cast<std::size_t>(below - column->begin())];
+  return CannotAnswer(fmt::format("{}:{}", table.name, line),
+                      "has a standard uncertainty below 0", "correct that cell");
+}
+
+}  // namespace
+
+Result<CalibrationPoints> ReadPairs(const std::string& path,
+                                    std::optional<double> input_uncertainty_v,
+                                    std::optional<double> displacement_uncertainty_m,
+                                    const trial::RawLimits& rails) {
+  constexpr std::uint64_t kMostBytes = 1ULL << 24;
+  HAPTOMETER_LET(const auto text, ReadInputFile(path, kMostBytes));
+  if (text.find('\0') != std::string::npos) {
+    return CannotAnswer(path, "is no table",
+                        fmt::format("give a CSV whose header is {}", kHeader));
+  }
+  HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
+  HAPTOMETER_TRY(CheckNames(table));
+  HAPTOMETER_LET(const auto metres, RequiredColumn(table, kDisplacements, "displacement"));
+  HAPTOMETER_LET(const auto volts, RequiredColumn(table, kVoltages, "voltage"));
+  bool are_stated = false;
+  HAPTOMETER_LET(const auto of_metres,
+                 Uncertainties(table, kDisplacementUncertainties, displacement_uncertainty_m,
+                               "--displacement-uncertainty", &are_stated));
+  HAPTOMETER_LET(const auto of_volts,
+                 Uncertainties(table, kVoltageUncertainties, input_uncertainty_v,
+                               "--voltage-uncertainty", &are_stated));
+
+  CalibrationPoints found;
+  found.scatter = are_stated ? fit::Scatter::kStated : fit::Scatter::kFromResiduals;
+  // an output that goes beyond +5.5 V has no error level there
+  const double most_v = *std::ranges::max_element(volts);
+  const bool has_error_level = std::abs(most_v - kErrorLevelV) <= kErrorToleranceV;
+  for (std::size_t i = 0; i < volts.size(); ++i) {
+    if (volts[i] <= rails.rail_min || volts[i] >= rails.rail_max) {
+      found.at_rail.push_back(table.lines[i]);
+    } else if (has_error_level && volts[i] >= kErrorLevelV - kErrorToleranceV) {
+      found.error_level.push_back(table.lines[i]);
+    } else if (are_stated && of_volts[i] == 0 && of_metres[i] == 0) {
+      return CannotAnswer(fmt::format("{}:{}", path, table.lines[i]), "is stated to be exact",
+                          "give one of its uncertainties above 0");
+    } else {
+      // without a statement all noise is in the voltage, and of one size
+      found.points.push_back({volts[i], metres[i], are_stated ? of_volts[i] : 1, of_metres[i]});
+    }
+  }
+  return found;
+}
+
+namespace {
+
+// points of one size of noise: of each quantity that of the means, pooled over all
+std::vector<fit::LinePoint> LineOf(const std::vector<StillPoint>& points,
+                                   MeanValue StillPoint::* y) {
+  double of_x = 0;
+  double of_y = 0;
+  for (const StillPoint& point : points) {
+    of_x += std::pow(point.input_v.standard_error, 2) / static_cast<double>(points.size());
+    of_y += std::pow((point.*y).standard_error, 2) / static_cast<double>(points.size());
+  }
+  // readings that all agree have no scatter: then the DAQ's alone counts, or any
+  if (of_x == 0 && of_y == 0) of_x = 1;
+  std::vector<fit::LinePoint> line;
+  line.reserve(points.size());
+  for (const StillPoint& point : points) {
+    line.push_back({point.input_v.mean, (point.*y).mean, std::sqrt(of_x), std::sqrt(of_y)});
+  }
+  return line;
+}
+
+}  // namespace
+
+Result<CalibrationPoints> PointsOf(ReferencePoints found, const trial::Metadata& reference,
+                                   std::size_t wanted) {
+  constexpr std::size_t kLeastPoints = 3;
+  if (found.points.size() < kLeastPoints) {
+    const char* why = found.error_level > 0 ? "the output stood at +5.5 V, the amplifier's error "
+                                              "level, which is no reading"
+                      : found.moving > 0    ? "the target moved, or scattered by more than --still"
+                      : found.at_rail > 0   ? "the DAQ was at the end of its range"
+                                            : "the target stayed where it was";
+    return CannotAnswer(Printable(reference.source),
+                        fmt::format("{} of {} points were still: {}", found.points.size(), wanted,
+                                    why),
+                        "hold the target still for three seconds at each place");
+  }
+  CalibrationPoints points{.points = LineOf(found.points, &StillPoint::displacement_m),
+                           .analog = LineOf(found.points, &StillPoint::analog_v)};
+  points.windows = std::move(found);
+  points.wanted = wanted;
+  points.reference = reference;
+  return points;
+}
+
+double CalibrationAnswer::RelativeUncertainty() const {
+  return std::hypot(fit.relative_uncertainty, scale_uncertainty);
+}
+
+Result<CalibrationAnswer> AnswerOf(CalibrationPoints points) {
+  CalibrationAnswer answer;
+  answer.measured = std::move(points);
+  HAPTOMETER_LET(answer.fit, fit::FitCalibration(answer.measured.points, answer.measured.scatter));
+  if (!answer.measured.analog.empty()) {
+    HAPTOMETER_LET(answer.daq,
+                   fit::FitCalibration(answer.measured.analog, answer.measured.scatter));
+  }
+  return answer;
+}
+
+Result<CalibrationCheck> CheckAgainst(const std::string& path, const CalibrationAnswer& answer) {
+  const trial::ChannelFormat format{.name = "displacement",
+                                    .role = trial::ChannelRole::kDisplacement};
+  HAPTOMETER_LET(const auto calibration, trial::ReadCalibrationFile(path, {&format, 1}));
+  CalibrationCheck check{.file = path, .stated = calibration.channels.at(format.name)};
+  const trial::ChannelCalibration& stated = check.stated;
+  if (!stated.gain_uncertainty && !stated.scale_uncertainty) {
+    return CannotAnswer(path, "states no uncertainty of its gain",
+                        "add relative_standard_uncertainty, or make it by calibrate");
+  }
+  // uncertainties as those of many degrees of freedom: u t / 1.96
+  const double of_file =
+      stated.degrees_of_freedom ? dsp::StudentCritical(*stated.degrees_of_freedom) / kNormal95 : 1;
+  const double file_gain =
+      stated.gain_uncertainty ? *stated.gain_uncertainty * std::abs(stated.scale)
+                              : of_file * *stated.scale_uncertainty;
+  const fit::StraightLine& line = answer.fit.line;
+  check.gain_error =
+      fit::NormalizedError(line.slope, answer.RelativeUncertainty() * std::abs(line.slope),
+                           stated.scale, file_gain);
+  // in the middle of today's points the lines' gains hardly matter
+  const auto [least, most] =
+      std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  const double middle = (least.x + most.x) / 2;
+  const double today_m = line.intercept + line.slope * middle;
+  const double stated_m = stated.offset + stated.scale * middle;
+  check.shift_m = today_m - stated_m;
+  if (stated.offset_uncertainty && stated.scale_uncertainty) {
+    const fit::StraightLine of_then{.slope_uncertainty = *stated.scale_uncertainty,
+                                    .intercept_uncertainty = *stated.offset_uncertainty,
+                                    .covariance = stated.covariance};
+    check.shift_error = fit::NormalizedError(
+        today_m, line.UncertaintyAt(middle) * line.coverage_95 / kNormal95, stated_m,
+        of_file * of_then.UncertaintyAt(middle));
+  }
+  return check;
+}
+
+std::string CalibrationText(const CalibrationAnswer& answer,
+                            const document::Provenance& provenance) {
+  const fit::StraightLine& line = answer.fit.line;
+  const auto [least, most] =
+      std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  constexpr std::size_t kDateLength = 10;  // 2026-03-01
+  std::string text = fmt::format("# written by haptometer calibrate\ndate = {}\n",
+                                 TomlString(provenance.utc.substr(0, kDateLength)));
+  const auto number = [&text](std::string_view key, double value) {
+    if (std::isfinite(value)) text += fmt::format("{} = {}\n", key, value);
+  };
+  if (answer.averaging.averages) text += fmt::format("averages = {}\n", *answer.averaging.averages);
+  if (answer.averaging.sampling_s) number("sampling_s", *answer.averaging.sampling_s);
+
+  text += fmt::format("\n[displacement]\n");
+  number("scale_m_per_v", line.slope);
+  number("offset_m", line.intercept);
+  number("scale_standard_uncertainty_m_per_v", line.slope_uncertainty);
+  number("offset_standard_uncertainty_m", line.intercept_uncertainty);
+  number("scale_offset_covariance_m2_per_v", line.covariance);
+  if (line.coverage_95 > 1.0001 * kNormal95) number("degrees_of_freedom", line.degrees_of_freedom);
+  // a share of 0, of points without noise, is none that a budget could hold
+  if (answer.RelativeUncertainty() > 0) {
+    number("relative_standard_uncertainty", answer.RelativeUncertainty());
+  }
+  number("nonlinearity_m", answer.fit.nonlinearity);
+  if (answer.fit.hysteresis) number("hysteresis_m", answer.fit.hysteresis->difference);
+  number("calibrated_min_v", least.x);
+  number("calibrated_max_v", most.x);
+  // an amplifier's output above this is its error level
+  if (answer.daq || !answer.measured.error_level.empty()) number("bad_above_v", kMostOutputV);
+  number("daq_min_v", answer.limits.rail_min);
+  number("daq_max_v", answer.limits.rail_max);
+
+  text += "\n[provenance]\n";
+  const auto said = [&text](std::string_view key, const std::string& value) {
+    if (!value.empty()) text += fmt::format("{} = {}\n", key, TomlString(value));
+  };
+  said("version", provenance.version);
+  said("command", provenance.command);
+  said("utc", provenance.utc);
+  said("source", answer.measured.reference.source);
+  said("head", answer.measured.reference.head);
+  for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
+    const document::InputFile& input = provenance.inputs[i];
+    said(fmt::format("input_{}", i + 1), fmt::format("{}, {} bytes, SHA-256 {}",
+                                                     Printable(input.path), input.bytes,
+                                                     input.sha256));
+  }
+  return text;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,243 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tools/calibrate/calibration_answer.h"
+#include "tools/document/keys.h"
+#include "tools/plot/gnuplot.h"
+
+namespace haptometer::tools {
+namespace {
+
+using document::Detail;
+using document::Form;
+using document::Item;
+using document::Section;
+
+constexpr double kNormal95 = 1.959963984540054;
+constexpr document::Unit kVoltPerVolt{"", "V/V", {{{1, "V/V"}}}};
+constexpr document::Unit kSquareMetrePerVolt{"_m2_per_v", "m2/V", {{{1, "m2/V"}}}};
+
+// value +- coverage u, and a relative uncertainty common to all points
+void AddUncertain(Section& section, const document::Key& key, double value, double uncertainty,
+                  double coverage, double common = 0) {
+  Item& item = section.Add(key.As(Form::kInterval), value, std::hypot(uncertainty, common));
+  const double half = std::hypot(coverage * uncertainty, kNormal95 * common);
+  item.interval = document::Range{value - half, value + half};
+}
+
+Section LineSection(const CalibrationAnswer& answer) {
+  Section section;
+  const fit::StraightLine& line = answer.fit.line;
+  AddUncertain(section, {"gain_m_per_v", "gain", document::kMetrePerVolt}, line.slope,
+               line.slope_uncertainty, line.coverage_95,
+               answer.scale_uncertainty * std::abs(line.slope));
+  AddUncertain(section, document::kOffsetM, line.intercept, line.intercept_uncertainty,
+               line.coverage_95);
+  Item& share = section.Add({"gain_relative_standard_uncertainty",
+                             "relative standard uncertainty of the gain", document::kShare},
+                            answer.RelativeUncertainty());
+  share.note = answer.fit.is_curved ? "linearity included" : "";
+  Item& farthest = section.Add({"nonlinearity_m", "largest deviation", document::kMetre},
+                               answer.fit.nonlinearity);
+  farthest.note = fmt::format("of point {} from the line", answer.fit.farthest + 1);
+  if (const auto& hysteresis = answer.fit.hysteresis) {
+    section.Add({"hysteresis_m", "rising less falling", document::kMetre, Form::kUncertain},
+                hysteresis->difference, hysteresis->standard_uncertainty);
+  } else {
+    section.Add({"hysteresis_m", "", document::kMetre, Form::kUncertain}, document::Value());
+  }
+  section.Add(document::kPoints, answer.measured.points.size());
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  section.Add({"calibrated_v", "range of the input", document::kVolt},
+              document::Range{least.x, most.x});
+  return section;
+}
+
+// the amplifier as reference: its volts over those of the DAQ
+Section DaqSection(const CalibrationAnswer& answer) {
+  Section section{.is_known = answer.daq.has_value()};
+  const fit::StraightLine line = answer.daq ? answer.daq->line : fit::StraightLine{};
+  AddUncertain(section, {"daq_gain", "amplifier's volts per volt of the DAQ", kVoltPerVolt},
+               line.slope, line.slope_uncertainty, line.coverage_95);
+  AddUncertain(section, {"daq_offset_v", "and at 0 V of the DAQ", document::kVolt}, line.intercept,
+               line.intercept_uncertainty, line.coverage_95);
+  section.Add({"head", "head"}, document::TextOrNotKnown(answer.measured.reference.head));
+  section.Add(document::kSource, document::TextOrNotKnown(answer.measured.reference.source));
+  return section;
+}
+
+Section DetailSection(const CalibrationAnswer& answer) {
+  Section section{.detail = Detail::kAll};
+  const fit::StraightLine& line = answer.fit.line;
+  section.Add({"gain_offset_covariance_m2_per_v", "covariance of gain and offset",
+               kSquareMetrePerVolt},
+              line.covariance);
+  section.Add(document::kDegreesOfFreedom, line.degrees_of_freedom);
+  section.Add({"coverage_factor_95", "coverage factor"}, line.coverage_95);
+  section.Add(document::kBirgeRatio, answer.measured.scatter == fit::Scatter::kStated
+                                         ? document::Value(line.birge_ratio)
+                                         : document::Value());
+  section.Add({"local_gain_relative_standard_uncertainty",
+               "by which the gain differs within the range", document::kShare},
+              answer.fit.local_slope_uncertainty);
+  section.Add({"averages", "averages of the sensor"}, answer.averaging.averages);
+  section.Add({"sampling_s", "their period", document::kSecond}, answer.averaging.sampling_s);
+  return section;
+}
+
+Section CheckSection(const CalibrationAnswer& answer) {
+  Section section{.name = "check", .heading = "against the calibration file",
+                  .is_known = answer.check.has_value()};
+  if (!answer.check) return section;
+  const CalibrationCheck& check = *answer.check;
+  section.Add(document::kFile.name.empty() ? document::Key{} : document::Key{"file", "file"},
+              check.file);
+  section.Add({"gain_m_per_v", "its gain", document::kMetrePerVolt}, check.stated.scale);
+  section.Add({"gain_normalized_error", "normalised error of the gain (k = 2)"}, check.gain_error)
+      .resolution = 0.01;
+  section.Add({"agrees", "agrees"}, std::abs(check.gain_error) <= 1);
+  section.Add({"shift_m", "shift of the zero", document::kMetre}, check.shift_m);
+  section.Add({"shift_normalized_error", "normalised error of it (k = 2)"}, check.shift_error)
+      .resolution = 0.01;
+  return section;
+}
+
+Section PointsSection(const CalibrationAnswer& answer) {
+  Section table{.name = "measured", .heading = "points", .shape = Section::Shape::kTable,
+                .detail = Detail::kAll};
+  for (std::size_t i = 0; i < answer.measured.points.size(); ++i) {
+    const fit::LinePoint& point = answer.measured.points[i];
+    Section row;
+    row.Add({"displacement_m", "displacement", document::kMetre}, point.y);
+    row.Add({"voltage_v", "input", document::kVolt}, point.x);
+    row.Add({"residual_m", "residual", document::kMetre}, answer.fit.line.residuals[i]);
+    const int direction = answer.fit.directions[i];
+    row.Add({"direction", "approached"}, direction == 0  ? document::Value()
+                                         : direction > 0 ? document::Value("rising")
+                                                         : document::Value("falling"));
+    table.sections.push_back(std::move(row));
+  }
+  return table;
+}
+
+document::Figure ResidualFigure(const CalibrationAnswer& answer) {
+  plot::Panel panel{.title = "distance of the points from the line",
+                    .x_label = "input / V",
+                    .y_label = "residual / um",
+                    .has_margins = true};
+  plot::Series rising{"rising", plot::Points(plot::kBlue, 0.7)};
+  plot::Series falling{"falling", plot::Points(plot::kOrange, 0.7)};
+  for (std::size_t i = 0; i < answer.measured.points.size(); ++i) {
+    plot::Series& series = answer.fit.directions[i] < 0 ? falling : rising;
+    series.x.push_back(answer.measured.points[i].x);
+    series.y.push_back(1e6 * answer.fit.line.residuals[i]);
+  }
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  panel.series.push_back({"line", plot::Lines(plot::kGrey), {least.x, most.x}, {0, 0}});
+  for (plot::Series* series : {&rising, &falling}) {
+    if (!series->x.empty()) panel.series.push_back(std::move(*series));
+  }
+  return {.caption = "Residuals of the calibration.", .panels = {std::move(panel)}};
+}
+
+void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
+  const CalibrationPoints& measured = answer.measured;
+  if (!measured.error_level.empty()) {
+    root.Find(Severity::kDoubt, "error-level",
+              fmt::format("+5.5 V is the error level of the amplifier's output (no target, or an "
+                          "error), and no reading: line {} left out",
+                          fmt::join(measured.error_level, ", ")),
+              {{"points", measured.error_level.size()}});
+  }
+  if (!measured.at_rail.empty()) {
+    root.Find(Severity::kDoubt, "at-rail",
+              fmt::format("at the end of the DAQ's range: line {} left out",
+                          fmt::join(measured.at_rail, ", ")),
+              {{"points", measured.at_rail.size()}});
+  }
+  if (!measured.windows) return;
+  const ReferencePoints& windows = *measured.windows;
+  if (windows.error_level > 0) {
+    root.Find(Severity::kDoubt, "error-level",
+              "the amplifier's output stood at +5.5 V, its error level (no target, or an error), "
+              "which is no reading: {windows} window{windows s} left out",
+              {{"windows", windows.error_level}});
+  }
+  if (windows.at_rail > 0) {
+    root.Find(Severity::kDoubt, "at-rail",
+              "at the end of the DAQ's range: {windows} window{windows s} left out",
+              {{"windows", windows.at_rail}});
+  }
+  if (windows.points.size() < measured.wanted) {
+    root.Find(Severity::kDoubt, "fewer-points", "{points} of {wanted} points were measured",
+              {{"points", windows.points.size()}, {"wanted", measured.wanted}});
+  }
+  root.Find(Severity::kNote, "against-amplifier",
+            "against the amplifier's own readings: its linearity and scale (see its data sheet) "
+            "are in no uncertainty unless --reference-uncertainty states them");
+}
+
+void AddFitFindings(Section& root, const CalibrationAnswer& answer) {
+  const fit::CalibrationFit& fit = answer.fit;
+  if (fit.line.is_beyond_stated) {
+    root.Find(Severity::kDoubt, "beyond-stated",
+              "the points scatter {ratio} times as far as their stated uncertainties explain: the "
+              "uncertainties are taken from the scatter",
+              {{"ratio", fit.line.birge_ratio}});
+  }
+  if (answer.measured.scatter == fit::Scatter::kFromResiduals && !answer.daq) {
+    root.Find(Severity::kNote, "scatter-of-voltage",
+              "no uncertainties are stated: displacements are taken as exact, and the noise of the "
+              "voltage from the scatter about the line");
+  }
+  if (fit.is_curved) {
+    root.Find(Severity::kDoubt, "curved",
+              "the points lie on a curve: the gain differs by {share %} (RMS) within the range, "
+              "which its uncertainty includes; a smaller range has less",
+              {{"share", fit.local_slope_uncertainty}});
+  }
+  if (fit.hysteresis && fit.hysteresis->is_significant) {
+    root.Find(Severity::kDoubt, "hysteresis",
+              "rising and falling points differ by {difference_m}: play of the stage, or a target "
+              "that creeps; approach all points from one side",
+              {{"difference_m", fit.hysteresis->difference}});
+  }
+  if (!answer.check) return;
+  const CalibrationCheck& check = *answer.check;
+  if (!(std::abs(check.gain_error) <= 1)) {
+    root.Find(Severity::kRefusal, "calibration-changed",
+              fmt::format("{{file}}: its gain is no longer valid: |E_n| = {:.2f} > 1",
+                          std::abs(check.gain_error)),
+              {{"file", check.file}, {"normalized_error", check.gain_error}});
+  }
+  if (check.shift_error && !(std::abs(*check.shift_error) <= 1)) {
+    root.Find(Severity::kDoubt, "zero-shifted",
+              "the zero has shifted by {shift_m}, which changes positions and no vibration",
+              {{"shift_m", check.shift_m}});
+  }
+}
+
+}  // namespace
+
+document::Document CalibrationDocument(const CalibrationAnswer& answer, const std::string& path) {
+  document::Document document{.verb = "calibrate",
+                              .title = fmt::format("Calibration from {}", path)};
+  Section& root = document.root;
+  if (answer.measured.windows) {
+    root.sources = trial::SourcesOf(answer.measured.reference, {.closed = true});
+  } else {
+    root.sources = {document::DataSource::kImported};
+  }
+  root.sections = {LineSection(answer), DaqSection(answer), CheckSection(answer),
+                   DetailSection(answer), PointsSection(answer)};
+  root.figures.push_back(ResidualFigure(answer));
+  AddPointFindings(root, answer);
+  AddFitFindings(root, answer);
+  return document;
+}
+
+}  // namespace haptometer::tools
