@@ -40,9 +40,6 @@ const KeyUnit* UnitOf(ChannelRole role) {
   return nullptr;
 }
 
-// a sensor whose gain is known no better is not calibrated
-constexpr double kLargestGainUncertainty = 0.2;
-
 // key of a channel's table, and end of the field that keeps it
 constexpr std::string_view kRelativeUncertainty = "relative_standard_uncertainty";
 
@@ -335,6 +332,60 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
     }
   }
   return fields;
+}
+
+namespace {
+
+// the channel whose volts are a sensor's
+Result<Channel*> SensorChannel(const std::string& where, Record* record) {
+  constexpr const char* kRemedy =
+      "call it sensor, by <columns> time_s,sensor,voltage_v or in the file's header";
+  if (record->Find(ChannelRole::kDisplacement) != nullptr) {
+    return Usage("<calibration>", where + " has a displacement already", "leave it out");
+  }
+  const auto named = std::ranges::find(record->channels, "sensor", &Channel::name);
+  if (named != record->channels.end()) return &*named;
+  const auto voltages =
+      std::ranges::count(record->channels, ChannelRole::kVoltage, &Channel::role);
+  if (voltages == 1) {
+    return &*std::ranges::find(record->channels, ChannelRole::kVoltage, &Channel::role);
+  }
+  return Usage("<calibration>",
+               voltages == 0 ? where + " has no voltage that it could be of"
+                             : where + " has several voltages",
+               kRemedy);
+}
+
+}  // namespace
+
+Result<void> CalibrateRecord(const std::string& path, const std::string& where, Record* record) {
+  ChannelFormat format{.name = "displacement", .role = ChannelRole::kDisplacement};
+  HAPTOMETER_LET(const auto calibration, ReadCalibrationFile(path, {&format, 1}));
+  const ChannelCalibration& line = calibration.channels.at(format.name);
+  if (line.input_unit != "V") {
+    return Usage(path, "is of a current", "give one of volts");
+  }
+  HAPTOMETER_LET(Channel* const channel, SensorChannel(where, record));
+  const RawLimits limits = Calibrate(line, 1, 0, &format);
+  for (std::size_t row = 0; row < record->rows; ++row) {
+    if (!IsMeasurement(channel->statuses[row])) continue;
+    double& value = channel->values[row];
+    const SampleStatus status = StatusOf(limits, value);
+    if (status != SampleStatus::kOk) channel->statuses[row] = status;
+    value = IsMeasurement(channel->statuses[row]) ? value * line.scale + line.offset
+                                                  : std::numeric_limits<double>::quiet_NaN();
+  }
+  channel->name = format.name;
+  channel->role = format.role;
+  channel->unit = "m";
+  channel->range_min = format.range_min;
+  channel->range_max = format.range_max;
+  channel->resolution *= std::abs(line.scale);
+  // copied in, so that the recording explains itself
+  record->metadata.fields.merge(CalibrationFields(calibration));
+  Metadata& metadata = record->metadata;
+  if (!metadata.averages && !metadata.sampling_s) StateAveraging(calibration.averaging, &metadata);
+  return {};
 }
 
 Result<double> ParseGainUncertainty(std::string_view text, std::string_view where) {

@@ -14,6 +14,9 @@
 /// What the analog output of a sensor means, as sampled by a DAQ: volts or amperes to metres.
 namespace haptometer::trial {
 
+/// A sensor whose gain has a larger relative standard uncertainty is not calibrated.
+inline constexpr double kLargestGainUncertainty = 0.2;
+
 /// Numbers that are no measurements, in the unit in which the numbers come.
 struct RawLimits {
   double rail_min = -std::numeric_limits<double>::infinity();   ///< at or below: kClipped
@@ -94,6 +97,16 @@ struct Calibration {
 /// `calibration.CHANNEL.relative_standard_uncertainty` and all of ChannelCalibration::stated, and
 /// `calibration.provenance.KEY`.
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
+
+/// Turns the volts of a foreign table, `where`, into the displacement of the calibration file
+/// `path`, table [displacement]: of the channel called "sensor", else of its only voltage. Rails and
+/// limits give statuses; the file's fields and averaging go into the metadata, where the table does
+/// not state an averaging itself.
+///
+/// Errors: the file's; Cause::kUsage: a displacement is there already, no channel or several could be
+/// meant, an input of amperes.
+[[nodiscard]] Result<void> CalibrateRecord(const std::string& path, const std::string& where,
+                                           Record* record);
 
 /// A relative standard uncertainty of a gain: "0.005" or "0.5%". Errors (Cause::kUsage), at
 /// `where`: not a number, or not above 0 and at most 0.2.

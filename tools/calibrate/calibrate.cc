@@ -194,6 +194,13 @@ Result<int> Calibrate(Wanted& wanted, int argc, const char* const* argv) {
     HAPTOMETER_LET(answer.check, CheckAgainst(wanted.check, answer));
   }
   if (!wanted.output.empty()) {
+    // no reader would take such a file
+    if (answer.RelativeUncertainty() > trial::kLargestGainUncertainty) {
+      return CannotAnswer(where,
+                          fmt::format("the gain is uncertain by {:.0f} %: no calibration is written",
+                                      100 * answer.RelativeUncertainty()),
+                          "measure more points, further apart");
+    }
     HAPTOMETER_TRY(WriteOutput(wanted.output, cli::kCalibrationOutput, wanted.overwrite,
                                CalibrationText(answer, document::ProvenanceOf(kVerb, argc, argv))));
   }

@@ -89,6 +89,10 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
     options->Number("--scale", &words->scale_m, Dimension::kLength,
                     "Length for one printed unit of a foreign table's displacement",
                     Shown::kHelpAll);
+    options->Text("--calibration", &words->calibration, "FILE",
+                  "Calibration that turns a foreign table's volts (its only voltage, or the column "
+                  "sensor) into a displacement",
+                  Shown::kHelpAll);
   }
   // a verb with a --format of its own reads tables by their first lines alone
   if (!has_format) {
@@ -117,6 +121,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   if (words.rate_hz) options.rate_hz = words.rate_hz->value;
   HAPTOMETER_LET(options.scale_m, ScaleOf(words.scale_m, "write e.g. 1mm"));
   HAPTOMETER_LET(options.scale_v, ScaleOf(words.scale_v, "write e.g. 1mV"));
+  options.calibration = words.calibration;
   if (!words.format.empty()) options.format = trial::TableFormatFromName(words.format);
   options.channel = words.channel;
   if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);

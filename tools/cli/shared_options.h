@@ -45,6 +45,7 @@ struct ImportWords {
   std::optional<Quantity> rate_hz;
   std::optional<Quantity> scale_m;
   std::optional<Quantity> scale_v;
+  std::string calibration;
   std::string format;
   std::string channel;
   std::optional<std::int64_t> segment;
@@ -53,7 +54,7 @@ struct ImportWords {
 /// What a verb reads of a table, which --scale is then about.
 enum class Scaled : std::uint8_t { kDisplacement, kVoltage };
 
-/// Declares --columns, --rate, --scale, --format, --channel and --segment, shown by --help-all, for
+/// Declares --columns, --rate, --scale, --calibration, --format, --channel and --segment, shown by --help-all, for
 /// any verb that reads recordings. A verb that has a --format of its own says so by `has_format`.
 void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled::kDisplacement,
                    bool has_format = false);

@@ -26,7 +26,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "{of_trials} trials]"},
       {kFloorDoubtful, "floor-doubtful", "{doubt}[, {trials} of {of_trials} trials]"},
       {kAveragingUnknown, "averaging-unknown",
-       "amplitude not verified, as the sensor's averaging is unknown; state it in the header of "
+       "amplitude not verified, as the sensor's averaging is unknown; state it by acquire "
+       "--averaging, in the calibration file, or in the header of "
        "a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE "
        "-o OUT.csv makes one of any trial)[, {trials} of {of_trials} trials]"},
       {kDataMissing, "data-missing", "{what}[, {trials} of {of_trials} trials]"},

@@ -72,6 +72,9 @@ struct ImportOptions {
   /// Volts for one printed unit of voltage, in place of the column's own unit: of a probe that the
   /// oscilloscope did not know of, or of mV under a header that says V.
   std::optional<double> scale_v{};
+  /// A calibration file (trial/calibration.h) that turns the volts of an analog output into a
+  /// displacement; empty: none.
+  std::string calibration{};
   /// The layout, in place of the one that the file's first lines speak of.
   std::optional<TableFormat> format{};
   /// The one channel to read, by its name as the file prints it ("CH2", "Channel B"; upper and

@@ -11,6 +11,7 @@
 #include "base/input_file.h"
 #include "base/text.h"
 #include "trial/block.h"
+#include "trial/calibration.h"
 #include "trial/import/readers.h"
 #include "trial/trial_format.h"
 #include "trial/trial_rows.h"
@@ -153,6 +154,12 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
     recording = ReadTextRecording(path, options);
   }
   if (!recording) return recording;
+  // as all options, of foreign tables alone
+  const bool is_table =
+      recording->report.kind == FileKind::kCsv || recording->report.kind == FileKind::kLvm;
+  if (is_table && !options.calibration.empty()) {
+    HAPTOMETER_TRY(CalibrateRecord(options.calibration, path, &recording->record));
+  }
   MakePrintable(&*recording);
   recording->report.file_bytes = file_bytes;
   return recording;

@@ -1,0 +1,229 @@
+// calibrate from tables of pairs: numbers, file, comparison, refusals.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "tests/residual.h"
+#include "tests/temporary_files.h"
+#include "tests/tools/captured.h"
+#include "tools/calibrate/calibration_answer.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+Outcome Calibrate(std::vector<std::string> words) {
+  return Captured(RunCalibrate, "calibrate", words);
+}
+
+class Calibration : public tests::TemporaryFiles {
+ protected:
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(directory_ / name) << text;
+    return directory_ / name;
+  }
+  // 21 points of `gain` m/V from -4 to 4 mm, with 1 mV of noise
+  std::string Pairs(const std::string& name, double gain = 1e-3, unsigned seed = 1,
+                    const std::string& more = {}) const {
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> noise(0, 1e-3);
+    std::string text = "displacement_mm,voltage_v\n";
+    for (int i = 0; i <= 20; ++i) {
+      const double mm = -4 + 0.4 * i;
+      text += fmt::format("{:.4f},{:.6f}\n", mm, 1e-3 * (mm - 0.5) / gain + noise(engine));
+    }
+    return File(name, text + more);
+  }
+};
+
+TEST_F(Calibration, PairsGiveGainOffsetAndTheirUncertainties) {
+  const auto outcome = Calibrate({Pairs("p.csv"), "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json document = json::parse(outcome.out);
+  const double u = document.at("gain_standard_uncertainty_m_per_v");
+  EXPECT_ABS(document.at("gain_m_per_v").get<double>(), 1e-3, 4 * u, "four standard uncertainties");
+  // u = b^2 sigma / sqrt(Syy), Syy = 0.16 mm^2 * 770 for 21 levels; s of 19 degrees of freedom
+  EXPECT_REL(u, 1e-6 * 1e-3 / std::sqrt(0.16e-6 * 770), 0.5, "three standard deviations of s");
+  EXPECT_ABS(document.at("offset_m").get<double>(), 0.5e-3, 4e-6 / std::sqrt(21), "noise of 1 um");
+  EXPECT_EQ(document.at("points"), 21);
+  EXPECT_LT(document.at("nonlinearity_m").get<double>(), 4e-6);
+  EXPECT_TRUE(document.at("hysteresis_m").is_null());
+  EXPECT_TRUE(document.at("daq_gain").is_null());
+  EXPECT_TRUE(document.at("check").is_null());
+  EXPECT_EQ(document.at("measured").size(), 21U);
+}
+
+TEST_F(Calibration, TheFileHoldsTheLineAndItsEvidence) {
+  const std::string file = directory_ / "c.toml";
+  ASSERT_EQ(Calibrate({Pairs("p.csv", 1e-3, 2), "--daq-range", "-10V:10V", "--averaging", "4",
+                       "--sampling", "0.33ms", "-o", file})
+                .status,
+            0);
+  const trial::ChannelFormat format{.name = "displacement",
+                                    .role = trial::ChannelRole::kDisplacement};
+  const auto read = trial::ReadCalibrationFile(file, {&format, 1});
+  ASSERT_TRUE(read) << read.error().Text();
+  const auto document = json::parse(Calibrate({Pairs("p.csv", 1e-3, 2), "--json"}).out);
+  const trial::ChannelCalibration& line = read->channels.at("displacement");
+  EXPECT_EQ(line.scale, document.at("gain_m_per_v"));
+  EXPECT_EQ(line.offset, document.at("offset_m"));
+  EXPECT_EQ(line.scale_uncertainty, document.at("gain_standard_uncertainty_m_per_v"));
+  EXPECT_EQ(line.covariance, document.at("gain_offset_covariance_m2_per_v"));
+  EXPECT_EQ(line.gain_uncertainty, document.at("gain_relative_standard_uncertainty"));
+  EXPECT_EQ(line.degrees_of_freedom, 19);
+  EXPECT_EQ(line.limits.rail_min, -10);
+  EXPECT_EQ(read->averaging.averages, 4);
+  EXPECT_EQ(read->averaging.sampling_s, 0.33e-3);
+  EXPECT_EQ(read->date.size(), 10U);
+  EXPECT_THAT(read->provenance.at("input_1"), HasSubstr("SHA-256"));
+  EXPECT_THAT(read->provenance.at("command"), HasSubstr("--averaging 4"));
+  // it is replaced only where that is said
+  EXPECT_EQ(Calibrate({Pairs("p.csv"), "-o", file}).status, 2);
+  EXPECT_EQ(Calibrate({Pairs("p.csv"), "-o", file, "--overwrite"}).status, 0);
+}
+
+TEST_F(Calibration, CheckSaysWhetherTodaysLineAgrees) {
+  const std::string file = directory_ / "c.toml";
+  ASSERT_EQ(Calibrate({Pairs("p.csv", 1e-3, 3), "-o", file}).status, 0);
+  const auto same = Calibrate({Pairs("q.csv", 1e-3, 4), "--check", file, "--json"});
+  EXPECT_EQ(same.status, 0) << same.out;
+  EXPECT_TRUE(json::parse(same.out).at("check").at("agrees").get<bool>());
+  // 0.1 % is ten standard uncertainties
+  const auto other = Calibrate({Pairs("q.csv", 1.001e-3, 4), "--check", file, "--json"});
+  EXPECT_EQ(other.status, 3);
+  const json check = json::parse(other.out).at("check");
+  EXPECT_FALSE(check.at("agrees").get<bool>());
+  EXPECT_GT(check.at("gain_normalized_error").get<double>(), 1);
+  EXPECT_THAT(Calibrate({Pairs("q.csv", 1.001e-3, 4), "--check", file}).out,
+              HasSubstr("its gain is no longer valid"));
+  // one that states no uncertainty cannot be compared with
+  const std::string bare = File("bare.toml", "[displacement]\nscale_m_per_v = 1e-3\n");
+  const auto refused = Calibrate({Pairs("q.csv"), "--check", bare});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("states no uncertainty of its gain"));
+}
+
+// of the same rig |E_n| > 1 in one of 20 comparisons at most (k = 2: 4.6 %)
+TEST_F(Calibration, FalseAlarmsOfCheckAreAsStated) {
+  int alarms = 0;
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    const auto then = ReadPairs(Pairs("p.csv", 1e-3, 2 * seed + 1), {}, {}, {});
+    const auto now = ReadPairs(Pairs("q.csv", 1e-3, 2 * seed + 2), {}, {}, {});
+    ASSERT_TRUE(then && now);
+    const auto answer_then = AnswerOf(*then);
+    const auto answer_now = AnswerOf(*now);
+    ASSERT_TRUE(answer_then && answer_now);
+    const std::string file = File("c.toml", CalibrationText(*answer_then, {.utc = "2026-03-01T"}));
+    const auto check = CheckAgainst(file, *answer_now);
+    ASSERT_TRUE(check) << check.error().Text();
+    alarms += std::abs(check->gain_error) > 1 ? 1 : 0;
+  }
+  // 4.6 % of 500 is 23, standard deviation 4.7; Student's t in both makes it fewer
+  EXPECT_LT(alarms, 42);
+  EXPECT_GT(alarms, 2);
+}
+
+TEST_F(Calibration, StatedUncertaintiesAreUsed) {
+  const std::string table = File("u.csv",
+                                  "displacement_um,voltage_mv,displacement_standard_uncertainty_um,"
+                                  "voltage_standard_uncertainty_mv\n"
+                                  "0,1,0.5,1\n1000,1000,0.5,1\n2000,2001,0.5,1\n3000,2999,0.5,2\n");
+  const auto document = json::parse(Calibrate({table, "--json"}).out);
+  EXPECT_ABS(document.at("coverage_factor_95").get<double>(), 1.96, 1e-4, "normal");
+  // SciPy 1.10.1, scipy.odr.ODR(Data, unilinear).run(), of these four rows in V and m
+  EXPECT_REL(document.at("gain_m_per_v").get<double>(), 1.0003053e-3, 1e-6, "digits printed");
+  const auto of_options = Calibrate({Pairs("p.csv"), "--voltage-uncertainty", "1mV",
+                                     "--displacement-uncertainty", "0.1um", "--json"});
+  EXPECT_ABS(json::parse(of_options.out).at("coverage_factor_95").get<double>(), 1.96, 1e-4,
+             "normal");
+  // noise of ten times what is stated is seen
+  const auto beyond = Calibrate({Pairs("p.csv"), "--voltage-uncertainty", "0.1mV"});
+  EXPECT_THAT(beyond.out, HasSubstr("times as far as their stated uncertainties explain"));
+  // the reference's own scale is in the gain
+  const auto scale = Calibrate({Pairs("p.csv"), "--reference-uncertainty", "0.5%", "--json"});
+  EXPECT_ABS(json::parse(scale.out).at("gain_relative_standard_uncertainty").get<double>(), 5e-3,
+             1e-5, "the points add 0.01 %");
+}
+
+TEST_F(Calibration, TheErrorLevelAndRailsAreNamedAndLeftOut) {
+  const auto outcome = Calibrate({Pairs("p.csv", 1e-3, 1, "4.4,5.498\n"), "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out).at("points"), 21);
+  EXPECT_THAT(outcome.out, HasSubstr("+5.5 V is the error level of the amplifier's output"));
+  EXPECT_THAT(outcome.out, HasSubstr("line 23 left out"));
+  const auto railed = Calibrate({Pairs("p.csv"), "--daq-range", "-4V:10V"});
+  EXPECT_THAT(railed.out, HasSubstr("at the end of the DAQ's range"));
+  // an output that goes beyond has no error level at 5.5 V
+  const auto wide = Calibrate({Pairs("p.csv", 5e-4), "--json"});
+  EXPECT_EQ(json::parse(wide.out).at("points"), 21);
+}
+
+TEST_F(Calibration, TheReportShowsTheResiduals) {
+  const std::string page = directory_ / "c.html";
+  ASSERT_EQ(Calibrate({Pairs("p.csv"), "--report", page}).status, 0);
+  std::ifstream in(page);
+  const std::string html((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_THAT(html, AllOf(HasSubstr("<svg"), HasSubstr("Residuals of the calibration")));
+}
+
+TEST_F(Calibration, RefusesInOneLine) {
+  const auto refused = [&](const std::string& text, const std::string& said) {
+    const auto outcome = Calibrate({File("bad.csv", text)});
+    EXPECT_EQ(outcome.status, 3) << text;
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  };
+  refused("displacement_mm,voltage_v\n0,0\n1,1\n", "2 points");
+  refused("displacement_mm,voltage_v\n0,1\n1,1\n2,1\n", "are the same");
+  refused("displacement,voltage\n0,1\n1,1\n2,1\n", "is it displacement_m?");
+  refused("displacement_mm,voltage_v,displacement_um\n0,0,0\n1,1,1\n2,2,2\n", "has both");
+  refused("displacement_mm,voltage_v,voltage_v\n0,0,0\n1,1,1\n2,2,2\n", "two columns voltage_v");
+  refused("time_s,displacement_mm\n0,0\n1,1\n2,2\n", "none of pairs");
+  refused("displacement_mm\n0\n1\n2\n", "has no voltage with its unit");
+  refused("displacement_mm,voltage_v\n0,0\n1,x\n2,2\n", "bad.csv:3: voltage_v 'x' is not a number");
+  refused(
+      "displacement_mm,voltage_v,voltage_standard_uncertainty_mv\n0,0,1\n1,1,-1\n2,2,1\n",
+      "standard uncertainty below 0");
+  refused("displacement_mm,voltage_v,voltage_standard_uncertainty_mv\n0,0,1\n1,1,0\n2,2,1\n",
+          "is stated to be exact");
+  refused("displacement_mm,voltage_v\n0,1\n1,0\n2,1\n", "no straight line");
+  const auto binary = Calibrate({"fixtures/recorded_trial.bin"});
+  EXPECT_EQ(binary.status, 3);
+  EXPECT_THAT(binary.err, HasSubstr("is no table"));
+  // a scatter that is no calibration
+  const auto vague = Calibrate({File("v.csv", "displacement_mm,voltage_v\n0,0\n1,3\n2,1\n3,4\n"),
+                                "-o", directory_ / "v.toml"});
+  EXPECT_EQ(vague.status, 3);
+  EXPECT_THAT(vague.err, ContainsRegex("uncertain by .* %: no calibration is written"));
+}
+
+TEST_F(Calibration, OptionsThatContradictAreRefused) {
+  const std::string pairs = Pairs("p.csv");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {},
+           {pairs, "--reference", "x"},
+           {pairs, pairs},
+           {pairs, "--input", "pipe:x"},
+           {"--reference", "x"},
+           {"--reference", "x", "--input", "file"},
+           {"--reference", "x", "--input", "pipe:y", "--voltage-uncertainty", "1mV"},
+           {pairs, "--averaging", "4"},
+           {pairs, "--averaging", "0"},
+           {pairs, "--daq-range", "5V:5V"},
+           {pairs, "--reference-uncertainty", "2"}}) {
+    EXPECT_EQ(Calibrate(words).status, 2) << fmt::format("{}", words.size());
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::tools
