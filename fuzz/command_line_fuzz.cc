@@ -33,6 +33,7 @@ struct Verb {
 
 const std::vector<Verb>& Verbs() {
   static const std::vector<Verb> verbs{{tools::RunAcquire, {"acquire"}},
+                                       {tools::RunCalibrate, {"calibrate"}},
                                        {tools::RunSession, {"session", "new"}},
                                        {tools::RunSession, {"session", "relabel"}},
                                        {tools::RunTrial, {"trial", "info"}},

@@ -106,8 +106,16 @@ def study():
     os.replace("study/sweep.csv", "drive_sweep.csv")
 
 
+def pairs():
+    """A calibration: 1.02 mm/V over +-4 mm, up and down, with 1 mV of noise."""
+    draw, places = random.Random(8), [*range(-4, 5), *range(3, -5, -1)]
+    return "displacement_mm,voltage_v\n" + "".join(f"{mm},{(mm - 0.3) / 1.02 + draw.gauss(0, 1e-3):.6f}\n"
+                                                   for mm in places)
+
+
 FORMS = {  # what makes an input, and the inputs that it needs
     "impedance.csv": (impedance,),
+    "pairs.csv": (pairs,),
     "tap1.csv": (lambda: tap(1, 214),),
     "tap2.csv": (lambda: tap(2, 214.3),),
     "skin_noisy.csv": (noisy_skin, "skin.csv"),

@@ -43,8 +43,8 @@ class Command(NamedTuple):
 
 # --- what the pages need ---
 
-DAQ, DAYS, STUDY, SESSION = (f"docs/how-to/{name}.md" for name in ("record-with-a-daq", "record-for-days", "run-a-study",
-                                                                   "run-a-session"))
+DAQ, DAYS, STUDY, SESSION, CALIBRATION = (f"docs/how-to/{name}.md" for name in (
+    "record-with-a-daq", "record-for-days", "run-a-study", "run-a-session", "calibrate"))
 
 
 def block(page, language):
@@ -68,12 +68,25 @@ def drive_off():
     return "".join(f"{draw.gauss(0, 1e-3):.6f}\n" for _ in range(30000))
 
 
+def pairs():
+    """The pairs of the page on calibrations, measured once more with 0.3 mV of noise."""
+    draw = random.Random(6)
+    rows = [line.split(",") for line in block(CALIBRATION, "csv").splitlines()[1:]]
+    return "displacement_mm,voltage_v\n" + "".join(f"{mm},{float(v) + draw.gauss(0, 3e-4):.4f}\n" for mm, v in rows)
+
+
+def daq_table():
+    """A DAQ's table of a laser's volts: 225 Hz at 10 kHz for 1 s."""
+    return laser(0.28).replace("t;laser", "seconds;volts").replace(";", ",")
+
+
 def drives():
     """The table of study.md."""
     text = (ROOT / "docs/reference/study.md").read_text(encoding="utf-8")
     return re.search(r"^ +drive_v,rms_m\n(?: +[\d.e,-]+\n)+", text, re.MULTILINE)[0].replace(" ", "")
 
 
+PAIRS = {"pairs.csv": lambda: block(CALIBRATION, "csv"), "today.csv": pairs}
 DAQ_FILES = {"il030.toml": lambda: block(DAQ, "toml"), "my_daq.py": lambda: block(DAQ, "python")}
 RIG = {"trials": "mkdir trials", "rig.toml": lambda: block(DAYS, "toml").replace("/var/lib/haptometer", "trials")}
 HEADS = {"/dev/haptometer/FT4ABCDE-00": ["--baud", "38400"],
@@ -97,6 +110,9 @@ PREPARED = {
           "off.bin": "acquire --sensor pipe --format text --rate 10kHz --channels displacement:V"
                      " --calibration il030.toml -o off.bin <off.txt"},
     SESSION: {"daq": "mkdir daq"},
+    CALIBRATION: {**PAIRS, "steps.csv": lambda: block(CALIBRATION, "text"), "daq.csv": daq_table,
+                  "my_daq.py": lambda: block(DAQ, "python")},
+    "docs/reference/calibrate.md": PAIRS,
     STUDY: {"recorded": "mkdir recorded"},
     "docs/reference/analyze.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin",
                                   "trials": "mkdir trials; cp fixtures/recorded_trial.bin trials"},
@@ -128,6 +144,7 @@ def at_terminal(command, keys):
 CHANGED = {
     "docs/reference/acquire.md": [("--duration 10s", "--duration 1s", "a second shows as much")],
     "docs/reference/sensors.md": [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
+    CALIBRATION: [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
     DAQ: [("my_daq |", "/usr/bin/python3 my_daq.py |", "what the page puts in place of a DAQ")],
     SESSION: [("--duration 4s --expect", "--duration 1s --expect", "a second shows as much"),
               ("haptometer session run day1",

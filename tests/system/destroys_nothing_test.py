@@ -27,14 +27,19 @@ FIXTURES = os.path.abspath("fixtures")
 # options that name a file or folder to read; emulate --link is tested apart
 READS = {
     "acquire": {"--port", "--calibration", "--profile", "--daemon", "--status"},
-    "analyze": {"--floor"},
-    "study": {"--floor", "--verify"},
+    "analyze": {"--floor", "--calibration"},
+    "calibrate": {"--reference", "--check"},
+    "fit-adapter": {"--calibration"},
+    "trial info": {"--calibration"},
+    "trial plot": {"--calibration"},
+    "trial export": {"--calibration"},
+    "study": {"--floor", "--verify", "--calibration"},
     "fit-lra": {"--open", "--load", "--actuator"},
     "fit-impedance": {"--actuator"},
     "plan-drop-test": {"--actuator"},
     "fit-skin": {"--actuator"},
     "sweep": {"--merge"},
-    "emulate": {"--scene", "--trial", "--profile", "--link"},
+    "emulate": {"--scene", "--trial", "--profile", "--link", "--analog", "--calibration"},
 }
 PLACEHOLDER_OF_FILE = re.compile(r"FILE|DIR|PATH|TABLES|SOCKET|^PORT$|\.(csv|toml|html|json|md|svg|h5|bin)")
 
@@ -101,6 +106,9 @@ WRITES = [
     of(IMPEDANCE, "--plot", [".svg"], can_overwrite=True),
     of(IMPEDANCE, "--report", [".html"], "page", True),
     Option("fit-adapter", "--report", ["tap.csv", "--mass", "4.6g"], ["tap.csv"], [".html"], "page"),
+    Option("calibrate", "-o,--output", ["pairs.csv"], ["pairs.csv"], [".toml"], "calibration", True),
+    Option("calibrate", "--plot", ["pairs.csv"], ["pairs.csv"], [".svg"]),
+    Option("calibrate", "--report", ["pairs.csv"], ["pairs.csv"], [".html"], "page"),
     Option("plan-drop-test", "--report", ["--actuator", "actuator.toml"], ["actuator.toml"], [".html"], "page"),
     of(SIMULATE, "-o,--output", [".bin"], "recording", True),
     of(SIMULATE, "--waveforms", [".csv", ".h5", ".bin"], "export", True),
@@ -212,6 +220,7 @@ def make_inputs(directory):
     write("skin.csv", skin_table())
     write("z.csv", impedance_table())
     write("tap.csv", tap_table())
+    write("pairs.csv", "displacement_mm,voltage_v\n" + "".join(f"{n},{n + 1e-3 * (n % 3)}\n" for n in range(-4, 5)))
     write("note.txt", "precious words\n")
 
 

@@ -28,10 +28,6 @@ Outcome Calibrate(std::vector<std::string> words) {
 
 class Calibration : public tests::TemporaryFiles {
  protected:
-  std::string Write(const std::string& name, const std::string& text) const {
-    std::ofstream(directory_ / name) << text;
-    return directory_ / name;
-  }
   // 21 points of `gain` m/V from -4 to 4 mm, with 1 mV of noise
   std::string Pairs(const std::string& name, double gain = 1e-3, unsigned seed = 1,
                     const std::string& more = {}) const {

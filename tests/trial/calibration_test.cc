@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 
 namespace haptometer::trial {
 namespace {
@@ -185,6 +186,90 @@ TEST(CalibrationFields, SayWhatWasUsed) {
   EXPECT_EQ(fields.at("calibration.date"), "2026-02-11");
   EXPECT_EQ(fields.at("calibration.displacement"),
             "displacement = 0.001 per V x input + 0; measures up to 5.25 V; DAQ -10 to 10 V");
+}
+
+TEST(CalibrationFields, HoldHowTheLineWasFound) {
+  const Calibration calibration = Read(
+      "averages = 16\nsampling_s = '1ms'\n[displacement]\nscale_m_per_v = 0.001\n"
+      "scale_standard_uncertainty_m_per_v = 2e-6\noffset_standard_uncertainty_m = 3e-6\n"
+      "scale_offset_covariance_m2_per_v = -4e-12\ndegrees_of_freedom = 5\nnonlinearity_m = 7e-6\n"
+      "calibrated_min_v = -4\ncalibrated_max_v = 4\n[provenance]\nutc = '2026-03-01T12:00:00Z'\n");
+  const ChannelCalibration& channel = calibration.channels.at("displacement");
+  EXPECT_EQ(channel.scale_uncertainty, 2e-6);
+  EXPECT_EQ(channel.offset_uncertainty, 3e-6);
+  EXPECT_EQ(channel.covariance, -4e-12);
+  EXPECT_EQ(channel.degrees_of_freedom, 5);
+  EXPECT_EQ(channel.calibrated_max, 4);
+  const auto fields = CalibrationFields(calibration);
+  EXPECT_EQ(fields.at("calibration.displacement.scale_standard_uncertainty_m_per_v"), "2e-06");
+  EXPECT_EQ(fields.at("calibration.displacement.nonlinearity_m"), "7e-06");
+  EXPECT_EQ(fields.at("calibration.provenance.utc"), "2026-03-01T12:00:00Z");
+  Metadata metadata;
+  StateAveraging(calibration.averaging, &metadata);
+  EXPECT_EQ(metadata.averages, 16);
+  EXPECT_EQ(metadata.sampling_s, 1e-3);
+}
+
+TEST(CalibrationFile, RefusesEvidenceThatCannotBe) {
+  const std::string line = "[displacement]\nscale_m_per_v = 0.001\n";
+  EXPECT_THAT(ErrorOf(line + "scale_standard_uncertainty_m_per_v = -1\n"), HasSubstr("is below 0"));
+  EXPECT_THAT(ErrorOf(line + "scale_offset_covariance_m2_per_v = 1e-12\n"),
+              HasSubstr("more than the product"));
+  EXPECT_THAT(ErrorOf(line + "degrees_of_freedom = 0\n"), HasSubstr("is not 1 to 1e6"));
+  EXPECT_THAT(ErrorOf(line + "calibrated_min_v = 4\ncalibrated_max_v = 4\n"),
+              HasSubstr("is not below calibrated_max"));
+  EXPECT_THAT(ErrorOf("averages = 4\n" + line), HasSubstr("sampling_s is missing"));
+  EXPECT_THAT(ErrorOf("averages = 0\n" + line), HasSubstr("is not 1 to 1e6"));
+}
+
+// a table of volts becomes a displacement, with the statuses of the limits
+class CalibratedRecord : public tests::TemporaryFiles {
+ protected:
+  static Record Volts(std::vector<std::string> names) {
+    Record record{.rows = 4};
+    for (std::string& name : names) {
+      record.channels.push_back({.name = std::move(name),
+                                 .role = ChannelRole::kVoltage,
+                                 .unit = "V",
+                                 .values = {0, 2, 5.5, 10},
+                                 .statuses = std::vector<SampleStatus>(4)});
+    }
+    return record;
+  }
+  const std::string file_ = "averages = 1\n[displacement]\nscale_m_per_v = 0.001\noffset_m = 1e-4\n"
+                            "relative_standard_uncertainty = 0.002\nbad_above_v = 5.25\n"
+                            "daq_max_v = 10\n";
+};
+
+TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {
+  Record record = Volts({"CH1"});
+  const auto done = CalibrateRecord(File("c.toml", file_), "t.csv", &record);
+  ASSERT_TRUE(done) << done.error().Text();
+  const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.role, ChannelRole::kDisplacement);
+  EXPECT_EQ(channel.unit, "m");
+  EXPECT_DOUBLE_EQ(channel.values[1], 2.1e-3);
+  EXPECT_EQ(channel.statuses[2], SampleStatus::kInvalid);
+  EXPECT_TRUE(std::isnan(channel.values[2]));
+  EXPECT_EQ(channel.statuses[3], SampleStatus::kClipped);
+  EXPECT_EQ(record.metadata.averages, 1);
+  EXPECT_EQ(*GainUncertaintyOf(record.metadata, "displacement"), 0.002);
+}
+
+TEST_F(CalibratedRecord, SensorNamesItAmongSeveral) {
+  const std::string path = File("c.toml", file_);
+  Record record = Volts({"CH1", "sensor"});
+  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record));
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  // one is there now: a second is not made of it
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &record).error().Text(),
+              HasSubstr("has a displacement already"));
+  Record several = Volts({"CH1", "CH2"});
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &several).error().Text(),
+              HasSubstr("has several voltages"));
+  Record none = Volts({});
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &none).error().Text(), HasSubstr("has no voltage"));
 }
 
 }  // namespace

@@ -17,13 +17,13 @@ namespace haptometer::tools {
 struct CalibrationPoints {
   std::vector<fit::LinePoint> points;  ///< x: input in V, y: displacement in m
   fit::Scatter scatter = fit::Scatter::kFromResiduals;
-  std::vector<std::size_t> error_level;  ///< lines left out: the output stood at +5.5 V
-  std::vector<std::size_t> at_rail;      ///< lines left out: the DAQ's range ended there
+  std::vector<std::size_t> error_level{};  ///< lines left out: the output stood at +5.5 V
+  std::vector<std::size_t> at_rail{};      ///< lines left out: the DAQ's range ended there
   // of an amplifier that is its own reference
-  std::vector<fit::LinePoint> analog;          ///< x: input in V, y: what the amplifier puts out
-  std::optional<ReferencePoints> windows;      ///< how they were collected
+  std::vector<fit::LinePoint> analog{};        ///< x: input in V, y: what the amplifier puts out
+  std::optional<ReferencePoints> windows{};    ///< how they were collected
   std::size_t wanted = 0;                      ///< points asked for
-  trial::Metadata reference;                   ///< of the amplifier
+  trial::Metadata reference{};                 ///< of the amplifier
 };
 
 /// Reads the table of docs/reference/calibrate.md. `input_uncertainty_v`,
@@ -49,7 +49,7 @@ struct CalibrationCheck {
   /// Today's line less the file's in the middle of today's points, in m, and its E_n; nothing where
   /// the file states no uncertainty of its offset.
   double shift_m = 0;
-  std::optional<double> shift_error;
+  std::optional<double> shift_error{};
 };
 
 /// What calibrate answers.

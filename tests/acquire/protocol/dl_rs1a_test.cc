@@ -43,6 +43,19 @@ TEST(DlRs1aReply, WritesTheCapturedM0) {
   EXPECT_EQ(dl::FormatM0Reply(Spelling(), values), kCaptured);
 }
 
+// data 042: sign, digit, point, three digits; +5.500 in the error state (IL Edition, p. 13-14)
+TEST(DlRs1aValue, AnalogOutputInMillivolts) {
+  for (const auto& [text, mv] : {std::pair("+5.500", kAnalogErrorMv), {"-5.000", -5000},
+                                 {"+0.000", 0}, {"-0.012", -12}, {"+1.234", 1234}}) {
+    EXPECT_EQ(ParseAnalogMv(text), mv) << text;
+    EXPECT_EQ(FormatAnalogMv(mv), text);
+  }
+  // a current output has five characters
+  for (const char* text : {"12.00", "+12.00", "1.2345", "+1.23a", "", "+1,234", "++.123"}) {
+    EXPECT_FALSE(ParseAnalogMv(text)) << text;
+  }
+}
+
 TEST(DlRs1aReply, ReadsTheManualsExamples) {
   const auto error = dl::ParseReply(Spelling(), "ER,SR,65");  // SR,06,101: FD-S Edition, p. 10
   ASSERT_TRUE(error);

@@ -98,7 +98,8 @@ const std::vector<Case> kCases{
     {kAveragingUnknown,
      {},
      "averaging-unknown",
-     "amplitude not verified: sensor averaging unknown; state it in the header of a CSV, as '# "
+     "amplitude not verified: sensor averaging unknown; state it by acquire --averaging 16 "
+     "--sampling 0.33ms, in the calibration file, or in the header of a CSV, as '# "
      "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes "
      "one of any trial)"},
     {kTooFewReadings,
