@@ -148,8 +148,8 @@ void ReadEvidence(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
   calibration->offset_uncertainty =
       read_size(fmt::format("offset_standard_uncertainty_{}", out.letter), out.dimension);
   // |cov(a, b)| <= u(a) u(b), but for rounding
-  const std::string covariance = fmt::format("scale_offset_covariance_{}2_per_{}", out.letter,
-                                             in.letter);
+  const std::string covariance =
+      fmt::format("scale_offset_covariance_{}2_per_{}", out.letter, in.letter);
   calibration->covariance = read(covariance, Dimension::kNone).value_or(0);
   if (std::abs(calibration->covariance) > 1.0001 * calibration->scale_uncertainty.value_or(0) *
                                               calibration->offset_uncertainty.value_or(0)) {
@@ -345,8 +345,7 @@ Result<Channel*> SensorChannel(const std::string& where, Record* record) {
   }
   const auto named = std::ranges::find(record->channels, "sensor", &Channel::name);
   if (named != record->channels.end()) return &*named;
-  const auto voltages =
-      std::ranges::count(record->channels, ChannelRole::kVoltage, &Channel::role);
+  const auto voltages = std::ranges::count(record->channels, ChannelRole::kVoltage, &Channel::role);
   if (voltages == 1) {
     return &*std::ranges::find(record->channels, ChannelRole::kVoltage, &Channel::role);
   }

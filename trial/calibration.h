@@ -55,8 +55,8 @@ struct ChannelCalibration {
 
 /// How a sensor averages, where its user states it.
 struct Averaging {
-  std::optional<int> averages;       ///< raw samples in a reading, 1 to 1e6
-  std::optional<double> sampling_s;  ///< their period; > 0, needed for more than one
+  std::optional<int> averages{};       ///< raw samples in a reading, 1 to 1e6
+  std::optional<double> sampling_s{};  ///< their period; > 0, needed for more than one
 };
 
 /// Puts what is stated into `metadata`.
@@ -99,12 +99,12 @@ struct Calibration {
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
 
 /// Turns the volts of a foreign table, `where`, into the displacement of the calibration file
-/// `path`, table [displacement]: of the channel called "sensor", else of its only voltage. Rails and
-/// limits give statuses; the file's fields and averaging go into the metadata, where the table does
-/// not state an averaging itself.
+/// `path`, table [displacement]: of the channel called "sensor", else of its only voltage. Rails
+/// and limits give statuses; the file's fields and averaging go into the metadata, where the table
+/// does not state an averaging itself.
 ///
-/// Errors: the file's; Cause::kUsage: a displacement is there already, no channel or several could be
-/// meant, an input of amperes.
+/// Errors: the file's; Cause::kUsage: a displacement is there already, no channel or several could
+/// be meant, an input of amperes.
 [[nodiscard]] Result<void> CalibrateRecord(const std::string& path, const std::string& where,
                                            Record* record);
 

@@ -109,8 +109,8 @@ std::optional<IlDatum> IlAmplifier::Read(int number, const Value& present) const
       int mv = dl_rs1a::kAnalogErrorMv;
       if (present.status == SampleStatus::kOk) {
         const double metres = 1e-3 * present.counts / PowerOfTen(type_.decimals);
-        const double volts = std::clamp(AnalogVoltsPerMetre(type_) * metres, -kMostAnalogV,
-                                        kMostAnalogV);
+        const double volts =
+            std::clamp(AnalogVoltsPerMetre(type_) * metres, -kMostAnalogV, kMostAnalogV);
         mv = static_cast<int>(
             std::lround(1e3 * (head_.analog.gain_error * volts + head_.analog.offset_error_v)));
       }
@@ -291,9 +291,8 @@ std::string DlUnit::AnswerDecimals(const dl::Request& request, const Fault* faul
   const int decimals = datum->kind == IlDatum::Kind::kValue    ? amplifiers_[*place].decimals()
                        : datum->kind == IlDatum::Kind::kAnalog ? kOfMillivolts
                                                                : 0;
-  return dl::FormatDataReply(
-      request.command, request.unit + (AnswersForAnother(fault) ? 1 : 0), request.number,
-      model_.format_number(decimals, 1));
+  return dl::FormatDataReply(request.command, request.unit + (AnswersForAnother(fault) ? 1 : 0),
+                             request.number, model_.format_number(decimals, 1));
 }
 
 std::string DlUnit::AnswerWrite(const dl::Request& request, MonotonicNs now) {

@@ -32,10 +32,10 @@ enum class IlWriteOutcome : std::uint8_t { kDone, kNoSuchNumber, kReadOnly, kOut
 
 /// An IL amplifier with its head: readings, and the data numbers that describe and set it.
 ///
-/// Data 033, 036-040, 042, 054, 098, 132, 133, 136, 152, 159, 193, 195 and 200 (the product name, which
-/// is EMULATED) can be read; 098, 132, 133, 136, 152 and 159 written, and 001 and 002 (zero shift
-/// and its reset, at the edge from 0 to 1). Sampling and averages take effect; after a change of
-/// 132, 133 or 136 the readings are invalid for two response times. Hold and filter are kept and
+/// Data 033, 036-040, 042, 054, 098, 132, 133, 136, 152, 159, 193, 195 and 200 (the product name,
+/// which is EMULATED) can be read; 098, 132, 133, 136, 152 and 159 written, and 001 and 002 (zero
+/// shift and its reset, at the edge from 0 to 1). Sampling and averages take effect; after a change
+/// of 132, 133 or 136 the readings are invalid for two response times. Hold and filter are kept and
 /// have no effect. Comparator limits are the ends of the measuring range.
 ///
 /// A head that is none of the IL series is taken for an IL-030.

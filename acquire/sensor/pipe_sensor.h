@@ -21,7 +21,7 @@ struct PipeChannels {
   std::vector<trial::ChannelFormat> formats;
   std::vector<trial::RawLimits> limits;       ///< one a channel, of the numbers as they come
   std::map<std::string, std::string> fields;  ///< the calibration, for metadata.fields
-  trial::Averaging averaging;                 ///< of the sensor, where the calibration states it
+  trial::Averaging averaging{};               ///< of the sensor, where the calibration states it
 };
 
 /// Reads `NAME:UNIT,NAME:UNIT...`, e.g. `displacement:um,voltage:V,trigger`, by the rule for the

@@ -43,7 +43,7 @@ inline constexpr std::string_view kLatencyField = "latency_at_least_s";
 struct StreamSetup {
   int baud = 921600;
   StreamFormat format;
-  trial::Averaging averaging;  ///< of the sensor, where it is stated: the lines do not say it
+  trial::Averaging averaging{};  ///< of the sensor, where it is stated: the lines do not say it
 };
 
 /// A sensor that sends one line per reading without being asked.

@@ -347,8 +347,7 @@ Result<std::unique_ptr<Transport>> OpenCommandPipe(const std::string& command) {
   std::string words[] = {"sh", "-c", command};
   char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
   pid_t process = 0;
-  const int failure =
-      posix_spawn(&process, "/bin/sh", &actions, &attributes, arguments, environ);
+  const int failure = posix_spawn(&process, "/bin/sh", &actions, &attributes, arguments, environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) {

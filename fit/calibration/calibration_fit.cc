@@ -49,8 +49,7 @@ std::optional<Hysteresis> HysteresisOf(const std::vector<double>& residuals,
     variance += (squares[side] / counts[side] - mean * mean) / (counts[side] - 1);
   }
   found.standard_uncertainty = std::sqrt(std::max(variance, 0.0));
-  found.is_significant =
-      std::abs(found.difference) > kSignificant * found.standard_uncertainty;
+  found.is_significant = std::abs(found.difference) > kSignificant * found.standard_uncertainty;
   return found;
 }
 
@@ -81,8 +80,7 @@ void AddCurvature(std::span<const LinePoint> points, CalibrationFit& fit) {
   fit.is_curved = dsp::FisherUpperP(f, 2, freedom) < kCurved;
   if (!fit.is_curved) return;
   // mean over z of (q1 + 2 q2 z + 3 q3 z^2)^2
-  const double square = q[1] * q[1] + 4. / 3 * q[2] * q[2] + 9. / 5 * q[3] * q[3] +
-                        2 * q[1] * q[3];
+  const double square = q[1] * q[1] + 4. / 3 * q[2] * q[2] + 9. / 5 * q[3] * q[3] + 2 * q[1] * q[3];
   fit.local_slope_uncertainty = std::sqrt(square) / half_range / std::abs(fit.line.slope);
 }
 

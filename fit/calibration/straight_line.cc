@@ -96,7 +96,8 @@ bool AllAlike(std::span<const LinePoint> points, Member member) {
 }
 
 std::unexpected<Error> OnNoLine() {
-  return CannotAnswer("", "the points lie on no straight line", "check the columns and their units");
+  return CannotAnswer("", "the points lie on no straight line",
+                      "check the columns and their units");
 }
 
 }  // namespace
@@ -149,8 +150,8 @@ Result<StraightLine> FitStraightLine(std::span<const LinePoint> points, Scatter 
   const double factor = is_scaled ? line.birge_ratio * line.birge_ratio : 1;
   const double slope_variance = factor / step.adjusted_xx;
   line.slope_uncertainty = std::sqrt(slope_variance);
-  line.intercept_uncertainty = std::sqrt(factor / step.weights +
-                                         step.adjusted_x * step.adjusted_x * slope_variance);
+  line.intercept_uncertainty =
+      std::sqrt(factor / step.weights + step.adjusted_x * step.adjusted_x * slope_variance);
   line.covariance = -step.adjusted_x * slope_variance;
   line.coverage_95 = is_scaled ? dsp::StudentCritical(line.degrees_of_freedom) : kNormal95;
   return line;

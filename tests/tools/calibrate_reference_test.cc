@@ -31,7 +31,8 @@ class VirtualDaq final : public acquire::Transport {
 
   acquire::ReadOutcome Read(std::span<char> buffer, MonotonicNs deadline) override {
     for (; next_ <= clock_.Now(); next_ += 5'000'000) {
-      const double volts = emulator::AnalogVolts(head_.head, head_.displacement(next_ * 1e-9));
+      const double volts =
+          emulator::AnalogVolts(head_.head, head_.displacement(SecondsFromNs(next_)));
       waiting_ += fmt::format("{:.6f}\n", volts + 2e-3 * normal_(engine_));
     }
     if (waiting_.empty()) {
@@ -103,7 +104,7 @@ TEST(CalibrateReference, GainAndOffsetOfTheDaqAreFoundAndTheirIntervalsHold) {
     const fit::StraightLine& gain = answer->fit.line;
     EXPECT_REL(daq.slope, kGain, 1e-3, "the bar: 0.1 %");
     EXPECT_REL(gain.slope, 1e-3, 1e-3, "the bar: 0.1 %");
-    EXPECT_ABS(daq.intercept, kOffsetV, 3e-3, "noise of seven means");
+    EXPECT_ABS(daq.intercept, kOffsetV, 3e-3, "noise of seven means: 1 um is 1 mV");
     daq_held += std::abs(daq.slope - kGain) < daq.coverage_95 * daq.slope_uncertainty ? 1 : 0;
     gain_held += std::abs(gain.slope - 1e-3) < gain.coverage_95 * gain.slope_uncertainty ? 1 : 0;
   }

@@ -47,6 +47,23 @@ TEST(SensorOptions, OfAnIlAreReadBeforeThePortIsOpened) {
             "--baud: a DL-RS1A has no 115200 baud; use 2400, 4800, 9600, 19200 or 38400");
 }
 
+TEST(SensorOptions, AveragingIsStatedOfWhatDoesNotReportIt) {
+  SensorOptions stream = On("stream");
+  stream.averages = 1;
+  EXPECT_EQ(Complaint(stream), "");
+  stream.averages = 16;
+  EXPECT_EQ(Complaint(stream),
+            "--sampling: is missing: the period of the samples that are averaged; give it, e.g. "
+            "--sampling 1ms");
+  stream.sampling_s = Quantity{1e-3, 0};
+  EXPECT_EQ(Complaint(stream), "");
+  SensorOptions il = On("keyence-il");
+  il.averages = 1;
+  EXPECT_EQ(Complaint(il),
+            "--averaging: is for a stream and for samples; leave it out: other sensors report it, "
+            "or state it in their file");
+}
+
 TEST(SensorOptions, OfAnotherSensorAreNotIgnored) {
   SensorOptions lkg = On("keyence-lkg");
   lkg.command = "ms";

@@ -218,7 +218,7 @@ TEST(CalibrationFile, RefusesEvidenceThatCannotBe) {
   EXPECT_THAT(ErrorOf(line + "degrees_of_freedom = 0\n"), HasSubstr("is not 1 to 1e6"));
   EXPECT_THAT(ErrorOf(line + "calibrated_min_v = 4\ncalibrated_max_v = 4\n"),
               HasSubstr("is not below calibrated_max"));
-  EXPECT_THAT(ErrorOf("averages = 4\n" + line), HasSubstr("sampling_s is missing"));
+  EXPECT_THAT(ErrorOf("averages = 4\n" + line), HasSubstr("sampling_s: is missing"));
   EXPECT_THAT(ErrorOf("averages = 0\n" + line), HasSubstr("is not 1 to 1e6"));
 }
 
@@ -226,7 +226,8 @@ TEST(CalibrationFile, RefusesEvidenceThatCannotBe) {
 class CalibratedRecord : public tests::TemporaryFiles {
  protected:
   static Record Volts(std::vector<std::string> names) {
-    Record record{.rows = 4};
+    Record record;
+    record.rows = 4;
     for (std::string& name : names) {
       record.channels.push_back({.name = std::move(name),
                                  .role = ChannelRole::kVoltage,
@@ -236,9 +237,10 @@ class CalibratedRecord : public tests::TemporaryFiles {
     }
     return record;
   }
-  const std::string file_ = "averages = 1\n[displacement]\nscale_m_per_v = 0.001\noffset_m = 1e-4\n"
-                            "relative_standard_uncertainty = 0.002\nbad_above_v = 5.25\n"
-                            "daq_max_v = 10\n";
+  const std::string file_ =
+      "averages = 1\n[displacement]\nscale_m_per_v = 0.001\noffset_m = 1e-4\n"
+      "relative_standard_uncertainty = 0.002\nbad_above_v = 5.25\n"
+      "daq_max_v = 10\n";
 };
 
 TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {

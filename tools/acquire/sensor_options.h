@@ -23,13 +23,13 @@ struct SensorOptions {
   std::string port;
   std::string sensor = "keyence-il";
   std::string format;
-  std::string profile;                ///< modbus: a name or a file
-  std::optional<std::int64_t> slave;  ///< modbus: its address
-  std::string channels;               ///< pipe
-  std::string calibration;            ///< pipe: a file
+  std::string profile;                   ///< modbus: a name or a file
+  std::optional<std::int64_t> slave;     ///< modbus: its address
+  std::string channels;                  ///< pipe
+  std::string calibration;               ///< pipe: a file
   std::optional<std::int64_t> averages;  ///< pipe, stream: of the sensor before it
   std::optional<Quantity> sampling_s;    ///< pipe, stream: period of what is averaged
-  std::string speed;                  ///< replay, scene: "recorded", "max" or a factor
+  std::string speed;                     ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
   std::optional<Quantity> rate_hz;       ///< pipe: of its rows; keyence-*, modbus: of polls

@@ -82,16 +82,16 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options
       .Count("--averaging", &wanted.averages, 1, 1'000'000,
              "Samples that the sensor averages in a reading, to keep in the file; 1: none")
-      .Default("with --reference as the amplifier says");
+      .Default("with --reference the amplifier's");
   options.Number("--sampling", &wanted.sampling_s, Dimension::kTime, cli::Above(0),
                  "Period of the samples that --averaging is of");
   options.Text("--check", &wanted.check, "FILE",
                "Compare with this calibration: status 3 where |E_n| of the gain exceeds 1 (k = 2)");
   options.Output("-o,--output", &wanted.output, "FILE.toml", "Calibration file to write");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing calibration file");
-  document::DeclareOutputs(options, wanted.outputs,
-                           {.all = "Print each point too, and the provenance",
-                            .plot = "Draw the residuals"});
+  document::DeclareOutputs(
+      options, wanted.outputs,
+      {.all = "Print each point too, and the provenance", .plot = "Draw the residuals"});
 }
 
 Result<void> CheckTogether(const Wanted& wanted) {
@@ -104,8 +104,8 @@ Result<void> CheckTogether(const Wanted& wanted) {
        "give the program that writes the DAQ's samples, as --input 'pipe:my_daq'"},
       {!has_reference && !wanted.input.empty(), "--input", "belongs to --reference",
        "add --reference PORT"},
-      {has_reference && (!wanted.input.starts_with(kPipePrefix) ||
-                         wanted.input.size() == kPipePrefix.size()),
+      {has_reference &&
+           (!wanted.input.starts_with(kPipePrefix) || wanted.input.size() == kPipePrefix.size()),
        "--input", "is not pipe:COMMAND", "write e.g. --input 'pipe:my_daq'"},
       {has_reference && (wanted.displacement_uncertainty_m || wanted.voltage_uncertainty_v),
        wanted.displacement_uncertainty_m ? "--displacement-uncertainty" : "--voltage-uncertainty",
@@ -178,10 +178,9 @@ Result<int> Calibrate(Wanted& wanted, int argc, const char* const* argv) {
   wanted.still.rails = rails;
   const bool has_pairs = !wanted.pairs.empty();
   const std::string where = has_pairs ? wanted.pairs.front() : wanted.reference.port;
-  HAPTOMETER_LET(auto points,
-                 has_pairs ? ReadPairs(where, wanted.voltage_uncertainty_v,
-                                       wanted.displacement_uncertainty_m, rails)
-                           : MeasurePoints(wanted));
+  HAPTOMETER_LET(auto points, has_pairs ? ReadPairs(where, wanted.voltage_uncertainty_v,
+                                                    wanted.displacement_uncertainty_m, rails)
+                                        : MeasurePoints(wanted));
   HAPTOMETER_LET(auto answer, At(where, AnswerOf(std::move(points))));
   answer.scale_uncertainty = scale_uncertainty;
   answer.limits = rails;
@@ -196,10 +195,11 @@ Result<int> Calibrate(Wanted& wanted, int argc, const char* const* argv) {
   if (!wanted.output.empty()) {
     // no reader would take such a file
     if (answer.RelativeUncertainty() > trial::kLargestGainUncertainty) {
-      return CannotAnswer(where,
-                          fmt::format("the gain is uncertain by {:.0f} %: no calibration is written",
-                                      100 * answer.RelativeUncertainty()),
-                          "measure more points, further apart");
+      return CannotAnswer(
+          where,
+          fmt::format("the gain is uncertain by {:.0f} %: no calibration is written",
+                      100 * answer.RelativeUncertainty()),
+          "measure more points, further apart");
     }
     HAPTOMETER_TRY(WriteOutput(wanted.output, cli::kCalibrationOutput, wanted.overwrite,
                                CalibrationText(answer, document::ProvenanceOf(kVerb, argc, argv))));

@@ -78,8 +78,8 @@ Result<std::vector<double>> Uncertainties(const TextTable& table,
   const auto below = std::ranges::find_if(*column, [](double u) { return u < 0; });
   if (below == column->end()) return *std::move(column);
   const std::size_t line = table.lines[static_cast<std::size_t>(below - column->begin())];
-  return CannotAnswer(fmt::format("{}:{}", table.name, line),
-                      "has a standard uncertainty below 0", "correct that cell");
+  return CannotAnswer(fmt::format("{}:{}", table.name, line), "has a standard uncertainty below 0",
+                      "correct that cell");
 }
 
 }  // namespace
@@ -91,8 +91,7 @@ Result<CalibrationPoints> ReadPairs(const std::string& path,
   constexpr std::uint64_t kMostBytes = 1ULL << 24;
   HAPTOMETER_LET(const auto text, ReadInputFile(path, kMostBytes));
   if (text.find('\0') != std::string::npos) {
-    return CannotAnswer(path, "is no table",
-                        fmt::format("give a CSV whose header is {}", kHeader));
+    return CannotAnswer(path, "is no table", fmt::format("give a CSV whose header is {}", kHeader));
   }
   HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
   HAPTOMETER_TRY(CheckNames(table));
@@ -159,10 +158,10 @@ Result<CalibrationPoints> PointsOf(ReferencePoints found, const trial::Metadata&
                       : found.moving > 0    ? "the target moved, or scattered by more than --still"
                       : found.at_rail > 0   ? "the DAQ was at the end of its range"
                                             : "the target stayed where it was";
-    return CannotAnswer(Printable(reference.source),
-                        fmt::format("{} of {} points were still: {}", found.points.size(), wanted,
-                                    why),
-                        "hold the target still for three seconds at each place");
+    return CannotAnswer(
+        Printable(reference.source),
+        fmt::format("{} of {} points were still: {}", found.points.size(), wanted, why),
+        "hold the target still for three seconds at each place");
   }
   CalibrationPoints points{.points = LineOf(found.points, &StillPoint::displacement_m),
                            .analog = LineOf(found.points, &StillPoint::analog_v)};
@@ -200,16 +199,14 @@ Result<CalibrationCheck> CheckAgainst(const std::string& path, const Calibration
   // uncertainties as those of many degrees of freedom: u t / 1.96
   const double of_file =
       stated.degrees_of_freedom ? dsp::StudentCritical(*stated.degrees_of_freedom) / kNormal95 : 1;
-  const double file_gain =
-      stated.gain_uncertainty ? *stated.gain_uncertainty * std::abs(stated.scale)
-                              : of_file * *stated.scale_uncertainty;
+  const double file_gain = stated.gain_uncertainty
+                               ? *stated.gain_uncertainty * std::abs(stated.scale)
+                               : of_file * *stated.scale_uncertainty;
   const fit::StraightLine& line = answer.fit.line;
-  check.gain_error =
-      fit::NormalizedError(line.slope, answer.RelativeUncertainty() * std::abs(line.slope),
-                           stated.scale, file_gain);
+  check.gain_error = fit::NormalizedError(
+      line.slope, answer.RelativeUncertainty() * std::abs(line.slope), stated.scale, file_gain);
   // in the middle of today's points the lines' gains hardly matter
-  const auto [least, most] =
-      std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
   const double middle = (least.x + most.x) / 2;
   const double today_m = line.intercept + line.slope * middle;
   const double stated_m = stated.offset + stated.scale * middle;
@@ -218,9 +215,9 @@ Result<CalibrationCheck> CheckAgainst(const std::string& path, const Calibration
     const fit::StraightLine of_then{.slope_uncertainty = *stated.scale_uncertainty,
                                     .intercept_uncertainty = *stated.offset_uncertainty,
                                     .covariance = stated.covariance};
-    check.shift_error = fit::NormalizedError(
-        today_m, line.UncertaintyAt(middle) * line.coverage_95 / kNormal95, stated_m,
-        of_file * of_then.UncertaintyAt(middle));
+    check.shift_error =
+        fit::NormalizedError(today_m, line.UncertaintyAt(middle) * line.coverage_95 / kNormal95,
+                             stated_m, of_file * of_then.UncertaintyAt(middle));
   }
   return check;
 }
@@ -228,8 +225,7 @@ Result<CalibrationCheck> CheckAgainst(const std::string& path, const Calibration
 std::string CalibrationText(const CalibrationAnswer& answer,
                             const document::Provenance& provenance) {
   const fit::StraightLine& line = answer.fit.line;
-  const auto [least, most] =
-      std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
   constexpr std::size_t kDateLength = 10;  // 2026-03-01
   std::string text = fmt::format("# written by haptometer calibrate\ndate = {}\n",
                                  TomlString(provenance.utc.substr(0, kDateLength)));
@@ -270,9 +266,8 @@ std::string CalibrationText(const CalibrationAnswer& answer,
   said("head", answer.measured.reference.head);
   for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
     const document::InputFile& input = provenance.inputs[i];
-    said(fmt::format("input_{}", i + 1), fmt::format("{}, {} bytes, SHA-256 {}",
-                                                     Printable(input.path), input.bytes,
-                                                     input.sha256));
+    said(fmt::format("input_{}", i + 1),
+         fmt::format("{}, {} bytes, SHA-256 {}", Printable(input.path), input.bytes, input.sha256));
   }
   return text;
 }

@@ -17,19 +17,19 @@ namespace haptometer::tools {
 struct CalibrationPoints {
   std::vector<fit::LinePoint> points;  ///< x: input in V, y: displacement in m
   fit::Scatter scatter = fit::Scatter::kFromResiduals;
-  std::vector<std::size_t> error_level{};  ///< lines left out: the output stood at +5.5 V
-  std::vector<std::size_t> at_rail{};      ///< lines left out: the DAQ's range ended there
+  std::vector<std::size_t> error_level{};  ///< lines excluded: the output stood at +5.5 V
+  std::vector<std::size_t> at_rail{};      ///< lines excluded: the DAQ's range ended there
   // of an amplifier that is its own reference
-  std::vector<fit::LinePoint> analog{};        ///< x: input in V, y: what the amplifier puts out
-  std::optional<ReferencePoints> windows{};    ///< how they were collected
-  std::size_t wanted = 0;                      ///< points asked for
-  trial::Metadata reference{};                 ///< of the amplifier
+  std::vector<fit::LinePoint> analog{};      ///< x: input in V, y: what the amplifier puts out
+  std::optional<ReferencePoints> windows{};  ///< how they were collected
+  std::size_t wanted = 0;                    ///< points asked for
+  trial::Metadata reference{};               ///< of the amplifier
 };
 
 /// Reads the table of docs/reference/calibrate.md. `input_uncertainty_v`,
-/// `displacement_uncertainty_m`: of rows that do not state theirs. Errors (Cause::kCannotAnswer): no
-/// such table, a column twice or without a unit, an uncertainty below 0; Cause::kUsage: one stated
-/// by option and column.
+/// `displacement_uncertainty_m`: of rows that do not state theirs. Errors (Cause::kCannotAnswer):
+/// no such table, a column twice or without a unit, an uncertainty below 0; Cause::kUsage: one
+/// stated by option and column.
 [[nodiscard]] Result<CalibrationPoints> ReadPairs(const std::string& path,
                                                   std::optional<double> input_uncertainty_v,
                                                   std::optional<double> displacement_uncertainty_m,

@@ -7,6 +7,7 @@
 
 #include "tools/calibrate/calibration_answer.h"
 #include "tools/document/keys.h"
+#include "tools/fit/fit_document.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -18,6 +19,7 @@ using document::Item;
 using document::Section;
 
 constexpr double kNormal95 = 1.959963984540054;
+constexpr document::Key kGainKey{"gain_m_per_v", "gain", document::kMetrePerVolt};
 constexpr document::Unit kVoltPerVolt{"", "V/V", {{{1, "V/V"}}}};
 constexpr document::Unit kSquareMetrePerVolt{"_m2_per_v", "m2/V", {{{1, "m2/V"}}}};
 
@@ -32,23 +34,24 @@ void AddUncertain(Section& section, const document::Key& key, double value, doub
 Section LineSection(const CalibrationAnswer& answer) {
   Section section;
   const fit::StraightLine& line = answer.fit.line;
-  AddUncertain(section, {"gain_m_per_v", "gain", document::kMetrePerVolt}, line.slope,
-               line.slope_uncertainty, line.coverage_95,
+  AddUncertain(section, kGainKey, line.slope, line.slope_uncertainty, line.coverage_95,
                answer.scale_uncertainty * std::abs(line.slope));
   AddUncertain(section, document::kOffsetM, line.intercept, line.intercept_uncertainty,
                line.coverage_95);
   Item& share = section.Add({"gain_relative_standard_uncertainty",
                              "relative standard uncertainty of the gain", document::kShare},
                             answer.RelativeUncertainty());
+  ShowDigits(share, 2);
   share.note = answer.fit.is_curved ? "linearity included" : "";
   Item& farthest = section.Add({"nonlinearity_m", "largest deviation", document::kMetre},
                                answer.fit.nonlinearity);
+  ShowDigits(farthest, 3);
   farthest.note = fmt::format("of point {} from the line", answer.fit.farthest + 1);
-  if (const auto& hysteresis = answer.fit.hysteresis) {
-    section.Add({"hysteresis_m", "rising less falling", document::kMetre, Form::kUncertain},
-                hysteresis->difference, hysteresis->standard_uncertainty);
-  } else {
-    section.Add({"hysteresis_m", "", document::kMetre, Form::kUncertain}, document::Value());
+  Item& difference =
+      section.Add({"hysteresis_m", "rising less falling", document::kMetre, Form::kUncertain},
+                  MemberOf(answer.fit.hysteresis, &fit::Hysteresis::difference));
+  if (answer.fit.hysteresis) {
+    difference.standard_uncertainty = answer.fit.hysteresis->standard_uncertainty;
   }
   section.Add(document::kPoints, answer.measured.points.size());
   const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
@@ -65,7 +68,7 @@ Section DaqSection(const CalibrationAnswer& answer) {
                line.slope, line.slope_uncertainty, line.coverage_95);
   AddUncertain(section, {"daq_offset_v", "and at 0 V of the DAQ", document::kVolt}, line.intercept,
                line.intercept_uncertainty, line.coverage_95);
-  section.Add({"head", "head"}, document::TextOrNotKnown(answer.measured.reference.head));
+  section.Add({"amplifier_head", "head"}, document::TextOrNotKnown(answer.measured.reference.head));
   section.Add(document::kSource, document::TextOrNotKnown(answer.measured.reference.source));
   return section;
 }
@@ -73,30 +76,32 @@ Section DaqSection(const CalibrationAnswer& answer) {
 Section DetailSection(const CalibrationAnswer& answer) {
   Section section{.detail = Detail::kAll};
   const fit::StraightLine& line = answer.fit.line;
-  section.Add({"gain_offset_covariance_m2_per_v", "covariance of gain and offset",
-               kSquareMetrePerVolt},
-              line.covariance);
+  ShowDigits(section.Add({"gain_offset_covariance_m2_per_v", "covariance of gain and offset",
+                          kSquareMetrePerVolt},
+                         line.covariance),
+             3);
   section.Add(document::kDegreesOfFreedom, line.degrees_of_freedom);
-  section.Add({"coverage_factor_95", "coverage factor"}, line.coverage_95);
+  section.Add({"coverage_factor", "coverage factor"}, line.coverage_95);
   section.Add(document::kBirgeRatio, answer.measured.scatter == fit::Scatter::kStated
                                          ? document::Value(line.birge_ratio)
                                          : document::Value());
   section.Add({"local_gain_relative_standard_uncertainty",
                "by which the gain differs within the range", document::kShare},
               answer.fit.local_slope_uncertainty);
-  section.Add({"averages", "averages of the sensor"}, answer.averaging.averages);
-  section.Add({"sampling_s", "their period", document::kSecond}, answer.averaging.sampling_s);
+  section.Add({"sensor_averages", "averages of the sensor"}, answer.averaging.averages);
+  section.Add({"sensor_sampling_s", "their period", document::kSecond},
+              answer.averaging.sampling_s);
   return section;
 }
 
 Section CheckSection(const CalibrationAnswer& answer) {
-  Section section{.name = "check", .heading = "against the calibration file",
+  Section section{.name = "comparison",
+                  .heading = "against the calibration file",
                   .is_known = answer.check.has_value()};
   if (!answer.check) return section;
   const CalibrationCheck& check = *answer.check;
-  section.Add(document::kFile.name.empty() ? document::Key{} : document::Key{"file", "file"},
-              check.file);
-  section.Add({"gain_m_per_v", "its gain", document::kMetrePerVolt}, check.stated.scale);
+  section.Add({document::kFile.name, "file"}, check.file);
+  section.Add({kGainKey.name, "its gain", document::kMetrePerVolt}, check.stated.scale);
   section.Add({"gain_normalized_error", "normalised error of the gain (k = 2)"}, check.gain_error)
       .resolution = 0.01;
   section.Add({"agrees", "agrees"}, std::abs(check.gain_error) <= 1);
@@ -107,18 +112,21 @@ Section CheckSection(const CalibrationAnswer& answer) {
 }
 
 Section PointsSection(const CalibrationAnswer& answer) {
-  Section table{.name = "measured", .heading = "points", .shape = Section::Shape::kTable,
+  Section table{.name = "calibration_points",
+                .heading = "points",
+                .shape = Section::Shape::kTable,
                 .detail = Detail::kAll};
   for (std::size_t i = 0; i < answer.measured.points.size(); ++i) {
     const fit::LinePoint& point = answer.measured.points[i];
     Section row;
     row.Add({"displacement_m", "displacement", document::kMetre}, point.y);
     row.Add({"voltage_v", "input", document::kVolt}, point.x);
-    row.Add({"residual_m", "residual", document::kMetre}, answer.fit.line.residuals[i]);
+    ShowDigits(row.Add({"residual_m", "residual", document::kMetre}, answer.fit.line.residuals[i]),
+               3);
     const int direction = answer.fit.directions[i];
-    row.Add({"direction", "approached"}, direction == 0  ? document::Value()
-                                         : direction > 0 ? document::Value("rising")
-                                                         : document::Value("falling"));
+    row.Add({"approached", "approached"}, direction == 0  ? document::Value()
+                                          : direction > 0 ? document::Value("rising")
+                                                          : document::Value("falling"));
     table.sections.push_back(std::move(row));
   }
   return table;
@@ -149,13 +157,13 @@ void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
   if (!measured.error_level.empty()) {
     root.Find(Severity::kDoubt, "error-level",
               fmt::format("+5.5 V is the error level of the amplifier's output (no target, or an "
-                          "error), and no reading: line {} left out",
+                          "error), and no reading: line {} excluded",
                           fmt::join(measured.error_level, ", ")),
               {{"points", measured.error_level.size()}});
   }
   if (!measured.at_rail.empty()) {
     root.Find(Severity::kDoubt, "at-rail",
-              fmt::format("at the end of the DAQ's range: line {} left out",
+              fmt::format("at the end of the DAQ's range: line {} excluded",
                           fmt::join(measured.at_rail, ", ")),
               {{"points", measured.at_rail.size()}});
   }
@@ -164,12 +172,12 @@ void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
   if (windows.error_level > 0) {
     root.Find(Severity::kDoubt, "error-level",
               "the amplifier's output stood at +5.5 V, its error level (no target, or an error), "
-              "which is no reading: {windows} window{windows s} left out",
+              "which is no reading: {windows} window{windows s} excluded",
               {{"windows", windows.error_level}});
   }
   if (windows.at_rail > 0) {
     root.Find(Severity::kDoubt, "at-rail",
-              "at the end of the DAQ's range: {windows} window{windows s} left out",
+              "at the end of the DAQ's range: {windows} window{windows s} excluded",
               {{"windows", windows.at_rail}});
   }
   if (windows.points.size() < measured.wanted) {
@@ -190,9 +198,10 @@ void AddFitFindings(Section& root, const CalibrationAnswer& answer) {
               {{"ratio", fit.line.birge_ratio}});
   }
   if (answer.measured.scatter == fit::Scatter::kFromResiduals && !answer.daq) {
-    root.Find(Severity::kNote, "scatter-of-voltage",
-              "no uncertainties are stated: displacements are taken as exact, and the noise of the "
-              "voltage from the scatter about the line");
+    root.Find(
+        Severity::kNote, "scatter-of-voltage",
+        "no uncertainties are stated: that of the displacements is neglected, and the noise of "
+        "the voltage is the scatter about the line");
   }
   if (fit.is_curved) {
     root.Find(Severity::kDoubt, "curved",

@@ -176,8 +176,8 @@ Result<ReferencePoints> CollectPoints(
   int without_samples = 0;
   while (found.points.size() < question.points && clock.Now() < deadline && !stop.load() &&
          !input.has_ended()) {
-    const auto window = ReadWindow(reference, input, clock, stop, question,
-                                   reference.header().metadata.source);
+    const auto window =
+        ReadWindow(reference, input, clock, stop, question, reference.header().metadata.source);
     // an interruption ends an exchange with an error
     if (!window && stop.load()) break;
     if (!window) return std::unexpected(window.error());

@@ -35,19 +35,19 @@ struct StillPoint {
 /// amplifier's averaging and the DAQ's buffer have settled; its place differs by apart_m from that
 /// of the point before.
 struct StillQuestion {
-  std::size_t points = 7;   ///< wanted
-  double window_s = 1;      ///< a window lasts longer until it has 8 readings
+  std::size_t points = 7;  ///< wanted
+  double window_s = 1;     ///< a window lasts longer until it has 8 readings
   double still_m = 20e-6;
   double apart_m = 0.2e-3;
-  double timeout_s = 300;   ///< of the whole measurement
-  trial::RawLimits rails;   ///< of the DAQ
+  double timeout_s = 300;    ///< of the whole measurement
+  trial::RawLimits rails{};  ///< of the DAQ
 };
 
 /// What a window showed.
 enum class WindowState : std::uint8_t {
-  kPoint,       ///< a point: it counts
-  kSettling,    ///< still, for the first time at this place
-  kSamePlace,   ///< still, where the point before was
+  kPoint,      ///< a point: it counts
+  kSettling,   ///< still, for the first time at this place
+  kSamePlace,  ///< still, where the point before was
   kMoving,
   kErrorLevel,  ///< the amplifier has no reading: its output is at +5.5 V, which is none
   kAtRail,      ///< of the DAQ

@@ -54,8 +54,9 @@ struct ImportWords {
 /// What a verb reads of a table, which --scale is then about.
 enum class Scaled : std::uint8_t { kDisplacement, kVoltage };
 
-/// Declares --columns, --rate, --scale, --calibration, --format, --channel and --segment, shown by --help-all, for
-/// any verb that reads recordings. A verb that has a --format of its own says so by `has_format`.
+/// Declares --columns, --rate, --scale, --calibration, --format, --channel and --segment, shown by
+/// --help-all, for any verb that reads recordings. A verb that has a --format of its own says so by
+/// `has_format`.
 void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled::kDisplacement,
                    bool has_format = false);
 

@@ -52,7 +52,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "{segment_s}"},
       {kAveragingUnknown, "averaging-unknown",
        "amplitude not verified: sensor averaging unknown; state it by acquire --averaging 16 "
-       "--sampling 0.33ms, in the calibration file, or in the header of a CSV, as '# averages = 16' "
+       "--sampling 0.33ms, in the calibration file, or in the header of a CSV, as '# averages = "
+       "16' "
        "and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes one of any "
        "trial)"},
       // rate and times

@@ -20,18 +20,24 @@ namespace {
 
 namespace emulator = acquire::emulator;
 
-constexpr MonotonicNs kSampleNs = 1'000'000;   // 1 / kAnalogRateHz
-constexpr MonotonicNs kWriteNs = 10'000'000;   // samples are handed over in blocks of 10
-constexpr std::size_t kMostInBlock = 4096;     // PIPE_BUF: a block is written whole or not at all
+constexpr MonotonicNs kSampleNs = 1'000'000;  // 1 / kAnalogRateHz
+constexpr MonotonicNs kWriteNs = 10'000'000;  // samples are handed over in blocks of 10
+constexpr std::size_t kMostInBlock = 4096;    // PIPE_BUF: a block is written whole or not at all
 
 class AnalogTap final : public emulator::Device {
  public:
   AnalogTap(std::unique_ptr<emulator::Device> device, emulator::MovingHead head,
-            AnalogSampling sampling)
+            AnalogSampling sampling, bool is_made)
       : device_(std::move(device)),
         head_(std::move(head)),
         sampling_(std::move(sampling)),
+        is_made_(is_made),
         engine_(sampling_.seed) {}
+  AnalogTap(const AnalogTap&) = delete;
+  AnalogTap& operator=(const AnalogTap&) = delete;
+  ~AnalogTap() override {
+    if (is_made_) unlink(sampling_.path.c_str());
+  }
 
   void Receive(std::string_view bytes, MonotonicNs now) override { device_->Receive(bytes, now); }
   void Advance(MonotonicNs now, std::string& out) override {
@@ -62,8 +68,8 @@ class AnalogTap final : public emulator::Device {
   // without a reader, or with one that is behind, the block is lost
   void WriteBlock() {
     if (pipe_.get() < 0) {
-      pipe_ = acquire::OwnedDescriptor(
-          open(sampling_.path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+      pipe_ =
+          acquire::OwnedDescriptor(open(sampling_.path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
     }
     if (pipe_.get() >= 0 && block_.size() <= kMostInBlock &&
         write(pipe_.get(), block_.data(), block_.size()) < 0 && errno == EPIPE) {
@@ -75,6 +81,7 @@ class AnalogTap final : public emulator::Device {
   std::unique_ptr<emulator::Device> device_;
   emulator::MovingHead head_;
   AnalogSampling sampling_;
+  bool is_made_;  // the pipe
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
   acquire::OwnedDescriptor pipe_{-1};
@@ -89,7 +96,8 @@ Result<std::unique_ptr<emulator::Device>> WithAnalogOutput(std::unique_ptr<emula
                                                            emulator::MovingHead head,
                                                            AnalogSampling sampling) {
   struct stat status{};
-  if (mkfifo(sampling.path.c_str(), 0600) != 0) {
+  const bool is_made = mkfifo(sampling.path.c_str(), 0600) == 0;
+  if (!is_made) {
     if (errno != EEXIST) {
       return Failed(sampling.path, fmt::format("cannot be made: {}", std::strerror(errno)),
                     "name a place where a pipe can be made");
@@ -98,7 +106,8 @@ Result<std::unique_ptr<emulator::Device>> WithAnalogOutput(std::unique_ptr<emula
       return Usage(sampling.path, "is there and is no named pipe", "give another name");
     }
   }
-  return std::make_unique<AnalogTap>(std::move(device), std::move(head), std::move(sampling));
+  return std::make_unique<AnalogTap>(std::move(device), std::move(head), std::move(sampling),
+                                     is_made);
 }
 
 }  // namespace haptometer::tools

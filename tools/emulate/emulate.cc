@@ -359,11 +359,10 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   if (!made) return made;
   made->remark = source_remark + made->remark;
   if (!wanted.analog.empty()) {
-    HAPTOMETER_LET(made->device,
-                   WithAnalogOutput(std::move(made->device), tapped,
-                                    {.path = wanted.analog,
-                                     .noise_rms_v = wanted.analog_noise_v,
-                                     .seed = tapped.seed + 1000}));
+    HAPTOMETER_LET(made->device, WithAnalogOutput(std::move(made->device), tapped,
+                                                  {.path = wanted.analog,
+                                                   .noise_rms_v = wanted.analog_noise_v,
+                                                   .seed = tapped.seed + 1000}));
   }
   return made;
 }

@@ -55,12 +55,12 @@ constexpr KnownColumn kDisplacements[]{
     {"displacement_rms_mm", kRms * 1e-3}, {"displacement_rms_um", kRms * 1e-6},
     {document::kSkinRms.name, kRms}};  // of sweep
 constexpr KnownColumn kCurrents[]{{"current_amplitude_a", 1},
-                            {"current_amplitude_ma", 1e-3},
-                            {document::kCurrentRms.name, kRms},
-                            {"current_rms_ma", kRms * 1e-3}};
+                                  {"current_amplitude_ma", 1e-3},
+                                  {document::kCurrentRms.name, kRms},
+                                  {"current_rms_ma", kRms * 1e-3}};
 constexpr KnownColumn kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
 constexpr KnownColumn kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
-                                 {"displacement_standard_uncertainty_um", 1e-6}};
+                                       {"displacement_standard_uncertainty_um", 1e-6}};
 
 // amplitudes over that of the drive, as analyze --sweep --response writes them
 constexpr KnownColumn kPerCurrent[]{{"amplitude_m_per_a", 1}};

@@ -77,7 +77,8 @@ inline constexpr int kWriteControl = 67;
 /// Counts beyond 5 digits are a programmer's error.
 [[nodiscard]] std::string FormatValue(const Value& value);
 
-/// The analog output in the error state and for an invalid value: no measurement (IL Edition, p. 14).
+/// The analog output in the error state and for an invalid value: no measurement (IL Edition, p.
+/// 14).
 inline constexpr int kAnalogErrorMv = 5500;
 /// Reads the analog output of data 042, in mV: `+1.234`; nothing for other text, as for the 5
 /// characters of a current output (`12.00`).

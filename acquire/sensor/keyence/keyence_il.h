@@ -54,8 +54,9 @@ class KeyenceIl final : public Sensor {
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] Findings Found() const override;
-  /// Reads data 038 and 042 of the main amplifier, one after the other; between Start() and Begin().
-  /// Errors: as PolledLine::Exchange; Cause::kCannotAnswer: the output is a current or off.
+  /// Reads data 038 and 042 of the main amplifier, one after the other; between Start() and
+  /// Begin(). Errors: as PolledLine::Exchange; Cause::kCannotAnswer: the output is a current or
+  /// off.
   [[nodiscard]] Result<IlAnalog> ReadAnalog(const std::atomic<bool>& stop);
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }

@@ -67,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
         Exchange{"M0\r\n", "M0,+01.234\r\n"}, Exchange{"M0\r", "M0,+01.234\r\n"},
         Exchange{"MS\r\n", "MS,04,+01.234\r\n"}, Exchange{"SR,00,037\r\n", "SR,00,037,+01.234\r\n"},
         Exchange{"SR,00,038\r\n", "SR,00,038,+01.234\r\n"},
+        Exchange{"SR,00,042\r\n", "SR,00,042,+1.234\r\n"},  // 1 V/mm of an IL-030
         Exchange{"SR,00,036\r\n", "SR,00,036,04\r\n"},
         Exchange{"SR,00,039\r\n", "SR,00,039,-99.998\r\n"},  // sample hold keeps no peak
         Exchange{"SR,00,033\r\n", "SR,00,033,00000\r\n"},

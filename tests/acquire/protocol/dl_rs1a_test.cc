@@ -45,8 +45,11 @@ TEST(DlRs1aReply, WritesTheCapturedM0) {
 
 // data 042: sign, digit, point, three digits; +5.500 in the error state (IL Edition, p. 13-14)
 TEST(DlRs1aValue, AnalogOutputInMillivolts) {
-  for (const auto& [text, mv] : {std::pair("+5.500", kAnalogErrorMv), {"-5.000", -5000},
-                                 {"+0.000", 0}, {"-0.012", -12}, {"+1.234", 1234}}) {
+  for (const auto& [text, mv] : {std::pair("+5.500", kAnalogErrorMv),
+                                 {"-5.000", -5000},
+                                 {"+0.000", 0},
+                                 {"-0.012", -12},
+                                 {"+1.234", 1234}}) {
     EXPECT_EQ(ParseAnalogMv(text), mv) << text;
     EXPECT_EQ(FormatAnalogMv(mv), text);
   }

@@ -86,6 +86,15 @@ TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
   EXPECT_THAT(ErrorOf("voltage:"), HasSubstr("names no channel"));
 }
 
+TEST(PipeChannels, TheCalibrationStatesTheAveraging) {
+  const CalibrationFile file(
+      "averages = 4\nsampling_s = '0.33ms'\n[displacement]\nscale_m_per_v = 1e-3\n");
+  const auto channels = ReadPipeChannels("displacement", SampleFormat::kF64, file.path());
+  ASSERT_TRUE(channels) << channels.error().Text();
+  EXPECT_EQ(channels->averaging.averages, 4);
+  EXPECT_EQ(channels->averaging.sampling_s, 0.33e-3);
+}
+
 TEST(PipeChannels, ACalibratedChannelComesInVolts) {
   const CalibrationFile file("[displacement]\nscale_m_per_v = 1e-3\nbad_above_v = 5.25\n");
   for (const char* text : {"displacement,voltage:V", "displacement:V,voltage:V"}) {

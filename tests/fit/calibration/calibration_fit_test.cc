@@ -32,7 +32,7 @@ TEST(CalibrationFit, NoiseIsSeldomTakenForACurveOrHysteresis) {
   int curved = 0;
   int hysteresis = 0;
   for (unsigned seed = 0; seed < 2000; ++seed) {
-    const auto fit = FitCalibration(Points(seed, 20), Scatter::kFromResiduals);
+    const auto fit = FitCalibration(Points(seed, 21), Scatter::kFromResiduals);
     ASSERT_TRUE(fit);
     curved += fit->is_curved ? 1 : 0;
     hysteresis += fit->hysteresis->is_significant ? 1 : 0;
@@ -43,14 +43,15 @@ TEST(CalibrationFit, NoiseIsSeldomTakenForACurveOrHysteresis) {
 }
 
 TEST(CalibrationFit, ACurveWidensTheSlope) {
-  // displacement over volts: z - bend (z^3 - 0.6 z): slopes differ by bend (3 z^2 - 0.6) / 5 mm,
-  // of which 0.4 is in the line; RMS of 3 (z^2 - 1/3) bend = 2 / sqrt(5) * bend
+  // residual: bend (z^3 - 0.6 z), orthogonal to a line; its slope bend (3 z^2 - 0.6) over 5 mm has
+  // the mean square bend^2 (9 / 5 - 1.2 + 0.36)
   const double bend = 20e-6;
-  const auto fit = FitCalibration(Points(1, 400, bend), Scatter::kFromResiduals);
+  const auto fit = FitCalibration(Points(1, 401, bend), Scatter::kFromResiduals);
   ASSERT_TRUE(fit);
   EXPECT_TRUE(fit->is_curved);
-  const double rms = std::sqrt(9. / 5 - 2 + 1) * bend / 5e-3;
-  EXPECT_REL(fit->local_slope_uncertainty, rms, 0.06, "noise of 400 points, weights of the ends");
+  const double rms = std::sqrt(0.96) * bend / 5e-3;
+  EXPECT_REL(fit->local_slope_uncertainty, rms, 0.03,
+             "noise of 401 points of 1 um: 0.7 um / sqrt(401) a coefficient");
   EXPECT_GT(fit->relative_uncertainty, fit->local_slope_uncertainty);
   // largest deviation: 0.4 bend at the ends, and noise of 1 um
   EXPECT_ABS(fit->nonlinearity, 0.4 * bend, 4e-6, "four standard deviations of noise");
@@ -58,7 +59,7 @@ TEST(CalibrationFit, ACurveWidensTheSlope) {
 
 TEST(CalibrationFit, HysteresisIsTheDifferenceOfUpAndDown) {
   // falling points read 10 mV more, so their displacements lie 10 um lower on the line
-  const auto fit = FitCalibration(Points(2, 40, 0, 10e-6), Scatter::kFromResiduals);
+  const auto fit = FitCalibration(Points(2, 41, 0, 10e-6), Scatter::kFromResiduals);
   ASSERT_TRUE(fit && fit->hysteresis);
   EXPECT_TRUE(fit->hysteresis->is_significant);
   EXPECT_ABS(fit->hysteresis->difference, 10e-6, 4 * fit->hysteresis->standard_uncertainty,

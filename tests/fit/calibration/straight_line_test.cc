@@ -112,8 +112,8 @@ TEST(StraightLine, IntervalsHold) {
         std::vector<LinePoint> points;
         for (int i = 0; i < n; ++i) {
           const double volts = 10. * i / (n - 1) - 5;
-          points.push_back({volts + 2e-3 * normal(engine), 1e-3 * volts + 1e-6 * normal(engine),
-                            2e-3, 1e-6});
+          points.push_back(
+              {volts + 2e-3 * normal(engine), 1e-3 * volts + 1e-6 * normal(engine), 2e-3, 1e-6});
         }
         const auto line = FitStraightLine(points, scatter);
         ASSERT_TRUE(line);
@@ -129,7 +129,8 @@ TEST(StraightLine, ScatterBeyondStatedWidens) {
   std::mt19937_64 engine(1);
   std::normal_distribution<double> normal;
   std::vector<LinePoint> points;
-  for (int i = 0; i < 10; ++i) points.push_back({i * 1., i * 1e-3 + 1e-5 * normal(engine), 0, 1e-6});
+  for (int i = 0; i < 10; ++i)
+    points.push_back({i * 1., i * 1e-3 + 1e-5 * normal(engine), 0, 1e-6});
   const auto line = FitStraightLine(points, Scatter::kStated);
   const auto free = FitStraightLine(points, Scatter::kFromResiduals);
   ASSERT_TRUE(line && free);

@@ -55,7 +55,8 @@ std::vector<Case> Cases() {
        {{"trials", 3}, {"of_trials", 3}},
        "averaging-unknown",
        "amplitude not verified, as the sensor's averaging is unknown; state it by acquire "
-       "--averaging, in the calibration file, or in the header of a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o "
+       "--averaging, in the calibration file, or in the header of a CSV, as '# averages = 16' and "
+       "'# sampling_s = 0.00033' (haptometer trial export FILE -o "
        "OUT.csv makes one of any trial), 3 of 3 trials"},
       {kDataMissing, {{"what", std::string("cut short")}}, "data-missing", "cut short"},
       {kExcluded,
