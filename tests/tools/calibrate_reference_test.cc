@@ -23,16 +23,17 @@ using ::testing::HasSubstr;
 constexpr double kGain = 0.9985;
 constexpr double kOffsetV = 1.2e-3;
 
-// A DAQ at the analog output: lines of volts at 200 Hz with 2 mV of noise, on the same clock.
+// A DAQ at the analog output: lines of volts at 200 Hz with 2 mV of noise, on the same clock, late
+// by `delay_s`.
 class VirtualDaq final : public acquire::Transport {
  public:
-  VirtualDaq(Clock& clock, emulator::MovingHead head, unsigned seed)
-      : clock_(clock), head_(std::move(head)), engine_(seed) {}
+  VirtualDaq(Clock& clock, emulator::MovingHead head, unsigned seed, double delay_s)
+      : clock_(clock), head_(std::move(head)), engine_(seed), delay_s_(delay_s) {}
 
   acquire::ReadOutcome Read(std::span<char> buffer, MonotonicNs deadline) override {
     for (; next_ <= clock_.Now(); next_ += 5'000'000) {
       const double volts =
-          emulator::AnalogVolts(head_.head, head_.displacement(SecondsFromNs(next_)));
+          emulator::AnalogVolts(head_.head, head_.displacement(SecondsFromNs(next_) - delay_s_));
       waiting_ += fmt::format("{:.6f}\n", volts + 2e-3 * normal_(engine_));
     }
     if (waiting_.empty()) {
@@ -53,6 +54,7 @@ class VirtualDaq final : public acquire::Transport {
   emulator::MovingHead head_;
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
+  double delay_s_;
   MonotonicNs next_ = 0;
   std::string waiting_;
   std::string name_ = "daq";
@@ -64,7 +66,8 @@ struct Run {
 };
 
 // what is measured of a target that moves as `displacement` says, by an IL-030 of 16 averages
-Run Measure(trial::Displacement displacement, unsigned seed, StillQuestion question = {}) {
+Run Measure(trial::Displacement displacement, unsigned seed, StillQuestion question = {},
+            double delay_s = 0) {
   ManualClock clock;
   const emulator::MovingHead head{.head = trial::Il030(),
                                   .displacement = std::move(displacement),
@@ -75,19 +78,23 @@ Run Measure(trial::Displacement displacement, unsigned seed, StillQuestion quest
                                {.baud = 38400}, clock);
   const std::atomic<bool> stop = false;
   EXPECT_TRUE(amplifier.Start(stop));
-  VirtualDaq daq(clock, head, seed + 1000);
+  VirtualDaq daq(clock, head, seed + 1000, delay_s);
   auto found = CollectPoints(amplifier, daq, clock, stop, question,
                              [](WindowState, const ReferencePoints&) {});
   return {std::move(found), amplifier.header().metadata};
 }
 
-// seven places from -4 to 4 mm, each held for 4.5 s, 0.5 s of motion between them
-double Stairs(double t_s) {
+// seven places from -4 to 4 mm, each held for `held_s`, 0.5 s of motion between them
+double StairsOf(double t_s, double held_s) {
   constexpr double kPlaces[] = {0, 2e-3, 4e-3, 1.3e-3, -1.3e-3, -4e-3, -2e-3, 0};
-  const auto place = static_cast<std::size_t>(std::clamp(t_s / 5, 0.0, 6.0));
-  const double moved = std::clamp((t_s - 5 * static_cast<double>(place) - 4.5) / 0.5, 0.0, 1.0);
+  const double step_s = held_s + 0.5;
+  const auto place = static_cast<std::size_t>(std::clamp(t_s / step_s, 0.0, 6.0));
+  const double in_step_s = t_s - step_s * static_cast<double>(place);
+  const double moved = std::clamp((in_step_s - held_s) / 0.5, 0.0, 1.0);
   return std::lerp(kPlaces[place], kPlaces[place + 1], place == 6 ? 0 : moved);
 }
+
+double Stairs(double t_s) { return StairsOf(t_s, 4.5); }
 
 TEST(CalibrateReference, GainAndOffsetOfTheDaqAreFoundAndTheirIntervalsHold) {
   int daq_held = 0;
@@ -127,6 +134,19 @@ TEST(CalibrateReference, EveryPointIsAPlaceAtRest) {
   EXPECT_GT(run.found->moving, 0U);
   EXPECT_EQ(run.reference.averages, 16);
   EXPECT_EQ(run.reference.head, "IL-030");
+}
+
+// A DAQ's buffer: its samples of the place before are still when the amplifier is at the next one.
+TEST(CalibrateReference, ADaqThatIsLateIsNotPairedWithTheWrongPlace) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const auto run = Measure([](double t_s) { return StairsOf(t_s, 8); }, seed, {}, 2);
+    ASSERT_TRUE(run.found);
+    const auto points = PointsOf(*run.found, run.reference, 7);
+    ASSERT_TRUE(points);
+    const auto answer = AnswerOf(*points);
+    ASSERT_TRUE(answer);
+    EXPECT_LT(answer->fit.nonlinearity, 10e-6) << "places lie 1.3 mm and more apart";
+  }
 }
 
 TEST(CalibrateReference, ATargetThatMovesIsNotAccepted) {

@@ -49,7 +49,7 @@ Section LineSection(const CalibrationAnswer& answer) {
   farthest.note = fmt::format("of point {} from the line", answer.fit.farthest + 1);
   Item& difference =
       section.Add({"hysteresis_m", "rising less falling", document::kMetre, Form::kUncertain},
-                  MemberOf(answer.fit.hysteresis, &fit::Hysteresis::difference));
+                  document::MemberOf(answer.fit.hysteresis, &fit::Hysteresis::difference));
   if (answer.fit.hysteresis) {
     difference.standard_uncertainty = answer.fit.hysteresis->standard_uncertainty;
   }
