@@ -135,13 +135,14 @@ TEST_F(Calibration, StatedUncertaintiesAreUsed) {
                                  "voltage_standard_uncertainty_mv\n"
                                  "0,1,0.5,1\n1000,1000,0.5,1\n2000,2001,0.5,1\n3000,2999,0.5,2\n");
   const auto document = json::parse(Calibrate({table, "--json"}).out);
-  EXPECT_ABS(document.at("coverage_factor").get<double>(), 1.96, 1e-4, "normal");
+  EXPECT_ABS(document.at("gain_coverage_factor").get<double>(), 1.96, 1e-4, "normal");
   // SciPy 1.10.1, scipy.odr.ODR(RealData(v, y, sx, sy), unilinear), y in mm
   EXPECT_REL(document.at("gain_m_per_v").get<double>(), 1.0002907061e-3, 1e-8,
              "where the search of ODR stops");
   const auto of_options = Calibrate({Pairs("p.csv"), "--voltage-uncertainty", "1mV",
                                      "--displacement-uncertainty", "0.1um", "--json"});
-  EXPECT_ABS(json::parse(of_options.out).at("coverage_factor").get<double>(), 1.96, 1e-4, "normal");
+  EXPECT_ABS(json::parse(of_options.out).at("gain_coverage_factor").get<double>(), 1.96, 1e-4,
+             "normal");
   // noise of ten times what is stated is seen
   const auto beyond = Calibrate({Pairs("p.csv"), "--voltage-uncertainty", "0.1mV"});
   EXPECT_THAT(beyond.out, HasSubstr("times as far as their stated uncertainties explain"));

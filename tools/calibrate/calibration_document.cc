@@ -81,7 +81,7 @@ Section DetailSection(const CalibrationAnswer& answer) {
                          line.covariance),
              3);
   section.Add(document::kDegreesOfFreedom, line.degrees_of_freedom);
-  section.Add({"coverage_factor", "coverage factor"}, line.coverage_95);
+  section.Add({"gain_coverage_factor", "coverage factor"}, line.coverage_95);
   section.Add(document::kBirgeRatio, answer.measured.scatter == fit::Scatter::kStated
                                          ? document::Value(line.birge_ratio)
                                          : document::Value());
