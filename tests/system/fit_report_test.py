@@ -31,6 +31,9 @@ def main():
 
         with browser.page(report) as shown:
             text = shown.text()
+            # as the sentences of JSON have it
+            for sign, plain in zip("µΩ±²", ("u", "ohm", "+-", "^2")):
+                text = text.replace(sign, plain)
             check("2 drops" in shown.title(), shown.title())
             for name, value in answer["parameters"].items():
                 unit = re.escape(value["unit"])

@@ -44,7 +44,7 @@ def main():
             check("driven & on.csv" in shown.title(), shown.title())
             amplitude_um = answer["tone_amplitude_m"] * 1e6
             check(abs(amplitude_um - 50) < 0.5, amplitude_um)
-            shown_rms = re.search(r"vibration \(RMS\)\s+([\d.]+)\(\d+\) um", text)
+            shown_rms = re.search(r"vibration \(RMS\)\s+([\d.]+)\(\d+\)\sµm", text)
             check(shown_rms, text[:500])
             off_um = float(shown_rms.group(1)) - answer["band_rms_m"] * 1e6
             check(abs(off_um) <= answer["band_rms_standard_uncertainty_m"] * 1e6, off_um)
@@ -55,7 +55,7 @@ def main():
             figures = shown.figures()
             check(len(figures) >= 2, figures)
             words = shown.figure_text()
-            for label in ("time / s", "in band / um", "frequency / Hz"):
+            for label in ("time / s", "in band / µm", "frequency / Hz"):
                 check(label in words, f"an axis says {label}: {words}")
 
             shown.check_that_it_is_sound(MOST_PAGES)

@@ -110,8 +110,8 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
 TEST_F(FitImpedanceFiles, ThePlotHoldsSweepFitAndResiduals) {
   EXPECT_EQ(FitImpedance({Sweep("z.csv"), "--plot", directory_ / "z.svg"}).status, 0);
   const std::string svg = Content("z.svg");
-  for (const char* word : {"|Z| / ohm", "phase / deg", "residual / noise",
-                           "units of a point's noise", "magnitude", "frequency / Hz", ">200<"}) {
+  for (const char* word : {"|Z| / Ω", "phase / deg", "residual / noise", "units of a point's noise",
+                           "magnitude", "frequency / Hz", ">200<"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
 }

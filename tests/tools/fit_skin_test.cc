@@ -123,7 +123,8 @@ TEST_F(FitSkinFiles, ThePlotHoldsSweepsFitsAndResiduals) {
   words.insert(words.end(), {"--plot", directory_ / "skin.svg"});
   EXPECT_EQ(FitSkin(words).status, 0);
   const std::string svg = Content("skin.svg");
-  for (const char* word : {"areas.csv (20 mm2)", "amplitude / um", "residual / %", "Ks / N/m"}) {
+  for (const char* word :
+       {"areas.csv (20\u00a0mm²)", "amplitude / µm", "residual / %", "Ks / N/m"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
 }

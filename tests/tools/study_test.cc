@@ -326,7 +326,7 @@ TEST_F(StudyVerb, SaysWhereTheDataComeFrom) {
   EXPECT_THAT(outcome.out, HasSubstr("data: emulated, simulated, imported\n"));
   EXPECT_THAT(ContentOf(methods),
               HasSubstr("emulated (1 trial), imported (4 trials), simulated (1 trial)"));
-  EXPECT_THAT(ContentOf(page), HasSubstr("<td>emulated</td>"));
+  EXPECT_THAT(ContentOf(page), HasSubstr("<td class=\"word\">emulated</td>"));
 }
 
 TEST_F(StudyVerb, ShowsAnIntervalHoweverNarrow) {
@@ -364,15 +364,18 @@ TEST_F(StudyVerb, AWrongQuestionIsWorseThanAMissingTrial) {
   EXPECT_EQ(outcome.status, 2) << outcome.err;
 }
 
-TEST_F(StudyVerb, DrawsAPanelAContrast) {
+TEST_F(StudyVerb, DrawsMeansAndIntervals) {
   WriteNamedTrials();
   const fs::path plot = directory_ / "study.svg";
   const Outcome outcome =
       Study({directory(), "--pattern", "s{subject}_{condition}", "--plot", plot});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string svg = ContentOf(plot);
-  EXPECT_THAT(svg, HasSubstr("b against a: mean and standard deviation over subjects"));
-  EXPECT_THAT(svg, HasSubstr("RMS displacement / um"));
+  for (const char* words :
+       {"RMS displacement / µm", "a subject, mean of its trials", "mean difference / µm",
+        "ratio of geometric means", "b against a, n = "}) {
+    EXPECT_THAT(svg, HasSubstr(words));
+  }
 }
 
 TEST_F(StudyVerb, RefusesWhatIsWrong) {

@@ -116,7 +116,7 @@ TEST(SweepDocument, DrawsAPanelForWhatIsThere) {
   EXPECT_TRUE(SweepSection("sweep.bin", {}, true).figures.empty());
   const auto svg = plot::DrawSvg(panels);
   ASSERT_TRUE(svg);
-  EXPECT_THAT(*svg, HasSubstr("amplitude / um/V"));
+  EXPECT_THAT(*svg, HasSubstr("amplitude / µm/V"));
 }
 
 }  // namespace

@@ -198,12 +198,13 @@ TEST_F(SweepVerb, DrawsOneOrTwoKeys) {
     EXPECT_THAT(Content("p.svg"), HasSubstr(said));
   };
   const std::string hertz = "drive.frequency_hz=100:400:31";
-  drawn({kCone, "--vary", hertz}, "drive.frequency_hz");
-  drawn(kGrid, "skin.stiffness_n_per_m = 1200");
+  drawn({kCone, "--vary", hertz}, "drive frequency / Hz");
+  drawn({kCone, "--vary", hertz}, "skin RMS / µm");
+  drawn(kGrid, "skin stiffness / N/m = 1200");
   drawn({kCone, "--vary", hertz, "--vary", "skin.stiffness_n_per_m=600:2000:15"}, "<image");
   drawn({kCone, "--vary", hertz, "--vary", "skin.stiffness_n_per_m=log:600:2000:15"},
-        "skin.stiffness_n_per_m = 2000");
-  drawn(kSampled, "skin.damping_n_s_per_m");
+        "skin stiffness / N/m = 2000");
+  drawn(kSampled, "skin damping / N s/m");
   drawn({kCone, "--vary", "run.start=rest,steady"}, "steady");
   Outcome outcome = Sweep(kGrid, "s.csv", {"--plot", Path("p.svg"), "--shard", "1/2"});
   EXPECT_EQ(outcome.status, 2);

@@ -274,7 +274,7 @@ TEST(TuneVerb, DrawsTheOptimumAndTheRidge) {
   std::ifstream file(path);
   const std::string svg{std::istreambuf_iterator<char>(file), {}};
   for (const char* said :
-       {"skin side", "the ridge: its best is 0.0", "mover travel / um", "optimised again"}) {
+       {"skin side", "the ridge: its best is 0.0", "mover travel / µm", "optimised again"}) {
     EXPECT_THAT(svg, HasSubstr(said));
   }
   EXPECT_EQ(Tune({"--plot", "tune.txt"}).status, 2);

@@ -282,13 +282,28 @@ void AddSlowMotion(const std::optional<dsp::SlowMotion>& found, Section& section
   section.Add({"tremor_frequency_hz"}, If(slow.tremor_rms.has_value(), slow.tremor_frequency_hz));
 }
 
+// whose recording it is, and what of, for a page
+Section OriginSection(const trial::Metadata& metadata) {
+  Section section{.detail = Detail::kPage};
+  for (const auto& [label, text] : metadata.labels) {
+    section.Add({"", label}, document::TextOrNotKnown(text));
+  }
+  section.Add({"", "recorded"}, document::TextOrNotKnown(metadata.utc_start));
+  section.Add({"", "sensor"},
+              document::TextOrNotKnown(fmt::format(
+                  "{}{}{}", metadata.sensor,
+                  metadata.sensor.empty() || metadata.head.empty() ? "" : " ", metadata.head)));
+  return section;
+}
+
 // shown in the short form only where there are no numbers of the band
 Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysis) {
   const dsp::RecordFacts& record = analysis.record;
   Section section{.heading = analysis.numbers ? "record" : "",
                   .detail = analysis.numbers ? Detail::kAll : Detail::kShort,
                   .is_known = file.analysis.has_value()};
-  if (!file.source.empty()) AddWords(section, "source", file.source);
+  const std::string& source = file.metadata.source;
+  if (!source.empty()) AddWords(section, "source", source);
   section.Add(document::kReadings, record.rows);
   section.Add({"measured", "of which measured"}, record.measured);
   section.Add({"bridged", "interpolated"}, record.bridged);
@@ -564,17 +579,22 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   const dsp::BandNumbers& numbers = analysis.numbers ? *analysis.numbers : no_numbers;
   // an error is on standard error already, so text shows the trial with --all only
   Section trial{.heading = is_alone ? "" : file.path,
-                .detail = file.analysis ? Detail::kShort : Detail::kAll,
-                .figures = file.figures};
+                .detail = file.analysis ? Detail::kShort : Detail::kAll};
   trial.Add(document::kFile, file.path);
   trial.Add(document::kAnswered, analysis.answered);
-  trial.Add({document::kSource.name}, document::TextOrNotKnown(file.source));
+  trial.Add({document::kSource.name}, document::TextOrNotKnown(file.metadata.source));
   if (file.sources.empty()) trial.Add(document::kDataSources, Value());
   trial.sources = file.sources;
-  trial.sections = {AnswerSection(analysis, numbers),        RecordSection(file, analysis),
-                    KnownToneSection(analysis.known_tone),   VibrationSection(analysis, numbers),
-                    BudgetSection(analysis, numbers),        ToneSection(numbers),
-                    SensorSection(analysis, numbers.sensor), MotionSection(numbers.kinematics),
+  trial.sections = {OriginSection(file.metadata),
+                    AnswerSection(analysis, numbers),
+                    Section{.figures = file.figures},
+                    RecordSection(file, analysis),
+                    KnownToneSection(analysis.known_tone),
+                    VibrationSection(analysis, numbers),
+                    BudgetSection(analysis, numbers),
+                    ToneSection(numbers),
+                    SensorSection(analysis, numbers.sensor),
+                    MotionSection(numbers.kinematics),
                     ElectricalSection(numbers.electrical)};
   // after all sections are complete: digits are limited recursively
   LimitDigits(file, trial);

@@ -107,7 +107,7 @@ AnalyzedFile Analyze(const std::string& path, const Job& job) {
   const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return fail(opened.error());
   const trial::Record& head = opened->rows->head();
-  file.source = head.metadata.source;
+  file.metadata = head.metadata;
   file.sources = trial::SourcesOf(head.metadata, opened->report);
   file.findings = opened->report.AllFindings();
   auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);

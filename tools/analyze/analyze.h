@@ -31,7 +31,7 @@ struct AnalyzedFile {
   std::string path;
   std::optional<dsp::BandAnalysis> analysis;
   std::optional<Error> error;              ///< with an analysis: of a table or a drawing of it
-  std::string source;                      ///< metadata.source; empty: the file does not say
+  trial::Metadata metadata;                ///< of the file
   std::vector<trial::DataSource> sources;  ///< of its data
   double step_m = 0;                       ///< of the displacement's source; 0: not known
   trial::Findings findings;        ///< what is lost of it and what was assumed in reading it

@@ -119,7 +119,7 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
                   NameOf(question.window), spectrum.grid.noise_bandwidth_hz,
                   spectrum.grid.segments),
       "frequency / Hz",
-      question.amplitude ? "amplitude / um" : "density / um^2/Hz",
+      question.amplitude ? "amplitude / um" : "density / (um^2/Hz)",
       {{"", plot::Lines(plot::kBlue)}},
       plot::LogAxes::kBoth};
   std::vector<double> values =

@@ -101,8 +101,8 @@ struct Item {
   std::string note{};  ///< said behind the value: "in 20-500 Hz"
 };
 
-/// What of a document a text shows.
-enum class Detail : std::uint8_t { kShort, kAll };
+/// What of a document a text shows; kPage is of a page alone.
+enum class Detail : std::uint8_t { kShort, kAll, kPage };
 
 /// What is drawn into a page, or with all others of the document into one picture.
 struct Figure {

@@ -1,10 +1,12 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "base/error.h"
 #include "base/text.h"
+#include "base/typeset.h"
 #include "tools/document/render.h"
 
 namespace haptometer::document {
@@ -12,27 +14,39 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-// one column that fits a narrow screen and A4; on paper no figure or row is split
+// one column that fits a narrow screen and A4; a number is never split, a wide table scrolls on a
+// screen and is smaller on paper, where no figure or row is split
 constexpr std::string_view kStyle = R"(
-body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #222; max-width: 60rem;
+@page { size: A4; margin: 15mm; }
+body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #222; max-width: 64rem;
        margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.2rem; margin-top: 2rem; border-bottom: 1px solid #ccc; }
-p.subtitle { color: #555; margin-top: .2rem; overflow-wrap: anywhere; }
+p, td { overflow-wrap: anywhere; }
+p.subtitle { color: #555; margin-top: .2rem; }
 p.warning { border-left: .3rem solid #d55e00; background: #fdf3ec; padding: .5rem 1rem; }
 h3 { font-size: 1rem; margin: 1.5rem 0 .3rem; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+div { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; margin-bottom: 1rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .25rem .75rem .25rem 0;
-         border-bottom: 1px solid #e4e4e4; overflow-wrap: anywhere; }
-thead th { border-bottom: 2px solid #888; }
-tbody th { font-weight: normal; color: #555; width: 11rem; }
+         border-bottom: 1px solid #e4e4e4; }
+thead th { border-bottom: 2px solid #888; vertical-align: bottom; }
+tbody th { font-weight: normal; color: #555; width: 11rem; overflow-wrap: anywhere; }
+table.data tbody th { color: inherit; width: auto; }
+table.data .long { min-width: 6rem; overflow-wrap: anywhere; }
+table.data .text, table.data thead th { overflow-wrap: normal; }
+table.data .number { text-align: right; }
+table.data tbody .number, table.data tbody .word { white-space: nowrap; }
 figure { margin: 1.5rem 0; }
 figure svg { width: 100%; height: auto; }
 figcaption { color: #555; font-size: .9rem; }
 @media print {
-  body { margin: 0; max-width: none; font-size: 10pt; }
+  body { margin: 0; padding: 0; max-width: none; font-size: 10pt; }
   figure, tr, p.warning { break-inside: avoid; }
   h2, h3 { break-after: avoid; }
+  div { overflow: visible; }
+  table.data { font-size: 7.5pt; }
+  th, td { padding-right: .4rem; }
 }
 )";
 
@@ -58,6 +72,25 @@ std::string_view SvgElement(std::string_view svg) {
   return begin == std::string_view::npos ? svg : svg.substr(begin);
 }
 
+// How a column is set: numbers to the right and never divided; names of at most 20 characters are
+// not divided either; files and hashes wherever there is no room.
+std::string_view KindOf(const Column& column) {
+  constexpr std::size_t kMostUndivided = 20;
+  if (!column.is_text) return "number";
+  std::size_t longest = 0;
+  std::size_t longest_word = 0;
+  for (const std::string& cell : column.cells) {
+    longest = std::max(longest, cell.size());
+    for (std::size_t begin = 0; begin < cell.size();) {
+      const std::size_t end = std::min(cell.find(' ', begin), cell.size());
+      longest_word = std::max(longest_word, end - begin);
+      begin = end + 1;
+    }
+  }
+  if (longest <= kMostUndivided) return "word";
+  return longest_word > kMostUndivided ? "long" : "text";
+}
+
 // The body of a page while it grows: self-contained, and all text is escaped here.
 struct HtmlWriter {
   std::string body{};
@@ -68,32 +101,42 @@ struct HtmlWriter {
     body += fmt::format("<{}>{}</{}>\n", tag, Escaped(text), tag.substr(0, tag.find(' ')));
   }
 
-  // the first cell of a row is its heading; `header` may be empty
-  void AddRows(const std::vector<std::string>& header, const Rows& rows) {
-    if (header.empty() && rows.empty()) return;
-    body += "<table>\n";
-    if (!header.empty()) {
-      body += "<thead><tr>";
-      for (const std::string& cell : header) {
-        body += fmt::format("<th scope=\"col\">{}</th>", Escaped(cell));
-      }
-      body += "</tr></thead>\n";
-    }
-    body += "<tbody>\n";
+  // labels and values; the first cell of a row is its heading
+  void AddRows(const Rows& rows) {
+    if (rows.empty()) return;
+    body += "<table>\n<tbody>\n";
     for (const std::vector<std::string>& row : rows) {
-      body += fmt::format("<tr><th scope=\"row\">{}</th>", Escaped(row.front()));
-      for (std::size_t i = 1; i < row.size(); ++i) {
-        body += fmt::format("<td>{}</td>", Escaped(row[i]));
+      body += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", Escaped(row[0]),
+                          Escaped(row[1]));
+    }
+    body += "</tbody>\n</table>\n";
+  }
+
+  // a table with a heading for each column; all have the same number of cells
+  void AddColumns(const std::vector<Column>& columns) {
+    if (columns.empty()) return;
+    body += "<div><table class=\"data\">\n<thead><tr>";
+    for (const Column& column : columns) {
+      body += fmt::format("<th scope=\"col\" class=\"{}\">{}</th>", KindOf(column),
+                          Escaped(column.heading));
+    }
+    body += "</tr></thead>\n<tbody>\n";
+    for (std::size_t row = 0; row < columns.front().cells.size(); ++row) {
+      body += "<tr>";
+      for (const Column& column : columns) {
+        const std::string_view tag = &column == &columns.front() ? "th scope=\"row\"" : "td";
+        body += fmt::format("<{} class=\"{}\">{}</{}>", tag, KindOf(column),
+                            Escaped(column.cells[row]), tag.substr(0, 2));
       }
       body += "</tr>\n";
     }
-    body += "</tbody>\n</table>\n";
+    body += "</tbody>\n</table></div>\n";
   }
 
   Result<void> AddFigure(const Figure& figure) {
     HAPTOMETER_LET(const auto svg, plot::DrawSvg(figure.panels));
     body += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
-                        SvgElement(svg), ++figures, Escaped(figure.caption));
+                        SvgElement(svg), ++figures, Escaped(Typeset(figure.caption)));
     return {};
   }
 
@@ -108,7 +151,7 @@ struct HtmlWriter {
 void AddItemRows(const Section& section, Rows& rows) {
   for (const Item& item : section.items) {
     std::string value = item.label.empty() ? "" : ItemText(item);
-    if (!value.empty()) rows.push_back({item.label, std::move(value)});
+    if (!value.empty()) rows.push_back({Typeset(item.label), Typeset(value)});
   }
 }
 
@@ -124,19 +167,18 @@ void HtmlWriter::AddBelow(const Section& table) {
     }
     if (!text.empty()) rows.push_back({below->heading, std::move(text)});
   }
-  AddRows({}, rows);
+  AddRows(rows);
 }
 
 void HtmlWriter::AddTable(const Section& table) {
-  const std::vector<Column> columns = ColumnsOf(table);
-  if (columns.empty()) return;
-  std::vector<std::string> head;
-  Rows rows(table.sections.size());
-  for (const Column& column : columns) {
-    head.push_back(column.heading);
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].push_back(column.cells[k]);
+  std::vector<Column> columns = ColumnsOf(table);
+  for (Column& column : columns) {
+    column.heading = Typeset(column.heading);
+    // a text may be a name, which stays as it is
+    if (column.is_text) continue;
+    for (std::string& cell : column.cells) cell = Typeset(cell);
   }
-  AddRows(head, rows);
+  AddColumns(columns);
 }
 
 Result<void> HtmlWriter::AddSection(const Section& section, int level) {
@@ -145,12 +187,12 @@ Result<void> HtmlWriter::AddSection(const Section& section, int level) {
   // refusals and doubts are marked as warnings and come before the numbers
   for (const Finding& finding : section.findings) {
     Add(finding.severity == Severity::kNote ? "p" : "p class=\"warning\"",
-        FindingText(finding, section.heading));
+        Typeset(FindingText(finding, section.heading)));
   }
   Rows items;
   if (!section.sources.empty()) items.push_back({"data", SourcesText(section.sources)});
   AddItemRows(section, items);
-  AddRows({}, items);
+  AddRows(items);
   for (const Figure& figure : section.figures) HAPTOMETER_TRY(AddFigure(figure));
   if (section.shape == Section::Shape::kTable) {
     AddTable(section);
@@ -171,13 +213,17 @@ Result<std::string> HtmlOf(const Document& document) {
                                                provenance.utc, provenance.command));
   HAPTOMETER_TRY(page.AddSection(document.root, 0));
   // inputs with size and checksum, so that a number can be traced to its file
-  Rows inputs;
+  std::vector<Column> inputs{{.heading = "input file", .is_text = true},
+                             {.heading = "bytes"},
+                             {.heading = "SHA-256", .is_text = true}};
   for (const InputFile& input : provenance.inputs) {
-    inputs.push_back({input.path, fmt::format("{}", input.bytes), input.sha256});
+    inputs[0].cells.push_back(input.path);
+    inputs[1].cells.push_back(fmt::format("{}", input.bytes));
+    inputs[2].cells.push_back(input.sha256);
   }
-  if (!inputs.empty()) {
+  if (!provenance.inputs.empty()) {
     page.Add("h2", "Inputs");
-    page.AddRows({"input file", "bytes", "SHA-256"}, inputs);
+    page.AddColumns(inputs);
   }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

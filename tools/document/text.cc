@@ -91,7 +91,8 @@ Column ColumnOf(const std::vector<Item>& items) {
     std::string cell = Printable(CellText(item, unit));
     if (!is_one && !unit.symbol.empty() && HasValue(item)) cell += fmt::format(" {}", unit.symbol);
     // a column of names and missing values is set to the left, numbers to the right
-    column.is_text &= !item.value.IsKnown() || std::holds_alternative<std::string>(item.value);
+    column.is_text &= !item.value.IsKnown() || std::holds_alternative<std::string>(item.value) ||
+                      std::holds_alternative<std::vector<std::string>>(item.value);
     column.cells.push_back(std::move(cell));
   }
   return column;
@@ -126,7 +127,7 @@ struct TextWriter {
 
   // `width`: of the labels of the section around it; a heading begins a column of its own
   void AddSection(const Section& section, std::size_t indent, std::size_t width) {
-    if (!IsShown(section) || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
+    if (!IsShown(section) || section.detail > detail) return;
     if (!section.heading.empty()) {
       AddLine(indent, section.heading);
       indent += kIndent;

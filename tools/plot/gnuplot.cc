@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/text.h"
+#include "base/typeset.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/script.h"
 
@@ -147,7 +148,11 @@ void AddTicks(const std::vector<Tick>& ticks, Script* script) {
 
 // every setting of the axes is written, so that no panel inherits from the one before
 void AddAxes(const Panel& panel, Script* script) {
-  script->Add(panel.y_from_zero ? Words("set yrange [0:*]\n") : Words("set yrange [*:*]\n"));
+  if (panel.y_range.first < panel.y_range.second) {
+    script->Add("set yrange [{:.9g}:{:.9g}]\n", panel.y_range.first, panel.y_range.second);
+  } else {
+    script->Add(panel.y_from_zero ? Words("set yrange [0:*]\n") : Words("set yrange [*:*]\n"));
+  }
   script->Add(panel.has_margins
                   ? Words("set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n")
                   : Words("unset offsets\n"));
@@ -197,9 +202,12 @@ void AddShadeNames(const Panel& panel, Words separator, Script* script) {
   }
 }
 
+// words with the signs of units
+Quoted Label(std::string_view text) { return Quoted(Typeset(text)); }
+
 void AddPanel(std::size_t number, const Panel& panel, Script* script) {
-  script->Add("set title {}\nset xlabel {}\nset ylabel {}\n{}\n", Quoted(panel.title),
-              Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes));
+  script->Add("set title {}\nset xlabel {}\nset ylabel {}\n{}\n", Label(panel.title),
+              Label(panel.x_label), Label(panel.y_label), LogWords(panel.log_axes));
   AddAxes(panel, script);
   AddShades(panel, script);
   Words separator = "plot";
@@ -211,7 +219,7 @@ void AddPanel(std::size_t number, const Panel& panel, Script* script) {
     if (series.title.empty()) {
       script->Add(" notitle");
     } else {
-      script->Add(" title {}", Quoted(series.title));
+      script->Add(" title {}", Label(series.title));
     }
     separator = ",";
   }
@@ -250,11 +258,8 @@ Script PanelsScript(const MemoryFile& drawing, const Terminal& terminal,
     }
   }
   script.Add("set multiplot layout {},1\n", panels.size());
-  // panels of the same x axis begin at the same place
-  if (std::ranges::any_of(
-          panels, [](const Panel& panel) { return panel.x_range.first < panel.x_range.second; })) {
-    script.Add("set lmargin 11\nset rmargin 3\n");
-  }
+  // panels below each other begin and end at the same place
+  if (!square && panels.size() > 1) script.Add("set lmargin 11\nset rmargin 3\n");
   for (std::size_t p = 0; p < panels.size(); ++p) {
     script.Add(ShapeWords(panels[p]));
     AddPanel(p, panels[p], &script);
@@ -299,8 +304,7 @@ Script MapScript(const MemoryFile& drawing, const Terminal& terminal, const Map&
       "EOD\nset title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
       "set autoscale fix\nset palette defined ({})\n"
       "plot $map using 1:2:3 with image notitle\nunset output\n",
-      Quoted(map.title), Quoted(map.x_label), Quoted(map.y_label), Quoted(map.value_label),
-      kPalette);
+      Label(map.title), Label(map.x_label), Label(map.y_label), Label(map.value_label), kPalette);
   return script;
 }
 

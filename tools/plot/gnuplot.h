@@ -83,6 +83,9 @@ struct Panel {
   /// The axis reaches further by 0.7 of the least distance of two.
   std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
   bool y_from_zero = false;
+  /// The ends of the y axis; as wide as the points where they are equal. For panels that are
+  /// compared.
+  std::pair<double, double> y_range{};
   bool x_from_zero = false;  ///< and a twentieth further than the last point
   /// The ends of the x axis; as wide as the points where they are equal. Panels of the same ends
   /// are aligned.

@@ -189,13 +189,16 @@ plot::Panel MotionPanel(const sim::Waveforms& waves, std::string title, Eigen::I
            Curve("skin", plot::kBlue, waves.skin_m, kUm, first, waves.rate_hz)}};
 }
 
-// current in units of 10 mA, so that both curves share an axis
-plot::Panel ElectricalPanel(const sim::Waveforms& waves) {
-  return {"at the coil",
-          "time / s",
-          "voltage / V, current / 10 mA",
-          {Curve("voltage", plot::kGrey, waves.voltage_v, 1, 0, waves.rate_hz),
-           Curve("current", plot::kOrange, waves.current_a, 10 * kMa, 0, waves.rate_hz)}};
+// voltage and current, each with an axis of its own
+std::vector<plot::Panel> ElectricalPanels(const sim::Waveforms& waves) {
+  return {{"voltage at the coil",
+           "time / s",
+           "voltage / V",
+           {Curve("", plot::kBlue, waves.voltage_v, 1, 0, waves.rate_hz)}},
+          {"current at the coil",
+           "time / s",
+           "current / mA",
+           {Curve("", plot::kOrange, waves.current_a, kMa, 0, waves.rate_hz)}}};
 }
 
 Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
@@ -361,7 +364,7 @@ Result<std::vector<plot::Panel>> WaveformPanels(const sim::Waveforms& waves,
   if (2 * shown < waves.rows() && sim::IsLasting(scene.drive)) {
     panels.push_back(MotionPanel(waves, "its end", waves.rows() - shown - 1));
   }
-  panels.push_back(ElectricalPanel(waves));
+  for (plot::Panel& panel : ElectricalPanels(waves)) panels.push_back(std::move(panel));
   HAPTOMETER_LET(auto spectrum, SpectrumPanel(waves));
   panels.push_back(std::move(spectrum));
   return panels;

@@ -398,6 +398,7 @@ document::Document MatchingDocument(const MatchingResult& result, bool has_figur
 std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
   std::vector<plot::Panel> panels;
   panels.reserve(result.conditions.size());
+  double most_v = 0;
   for (const MatchedCondition& condition : result.conditions) {
     plot::Panel panel;
     // a key in the first panel serves all
@@ -414,13 +415,17 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     panel.title = condition.name;
     panel.x_label = "reference / V";
     panel.y_label = "matched / V";
-    panel.y_from_zero = true;
     panel.series.push_back(
         // the line matched = reference
         {is_first ? "equal" : "", plot::Lines(plot::kGrey, 1, 2), points.x, points.x});
+    for (std::size_t k = 0; k < points.x.size(); ++k) {
+      most_v = std::max({most_v, points.x[k], points.y[k] + points.y_error[k]});
+    }
     panel.series.push_back(std::move(points));
     panels.push_back(std::move(panel));
   }
+  // one axis of voltages for all conditions
+  for (plot::Panel& panel : panels) panel.y_range = {0, 1.05 * most_v};
   return panels;
 }
 

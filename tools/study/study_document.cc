@@ -29,6 +29,7 @@ constexpr Key kBandRms{document::kBandRms.name, "band RMS", document::kMetre,
                        document::Form::kUncertain};
 constexpr Key kOutlying{"outlying"};
 constexpr Key kExcluded{"excluded"};
+constexpr Key kRecorded{"recorded_utc", "recorded / UTC"};
 
 // --- findings ---
 
@@ -324,11 +325,22 @@ void AddPlace(const StudyTrial& trial, Section& row) {
   row.Add(kRepeat, TextOrNotKnown(trial.repeat));
 }
 
+// "2026-11-27 00:50:54" of "2026-11-27T00:50:54.936Z"; another text as it is
+std::string SecondOf(std::string utc) {
+  constexpr std::size_t kToSecond = 19;
+  if (utc.size() < kToSecond || utc[10] != 'T') return utc;
+  utc[10] = ' ';
+  return utc.substr(0, kToSecond);
+}
+
 Section TrialRow(const StudyTrial& trial) {
   Section row{.sources = trial.sources};
   row.Add(Key{document::kFile.name, "file"}, trial.file);
   AddPlace(trial, row);
   row.Add({"", "data"}, TextOrNotKnown(document::SourcesText(trial.sources)));
+  row.Add({kRecorded.name}, TextOrNotKnown(trial.utc_start));
+  row.Add({"", kRecorded.label}, TextOrNotKnown(SecondOf(trial.utc_start)));
+  row.Add({document::kSensor.name}, TextOrNotKnown(trial.sensor));
   row.Add(kAnswered, trial.answered);
   row.Add(kExcluded, trial.excluded);
   row.Add(document::kReasons, ReasonsOf(trial));
@@ -384,6 +396,88 @@ void AddLabelsAlike(const std::string& label, const std::vector<std::string>& na
                                                 {"other", pair.other},
                                                 {"how", std::string(WordsOf(pair.likeness))}});
   }
+}
+
+// --- what a page has and a text does not ---
+
+// a contrast as a row, as a paper prints it
+Section ContrastRow(const Contrast& contrast) {
+  Section row;
+  const auto& test = contrast.difference.test;
+  const auto interval = [](const auto& of) { return of ? Value(of->mean) : Value(); };
+  row.Add({"", "contrast"}, NameOf(contrast.planned));
+  row.Add({"", "n"}, contrast.difference.n);
+  AddMean(row, {"", "difference", document::kMetre}, contrast.difference);
+  row.Add({"", "95 %", document::kMetre}, interval(test),
+          StandardUncertaintyOf(contrast.difference));
+  const dsp::OneSample logs = contrast.ratio ? contrast.ratio->log_ratio : dsp::OneSample{};
+  Value ratios;
+  if (logs.test) ratios = Range{std::exp(logs.test->mean.lower), std::exp(logs.test->mean.upper)};
+  AddRatio(row, {"", "ratio"}, logs);
+  row.Add({"", "95 %"}, ratios, row.items.back().standard_uncertainty);
+  row.Add({"", "t"}, MemberOf(test, &dsp::StudentTest::t)).resolution = 0.01;
+  row.Add({"", "p, Holm"}, contrast.p_holm).resolution = contrast.p_holm.value_or(0) / 10;
+  row.Add({"", "Hedges g"}, MemberOf(contrast.effect, &dsp::EffectSize::hedges_g)).resolution =
+      0.01;
+  return row;
+}
+
+// how many findings of each severity stand below it
+Section RemarksCount(const Section& findings) {
+  Section section{.heading = "what differs, and what to consider", .detail = Detail::kPage};
+  for (const auto& [severity, label] :
+       {std::pair(Severity::kRefusal, "not answered"), std::pair(Severity::kDoubt, "doubts"),
+        std::pair(Severity::kNote, "notes")}) {
+    section.Add({"", label},
+                std::ranges::count(findings.findings, severity, &document::Finding::severity));
+  }
+  return section;
+}
+
+Section DesignSection(const StudyResult& study) {
+  const StudyTable& table = study.table;
+  Section section{.heading = "design", .detail = Detail::kPage};
+  const auto list = [](const std::vector<std::string>& names) {
+    return fmt::format("{}: {}", names.size(), fmt::join(names, ", "));
+  };
+  section.Add({"", "subjects"}, list(table.subjects));
+  section.Add({"", "conditions"}, list(table.conditions));
+  section.Add({"", "trials"}, fmt::format("{}; of a subject in a condition at most {}",
+                                          table.trials.size(), table.repeats));
+  section.Add({"", "contrasts"}, study.planned ? "planned" : "every condition against the first");
+  section.Add({"", "unit of analysis"},
+              "the subject: its trials in a condition are averaged first");
+  std::set<std::string> starts;
+  std::set<std::string> sensors;
+  for (const StudyTrial& trial : table.trials) {
+    if (!trial.utc_start.empty()) starts.insert(SecondOf(trial.utc_start));
+    if (!trial.sensor.empty()) sensors.insert(trial.sensor);
+  }
+  section.Add({"", "recorded"}, starts.empty() ? Value("not stated")
+                                               : Value(fmt::format("{} to {} UTC", *starts.begin(),
+                                                                   *starts.rbegin())));
+  section.Add({"", "sensor"},
+              sensors.empty() ? "not stated" : fmt::format("{}", fmt::join(sensors, ", ")));
+  return section;
+}
+
+Section ExcludedSection(const StudyResult& study) {
+  Section section{
+      .heading = "excluded trials", .shape = Section::Shape::kTable, .detail = Detail::kPage};
+  for (const StudyTrial& trial : study.table.trials) {
+    if (!trial.excluded) continue;
+    Section& row = section.sections.emplace_back();
+    row.Add({"", "file"}, trial.file);
+    AddPlace(trial, row);
+    row.Add({"", "reason"}, *trial.excluded);
+  }
+  return section;
+}
+
+Section MethodsSection(const StudyResult& study) {
+  Section section{.heading = "methods", .detail = Detail::kPage};
+  for (const auto& [label, text] : MethodsOf(study)) section.Add({"", label}, text);
+  return section;
 }
 
 }  // namespace
@@ -471,19 +565,30 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
   root.Add(kUnitOfAnalysis, document::kSubject.name);
   root.Add({kSubjects.name}, table.subjects);
   root.Add(kContrastsPlanned, study.planned);
-  root.sections = {BandSection(study.question.band),
-                   FloorSection(study.question.floor),
-                   FloorsSection(table),
-                   CountsSection(table),
-                   ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
-                   ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray},
-                          study.contrasts, ContrastSection),
-                   AllConditions(study),
-                   ListOf({.name = "missing"}, study.missing, MissingRow),
-                   ListOf({.name = kOutlying.name}, study.outlying, OutlyingRow),
-                   TrialsSection(study)};
-  if (has_figures) root.figures = {{.caption = "conditions", .panels = StudyPanels(study)}};
-  document::AddFindings(root, FindingsOf(study));
+  root.sections = {
+      BandSection(study.question.band),
+      FloorSection(study.question.floor),
+      FloorsSection(table),
+      CountsSection(table),
+      ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
+      ListOf({.heading = "contrasts", .detail = Detail::kPage}, study.contrasts, ContrastRow),
+      ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray}, study.contrasts,
+             ContrastSection)};
+  if (has_figures) {
+    root.sections.push_back(
+        {.figures = {
+             {.caption = "means of the subjects, and the contrasts with their 95 % intervals",
+              .panels = StudyPanels(study)}}});
+  }
+  Section findings;
+  document::AddFindings(findings, FindingsOf(study));
+  for (Section& section : std::vector{
+           RemarksCount(findings), std::move(findings), DesignSection(study), WideTable(study),
+           ExcludedSection(study), MethodsSection(study), AllConditions(study),
+           ListOf({.name = "missing"}, study.missing, MissingRow),
+           ListOf({.name = kOutlying.name}, study.outlying, OutlyingRow), TrialsSection(study)}) {
+    root.sections.push_back(std::move(section));
+  }
   return document;
 }
 
@@ -500,6 +605,8 @@ document::Section LongTable(const StudyResult& study) {
     row.Add(kOutlying, static_cast<int>(is_outlying));
     row.Add(kExcluded, static_cast<int>(trial.excluded.has_value()));
     row.Add(document::kDataSources, document::SourcesText(trial.sources));
+    row.Add(kRecorded, trial.utc_start);
+    row.Add(document::kSensor, trial.sensor);
     row.Add({"remarks"}, fmt::format("{}", fmt::join(remarks, "; ")));
     row.Add(document::kFile, trial.file);
     return row;
@@ -508,81 +615,20 @@ document::Section LongTable(const StudyResult& study) {
 
 // a row per subject: mean and number of trials of each condition
 document::Section WideTable(const StudyResult& study) {
-  Section table{.shape = Section::Shape::kTable};
+  Section table{
+      .heading = "means of the subjects", .shape = Section::Shape::kTable, .detail = Detail::kPage};
   for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
     Section& row = table.sections.emplace_back();
     row.Add(document::kSubject, study.table.subjects[s]);
     for (std::size_t c = 0; c < study.table.conditions.size(); ++c) {
       const Cell& cell = study.table.cells[s][c];
-      row.Add({study.table.conditions[c] + "_mean_m"}, cell.mean_m());
+      row.Add({study.table.conditions[c] + "_mean_m", study.table.conditions[c], document::kMetre},
+              cell.mean_m())
+          .resolution = ResolutionBy(StandardUncertaintyOf(study.further.conditions[c].subjects));
       row.Add({study.table.conditions[c] + "_trials"}, cell.trials.size());
     }
   }
   return table;
-}
-
-namespace {
-
-constexpr double kUm = 1e-6;  // in metres
-
-// the means as bars, their standard deviations over subjects, and each subject as a point
-void AppendCondition(const StudyResult& study, std::size_t condition, double x,
-                     plot::Panel& panel) {
-  const ConditionSummary& summary = study.further.conditions[condition];
-  panel.ticks.push_back({x, summary.name});
-  if (summary.subjects.n == 0) return;
-  const double mean_um = summary.subjects.mean / kUm;
-  panel.series.push_back(
-      {"", plot::Style{.mark = plot::Mark::kBoxes, .colour = plot::kBlue}, {x}, {mean_um}, {}});
-  if (const auto& sd = summary.subjects.standard_deviation) {
-    panel.series.push_back({"",
-                            plot::Style{plot::Mark::kErrorBars, plot::kBlack, 1.5, 1, 0.7},
-                            {x},
-                            // half length of the error bar: one standard deviation
-                            {mean_um},
-                            {*sd / kUm}});
-  }
-  plot::Series points{"", plot::Points(plot::kOrange, 0.5)};
-  const auto& cells = study.table.cells;
-  for (std::size_t s = 0; s < cells.size(); ++s) {
-    const auto mean_m = cells[s][condition].mean_m();
-    if (!mean_m) continue;
-    // side by side within +-0.15 of the bar's centre, in the order of the subjects
-    const double share = (static_cast<double>(s) + 0.5) / static_cast<double>(cells.size());
-    points.x.push_back(x + 0.3 * (share - 0.5));
-    points.y.push_back(*mean_m / kUm);
-  }
-  panel.series.push_back(std::move(points));
-}
-
-plot::Panel EmptyPanel(std::string title) {
-  plot::Panel panel;
-  panel.title = std::move(title);
-  panel.y_label = "RMS displacement / um";
-  panel.y_from_zero = true;
-  return panel;
-}
-
-}  // namespace
-
-std::vector<plot::Panel> StudyPanels(const StudyResult& study) {
-  constexpr std::string_view kWhat = "mean and standard deviation over subjects; points: subjects";
-  std::vector<plot::Panel> panels;
-  panels.reserve(study.contrasts.size());
-  for (const Contrast& contrast : study.contrasts) {
-    panels.push_back(EmptyPanel(fmt::format("{}: {}", NameOf(contrast.planned), kWhat)));
-    double x = 0;
-    for (const auto& name : {contrast.planned.control, contrast.planned.treatment}) {
-      AppendCondition(study, *study.table.Condition(name), x++, panels.back());
-    }
-  }
-  // without contrasts: one panel with all conditions
-  if (!panels.empty()) return panels;
-  panels.push_back(EmptyPanel(std::string(kWhat)));
-  for (std::size_t c = 0; c < study.table.conditions.size(); ++c) {
-    AppendCondition(study, c, static_cast<double>(c), panels.back());
-  }
-  return panels;
 }
 
 }  // namespace haptometer::tools

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dsp/statistics/moments.h"
@@ -34,13 +35,19 @@ namespace haptometer::tools {
 /// A row a subject: mean, and number of trials, of each condition.
 [[nodiscard]] document::Section WideTable(const StudyResult& study);
 
+/// The sentences of that paragraph by what they are of: data, filter, window, corrections,
+/// subjects, tests, outliers, program.
+[[nodiscard]] std::vector<std::pair<std::string_view, std::string>> MethodsOf(
+    const StudyResult& study);
+
 /// The paragraph for the paper: what was measured, excluded, tested and corrected, with every trial
 /// that differs from it and the provenance.
 [[nodiscard]] std::string MethodsText(const StudyResult& study,
                                       const document::Provenance& provenance);
 
-/// Bars of the conditions' means with standard deviations over subjects, the subjects as points: a
-/// panel a contrast.
+/// Bars of the conditions' means with standard deviations over subjects, and a line for each
+/// subject from control to treatment; then differences and ratios of the contrasts with their 95 %
+/// intervals and numbers of subjects. Panels of one quantity have one axis.
 [[nodiscard]] std::vector<plot::Panel> StudyPanels(const StudyResult& study);
 /// Matched against reference voltage, mean and standard deviation over subjects, a panel a
 /// condition.

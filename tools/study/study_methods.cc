@@ -164,13 +164,26 @@ std::string ExceptionsText(const StudyResult& study) {
 
 }  // namespace
 
-std::string MethodsText(const StudyResult& study, const document::Provenance& provenance) {
+std::vector<std::pair<std::string_view, std::string>> MethodsOf(const StudyResult& study) {
   const std::size_t all = study.CountAnswered([](const StudyTrial& /*any*/) { return true; });
-  return fmt::format(
-      "## Methods\n\n{}{}{}{}{}{}{}Computed with haptometer {}.\n\n{}\nProvenance:\n\n{}",
-      DataText(study), FilterText(study), WindowText(study, all), CorrectionsText(study),
-      SubjectsText(study, all), ContrastsText(study), OutliersText(), provenance.version,
-      ExceptionsText(study), document::CommentOf(provenance, "- "));
+  std::vector<std::pair<std::string_view, std::string>> methods{
+      {"data", DataText(study)},
+      {"filter", FilterText(study)},
+      {"window", WindowText(study, all)},
+      {"corrections", CorrectionsText(study)},
+      {"subjects", SubjectsText(study, all)},
+      {"tests", ContrastsText(study)},
+      {"outliers", OutliersText()},
+      {"program", fmt::format("Computed with haptometer {}.", HAPTOMETER_VERSION)}};
+  std::erase_if(methods, [](const auto& part) { return part.second.empty(); });
+  return methods;
+}
+
+std::string MethodsText(const StudyResult& study, const document::Provenance& provenance) {
+  std::string paragraph;
+  for (const auto& [label, text] : MethodsOf(study)) paragraph += text;
+  return fmt::format("## Methods\n\n{}\n\n{}\nProvenance:\n\n{}", paragraph, ExceptionsText(study),
+                     document::CommentOf(provenance, "- "));
 }
 
 }  // namespace haptometer::tools

@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
+#include "tools/document/number_text.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/sweep/sweep.h"
 
@@ -23,6 +24,27 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<plot::Colour, kMostCurves> kColours{
     plot::kBlue,   plot::kOrange,  plot::kGreen, plot::kPurple,
     plot::kYellow, plot::kSkyBlue, plot::kBlack, plot::kGrey};
+
+// a column as an axis names it, "drive frequency / Hz" of "drive.frequency_hz", and the factor of
+// its numbers; `largest` chooses the unit
+struct Axis {
+  std::string label;
+  double factor = 1;
+};
+
+Axis AxisOf(const std::string& name, const std::vector<double>& values) {
+  const document::Unit unit = document::UnitOfName(name);
+  double largest = 0;
+  for (const double value : values) {
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  }
+  const document::SpokenUnit spoken = unit.For(largest);
+  Axis axis{name.substr(0, name.size() - unit.ending.size()), spoken.factor};
+  std::ranges::replace_if(axis.label, [](char c) { return c == '.' || c == '_'; }, ' ');
+  if (axis.label.ends_with(" rms")) axis.label.replace(axis.label.size() - 3, 3, "RMS");
+  if (!spoken.symbol.empty()) axis.label += fmt::format(" / {}", spoken.symbol);
+  return axis;
+}
 
 double NumberOrNaN(const std::string& cell) { return NumberFrom<double>(cell).value_or(kNaN); }
 
@@ -44,13 +66,23 @@ struct KeyColumn {
     return std::ranges::all_of(
         texts, [](const std::string& text) { return std::isfinite(NumberOrNaN(text)); });
   }
-  // positions of the values on the axis: numbers, or 0, 1, 2 ... for texts
-  [[nodiscard]] std::vector<double> Positions() const {
+  // the values as numbers, or 0, 1, 2 ... for texts
+  [[nodiscard]] std::vector<double> Numbers() const {
     const bool are_numbers = AreNumbers();
-    std::vector<double> positions(texts.size());
+    std::vector<double> numbers(texts.size());
     for (std::size_t k = 0; k < texts.size(); ++k) {
-      positions[k] = are_numbers ? NumberOrNaN(texts[k]) : static_cast<double>(k);
+      numbers[k] = are_numbers ? NumberOrNaN(texts[k]) : static_cast<double>(k);
     }
+    return numbers;
+  }
+  [[nodiscard]] Axis axis() const {
+    return AreNumbers() ? AxisOf(name, Numbers()) : AxisOf(name, {});
+  }
+  // positions of the values on the axis, in its unit
+  [[nodiscard]] std::vector<double> Positions() const {
+    std::vector<double> positions = Numbers();
+    const double factor = AreNumbers() ? axis().factor : 1;
+    for (double& position : positions) position *= factor;
     return positions;
   }
 };
@@ -58,14 +90,14 @@ struct KeyColumn {
 // the table's columns that a picture needs
 struct SweepColumns {
   bool is_sampled = false;
-  std::string column{};
+  std::string label{};  // of the column that is drawn, with its unit
   std::vector<KeyColumn> keys{};
   std::vector<double> values{};  // NaN: not answered
 };
 
 SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
   const TableHeader& header = reader.header();
-  SweepColumns columns{.column = column};
+  SweepColumns columns;
   for (std::size_t k = 0; k < header.varied; ++k) {
     KeyColumn key;
     key.name = header.columns[k + 1];
@@ -88,11 +120,14 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
     for (std::size_t k = 0; k < header.varied; ++k) columns.keys[k].Take(cells[k + 1]);
     columns.values.push_back(NumberOrNaN(cells[place]));
   }
+  const Axis axis = AxisOf(column, columns.values);
+  columns.label = axis.label;
+  for (double& value : columns.values) value *= axis.factor;
   return columns;
 }
 
-plot::Panel PanelOver(const KeyColumn& key, const std::string& column) {
-  plot::Panel panel{.x_label = key.name, .y_label = column};
+plot::Panel PanelOver(const KeyColumn& key, const std::string& label) {
+  plot::Panel panel{.x_label = key.axis().label, .y_label = label};
   panel.log_axes = key.is_logarithmic ? plot::LogAxes::kX : plot::LogAxes::kNone;
   if (key.AreNumbers()) return panel;
   // texts are names at the ticks
@@ -129,14 +164,17 @@ plot::Style StyleOf(const SweepColumns& columns, std::size_t curve) {
 
 // one panel with a curve for each value of `other`, uniformly chosen where there are more than 8
 plot::Panel CurvesOver(const KeyColumn& key, const KeyColumn& other, const SweepColumns& columns) {
-  plot::Panel panel = PanelOver(key, columns.column);
+  plot::Panel panel = PanelOver(key, columns.label);
   const std::size_t curves = std::min(other.texts.size(), kMostCurves);
   for (std::size_t k = 0; k < curves; ++k) {
     // first and last value are always among the chosen ones
     const std::size_t value = curves < 2 ? 0 : k * (other.texts.size() - 1) / (curves - 1);
     plot::Series series =
         SeriesOver(key, columns, [&](std::size_t row) { return other.of_row[row] == value; });
-    series.title = fmt::format("{} = {}", other.name, other.texts[value]);
+    const double position = other.Positions()[value];
+    series.title =
+        fmt::format("{} = {}", other.axis().label,
+                    other.AreNumbers() ? fmt::format("{:.6g}", position) : other.texts[value]);
     series.style = StyleOf(columns, k);
     panel.series.push_back(std::move(series));
   }
@@ -159,9 +197,9 @@ plot::Map MapOf(const SweepColumns& columns) {
   const KeyColumn& up = columns.keys[1];
   const std::vector<double> x = across.Positions();
   const std::vector<double> y = up.Positions();
-  plot::Map map{.x_label = across.name,
-                .y_label = up.name,
-                .value_label = columns.column,
+  plot::Map map{.x_label = across.axis().label,
+                .y_label = up.axis().label,
+                .value_label = columns.label,
                 .x_start = x[0],
                 .x_step = x[1] - x[0],
                 .y_start = y[0],
@@ -178,7 +216,7 @@ Result<void> DrawPoints(const std::string& path, const SweepColumns& columns) {
   std::vector<plot::Panel> panels;
   panels.reserve(columns.keys.size());
   for (const KeyColumn& key : columns.keys) {
-    plot::Panel panel = PanelOver(key, columns.column);
+    plot::Panel panel = PanelOver(key, columns.label);
     panel.series.push_back(SeriesOver(key, columns, [](std::size_t) { return true; }));
     panel.series.back().style = StyleOf(columns, 0);
     panels.push_back(std::move(panel));

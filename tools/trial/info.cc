@@ -188,7 +188,8 @@ Section StretchesSection(const Record& record) {
     row.Add(document::kRows, stretch.rows);
     row.Add({"start_s", "start", document::kSecond}, stretch.start_s);
     row.Add(document::kRate, stretch.rate_hz);
-    row.Add(document::kTimeUncertainty, stretch.time_uncertainty_s);
+    row.Add(document::kTimeUncertainty, stretch.time_uncertainty_s).resolution =
+        stretch.time_uncertainty_s / 10;
   }
   return list;
 }
@@ -261,6 +262,7 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   double worst_s = 0;
   for (const Stretch& of : record.stretches) worst_s = std::max(worst_s, of.time_uncertainty_s);
   Item& uncertainty = section.Add(document::kTimeUncertainty, worst_s);
+  uncertainty.resolution = worst_s / 10;
   if (record.timing == trial::Timing::kUniform) uncertainty.label.clear();
   section.Add({"", "file"}, FileText(report));
   section.Add({"rows_lost"}, report.RowsLost());

@@ -246,9 +246,10 @@ TEST(HtmlOf, ADocumentIsAPageWithEverything) {
   ASSERT_TRUE(html);
   for (const char* said :
        {"<h1>Vibration of two trials</h1>", "haptometer 1.2, 2026-11-23T05:06:07Z: haptometer",
-        "<th scope=\"row\">vibration</th><td>12.35(10) um, in 20-500 Hz</td>",
+        "<th scope=\"row\">vibration</th><td>12.35(10)\u00a0µm, in 20-500\u00a0Hz</td>",
         "<p class=\"warning\">doubt: a.bin: 48 readings are few</p>", "Figure 1. a ramp",
-        "<th scope=\"col\">vibration / um</th>", "<h2>Budget</h2>", "<h2>Inputs</h2>"}) {
+        "<th scope=\"col\" class=\"number\">vibration / µm</th>", "<h2>Budget</h2>",
+        "<h2>Inputs</h2>"}) {
     EXPECT_THAT(*html, HasSubstr(said));
   }
   EXPECT_THAT(*html, Not(HasSubstr("Onset")));

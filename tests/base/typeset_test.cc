@@ -1,0 +1,39 @@
+#include "base/typeset.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+namespace haptometer {
+namespace {
+
+constexpr const char* kBlank = "\u00a0";
+
+TEST(Typeset, UnitsHaveTheirSignsAndStayWithTheirNumbers) {
+  const std::string blank = kBlank;
+  for (const auto& [plain, set] :
+       {std::pair<std::string, std::string>{"12.3(4) um", "12.3(4)" + blank + "µm"},
+        {"RMS / um", "RMS / µm"},
+        {"10 um/V; 95 %: 9 to 11 um/V",
+         "10" + blank + "µm/V; 95" + blank + "%: 9 to 11" + blank + "µm/V"},
+        {"density / (um^2/Hz)", "density / (µm²/Hz)"},
+        {"area / mm2", "area / mm²"},
+        {"acceleration / m/s^2", "acceleration / m/s²"},
+        {"130 uH, 27 ohm", "130" + blank + "µH, 27" + blank + "Ω"},
+        {"225 Hz +- 1 Hz", "225" + blank + "Hz ± 1" + blank + "Hz"}}) {
+    EXPECT_EQ(Typeset(plain), set);
+    EXPECT_EQ(Typeset(set), set) << "once is enough";
+  }
+}
+
+TEST(Typeset, OtherWordsStayAsTheyAre) {
+  for (const char* text :
+       {"", "um", "12 um.csv", "4 subjects", "16 trials", "um umbrella", "3 umbrellas", "a um",
+        "day1/m.csv", "/home/um/x", "x/y", "5 gaps", "2 Hz_x"}) {
+    EXPECT_EQ(Typeset(text), text);
+  }
+}
+
+}  // namespace
+}  // namespace haptometer
