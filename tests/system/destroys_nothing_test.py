@@ -24,7 +24,8 @@ from programs import DEADLINE_S, check, program, run
 HAPTOMETER = program("haptometer")
 FIXTURES = os.path.abspath("fixtures")
 
-# options that name a file or folder to read; emulate --link is tested apart
+# options that name a file or folder to read; emulate --link and session pack, which replaces nothing
+# (session_pack_test.py), are tested apart
 READS = {
     "acquire": {"--port", "--calibration", "--profile", "--daemon", "--status"},
     "analyze": {"--floor", "--calibration"},
@@ -39,6 +40,7 @@ READS = {
     "plan-drop-test": {"--actuator"},
     "fit-skin": {"--actuator"},
     "sweep": {"--merge"},
+    "session pack": {"-o", "--output"},
     "emulate": {"--scene", "--trial", "--profile", "--link", "--analog", "--calibration"},
 }
 PLACEHOLDER_OF_FILE = re.compile(r"FILE|DIR|PATH|TABLES|SOCKET|^PORT$|\.(csv|toml|html|json|md|svg|h5|bin)")

@@ -11,17 +11,38 @@
 #include <span>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/input_file.h"
 #include "base/text.h"
 #include "tools/cli/terminal.h"
 
 namespace haptometer::document {
 
+struct Sha256::State {
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {
+  HAPTOMETER_CHECK(EVP_DigestInit_ex(state_->hash.get(), EVP_sha256(), nullptr) == 1,
+                   "libcrypto has no SHA-256");
+}
+Sha256::~Sha256() = default;
+
+void Sha256::Add(std::string_view bytes) {
+  EVP_DigestUpdate(state_->hash.get(), bytes.data(), bytes.size());
+}
+
+std::string Sha256::Hex() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned length = 0;
+  EVP_DigestFinal_ex(state_->hash.get(), digest.data(), &length);
+  return fmt::format("{:02x}", fmt::join(std::span(digest.data(), length), ""));
+}
+
 std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash(EVP_MD_CTX_new(),
-                                                                     &EVP_MD_CTX_free);
+  Sha256 hash;
   std::ifstream file(path, std::ios::binary);
-  if (!hash || EVP_DigestInit_ex(hash.get(), EVP_sha256(), nullptr) != 1 || !file) return {};
+  if (!file) return {};
   // pieces of 256 KiB: a trial may exceed the memory
   std::vector<char> piece(1 << 18);
   std::uint64_t left = first_bytes;
@@ -29,16 +50,13 @@ std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {
     const auto size = std::min<std::uint64_t>(piece.size(), left);
     file.read(piece.data(), static_cast<std::streamsize>(size));
     const auto got = static_cast<std::uint64_t>(file.gcount());
-    EVP_DigestUpdate(hash.get(), piece.data(), got);
+    hash.Add({piece.data(), got});
     left -= got;
     if (got < size) break;
   }
   const bool is_whole = first_bytes == std::numeric_limits<std::uint64_t>::max() || left == 0;
   if (file.bad() || !is_whole) return {};
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned length = 0;
-  EVP_DigestFinal_ex(hash.get(), digest.data(), &length);
-  return fmt::format("{:02x}", fmt::join(std::span(digest.data(), length), ""));
+  return hash.Hex();
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +28,23 @@ struct Provenance {
   std::vector<InputFile> inputs{};
 };
 
-/// SHA-256 (FIPS 180-4) in hexadecimal of the file, or of its first bytes; empty where it cannot be
+/// SHA-256 (FIPS 180-4) of bytes that come in pieces.
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+  void Add(std::string_view bytes);
+  /// In hexadecimal, of all that was added; once.
+  [[nodiscard]] std::string Hex();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// SHA-256 in hexadecimal of the file, or of its first bytes; empty where it cannot be
 /// read or is shorter than a stated number of bytes. Some 0.5 s a GB.
 [[nodiscard]] std::string Sha256Of(
     const std::string& path, std::uint64_t first_bytes = std::numeric_limits<std::uint64_t>::max());

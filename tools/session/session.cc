@@ -24,6 +24,7 @@
 #include "tools/session/decisions.h"
 #include "tools/session/imported_trial.h"
 #include "tools/session/session_folder.h"
+#include "tools/session/session_pack.h"
 #include "tools/session/session_run.h"
 #include "tools/session/session_source.h"
 #include "tools/session/trial_headers.h"
@@ -573,7 +574,9 @@ constexpr auto kWords = std::to_array<cli::VerbWord>(
      {"floor", RunFloor, kFloorText.summary, kFloorText.examples[0]},
      {"note", RunNote, kNoteText.summary, kNoteText.examples[0]},
      {"skip", RunSkip, kSkipText.summary, kSkipText.examples[0]},
-     {"status", RunStatus, kStatusText.summary, kStatusText.examples[0]}});
+     {"status", RunStatus, kStatusText.summary, kStatusText.examples[0]},
+     {"pack", RunSessionPack, kSessionPackText.summary, kSessionPackText.examples[0]},
+     {"verify", RunSessionVerify, kSessionVerifyText.summary, kSessionVerifyText.examples[0]}});
 
 }  // namespace
 

@@ -1,12 +1,11 @@
+#include "tools/study/study.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -49,18 +48,18 @@ constexpr std::string_view kReportHelp = "Write a page with everything";
 
 // the command line as it was typed
 struct Wanted {
-  std::string source;
-  std::vector<std::string> contrasts;
-  std::string pattern;
-  cli::BandWords band;
-  std::string floor;
-  document::Outputs outputs;
-  std::string table;
-  std::string wide;
-  std::string methods;
-  std::string verify;
+  std::string source{};
+  std::vector<std::string> contrasts{};
+  std::string pattern{};
+  cli::BandWords band{};
+  std::string floor{};
+  document::Outputs outputs{};
+  std::string table{};
+  std::string wide{};
+  std::string methods{};
+  std::string verify{};
   bool overwrite = false;
-  cli::ImportWords import;
+  cli::ImportWords import{};
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
@@ -243,87 +242,17 @@ Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc
   return write(wanted.methods, cli::kMethodsOutput, [&] { return MethodsText(study, provenance); });
 }
 
-// --- verification ---
-
-using Json = nlohmann::json;
-
-// relative; last digits differ with the mathematical library of another processor
-constexpr double kTolerance = 1e-9;
-
-// keys of earlier versions, and their present names
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{
-    {{"ratio_interval", "ratio_interval_95"},
-     {"mean_difference_interval_m", "mean_difference_interval_95_m"},
-     {"effect_interval", "effect_interval_95"},
-     {"ratio_of_means_interval", "ratio_of_means_interval_95"},
-     {"mean_interval_m", "mean_interval_95_m"},
-     {"icc_interval", "icc_interval_95"},
-     {"log_slope_interval", "log_slope_per_trial_interval_95"}}};
-
-// text, and the origin of the document: not numbers of the answer
-constexpr std::array<std::string_view, 4> kNotCompared{"provenance", "findings", "reasons",
-                                                       "deviations"};
-
-// the name of the present version for a key of an earlier one
-std::string_view PresentName(const std::string& key) {
-  const auto* found = std::ranges::find(kRenamed, key, [](const auto& pair) { return pair.first; });
-  return found == kRenamed.end() ? std::string_view(key) : found->second;
-}
-
-bool IsSame(const Json& a, const Json& b) {
-  // texts, lists and booleans have to be equal, numbers within the tolerance
-  if (!a.is_number() || !b.is_number()) return a == b;
-  const double x = a.get<double>();
-  const double y = b.get<double>();
-  // relative to the larger, so that the order of the two does not matter
-  return std::abs(x - y) <= kTolerance * std::max(std::abs(x), std::abs(y));
-}
-
-// a sentence for each part of `before`, at `place`, that is missing or different in `now`
-void Compare(const Json& before, const Json& now, const std::string& place,
-             std::vector<std::string>& differences) {
-  if (before.is_object() && now.is_object()) {
-    // keys that only the new document has are no difference
-    for (const auto& [key, part] : before.items()) {
-      if (std::ranges::count(kNotCompared, key) > 0) continue;
-      const auto found = now.find(PresentName(key));
-      const std::string inner = fmt::format("{}/{}", place, key);
-      if (found == now.end()) {
-        differences.push_back(inner + " is gone");
-      } else {
-        Compare(part, *found, inner, differences);
-      }
-    }
-  } else if (before.is_array() && now.is_array()) {
-    if (now.size() != before.size()) {
-      differences.push_back(
-          fmt::format("{} had {} entries, has {}", place, before.size(), now.size()));
-    }
-    // elements in common are compared even if the lengths differ
-    for (std::size_t k = 0; k < std::min(before.size(), now.size()); ++k) {
-      Compare(before[k], now[k], fmt::format("{}/{}", place, k), differences);
-    }
-  } else if (!IsSame(before, now)) {
-    differences.push_back(fmt::format("{} was {}, is {}", place, before.dump(), now.dump()));
-  }
-}
-
 // the exit status: 0 where nothing differs
 Result<int> Verify(const std::string& path, const document::Document& document) {
   HAPTOMETER_LET(const auto earlier, ReadInputFile(path));
-  const Json before = Json::parse(earlier, nullptr, false);
-  if (before.is_discarded() || !before.is_object()) {
-    return CannotAnswer(path, "is not a JSON document", "give what study --json printed");
-  }
-  std::vector<std::string> differences;
-  Compare(before, Json::parse(document::JsonOf(document)), "", differences);
-  for (const std::string& difference : differences) {
+  HAPTOMETER_LET(const auto compared, CompareResults(earlier, path, document));
+  for (const std::string& difference : compared.differences) {
     cli::Remark(kVerb, fmt::format("{}: {}", path, difference));
   }
-  cli::Remark(kVerb, differences.empty()
+  cli::Remark(kVerb, compared.differences.empty()
                          ? fmt::format("{}: every number is the same again", path)
-                         : fmt::format("{}: {} differences", path, differences.size()));
-  return differences.empty() ? 0 : 1;
+                         : fmt::format("{}: {} differences", path, compared.differences.size()));
+  return compared.differences.empty() ? 0 : 1;
 }
 
 int RunStudyTrials(int argc, const char* const* argv) {
@@ -426,6 +355,12 @@ int RunStudyLinearity(int argc, const char* const* argv) {
 }
 
 }  // namespace
+
+Result<StudyResult> StudyOfFolder(const std::string& folder) {
+  const Wanted wanted{.source = folder};
+  HAPTOMETER_LET(const auto task, TaskOf(wanted));
+  return Answer(wanted, task);
+}
 
 int RunStudy(int argc, const char* const* argv) {
   // the second word selects the verb: matching, linearity, else a study of trials
