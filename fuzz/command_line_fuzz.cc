@@ -36,6 +36,7 @@ const std::vector<Verb>& Verbs() {
                                        {tools::RunCalibrate, {"calibrate"}},
                                        {tools::RunSession, {"session", "new"}},
                                        {tools::RunSession, {"session", "relabel"}},
+                                       {tools::RunSession, {"session", "redo"}},
                                        {tools::RunTrial, {"trial", "info"}},
                                        {tools::RunTrial, {"trial", "label"}},
                                        {tools::RunTrial, {"trial", "exclude"}},

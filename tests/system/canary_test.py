@@ -257,6 +257,7 @@ def sessions(run):
         if made:
             run("session", "next", f"s{number}", statuses=(0, 3))
             run("session", "reject", f"s{number}", "--reason", name or "x", statuses=(0, 2))
+            run("session", "accept", f"s{number}", "--reason", name or "x", statuses=(0, 2))
             run("session", "status", f"s{number}", "--all")
             run("session", "status", f"s{number}", "--json")
     run("session", "new", "s", "--conditions", "a", *words)

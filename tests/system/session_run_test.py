@@ -44,6 +44,10 @@ def ended(folder, cell):
             and (line["subject"], line["condition"], line["repeat"]) == cell][-1]
 
 
+def name_of(cell):
+    return f"subject {cell['subject']}, {cell['condition']}, repeat {cell['repeat']}"
+
+
 def new(folder, *words, source=()):
     run("session", "new", folder, *words, *source)
     return folder
@@ -71,7 +75,11 @@ def keys(directory):
         terminal.wait_for("cell 1 of 6 +subject 1, floor +attempt 1")
         # of the scene the drive is on
         record(terminal, " ", "BAD", "subject 1, floor")
-        terminal.wait_for("a drive is on")
+        terminal.wait_for("a drive is on\n +it comes again next; s skips it")
+        terminal.wait_for("cell 1 of 6 +subject 1, floor +attempt 2")
+        terminal.type("sno switch\r")
+        terminal.wait_for("skipped: subject 1, floor")
+        terminal.wait_for("cell 2 of 6 +subject 1, stock")
         record(terminal, "\r", "GOOD", "subject 1, stock, repeat 1")
         record(terminal, "r", "GOOD", "subject 1, stock, repeat 1")
         check(log(folder)[-1]["attempt"] == "2", "redo is a new attempt")
@@ -87,6 +95,12 @@ def keys(directory):
         check(log(folder)[-1]["reason"] == "finger slipped d", log(folder)[-1])
         terminal.wait_for("BAD +subject 1, stock, repeat 1(?s:.)*rejected: finger slipped d")
         check(status(folder)["bad"] == 1, status(folder))
+        terminal.type("awrong key\r")
+        terminal.wait_for("accepted: subject 1, stock, repeat 1, attempt 2")
+        terminal.wait_for("GOOD +subject 1, stock, repeat 1")
+        check(status(folder)["bad"] == 0 and status(folder)["good"] == 1, status(folder))
+        terminal.type("xslipped\r")
+        terminal.wait_for("BAD +subject 1, stock, repeat 1(?s:.)*rejected: slipped")
         record(terminal, "r", "GOOD", "subject 1, stock, repeat 1")
         terminal.type("nsubject speaks, quits\r")
         terminal.wait_for("of subject 1, stock, repeat 1")
@@ -98,12 +112,28 @@ def keys(directory):
         check(status(folder)["bad"] == 1, "its own cell has the rejected attempt alone")
         terminal.type("l\rstock\r\rwas not\r")
         terminal.wait_for("is now subject 1, stock, repeat 1")
-        terminal.type("l9\r\r\rno such\r")
-        terminal.wait_for("is not in the plan")
+        # what is not in the plan is refused when it is typed
+        terminal.type("l9\r")
+        terminal.wait_for("subject \\(empty: as it is\\): 9_(?s:.)*9 is not in the plan")
+        terminal.type("\x7f1\rcane\r")
+        terminal.wait_for("cane is not in the plan")
+        terminal.type("\x7f" * 4 + "cone\r2\r")
+        terminal.wait_for("2 is not in the plan")
+        terminal.type("\x1b")
+        terminal.wait_for("SPACE record")
+        terminal.type("l\r--floor\rno drive\r")
+        terminal.wait_for("is now subject 1, floor: BAD \\(relabelled: no drive; a drive is on\\)")
+        terminal.type("l\rstock\r\rit had one\r")
+        terminal.wait_for("is now subject 1, stock, repeat 1: GOOD")
+        # an attempt was of the floor, so that one is not skipped any more
+        terminal.type("sstill none\r")
+        terminal.wait_for("cell 3 of 6 +subject 1, cone")
         terminal.type("scone is broken\r")
         terminal.wait_for("skipped: subject 1, cone, repeat 1")
         terminal.wait_for("cell 4 of 6 +subject 2, floor")
         record(terminal, "f", "BAD", "subject 2, floor")
+        terminal.type("sno switch\r")
+        terminal.wait_for("skipped: subject 2, floor")
         record(terminal, " ", "GOOD", "subject 2, stock, repeat 1")
         record(terminal, " ", "GOOD", "subject 2, cone, repeat 1")
         terminal.type("q")
@@ -159,6 +189,7 @@ def device(directory, away_s=3):
         terminal.wait_for("the device is not there")
         emulator = Emulator(*words)
         terminal.wait_for(": ready")
+        check("is not there" not in terminal.screen, terminal.screen)
         terminal.type(" ")
         terminal.wait_for("GOOD +subject 1, a, repeat 1")
         terminal.wait_for(": ready")
@@ -256,15 +287,19 @@ def ending(directory):
     # q stops a recording, and its cell comes again
     with Terminal("session", "run", folder) as terminal:
         terminal.wait_for(": ready")
-        cell = terminal.wait_for("subject 1, a, repeat \\d+")[0]
+        # those that were stopped before were of the same cell
+        found = terminal.wait_for("(subject 1, a, repeat 1) +attempt (\\d+)")
+        cell, attempt = found[1], int(found[2])
         terminal.type(" ")
         terminal.wait_for("RECORDING")
         terminal.type("q")
         terminal.wait_for(f"BAD +{cell}")
         terminal.wait_for("it comes again next")
-        terminal.wait_for(f"{cell} +attempt 2")
+        terminal.wait_for(f"{cell} +attempt {attempt + 1}")
+        check(name_of(status(folder)["next"]) == cell, "and so it does in scripts")
         terminal.type("q")
         check(terminal.end() == 0, terminal.text)
+    check(name_of(status(folder)["next"]) == cell, "also when it is left")
 
 
 # asks the kernel itself: a sanitizer asks for the time before anything can be looked up
@@ -404,16 +439,28 @@ def folder_source(directory):
     broken = next_file(folder, 3)
     check(broken["verdict"] == "BAD" and "broken.csv" in broken["reasons"][0], broken)
     check("broken.csv" in ended(folder, ("1", "b", "2"))["reason"], log(folder)[-1])
+    check(status(folder)["findings"] == [], "that it has no file is said by its attempt")
+    run("session", "relabel", folder, "--condition", "a", "--reason", "x")
+    run("session", "relabel", folder, "--condition", "b", "--reason", "y")
+    check("broken.csv" in status(folder)["attempts"][-1]["reasons"], status(folder)["attempts"][-1])
+    # an empty one is named
+    write(f"{daq}/empty.csv", "")
+    said = run("session", "next", folder, "--wait", "2s", status=3).stderr
+    check("empty.csv is empty" in said and "no new file" not in said, said)
     # redo takes the next file for the same cell
     write(f"{daq}/again.csv", table(noise=5))
     again = json.loads(run("session", "redo", folder, "--json").stdout)
     check((again["condition"], again["repeat"], again["attempt"]) == ("b", 2, 2), again)
     # the same name with another content is a new trial; one that goes on is a new attempt of its cell
     write(f"{daq}/again.csv", table(noise=6, seconds=0.7))
-    other = next_file(folder, 0)
+    other = next_file(folder, 3)
     check((other["subject"], other["attempt"]) == ("2", 1), other)
-    write(f"{daq}/again.csv", table(noise=6, seconds=0.7) + "0.7000,0.1\n")
-    continued = next_file(folder, 0)
+    check(other["reasons"] == ["it ended after 0.7 of 1.5 s"], other)
+    write(f"{daq}/again.csv", table(noise=6))
+    # the cell that is recorded is announced
+    said = run("session", "next", folder, "--wait", "20s", "--json")
+    continued = json.loads(said.stdout)
+    check("again.csv, which continues one of before: " + name_of(continued) in said.stderr, said.stderr)
     check((continued["subject"], continued["condition"], continued["attempt"]) == ("2", other["condition"], 2), continued)
     # killed while it waits, and between its lines: the file is taken once
     killed_while_importing(folder, daq)
@@ -575,11 +622,11 @@ def recorded(directory):
         terminal.wait_for(": ready")
         record(terminal, " ", "GOOD", "subject 1, a, repeat 1")
         before = content(f"{folder}/trials")
-        for leave in (0, 24576):
+        for attempt, leave in ((2, 0), (3, 24576)):
             fill(directory, leave)
             terminal.type(" ")
+            terminal.wait_for(f"subject 1, b, repeat 1 +attempt {attempt}")
             terminal.wait_for("No space left")
-            terminal.wait_for("subject 1, b, repeat 1")
             terminal.wait_for(": ready")
             os.unlink(f"{directory}/hog")
             check({name: content(f"{folder}/trials")[name] for name in before} == before, "nothing is lost")

@@ -122,14 +122,16 @@ def relabelled(folder):
     """To another cell and back: labels and counts follow, and the log has both."""
     third = record(folder)
     other = "stock" if third["condition"] == "cone" else "cone"
-    run("session", "relabel", folder, "--condition", other, "--reason", "adapters swapped")
+    said = run("session", "relabel", folder, "--condition", other, "--reason", "adapters swapped").stderr
+    check(f"is now subject {third['subject']}, {other}, repeat 1: GOOD, and counts" in said, said)
     check(info(third["file"])["labels"]["condition"] == other, "the trial has the new label")
     check(status(folder)["next"]["condition"] == third["condition"], status(folder))
     run("session", "relabel", folder, "--condition", third["condition"], "--reason", "they were not")
     check(info(third["file"])["labels"]["condition"] == third["condition"], "and the old one again")
     check(excluded(third["file"]) == "", "it counts")
     for words in (["--condition", "other", "--reason", "x"], ["--condition", other],
-                  ["--file", "none.bin", "--condition", other, "--reason", "x"]):
+                  ["--file", "none.bin", "--condition", other, "--reason", "x"],
+                  ["--floor", "--condition", other, "--reason", "x"], ["--condition", other, "--reason", ""]):
         before = log(folder)
         run("session", "relabel", folder, *words, status=2)
         check(log(folder) == before, "a refused relabelling leaves no line")
@@ -185,54 +187,167 @@ def planned(directory):
     check({"excluded-by-user", "labels-by-hand"} == {one["kind"] for one in counts["findings"]}, counts["findings"])
     run("trial", "label", again["file"], "condition=cone")
     record(folder, expected=3)
-    study = json.loads(run("study", folder, "--contrast", "cones:cone", "--json", status=2).stdout or "{}")
-    check(study == {}, "cones has no trial that counts")
+    # a condition of the plan without a trial: answered for the others, and named
+    for words in ([], ["--contrast", "cones:cone"]):
+        study = json.loads(run("study", folder, "--json", *words).stdout)
+        found = [one["subject"] for one in study["findings"] if one["kind"] == "contrast-not-yet"]
+        check(found == ["cones against cone"] and study["contrasts"] == [], study["findings"])
+    check("is the condition of no trial" in run("study", folder, "--contrast", "cons:cone", status=2).stderr, "a typing error")
     run("trial", "include", second["file"])
-    run("trial", "include", first["file"])
+    # what the session excludes is not included by hand: nothing is changed
+    before = trials(folder)
+    said = run("trial", "include", first["file"], status=2).stderr
+    check(said.count("\n") == 1 and "a later attempt counts" in said and "session accept" in said, said)
+    check(trials(folder) == before, "refused, and nothing is changed")
     study = json.loads(run("study", folder, "--json", status=3).stdout)
     check(study["contrasts_planned"] and study["contrasts"][0]["treatment"] == "cones", "contrasts of the plan")
-    check("labels-alike" in {one["kind"] for one in study["findings"]}, study["findings"])
+    kinds = {one["kind"] for one in study["findings"]}
+    check("labels-alike" in kinds and not {"contrast-not-yet", "table-ignored"} & kinds, study["findings"])
     left = [one for one in study["trials"] if one["excluded"]]
-    check(len(left) == 1 and left[0]["file"] == first["file"], left)
-    check("a later attempt of its cell counts" in left[0]["excluded"], left)
+    check([(one["file"], one["excluded"]) for one in left] == [(first["file"], "session: a later attempt counts")], left)
+    # all excluded: a refusal
+    for attempt in status(folder)["attempts"]:
+        if not excluded(f"{folder}/trials/{attempt['file']}"):
+            run("session", "reject", folder, "--file", attempt["file"], "--reason", "x")
+    said = json.loads(run("study", folder, "--json", status=3).stdout)
+    check("all-excluded" in {one["kind"] for one in said["findings"]}, said["findings"])
+
+
+RATE = 10000
+PIPE = ["--", "--sensor", "pipe", "--format", "text", "--rate", f"{RATE}Hz", "--channels", "displacement:m"]
+NOISE = random.Random(5)
+
+
+def samples(amplitude_m, distance_m=0.03, seconds=1.5):
+    """225 Hz of this amplitude, and 2 um of noise."""
+    return "".join(f"{distance_m + amplitude_m * math.sin(2 * math.pi * 225 * k / RATE) + 2e-6 * NOISE.gauss(0, 1):.9f}\n"
+                   for k in range(int(seconds * RATE))).encode()
+
+
+def from_pipe(folder, amplitude_m, expected=0, words=("next",), **options):
+    return json.loads(run("session", words[0], folder, *words[1:], "--json", data=samples(amplitude_m, **options),
+                          status=expected).stdout)
 
 
 def floors(directory):
     """The subject's floor is subtracted from its later trials, in the session and in its study."""
     folder = f"{directory}/floors"
-    rate = 10000
     run("session", "new", folder, "--subjects", "1", "--conditions", "a", "--floor", "per-subject", "--repeats", "4",
-        "--duration", "1.5s", "--drive-frequency", "225Hz", "--drive-amplitude", "5V", "--expect", "repeats<10%, bad<1%, steady>1s, distance=30mm+-2mm", "--", "--sensor",
-        "pipe", "--format", "text", "--rate", f"{rate}Hz", "--channels", "displacement:m")
-    noise = random.Random(5)
-
-    def samples(amplitude_m, distance_m=0.03):
-        return "".join(
-            f"{distance_m + amplitude_m * math.sin(2 * math.pi * 225 * k / rate) + 2e-6 * noise.gauss(0, 1):.9f}\n"
-            for k in range(3 * rate // 2)).encode()
-
-    def next_(amplitude_m, expected=0, **options):
-        return json.loads(run("session", "next", folder, "--json", data=samples(amplitude_m, **options),
-                              status=expected).stdout)
-
-    floor = next_(0)
+        "--duration", "1.5s", "--drive-frequency", "225Hz", "--drive-amplitude", "5V", "--expect",
+        "repeats<10%, bad<1%, steady>1s, distance=30mm+-2mm", *PIPE)
+    # a floor that is BAD, or too short, comes again before the trials
+    check(from_pipe(folder, 50e-6, 3)["next"]["is_floor"], "a drive was on")
+    short = from_pipe(folder, 0, 3, seconds=1.2)
+    check(short["verdict"] == "CHECK" and short["next"]["is_floor"] and "ended after 1.2" in short["reasons"][0], short)
+    floor = from_pipe(folder, 0)
     check(floor["is_floor"] and floor["verdict"] == "GOOD" and floor["noise_floor"] is None, floor)
+    check(not floor["next"]["is_floor"], floor)
     name = os.path.basename(floor["file"])
     header = info(floor["file"])
     check([header["drive_frequency_hz"], header["drive_amplitude_v"]] == [225, 5], "as planned")
     for amplitude_m in (50e-6, 51e-6):
-        good = next_(amplitude_m)
+        good = from_pipe(folder, amplitude_m)
         check(good["verdict"] == "GOOD" and good["noise_floor"] == name, good)
-    other = next_(65e-6, 3)
+    other = from_pipe(folder, 65e-6, 3)
     check(other["verdict"] == "CHECK" and "from the median of the earlier repeats" in other["reasons"][0], other)
-    moved = next_(50e-6, 3, distance_m=-0.03)
+    moved = from_pipe(folder, 50e-6, 3, distance_m=-0.03)
     check(any("check the polarity" in reason for reason in moved["reasons"]), moved)
-    study = json.loads(run("study", folder, "--json").stdout)
-    check([one["subject"] for one in study["subject_floors"]] == ["1"], study["subject_floors"])
-    check(study["subject_floors"][0]["file"].endswith(name), study["subject_floors"])
+
+    def study_floors():
+        study = json.loads(run("study", folder, "--json").stdout)
+        return study, [os.path.basename(one["file"]) for one in study["subject_floors"]]
+
+    study, named = study_floors()
+    check(named == [name] and study["subject_floors"][0]["subject"] == "1", study["subject_floors"])
     # 2 um of white noise in 480 of 5000 Hz
     check(abs(study["subject_floors"][0]["rms_m"] / (2e-6 * math.sqrt(480 / 5000)) - 1) < 0.1, "the floor's RMS")
-    check(study["trials"][1]["band_rms_m"] == good["band_rms_m"] or study["counts"]["answered"] == 4, study["trials"])
+    answered = [one for one in study["trials"] if one["answered"]]
+    check(len(answered) == 4 and good["band_rms_m"] in [one["band_rms_m"] for one in answered], study["trials"])
+    # one that is excluded by hand is not subtracted: the one before is, or none
+    later = from_pipe(folder, 0, words=("floor",))
+    run("trial", "exclude", later["file"], "--reason", "somebody walked by")
+    again = ("redo", "--file", good["file"])
+    redone = from_pipe(folder, 50e-6, words=again)
+    check(redone["noise_floor"] == name and study_floors()[1] == [name], redone)
+    run("trial", "exclude", floor["file"], "--reason", "by hand too")
+    redone = from_pipe(folder, 50e-6, words=again)
+    check(redone["noise_floor"] is None and study_floors()[1] == [], redone)
+
+
+def decisions(directory):
+    """Relabelled trials are judged again in their new cell; what is rejected can be accepted again."""
+    folder = f"{directory}/decisions"
+    run("session", "new", folder, "--subjects", "1", "--conditions", "a,b", "--order", "given", "--repeats", "3",
+        "--floor", "per-subject", "--duration", "1.5s", "--expect", "repeats<10%", *PIPE)
+    floor = from_pipe(folder, 0)
+    for amplitude_m in (50e-6, 100e-6, 50.5e-6, 101e-6):
+        check(from_pipe(folder, amplitude_m)["verdict"] == "GOOD", amplitude_m)
+    # b was mounted for a: CHECK, and GOOD where it belongs; both stand in the line of the relabelling
+    wrong = from_pipe(folder, 100.5e-6, 3)
+    check(wrong["condition"] == "a" and "from the median" in wrong["reasons"][0], wrong)
+    before = open(wrong["file"], "rb").read()
+    run("session", "relabel", folder, "--condition", "b", "--reason", "b was mounted")
+    line = lines(folder)[-1]
+    check((line["event"], line["verdict"], line["reason"]) == ("relabel", "GOOD", "b was mounted"), line)
+    check(abs(float(line["band_rms_m"]) / wrong["band_rms_m"] - 1) < 1e-9, line)
+    counts = status(folder)
+    check([counts["good"], counts["check"], counts["next"]["condition"]] == [5, 0, "a"], counts)
+    # killed between the log and the trial: the trial as it was before; the next command mends it
+    with open(wrong["file"], "wb") as file:
+        file.write(before)
+    check("labels-by-hand" in {one["kind"] for one in status(folder)["findings"]}, status(folder)["findings"])
+    run("session", "note", folder, "--text", "goes on")
+    check(info(wrong["file"])["labels"]["condition"] == "b" and not status(folder)["findings"], status(folder)["findings"])
+    run("session", "relabel", folder, "--condition", "a", "--reason", "it was not")
+    check(lines(folder)[-1]["verdict"] == "CHECK" and "from the median" in lines(folder)[-1]["reason"], lines(folder)[-1])
+    # a drive is on where a floor should be, and the other way round
+    run("session", "relabel", folder, "--floor", "--reason", "no")
+    check(status(folder)["attempts"][-1]["verdict"] == "BAD" and "a drive is on" in lines(folder)[-1]["reason"], lines(folder)[-1])
+    check(info(wrong["file"])["labels"] == {**info(wrong["file"])["labels"], "condition": "", "repeat": ""}, "no condition")
+    run("session", "relabel", folder, "--condition", "a", "--repeat", "3", "--reason", "yes")
+    quiet = from_pipe(folder, 0, 3)
+    check(quiet["condition"] == "b" and quiet["verdict"] == "BAD", quiet)
+    said = run("session", "relabel", folder, "--floor", "--reason", "the drive was off").stderr
+    check("is now subject 1, floor: GOOD, and counts" in said, said)
+    check(excluded(quiet["file"]) == "session: floor, drive off", excluded(quiet["file"]))
+    good = from_pipe(folder, 100e-6)
+    check(good["condition"] == "b" and good["noise_floor"] == os.path.basename(quiet["file"]), good)
+    # an older attempt that is relabelled does not push a later one aside
+    said = run("session", "relabel", folder, "--file", wrong["file"], "--condition", "b", "--reason", "x").stderr
+    check("GOOD, but a later attempt counts: " + os.path.basename(good["file"]) in said, said)
+    run("session", "relabel", folder, "--file", wrong["file"], "--condition", "a", "--reason", "y")
+    # rejected by a wrong key, twice, and back again; also where it is relabelled meanwhile
+    for reason in ("wrong key", "again"):
+        run("session", "reject", folder, "--reason", reason)
+    check(excluded(good["file"]) == "session: rejected: wrong key; again", excluded(good["file"]))
+    check(status(folder)["attempts"][-1]["reasons"] == "rejected: wrong key; again", status(folder)["attempts"][-1])
+    run("session", "relabel", folder, "--condition", "a", "--reason", "x")
+    check(status(folder)["attempts"][-1]["verdict"] == "BAD", "it stays rejected")
+    run("session", "relabel", folder, "--condition", "b", "--reason", "y")
+    said = run("session", "accept", folder, "--reason", "it was good").stderr
+    check("GOOD, and counts" in said and excluded(good["file"]) == "" and status(folder)["bad"] == 0, said)
+    check("unchanged" in run("session", "accept", folder, "--reason", "x", status=2).stderr, "nothing to accept")
+    # an older attempt counts until a newer one ends
+    again = from_pipe(folder, 99e-6, words=("redo", "--file", good["file"]))
+    check((again["condition"], again["repeat"], again["attempt"]) == ("b", 3, 2), again)
+    run("session", "accept", folder, "--file", good["file"], "--reason", "the first was better")
+    check(excluded(good["file"]) == "" and excluded(again["file"]) == "session: a later attempt counts", "accepted")
+    newest = from_pipe(folder, 99e-6, words=("redo",))
+    check(excluded(newest["file"]) == "" and excluded(good["file"]) != "", "a newer one has ended")
+    first = next(one["file"] for one in status(folder)["attempts"] if one["condition"] == "a")
+    redone = from_pipe(folder, 50e-6, words=("redo", "--file", first))
+    check((redone["condition"], redone["repeat"], redone["attempt"]) == ("a", 1, 2), redone)
+    run("session", "redo", folder, "--file", "none.bin", status=2)
+    # what a trial's header states otherwise than the log is pointed out, and does not count
+    before = open(redone["file"], "rb").read()
+    run("session", "reject", folder, "--reason", "x")
+    with open(redone["file"], "wb") as file:
+        file.write(before)
+    found = [(one["kind"], one["subject"]) for one in status(folder)["findings"]]
+    check(found == [("excluded-otherwise", os.path.basename(redone["file"]))], found)
+    study = json.loads(run("study", folder, "--json", status=3).stdout)
+    check({one["file"]: one["excluded"] for one in study["trials"]}[redone["file"]] == "session: rejected: x", "the log decides")
+    check(floor["verdict"] == "GOOD" and status(folder)["damaged_lines"] == 0, status(folder))
 
 
 def torn(folder):
@@ -245,6 +360,9 @@ def torn(folder):
     check(status(folder)["next"] == before["next"] and status(folder)["done"] == before["done"], "a torn line")
     outcome = record(folder)
     check(outcome["verdict"] == "GOOD", outcome)
+    check("log-damaged" in {one["kind"] for one in status(folder)["findings"]}, status(folder)["findings"])
+    said = run("session", "note", folder, "--text", "x").stderr
+    check(said.count("1 line of log.csv cannot be read") == 1, said)
     check(log(folder).startswith(whole + whole[last:last + 30] + "\n"), "the log is only appended to")
     check(status(folder)["damaged_lines"] == 1, status(folder))
 
@@ -265,11 +383,13 @@ def other_limits(folder, port):
         "tone=230Hz+-1Hz", "--floor", "per-subject", "--", "--sensor", "stream", "--baud", "921600", "--port", port)
     floor = record(folder, expected=3)
     check(floor["is_floor"] and floor["verdict"] == "BAD" and floor["reasons"] == ["a drive is on"], floor)
+    check(floor["next"]["is_floor"], "it comes again at once, until it is skipped")
+    run("session", "skip", folder, "--reason", "the drive does not stop")
     checked = record(folder, expected=3)
     check(checked["verdict"] == "CHECK" and "230 Hz +- 1 Hz is expected" in checked["reasons"][0], checked)
     counts = status(folder)
     check(counts["done"] == counts["check"] == 1 and counts["floors"] == {"planned": 1, "done": 0}, counts)
-    check(counts["next"]["is_floor"], "the bad floor comes again")
+    check(counts["next"]["is_floor"], "the floor that was skipped comes at the end")
 
 
 def killed_at_any_moment(folder, kills):
@@ -317,13 +437,21 @@ def refusals(folder):
                            ([*good, "--expect", "", *source], 2), ([*good, "--contrast", "a:c", *source], 2),
                            ([*good, "--contrast", "a", *source], 2), ([*good, "--spread", "10", *source], 2),
                            ([*good, "--spread", "", *source], 2), ([*good, "--drive-frequency", "0Hz", *source], 2),
+                           (["--subjects", "-2", *good[2:], *source], 2), (["--subjects", "2.5", *good[2:], *source], 2),
+                           (["--subjects", "", *good[2:], *source], 2), ([*good[:2], *good[4:], *source], 2),
+                           ([*good, "--contrast", "a:b", "--contrast", "a:b", *source], 2),
+                           ([*good, "--contrast", "a:b", "--contrast", "b:a", *source], 2),
                            ([*good, "--expect", "averaging=x", *source], 2)):
         said = run("session", "new", folder, *words, status=status_).stderr
-        check(said.count("\n") == 1, f"one line: {said}")
+        check(said.count("\n") == 1 and said.startswith("haptometer session new: "), f"one line: {said}")
+        check(words[1] != "" or "leave it out" not in said, said)
         check(not os.path.exists(folder), f"{words} leaves a folder")
     for word in ("next", "redo", "status", "floor"):
         check("is not a session" in run("session", word, folder, status=3).stderr, word)
-    run("session", "new", folder, *good, *source)
+    said = run("session", "new", folder, *good[:4], "--repeats", "999", "--duration", "3s", *source).stdout
+    check("3.33 h" in said and "design is not complete" not in said, said)
+    said = run("session", "new", f"{folder}_3", "--subjects", "3", *good[2:], *source).stdout
+    check("a multiple of 2, and they are 3" in said, said)
     check(run("session", "next", folder, status=3).stderr.count("\n") == 2, "a device that is not there")
     check(len(lines(folder)) == 0, "no device, no attempt")
 
@@ -389,8 +517,16 @@ def foreign(directory):
         file.write("of somebody else")
     record(day)
     check(contents(day)[f"{day}/trials/notes.txt"] == b"of somebody else", "a file of others stays")
-    os.remove(f"{day}/trials/{lines(day)[0]['file']}")
-    check([one["kind"] for one in status(day)["findings"]] == ["trial-missing"], status(day)["findings"])
+    file = f"{day}/trials/{lines(day)[0]['file']}"
+    os.rename(file, file + ".new")
+    kinds = [(one["kind"], one["severity"]) for one in status(day)["findings"]]
+    check(kinds == [("trial-missing", "doubt"), ("header-unfinished", "note"), ("file-unknown", "doubt")], kinds)
+    os.rename(file + ".new", file)
+    # saved by a program for spreadsheets: the lines end with CR LF
+    text = log(day)
+    with open(f"{day}/log.csv", "w", encoding="utf-8", newline="") as saved:
+        saved.write(text.replace("\n", "\r\n"))
+    check(status(day)["good"] == 1 and status(day)["damaged_lines"] == 0, status(day))
 
 
 if __name__ == "__main__":
@@ -405,6 +541,7 @@ if __name__ == "__main__":
         remarked(directory)
         planned(directory)
         floors(directory)
+        decisions(directory)
         killed_at_any_moment(f"{directory}/kills", int(sys.argv[1]) if len(sys.argv) > 1 else 12)
         refusals(f"{directory}/wrong")
         foreign(directory)

@@ -213,24 +213,6 @@ TextTable MatchingTable(const std::vector<std::vector<std::string>>& rows) {
   return table;
 }
 
-TEST(MakeStudyTable, CountsASessionsCellOnceByItsLastAttempt) {
-  std::vector<StudyTrial> trials{Answered(1, "a", 1, 1e-5), Answered(1, "a", 1, 2e-5),
-                                 Answered(1, "a", 2, 3e-5)};
-  trials[0].file = "new";
-  trials[0].attempt = 5;
-  trials[1].file = "old";
-  trials[1].attempt = 2;
-  trials[2].attempt = 3;
-  const StudyTable table = MakeStudyTable(trials, {});
-  EXPECT_THAT(table.cells[0][0].rms_m, ElementsAre(1e-5, 3e-5));
-  EXPECT_EQ(table.trials[1].excluded,
-            "a later attempt of its cell counts, and is included too: new");
-  EXPECT_FALSE(table.trials[1].error);
-  trials[0].excluded = "by the user";
-  EXPECT_THAT(MakeStudyTable(trials, {}).cells[0][0].rms_m, ElementsAre(2e-5, 3e-5))
-      << "the old one in its place";
-}
-
 TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
   const auto result = AnalyzeMatching(MatchingTable({{"2", "ia", "p", "1.6", "high"},
                                                      {"2", "ia", "p", "0.9", "low"},

@@ -369,8 +369,7 @@ Option& Options::Text(std::string_view name, std::string* value, std::string_vie
   Option option = Declared(name, Option::Kind::kText, placeholder, help);
   const auto keep = [value, name = option.name](const std::string& text) {
     // an empty text is often a variable of a script that has no value, and would mean the default
-    if (text.empty())
-      throw Refused{{Cause::kUsage, name, "is empty", "write a value, or leave it out"}};
+    if (text.empty()) throw Refused{{Cause::kUsage, name, "is empty", "write a value"}};
     *value = text;
   };
   return state_->AddRead(std::move(option), keep, shown).Default(*value);

@@ -50,6 +50,9 @@ document::Sentence SentenceOf(StudyFinding kind) {
       {kContrastsNotPlanned, "contrasts-not-planned",
        "no contrast is planned, so every condition is compared with the first, {control} "
        "(--contrast TREATMENT:CONTROL selects others)"},
+      {kContrastNotYet, "contrast-not-yet",
+       "planned, and not possible yet: one of its conditions has no trial that is included"},
+      {kAllExcluded, "all-excluded", "all {trials} trial{trials s} are excluded"},
       {kTooFewSubjects, "too-few-subjects",
        "not tested: {subjects} subject{subjects s}, 2 are needed"},
       {kNoSpread, "no-spread", "not tested: the values of all {subjects} subjects are equal"},

@@ -89,7 +89,7 @@ void JudgeFloor(const std::string& path, const dsp::BandQuestion& question, bool
 }
 
 // where a trial with a value differs from the plan, or is doubted
-void JudgeValue(const SessionFolder& session, const trial::OpenedRows& opened,
+void JudgeValue(const SessionPlan& plan, const SessionState& state, const trial::OpenedRows& opened,
                 const dsp::BandAnalysis& analysis, AttemptOutcome& outcome) {
   const dsp::BandNumbers& numbers = *analysis.numbers;
   outcome.band_rms_m = numbers.rms.rms_m;
@@ -101,8 +101,8 @@ void JudgeValue(const SessionFolder& session, const trial::OpenedRows& opened,
         4;  // a 95 % interval
   }
   const auto sources = trial::SourcesOf(opened.rows->head().metadata, opened.report);
-  const auto deviations = DeviationsFrom(ExpectationOf(session.plan()), analysis, sources,
-                                         session.state().RepeatsRms(outcome.attempt.cell));
+  const auto deviations = DeviationsFrom(ExpectationOf(plan), analysis, sources,
+                                         state.RepeatsRms(outcome.attempt.cell));
   for (const auto& found : deviations.list()) outcome.reasons.push_back(document::WordsOf(found));
   AddDoubts(analysis, outcome.reasons);
   for (const trial::Finding& found : opened.report.AllFindings().list()) {
@@ -112,31 +112,50 @@ void JudgeValue(const SessionFolder& session, const trial::OpenedRows& opened,
       outcome.reasons.empty() ? SessionVerdict::kGood : SessionVerdict::kCheck;
 }
 
-// the verdict on a finished file, by what analyze says of it
-Result<AttemptOutcome> Judge(const std::string& path, const SessionFolder& session,
+// an early end, as of a pipe or an import, and what its importer doubts; gaps are data that are
+// lost
+void JudgeFile(const SessionPlan& plan, const trial::Metadata& metadata, double duration_s,
+               AttemptOutcome& outcome) {
+  const std::size_t reasons = outcome.reasons.size();
+  if (duration_s < kLeastOfDuration * plan.duration_s) {
+    outcome.reasons.push_back(
+        fmt::format("it ended after {:.3g} of {:g} s", duration_s, plan.duration_s));
+  }
+  const auto doubts = metadata.fields.find(std::string(kImportDoubts));
+  if (doubts != metadata.fields.end()) outcome.reasons.push_back(doubts->second);
+  const bool is_good = outcome.attempt.verdict == SessionVerdict::kGood;
+  if (is_good && outcome.reasons.size() > reasons) outcome.attempt.verdict = SessionVerdict::kCheck;
+}
+
+// the verdict on a finished file, by what analyze says of it; `state` has its attempt in its cell
+Result<AttemptOutcome> Judge(const SessionFolder& session, const SessionState& state,
                              SessionAttempt attempt) {
+  const std::string path = session.trials() + attempt.file;
   AttemptOutcome outcome{.attempt = std::move(attempt), .reasons = {}};
   outcome.attempt.verdict = SessionVerdict::kBad;
   HAPTOMETER_LET(auto question, QuestionOf(AnalyzeWords{}));
   const bool is_floor = outcome.attempt.cell.is_floor();
-  const SessionAttempt* floor = is_floor ? nullptr : session.state().FloorOf(outcome.attempt);
+  const auto is_usable = [&](const SessionAttempt& one) { return session.IsUsableFloor(one); };
+  const SessionAttempt* floor = is_floor ? nullptr : state.FloorOf(outcome.attempt, is_usable);
   if (floor != nullptr) {
     HAPTOMETER_LET(question.floor, ReadFloor(session.trials() + floor->file, question, {}, 1));
     outcome.floor = floor->file;
   }
   HAPTOMETER_LET(const auto opened, trial::OpenRows(path));
   const auto analysis = dsp::AnalyzeBand(*opened.rows, question);
-  if (analysis) outcome.duration_s = analysis->record.duration_s;
   const bool has_value = analysis && analysis->answered && analysis->numbers;
   if (!analysis) {
     outcome.reasons = {analysis.error().Text()};
-  } else if (is_floor) {
+    return outcome;
+  }
+  if (is_floor) {
     JudgeFloor(path, question, has_value, outcome);
   } else if (!has_value) {
     outcome.reasons = document::RefusalsOf(analysis->findings);
   } else {
-    JudgeValue(session, opened, *analysis, outcome);
+    JudgeValue(session.plan(), state, opened, *analysis, outcome);
   }
+  JudgeFile(session.plan(), opened.rows->head().metadata, analysis->record.duration_s, outcome);
   return outcome;
 }
 
@@ -145,25 +164,11 @@ Result<AttemptOutcome> WriteAndJudge(const AttemptSource& source, const std::str
                                      const trial::TrialHeader& header, const SessionFolder& session,
                                      const SessionAttempt& attempt) {
   HAPTOMETER_LET(const auto summary, source.write(path, header));
-  HAPTOMETER_LET(auto outcome, Judge(path, session, attempt));
-  SessionVerdict& verdict = *outcome.attempt.verdict;
-  // a source that ends by itself, as a pipe; gaps are data that are lost
-  const double planned_s = session.plan().duration_s;
-  if (source.origin.empty() && outcome.duration_s < kLeastOfDuration * planned_s) {
-    outcome.reasons.push_back(
-        fmt::format("it ended after {:.3g} of {:g} s", outcome.duration_s, planned_s));
-    if (verdict == SessionVerdict::kGood) verdict = SessionVerdict::kCheck;
-  }
-  outcome.reasons.insert(outcome.reasons.end(), source.doubts.begin(), source.doubts.end());
-  if (verdict == SessionVerdict::kGood && !source.doubts.empty()) verdict = SessionVerdict::kCheck;
-  outcome.is_cut_short = summary.connection_lost || summary.interrupted;
-  const char* fault = summary.connection_lost ? "the connection was lost"
-                      : summary.interrupted   ? "stopped before its end"
-                                              : nullptr;
-  if (fault != nullptr) {
-    verdict = SessionVerdict::kBad;
-    outcome.reasons.insert(outcome.reasons.begin(), fault);
-  }
+  HAPTOMETER_LET(auto outcome, Judge(session, session.state(), attempt));
+  if (!summary.connection_lost && !summary.interrupted) return outcome;
+  outcome.attempt.verdict = SessionVerdict::kBad;
+  outcome.reasons.emplace(outcome.reasons.begin(),
+                          summary.connection_lost ? kConnectionLost : kStopped);
   return outcome;
 }
 
@@ -238,12 +243,33 @@ Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& ce
   if (!outcome && !source.origin.empty()) return outcome;
   line.event = SessionEvent::kEnd;
   line.verdict = outcome ? outcome->attempt.verdict : SessionVerdict::kBad;
-  line.reason =
-      outcome ? fmt::format("{}", fmt::join(outcome->reasons, "; ")) : outcome.error().Text();
+  line.reason = outcome ? fmt::format("{}", fmt::join(outcome->reasons, "; "))
+                        : fmt::format("{}: {}", kStopped, outcome.error().Text());
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) line.reason += fmt::format("; {}", kNoTrial);
   if (outcome) line.band_rms_m = outcome->band_rms_m;
   HAPTOMETER_TRY(session.Append(line));
   HAPTOMETER_TRY(session.Settle(cell));
-  if (outcome) outcome->attempt.reason = line.reason;
+  if (outcome) outcome->attempt = *session.state().Find(line.file);
+  return outcome;
+}
+
+Result<AttemptOutcome> JudgeAs(const SessionFolder& session, const SessionAttempt& attempt,
+                               const SessionCell& cell) {
+  const std::string path = session.trials() + attempt.file;
+  std::error_code error;
+  if (attempt.is_cut_short || !std::filesystem::exists(path, error)) {
+    AttemptOutcome kept{
+        .attempt = attempt, .reasons = {attempt.reason}, .band_rms_m = attempt.band_rms_m};
+    kept.attempt.verdict = attempt.judged;
+    return kept;
+  }
+  // as it would be in its cell
+  SessionState state = session.state();
+  SessionAttempt& moved = *std::ranges::find(state.attempts, attempt.file, &SessionAttempt::file);
+  moved.cell = cell;
+  auto outcome = OutcomeOf(Judge(session, state, moved), moved);
+  ForgetInput(path);
   return outcome;
 }
 

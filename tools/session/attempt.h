@@ -26,9 +26,7 @@ struct AttemptOutcome {
   std::optional<double> band_rms_uncertainty_m = {};  ///< standard
   std::optional<double> tone_hz = {};
   std::optional<double> tone_uncertainty_hz = {};  ///< standard
-  double duration_s = 0;                           ///< of the samples
   std::string floor = {};                          ///< the subject's floor that was subtracted
-  bool is_cut_short = false;  ///< the recording was stopped, or lost its device
 };
 
 /// How the trial of an attempt comes to be: recorded from a sensor, or imported.
@@ -38,9 +36,11 @@ struct AttemptSource {
   std::function<Result<acquire::RecordingSummary>(const std::string& path,
                                                   const trial::TrialHeader& header)>
       write;
-  std::string origin{};               ///< of an import its file, as TextOf(FolderFile)
-  std::vector<std::string> doubts{};  ///< reasons for CHECK that the trial does not hold
+  std::string origin{};  ///< of an import its file, as TextOf(FolderFile)
 };
+
+/// The field of an imported trial that holds the importer's doubts: a reason for CHECK.
+inline constexpr std::string_view kImportDoubts = "import.doubts";
 
 /// Who watches a recording, and who may end it.
 struct RecordingWatch {
@@ -66,14 +66,22 @@ struct RecordingWatch {
 
 /// Makes an attempt of `cell` and judges it: the log has a line before it and one behind it.
 ///
-/// The noise of the subject's last GOOD floor is subtracted. BAD: interrupted, unreadable, or
-/// analyze has no value for it (of a floor: it has one, or tells no noise). CHECK: a value that
-/// deviates from the plan's limits, a doubt of analyze other than that the sensor's averaging is
-/// unknown or readings are held beside its window, lost data, or an early end. Errors:
-/// Cause::kFailed of the disk; the log then states BAD if it can be written, but for an import,
-/// which did not end: its file is imported again.
+/// The noise of the subject's last GOOD floor is subtracted that is not excluded by hand. BAD: cut
+/// short, unreadable, or analyze has no value for it (of a floor: it has one, or tells no noise).
+/// CHECK: a value that deviates from the plan's limits, a doubt of analyze other than that the
+/// sensor's averaging is unknown or readings are held beside its window, doubts of an importer,
+/// lost data, or an end before 90 % of the duration. Errors: Cause::kFailed of the disk; the log
+/// then states BAD if it can be written, but for an import, which did not end: its file is imported
+/// again.
 [[nodiscard]] Result<AttemptOutcome> MakeAttempt(SessionFolder& session, const SessionCell& cell,
                                                  const AttemptSource& source);
+
+/// The verdict on a finished attempt as one of `cell`, by its file and what of the session was
+/// there before it; `attempt.verdict` is it, without rejections. One that was cut short, or has no
+/// file, keeps its own. Errors: as MakeAttempt.
+[[nodiscard]] Result<AttemptOutcome> JudgeAs(const SessionFolder& session,
+                                             const SessionAttempt& attempt,
+                                             const SessionCell& cell);
 
 /// Opens the sensor of `source`, and makes an attempt of one recording. Errors: those of the
 /// sensor, before the log has a line; as MakeAttempt.

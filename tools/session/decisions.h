@@ -15,8 +15,10 @@ namespace haptometer::tools {
 /// The cell that comes next. Errors (Cause::kCannotAnswer): all cells are done.
 [[nodiscard]] Result<SessionCell> ChooseNext(const SessionFolder& session);
 
-/// The cell of the last attempt that ended. Errors (Cause::kCannotAnswer): there is none.
-[[nodiscard]] Result<SessionCell> ChooseLast(const SessionFolder& session);
+/// The cell of the last attempt that ended, or of that of `file`. Errors (Cause::kCannotAnswer):
+/// there is none; Cause::kUsage for a file of no finished attempt.
+[[nodiscard]] Result<SessionCell> ChooseLast(const SessionFolder& session,
+                                             const std::string& file = {});
 
 /// The floor of the subject that comes next, or was last.
 [[nodiscard]] Result<SessionCell> ChooseFloor(const SessionFolder& session);
@@ -32,15 +34,22 @@ struct Decision {
 /// as SessionFolder::Append.
 [[nodiscard]] Result<std::string> Reject(SessionFolder& session, const Decision& decision);
 
+/// The attempt is not rejected any more, and counts for its cell until a newer one ends. Returns
+/// what was done, in words. Errors: as Reject; Cause::kUsage where nothing would change, or the
+/// attempt is BAD without a rejection.
+[[nodiscard]] Result<std::string> Accept(SessionFolder& session, const Decision& decision);
+
 /// Another cell; what is empty stays as it is.
 struct OtherCell {
   std::string subject{};
   std::string condition{};
+  bool is_floor = false;  ///< the subject's floor
   std::optional<std::int64_t> repeat{};
 };
 
-/// The attempt is of another cell of the plan from now on, as the latest there. Returns what was
-/// done, in words. Errors: as Reject; Cause::kUsage for a cell that is not in the plan, or no
+/// The attempt is of another cell of the plan from now on, with the verdict that its file has there
+/// (JudgeAs); its place in the order of recording stays. Returns what was done and which attempt
+/// counts, in words. Errors: as Reject; Cause::kUsage for a cell that is not in the plan, or no
 /// other.
 [[nodiscard]] Result<std::string> Relabel(SessionFolder& session, const Decision& decision,
                                           const OtherCell& other);

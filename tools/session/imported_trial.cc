@@ -1,6 +1,7 @@
 #include "tools/session/imported_trial.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -120,12 +121,15 @@ trial::TrialHeader HeaderOfImport(const trial::Record& record) {
   return header;
 }
 
-// notes of the importer become notes of the trial, doubts those of the attempt
-void AddFindings(const trial::Recording& recording, AttemptSource& made) {
+// notes of the importer become notes of the trial, doubts a field that the verdict is by
+void AddFindings(const trial::Recording& recording, trial::Metadata& metadata) {
+  std::vector<std::string> doubts;
   for (const trial::Finding& found : recording.report.AllFindings().list()) {
-    auto& words = found.severity == Severity::kNote ? made.header.metadata.notes : made.doubts;
+    auto& words = found.severity == Severity::kNote ? metadata.notes : doubts;
     words.push_back(document::WordsOf(found));
   }
+  if (doubts.empty()) return;
+  metadata.fields[std::string(kImportDoubts)] = fmt::format("{}", fmt::join(doubts, "; "));
 }
 
 }  // namespace
@@ -147,7 +151,7 @@ AttemptSource ImportOf(const FolderSource& source, const FolderFile& file, Clock
   made.header = HeaderOfImport(recording->record);
   made.header.metadata.command_line = std::move(command_line);
   AddOrigin(file, made.header.metadata);
-  AddFindings(*recording, made);
+  AddFindings(*recording, made.header.metadata);
   made.write = [recording, &clock](
                    const std::string& trial,
                    const trial::TrialHeader& header) -> Result<acquire::RecordingSummary> {
@@ -162,25 +166,29 @@ AttemptSource ImportOf(const FolderSource& source, const FolderFile& file, Clock
 }
 
 Result<AttemptOutcome> ImportAttempt(SessionFolder& session, const SessionCell& cell,
-                                     const FolderSource& source, double wait_s,
-                                     const std::atomic<bool>& stop, std::string command_line) {
+                                     const FolderSource& source, const FolderWait& wait,
+                                     std::string command_line) {
   SystemClock clock;
   WatchedFolder folder(source, session.plan());
-  const MonotonicNs deadline_ns = clock.Now() + NsFromSeconds(wait_s);
-  while (!stop.load()) {
+  const MonotonicNs deadline_ns = clock.Now() + NsFromSeconds(wait.longest_s);
+  while (!wait.stop.load()) {
     HAPTOMETER_LET(const auto found, folder.Examine(session.state(), clock.Now()));
     if (found) {
-      return MakeAttempt(session, found->continued.value_or(cell),
+      const SessionCell& its = found->continued.value_or(cell);
+      wait.found(fmt::format("{}{}: {}", Printable(found->file.name),
+                             found->continued ? ", which continues one of before" : "",
+                             NameOf(its)));
+      return MakeAttempt(session, its,
                          ImportOf(source, found->file, clock, std::move(command_line)));
     }
     if (clock.Now() >= deadline_ns) break;
     clock.SleepUntil(std::min(deadline_ns, clock.Now() + kExamineEveryNs));
   }
   const std::string what =
-      stop.load() ? "waiting for a file was interrupted"
-      : folder.growing().empty()
-          ? fmt::format("no new file {} came within {:g} s", source.pattern, wait_s)
-          : fmt::format("{} was still changing after {:g} s", folder.growing(), wait_s);
+      wait.stop.load() ? "waiting for a file was interrupted"
+      : folder.pending().empty()
+          ? fmt::format("no new file {} came within {:g} s", source.pattern, wait.longest_s)
+          : fmt::format("{} after {:g} s", folder.pending(), wait.longest_s);
   return CannotAnswer(source.folder, what,
                       "see that the other program writes there, or give --wait longer");
 }

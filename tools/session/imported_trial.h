@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 
 #include "base/clock.h"
@@ -20,12 +21,19 @@ namespace haptometer::tools {
 [[nodiscard]] AttemptSource ImportOf(const FolderSource& source, const FolderFile& file,
                                      Clock& clock, std::string command_line);
 
+/// How the next file of a folder is waited for.
+struct FolderWait {
+  double longest_s;
+  const std::atomic<bool>& stop;
+  std::function<void(const std::string&)> found;  ///< gets the file's name and its cell, in words
+};
+
 /// Waits for the next complete file and makes it an attempt of `cell`, or of the cell of the file
-/// that it continues. Errors: Cause::kCannotAnswer where none came within `wait_s`, or `stop` was
-/// set; as WatchedFolder::Examine and MakeAttempt.
+/// that it continues. Errors: Cause::kCannotAnswer where none came in time, or `stop` was set; as
+/// WatchedFolder::Examine and MakeAttempt.
 [[nodiscard]] Result<AttemptOutcome> ImportAttempt(SessionFolder& session, const SessionCell& cell,
-                                                   const FolderSource& source, double wait_s,
-                                                   const std::atomic<bool>& stop,
+                                                   const FolderSource& source,
+                                                   const FolderWait& wait,
                                                    std::string command_line);
 
 }  // namespace haptometer::tools

@@ -1,12 +1,14 @@
 #include "tools/session/session_folder.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <system_error>
@@ -17,6 +19,7 @@
 #include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "trial/block.h"
+#include "trial/import/read_recording.h"
 #include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 
@@ -43,16 +46,6 @@ Result<void> WriteDurably(trial::ByteSink& sink, std::string_view text, const st
   done = sink.Sync();
   if (done) return {};
   return Failed(path, "could not be written: " + done.error().what, "check the disk");
-}
-
-std::string ReasonOf(const SessionAttempt& attempt, bool counts) {
-  if (attempt.cell.is_floor()) return std::string(kFloorReason);
-  if (!attempt.verdict) return std::string(kInterruptedReason);
-  const std::string later = counts ? "" : "a later attempt counts";
-  if (*attempt.verdict != SessionVerdict::kBad)
-    return counts ? "" : std::string(kSessionReason) + later;
-  return fmt::format("{}{}: {}{}{}", kSessionReason, attempt.is_rejected ? "rejected" : "BAD",
-                     attempt.reason, counts ? "" : "; ", later);
 }
 
 // the process that holds the lock of `path`, as "process 1234 (haptometer session run day1)";
@@ -163,9 +156,7 @@ Result<SessionFolder> SessionFolder::Open(const std::string& folder) {
   session.log_ = *std::move(log);
   HAPTOMETER_TRY(session.ReadState());
   // the program may have been killed between the log and the trial
-  if (!session.state_.attempts.empty()) {
-    HAPTOMETER_TRY(session.Settle(session.state_.attempts.back().cell));
-  }
+  for (const SessionCell& cell : session.state_.last_cells) HAPTOMETER_TRY(session.Settle(cell));
   return session;
 }
 
@@ -178,42 +169,205 @@ Result<void> SessionFolder::Append(SessionLogLine line) {
   return ReadState();
 }
 
+std::string SessionFolder::ExclusionOf(const SessionAttempt& attempt) const {
+  if (attempt.cell.is_floor()) return std::string(kFloorReason);
+  if (!attempt.verdict) return std::string(kInterruptedReason);
+  const SessionAttempt* latest = state_.Latest(attempt.cell);
+  const bool counts = latest != nullptr && latest->file == attempt.file;
+  const std::string later = counts ? "" : "a later attempt counts";
+  if (*attempt.verdict != SessionVerdict::kBad) {
+    return counts ? "" : std::string(kSessionReason) + later;
+  }
+  return fmt::format("{}{}{}{}", kSessionReason,
+                     attempt.rejections.empty()
+                         ? "BAD: " + attempt.reason
+                         : fmt::format("rejected: {}", fmt::join(attempt.rejections, "; ")),
+                     counts ? "" : "; ", later);
+}
+
+namespace {
+
+// by `trial exclude`, not by the session
+bool IsByHand(const std::string& exclusion) {
+  return !exclusion.empty() && !exclusion.starts_with(kSessionReason);
+}
+
+// what is written in a trial; nothing where it cannot be read
+std::optional<trial::Metadata> MetadataIn(const std::string& path) {
+  const auto opened = trial::OpenRows(path);
+  // for this question alone: no input
+  ForgetInput(path);
+  if (!opened) return std::nullopt;
+  return opened->rows->head().metadata;
+}
+
+std::string LabelIn(const trial::Metadata& metadata, const std::string& label) {
+  const auto found = metadata.labels.find(label);
+  return found == metadata.labels.end() ? "" : found->second;
+}
+
+// the labels that the cell's trials have; of a floor that was a trial the others are empty
+std::map<std::string, std::string> WantedLabels(const SessionCell& cell,
+                                                const trial::Metadata& metadata) {
+  auto wanted = LabelsOf(cell);
+  for (const char* label : {"condition", "repeat"}) {
+    if (!LabelIn(metadata, label).empty()) wanted.try_emplace(label);
+  }
+  return wanted;
+}
+
+}  // namespace
+
+std::string ExclusionBySession(const std::string& path) {
+  std::error_code error;
+  const fs::path file = fs::absolute(path, error).lexically_normal();
+  const std::string folder = file.parent_path().parent_path();
+  if (error || file.parent_path().filename() != "trials" || !fs::exists(PlanPath(folder), error)) {
+    return {};
+  }
+  const auto session = SessionFolder::Read(folder);
+  const SessionAttempt* known = session ? session->state().Find(file.filename()) : nullptr;
+  return known == nullptr ? "" : session->ExclusionOf(*known);
+}
+
+bool SessionFolder::IsUsableFloor(const SessionAttempt& floor) const {
+  const auto metadata = MetadataIn(trials() + floor.file);
+  return metadata && !IsByHand(trial::ExclusionOf(*metadata).value_or(""));
+}
+
 Result<void> SessionFolder::Settle(const SessionCell& cell) const {
-  const SessionAttempt* latest = state_.Latest(cell);
   for (const SessionAttempt& attempt : state_.attempts) {
-    if (attempt.cell == cell) HAPTOMETER_TRY(SettleTrial(attempt, &attempt == latest));
+    if (attempt.cell == cell) HAPTOMETER_TRY(SettleTrial(attempt));
   }
   return {};
 }
 
-Result<void> SessionFolder::SettleTrial(const SessionAttempt& attempt, bool counts) const {
+Result<void> SessionFolder::SettleTrial(const SessionAttempt& attempt) const {
   const std::string path = trials() + attempt.file;
   std::error_code error;
-  // an attempt that was killed before its first byte has no file
+  // an attempt that was killed before its first byte has no file, and one killed in its header, or
+  // damaged since, has nothing that a study would read
   if (!fs::exists(path, error)) return {};
-  const auto read = trial::ReadRecord(path);
-  // and one killed in its header, or damaged since, has nothing that a study would read
-  ForgetInput(path);
-  if (!read) return {};
-  const trial::Metadata& metadata = read->record.metadata;
-  for (const auto& [key, value] : LabelsOf(attempt.cell)) {
-    const auto found = metadata.labels.find(key);
-    if (found != metadata.labels.end() && found->second == value) continue;
-    HAPTOMETER_TRY(trial::AppendEvent(path, {.kind = trial::EventKind::kLabels,
-                                             .text = "session: relabelled",
-                                             .labels = LabelsOf(attempt.cell)}));
-    break;
+  const auto metadata = MetadataIn(path);
+  if (!metadata) return {};
+  const auto labels = WantedLabels(attempt.cell, *metadata);
+  const bool has_labels = std::ranges::all_of(
+      labels, [&](const auto& label) { return LabelIn(*metadata, label.first) == label.second; });
+  if (!has_labels) {
+    HAPTOMETER_TRY(trial::AppendEvent(
+        path,
+        {.kind = trial::EventKind::kLabels, .text = "session: relabelled", .labels = labels}));
   }
-  const std::string wanted = ReasonOf(attempt, counts);
-  const std::string present = trial::ExclusionOf(metadata).value_or("");
+  const std::string wanted = ExclusionOf(attempt);
+  const std::string present = trial::ExclusionOf(*metadata).value_or("");
   // what the user excluded stays excluded
-  const bool is_users = !present.empty() && !present.starts_with(kSessionReason);
-  if (is_users || present == wanted) return {};
+  if (IsByHand(present) || present == wanted) return {};
   if (!wanted.empty()) {
     return trial::AppendEvent(path, {.kind = trial::EventKind::kExcluded, .text = wanted});
   }
   return trial::AppendEvent(path, {.kind = trial::EventKind::kIncluded,
                                    .text = fmt::format("{}it counts", kSessionReason)});
+}
+
+// --- comparison with the log ---
+
+document::Sentence SentenceOf(FolderFinding kind) {
+  using enum FolderFinding;
+  static constexpr document::KindSentence<FolderFinding> kSentences[] = {
+      {kLogDamaged, "log-damaged",
+       "{lines} line{lines s} of log.csv cannot be read, the first is line {line}: what stood "
+       "there "
+       "is not known to the session"},
+      {kExcludedByUser, "excluded-by-user", "excluded from studies by trial exclude: {reason}"},
+      {kOtherExclusion, "excluded-otherwise",
+       "it is {in_trial} by its header, and {in_log} by the log, which counts: session accept or "
+       "session reject writes both"},
+      {kOtherLabels, "labels-by-hand",
+       "its {label} is '{in_trial}', and '{in_log}' in the log, which counts: set it back by trial "
+       "label, or change both by session relabel"},
+      {kFileMissing, "trial-missing", "its file is not there, or cannot be read"},
+      {kUnknownFile, "file-unknown", "it is in the folder trials, and not in the log"},
+      {kUnfinishedHeader, "header-unfinished",
+       "what is left of an attempt that was killed before its header was written"},
+  };
+  return document::SentenceIn(kSentences, kind);
+}
+
+void SessionFolder::CompareTrial(const SessionAttempt& attempt,
+                                 Findings<FolderFinding>& findings) const {
+  using enum FolderFinding;
+  const auto metadata = MetadataIn(trials() + attempt.file);
+  if (!metadata) {
+    if (attempt.reason.ends_with(kNoTrial)) return;
+    findings.Add({Severity::kDoubt, kFileMissing, {}, attempt.file});
+    return;
+  }
+  const std::string present = trial::ExclusionOf(*metadata).value_or("");
+  const std::string wanted = ExclusionOf(attempt);
+  const auto words = [](bool is_excluded) { return is_excluded ? "excluded" : "not excluded"; };
+  if (IsByHand(present)) {
+    findings.Add({Severity::kNote, kExcludedByUser, {{"reason", present}}, attempt.file});
+  } else if (present.empty() != wanted.empty()) {
+    findings.Add({Severity::kDoubt,
+                  kOtherExclusion,
+                  {{"in_trial", std::string(words(!present.empty()))},
+                   {"in_log", std::string(words(!wanted.empty()))}},
+                  attempt.file});
+  }
+  for (const auto& [label, in_log] : WantedLabels(attempt.cell, *metadata)) {
+    const std::string in_trial = LabelIn(*metadata, label);
+    if (in_trial == in_log) continue;
+    findings.Add({Severity::kDoubt,
+                  kOtherLabels,
+                  {{"label", label}, {"in_trial", in_trial}, {"in_log", in_log}},
+                  attempt.file});
+  }
+}
+
+void SessionFolder::FindStrangers(Findings<FolderFinding>& findings) const {
+  constexpr std::string_view kNew = ".new";
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator at(trials(), error), end; !error && at != end; at.increment(error)) {
+    names.push_back(Printable(at->path().filename().string()));
+  }
+  std::ranges::sort(names);
+  for (const std::string& name : names) {
+    if (state_.Find(name) != nullptr) continue;
+    const bool is_begun =
+        name.ends_with(kNew) && state_.Find(name.substr(0, name.size() - kNew.size())) != nullptr;
+    findings.Add({is_begun ? Severity::kNote : Severity::kDoubt,
+                  is_begun ? FolderFinding::kUnfinishedHeader : FolderFinding::kUnknownFile,
+                  {},
+                  name});
+  }
+}
+
+namespace {
+
+Findings<FolderFinding> DamageOf(const SessionState& state) {
+  Findings<FolderFinding> findings;
+  if (state.damaged_lines > 0) {
+    findings.Doubt(FolderFinding::kLogDamaged,
+                   {{"lines", state.damaged_lines}, {"line", state.first_damaged}});
+  }
+  return findings;
+}
+
+}  // namespace
+
+std::string SessionFolder::DamageInWords() const {
+  const auto findings = DamageOf(state_);
+  return findings.list().empty() ? "" : document::WordsOf(findings.list().front());
+}
+
+Findings<FolderFinding> SessionFolder::CompareWithLog() const {
+  Findings<FolderFinding> findings = DamageOf(state_);
+  for (const SessionAttempt& attempt : state_.attempts) {
+    if (attempt.verdict) CompareTrial(attempt, findings);
+  }
+  FindStrangers(findings);
+  return findings;
 }
 
 }  // namespace haptometer::tools

@@ -8,11 +8,27 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/finding.h"
+#include "tools/document/document.h"
 #include "tools/session/session_log.h"
 #include "tools/session/session_plan.h"
 #include "trial/byte_io.h"
 
 namespace haptometer::tools {
+
+/// Where the files of a session differ from its log; those without a remark are of a file.
+enum class FolderFinding : std::uint8_t {
+  kLogDamaged,        ///< lines, line: the first; of the log
+  kExcludedByUser,    ///< reason: by `trial exclude`; a study does not use it
+  kOtherExclusion,    ///< in_trial, in_log: whether it is excluded, in words
+  kOtherLabels,       ///< label, in_trial, in_log: by `trial label`
+  kFileMissing,       ///< a finished attempt has no file, or none that can be read
+  kUnknownFile,       ///< in the folder trials, and not in the log
+  kUnfinishedHeader,  ///< NAME.new: its attempt was killed before its header was written
+};
+
+/// The words of a kind.
+[[nodiscard]] document::Sentence SentenceOf(FolderFinding kind);
 
 /// The files of a session: session.toml (the plan), log.csv (the state) and the folder trials.
 ///
@@ -47,14 +63,28 @@ class SessionFolder {
   /// the disk is full or the log was cut.
   [[nodiscard]] Result<void> Append(SessionLogLine line);
 
-  /// Brings the trials of a cell in agreement with the log: labels, and what studies use of them.
-  /// The attempt that counts is included if it is GOOD or CHECK; others are excluded with a reason
-  /// that begins with kSessionReason. An exclusion by the user stays. Events are appended to trials
-  /// that lack them. Errors: as trial::AppendEvent.
+  /// Why the log excludes the attempt from studies, beginning with kSessionReason; empty where it
+  /// is the one that counts, and GOOD or CHECK.
+  [[nodiscard]] std::string ExclusionOf(const SessionAttempt& attempt) const;
+
+  /// Whether the floor can be read, and is not excluded by hand. Cost: reads it.
+  [[nodiscard]] bool IsUsableFloor(const SessionAttempt& floor) const;
+
+  /// Brings the trials of a cell in agreement with the log: labels, and ExclusionOf(). An exclusion
+  /// by the user stays. Events are appended to trials that lack them. Errors: as
+  /// trial::AppendEvent.
   [[nodiscard]] Result<void> Settle(const SessionCell& cell) const;
 
+  /// What is wrong with log.csv, in words; empty where nothing is.
+  [[nodiscard]] std::string DamageInWords() const;
+
+  /// Where the folder differs from the log, in the order of the attempts. Cost: reads the trials.
+  [[nodiscard]] Findings<FolderFinding> CompareWithLog() const;
+
  private:
-  [[nodiscard]] Result<void> SettleTrial(const SessionAttempt& attempt, bool counts) const;
+  [[nodiscard]] Result<void> SettleTrial(const SessionAttempt& attempt) const;
+  void CompareTrial(const SessionAttempt& attempt, Findings<FolderFinding>& findings) const;
+  void FindStrangers(Findings<FolderFinding>& findings) const;
   [[nodiscard]] Result<void> ReadState();
 
   std::string folder_;
@@ -65,12 +95,18 @@ class SessionFolder {
   std::unique_ptr<trial::ByteSink> log_;  // locked; nullptr: read only
 };
 
+/// What the reason of an attempt without a file ends with, as of an import that cannot be read.
+inline constexpr std::string_view kNoTrial = "no trial was written";
+
 /// What the reasons of exclusions by a session begin with.
 inline constexpr std::string_view kSessionReason = "session: ";
 /// The reasons that a trial's header has from the beginning: of a floor, and of every other trial,
 /// which is included when its attempt has ended. A killed attempt is so in no study.
 inline constexpr std::string_view kFloorReason = "session: floor, drive off";
 inline constexpr std::string_view kInterruptedReason = "session: interrupted";
+
+/// SessionFolder::ExclusionOf() of a file in the folder trials of a session; empty of any other.
+[[nodiscard]] std::string ExclusionBySession(const std::string& path);
 
 /// The labels of a cell's trials: subject, condition and repeat; of a floor the subject.
 [[nodiscard]] std::map<std::string, std::string> LabelsOf(const SessionCell& cell);

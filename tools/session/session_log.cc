@@ -1,9 +1,11 @@
 #include "tools/session/session_log.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -17,7 +19,8 @@ namespace haptometer::tools {
 namespace {
 
 constexpr Names<SessionVerdict, 3> kVerdictNames{{"GOOD", "CHECK", "BAD"}};
-constexpr Names<SessionEvent, 6> kEventNames{{"begin", "end", "reject", "relabel", "note", "skip"}};
+constexpr Names<SessionEvent, 7> kEventNames{
+    {"begin", "end", "reject", "relabel", "accept", "note", "skip"}};
 
 constexpr std::size_t kCells = 11;
 
@@ -72,11 +75,24 @@ std::optional<SessionLogLine> ReadLogLine(std::string_view text) {
                         .band_rms_m = NumberFrom<double>(cells[9])};
 }
 
+std::string SessionAttempt::Reasons() const {
+  if (rejections.empty()) return reason;
+  return fmt::format("rejected: {}{}{}", fmt::join(rejections, "; "), reason.empty() ? "" : "; ",
+                     reason);
+}
+
+const SessionAttempt* SessionState::Find(const std::string& file) const {
+  const auto found = std::ranges::find(attempts, file, &SessionAttempt::file);
+  return found == attempts.end() ? nullptr : &*found;
+}
+
 const SessionAttempt* SessionState::Latest(const SessionCell& cell) const {
-  const auto found = std::ranges::find_if(
-      attempts.rbegin(), attempts.rend(),
-      [&](const SessionAttempt& attempt) { return attempt.verdict && attempt.cell == cell; });
-  return found == attempts.rend() ? nullptr : &*found;
+  const SessionAttempt* latest = nullptr;
+  for (const SessionAttempt& attempt : attempts) {
+    if (!attempt.verdict || attempt.cell != cell) continue;
+    if (latest == nullptr || attempt.place > latest->place) latest = &attempt;
+  }
+  return latest;
 }
 
 const SessionAttempt* SessionState::LastFinished() const {
@@ -86,14 +102,24 @@ const SessionAttempt* SessionState::LastFinished() const {
   return found == attempts.rend() ? nullptr : &*found;
 }
 
-const SessionAttempt* SessionState::FloorOf(const SessionAttempt& attempt) const {
-  const SessionAttempt* last = nullptr;
+const SessionAttempt* SessionState::FloorOf(
+    const SessionAttempt& attempt,
+    const std::function<bool(const SessionAttempt& floor)>& is_usable) const {
+  // an acceptance is known to what is recorded behind it
+  const auto place = [&](const SessionAttempt& floor) {
+    return floor.place < attempt.begun ? floor.place : floor.begun;
+  };
+  std::vector<const SessionAttempt*> floors;
   for (const SessionAttempt& floor : attempts) {
     const bool is_floor = floor.cell.is_floor() && floor.cell.subject == attempt.cell.subject;
     const bool is_good = floor.verdict == SessionVerdict::kGood && floor.begun < attempt.begun;
-    if (is_floor && is_good && (last == nullptr || floor.begun > last->begun)) last = &floor;
+    if (is_floor && is_good) floors.push_back(&floor);
   }
-  return last;
+  std::ranges::sort(floors, std::ranges::greater(),
+                    [&](const auto* floor) { return place(*floor); });
+  const auto found =
+      std::ranges::find_if(floors, [&](const auto* floor) { return is_usable(*floor); });
+  return found == floors.end() ? nullptr : *found;
 }
 
 std::optional<double> SessionState::RepeatsRms(const SessionCell& cell) const {
@@ -137,44 +163,60 @@ bool TakeNote(const SessionLogLine& line, SessionState& state) {
   return true;
 }
 
+void TakeEnd(const SessionLogLine& line, SessionAttempt& attempt) {
+  attempt.judged = line.verdict;
+  attempt.reason = line.reason;
+  attempt.band_rms_m = line.band_rms_m;
+  attempt.is_cut_short =
+      line.verdict == SessionVerdict::kBad &&
+      (line.reason.starts_with(kStopped) || line.reason.starts_with(kConnectionLost));
+  attempt.verdict = attempt.judged;
+}
+
 // a beginning, or an end whose beginning was damaged and that says all of it
 bool TakeNew(const SessionLogLine& line, SessionState& state) {
   if (line.event != SessionEvent::kBegin && line.event != SessionEvent::kEnd) return false;
   const bool is_begin = line.event == SessionEvent::kBegin;
-  state.attempts.push_back({.cell = line.cell,
-                            .number = line.attempt,
-                            .file = line.file,
-                            .verdict = line.verdict,
-                            .reason = is_begin ? "" : line.reason,
-                            .band_rms_m = line.band_rms_m,
-                            .begun = state.attempts.size(),
-                            .origin = is_begin ? line.reason : ""});
+  const std::size_t place = state.places++;
+  SessionAttempt& attempt = state.attempts.emplace_back(SessionAttempt{.cell = line.cell,
+                                                                       .number = line.attempt,
+                                                                       .file = line.file,
+                                                                       .begun = place,
+                                                                       .place = place});
+  if (is_begin) {
+    attempt.origin = line.reason;
+  } else {
+    TakeEnd(line, attempt);
+  }
   return true;
 }
 
-// what is said of an attempt that has begun
-bool TakeKnown(const SessionLogLine& line, SessionAttempt& known,
-               std::vector<SessionAttempt>& attempts) {
+// what is said of an attempt that has begun; false: it does not fit
+bool TakeKnown(const SessionLogLine& line, SessionAttempt& known, SessionState& state) {
   using enum SessionEvent;
-  if (line.event == kBegin || (line.event == kEnd) == known.verdict.has_value()) return false;
-  if (line.event == kEnd) {
-    known.verdict = line.verdict;
-    known.reason = line.reason;
-    known.band_rms_m = line.band_rms_m;
-    return true;
+  if (line.event == kBegin || (line.event == kEnd) == known.judged.has_value()) return false;
+  switch (line.event) {
+    case kEnd:
+      TakeEnd(line, known);
+      break;
+    case kReject:
+      known.rejections.push_back(line.reason);
+      break;
+    case kAccept:
+      known.rejections.clear();
+      known.notes.push_back("accepted: " + line.reason);
+      known.place = state.places++;
+      break;
+    default:
+      // relabelled; without a verdict by an earlier version of this program
+      state.last_cells.push_back(std::exchange(known.cell, line.cell));
+      known.number = line.attempt;
+      if (!line.verdict) break;
+      known.judged = line.verdict;
+      known.reason = "relabelled: " + line.reason;
+      known.band_rms_m = line.band_rms_m;
   }
-  if (line.event == kReject) {
-    known.is_rejected = true;
-    known.verdict = SessionVerdict::kBad;
-    known.reason = line.reason;
-    return true;
-  }
-  // relabelled: the latest of its new cell
-  SessionAttempt moved = known;
-  moved.cell = line.cell;
-  moved.number = line.attempt;
-  std::erase_if(attempts, [&](const SessionAttempt& one) { return one.file == line.file; });
-  attempts.push_back(std::move(moved));
+  known.verdict = known.rejections.empty() ? known.judged : SessionVerdict::kBad;
   return true;
 }
 
@@ -189,30 +231,32 @@ bool Take(const SessionLogLine& line, SessionState& state) {
     state.skipped.push_back({line.cell, line.reason});
     return true;
   }
+  state.last_cells = {line.cell};
   const auto known = std::ranges::find(state.attempts, line.file, &SessionAttempt::file);
-  return known == state.attempts.end() ? TakeNew(line, state)
-                                       : TakeKnown(line, *known, state.attempts);
+  return known == state.attempts.end() ? TakeNew(line, state) : TakeKnown(line, *known, state);
 }
 
 }  // namespace
 
 SessionState ReadLog(std::string_view text) {
   constexpr std::string_view kHeader = kSessionLogHeader.substr(0, kSessionLogHeader.size() - 1);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   SessionState state;
-  bool is_first = true;
-  while (!text.empty()) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const bool has_end = end != std::string_view::npos;
-    const std::string_view line = text.substr(0, end);
+    std::string_view line = text.substr(0, end);
     text.remove_prefix(has_end ? end + 1 : text.size());
-    const bool is_header = std::exchange(is_first, false) && line == kHeader;
-    if (is_header || line.empty()) continue;
+    // saved by a program for spreadsheets
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if ((number == 1 && line == kHeader) || line.empty()) continue;
     const auto read = ReadLogLine(line);
     // what is no line at the end was being written when the program was killed
     if (!read && !has_end) {
       state.is_torn = true;
     } else if (!read || !Take(*read, state)) {
-      ++state.damaged_lines;
+      if (state.damaged_lines++ == 0) state.first_damaged = number;
     }
   }
   return state;
@@ -220,15 +264,26 @@ SessionState ReadLog(std::string_view text) {
 
 namespace {
 
-// the cell that is recorded next, by the latest attempts and what is skipped
+// a trial that is CHECK is done; a floor is subtracted where it is GOOD
+bool IsDone(const SessionAttempt& counting) {
+  return counting.verdict == SessionVerdict::kGood ||
+         (counting.verdict == SessionVerdict::kCheck && !counting.cell.is_floor());
+}
+
+// the cell that is recorded next, by the attempts that count and what is skipped
 std::optional<SessionCell> NextOf(const std::vector<SessionCell>& cells,
                                   const SessionState& state) {
   std::optional<SessionCell> first_bad;
+  std::optional<SessionCell> floor;  // the last that is not GOOD
   for (const SessionCell& cell : cells) {
     if (state.IsSkipped(cell)) continue;
     const SessionAttempt* latest = state.Latest(cell);
-    if (latest == nullptr) return cell;
-    if (*latest->verdict == SessionVerdict::kBad && !first_bad) first_bad = cell;
+    if (latest == nullptr || latest->is_cut_short) {
+      return floor && floor->subject == cell.subject ? *floor : cell;
+    }
+    if (IsDone(*latest)) continue;
+    if (cell.is_floor()) floor = cell;
+    if (!first_bad) first_bad = cell;
   }
   if (first_bad) return first_bad;
   for (const SessionRemark& one : state.skipped) {
@@ -243,11 +298,10 @@ SessionCounts CountCells(const std::vector<SessionCell>& cells, const SessionSta
   SessionCounts counts;
   for (const SessionCell& cell : cells) {
     const SessionAttempt* latest = state.Latest(cell);
-    const bool is_done = latest != nullptr && *latest->verdict != SessionVerdict::kBad;
     counts.skipped += static_cast<std::size_t>(state.IsSkipped(cell));
     if (cell.is_floor()) {
       ++counts.floors;
-      counts.floors_done += static_cast<std::size_t>(is_done);
+      counts.floors_done += static_cast<std::size_t>(latest != nullptr && IsDone(*latest));
       continue;
     }
     ++counts.planned;

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <set>
 
-#include "base/alike_names.h"
 #include "base/mapped.h"
 #include "base/names.h"
 #include "base/text.h"
@@ -17,6 +17,7 @@
 #include "tools/acquire/recording.h"
 #include "tools/analyze/expectation.h"
 #include "tools/session/watched_folder.h"
+#include "tools/study/alike_names.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::tools {
@@ -153,15 +154,31 @@ std::vector<std::string> NamesIn(const std::string& text) {
 }
 
 Result<std::vector<std::string>> ReadSubjects(const std::string& text) {
-  const bool is_count =
-      !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-  if (!is_count) return NamesIn(text);
+  // "2.5" and "-2" are numbers too, and no names
+  if (!NumberFrom<double>(text)) return NamesIn(text);
   const auto count = NumberFrom<std::uint64_t>(text);
   if (!count || *count == 0 || *count > kMostSubjects) {
-    return Usage("--subjects", fmt::format("{} is not from 1 to {}", text, kMostSubjects));
+    return Usage("--subjects",
+                 fmt::format("{} is not a whole number from 1 to {}", text, kMostSubjects),
+                 "write how many there are, or their names with commas");
   }
   return Mapped<std::string>(Counted(*count), [](std::size_t i) { return std::to_string(i + 1); });
 }
+
+namespace {
+
+// of two conditions of the plan each, and each pair once
+Result<void> CheckContrasts(const SessionPlan& plan, const std::string& where) {
+  std::set<std::set<std::string>> pairs;
+  for (const PlannedContrast& contrast : plan.contrasts) {
+    HAPTOMETER_TRY(CheckConditions(contrast, plan.conditions));
+    if (pairs.insert({contrast.treatment, contrast.control}).second) continue;
+    return Usage(where, fmt::format("compare {} twice", NameOf(contrast)), "write each pair once");
+  }
+  return {};
+}
+
+}  // namespace
 
 Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
   HAPTOMETER_TRY(CheckNames(plan.subjects, where + ": subjects", kMostSubjects));
@@ -186,9 +203,7 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
     if (ReadFolderFile(file)) continue;
     return Usage(where + ": files_before", fmt::format("'{}' is no file with its size", file));
   }
-  for (const PlannedContrast& contrast : plan.contrasts) {
-    HAPTOMETER_TRY(CheckConditions(contrast, plan.conditions));
-  }
+  HAPTOMETER_TRY(CheckContrasts(plan, where + ": contrasts"));
   const bool has_frequency = !plan.drive_frequency_hz || *plan.drive_frequency_hz > 0;
   const bool has_amplitude = !plan.drive_amplitude_v || *plan.drive_amplitude_v > 0;
   if (!has_frequency || !has_amplitude) return Usage(where + ": drive", "is not above 0");
@@ -209,6 +224,10 @@ Expectation ExpectationOf(const SessionPlan& plan) {
 
 std::size_t ContrastsOf(const SessionPlan& plan) {
   return plan.contrasts.empty() ? plan.conditions.size() - 1 : plan.contrasts.size();
+}
+
+std::size_t DesignRows(const SessionPlan& plan) {
+  return WilliamsRows(plan.conditions.size()).size();
 }
 
 std::optional<double> DetectableEffect(const SessionPlan& plan) {

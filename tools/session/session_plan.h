@@ -61,8 +61,8 @@ inline constexpr std::size_t kMostConditions = 100;
 inline constexpr std::int64_t kMostRepeats = 1000;
 inline constexpr std::size_t kMostCells = 100'000;
 
-/// "8" is the names 1 to 8, "ann,ben" are two names. Errors (Cause::kUsage): no name, or more than
-/// kMostSubjects.
+/// "8" is the names 1 to 8, "ann,ben" are two names. Errors (Cause::kUsage): a number that is not
+/// whole, or not from 1 to kMostSubjects.
 [[nodiscard]] Result<std::vector<std::string>> ReadSubjects(const std::string& text);
 
 /// "a,b" is two names; none of an empty text.
@@ -70,7 +70,8 @@ inline constexpr std::size_t kMostCells = 100'000;
 
 /// Errors (Cause::kUsage), naming `where`: a name that is empty, is not printable or has blanks at
 /// its ends; two names that differ by case, blanks or not at all; too many cells; a duration that
-/// is not above 0 or beyond 30 years; limits that are none.
+/// is not above 0 or beyond 30 years; a contrast of no two conditions, or one of before, also
+/// turned round; limits that are none.
 [[nodiscard]] Result<void> CheckPlan(const SessionPlan& plan, const std::string& where);
 
 /// What a trial of the plan has to keep to: SessionPlan::expect, and the tone within 1 % of the
@@ -80,6 +81,9 @@ inline constexpr std::size_t kMostCells = 100'000;
 /// How many contrasts a study of the plan tests: those planned, or all conditions against the
 /// first.
 [[nodiscard]] std::size_t ContrastsOf(const SessionPlan& plan);
+
+/// How many rows the Williams design of the plan's conditions has: n, or 2n where n is odd.
+[[nodiscard]] std::size_t DesignRows(const SessionPlan& plan);
 
 /// The mean difference, in standard deviations of the subjects' differences, that the paired t
 /// tests of the study show with 80 % power at 5 %, two-sided; of several contrasts by the level of

@@ -52,29 +52,46 @@ struct Prompt {
   Kind kind = Kind::kNote;
   std::vector<Question> questions{};
   std::size_t at = 0;
+  std::string remark{};  // on the answer that was given
 };
+
+// the answer that stands for the subject's floor, as the option of session relabel
+constexpr std::string_view kFloorAnswer = "--floor";
 
 std::optional<Prompt> PromptOf(std::string_view key) {
   if (key == "x") return Prompt{Kind::kReject, {{"rejected, because"}}};
+  if (key == "a") return Prompt{Kind::kAccept, {{"accepted, because"}}};
   if (key == "n") return Prompt{Kind::kNote, {{"note on the last trial"}}};
   if (key == "s") return Prompt{Kind::kSkip, {{"skipped, because"}}};
   if (key != "l") return std::nullopt;
   return Prompt{Kind::kRelabel,
                 {{"last trial is of subject (empty: as it is)", "", true},
-                 {"condition (empty: as it is)", "", true},
+                 {"condition (empty: as it is; --floor: it is the floor)", "", true},
                  {"repeat (empty: as it is)", "", true},
                  {"because"}}};
+}
+
+// why the plan does not have the part of a cell that was typed; empty where it does
+std::string WrongPart(const Prompt& prompt, const SessionPlan& plan) {
+  const std::string& answer = prompt.questions[prompt.at].answer;
+  if (prompt.kind != Kind::kRelabel || prompt.at > 2 || answer.empty()) return {};
+  if (prompt.at == 1 && answer == kFloorAnswer) return {};
+  const auto& names = prompt.at == 0 ? plan.subjects : plan.conditions;
+  const std::int64_t repeat = NumberFrom<std::int64_t>(answer).value_or(0);
+  const bool is_planned = prompt.at == 2 ? repeat >= 1 && repeat <= plan.repeats
+                                         : std::ranges::count(names, answer) > 0;
+  return is_planned ? "" : answer + " is not in the plan";
 }
 
 SessionCommand CommandOf(const Prompt& prompt) {
   SessionCommand command{.kind = prompt.kind, .text = prompt.questions.back().answer};
   if (prompt.kind != Kind::kRelabel) return command;
-  const std::string& repeat = prompt.questions[2].answer;
-  // a repeat that is no number is none of the plan's: 0
+  const std::string& condition = prompt.questions[1].answer;
+  const bool is_floor = condition == kFloorAnswer;
   command.other = {.subject = prompt.questions[0].answer,
-                   .condition = prompt.questions[1].answer,
-                   .repeat = repeat.empty() ? std::optional<std::int64_t>()
-                                            : NumberFrom<std::int64_t>(repeat).value_or(0)};
+                   .condition = is_floor ? "" : condition,
+                   .is_floor = is_floor,
+                   .repeat = NumberFrom<std::int64_t>(prompt.questions[2].answer)};
   return command;
 }
 
@@ -98,8 +115,7 @@ std::string StateLine(const SessionView& view, const std::string& source, double
     case SourceState::kReady:
       return view.remark.empty() ? source + ": ready" : source + ": " + view.remark;
     case SourceState::kWaiting:
-      return view.remark.empty() ? source + ": waiting for a file"
-                                 : fmt::format("{}: {} is still changing", source, view.remark);
+      return source + ": waiting for a file" + (view.remark.empty() ? "" : ", " + view.remark);
     case SourceState::kRecording:
       return fmt::format("RECORDING  {:.1f} of {:g} s", elapsed_s, duration_s);
     case SourceState::kJudging:
@@ -126,7 +142,8 @@ std::string CountsLine(const SessionCounts& counts) {
 }
 
 // the verdict with what deviates, and what to do
-void AddVerdict(const AttemptOutcome& outcome, std::vector<std::string>& lines) {
+void AddVerdict(const SessionView& view, std::vector<std::string>& lines) {
+  const AttemptOutcome& outcome = *view.last;
   const SessionVerdict verdict = *outcome.attempt.verdict;
   std::string line = fmt::format("{:<6} {}", Name(verdict), NameOf(outcome.attempt.cell));
   if (outcome.band_rms_m) line += fmt::format("   {:.4g} um RMS", *outcome.band_rms_m * 1e6);
@@ -136,8 +153,9 @@ void AddVerdict(const AttemptOutcome& outcome, std::vector<std::string>& lines) 
   if (verdict == SessionVerdict::kCheck) {
     lines.emplace_back("       r records it again, x rejects it; else continue");
   } else if (verdict == SessionVerdict::kBad) {
-    lines.emplace_back(outcome.is_cut_short ? "       it comes again next"
-                                            : "       r records it again");
+    const bool comes_again = view.cell == outcome.attempt.cell;
+    lines.emplace_back(comes_again ? "       it comes again next; s skips it"
+                                   : "       r records it again");
   }
 }
 
@@ -145,7 +163,7 @@ void AddVerdict(const AttemptOutcome& outcome, std::vector<std::string>& lines) 
 struct ScreenText {
   std::string title;
   std::string source;
-  double duration_s = 0;
+  SessionPlan plan;
   std::size_t cells = 0;
   bool is_folder = false;
 };
@@ -162,7 +180,7 @@ class SessionScreen {
   void Draw();
   [[nodiscard]] std::vector<std::string> Lines(const SessionView& view);
   [[nodiscard]] std::string LiveText(const SessionView& view);
-  [[nodiscard]] std::string KeysLine(const SessionView& view) const;
+  void AddKeys(const SessionView& view, std::vector<std::string>& lines) const;
   void Take(const Key& key);
   void TakeInPrompt(const Key& key);
   void TakeCommand(const std::string& key);
@@ -194,11 +212,15 @@ std::string SessionScreen::LiveText(const SessionView& view) {
   return LiveLine(figures, band_);
 }
 
-std::string SessionScreen::KeysLine(const SessionView& view) const {
-  if (view.state == SourceState::kRecording) return "q stops the recording";
+// two lines, each within 80 columns
+void SessionScreen::AddKeys(const SessionView& view, std::vector<std::string>& lines) const {
+  if (view.state == SourceState::kRecording) {
+    lines.insert(lines.end(), {"q stops the recording", ""});
+    return;
+  }
   const std::string_view record = text_.is_folder ? "" : "SPACE record   ";
-  return fmt::format("{}r redo   x reject   n note   f floor   s skip   l relabel   q quit",
-                     record);
+  lines.push_back(fmt::format("{}r redo   f floor   s skip   q quit", record));
+  lines.emplace_back("x reject   a accept   l relabel   n note");
 }
 
 std::vector<std::string> SessionScreen::Lines(const SessionView& view) {
@@ -207,18 +229,19 @@ std::vector<std::string> SessionScreen::Lines(const SessionView& view) {
                                  PlaceLine(view, text_.cells),
                                  CountsLine(view.counts),
                                  "",
-                                 StateLine(view, text_.source, text_.duration_s, elapsed_s),
+                                 StateLine(view, text_.source, text_.plan.duration_s, elapsed_s),
                                  LiveText(view),
                                  ""};
   if (prompt_) {
     const Question& question = prompt_->questions[prompt_->at];
     lines.push_back(fmt::format("{}: {}_   (Enter, Esc)", question.text, question.answer));
+    lines.push_back(prompt_->remark);
   } else {
-    lines.push_back(KeysLine(view));
+    AddKeys(view, lines);
   }
   lines.push_back(view.message);
   lines.emplace_back();
-  if (view.last) AddVerdict(*view.last, lines);
+  if (view.last) AddVerdict(view, lines);
   return lines;
 }
 
@@ -231,6 +254,7 @@ void SessionScreen::Draw() {
 
 void SessionScreen::TakeInPrompt(const Key& key) {
   Question& question = prompt_->questions[prompt_->at];
+  prompt_->remark.clear();
   switch (key.kind) {
     case Key::Kind::kText:
       question.answer += key.text;
@@ -245,7 +269,11 @@ void SessionScreen::TakeInPrompt(const Key& key) {
       return;
   }
   if (question.answer.find_first_not_of(' ') == std::string::npos && !question.may_be_empty) return;
-  if (++prompt_->at < prompt_->questions.size()) return;
+  prompt_->remark = WrongPart(*prompt_, text_.plan);
+  if (!prompt_->remark.empty()) return;
+  // a floor has no repeat
+  prompt_->at += question.answer == kFloorAnswer && prompt_->at == 1 ? 2 : 1;
+  if (prompt_->at < prompt_->questions.size()) return;
   worker_.Ask(CommandOf(*prompt_));
   prompt_.reset();
 }
@@ -292,14 +320,14 @@ void SessionScreen::Run() {
 
 Result<int> Run(const std::string& folder, std::string command_line) {
   HAPTOMETER_LET(auto session, SessionFolder::Open(folder));
-  HAPTOMETER_LET(const auto source, ReadSource(session.plan()));
+  HAPTOMETER_LET(const auto source, ReadSource(session.plan(), kSessionRunText.name));
   if (IsSensor(source.sensor.sensor, SensorType::kPipe) && source.sensor.port.empty()) {
     return Usage("--sensor pipe", "reads the input that the keys come from",
                  "name a pipe with --port, or use session next");
   }
   const ScreenText text{.title = session.folder(),
                         .source = NameOf(source),
-                        .duration_s = session.plan().duration_s,
+                        .plan = session.plan(),
                         .cells = session.cells().size(),
                         .is_folder = source.folder.has_value()};
   cli::CatchInterrupts();

@@ -21,8 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr cli::VerbText kSourceText{
-    .name = "session", .summary = "Options of acquire behind --.", .examples = {"", "", ""}};
+cli::VerbText SourceText(std::string_view verb) {
+  return {.name = verb, .summary = "Options of acquire behind --.", .examples = {"", "", ""}};
+}
 
 constexpr std::string_view kFromFolder = "--from-folder";
 
@@ -47,10 +48,10 @@ bool ParseWords(cli::Options& options, const SessionPlan& plan) {
   return !options.Parse(static_cast<int>(words.size()), words.data());
 }
 
-Result<FolderSource> ReadFolder(const SessionPlan& plan) {
+Result<FolderSource> ReadFolder(const SessionPlan& plan, std::string_view verb) {
   FolderSource source;
   cli::ImportWords import;
-  cli::Options options(kSourceText);
+  cli::Options options(SourceText(verb));
   options.Text(kFromFolder, &source.folder, "DIR", "Folder that another program writes into");
   options.Text("--pattern", &source.pattern, "PATTERN", "Of the files' names: '*.csv'");
   options.Number("--unchanged", &source.unchanged_s, Dimension::kTime, cli::Within(0.1, 3600),
@@ -112,14 +113,14 @@ std::vector<std::string> WithFullPaths(std::vector<std::string> words) {
   return words;
 }
 
-Result<SessionSource> ReadSource(const SessionPlan& plan) {
+Result<SessionSource> ReadSource(const SessionPlan& plan, std::string_view verb) {
   SessionSource source;
   if (IsFolder(plan)) {
-    HAPTOMETER_LET(source.folder, ReadFolder(plan));
+    HAPTOMETER_LET(source.folder, ReadFolder(plan, verb));
     return source;
   }
   RecordingOptions recording;
-  cli::Options options(kSourceText);
+  cli::Options options(SourceText(verb));
   DeclareSensor(options, source.sensor);
   DeclareRecording(options, recording);
   if (!ParseWords(options, plan)) return Usage("", "");

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -32,10 +33,11 @@ struct SessionSource {
   std::optional<FolderSource> folder;  ///< in place of the sensor
 };
 
-/// Reads SessionPlan::source. A word that is no option of acquire is reported on stderr at once;
-/// its error has no words. Other errors (Cause::kUsage): an option that the session decides itself
-/// (file, labels, end), or acquire's; a folder without a name.
-[[nodiscard]] Result<SessionSource> ReadSource(const SessionPlan& plan);
+/// Reads SessionPlan::source; `verb` stands before what is reported. A word that is no option of
+/// acquire is reported on stderr at once; its error has no words. Other errors (Cause::kUsage): an
+/// option that the session decides itself (file, labels, end), or acquire's; a folder without a
+/// name.
+[[nodiscard]] Result<SessionSource> ReadSource(const SessionPlan& plan, std::string_view verb);
 
 /// What can be known of a source before the first recording: the scene or trial that it plays is
 /// readable; the folder exists and is not `session_folder`. Errors: as OpenSensor; Cause::kUsage

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -24,6 +25,8 @@ dsp::BandPass UsualBand() {
   return *band;
 }
 
+constexpr std::string_view kNotThere = "the device is not there";
+
 bool IsAttempt(Kind kind) {
   return kind == Kind::kRecord || kind == Kind::kRedo || kind == Kind::kFloor;
 }
@@ -37,6 +40,7 @@ SessionWorker::SessionWorker(SessionFolder session, SessionSource source, std::s
       changed_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       stays_open_(!source_.folder && !FindSensorKind(source_.sensor.sensor)->ends_by_itself) {
   if (source_.folder) folder_.emplace(*source_.folder, session_.plan());
+  view_.message = session_.DamageInWords();
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -104,8 +108,10 @@ void SessionWorker::Publish(const std::string* message, std::optional<SourceStat
   // a decision may have changed the last attempt
   const SessionAttempt* last = session_.state().LastFinished();
   if (view_.last && last != nullptr && last->file == view_.last->attempt.file) {
-    view_.last->attempt = *last;
-    if (last->is_rejected) view_.last->reasons = {"rejected: " + last->reason};
+    AttemptOutcome& shown = *view_.last;
+    if (last->Reasons() != shown.attempt.Reasons()) shown.reasons = {last->Reasons()};
+    shown.attempt = *last;
+    shown.band_rms_m = last->band_rms_m;
   }
   if (message != nullptr) view_.message = *message;
   if (state) {
@@ -158,6 +164,8 @@ Result<std::string> SessionWorker::Decide(const SessionCommand& command) {
   switch (command.kind) {
     case Kind::kReject:
       return Reject(session_, decision);
+    case Kind::kAccept:
+      return Accept(session_, decision);
     case Kind::kRelabel:
       return Relabel(session_, decision, command.other);
     case Kind::kNote:
@@ -165,7 +173,7 @@ Result<std::string> SessionWorker::Decide(const SessionCommand& command) {
     default:
       break;
   }
-  // what comes first is no cell of the plan's order: it is left, with the reason as a note
+  // what was asked for is no cell of the plan's order: it is left, with the reason as a note
   if (!first_) return Skip(session_, command.text);
   HAPTOMETER_TRY(Note(session_, "", command.text));
   return "not now: " + NameOf(*std::exchange(first_, std::nullopt));
@@ -189,7 +197,7 @@ void SessionWorker::Attempt(Kind kind) {
     is_held_ = false;
     message = kind == Kind::kRecord ? "a file is waited for, no key is needed" : "";
   } else if (stays_open_ && !sensor_) {
-    message = "the device is not there";
+    message = kNotThere;
   } else {
     Record(*cell);
     return;
@@ -219,6 +227,7 @@ bool SessionWorker::Open() {
   {
     const std::lock_guard lock(mutex_);
     view_.meter = meter_;
+    if (view_.message == kNotThere) view_.message.clear();
   }
   static_cast<void>(sensor_->Begin());
   Enter(SourceState::kReady, {}, was_away);
@@ -267,7 +276,7 @@ void SessionWorker::ExamineFolder() {
   if (!found) {
     Enter(SourceState::kAway, found.error().Text());
   } else if (!*found) {
-    Enter(SourceState::kWaiting, folder_->growing());
+    Enter(SourceState::kWaiting, folder_->pending());
   } else {
     Enter(SourceState::kJudging, (*found)->file.name, true);
     const auto outcome =
@@ -302,9 +311,8 @@ void SessionWorker::Record(const SessionCell& cell) {
 }
 
 void SessionWorker::Finish(const Result<AttemptOutcome>& outcome) {
-  const bool comes_again = !outcome || outcome->is_cut_short;
-  if (!comes_again) first_.reset();
   if (outcome) {
+    first_.reset();
     const std::lock_guard lock(mutex_);
     view_.last = *outcome;
   }

@@ -25,7 +25,16 @@ namespace haptometer::tools {
 
 /// What the screen of a session asks for.
 struct SessionCommand {
-  enum class Kind : std::uint8_t { kRecord, kRedo, kFloor, kReject, kRelabel, kNote, kSkip };
+  enum class Kind : std::uint8_t {
+    kRecord,
+    kRedo,
+    kFloor,
+    kReject,
+    kAccept,
+    kRelabel,
+    kNote,
+    kSkip
+  };
   Kind kind = Kind::kRecord;
   std::string text{};  ///< reason or note
   OtherCell other{};   ///< kRelabel
@@ -111,7 +120,7 @@ class SessionWorker {
   bool is_held_ = false;  // an import failed: the next waits for a command
   acquire::RetryPause pause_;
   acquire::Reading reading_;
-  std::optional<SessionCell> first_;  // comes before the plan's next: cut short, or asked for
+  std::optional<SessionCell> first_;  // is recorded, or comes before the plan's next: asked for
 
   std::atomic<bool> stop_recording_{false};
   std::atomic<bool> stop_opening_{false};

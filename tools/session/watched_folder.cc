@@ -144,16 +144,20 @@ Result<std::optional<NewFile>> WatchedFolder::Examine(const SessionState& state,
                                                       MonotonicNs now_ns) {
   HAPTOMETER_LET(const auto files, FilesIn(source_));
   const std::vector<Imported> imported = ImportedFiles(state);
-  growing_.clear();
+  pending_.clear();
   for (FolderFile file : files) {
     const auto is_same = [&](const FolderFile& other) { return IsSame(file, other); };
-    if (file.bytes == 0 || std::ranges::any_of(ignored_, is_same) ||
+    if (std::ranges::any_of(ignored_, is_same) ||
         std::ranges::any_of(imported, is_same, &Imported::file)) {
+      continue;
+    }
+    if (file.bytes == 0) {
+      pending_ = Printable(file.name) + " is empty";
       continue;
     }
     // the first that is new decides: those behind it were written later
     if (!IsComplete(file, now_ns)) {
-      growing_ = file.name;
+      pending_ = Printable(file.name) + " is still changing";
       return std::optional<NewFile>();
     }
     file.sha256 = document::Sha256Of(PathOf(file));

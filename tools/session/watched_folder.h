@@ -59,8 +59,9 @@ class WatchedFolder {
   [[nodiscard]] Result<std::optional<NewFile>> Examine(const SessionState& state,
                                                        MonotonicNs now_ns);
 
-  /// The file that is still changing; empty where there is none.
-  [[nodiscard]] const std::string& growing() const { return growing_; }
+  /// What no trial can be made of yet, in words: "run1.csv is still changing", or that it is empty;
+  /// empty where there is nothing.
+  [[nodiscard]] const std::string& pending() const { return pending_; }
   [[nodiscard]] const FolderSource& source() const { return source_; }
 
  private:
@@ -75,7 +76,7 @@ class WatchedFolder {
   FolderSource source_;
   std::vector<FolderFile> ignored_;   // there before the session, or imported under another time
   std::map<std::string, Seen> seen_;  // by name
-  std::string growing_;
+  std::string pending_;
 };
 
 }  // namespace haptometer::tools

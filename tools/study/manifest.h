@@ -54,6 +54,7 @@ struct Manifest {
   std::vector<TrialGroup> groups;
   std::string pattern;
   std::vector<std::string> conditions;  ///< in the order in which they are to be shown
+  bool is_session = false;              ///< of the plan of a session, which may have no trial yet
   std::vector<PlannedContrast> contrasts;
   std::string band;  ///< "20-500Hz"
   std::optional<long long> order;
@@ -72,9 +73,9 @@ struct TrialFile {
   std::optional<Error> error{};                 ///< its name does not fit the pattern
   /// The drive-off trial that a session states for it; the study's floor where absent.
   std::shared_ptr<const dsp::NoiseFloor> floor{};
-  /// Its place among a session's attempts: of several that are included for one subject, condition
-  /// and repeat the last counts.
-  std::optional<std::size_t> attempt{};
+  /// Why its session excludes it, or empty where it counts, whatever its header states but for an
+  /// exclusion by hand; absent of a file that no session knows.
+  std::optional<std::string> excluded{};
   /// A table of results among recordings (FilesInFolder), to be ignored: no trial.
   bool is_table = false;
 };

@@ -149,22 +149,29 @@ std::shared_ptr<const dsp::NoiseFloor> FloorOfSession(const std::string& path, c
   return nullptr;
 }
 
-// what the session in a folder states: contrasts, order of conditions, attempts and floors
+// what the session in a folder states: contrasts, order of conditions, what is excluded, and floors
 Result<void> TakeSession(const Wanted& wanted, Task& task) {
   std::error_code ignored;
   if (!fs::exists(fs::path(wanted.source) / "session.toml", ignored)) return {};
   HAPTOMETER_LET(const auto session, SessionFolder::Read(wanted.source));
   task.manifest.contrasts = session.plan().contrasts;
   task.manifest.conditions = session.plan().conditions;
-  const auto& attempts = session.state().attempts;
+  task.manifest.is_session = true;
+  // its own log is no table that somebody left there
+  std::erase(task.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
   // each floor is read once, in the band of the trials
   std::map<std::string, std::shared_ptr<const dsp::NoiseFloor>> floors;
+  std::map<std::string, bool> usable;
+  const auto is_usable = [&](const SessionAttempt& floor) {
+    const auto [place, is_new] = usable.try_emplace(floor.file);
+    if (is_new) place->second = session.IsUsableFloor(floor);
+    return place->second;
+  };
   for (TrialFile& file : task.files) {
-    const std::string name = fs::path(file.path).filename();
-    const auto known = std::ranges::find(attempts, name, &SessionAttempt::file);
-    if (known == attempts.end()) continue;
-    file.attempt = static_cast<std::size_t>(known - attempts.begin());
-    const SessionAttempt* floor = session.state().FloorOf(*known);
+    const SessionAttempt* known = session.state().Find(fs::path(file.path).filename());
+    if (known == nullptr) continue;
+    file.excluded = session.ExclusionOf(*known);
+    const SessionAttempt* floor = session.state().FloorOf(*known, is_usable);
     const bool is_replaced = !FloorPath(wanted, task.manifest).empty();
     if (floor == nullptr || known->cell.is_floor() || is_replaced) continue;
     const auto [place, is_new] = floors.try_emplace(floor->file);
@@ -222,7 +229,9 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   study.ignored = task.ignored;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
-  HAPTOMETER_TRY(study.Compare(task.manifest.contrasts));
+  HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session
+                                                            ? task.manifest.conditions
+                                                            : std::vector<std::string>{}));
   return study;
 }
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "base/alike_names.h"
 #include "tools/document/render.h"
+#include "tools/study/alike_names.h"
 
 namespace haptometer::tools {
 namespace {
@@ -54,9 +54,15 @@ StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
 
 StudyFindings FindingsOf(const StudyResult& study) {
   StudyFindings findings = RefusalsOf(study, false);
+  if (std::ranges::all_of(study.table.trials, [](const auto& one) { return !!one.excluded; })) {
+    findings.Refuse(StudyFinding::kAllExcluded, {{"trials", study.table.trials.size()}});
+  }
   // contrasts chosen by the program weaken the tests: every condition against the first
   if (!study.planned && !study.contrasts.empty()) {
     findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});
+  }
+  for (const PlannedContrast& contrast : study.not_yet) {
+    findings.Add({Severity::kNote, StudyFinding::kContrastNotYet, {}, NameOf(contrast)});
   }
   // a contrast of fewer than two subjects has no test
   for (const Contrast& contrast : study.contrasts) {

@@ -30,6 +30,8 @@ enum class StudyFinding : std::uint8_t {
   kOutlyingCell,           ///< times, studentized, p
   kLabelsAlike,            ///< label, one, other, how
   kContrastsNotPlanned,    ///< control
+  kContrastNotYet,         ///< a condition of it has no trial yet
+  kAllExcluded,            ///< trials
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects

@@ -192,8 +192,19 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
   return further;
 }
 
-Result<void> StudyResult::Compare(const std::vector<PlannedContrast>& wanted) {
+Result<void> StudyResult::Compare(std::vector<PlannedContrast> wanted,
+                                  const std::vector<std::string>& expected) {
   planned = !wanted.empty();
+  const auto has = [&](const std::string& name) { return table.Condition(name).has_value(); };
+  const auto is_known = [&](const std::string& name) {
+    return has(name) || std::ranges::count(expected, name) > 0;
+  };
+  std::erase_if(wanted, [&](const PlannedContrast& pair) {
+    if (has(pair.treatment) && has(pair.control)) return false;
+    if (!is_known(pair.treatment) || !is_known(pair.control)) return false;
+    not_yet.push_back(pair);
+    return true;
+  });
   HAPTOMETER_LET(contrasts,
                  CompareConditions(table, planned ? wanted : AllAgainstTheFirst(table.conditions)));
   missing = FindMissing(table);

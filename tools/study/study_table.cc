@@ -22,6 +22,7 @@
 #include "dsp/statistics/outliers.h"
 #include "tools/cli/progress.h"
 #include "tools/document/findings_dsp.h"
+#include "tools/session/session_folder.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
@@ -53,25 +54,6 @@ void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
               fmt::format("use haptometer trial label {} {}=..., or give a pattern of the names",
                           trial.file, missing)};
     trial.answered = false;
-  }
-}
-
-// of a session's attempts at a cell that are included the last one counts
-void LeaveOutEarlierAttempts(std::vector<StudyTrial>& trials) {
-  std::map<std::tuple<std::string, std::string, std::string>, StudyTrial*> last;
-  for (StudyTrial& trial : trials) {
-    if (trial.error || trial.excluded || !trial.attempt) continue;
-    StudyTrial*& latest = last[{trial.subject, trial.condition, trial.repeat}];
-    StudyTrial* earlier = latest;
-    if (earlier == nullptr || *earlier->attempt < *trial.attempt) {
-      latest = &trial;
-    } else {
-      earlier = &trial;
-    }
-    if (earlier == nullptr) continue;
-    earlier->excluded =
-        fmt::format("a later attempt of its cell counts, and is included too: {}", latest->file);
-    earlier->answered = false;
   }
 }
 
@@ -169,7 +151,6 @@ StudyTable MakeStudyTable(std::vector<StudyTrial> trials, const std::vector<std:
   StudyTable table;
   table.trials = std::move(trials);
   RefuseUnlabelled(table.trials);
-  LeaveOutEarlierAttempts(table.trials);
   NumberRepeats(table.trials);
   std::set<std::string> subjects;
   std::set<std::string> conditions;
@@ -267,7 +248,6 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
     trial.error = std::move(error);
     return trial;
   };
-  trial.attempt = file.attempt;
   // an error of the pattern comes before any reading
   if (file.error) return fail(*file.error);
   const auto recording = trial::ReadRecording(file.path, import);
@@ -282,6 +262,11 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   if (!metadata.head.empty()) trial.sensor += (trial.sensor.empty() ? "" : " ") + metadata.head;
   trial.sources = trial::SourcesOf(metadata, recording->report);
   trial.excluded = trial::ExclusionOf(metadata);
+  // of a session's trial its log decides, but for an exclusion by hand
+  const bool is_by_hand = trial.excluded && !trial.excluded->starts_with(kSessionReason);
+  if (file.excluded && !is_by_hand) {
+    trial.excluded = file.excluded->empty() ? std::nullopt : file.excluded;
+  }
   if (trial.excluded) return trial;
   // only the numbers are used, not the filtered samples
   dsp::BandQuestion numbers_alone = question;

@@ -31,7 +31,6 @@ struct StudyTrial {
   std::optional<double> drive_v;  ///< amplitude of the drive, where the file says it
   std::vector<document::DataSource> sources;
   std::shared_ptr<const dsp::NoiseFloor> floor;  ///< of the session, that was subtracted
-  std::optional<std::size_t> attempt;            ///< its place among a session's attempts
   std::optional<std::string> excluded;  ///< why it is in no number; it is not analysed then
   std::optional<Error> error;           ///< it cannot be read, or has no place in the study
   bool answered = false;                ///< rms_m is there
@@ -197,16 +196,19 @@ struct StudyResult {
   std::string source;  ///< folder or manifest
   dsp::BandQuestion question;
   StudyTable table;
-  std::vector<std::string> ignored;  ///< tables of results that lie among the trials
-  bool planned = false;              ///< the contrasts were asked for
+  std::vector<std::string> ignored;      ///< tables of results that lie among the trials
+  bool planned = false;                  ///< the contrasts were asked for
+  std::vector<PlannedContrast> not_yet;  ///< of a condition of the plan that has no trial yet
   std::vector<Contrast> contrasts;
   std::vector<MissingTrials> missing;
   std::vector<Outlying> outlying;
   FurtherStatistics further;
 
   /// Works out all that follows from the table; without a planned contrast every condition is
-  /// compared with the first. Errors: as CompareConditions.
-  [[nodiscard]] Result<void> Compare(const std::vector<PlannedContrast>& wanted);
+  /// compared with the first. Of a session `expected` are the conditions of its plan: a contrast of
+  /// one that has no trial yet is in not_yet. Errors: as CompareConditions.
+  [[nodiscard]] Result<void> Compare(std::vector<PlannedContrast> wanted,
+                                     const std::vector<std::string>& expected = {});
 
   /// How many answered trials `is_so` holds of.
   template <typename Predicate>

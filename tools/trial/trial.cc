@@ -12,6 +12,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/verb_words.h"
 #include "tools/document/present.h"
+#include "tools/session/session_folder.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_writer.h"
@@ -146,11 +147,21 @@ Result<void> SetExclusion(const std::string& path, trial::EventKind kind,
   if (excludes && reason.find_first_not_of(' ') == std::string::npos) {
     return Usage("--reason", "is missing", "state why, for example --reason 'finger slipped'");
   }
+  if (excludes && reason.starts_with(kSessionReason)) {
+    return Usage("--reason",
+                 fmt::format("begins with '{}', as those of a session do", kSessionReason),
+                 "write it in other words");
+  }
   if (!excludes) {
     HAPTOMETER_LET(const auto recording, trial::ReadRecording(path));
     if (!trial::ExclusionOf(recording.record.metadata)) {
       cli::Remark(kIncludeText.name, fmt::format("{}: is not excluded; unchanged", path));
       return {};
+    }
+    const std::string by_session = ExclusionBySession(path);
+    if (!by_session.empty()) {
+      return Usage(path, "is excluded by the log of its " + by_session,
+                   "haptometer session accept lets an attempt count");
     }
   }
   return Append(

@@ -95,6 +95,11 @@ std::vector<Case> Cases() {
        "contrasts-not-planned",
        "no contrast is planned, so every condition is compared with the first, stock (--contrast "
        "TREATMENT:CONTROL selects others)"},
+      {kContrastNotYet,
+       {},
+       "contrast-not-yet",
+       "planned, and not possible yet: one of its conditions has no trial that is included"},
+      {kAllExcluded, {{"trials", 3}}, "all-excluded", "all 3 trials are excluded"},
       {kTooFewSubjects,
        {{"subjects", 1}},
        "too-few-subjects",

@@ -51,7 +51,7 @@ const std::vector<SessionLogLine> kDay{
     Begin(kThree, 1, "e.bin"),
     End(kThree, 1, "e.bin", kGood),
     {"2026-11-24T11:00:00.000Z", kReject, kThree, 1, "e.bin", {}, "finger slipped"},
-    {"2026-11-24T11:00:00.000Z", kRelabel, kThree, 2, "a.bin", {}, "subjects swapped"}};
+    {"2026-11-24T11:00:00.000Z", kRelabel, kThree, 2, "a.bin", kCheck, "subjects swapped", 2e-5}};
 const std::vector<SessionCell> kPlanned{kFloor, kOne, kTwo, kThree};
 
 TEST(SessionLog, ALineIsReadAsItWasWritten) {
@@ -123,21 +123,97 @@ TEST(SessionLog, CellsCountByTheirLatestFinishedAttempt) {
   EXPECT_EQ(rejected.bad, 1U);
   EXPECT_EQ(rejected.done, 2U);
   EXPECT_EQ(rejected.next, kThree) << "where all are finished, what is bad comes again";
-  // a.bin is of kThree from now on, so kOne has none
+  // a.bin is of kThree from now on, so kOne has none; e.bin was recorded later, and counts
   const SessionCounts relabelled = counts(before_rejection + 2);
-  EXPECT_EQ(relabelled.good, 1U);
-  EXPECT_EQ(relabelled.bad, 0U);
+  EXPECT_EQ(relabelled.good, 0U);
+  EXPECT_EQ(relabelled.bad, 1U);
   EXPECT_EQ(relabelled.next, kOne);
 }
 
-TEST(SessionLog, ARelabellingIsUndoneTheSameWay) {
+TEST(SessionLog, ARelabellingMovesNoAttemptAndIsUndoneTheSameWay) {
   std::vector<SessionLogLine> lines = kDay;
-  lines.push_back({"", kRelabel, kOne, 2, "a.bin", {}, "they were not"});
-  const SessionState state = ReadLog(LogOf(lines));
+  SessionState state = ReadLog(LogOf(lines));
+  EXPECT_EQ(state.Latest(kOne), nullptr);
+  EXPECT_EQ(state.Latest(kThree)->file, "e.bin") << "recorded later than a.bin";
+  EXPECT_EQ(state.LastFinished()->file, "e.bin");
+  const SessionAttempt& moved = *state.Find("a.bin");
+  EXPECT_EQ(moved.verdict, kCheck) << "as it was judged in its new cell";
+  EXPECT_EQ(moved.band_rms_m, 2e-5);
+  EXPECT_EQ(moved.reason, "relabelled: subjects swapped");
+  EXPECT_EQ(state.last_cells, (std::vector<SessionCell>{kThree, kOne})) << "both are to be settled";
+  lines.push_back({"", kRelabel, kOne, 2, "a.bin", kGood, "they were not", 1e-5});
+  state = ReadLog(LogOf(lines));
   EXPECT_EQ(state.Latest(kOne)->file, "a.bin");
-  EXPECT_EQ(state.Latest(kThree)->file, "e.bin");
+  EXPECT_EQ(state.Latest(kOne)->verdict, kGood);
   EXPECT_EQ(state.NextNumber(kOne), 3);
   EXPECT_EQ(state.damaged_lines, 0U);
+  // of an earlier version, without a verdict: the old one stays
+  lines.push_back({"", kRelabel, kThree, 3, "a.bin", {}, "of 2025"});
+  EXPECT_EQ(ReadLog(LogOf(lines)).Find("a.bin")->verdict, kGood);
+}
+
+TEST(SessionLog, AnAcceptanceUndoesRejectionsAndLetsItsAttemptCount) {
+  std::vector<SessionLogLine> lines{End(kOne, 1, "a.bin", kCheck, "230 Hz"),
+                                    {"", kReject, kOne, 1, "a.bin", {}, "slipped"},
+                                    {"", kReject, kOne, 1, "a.bin", {}, "and too loud"},
+                                    End(kOne, 2, "b.bin", kGood)};
+  const auto state = [&] { return ReadLog(LogOf(lines)); };
+  EXPECT_EQ(state().Find("a.bin")->verdict, kBad);
+  EXPECT_EQ(state().Find("a.bin")->Reasons(), "rejected: slipped; and too loud; 230 Hz");
+  EXPECT_EQ(state().Latest(kOne)->file, "b.bin");
+  lines.push_back({"", kAccept, kOne, 1, "a.bin", {}, "wrong key"});
+  EXPECT_EQ(state().Latest(kOne)->file, "a.bin");
+  EXPECT_EQ(state().Latest(kOne)->verdict, kCheck) << "as it was judged";
+  EXPECT_EQ(state().Latest(kOne)->Reasons(), "230 Hz");
+  EXPECT_EQ(state().Find("a.bin")->notes, (std::vector<std::string>{"accepted: wrong key"}));
+  // of two acceptances the later one counts
+  lines.push_back({"", kAccept, kOne, 2, "b.bin", {}, "no"});
+  lines.push_back({"", kAccept, kOne, 1, "a.bin", {}, "yes"});
+  EXPECT_EQ(state().Latest(kOne)->file, "a.bin");
+  lines.push_back(Begin(kOne, 3, "c.bin"));
+  EXPECT_EQ(state().Latest(kOne)->file, "a.bin") << "the newer one has not ended";
+  lines.push_back(End(kOne, 3, "c.bin", kGood));
+  EXPECT_EQ(state().Latest(kOne)->file, "c.bin");
+  EXPECT_EQ(state().damaged_lines, 0U);
+  lines.push_back({"", kAccept, kOne, 1, "none.bin", {}, "no such attempt"});
+  EXPECT_EQ(state().damaged_lines, 1U);
+}
+
+// stopped, lost, or a full disk; a floor before its subject's trials
+TEST(SessionLog, WhatWasCutShortAndAFloorThatIsBadComeAgainAtOnce) {
+  std::vector<SessionLogLine> lines;
+  const auto next = [&] { return CountCells(kPlanned, ReadLog(LogOf(lines))).next; };
+  lines.push_back(End(kFloor, 1, "f.bin", kBad, "a drive is on"));
+  EXPECT_EQ(next(), kFloor);
+  EXPECT_EQ(CountCells(kPlanned, ReadLog(LogOf(lines))).floors_done, 0U);
+  lines.push_back({"", kSkip, kFloor, 0, "", {}, "no time"});
+  EXPECT_EQ(next(), kOne) << "without it";
+  for (const std::string& reason : {std::string(kStopped), fmt::format("{}: no room", kStopped),
+                                    fmt::format("{}; no drive", kConnectionLost)}) {
+    lines.push_back(End(kOne, 1, reason + ".bin", kBad, reason));
+    EXPECT_EQ(next(), kOne) << reason;
+  }
+  lines.push_back(End(kOne, 4, "a.bin", kBad, "no drive"));
+  EXPECT_EQ(next(), kTwo) << "BAD in full: at the end";
+  lines.push_back(End(kTwo, 1, "b.bin", kGood));
+  lines.push_back(End(kTwo, 2, "c.bin", kBad, std::string(kStopped)));
+  EXPECT_EQ(next(), kTwo) << "a redo too";
+  lines.push_back(End(kTwo, 3, "d.bin", kGood));
+  EXPECT_EQ(next(), kThree);
+  // another subject's floor, and one behind the trials, do not come first
+  lines.push_back(End(kFloor, 2, "g.bin", kBad, "a drive is on"));
+  EXPECT_EQ(next(), kThree);
+}
+
+TEST(SessionLog, LineEndsOfASpreadsheetAreRead) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : LogOf(kDay)) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const SessionState state = ReadLog(text);
+  EXPECT_EQ(state.damaged_lines, 0U);
+  EXPECT_EQ(state.attempts.size(), 6U);
+  // what else it changes is no line
+  EXPECT_EQ(ReadLog("x\r\n" + LogOf(kDay)).first_damaged, 1U);
+  EXPECT_EQ(ReadLog(LogOf(kDay) + "x\n\ny\n").first_damaged, kDay.size() + 2);
 }
 
 // a clock that is set back by an hour during the day: the order of the lines decides
@@ -235,15 +311,30 @@ TEST(SessionLog, AFloorServesTheTrialsThatBeganBehindIt) {
       {End(kOne, 1, "a.bin", kGood), End(kFloor, 1, "f.bin", kGood), End(other, 1, "o.bin", kGood),
        End(kTwo, 1, "b.bin", kGood), End(kFloor, 2, "g.bin", kBad), Begin(kTwo, 2, "c.bin"),
        End(kFloor, 3, "h.bin", kGood), Begin(kTwo, 3, "d.bin")}));
-  const auto floor = [&](const std::string& file) {
+  std::string excluded;  // by hand
+  const auto floor_in = [&](const SessionState& of, const std::string& file) {
     const auto* found =
-        state.FloorOf(*std::ranges::find(state.attempts, file, &SessionAttempt::file));
+        of.FloorOf(*of.Find(file), [&](const SessionAttempt& one) { return one.file != excluded; });
     return found == nullptr ? std::string() : found->file;
   };
+  const auto floor = [&](const std::string& file) { return floor_in(state, file); };
   EXPECT_EQ(floor("a.bin"), "") << "recorded before it";
   EXPECT_EQ(floor("b.bin"), "f.bin");
   EXPECT_EQ(floor("c.bin"), "f.bin") << "one that is BAD is none";
   EXPECT_EQ(floor("d.bin"), "h.bin");
+  excluded = "h.bin";
+  EXPECT_EQ(floor("d.bin"), "f.bin") << "the last that is not excluded";
+  excluded = "f.bin";
+  EXPECT_EQ(floor("b.bin"), "");
+  // one that is accepted counts for what is recorded behind its acceptance
+  excluded.clear();
+  const SessionState accepted = ReadLog(LogOf({End(kFloor, 1, "f.bin", kGood),
+                                               End(kFloor, 2, "g.bin", kGood),
+                                               End(kOne, 1, "a.bin", kGood),
+                                               {"", kAccept, kFloor, 1, "f.bin", {}, "x"},
+                                               End(kTwo, 1, "b.bin", kGood)}));
+  EXPECT_EQ(floor_in(accepted, "a.bin"), "g.bin");
+  EXPECT_EQ(floor_in(accepted, "b.bin"), "f.bin");
 }
 
 TEST(SessionLog, AnyBeginningOfTheLogGivesTheStateOfItsWholeLines) {

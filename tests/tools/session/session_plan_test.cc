@@ -65,6 +65,7 @@ TEST(SessionPlan, TheBalancedOrderIsAWilliamsDesign) {
         if (i > 0) ++followers[{block[i - 1], block[i]}];
       }
     }
+    EXPECT_EQ(rows, DesignRows(plan));
     EXPECT_EQ(places.size(), n * n);
     EXPECT_EQ(followers.size(), n * (n - 1));
     for (const auto& [place, count] : places) EXPECT_EQ(count, rows / n) << n;
@@ -157,6 +158,9 @@ TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
   EXPECT_NE(refused([](SessionPlan& plan) { plan.source.clear(); }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.expect = "tone"; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c9"}}; }), "");
+  EXPECT_EQ(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c2"}, {"c1", "c2"}}; }),
+            "p: contrasts: compare c1 against c2 twice; write each pair once");
+  EXPECT_NE(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c2"}, {"c2", "c1"}}; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.drive_frequency_hz = 0; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) {
               plan.subjects = *ReadSubjects("1000");
@@ -168,8 +172,9 @@ TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
 
 TEST(SessionPlan, SubjectsAreANumberOrNames) {
   EXPECT_EQ(*ReadSubjects("3"), (std::vector<std::string>{"1", "2", "3"}));
+  EXPECT_EQ(*ReadSubjects("s2"), (std::vector<std::string>{"s2"}));
   EXPECT_EQ(*ReadSubjects("ann, ben"), (std::vector<std::string>{"ann", "ben"}));
-  for (const char* wrong : {"0", "1001", "99999999999999999999"}) {
+  for (const char* wrong : {"0", "1001", "99999999999999999999", "-2", "2.5", "1e2"}) {
     EXPECT_FALSE(ReadSubjects(wrong)) << wrong;
   }
 }

@@ -44,6 +44,18 @@ class WatchedFolderTest : public ::testing::Test {
     EXPECT_TRUE(found.has_value());
     return *found ? (*found)->file.name : "";
   }
+  // a new a.csv is found and imported, and written again; what is found then
+  [[nodiscard]] NewFile WrittenAgain(WatchedFolder& folder, const std::string& before,
+                                     const std::string& after) {
+    Write("a.csv", before, 100);
+    EXPECT_EQ(Found(folder, 0), "");
+    Import(folder, "a.csv", kComplete);
+    Write("a.csv", after, 200);
+    EXPECT_EQ(Found(folder, kComplete), "");
+    const auto found = folder.Examine(state_, 2 * kComplete);
+    EXPECT_TRUE(found.has_value());
+    return *found ? **found : NewFile{};
+  }
   void Import(WatchedFolder& folder, const std::string& name, MonotonicNs now_ns) {
     const auto found = folder.Examine(state_, now_ns);
     ASSERT_TRUE(found.has_value() && *found);
@@ -62,14 +74,25 @@ TEST_F(WatchedFolderTest, AFileThatGrowsIsNotCompleteAndHoldsBackLaterOnes) {
   WatchedFolder folder(Source(), {});
   Write("b.csv", "1", 100);
   EXPECT_EQ(Found(folder, 0), "");
-  EXPECT_EQ(folder.growing(), "b.csv");
+  EXPECT_EQ(folder.pending(), "b.csv is still changing");
   Write("b.csv", "12", 200);
   Write("a.csv", "1", 300);
   EXPECT_EQ(Found(folder, kComplete), "") << "changed since";
   Write("b.csv", "23", 200);
   EXPECT_EQ(Found(folder, 2 * kComplete - 1), "");
   EXPECT_EQ(Found(folder, 2 * kComplete), "b.csv") << "written before a.csv";
-  EXPECT_EQ(folder.growing(), "");
+  EXPECT_EQ(folder.pending(), "");
+}
+
+TEST_F(WatchedFolderTest, AnEmptyFileIsNamedAndHoldsBackNone) {
+  WatchedFolder folder(Source(), {});
+  Write("a.csv", "", 100);
+  EXPECT_EQ(Found(folder, 0), "");
+  EXPECT_EQ(folder.pending(), "a.csv is empty");
+  Write("b.csv", "1", 200);
+  EXPECT_EQ(Found(folder, 0), "");
+  EXPECT_EQ(folder.pending(), "b.csv is still changing");
+  EXPECT_EQ(Found(folder, kComplete), "b.csv");
 }
 
 TEST_F(WatchedFolderTest, NeitherTheClockNorFilesThatWereThereCount) {
@@ -97,14 +120,8 @@ TEST_F(WatchedFolderTest, NeitherTheClockNorFilesThatWereThereCount) {
 
 TEST_F(WatchedFolderTest, EachFileIsFoundOnceByItsContent) {
   WatchedFolder folder(Source(), {});
-  Write("a.csv", "1", 100);
-  EXPECT_EQ(Found(folder, 0), "");
-  Import(folder, "a.csv", kComplete);
-  // touched: of the same name, size and content
-  Write("a.csv", "1", 500);
-  EXPECT_EQ(Found(folder, kComplete), "");
-  EXPECT_EQ(Found(folder, 2 * kComplete), "");
-  EXPECT_EQ(folder.growing(), "");
+  EXPECT_EQ(WrittenAgain(folder, "1", "1").file.name, "") << "touched: of the same content";
+  EXPECT_EQ(folder.pending(), "");
   // the same content under another name is another file
   Write("b.csv", "1", 600);
   EXPECT_EQ(Found(folder, 3 * kComplete), "");
@@ -116,14 +133,7 @@ TEST_F(WatchedFolderTest, EachFileIsFoundOnceByItsContent) {
 
 TEST_F(WatchedFolderTest, AFileThatContinuesIsOfTheSameCell) {
   WatchedFolder folder(Source(), {});
-  Write("a.csv", "12", 100);
-  EXPECT_EQ(Found(folder, 0), "");
-  Import(folder, "a.csv", kComplete);
-  Write("a.csv", "123", 200);
-  EXPECT_EQ(Found(folder, kComplete), "");
-  const auto continued = folder.Examine(state_, 2 * kComplete);
-  ASSERT_TRUE(continued.has_value() && *continued);
-  EXPECT_EQ((*continued)->continued, (SessionCell{"1", "a.csv", 1}));
+  EXPECT_EQ(WrittenAgain(folder, "12", "123").continued, (SessionCell{"1", "a.csv", 1}));
   Write("a.csv", "223", 300);
   EXPECT_EQ(Found(folder, 2 * kComplete), "");
   const auto other = folder.Examine(state_, 3 * kComplete);

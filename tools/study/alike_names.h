@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace haptometer {
+namespace haptometer::tools {
 
 /// How two different names may be one, written in two ways.
 enum class Likeness : std::uint8_t {
@@ -30,4 +30,4 @@ struct AlikeNames {
 /// The pairs of `names` that are alike, in their order. Cost: a comparison a pair.
 [[nodiscard]] std::vector<AlikeNames> NamesAlike(const std::vector<std::string>& names);
 
-}  // namespace haptometer
+}  // namespace haptometer::tools

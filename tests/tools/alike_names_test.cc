@@ -1,10 +1,10 @@
-#include "base/alike_names.h"
+#include "tools/study/alike_names.h"
 
 #include <gtest/gtest.h>
 
 #include <utility>
 
-namespace haptometer {
+namespace haptometer::tools {
 namespace {
 
 TEST(LikenessOf, IsOfCaseBlanksAndOneLetter) {
@@ -31,4 +31,4 @@ TEST(LikenessOf, IsOfCaseBlanksAndOneLetter) {
 }
 
 }  // namespace
-}  // namespace haptometer
+}  // namespace haptometer::tools

@@ -1,10 +1,10 @@
-#include "base/alike_names.h"
+#include "tools/study/alike_names.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
 
-namespace haptometer {
+namespace haptometer::tools {
 namespace {
 
 bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
@@ -67,4 +67,4 @@ std::vector<AlikeNames> NamesAlike(const std::vector<std::string>& names) {
   return alike;
 }
 
-}  // namespace haptometer
+}  // namespace haptometer::tools
