@@ -74,7 +74,10 @@ def killed_in_a_trial(folder):
 def record(folder, word="next", expected=0):
     before = trials(folder)
     cell = status(folder)["next"]
-    outcome = json.loads(run("session", word, folder, "--json", status=expected).stdout)
+    done = subprocess.run([program("haptometer"), "session", word, folder, "--json"], capture_output=True,
+                          timeout=DEADLINE_S)
+    check(done.returncode == expected, f"{word} ends with {done.returncode}: {done.stdout.decode()}")
+    outcome = json.loads(done.stdout)
     nothing_lost(before, folder)
     check(len(trials(folder)) == len(before) + 1, "an attempt is a new file")
     if word == "next":
