@@ -43,7 +43,7 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   HAPTOMETER_LET(const auto values, ReadAll(samples));
   auto model = BelowBandModel::Fit(values, samples.rate_hz(), band.lower_hz, band.upper_hz);
   if (!model) return plain;
-  auto beside = BandSignal::FilterBeside(samples, design, std::move(*model), threads, frames);
+  auto beside = BandSignal::Filter(samples, design, threads, frames, std::move(model));
   if (!beside) return beside;
   return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
 }

@@ -90,6 +90,12 @@ double PowerGain(const FilterDesign& design, double frequency_hz) {
   return std::pow(std::norm(Response(design, frequency_hz)), 2);
 }
 
+bool LiesIn(std::span<const FrequencyRange> ranges, double at_hz) {
+  return std::ranges::any_of(ranges, [at_hz](const FrequencyRange& range) {
+    return at_hz >= range.from_hz && at_hz <= range.to_hz;
+  });
+}
+
 // bins of noise: density behind the filter, and the filter's gain for power in both passes
 struct Bin {
   double density = 0;
@@ -105,10 +111,7 @@ std::vector<Bin> BinsWithin(std::span<const std::complex<double>> spectrum, doub
       std::min(spectrum.size(), static_cast<std::size_t>(std::ceil(part.to_hz / bin_hz)));
   for (auto k = static_cast<std::size_t>(std::ceil(part.from_hz / bin_hz)); k < end; ++k) {
     const double at_hz = static_cast<double>(k) * bin_hz;
-    const bool is_excluded = std::ranges::any_of(excluded, [&](const FrequencyRange& range) {
-      return at_hz >= range.from_hz && at_hz <= range.to_hz;
-    });
-    if (!is_excluded) {
+    if (!LiesIn(excluded, at_hz)) {
       bins.push_back({to_density * std::norm(spectrum[k]), PowerGain(design, at_hz)});
     }
   }
@@ -220,6 +223,25 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
   return noise;
 }
 
+NoisePower BeyondNoise(const BandNoise& rest, const NoiseBeside& beside, const FilterDesign& design,
+                       const BandPass& band, std::span<const FrequencyRange> drive) {
+  NoisePower beyond;
+  for (std::size_t k = 1; k + 1 < rest.bins.size(); ++k) {
+    const double at_hz = static_cast<double>(k) * rest.bin_hz;
+    if (at_hz < band.lower_hz || at_hz > band.upper_hz) continue;
+    const double noise = beside.DensityAt(at_hz) * PowerGain(design, at_hz) * rest.bin_hz;
+    // of a line, a^2 / 2 and what lies beside it: u^2 is the noise
+    const double most = std::max({rest.bins[k - 1], rest.bins[k], rest.bins[k + 1]});
+    const bool is_line = most > 0.5 * kClearUncertainties * kClearUncertainties * noise;
+    if (!is_line && !LiesIn(drive, at_hz)) continue;
+    beyond.mean_square += rest.bins[k] - noise;
+    beyond.variance += noise * noise;
+  }
+  const double width = (drive.front().to_hz - drive.front().from_hz) / rest.bin_hz;
+  beyond.variance *= 1 + 2.08 * kCorrelatedBins * width / kBinsOfPart;
+  return beyond;
+}
+
 // weights are durations: mean = sum T m / sum T, variance = sum T^2 v / (sum T)^2
 NoisePower Pooled(std::span<const WeightedPower> windows) {
   NoisePower pooled;
@@ -283,13 +305,12 @@ TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone, const Ba
                  line.amplitude * std::cos(line.phase_rad),
                  -line.amplitude * std::sin(line.phase_rad), 0, rest);
   }
-  const BandNoise noise = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band));
-  TonePower split{.density = noise.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz),
-                  .rest = noise.power};
+  TonePower split{.rest = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band))};
+  split.density = split.rest.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz);
   for (const Harmonic& line : lines) {
     // S / T: the noise's mean square in a line of width 1 / T
     const double square =
-        noise.DensityNear(line.frequency_hz, band.lower_hz, band.upper_hz) / window_s;
+        split.rest.DensityNear(line.frequency_hz, band.lower_hz, band.upper_hz) / window_s;
     // mean square a^2 / 2 less that of the noise; Var(a^2 / 2) = a^2 u^2, u^2 = S / T
     split.mean_square += 0.5 * line.amplitude * line.amplitude - square;
     split.variance += line.amplitude * line.amplitude * square;

@@ -83,6 +83,13 @@ struct NoiseBeside {
                                              const FilterDesign& design, const BandPass& band,
                                              std::span<const FrequencyRange> excluded);
 
+/// The power beyond noise of `rest`, what a tone and its harmonics leave (untapered): the sum over
+/// the band's bins in `drive`, and those of lines anywhere, less noise of the density beside them.
+/// var = (1 + 2.08 c w / 128) sum of the squares of their noise, w the bins of a range.
+[[nodiscard]] NoisePower BeyondNoise(const BandNoise& rest, const NoiseBeside& beside,
+                                     const FilterDesign& design, const BandPass& band,
+                                     std::span<const FrequencyRange> drive);
+
 /// The mean square over windows of unequal length, weighted by it. Empty: all 0.
 struct WeightedPower {
   NoisePower power;
@@ -111,7 +118,7 @@ struct TonePower {
   double mean_square = 0;  ///< noise's share taken off; below 0 where that is the larger
   double variance = 0;     ///< of `mean_square`, from the noise about each line
   double density = 0;      ///< one-sided, of the noise about the tone
-  NoisePower rest;         ///< of the samples
+  BandNoise rest;          ///< of the samples
 };
 
 /// Splits `samples`, from a window of `window_s`, into `tone` with those harmonics of it in the

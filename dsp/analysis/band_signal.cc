@@ -94,16 +94,8 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
 }
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
-                                      int threads, const KeptFrames& frames) {
-  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design, std::nullopt, frames);
-  HAPTOMETER_TRY(signal.FilterAll(threads));
-  return signal;
-}
-
-Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
-                                            const FilterDesign& design, BelowBandModel model,
-                                            int threads, const KeptFrames& frames) {
+                                      int threads, const KeptFrames& frames,
+                                      std::optional<BelowBandModel> model) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
   BandSignal signal(samples, design, std::move(model), frames);
   HAPTOMETER_TRY(signal.FilterAll(threads));

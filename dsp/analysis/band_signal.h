@@ -50,18 +50,13 @@ class BandSignal {
   ///
   /// Settled cells are found as settled samples are (SettledRange), by what each depends on the
   /// ends at most.
+  /// Motion below the band, if `model` (the segment's) is given, is taken from the samples before
+  /// the filter, and what a filter makes of it for ever is added behind it.
   /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells and `frames`.
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads,
-                                                 const KeptFrames& frames = {});
-
-  /// The same with motion below the band taken from the samples before the filter, and what a
-  /// filter makes of it for ever added behind it (dsp/spectrum/below_band_model.h); `model` is the
-  /// segment's.
-  [[nodiscard]] static Result<BandSignal> FilterBeside(const SegmentSamples& samples,
-                                                       const FilterDesign& design,
-                                                       BelowBandModel model, int threads,
-                                                       const KeptFrames& frames = {});
+                                                 const KeptFrames& frames = {},
+                                                 std::optional<BelowBandModel> model = {});
 
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
   [[nodiscard]] double rate_hz() const { return samples_.rate_hz(); }
@@ -70,7 +65,7 @@ class BandSignal {
   [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
-  /// What was taken from the samples; nothing by Filter.
+  /// What was taken from the samples.
   [[nodiscard]] const std::optional<BelowBandModel>& model() const { return model_; }
 
   /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;

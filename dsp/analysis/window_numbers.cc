@@ -111,20 +111,26 @@ Result<double> MeanSquareKept(const Window& window, std::size_t inset) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-// Filtered samples of the longest part kept, or of its middle, thinned, without hum; the hum's part
-// of their mean square goes to `hum_square`.
-Result<ThinnedSamples> SamplesOf(const Window& window, double* hum_square) {
-  const ChosenPart& chosen = window.chosen;
-  const auto kept = KeptOf(chosen, chosen.end - chosen.begin);
-  const auto [begin, end] =
-      *std::ranges::max_element(kept, {}, [](const auto& one) { return one.second - one.first; });
+// Filtered samples of [begin, end), or of their middle, without hum; the hum's part of their mean
+// square goes to `hum_square`.
+Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, std::size_t end,
+                                       double* hum_square) {
   auto samples = ReadMiddle(window.signal(), begin, end);
-  if (!samples) return std::unexpected(samples.error());
+  if (!samples) return samples;
   const std::size_t first = begin + (end - begin - samples->size()) / 2;
   const double with_hum = Rms(*samples);
-  SubtractLines(chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
-  if (!chosen.hum.empty()) *hum_square = std::pow(with_hum, 2) - std::pow(Rms(*samples), 2);
-  return Thinned(*std::move(samples), window.rate_hz(), window.signal().design(), window.band());
+  SubtractLines(window.chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
+  if (!window.chosen.hum.empty()) *hum_square = std::pow(with_hum, 2) - std::pow(Rms(*samples), 2);
+  return samples;
+}
+
+// those of the longest part kept, thinned
+Result<ThinnedSamples> SamplesOf(Window& window) {
+  const auto kept = KeptOf(window.chosen, window.chosen.end - window.chosen.begin);
+  const auto [begin, end] =
+      *std::ranges::max_element(kept, {}, [](const auto& one) { return one.second - one.first; });
+  HAPTOMETER_LET(auto samples, WithoutHum(window, begin, end, &window.hum_square));
+  return Thinned(std::move(samples), window.rate_hz(), window.signal().design(), window.band());
 }
 
 // whether a drive that is clear in every block moves by so many bins that no sine holds half of it
@@ -166,15 +172,26 @@ Result<void> MeasurePower(Window& window) {
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
   const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
+  const std::vector<FrequencyRange> drive = DriveRanges(window);
   window.beside = MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz,
-                                     window.signal().design(), window.band(), DriveRanges(window));
+                                     window.signal().design(), window.band(), drive);
   // without a tone all of the power is rest
   window.numbers.residual_rms_m = std::sqrt(whole.power.mean_square);
   if (window.numbers.tone) {
     const TonePower split =
         SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
-    window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
+    window.numbers.residual_rms_m = std::sqrt(split.rest.power.mean_square);
     window.tone_variance = split.variance;
+    // what tone, sidebands and lines leave is noise, if noise may have so much
+    const NoisePower beyond =
+        BeyondNoise(split.rest, window.beside, window.signal().design(), window.band(), drive);
+    const double left = std::max(0.0, split.rest.power.mean_square - beyond.mean_square);
+    const double most = kFalseAlarmDeviations * std::sqrt(window.beside.variance_of_rest);
+    if (left - window.beside.power.mean_square <= most) {
+      window.beside.power.mean_square = left;
+      window.beside.variance_of_rest *= std::max(0.0, 1 - longer);  // beyond the samples
+      window.beside.variance_of_rest += beyond.variance;
+    }
     // beside a tone alone: the density next to it
     if (split.mean_square > kExplained * mean_square) window.density = split.density;
   }
@@ -229,15 +246,6 @@ void DescribeSensor(Window& window) {
   }
 }
 
-// filtered samples of [begin, end), or of their middle, without hum
-Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, std::size_t end) {
-  auto samples = ReadMiddle(window.signal(), begin, end);
-  if (!samples) return samples;
-  const std::size_t first = begin + (end - begin - samples->size()) / 2;
-  SubtractLines(window.chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
-  return samples;
-}
-
 // noise of samples without drive; what the drive's tone leaves there is no noise, and said
 NoisePower QuietPower(Window& window, std::vector<double> samples) {
   if (window.numbers.tone) {
@@ -249,7 +257,7 @@ NoisePower QuietPower(Window& window, std::vector<double> samples) {
           {{"amplitude_m", left.amplitude}, {"frequency_hz", left.frequency_hz}});
       const double duration_s = static_cast<double>(samples.size()) / window.rate_hz();
       return SplitTone({std::move(samples), window.rate_hz()}, left, window.band(), duration_s)
-          .rest;
+          .rest.power;
     }
   }
   return MeasureNoise(samples, window.rate_hz(), NoiseReachHz(window.band())).power;
@@ -276,9 +284,9 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
     const double part_s = static_cast<double>(end - begin) / window.rate_hz();
     if (part_s < least_s / 2) continue;
     if (IsNearClipped(window, begin, end)) continue;
-    auto samples = WithoutHum(window, begin, end);
-    if (!samples) return std::unexpected(samples.error());
-    parts.push_back({QuietPower(window, *std::move(samples)), part_s});
+    double of_hum = 0;
+    HAPTOMETER_LET(auto samples, WithoutHum(window, begin, end, &of_hum));
+    parts.push_back({QuietPower(window, std::move(samples)), part_s});
     floor.quiet.push_back(
         {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
     floor.duration_s += part_s;
@@ -297,14 +305,9 @@ Result<void> TakeFloor(Window& window) {
     if (!quiet) return std::unexpected(quiet.error());
     floor = *std::move(quiet);
     if (!floor) {
-      // no more than the tone and its harmonics leave
-      NoisePower beside = window.beside.power;
-      if (window.numbers.tone) {
-        beside.mean_square =
-            std::min(beside.mean_square, std::pow(window.numbers.residual_rms_m, 2));
-      }
-      floor = NoiseFloor{
-          .power = beside, .duration_s = window.duration_s(), .from = NoiseSource::kBeside};
+      floor = NoiseFloor{.power = window.beside.power,
+                         .duration_s = window.duration_s(),
+                         .from = NoiseSource::kBeside};
     }
   }
   const double mean_square = window.numbers.power.mean_square;
@@ -501,14 +504,6 @@ void FinishTone(Window& window) {
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 }
 
-// Of a drive this weak, power beside its tone is hardly told from noise: the interval holds that of
-// the tone alone, too.
-void WidenToTone(const ToneNumbers& tone, double sensor_gain, RmsEstimate& rms) {
-  if (0.5 * (rms.upper_m - rms.lower_m) <= kWideShare * rms.rms_m) return;
-  const double least = tone.sine_rms_m / sensor_gain * (tone.amplitude_lower_m / tone.amplitude_m);
-  rms.lower_m = std::clamp(least, 0.0, rms.lower_m);
-}
-
 // harmonics of the tone in the samples before the filter, with a cubic drift; motion below the band
 // that one model explains is subtracted first, because it would cover them
 Result<void> DescribeHarmonics(Window& window) {
@@ -542,31 +537,25 @@ Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
   return {};
 }
 
-// velocity and acceleration of filtered samples [begin, end), or of their middle, with the samples
-// beside them; `begin` and `end` of the result are rows of the record
-Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, std::size_t begin,
-                                                    std::size_t end, double upper_hz) {
-  const std::size_t size = FittedOf(end - begin);
-  const std::size_t first = begin + (end - begin - size) / 2;
+// velocity and acceleration of the window's filtered samples, or of their middle, with the samples
+// beside them
+Result<void> DescribeMotion(Window& window) {
+  const BandSignal& signal = window.signal();
+  const std::size_t size = FittedOf(window.rows);
+  const std::size_t first = window.chosen.begin + (window.rows - size) / 2;
   // samples beside the window, as far as they are free of transients
   const std::size_t before = std::min(first - signal.settled_begin(), kBesideRows);
   const std::size_t after = std::min(signal.settled_end() - first - size, kBesideRows);
   std::vector<double> samples(before + size + after);
   HAPTOMETER_TRY(signal.Read(first - before, samples));
-  auto motion = DescribeKinematics(samples, signal.rate_hz(), upper_hz, before, before + size);
-  if (!motion) return std::nullopt;
+  auto motion =
+      DescribeKinematics(samples, signal.rate_hz(), window.band().upper_hz, before, before + size);
+  if (!motion) return {};
   // from samples that were read to rows of the record
   const std::size_t row = signal.first_row() + first - before;
   motion->begin += row;
   motion->end += row;
-  return motion;
-}
-
-Result<void> DescribeMotion(Window& window) {
-  const std::size_t begin = window.chosen.begin;
-  HAPTOMETER_LET(const auto motion, MeasureKinematics(window.signal(), begin, begin + window.rows,
-                                                      window.band().upper_hz));
-  window.numbers.kinematics = motion;
+  window.numbers.kinematics = *std::move(motion);
   return {};
 }
 
@@ -582,9 +571,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
                 .question = question,
                 .analysis = *analysis};
   // the tone is sought in filtered samples, fewer of them where the rate is far above the band
-  auto samples = SamplesOf(window, &window.hum_square);
-  if (!samples) return std::unexpected(samples.error());
-  window.samples = *std::move(samples);
+  HAPTOMETER_LET(window.samples, SamplesOf(window));
   // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
     auto tone =
@@ -619,9 +606,6 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, edges));
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
-  if (has_tone && chosen.part.from_drive) {
-    WidenToTone(*window.numbers.tone, window.power.sensor_gain, window.numbers.rms);
-  }
   // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(
       threads,

@@ -103,12 +103,12 @@ TEST(QuietInterval, IsLeftOutWhereTremorIsClipped) {
   EXPECT_LT(*rms.floor_m, 0.1e-6);
 }
 
-// 10 um in noise of 0.5 to 6 um, half of whose intervals are 0.5 % to 5 % of the RMS: the doubt is
+// 10 um in noise of 0.5 to 10 um, half of whose intervals are 0.2 % to 4 % of the RMS: the doubt is
 // there if and only if the interval is wide, and the levels lie close enough to show the limit.
 TEST(WideInterval, IsADoubtBeyondTwoAndAHalfPercent) {
   std::size_t just_below = 0;
   std::size_t just_above = 0;
-  for (double noise_m = 0.5e-6; noise_m < 6e-6; noise_m *= 1.04) {
+  for (double noise_m = 0.5e-6; noise_m < 10e-6; noise_m *= 1.04) {
     std::vector<double> values = Samples(kRateHz, 6000, 0.03, {{10e-6, 217.3}});
     AddNoise(11, noise_m, &values);
     const BandAnalysis analysis = Answer(RecordOf(std::move(values), kRateHz));

@@ -93,6 +93,33 @@ TEST(NoiseBeside, WhiteNoiseLiesWithinItsVariances) {
   EXPECT_REL(density_sum / repetitions, Density(0, 300), 2 * scatter, "a quarter of the bins");
 }
 
+// Beyond noise there is nothing in noise, but for its stated variance, and a line of 25 times the
+// noise in its bin wherever it lies: u(a^2 / 2) = a sqrt(S / T).
+TEST(BeyondNoise, IsThePowerOfLinesAndOfADrivesReach) {
+  const BandPass band;
+  const FilterDesign design = Designed(band, kRateHz);
+  const double line_m = std::sqrt(2 * 25 * Density(0, 300) * kRateHz / kSize);
+  const int repetitions = Repetitions(tests::kIsSanitized ? 200 : 1000);
+  int held = 0;
+  double sum = 0;
+  for (int seed = 1; seed <= repetitions; ++seed) {
+    std::vector<double> values = FilteredNoise(design, 0, static_cast<std::uint64_t>(seed));
+    const auto beyond = [&] {
+      return BeyondNoise(MeasureNoise(values, kRateHz, NoiseReachHz(band)),
+                         MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone), design,
+                         band, kBesideTone);
+    };
+    const NoisePower none = beyond();
+    held += std::abs(none.mean_square) <= 2 * std::sqrt(none.variance) ? 1 : 0;
+    const std::vector<double> line = Samples(kRateHz, kSize, 0, {{line_m, 301.2, 0.37 * seed}});
+    for (std::size_t k = 0; k < kSize; ++k) values[k] += line[k];
+    sum += beyond().mean_square - none.mean_square;
+  }
+  ExpectTwoSigma("power beyond noise in the reach of a drive", held, repetitions);
+  // scatter 0.28 of the line; of one between two bins a tenth lies beyond the three about it
+  EXPECT_REL(sum / repetitions, line_m * line_m / 2, 0.12, "what lies in farther bins");
+}
+
 // The tone is 80 dB above the noise in its bin; the window's side lobes are 12 dB below that.
 TEST(NoiseBeside, ExcludedTonesChangeNothing) {
   const BandPass band;
