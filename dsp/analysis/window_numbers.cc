@@ -115,12 +115,11 @@ Result<double> MeanSquareKept(const Window& window, std::size_t inset) {
 // square goes to `hum_square`.
 Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, std::size_t end,
                                        double* hum_square) {
-  auto samples = ReadMiddle(window.signal(), begin, end);
-  if (!samples) return samples;
-  const std::size_t first = begin + (end - begin - samples->size()) / 2;
-  const double with_hum = Rms(*samples);
-  SubtractLines(window.chosen.hum, window.rate_hz(), static_cast<double>(first), *samples);
-  if (!window.chosen.hum.empty()) *hum_square = std::pow(with_hum, 2) - std::pow(Rms(*samples), 2);
+  HAPTOMETER_LET(auto samples, ReadMiddle(window.signal(), begin, end));
+  const std::size_t first = begin + (end - begin - samples.size()) / 2;
+  const double with_hum = Rms(samples);
+  SubtractLines(window.chosen.hum, window.rate_hz(), static_cast<double>(first), samples);
+  if (!window.chosen.hum.empty()) *hum_square = std::pow(with_hum, 2) - std::pow(Rms(samples), 2);
   return samples;
 }
 
@@ -301,9 +300,7 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
 Result<void> TakeFloor(Window& window) {
   std::optional<NoiseFloor> floor = window.question.floor;
   if (!floor && window.chosen.part.from_drive) {
-    auto quiet = NoiseOfQuiet(window);
-    if (!quiet) return std::unexpected(quiet.error());
-    floor = *std::move(quiet);
+    HAPTOMETER_LET(floor, NoiseOfQuiet(window));
     if (!floor) {
       floor = NoiseFloor{.power = window.beside.power,
                          .duration_s = window.duration_s(),
@@ -502,6 +499,14 @@ void FinishTone(Window& window) {
   const double turn = kTwoPi * fit.frequency_hz;
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
+
+  // a drive this weak is hardly told from noise elsewhere: the RMS's interval holds the tone's
+  RmsEstimate& rms = window.numbers.rms;
+  const bool alone = window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
+  if (alone && 0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
+    const double least_m = tone.sine_rms_m * tone.amplitude_lower_m / fit.amplitude;
+    rms.lower_m = std::clamp(least_m, 0.0, rms.lower_m);
+  }
 }
 
 // harmonics of the tone in the samples before the filter, with a cubic drift; motion below the band

@@ -77,6 +77,13 @@ class Extremes {
     }
   }
 
+  // keeps the values and counts their rows anew: what lies within them is no extreme
+  void Recount() {
+    for (Ends& kept : ends_) {
+      for (Value& value : kept) value.rows = 0;
+    }
+  }
+
   void Merge(const Extremes& other) {
     for (const Value& value : other.ends_[0]) AddTo(0, value);
     for (const Value& value : other.ends_[1]) AddTo(1, value);
@@ -251,19 +258,20 @@ Result<Pass> PassOver(const CleanRows& source, std::size_t number, int threads) 
   const std::size_t blocks = (head.rows + kPassRows - 1) / kPassRows;
   const auto done = RunJobsInOrder(blocks, threads, [&]() -> OrderedWorker {
     // blocks are read and looked at in parallel; results follow in order of the blocks
-    return [&, window = Window()](std::size_t job) mutable -> Result<Finish> {
-      const auto block = window.Load(source, number, job * kPassRows);
-      if (!block) return std::unexpected(block.error());
-      Extremes extremes;
-      extremes.Take(*block);
-      return [&, block = *block, summed = summarizer.LookAt(*block), looked = scanner.Look(*block),
-              extremes = std::move(extremes)] {
-        Count(block, pass);
-        summarizer.Feed(block, summed);
-        scanner.Feed(block, looked);
-        pass.extremes.Merge(extremes);
-      };
-    };
+    return
+        [&, window = Window(), extremes = Extremes()](std::size_t job) mutable -> Result<Finish> {
+          const auto block = window.Load(source, number, job * kPassRows);
+          if (!block) return std::unexpected(block.error());
+          extremes.Recount();
+          extremes.Take(*block);
+          return [&, block = *block, summed = summarizer.LookAt(*block),
+                  looked = scanner.Look(*block), seen = extremes] {
+            Count(block, pass);
+            summarizer.Feed(block, summed);
+            scanner.Feed(block, looked);
+            pass.extremes.Merge(seen);
+          };
+        };
   });
   if (!done) return std::unexpected(done.error());
   pass.faults = scanner.Finish();
