@@ -181,12 +181,13 @@ Result<void> MeasurePower(Window& window) {
         SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
     window.numbers.residual_rms_m = std::sqrt(split.rest.power.mean_square);
     window.tone_variance = split.variance;
-    // what tone, sidebands and lines leave is noise, if noise may have so much
+    // of a tone that stands alone, what it and its harmonics leave is noise
     const NoisePower beyond =
         BeyondNoise(split.rest, window.beside, window.signal().design(), window.band(), drive);
     const double left = std::max(0.0, split.rest.power.mean_square - beyond.mean_square);
-    const double most = kFalseAlarmDeviations * std::sqrt(window.beside.variance_of_rest);
-    if (left - window.beside.power.mean_square <= most) {
+    const double off = (left - window.beside.power.mean_square) / kFalseAlarmDeviations;
+    if (off <= std::sqrt(window.beside.variance_of_rest) &&
+        beyond.mean_square <= kFalseAlarmDeviations * std::sqrt(beyond.variance)) {
       window.beside.power.mean_square = left;
       window.beside.variance_of_rest *= std::max(0.0, 1 - longer);  // beyond the samples
       window.beside.variance_of_rest += beyond.variance;
