@@ -305,7 +305,7 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   const std::string& source = file.metadata.source;
   if (!source.empty()) AddWords(section, "source", source);
   section.Add(document::kReadings, record.rows);
-  section.Add({"measured", "of which measured"}, record.measured);
+  section.Add({document::kMeasured.name, "of which measured"}, record.measured);
   section.Add({"bridged", "interpolated"}, record.bridged);
   section.Add({"segments", "segments"}, record.segments);
   section.Add(document::kDuration, record.duration_s);

@@ -291,6 +291,11 @@ int RunAnalyze(int argc, const char* const* argv) {
   return words.sweep ? AnalyzeSweeps(words, *job, shown) : AnalyzeTrials(words, *job, shown);
 }
 
+Result<AnalyzedFile> AnalyzeByDefault(const std::string& path) {
+  HAPTOMETER_LET(const auto job, JobOf(AnalyzeWords{}));
+  return Analyze(path, job);
+}
+
 // noise in the band: the whole drive-off record is the window, and no floor is subtracted from it
 Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuestion& question,
                                   const trial::ImportOptions& import, int threads) {

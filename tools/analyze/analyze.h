@@ -39,6 +39,10 @@ struct AnalyzedFile {
   std::vector<document::Figure> figures;
 };
 
+/// The file as `analyze` answers it without options. Errors: those of its options, of which none
+/// is given; what is wrong with the file is in the answer.
+[[nodiscard]] Result<AnalyzedFile> AnalyzeByDefault(const std::string& path);
+
 /// The document of `count` trials before any is analysed; the first of them is `first`.
 [[nodiscard]] document::Document AnalysisDocument(const std::string& first, std::size_t count);
 

@@ -21,13 +21,13 @@
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
 #include "tools/simulate/simulate_document.h"
+#include "tools/simulate/simulated_trial.h"
 
 namespace haptometer::tools {
 namespace {
 
 // ten periods of the drive: the window of window_rms_m
 constexpr double kWindowPeriods = 10;
-constexpr document::Key kCaseRms{"case_rms_m", "case displacement (RMS)", document::kMetre};
 
 // RMS over the last ten periods of the run, where it is as long
 std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
@@ -400,6 +400,19 @@ MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played)
     AddRise(answer.scene, *played, numbers);
   }
   return numbers;
+}
+
+std::optional<sim::Waveforms> PlayedMotion(const SceneAnswer& answer) {
+  constexpr double kPlayedPeriods = 8;
+  if (!answer.scene.duration_s && SettledRun(answer) == nullptr) return std::nullopt;
+  const sim::EffectiveScene effective = EffectiveOf(answer);
+  const double rate_hz = effective.RateHz();
+  const double duration_s =
+      answer.scene.duration_s.value_or(kPlayedPeriods / effective.scene.drive.frequency_hz);
+  if (!(duration_s * rate_hz >= 1 && duration_s * rate_hz <= kMostWaveformRows)) {
+    return std::nullopt;
+  }
+  return sim::PlayWaveforms(effective, StartOf(answer, effective), duration_s, rate_hz, true);
 }
 
 std::span<const AnswerNumber> SteadyNumbers() { return kSteadyNumbers; }

@@ -78,7 +78,12 @@ struct AnswerNumber {
 /// Of the run that was played, which `simulate --json` has under `run`.
 [[nodiscard]] std::span<const AnswerNumber> RunNumbers();
 
-// further keys of simulate and sweep
+/// The motion over the scene's duration, or over 8 periods of the one that is reached without one;
+/// nothing where neither exists or is too long. Cost: a run.
+[[nodiscard]] std::optional<sim::Waveforms> PlayedMotion(const SceneAnswer& answer);
+
+// further keys of simulate, sweep and compare
+inline constexpr document::Key kCaseRms{"case_rms_m", "case displacement (RMS)", document::kMetre};
 inline constexpr document::Key kWindowRms{"window_rms_m", "RMS over the last ten periods",
                                           document::kMetre};
 inline constexpr document::Key kErrorEstimate{"error_estimate", "relative error, at most"};

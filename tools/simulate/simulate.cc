@@ -210,21 +210,6 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
   return {};
 }
 
-// the motion over the scene's duration, or over 8 periods of the one that is reached without one;
-// nothing where neither exists or is too long
-std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
-  constexpr double kPlayedPeriods = 8;
-  if (!solved.scene.duration_s && SettledRun(solved) == nullptr) return std::nullopt;
-  const sim::EffectiveScene effective = EffectiveOf(solved);
-  const double rate_hz = effective.RateHz();
-  const double duration_s =
-      solved.scene.duration_s.value_or(kPlayedPeriods / effective.scene.drive.frequency_hz);
-  if (!(duration_s * rate_hz >= 1 && duration_s * rate_hz <= kMostWaveformRows)) {
-    return std::nullopt;
-  }
-  return sim::PlayWaveforms(effective, StartOf(solved, effective), duration_s, rate_hz, true);
-}
-
 // outputs are checked before the computation
 Result<void> CheckFiles(const SimulateOptions& wanted) {
   HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
@@ -259,7 +244,7 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   HAPTOMETER_TRY(AddDuration(wanted.scene_path, scene, answer.findings));
   HAPTOMETER_LET(answer.solved, Solve(scene, wanted.scene_path));
   // least force and rise are taken from the played motion
-  const auto played = Played(answer.solved);
+  const auto played = PlayedMotion(answer.solved);
   answer.numbers = NumbersOf(answer.solved, played ? &*played : nullptr);
   if (wanted.explain) {
     HAPTOMETER_LET(answer.explanation, Explained(answer.solved, wanted.scene_path));

@@ -71,6 +71,10 @@ void Declare(cli::Options& options, SweepWords& words);
 /// The tables to merge. Errors (Cause::kUsage): none, or an option that merging does not have.
 [[nodiscard]] Result<std::vector<std::string>> ReadMerge(const SweepWords& words);
 
+/// The dimension of a scene's key by the unit in its name ("_hz"); kNone where it has none that
+/// base/quantity.h knows.
+[[nodiscard]] Dimension DimensionOfKey(std::string_view key);
+
 /// Whether ranges are a grid or are sampled.
 enum class RangesAre : std::uint8_t { kGrid, kSampled };
 

@@ -82,19 +82,6 @@ Result<void> CheckWords(const SweepWords& words) {
 constexpr std::string_view kLogarithmic = "log:";
 constexpr std::int64_t kMostValues = 1'000'000'000;
 
-// dimension of the unit in the key's name; none where base/quantity.h has no such unit
-Dimension DimensionOf(std::string_view key) {
-  const document::Unit unit = document::UnitOfName(key);
-  // "..._per_kg" is a quotient whose unit is not known: a plain number
-  key.remove_suffix(unit.ending.size());
-  if (unit.symbol.empty() || key.ends_with("_per")) return Dimension::kNone;
-  for (auto number = static_cast<int>(Dimension::kForceConstant); number > 0; --number) {
-    if (SiUnit(static_cast<Dimension>(number)) == unit.symbol)
-      return static_cast<Dimension>(number);
-  }
-  return Dimension::kNone;
-}
-
 std::vector<std::string> SplitAt(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::size_t begin = 0;
@@ -328,6 +315,18 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   return tables;
 }
 
+Dimension DimensionOfKey(std::string_view key) {
+  const document::Unit unit = document::UnitOfName(key);
+  // "..._per_kg" is a quotient whose unit is not known: a plain number
+  key.remove_suffix(unit.ending.size());
+  if (unit.symbol.empty() || key.ends_with("_per")) return Dimension::kNone;
+  for (auto number = static_cast<int>(Dimension::kForceConstant); number > 0; --number) {
+    if (SiUnit(static_cast<Dimension>(number)) == unit.symbol)
+      return static_cast<Dimension>(number);
+  }
+  return Dimension::kNone;
+}
+
 Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
   const std::size_t equals = word.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
@@ -337,7 +336,7 @@ Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
   sim::SweepAxis axis{.key = word.substr(0, equals), .values = {}};
   const std::string where = fmt::format("--vary {}", axis.key);
   const std::string text = word.substr(equals + 1);
-  const Dimension dimension = DimensionOf(axis.key);
+  const Dimension dimension = DimensionOfKey(axis.key);
   if (IsRange(text)) {
     HAPTOMETER_LET(axis.values, ReadRange(text, dimension, ranges, where));
     return axis;
