@@ -17,6 +17,7 @@
 #include "tools/acquire/recording.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/shared_options.h"
+#include "tools/compare/compare.h"
 #include "tools/fit/plan_drop_test.h"
 #include "tools/study/manifest.h"
 #include "tools/sweep/sweep.h"
@@ -55,6 +56,7 @@ const std::vector<Verb>& Verbs() {
                                        {tools::RunSimulate, {"simulate"}},
                                        {tools::RunSweep, {"sweep"}},
                                        {tools::RunTune, {"tune"}},
+                                       {tools::RunCompare, {"compare"}},
                                        {tools::RunReproduce, {"reproduce"}},
                                        {tools::RunEmulate, {"emulate"}}};
   return verbs;
@@ -117,6 +119,7 @@ void ReadWord(const std::string& word) {
   RequireReason(tools::ReadBestWish(word));
   RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kGrid));
   RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kSampled));
+  RequireReason(tools::ReadInputs({word}));
   RequireReason(tools::ParseContrast(word));
   RequireReason(tools::ParseWish(word));
   RequireReason(tools::ParseGuesses({word}));

@@ -376,6 +376,12 @@ def scenes(run):
         encoding="utf-8")
     run("sweep", "--merge", "sweep.csv", "-o", "merged.csv", "--plot", "drawn.svg",
         statuses=(0, 1, 2, 3))
+    (run.folder / "result.json").write_text(json.dumps(
+        {"trials": [{"file": EVIL, "answered": True, "band_rms_m": 1e-4, "band_rms_standard_uncertainty_m": 1e-6,
+                     "data_source": ["device"]}],
+         "findings": [{"severity": "doubt", "text": EVIL, "subject": EVIL}]}), encoding="utf-8")
+    run("compare", "result.json", scene, "--plot", "drawn.svg", "--report", "page.html", statuses=(3,))
+    run("compare", "result.json", scene, "--input", "a\x1b=1+-1", statuses=(2,))
     run("tune", scene, "--springs", "6500", "--motor-side-mass", "1g:1.01g", "--skin-side-mass",
         "1g:1.01g", "--damping", "0.04:0.041", "--contact-area", "20:20.1", "--plot",
         "drawn.svg", "--report", "page.html", "--all", statuses=(0, 3))

@@ -38,6 +38,8 @@ COMMANDS = [
     ("study matching fixtures/matching.csv --report matching.html", ["fixtures/matching.csv"], ["imported"],
      ["matching.html"]),
     ("session status day", ["day/session.toml"], None, []),
+    ("compare fixtures/recorded_trial.bin fixtures/lra_adapter.toml --input drive.amplitude_v=5+-1 --report compare.html",
+     ["fixtures/lra_adapter.toml", "fixtures/recorded_trial.bin"], ["emulated", "simulated"], ["compare.html"]),
     ("reproduce --report reproduce.html", [], ["simulated"], ["reproduce.html"]),
 ]
 VERSION = re.compile(r"haptometer \d+\.\d+\.\d+")

@@ -44,9 +44,10 @@ constexpr std::array kSources{document::DataSource::kDevice, document::DataSourc
 constexpr cli::VerbText kText{
     .name = kVerb,
     .summary = "Compare trials with a scene, and name the inputs that would explain a difference.",
-    .examples = {"haptometer compare trial.bin scene.toml",
-                 "haptometer compare a.bin b.bin scene.toml --input skin.stiffness_n_per_m=600:1200",
-                 "haptometer compare result.json scene.toml --report compare.html --json"}};
+    .examples = {
+        "haptometer compare trial.bin scene.toml",
+        "haptometer compare a.bin b.bin scene.toml --input skin.stiffness_n_per_m=600:1200",
+        "haptometer compare result.json scene.toml --report compare.html --json"}};
 
 // --- the measurement ---
 
@@ -69,9 +70,9 @@ std::optional<T> At(const Json& json, const char* place) {
   const Json::json_pointer pointer(place);
   if (!json.contains(pointer)) return std::nullopt;
   const Json& found = json.at(pointer);
-  const bool is_kind = std::is_same_v<T, double>   ? found.is_number()
-                       : std::is_same_v<T, bool>   ? found.is_boolean()
-                                                   : found.is_string();
+  const bool is_kind = std::is_same_v<T, double> ? found.is_number()
+                       : std::is_same_v<T, bool> ? found.is_boolean()
+                                                 : found.is_string();
   return is_kind ? std::optional(found.get<T>()) : std::nullopt;
 }
 
@@ -212,14 +213,14 @@ Result<Quantity> ReadInput(const std::string& key, const std::string& text) {
 
 // keys of an actuator in the order of sim::kActuatorSymbols
 constexpr std::array<std::string_view, 7> kActuatorKeys{
-    "actuator.moving_mass_kg",       "actuator.case_mass_kg",
-    "actuator.stiffness_n_per_m",    "actuator.damping_n_s_per_m",
-    "actuator.force_constant_n_per_a", "actuator.resistance_ohm",
+    "actuator.moving_mass_kg",    "actuator.case_mass_kg",           "actuator.stiffness_n_per_m",
+    "actuator.damping_n_s_per_m", "actuator.force_constant_n_per_a", "actuator.resistance_ohm",
     "actuator.inductance_h"};
 
 double NumberOf(const sim::Actuator& a, std::size_t place) {
-  return std::array{a.moving_mass_kg, a.case_mass_kg, a.stiffness_n_per_m, a.damping_n_s_per_m,
-                    a.force_constant_n_per_a, a.resistance_ohm, a.inductance_h}[place];
+  return std::array{a.moving_mass_kg,    a.case_mass_kg,           a.stiffness_n_per_m,
+                    a.damping_n_s_per_m, a.force_constant_n_per_a, a.resistance_ohm,
+                    a.inductance_h}[place];
 }
 
 // F of a matrix of correlations, by pivots: it may be of less than full rank
@@ -253,8 +254,7 @@ double RmsOf(const SceneAnswer& answer, sim::SensorTarget target) {
     const sim::LinearModel model = sim::AssembleModel(EffectiveOf(answer).scene);
     return std::abs(answer.steady->phasors(sim::StateOf(model, target))) / std::numbers::sqrt2;
   }
-  return answer.scene.drive.offset_v != 0 ? kNan
-                                          : NumberOf(answer, KeyOf(Compared::kRms, target));
+  return answer.scene.drive.offset_v != 0 ? kNan : NumberOf(answer, KeyOf(Compared::kRms, target));
 }
 
 // of the skin, which is the body whose rise is known
@@ -288,7 +288,7 @@ Result<void> CheckBand(const sim::Drive& drive, const MeasuredNumbers& measured,
 // --- the command line ---
 
 struct Words {
-  std::vector<std::string> files, inputs;
+  std::vector<std::string> files, inputs, uncertainties;
   document::Outputs outputs;
 };
 
@@ -300,6 +300,9 @@ void Declare(cli::Options& options, Words& words) {
   options.Repeated("--input", &words.inputs, "KEY=VALUE",
                    "A key of the scene whose value is uncertain: KEY=600+-50, KEY=600(50), or a "
                    "range KEY=600:1200");
+  options.Repeated("--uncertainty", &words.uncertainties, "KEY=U",
+                   "A standard uncertainty that a measured quantity has besides analyze's, as "
+                   "current_rms_a=1%");
   document::DeclareOutputs(options, words.outputs,
                            {.all = "Print the adjusted inputs and the provenance too",
                             .plot = "Draw measured against simulated"});
@@ -356,6 +359,30 @@ Result<MeasuredNumbers> ReadMeasured(std::span<const std::string> paths) {
   return Joined(all);
 }
 
+Result<void> AddUncertainties(const std::vector<std::string>& words, sim::SensorTarget target,
+                              MeasuredNumbers& measured) {
+  HAPTOMETER_LET(const auto pairs, cli::ReadKeyValues(words, "--uncertainty"));
+  for (const auto& [key, text] : pairs) {
+    const std::string where = "--uncertainty " + key;
+    std::size_t k = 0;
+    while (k < kComparedCount && KeyOf(static_cast<Compared>(k), target).name != key) ++k;
+    if (k == kComparedCount) {
+      return Usage(where, "is no quantity that is compared", "write it like current_rms_a=1%");
+    }
+    if (!measured.numbers[k]) return CannotAnswer(where, "is not measured", "leave it out");
+    dsp::Estimate& number = *measured.numbers[k];
+    const bool is_share = text.ends_with('%');
+    HAPTOMETER_LET(const auto u,
+                   ParseQuantity(text.substr(0, text.size() - (is_share ? 1 : 0)),
+                                 is_share ? Dimension::kNone : DimensionOfKey(key), where));
+    if (!(u.value > 0)) return Usage(where, "must be above 0", "give a standard uncertainty");
+    const double added = is_share ? u.value / 100 * std::abs(number.value) : u.value;
+    number.uncertainty = std::hypot(number.uncertainty, added);
+    measured.has_electrical_gain |= k >= static_cast<std::size_t>(Compared::kCurrent);
+  }
+  return {};
+}
+
 Result<std::vector<ComparedInput>> ReadInputs(const std::vector<std::string>& words) {
   HAPTOMETER_LET(const auto pairs, cli::ReadKeyValues(words, "--input"));
   std::vector<ComparedInput> inputs;
@@ -380,6 +407,7 @@ Result<ComparedScene> ComparedScene::Read(const std::string& path,
   ComparedScene scene(*std::move(varied), std::move(inputs));
   HAPTOMETER_LET(const auto stated,
                  scene.At(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(scene.inputs_.size()))));
+  scene.target_ = TargetOf(stated);
   HAPTOMETER_TRY(scene.TakeActuator(stated.actuator_covariance, stated.actuator));
   return scene;
 }
@@ -400,8 +428,8 @@ Result<void> ComparedScene::TakeActuator(const sim::ActuatorCovariance& covarian
       const auto& one = inputs_[static_cast<std::size_t>(i)].symbol;
       const auto& other = inputs_[static_cast<std::size_t>(j)].symbol;
       if (!one || !other) continue;
-      correlation(i, j) = covariance[*one][*other] /
-                          std::sqrt(covariance[*one][*one] * covariance[*other][*other]);
+      correlation(i, j) =
+          covariance[*one][*other] / std::sqrt(covariance[*one][*one] * covariance[*other][*other]);
       correlation(j, i) = correlation(i, j);
     }
   }
@@ -471,8 +499,7 @@ Result<Propagation> Propagate(const ComparedScene& scene, const MeasuredNumbers&
   };
   HAPTOMETER_LET(const auto stated, scene.At(Eigen::VectorXd::Zero(count)));
   HAPTOMETER_TRY(CheckBand(stated.drive, measured, scene.path()));
-  Propagation propagation{.target = TargetOf(stated),
-                          .changes = Eigen::MatrixXd(kComparedCount, count),
+  Propagation propagation{.changes = Eigen::MatrixXd(kComparedCount, count),
                           .curvature = Eigen::MatrixXd(kComparedCount, count)};
   HAPTOMETER_LET(propagation.at, SimulatedOf(stated, scene.path(), with_rise));
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -496,8 +523,9 @@ int RunCompare(int argc, const char* const* argv) {
     HAPTOMETER_TRY(CheckFiles(words.files));
     HAPTOMETER_LET(auto inputs, ReadInputs(words.inputs));
     HAPTOMETER_LET(const auto scene, ComparedScene::Read(words.files.back(), std::move(inputs)));
-    HAPTOMETER_LET(const auto measured,
+    HAPTOMETER_LET(auto measured,
                    ReadMeasured(std::span(words.files).first(words.files.size() - 1)));
+    HAPTOMETER_TRY(AddUncertainties(words.uncertainties, scene.target(), measured));
     cli::WorkProgress progress(kVerb, "fewer --input take less");
     const WatchedWork watched(
         [&](std::string_view what, double share) { progress.Update(what, share); });
@@ -507,9 +535,9 @@ int RunCompare(int argc, const char* const* argv) {
       return CannotAnswer(words.files.front(), "has no quantity that the scene has too",
                           "see docs/reference/compare.md for what is compared");
     }
-    const int status = document::Present(
-        CompareDocument(measured, scene, result, words.outputs.HasFigures()), words.outputs, argc,
-        argv);
+    const int status =
+        document::Present(CompareDocument(measured, scene, result, words.outputs.HasFigures()),
+                          words.outputs, argc, argv);
     // a difference ends as a question that is not answered does
     return cli::WorseStatus(status, result.Differs() ? ExitStatus(Cause::kCannotAnswer) : 0);
   };

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -27,7 +28,8 @@
 ///   d    = measured - simulated
 ///   zeta = d_i / sqrt(V_ii)                         zeta score
 ///   E_n  = d_i / (2 sqrt(V_ii))                     normalised error; |E_n| > 1: they differ
-///   2 sqrt(V_ii)                                    the smallest deviation that could have been seen
+///   2 sqrt(V_ii)                                    the smallest deviation that could have been
+///   seen
 ///
 /// What the measurement says of the inputs is, to first order and for normal distributions, their
 /// mean given d, an adjustment by least squares:
@@ -66,11 +68,12 @@ struct MeasuredNumbers {
   /// s their standard deviation: calibration and other causes that are common to all do not average
   /// out, and what is statistical in u_i counts twice, which is to the safe side.
   OfCompared<dsp::Estimate> numbers{};
-  std::vector<std::string> files{};            ///< of the trials
+  std::vector<std::string> files{};             ///< of the trials
   std::vector<document::DataSource> sources{};  ///< of their data
-  std::vector<std::string> doubts{};           ///< of their analyses, in words
-  double lower_hz = 0, upper_hz = 0;           ///< narrowest band that the RMS are of
-  bool is_calibrated = true;                   ///< each u holds the calibration's
+  std::vector<std::string> doubts{};            ///< of their analyses, in words
+  double lower_hz = 0, upper_hz = 0;            ///< narrowest band that the RMS are of
+  bool is_calibrated = true;                    ///< each u holds the laser's calibration
+  bool has_electrical_gain = false;             ///< gain or skew of voltage and current is stated
 };
 
 /// Reads trials, which are analysed as `analyze` does without options, and documents of
@@ -82,6 +85,13 @@ struct MeasuredNumbers {
 
 /// The trials of a document of `analyze --json`, which `path` names. Errors: as ReadMeasured.
 [[nodiscard]] Result<MeasuredNumbers> MeasuredIn(const std::string& text, const std::string& path);
+
+/// Adds to the measured uncertainties, as root of the sum of squares, what `--uncertainty` words
+/// state: "current_rms_a=1%" of the value, "phase_rad=0.01" in SI. Errors (Cause::kUsage), naming
+/// --uncertainty: no '=', a key that is not compared, no number above 0; Cause::kCannotAnswer for a
+/// quantity that was not measured.
+[[nodiscard]] Result<void> AddUncertainties(const std::vector<std::string>& words,
+                                            sim::SensorTarget target, MeasuredNumbers& measured);
 
 // --- inputs and the scene ---
 
@@ -117,6 +127,8 @@ class ComparedScene {
   /// The scene with its inputs changed by `steps` (n) standard uncertainties; the actuator's by
   /// factors exp(step u / value). Errors: the scene's, with what was changed.
   [[nodiscard]] Result<sim::Scene> At(const Eigen::VectorXd& steps) const;
+  /// The body that the scene's sensor is on; the skin without one.
+  [[nodiscard]] sim::SensorTarget target() const { return target_; }
 
  private:
   ComparedScene(sim::VariedScene scene, std::vector<ComparedInput> inputs)
@@ -127,18 +139,18 @@ class ComparedScene {
   sim::VariedScene scene_;
   std::vector<ComparedInput> inputs_;
   Eigen::MatrixXd factor_;
+  sim::SensorTarget target_{};
 };
 
 /// What a scene says of the quantities, NaN where it says nothing; the uncertainty is that of the
 /// way in which a number is found (0 of all but the rise).
 using SimulatedNumbers = std::array<dsp::Estimate, kComparedCount>;
-/// `with_rise`: the rise is asked for, which costs a run. Errors: as AnswerScene.
+/// `with_rise`: the rise is asked for, which takes a run. Errors: as AnswerScene.
 [[nodiscard]] Result<SimulatedNumbers> SimulatedOf(const sim::Scene& scene,
                                                    const std::string& where, bool with_rise);
 
 /// The scene and its first-order dependence on the inputs.
 struct Propagation {
-  sim::SensorTarget target{};
   SimulatedNumbers at{};
   Eigen::MatrixXd changes;    ///< T (kComparedCount, n); NaN where a quantity is not known
   Eigen::MatrixXd curvature;  ///< the same of (f(x + F_k) + f(x - F_k)) / 2 - f(x)
@@ -176,7 +188,8 @@ struct ComparedQuantity {
 
 /// Two pulls of a larger correlation cannot be told apart.
 inline constexpr double kToldApart = 0.95;
-/// A second-order term beyond this share of sqrt(V_ii), which holds the first-order one, is a doubt.
+/// A second-order term beyond this share of sqrt(V_ii), which holds the first-order one, is a
+/// doubt.
 inline constexpr double kMostCurvature = 0.2;
 
 struct ComparisonResult {

@@ -20,17 +20,14 @@ constexpr double kPullOfCause = 2;   // |p| of an input that may be the cause, a
 constexpr double kCoverage = 2;      // k of the intervals
 
 std::string KeysOf(const ComparedScene& scene, const std::vector<std::size_t>& places) {
-  return fmt::format("{}", fmt::join(Mapped(places, [&](std::size_t k) {
-                                       return scene.inputs()[k].key;
-                                     }),
-                                     ", "));
+  return fmt::format(
+      "{}", fmt::join(Mapped(places, [&](std::size_t k) { return scene.inputs()[k].key; }), ", "));
 }
 
 std::string LabelsOf(const std::vector<Compared>& quantities, sim::SensorTarget target) {
-  return fmt::format("{}", fmt::join(Mapped(quantities, [&](Compared one) {
-                                       return KeyOf(one, target).label;
-                                     }),
-                                     ", "));
+  return fmt::format(
+      "{}",
+      fmt::join(Mapped(quantities, [&](Compared one) { return KeyOf(one, target).label; }), ", "));
 }
 
 // --- tables ---
@@ -103,9 +100,9 @@ std::vector<std::string> CausesOf(const ComparedScene& scene, const ComparisonRe
   for (const std::vector<std::size_t>& set : result.sets) {
     const double pull = agreement.pull(static_cast<Eigen::Index>(set.front()));
     if (std::abs(pull) < kPullOfCause || agreement.chi_squared - pull * pull > most) continue;
-    causes.push_back(set.size() == 1 ? KeysOf(scene, set)
-                                     : fmt::format("one of {}, which cannot be told apart",
-                                                   KeysOf(scene, set)));
+    causes.push_back(
+        set.size() == 1 ? KeysOf(scene, set)
+                        : fmt::format("one of {}, which cannot be told apart", KeysOf(scene, set)));
   }
   return causes;
 }
@@ -133,8 +130,7 @@ void FindDifference(const ComparedScene& scene, const ComparisonResult& result, 
 void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene,
                      const ComparisonResult& result, Section& root) {
   for (const std::string& doubt : measured.doubts) {
-    root.findings.push_back(
-        {.kind = "trial-doubted", .severity = Severity::kDoubt, .text = doubt});
+    root.findings.push_back({.kind = "trial-doubted", .severity = Severity::kDoubt, .text = doubt});
   }
   for (const std::size_t place : result.curved) {
     root.Find(Severity::kDoubt, "not-linear",
@@ -150,6 +146,13 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
   if (!measured.is_calibrated) {
     root.Find(Severity::kNote, "calibration-not-included",
               "the measured uncertainties do not hold the sensor's calibration");
+  }
+  const bool has_electrical = std::ranges::any_of(
+      result.quantities, [](const auto& one) { return one.quantity >= Compared::kCurrent; });
+  if (has_electrical && !measured.has_electrical_gain) {
+    root.Find(Severity::kNote, "electrical-noise-alone",
+              "the measured uncertainties of current, power and phase are of noise alone: state "
+              "gain and skew of the channels by --uncertainty current_rms_a=1%");
   }
   const auto note = [&](std::string_view kind, std::string_view text,
                         const std::vector<Compared>& quantities) {
@@ -193,8 +196,9 @@ document::Figure FigureOf(const ComparisonResult& result) {
     (one.quantity == Compared::kPhase || one.simulated.value == 0 ? phase : others).push_back(one);
   }
   document::Figure figure{
-      .caption = "Measured and simulated with expanded uncertainties (k = 2); where the bars are "
-                 "apart, |E_n| may exceed 1.",
+      .caption =
+          "Measured and simulated with expanded uncertainties (k = 2); where the bars are "
+          "apart, |E_n| may exceed 1.",
       .panels = {}};
   if (!others.empty()) {
     figure.panels.push_back(PairPanel(others, result.target, "value / simulated value",

@@ -1,10 +1,8 @@
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "tools/compare/compare.h"
 
@@ -92,13 +90,13 @@ Agreement Agree(const Eigen::VectorXd& deviation, const Eigen::VectorXd& own,
 }
 
 bool ComparisonResult::Differs() const {
-  return std::ranges::any_of(
-      quantities, [](const auto& one) { return std::abs(one.NormalizedError()) > 1; });
+  return std::ranges::any_of(quantities,
+                             [](const auto& one) { return std::abs(one.NormalizedError()) > 1; });
 }
 
 ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const ComparedScene& scene,
                          const Propagation& propagation) {
-  ComparisonResult result{.target = propagation.target};
+  ComparisonResult result{.target = scene.target()};
   std::vector<Eigen::Index> rows;
   for (std::size_t k = 0; k < kComparedCount; ++k) {
     const auto quantity = static_cast<Compared>(k);
@@ -113,11 +111,12 @@ ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const Compar
       if (quantity == Compared::kPhase) {
         deviation = std::remainder(deviation, 2 * std::numbers::pi);
       }
-      result.quantities.push_back({.quantity = quantity,
-                                   .measured = *measured[k],
-                                   .simulated = {simulated.value, u},
-                                   .deviation = deviation,
-                                   .deviation_uncertainty = std::hypot(u, measured[k]->uncertainty)});
+      result.quantities.push_back(
+          {.quantity = quantity,
+           .measured = *measured[k],
+           .simulated = {simulated.value, u},
+           .deviation = deviation,
+           .deviation_uncertainty = std::hypot(u, measured[k]->uncertainty)});
       rows.push_back(row);
     } else if (measured[k]) {
       result.only_measured.push_back(quantity);
@@ -135,8 +134,7 @@ ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const Compar
     own(i) = one.measured.uncertainty * one.measured.uncertainty + method * method;
   }
   if (count == 0) return result;
-  result.agreement =
-      Agree(deviation, own, propagation.changes(rows, Eigen::all), scene.factor());
+  result.agreement = Agree(deviation, own, propagation.changes(rows, Eigen::all), scene.factor());
   result.sets = SetsOf(result.agreement);
   result.curved = CurvedInputs(scene, propagation, result.quantities);
   return result;

@@ -116,8 +116,8 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add(document::kUnit, number.unit.si_name);
   section.Add({"ours", "computed", unit}, row.ours).resolution = kFurtherDigit * step;
   section.Add({"ours_interval_95", "95 %", unit}, row.interval).resolution = kFurtherDigit * step;
-  section.Add({document::kDeviation.name, "deviation", document::kShare}, DeviationOf(row)).resolution =
-      kLeastShare;
+  section.Add({document::kDeviation.name, "deviation", document::kShare}, DeviationOf(row))
+      .resolution = kLeastShare;
   section.Add({document::kVerdict.name, "verdict"}, Name(VerdictOf(row)));
   section.Add({"generated", some_generated ? "generated" : ""}, row.generated);
   section.sections.push_back(ReasonsSection(std::string(number.what), row.remark));
