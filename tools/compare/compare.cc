@@ -52,11 +52,7 @@ constexpr cli::VerbText kText{
 // --- the measurement ---
 
 // where a trial of analyze --json has a quantity and its standard uncertainty
-struct PlaceInTrial {
-  const char* value;
-  const char* uncertainty;
-};
-constexpr std::array<PlaceInTrial, kComparedCount> kPlaces{
+constexpr std::array<std::array<const char*, 2>, kComparedCount> kPlaces{
     {{"/band_rms_m", "/band_rms_standard_uncertainty_m"},
      {"/tone_frequency_hz", "/tone_frequency_standard_uncertainty_hz"},
      {"/onset/rise_s", "/onset/rise_standard_uncertainty_s"},
@@ -64,121 +60,93 @@ constexpr std::array<PlaceInTrial, kComparedCount> kPlaces{
      {"/electrical/real_power_w/value", "/electrical/real_power_w/standard_uncertainty"},
      {"/electrical/phase_rad/value", "/electrical/phase_rad/standard_uncertainty"}}};
 
-// the value at a place, where there is one of that type
-template <typename T>
-std::optional<T> At(const Json& json, const char* place) {
+// what stands at a place, null for nothing
+const Json& At(const Json& json, const char* place) {
+  static const Json none;
   const Json::json_pointer pointer(place);
-  if (!json.contains(pointer)) return std::nullopt;
-  const Json& found = json.at(pointer);
-  const bool is_kind = std::is_same_v<T, double> ? found.is_number()
-                       : std::is_same_v<T, bool> ? found.is_boolean()
-                                                 : found.is_string();
-  return is_kind ? std::optional(found.get<T>()) : std::nullopt;
+  return json.contains(pointer) ? json.at(pointer) : none;
 }
 
-// the texts of a list, of another value none
-std::vector<std::string> TextsAt(const Json& json, const char* place) {
-  std::vector<std::string> texts;
-  const Json::json_pointer pointer(place);
-  if (!json.contains(pointer) || !json.at(pointer).is_array()) return texts;
-  for (const Json& one : json.at(pointer)) {
-    if (one.is_string()) texts.push_back(one.get<std::string>());
+double NumberAt(const Json& json, const char* place, double otherwise = kNan) {
+  const Json& found = At(json, place);
+  return found.is_number() ? found.get<double>() : otherwise;
+}
+
+std::string TextAt(const Json& json, const char* place, const std::string& otherwise) {
+  const Json& found = At(json, place);
+  return found.is_string() ? Printable(found.get<std::string>()) : otherwise;
+}
+
+// the trials of documents, one after the other
+class Trials {
+ public:
+  Result<void> AddDocument(const std::string& text, const std::string& path) {
+    const Json json = Json::parse(text, nullptr, false);
+    const Json& list = At(json, "/trials");
+    if (!list.is_array() || list.empty()) return NoResult(path);
+    for (const Json& trial : list) HAPTOMETER_TRY(Add(trial, path));
+    for (const Json& finding : At(json, "/findings")) {
+      if (TextAt(finding, "/severity", "") != "doubt") continue;
+      measured_.doubts.push_back(fmt::format("{}: {}", TextAt(finding, "/subject", path),
+                                             TextAt(finding, "/text", "not stated")));
+    }
+    return {};
   }
-  return texts;
-}
 
-// one trial of a document: what it measured, or why it is no answer
-Result<MeasuredNumbers> MeasuredOf(const Json& trial, const std::string& path) {
-  const std::string file = Printable(At<std::string>(trial, "/file").value_or(path));
-  const auto answered = At<bool>(trial, "/answered");
-  if (!answered || !trial.contains("band_rms_m")) {
+  // u^2 = s^2 / n + mean of u_i^2
+  MeasuredNumbers Mean() {
+    for (std::size_t k = 0; k < kComparedCount; ++k) {
+      const auto n = static_cast<double>(repeats_[k].size());
+      if (n == 0) continue;
+      double mean = 0, variance = 0, scatter = 0;
+      for (const dsp::Estimate& one : repeats_[k]) mean += one.value / n;
+      for (const dsp::Estimate& one : repeats_[k]) {
+        variance += one.uncertainty * one.uncertainty / n;
+        scatter += (one.value - mean) * (one.value - mean);
+      }
+      if (n > 1) variance += scatter / (n - 1) / n;
+      const double u = std::sqrt(variance);
+      if (u > 0 && std::isfinite(u)) measured_.numbers[k] = {mean, u};
+    }
+    return measured_;
+  }
+
+ private:
+  static std::unexpected<Error> NoResult(const std::string& path) {
     return CannotAnswer(path, "is no result of analyze",
                         "give a trial, or what analyze --json printed of trials");
   }
-  const std::vector<std::string> reasons = TextsAt(trial, "/reasons");
-  if (!*answered) {
-    return CannotAnswer(file, reasons.empty() ? "has no answer" : Printable(reasons.front()),
-                        "leave this trial out");
-  }
-  MeasuredNumbers measured{.files = {file}};
-  for (std::size_t k = 0; k < kComparedCount; ++k) {
-    const double value = At<double>(trial, kPlaces[k].value).value_or(kNan);
-    const double u = At<double>(trial, kPlaces[k].uncertainty).value_or(kNan);
-    // a number whose uncertainty is not known is compared with nothing
-    if (std::isfinite(value) && std::isfinite(u) && u > 0) measured.numbers[k] = {value, u};
-  }
-  for (const std::string& name : TextsAt(trial, "/data_source")) {
-    for (const auto source : kSources) {
-      if (trial::NameOf(source) == name) measured.sources.push_back(source);
-    }
-  }
-  measured.lower_hz = At<double>(trial, "/band/lower_hz").value_or(0);
-  measured.upper_hz = At<double>(trial, "/band/upper_hz").value_or(HUGE_VAL);
-  measured.is_calibrated =
-      At<double>(trial, "/calibration_relative_standard_uncertainty").has_value();
-  return measured;
-}
 
-// the repeats as one: u^2 = s^2 / n + mean of u_i^2
-std::optional<dsp::Estimate> MeanOf(const std::vector<dsp::Estimate>& repeats) {
-  if (repeats.empty()) return std::nullopt;
-  const auto n = static_cast<double>(repeats.size());
-  double mean = 0, variance = 0, scatter = 0;
-  for (const dsp::Estimate& one : repeats) mean += one.value / n;
-  for (const dsp::Estimate& one : repeats) {
-    variance += one.uncertainty * one.uncertainty / n;
-    scatter += (one.value - mean) * (one.value - mean);
-  }
-  if (n > 1) variance += scatter / (n - 1) / n;
-  return dsp::Estimate{mean, std::sqrt(variance)};
-}
-
-MeasuredNumbers Joined(const std::vector<MeasuredNumbers>& trials) {
-  MeasuredNumbers all{.upper_hz = HUGE_VAL};
-  for (const MeasuredNumbers& one : trials) {
-    all.files.insert(all.files.end(), one.files.begin(), one.files.end());
-    all.doubts.insert(all.doubts.end(), one.doubts.begin(), one.doubts.end());
-    for (const auto source : one.sources) {
-      if (std::ranges::count(all.sources, source) == 0) all.sources.push_back(source);
+  Result<void> Add(const Json& trial, const std::string& path) {
+    const Json& answered = At(trial, "/answered");
+    if (!answered.is_boolean() || !trial.contains("band_rms_m")) return NoResult(path);
+    const std::string file = TextAt(trial, "/file", path);
+    if (!answered.get<bool>()) {
+      return CannotAnswer(file, TextAt(trial, "/reasons/0", "has no answer"),
+                          "leave this trial out");
     }
-    all.lower_hz = std::max(all.lower_hz, one.lower_hz);
-    all.upper_hz = std::min(all.upper_hz, one.upper_hz);
-    all.is_calibrated = all.is_calibrated && one.is_calibrated;
-  }
-  for (std::size_t k = 0; k < kComparedCount; ++k) {
-    std::vector<dsp::Estimate> repeats;
-    for (const MeasuredNumbers& one : trials) {
-      if (one.numbers[k]) repeats.push_back(*one.numbers[k]);
+    measured_.files.push_back(file);
+    for (std::size_t k = 0; k < kComparedCount; ++k) {
+      const dsp::Estimate number{NumberAt(trial, kPlaces[k][0]), NumberAt(trial, kPlaces[k][1])};
+      // a number whose uncertainty is not known is compared with nothing
+      if (std::isfinite(number.value) && number.uncertainty > 0) repeats_[k].push_back(number);
     }
-    all.numbers[k] = MeanOf(repeats);
+    for (const Json& name : At(trial, "/data_source")) {
+      for (const auto source : kSources) {
+        const bool is_new = std::ranges::count(measured_.sources, source) == 0;
+        if (is_new && TextAt(name, "", "") == trial::NameOf(source))
+          measured_.sources.push_back(source);
+      }
+    }
+    measured_.lower_hz = std::max(measured_.lower_hz, NumberAt(trial, "/band/lower_hz", 0));
+    measured_.upper_hz = std::min(measured_.upper_hz, NumberAt(trial, "/band/upper_hz", HUGE_VAL));
+    measured_.is_calibrated &= At(trial, "/calibration_relative_standard_uncertainty").is_number();
+    return {};
   }
-  return all;
-}
 
-// the trials of a document one by one, its doubts with the first
-Result<std::vector<MeasuredNumbers>> TrialsIn(const std::string& text, const std::string& path) {
-  const Json json = Json::parse(text, nullptr, false);
-  const Json none = Json::array();
-  const Json& list = json.is_object() && json.contains("trials") ? json.at("trials") : none;
-  if (!list.is_array() || list.empty()) {
-    return CannotAnswer(path, "is no result of analyze",
-                        "give a trial, or what analyze --json printed of trials");
-  }
-  std::vector<MeasuredNumbers> trials;
-  for (const Json& trial : list) {
-    HAPTOMETER_LET(auto measured, MeasuredOf(trial, path));
-    trials.push_back(std::move(measured));
-  }
-  const Json& findings = json.contains("findings") ? json.at("findings") : none;
-  for (const Json& finding : findings) {
-    if (At<std::string>(finding, "/severity") != "doubt") continue;
-    const std::string subject = At<std::string>(finding, "/subject").value_or(path);
-    trials.front().doubts.push_back(
-        Printable(fmt::format("{}: {}", subject.empty() ? path : subject,
-                              At<std::string>(finding, "/text").value_or(""))));
-  }
-  return trials;
-}
+  MeasuredNumbers measured_;
+  std::array<std::vector<dsp::Estimate>, kComparedCount> repeats_;
+};
 
 // a document begins with a brace, which no recording does; anything else is analysed
 Result<std::string> DocumentOf(const std::string& path) {
@@ -329,7 +297,7 @@ document::Key KeyOf(Compared quantity, sim::SensorTarget target) {
     case Compared::kRms:
       if (target == sim::SensorTarget::kSkin) return document::kSkinRms;
       if (target == sim::SensorTarget::kCase) return kCaseRms;
-      return {"mover_rms_m", "mover displacement (RMS)", document::kMetre};
+      return document::Key{"mover_rms_m", "mover displacement (RMS)", document::kMetre};
     case Compared::kTone:
       return {document::kToneFrequency.name, "frequency of the tone", document::kHertz};
     case Compared::kRise:
@@ -345,18 +313,18 @@ document::Key KeyOf(Compared quantity, sim::SensorTarget target) {
 }
 
 Result<MeasuredNumbers> MeasuredIn(const std::string& text, const std::string& path) {
-  HAPTOMETER_LET(const auto trials, TrialsIn(text, path));
-  return Joined(trials);
+  Trials trials;
+  HAPTOMETER_TRY(trials.AddDocument(text, path));
+  return trials.Mean();
 }
 
 Result<MeasuredNumbers> ReadMeasured(std::span<const std::string> paths) {
-  std::vector<MeasuredNumbers> all;
+  Trials trials;
   for (const std::string& path : paths) {
     HAPTOMETER_LET(const auto text, DocumentOf(path));
-    HAPTOMETER_LET(const auto trials, TrialsIn(text, path));
-    all.insert(all.end(), trials.begin(), trials.end());
+    HAPTOMETER_TRY(trials.AddDocument(text, path));
   }
-  return Joined(all);
+  return trials.Mean();
 }
 
 Result<void> AddUncertainties(const std::vector<std::string>& words, sim::SensorTarget target,
@@ -530,7 +498,8 @@ int RunCompare(int argc, const char* const* argv) {
     const WatchedWork watched(
         [&](std::string_view what, double share) { progress.Update(what, share); });
     HAPTOMETER_LET(const auto propagation, Propagate(scene, measured));
-    const ComparisonResult result = Compare(measured.numbers, scene, propagation);
+    ComparisonResult result = Compare(measured.numbers, scene, propagation);
+    FindCauses(scene, propagation, result);
     if (result.quantities.empty()) {
       return CannotAnswer(words.files.front(), "has no quantity that the scene has too",
                           "see docs/reference/compare.md for what is compared");

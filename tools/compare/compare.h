@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +43,13 @@
 /// independent inputs with one wrong the largest |p| is that one's (Cauchy and Schwarz), and the
 /// correlation of p_j and p_k, from P, says how well j and k can be told apart.
 ///
+/// Where a quantity is not linear over the whole difference (a resonance), a pull is found by
+/// search:
+///
+///   p_j^2 = chi^2 - min over z of chi^2 of d - (f(x + z C e_j / u_j) - f(x)),  sign of z
+///
+/// with V as above. Of a linear scene it is the pull above.
+///
 /// Sources: JCGM 100:2008, 5.2.2 and 5.1.3 note 2 (propagation, numerical); JCGM 101:2008, 6.4.2
 /// (a range is a rectangular distribution: u = width / sqrt(12)); ISO 13528:2022, 9.6 and 9.7 (zeta
 /// and E_n, k = 2); A. Gelb (ed.), Applied Optimal Estimation, 1974, 4.2 (the adjustment is the
@@ -71,9 +79,11 @@ struct MeasuredNumbers {
   std::vector<std::string> files{};             ///< of the trials
   std::vector<document::DataSource> sources{};  ///< of their data
   std::vector<std::string> doubts{};            ///< of their analyses, in words
-  double lower_hz = 0, upper_hz = 0;            ///< narrowest band that the RMS are of
-  bool is_calibrated = true;                    ///< each u holds the laser's calibration
-  bool has_electrical_gain = false;             ///< gain or skew of voltage and current is stated
+  double lower_hz = 0,
+         upper_hz =
+             std::numeric_limits<double>::infinity();  ///< narrowest band that the RMS are of
+  bool is_calibrated = true;                           ///< each u holds the laser's calibration
+  bool has_electrical_gain = false;  ///< gain or skew of voltage and current is stated
 };
 
 /// Reads trials, which are analysed as `analyze` does without options, and documents of
@@ -169,6 +179,7 @@ struct Agreement {
   Eigen::VectorXd pull;         ///< p (n); NaN of an input on which no quantity depends
   Eigen::VectorXd explained;    ///< P_jj (n): 1 where the measurement determines the input
   Eigen::MatrixXd correlation;  ///< of the pulls (n, n)
+  Eigen::MatrixXd weight;       ///< V^-1 (q, q)
   double chi_squared = 0;
 };
 /// `own` (q): variances besides the inputs'. V is inverted in the scale of its diagonal, without
@@ -188,6 +199,10 @@ struct ComparedQuantity {
 
 /// Two pulls of a larger correlation cannot be told apart.
 inline constexpr double kToldApart = 0.95;
+/// |p| from which on an input may be a cause, as |E_n| = 1.
+inline constexpr double kPullOfCause = 2;
+/// Share of measurements that agree whose chi^2 is below the one from which on they do not.
+inline constexpr double kTogether = 0.99;
 /// A second-order term beyond this share of sqrt(V_ii), which holds the first-order one, is a
 /// doubt.
 inline constexpr double kMostCurvature = 0.2;
@@ -200,15 +215,26 @@ struct ComparisonResult {
   /// others' correlation is above kToldApart; sets by falling |pull|, inputs without influence left
   /// out.
   std::vector<std::vector<std::size_t>> sets{};
+  /// Of each input, in its standard uncertainties, the change z at which it alone explains most;
+  /// empty without a search.
+  std::vector<double> explaining{};
   std::vector<Compared> only_measured{}, only_simulated{};
   std::vector<std::size_t> curved{};  ///< inputs of which a quantity is not linear
 
   /// Whether some |E_n| is above 1.
   [[nodiscard]] bool Differs() const;
+  /// Whether chi^2 is beyond its quantile kTogether: quantities that each agree may differ
+  /// together.
+  [[nodiscard]] bool DiffersTogether() const;
 };
 /// Compares what both sides have.
 [[nodiscard]] ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured,
                                        const ComparedScene& scene, const Propagation& propagation);
+
+/// Finds pulls and sets by search where there is something to explain: some |E_n| is above 1 or
+/// some |p| above kPullOfCause. Cost: some 100 answers of the scene an input.
+void FindCauses(const ComparedScene& scene, const Propagation& propagation,
+                ComparisonResult& result);
 
 /// The answer as a document, with a figure where `has_figures` says.
 [[nodiscard]] document::Document CompareDocument(const MeasuredNumbers& measured,

@@ -2,7 +2,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/mapped.h"
@@ -16,8 +18,11 @@ namespace {
 using document::Section;
 
 constexpr double kScoreStep = 0.01;  // of a score: its last digit that is shown
-constexpr double kPullOfCause = 2;   // |p| of an input that may be the cause, as of E_n
-constexpr double kCoverage = 2;      // k of the intervals
+// by Compared, below a figure
+constexpr std::array<std::string_view, kComparedCount> kShortNames{"RMS",     "tone",  "rise",
+                                                                   "current", "power", "phase"};
+constexpr double kNotSearched = std::numeric_limits<double>::quiet_NaN();
+constexpr double kCoverage = 2;  // k of the intervals
 
 std::string KeysOf(const ComparedScene& scene, const std::vector<std::size_t>& places) {
   return fmt::format(
@@ -75,6 +80,11 @@ Section InputsSection(const ComparedScene& scene, const ComparisonResult& result
     row.Add({"adjusted", "adjusted", unit}, input.value.value + u * agreement.adjustment(j),
             u * left);
     row.Add({"adjusted_uncertainty"}, u * left);
+    const double z = result.explaining.empty() ? kNotSearched : result.explaining[place];
+    // of an actuator by a factor, as ComparedScene::At changes it
+    const double explaining = input.symbol ? input.value.value * std::exp(z * u / input.value.value)
+                                           : input.value.value + z * u;
+    row.Add({"explaining_value", "explains most at", unit}, explaining);
     row.Add({"set", "set"}, set ? document::Value(*set + 1) : document::Value());
   };
   for (std::size_t set = 0; set < result.sets.size(); ++set) {
@@ -100,22 +110,30 @@ std::vector<std::string> CausesOf(const ComparedScene& scene, const ComparisonRe
   for (const std::vector<std::size_t>& set : result.sets) {
     const double pull = agreement.pull(static_cast<Eigen::Index>(set.front()));
     if (std::abs(pull) < kPullOfCause || agreement.chi_squared - pull * pull > most) continue;
-    causes.push_back(
-        set.size() == 1 ? KeysOf(scene, set)
-                        : fmt::format("one of {}, which cannot be told apart", KeysOf(scene, set)));
+    causes.push_back(set.size() == 1 ? KeysOf(scene, set)
+                                     : fmt::format("one of {}, which cannot be distinguished",
+                                                   KeysOf(scene, set)));
   }
   return causes;
 }
 
 void FindDifference(const ComparedScene& scene, const ComparisonResult& result, Section& root) {
-  if (!result.Differs()) return;
+  if (!result.Differs() && !result.DiffersTogether()) return;
   std::vector<Compared> differing;
   for (const ComparedQuantity& one : result.quantities) {
     if (std::abs(one.NormalizedError()) > 1) differing.push_back(one.quantity);
   }
-  root.Find(Severity::kDoubt, "differs",
-            "measured and simulated differ by more than their expanded uncertainties: {quantities}",
-            {{"quantities", LabelsOf(differing, result.target)}});
+  if (result.Differs()) {
+    root.Find(Severity::kDoubt, "differs",
+              "measured and simulated differ by more than their expanded uncertainties: "
+              "{quantities}",
+              {{"quantities", LabelsOf(differing, result.target)}});
+  } else {
+    root.Find(Severity::kDoubt, "differs-together",
+              "each quantity agrees, but not all together: chi squared is {chi_squared}, which "
+              "chance exceeds in 1 % of comparisons",
+              {{"chi_squared", result.agreement.chi_squared}});
+  }
   const std::vector<std::string> causes = CausesOf(scene, result);
   if (!causes.empty()) {
     root.Find(Severity::kNote, "explained-by", "a wrong value would explain it: {causes}",
@@ -140,7 +158,7 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
   }
   if (scene.inputs().empty()) {
     root.Find(Severity::kNote, "inputs-exact",
-              "every number of the scene is taken as exact: state what is uncertain by --input, or "
+              "every number of the scene is exact: state what is uncertain by --input, or "
               "the actuator by a file of fit-lra --save");
   }
   if (!measured.is_calibrated) {
@@ -166,50 +184,42 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
 
 // --- the figure ---
 
-// both sides with their expanded uncertainties, `scale` of a value
-plot::Panel PairPanel(const std::vector<ComparedQuantity>& quantities, sim::SensorTarget target,
-                      std::string label, double (*scale)(const ComparedQuantity& one)) {
-  constexpr double kBeside = 0.08;  // of the distance of two quantities
-  plot::Panel panel{.y_label = std::move(label), .has_margins = true};
-  plot::Series measured{.title = "measured (k = 2)",
-                        .style = {.mark = plot::Mark::kErrorBars, .colour = plot::kBlue}};
-  plot::Series simulated{
-      .title = "simulated (k = 2)",
-      .style = {.mark = plot::Mark::kErrorBars, .colour = plot::kOrange, .point = 5}};
-  for (const ComparedQuantity& one : quantities) {
-    const double x = static_cast<double>(panel.ticks.size()) + 1, by = scale(one);
-    panel.ticks.push_back({x, std::string(KeyOf(one.quantity, target).label)});
-    measured.x.push_back(x - kBeside);
-    measured.y.push_back((one.simulated.value + one.deviation) * by);
-    measured.y_error.push_back(kCoverage * one.measured.uncertainty * std::abs(by));
-    simulated.x.push_back(x + kBeside);
-    simulated.y.push_back(one.simulated.value * by);
-    simulated.y_error.push_back(kCoverage * one.simulated.uncertainty * std::abs(by));
-  }
-  panel.series = {std::move(measured), std::move(simulated)};
-  return panel;
-}
-
+// both sides as distances from the simulated value in units of the deviation's expanded
+// uncertainty: the measured points stand at E_n
 document::Figure FigureOf(const ComparisonResult& result) {
-  std::vector<ComparedQuantity> phase, others;
+  constexpr double kBeside = 0.08;  // of the distance of two quantities
+  plot::Panel panel{.y_label = "(value - simulated) / U(deviation)", .has_margins = true};
+  const auto bars = [](std::string title, plot::Colour colour, int point) {
+    return plot::Series{
+        .title = std::move(title),
+        .style = {.mark = plot::Mark::kErrorBars, .colour = colour, .point = point}};
+  };
+  plot::Series measured = bars("measured (k = 2)", plot::kBlue, 7);
+  plot::Series simulated = bars("simulated (k = 2)", plot::kOrange, 5);
   for (const ComparedQuantity& one : result.quantities) {
-    (one.quantity == Compared::kPhase || one.simulated.value == 0 ? phase : others).push_back(one);
+    const double x = static_cast<double>(panel.ticks.size()) + 1;
+    panel.ticks.push_back({x, std::string(kShortNames[static_cast<std::size_t>(one.quantity)])});
+    const auto add = [&](plot::Series& series, double at, double y, double u) {
+      series.x.push_back(at);
+      series.y.push_back(y);
+      series.y_error.push_back(u / one.deviation_uncertainty);
+    };
+    add(measured, x - kBeside, one.NormalizedError(), one.measured.uncertainty);
+    add(simulated, x + kBeside, 0, one.simulated.uncertainty);
   }
-  document::Figure figure{
-      .caption =
-          "Measured and simulated with expanded uncertainties (k = 2); where the bars are "
-          "apart, |E_n| may exceed 1.",
-      .panels = {}};
-  if (!others.empty()) {
-    figure.panels.push_back(PairPanel(others, result.target, "value / simulated value",
-                                      [](const auto& one) { return 1 / one.simulated.value; }));
+  const double last = static_cast<double>(panel.ticks.size()) + kBeside;
+  for (const double limit : {-1.0, 1.0}) {
+    panel.series.push_back({.title = limit > 0 ? "|E_n| = 1" : "",
+                            .style = plot::Lines(plot::kGrey, 1, 2),
+                            .x = {1 - kBeside, last},
+                            .y = {limit, limit}});
   }
-  if (!phase.empty()) {
-    figure.panels.push_back(PairPanel(phase, result.target, "phase / degrees", [](const auto&) {
-      return document::kRadian.spoken[0].factor;
-    }));
-  }
-  return figure;
+  panel.series.push_back(std::move(measured));
+  panel.series.push_back(std::move(simulated));
+  return {.caption =
+              "Measured and simulated with expanded uncertainties (k = 2), in units of that "
+              "of their deviation: beyond the lines they differ.",
+          .panels = {std::move(panel)}};
 }
 
 }  // namespace

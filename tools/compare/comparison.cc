@@ -1,9 +1,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
+#include "dsp/statistics/distributions.h"
 #include "tools/compare/compare.h"
 
 namespace haptometer::tools {
@@ -11,6 +13,8 @@ namespace {
 
 // directions of V below this share of its largest are not determined
 constexpr double kLeastDirection = 1e-12;
+// how far an input is changed in a search, in its standard uncertainties
+constexpr double kLeastReach = 10, kMostReach = 1000;
 // share of an input's variance that the measurement explains at least, where it depends on it
 constexpr double kLeastInfluence = 1e-12;
 
@@ -63,6 +67,31 @@ std::vector<std::size_t> CurvedInputs(const ComparedScene& scene, const Propagat
   return curved;
 }
 
+// of a function with perhaps several minima: where it is least between -reach and reach
+double LeastOf(const std::function<double(double z)>& f, double reach) {
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr int kSteps = 20, kHalvings = 24;  // golden^24: 1e-5 of a step
+  const double step = reach / kSteps;
+  double best = 0, least = f(0);
+  for (int k = -kSteps; k <= kSteps; ++k) {
+    const double value = f(k * step);
+    if (value < least) {
+      least = value;
+      best = k * step;
+    }
+  }
+  double low = best - step, high = best + step;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double one = high - kGolden * (high - low), other = low + kGolden * (high - low);
+    if (f(one) < f(other)) {
+      high = other;
+    } else {
+      low = one;
+    }
+  }
+  return (low + high) / 2;
+}
+
 }  // namespace
 
 Agreement Agree(const Eigen::VectorXd& deviation, const Eigen::VectorXd& own,
@@ -78,6 +107,7 @@ Agreement Agree(const Eigen::VectorXd& deviation, const Eigen::VectorXd& own,
                       .pull = {},
                       .explained = p.diagonal(),
                       .correlation = {},
+                      .weight = inverse,
                       .chi_squared = deviation.dot(inverse * deviation)};
   // 1 / sqrt(P_jj); NaN where the measurement does not depend on the input
   const Eigen::VectorXd scale = p.diagonal().unaryExpr([](double variance) {
@@ -94,50 +124,84 @@ bool ComparisonResult::Differs() const {
                              [](const auto& one) { return std::abs(one.NormalizedError()) > 1; });
 }
 
+bool ComparisonResult::DiffersTogether() const {
+  return !quantities.empty() &&
+         agreement.chi_squared >
+             dsp::ChiSquareQuantile(kTogether, static_cast<double>(quantities.size()));
+}
+
 ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const ComparedScene& scene,
                          const Propagation& propagation) {
   ComparisonResult result{.target = scene.target()};
   std::vector<Eigen::Index> rows;
+  std::vector<double> deviations, own;  // d, and the variances besides the inputs'
   for (std::size_t k = 0; k < kComparedCount; ++k) {
     const auto quantity = static_cast<Compared>(k);
     const auto row = static_cast<Eigen::Index>(k);
-    const dsp::Estimate& simulated = propagation.at[k];
-    const bool is_simulated =
-        std::isfinite(simulated.value) && propagation.changes.row(row).allFinite();
-    if (measured[k] && is_simulated) {
-      const double method = simulated.uncertainty;
-      const double u = std::hypot(propagation.changes.row(row).norm(), method);
-      double deviation = measured[k]->value - simulated.value;
-      if (quantity == Compared::kPhase) {
-        deviation = std::remainder(deviation, 2 * std::numbers::pi);
-      }
-      result.quantities.push_back(
-          {.quantity = quantity,
-           .measured = *measured[k],
-           .simulated = {simulated.value, u},
-           .deviation = deviation,
-           .deviation_uncertainty = std::hypot(u, measured[k]->uncertainty)});
-      rows.push_back(row);
-    } else if (measured[k]) {
-      result.only_measured.push_back(quantity);
-    } else if (is_simulated) {
-      result.only_simulated.push_back(quantity);
+    const auto& [simulated, method] = propagation.at[k];
+    const bool is_simulated = std::isfinite(simulated) && propagation.changes.row(row).allFinite();
+    if (!measured[k] || !is_simulated) {
+      if (measured[k]) result.only_measured.push_back(quantity);
+      if (is_simulated) result.only_simulated.push_back(quantity);
+      continue;
     }
+    const double u = std::hypot(propagation.changes.row(row).norm(), method);
+    const double apart = measured[k]->value - simulated;
+    const bool is_phase = quantity == Compared::kPhase;
+    rows.push_back(row);
+    deviations.push_back(is_phase ? std::remainder(apart, 2 * std::numbers::pi) : apart);
+    own.push_back(measured[k]->uncertainty * measured[k]->uncertainty + method * method);
+    result.quantities.push_back({.quantity = quantity,
+                                 .measured = *measured[k],
+                                 .simulated = {simulated, u},
+                                 .deviation = deviations.back(),
+                                 .deviation_uncertainty = std::hypot(u, measured[k]->uncertainty)});
   }
-  // d, and the variances that no input has a part in
+  if (rows.empty()) return result;
   const auto count = static_cast<Eigen::Index>(rows.size());
-  Eigen::VectorXd deviation(count), own(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const ComparedQuantity& one = result.quantities[static_cast<std::size_t>(i)];
-    const double method = propagation.at[static_cast<std::size_t>(one.quantity)].uncertainty;
-    deviation(i) = one.deviation;
-    own(i) = one.measured.uncertainty * one.measured.uncertainty + method * method;
-  }
-  if (count == 0) return result;
-  result.agreement = Agree(deviation, own, propagation.changes(rows, Eigen::all), scene.factor());
+  result.agreement =
+      Agree(Eigen::VectorXd::Map(deviations.data(), count), Eigen::VectorXd::Map(own.data(), count),
+            propagation.changes(rows, Eigen::all), scene.factor());
   result.sets = SetsOf(result.agreement);
   result.curved = CurvedInputs(scene, propagation, result.quantities);
   return result;
+}
+
+void FindCauses(const ComparedScene& scene, const Propagation& propagation,
+                ComparisonResult& result) {
+  Agreement& agreement = result.agreement;
+  // nothing to explain: no score and no finite pull beyond what chance gives
+  const bool has_pull = (agreement.pull.array().abs() > kPullOfCause).any();
+  if (!result.Differs() && !has_pull) return;
+  const Eigen::MatrixXd correlation = scene.factor() * scene.factor().transpose();
+  const bool with_rise =
+      std::ranges::count(result.quantities, Compared::kRise, &ComparedQuantity::quantity) > 0;
+  result.explaining.assign(scene.inputs().size(), std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index j = 0; j < agreement.pull.size(); ++j) {
+    if (!std::isfinite(agreement.pull(j))) continue;
+    // chi^2 that is left with input j changed by z, and what is correlated with it
+    const auto left = [&](double z) {
+      const auto changed = scene.At(z * correlation.col(j));
+      if (!changed) return HUGE_VAL;
+      const auto numbers = SimulatedOf(*changed, scene.path(), with_rise);
+      if (!numbers) return HUGE_VAL;
+      Eigen::VectorXd d(std::ssize(result.quantities));
+      for (Eigen::Index i = 0; i < d.size(); ++i) {
+        const ComparedQuantity& one = result.quantities[static_cast<std::size_t>(i)];
+        const auto k = static_cast<std::size_t>(one.quantity);
+        d(i) = one.deviation - ((*numbers)[k].value - propagation.at[k].value);
+      }
+      const double chi_squared = d.dot(agreement.weight * d);
+      return std::isfinite(chi_squared) ? chi_squared : HUGE_VAL;
+    };
+    // the tangent's change of this input alone lies at pull / sqrt(P_jj)
+    const double tangent = std::abs(agreement.pull(j)) / std::sqrt(agreement.explained(j));
+    const double z = LeastOf(left, std::clamp(1.5 * tangent, kLeastReach, kMostReach));
+    const double explained = std::max(0.0, agreement.chi_squared - left(z));
+    agreement.pull(j) = std::copysign(std::sqrt(explained), z);
+    result.explaining[static_cast<std::size_t>(j)] = z;
+  }
+  result.sets = SetsOf(agreement);
 }
 
 }  // namespace haptometer::tools
