@@ -104,7 +104,7 @@ Section CheckSection(const CalibrationAnswer& answer) {
   section.Add({kGainKey.name, "its gain", document::kMetrePerVolt}, check.stated.scale);
   section.Add({"gain_normalized_error", "normalised error of the gain (k = 2)"}, check.gain_error)
       .resolution = 0.01;
-  section.Add({"agrees", "agrees"}, std::abs(check.gain_error) <= 1);
+  section.Add({document::kAgrees.name, "agrees"}, std::abs(check.gain_error) <= 1);
   section.Add({"shift_m", "shift of the zero", document::kMetre}, check.shift_m);
   section.Add({"shift_normalized_error", "normalised error of it (k = 2)"}, check.shift_error)
       .resolution = 0.01;

@@ -238,7 +238,7 @@ document::Document CompareDocument(const MeasuredNumbers& measured, const Compar
   }
   root.Add(document::kScene, scene.path());
   root.Add(document::kTrials, measured.files);
-  root.Add({"agrees", "agree (all |E_n| at most 1)"}, !result.Differs());
+  root.Add({document::kAgrees.name, "agree (all |E_n| at most 1)"}, !result.Differs());
   root.Add({"chi_squared"}, result.agreement.chi_squared);
   root.Add({document::kDegreesOfFreedom.name}, result.quantities.size());
   root.sections.push_back(document::ListOf(

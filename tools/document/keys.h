@@ -5,6 +5,7 @@
 /// Keys that several verbs have; each key of one verb stands where its value is added.
 namespace haptometer::document {
 
+inline constexpr Key kAgrees{"agrees"};
 inline constexpr Key kAmplitudeVerified{"amplitude_verified", "amplitude verified"};
 inline constexpr Key kAmplitude{"amplitude_m", "amplitude", kMetre};
 inline constexpr Key kAnswered{"answered"};
