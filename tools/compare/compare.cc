@@ -271,9 +271,9 @@ void Declare(cli::Options& options, Words& words) {
   options.Repeated("--uncertainty", &words.uncertainties, "KEY=U",
                    "A standard uncertainty that a measured quantity has besides analyze's, as "
                    "current_rms_a=1%");
-  document::DeclareOutputs(options, words.outputs,
-                           {.all = "Print the adjusted inputs and the provenance too",
-                            .plot = "Draw measured against simulated"});
+  document::DeclareOutputs(
+      options, words.outputs,
+      {.all = "Print the provenance too", .plot = "Draw measured against simulated"});
 }
 
 bool IsScene(const std::string& path) { return path.ends_with(".toml"); }
