@@ -181,17 +181,18 @@ Result<void> MeasurePower(Window& window) {
         SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
     window.numbers.residual_rms_m = std::sqrt(split.rest.power.mean_square);
     window.tone_variance = split.variance;
-    // of a tone that stands alone, what it and its harmonics leave is noise
+    // of a tone that stands alone, what it and its harmonics leave is noise; else at most that is
     const NoisePower beyond =
         BeyondNoise(split.rest, window.beside, window.signal().design(), window.band(), drive);
-    const double left = std::max(0.0, split.rest.power.mean_square - beyond.mean_square);
-    const double off = (left - window.beside.power.mean_square) / kFalseAlarmDeviations;
-    if (off <= std::sqrt(window.beside.variance_of_rest) &&
-        beyond.mean_square <= kFalseAlarmDeviations * std::sqrt(beyond.variance)) {
-      window.beside.power.mean_square = left;
-      window.beside.variance_of_rest *= std::max(0.0, 1 - longer);  // beyond the samples
-      window.beside.variance_of_rest += beyond.variance;
-    }
+    const double rest = split.rest.power.mean_square;
+    const double left = std::max(0.0, rest - beyond.mean_square);
+    double& noise = window.beside.power.mean_square;
+    double& variance = window.beside.variance_of_rest;
+    const bool is_alone = left - noise <= kFalseAlarmDeviations * std::sqrt(variance) &&
+                          beyond.mean_square <= kFalseAlarmDeviations * std::sqrt(beyond.variance);
+    noise = is_alone ? left : std::min(noise, rest);
+    // and of samples of the window that were not fitted
+    if (is_alone) variance = beyond.variance + variance * std::max(0.0, 1 - longer);
     // beside a tone alone: the density next to it
     if (split.mean_square > kExplained * mean_square) window.density = split.density;
   }
@@ -501,10 +502,10 @@ void FinishTone(Window& window) {
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 
-  // a drive this weak is hardly told from noise elsewhere: the RMS's interval holds the tone's
+  // power beside the tone of a drive this weak is hardly told from noise: the interval holds both
   RmsEstimate& rms = window.numbers.rms;
-  const bool alone = window.numbers.floor && window.numbers.floor->from != NoiseSource::kBeside;
-  if (alone && 0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
+  const bool has_drive = window.chosen.part.from_drive;
+  if (has_drive && 0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
     const double least_m = tone.sine_rms_m * tone.amplitude_lower_m / fit.amplitude;
     rms.lower_m = std::clamp(least_m, 0.0, rms.lower_m);
   }
