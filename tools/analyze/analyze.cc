@@ -24,6 +24,7 @@
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
+#include "tools/document/provenance.h"
 #include "tools/document/render.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -254,6 +255,9 @@ class Answers {
 int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
   Answers answers(words, shown);
   if (words.files.size() == 1) {
+    // where only one thread has work, another computes the checksum that the provenance states
+    std::optional<document::HashAhead> hash;
+    if (job.threads > 1) hash.emplace(words.files.front());
     answers.Take(Analyze(words.files.front(), job));
     return answers.Finish(job);
   }

@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
 #include <span>
+#include <system_error>
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -61,10 +64,21 @@ std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {
 
 namespace {
 
+// the checksum that is computed beside what the command does
+struct {
+  std::string path;
+  std::future<std::string> sha256;
+} hash_ahead;
+
+std::string HashOf(const std::string& path) {
+  const bool is_begun = hash_ahead.sha256.valid() && hash_ahead.path == path;
+  return is_begun ? hash_ahead.sha256.get() : Sha256Of(path);
+}
+
 InputFile InputOf(const NotedInput& noted) {
   InputFile input{.path = noted.path,
                   .bytes = static_cast<std::uint64_t>(noted.status.st_size),
-                  .sha256 = Sha256Of(noted.path)};
+                  .sha256 = HashOf(noted.path)};
   // a file that has changed since it was read (inode, size, time) has no checksum of the data used
   struct stat now{};
   const auto& then = noted.status;
@@ -76,6 +90,19 @@ InputFile InputOf(const NotedInput& noted) {
 }
 
 }  // namespace
+
+HashAhead::HashAhead(const std::string& path) {
+  // what a pipe or a device sends can be read only once
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return;
+  NoteInput(path);
+  hash_ahead.path = path;
+  hash_ahead.sha256 = std::async(std::launch::async, [path] { return Sha256Of(path); });
+}
+
+HashAhead::~HashAhead() {
+  if (hash_ahead.sha256.valid()) hash_ahead.sha256.wait();
+}
 
 Provenance CollectProvenance(const std::vector<std::string>& command) {
   Provenance provenance{

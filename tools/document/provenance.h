@@ -49,6 +49,16 @@ class Sha256 {
 [[nodiscard]] std::string Sha256Of(
     const std::string& path, std::uint64_t first_bytes = std::numeric_limits<std::uint64_t>::max());
 
+/// Computes the SHA-256 of a regular file on a thread of its own, which ends before this object
+/// does; CollectProvenance() takes the result. One at a time, in the thread that collects.
+class HashAhead {
+ public:
+  explicit HashAhead(const std::string& path);
+  ~HashAhead();
+  HashAhead(const HashAhead&) = delete;
+  HashAhead& operator=(const HashAhead&) = delete;
+};
+
 /// The provenance of what this process answers now: the inputs are those of base/input_file.h, in
 /// the order in which they were noted. Reads each of them once more, some 0.5 s a GB.
 [[nodiscard]] Provenance CollectProvenance(const std::vector<std::string>& command);
