@@ -153,7 +153,7 @@ TEST_F(ReproduceFiles, FiguresAndPageAreWritten) {
   const std::string html = Content("thesis.html");
   EXPECT_THAT(html, HasSubstr("Figure 9."));
   EXPECT_THAT(html, HasSubstr("generated, not measured"));
-  EXPECT_THAT(html, HasSubstr("0.0438 mm"));
+  EXPECT_THAT(html, HasSubstr("0.0438\u00a0mm"));
   EXPECT_THAT(html, HasSubstr("one set for 3 rows"));
 }
 

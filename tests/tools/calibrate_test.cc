@@ -193,7 +193,7 @@ TEST_F(Calibration, RefusesInOneLine) {
   refused("displacement_mm,voltage_v,voltage_standard_uncertainty_mv\n0,0,1\n1,1,0\n2,2,1\n",
           "is stated to be exact");
   refused("displacement_mm,voltage_v\n0,1\n1,0\n2,1\n", "no straight line");
-  const auto binary = Calibrate({"fixtures/recorded_trial.bin"});
+  const auto binary = Calibrate({std::string(HAPTOMETER_FIXTURES) + "/recorded_trial.bin"});
   EXPECT_EQ(binary.status, 3);
   EXPECT_THAT(binary.err, HasSubstr("is no table"));
   // a scatter that is no calibration

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "dsp/statistics/distributions.h"
 #include "tools/compare/compare.h"
@@ -37,18 +39,22 @@ std::vector<std::vector<std::size_t>> SetsOf(const Agreement& agreement) {
   for (Eigen::Index j = 0; j < agreement.pull.size(); ++j) {
     if (std::isfinite(agreement.pull(j))) left.push_back(static_cast<std::size_t>(j));
   }
-  const auto pull = [&](std::size_t j) {
-    return -std::abs(agreement.pull(static_cast<Eigen::Index>(j)));
+  // pulls that differ by rounding alone leave the inputs in their order
+  const auto order = [&](std::size_t j) {
+    const double pull = std::abs(agreement.pull(static_cast<Eigen::Index>(j)));
+    return std::pair(-std::round(pull * 1e6), j);
   };
-  std::ranges::stable_sort(left, {}, pull);
+  std::ranges::sort(left, {}, order);
   std::vector<std::vector<std::size_t>> sets;
   while (!left.empty()) {
     const auto first = static_cast<Eigen::Index>(left.front());
-    const auto apart = std::ranges::stable_partition(left, [&](std::size_t j) {
-      return std::abs(agreement.correlation(first, static_cast<Eigen::Index>(j))) > kToldApart;
-    });
-    sets.emplace_back(left.begin(), apart.begin());
-    left.erase(left.begin(), apart.begin());
+    const auto is_apart = [&](std::size_t j) {
+      return !(std::abs(agreement.correlation(first, static_cast<Eigen::Index>(j))) > kToldApart);
+    };
+    std::vector<std::size_t>& set = sets.emplace_back();
+    std::vector<std::size_t> apart;
+    std::ranges::partition_copy(left, std::back_inserter(apart), std::back_inserter(set), is_apart);
+    left = std::move(apart);
   }
   return sets;
 }

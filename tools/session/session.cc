@@ -374,6 +374,10 @@ constexpr auto kWords = [] {
     words[i + 2] = {text.name.substr(text.name.find(' ') + 1), RunOnSession, text.summary,
                     text.examples[0]};
   }
+  words[words.size() - 2] = {"pack", RunSessionPack, kSessionPackText.summary,
+                             kSessionPackText.examples[0]};
+  words[words.size() - 1] = {"verify", RunSessionVerify, kSessionVerifyText.summary,
+                             kSessionVerifyText.examples[0]};
   return words;
 }();
 
