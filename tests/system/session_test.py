@@ -11,6 +11,7 @@ import json
 import math
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -275,6 +276,9 @@ def floors(directory):
     run("trial", "exclude", floor["file"], "--reason", "by hand too")
     redone = from_pipe(folder, 50e-6, words=again)
     check(redone["noise_floor"] is None and study_floors()[1] == [], redone)
+    # and included again: what the session says of it holds, and it is subtracted
+    run("trial", "include", floor["file"])
+    check(excluded(floor["file"]) == "session: floor, drive off" and study_floors()[1] == [name], excluded(floor["file"]))
 
 
 def decisions(directory):
@@ -307,6 +311,8 @@ def decisions(directory):
     run("session", "relabel", folder, "--floor", "--reason", "no")
     check(status(folder)["attempts"][-1]["verdict"] == "BAD" and "a drive is on" in lines(folder)[-1]["reason"], lines(folder)[-1])
     check(info(wrong["file"])["labels"] == {**info(wrong["file"])["labels"], "condition": "", "repeat": ""}, "no condition")
+    said = run("session", "relabel", folder, "--condition", "a", "--reason", "which one?", status=2).stderr
+    check("--repeat is missing" in said.replace(":", ""), said)
     run("session", "relabel", folder, "--condition", "a", "--repeat", "3", "--reason", "yes")
     quiet = from_pipe(folder, 0, 3)
     check(quiet["condition"] == "b" and quiet["verdict"] == "BAD", quiet)
@@ -341,6 +347,16 @@ def decisions(directory):
     redone = from_pipe(folder, 50e-6, words=("redo", "--file", first))
     check((redone["condition"], redone["repeat"], redone["attempt"]) == ("a", 1, 2), redone)
     run("session", "redo", folder, "--file", "none.bin", status=2)
+    # a path has to be that of a trial here
+    elsewhere_ = f"{directory}/{os.path.basename(redone['file'])}"
+    check("is no file in" in run("session", "reject", folder, "--file", elsewhere_, "--reason", "x", status=2).stderr, elsewhere_)
+    # accepted, and still excluded by hand
+    run("trial", "exclude", newest["file"], "--reason", "by hand")
+    run("session", "reject", folder, "--file", newest["file"], "--reason", "x")
+    said = run("session", "accept", folder, "--file", newest["file"], "--reason", "y").stderr
+    check("until trial include includes it" in said, said)
+    run("trial", "include", newest["file"])
+    check(excluded(newest["file"]) == "", newest)
     # what a trial's header states otherwise than the log is pointed out, and does not count
     before = open(redone["file"], "rb").read()
     run("session", "reject", folder, "--reason", "x")
@@ -378,6 +394,17 @@ def ended(folder):
     study = json.loads(run("study", folder, "--json").stdout)
     check(study["counts"]["answered"] == 4 and study["counts"]["excluded"] == 2, study["counts"])
     check(study["missing"] == [] and study["subjects"] == ["1", "2"], study["missing"])
+    check("session-log-damaged" in {one["kind"] for one in study["findings"]}, study["findings"])
+    # a trial of another day among its own, and a label that was changed by hand: the log decides
+    own = next(one["file"] for one in study["trials"] if not one["excluded"])
+    stranger = f"{folder}/trials/0_of_another_day.bin"
+    shutil.copy(own, stranger)
+    run("trial", "label", own, "condition=other")
+    again = json.loads(run("study", folder, "--json").stdout)
+    check(again["contrasts"] == study["contrasts"] and again["counts"]["answered"] == 4, again["counts"])
+    found = {one["file"]: one["excluded"] for one in again["trials"]}
+    check(found[stranger] == "session: it is not in log.csv" and not found[own], found)
+    os.remove(stranger)
 
 
 def other_limits(folder, port):

@@ -159,6 +159,13 @@ TEST_F(AnalyzeVerb, SaysWhereTheDataComeFrom) {
   EXPECT_THAT(Analyze({cut}).out, HasSubstr(", interrupted\n"));
 }
 
+TEST_F(AnalyzeVerb, RefusesACalibrationThatIsNotThereForATrialToo) {
+  const std::string trial = std::string(HAPTOMETER_FIXTURES) + "/recorded_trial.bin";
+  const auto outcome = Analyze({trial, "--calibration", directory_ / "none.toml"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("none.toml"));
+}
+
 TEST_F(AnalyzeVerb, FindingsNameTheTrialOfSeveral) {
   const std::string path = Trial("a.csv", 10'000, 2);
   const auto findings = [](const std::vector<std::string>& words) {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
@@ -366,6 +368,29 @@ TEST_F(CompareVerb, DoubtsAQuantityThatIsNotLinear) {
               HasSubstr("does not depend linearly on adapter.stiffness_n_per_m"));
   EXPECT_THAT(Answer({result, kAdapter, "--input", "drive.amplitude_v=5+-0.1"}).out,
               Not(HasSubstr("linearly")));
+}
+
+TEST_F(CompareVerb, NamesNoInputThatCannotExplainTheDifference) {
+  // a spring that is 10 % too stiff: no damping of the skin makes up for it, not even none
+  std::ifstream file(kAdapter);
+  std::string scene(std::istreambuf_iterator<char>(file), {});
+  const std::string spring = "stiffness_n_per_m = 2800";
+  ASSERT_NE(scene.find(spring), std::string::npos);
+  scene.replace(scene.find(spring), spring.size(), "stiffness_n_per_m = 3080");
+  const auto outcome =
+      Answer({kFixtures + "/recorded_trial.bin", File("stiff.toml", scene), "--input",
+              "actuator.stiffness_n_per_m=3080+-30", "--input", "skin.damping_n_s_per_m=0.75+-0.01",
+              "--input", "drive.frequency_hz=225+-0.01", "--json"});
+  const json answer = json::parse(outcome.out);
+  for (const json& input : answer["inputs"]) {
+    if (input["key"] != "skin.damping_n_s_per_m") continue;
+    EXPECT_GE(input["explaining_value"].get<double>(), 0) << "a damping below 0 is refused";
+  }
+  std::string causes;
+  for (const json& finding : answer["findings"]) {
+    if (finding["kind"] == "explained-by") causes = finding["text"];
+  }
+  EXPECT_EQ(causes, "a wrong value would explain it: actuator.stiffness_n_per_m");
 }
 
 TEST_F(CompareVerb, RefusesMistakesInOneLine) {

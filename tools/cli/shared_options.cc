@@ -6,6 +6,7 @@
 #include <cctype>
 #include <thread>
 
+#include "base/input_file.h"
 #include "base/mapped.h"
 
 namespace haptometer::cli {
@@ -121,6 +122,8 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   if (words.rate_hz) options.rate_hz = words.rate_hz->value;
   HAPTOMETER_LET(options.scale_m, ScaleOf(words.scale_m, "write e.g. 1mm"));
   HAPTOMETER_LET(options.scale_v, ScaleOf(words.scale_v, "write e.g. 1mV"));
+  // a file that is not there is refused where no table needs it, too
+  if (!words.calibration.empty()) HAPTOMETER_TRY(ReadInputFile(words.calibration));
   options.calibration = words.calibration;
   if (!words.format.empty()) options.format = trial::TableFormatFromName(words.format);
   options.channel = words.channel;

@@ -105,11 +105,15 @@ std::vector<std::string> CausesOf(const ComparedScene& scene, const ComparisonRe
   const auto freedom = static_cast<double>(result.quantities.size()) - 1;
   // with one quantity nothing but rounding is left
   const double most =
-      freedom > 0 ? dsp::ChiSquareQuantile(0.95, freedom) : 1e-9 * agreement.chi_squared;
+      freedom > 0 ? dsp::ChiSquareQuantile(kTogether, freedom) : 1e-9 * agreement.chi_squared;
+  const auto is_cause = [&](std::size_t place) {
+    const double pull = agreement.pull(static_cast<Eigen::Index>(place));
+    return std::abs(pull) >= kPullOfCause && agreement.chi_squared - pull * pull <= most;
+  };
   std::vector<std::string> causes;
-  for (const std::vector<std::size_t>& set : result.sets) {
-    const double pull = agreement.pull(static_cast<Eigen::Index>(set.front()));
-    if (std::abs(pull) < kPullOfCause || agreement.chi_squared - pull * pull > most) continue;
+  for (std::vector<std::size_t> set : result.sets) {
+    std::erase_if(set, [&](std::size_t place) { return !is_cause(place); });
+    if (set.empty()) continue;
     causes.push_back(set.size() == 1 ? KeysOf(scene, set)
                                      : fmt::format("one of {}, which cannot be distinguished",
                                                    KeysOf(scene, set)));
@@ -152,8 +156,8 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
   }
   for (const std::size_t place : result.curved) {
     root.Find(Severity::kDoubt, "not-linear",
-              "a quantity does not depend linearly on {input} within its uncertainty: scores and "
-              "pulls are rough",
+              "a quantity does not depend linearly on {input} as far as it is changed: its pull "
+              "and what is adjusted are rough",
               {{"input", scene.inputs()[place].key}});
   }
   if (scene.inputs().empty()) {

@@ -73,29 +73,32 @@ std::vector<std::size_t> CurvedInputs(const ComparedScene& scene, const Propagat
   return curved;
 }
 
-// of a function with perhaps several minima: where it is least between -reach and reach
+// of a function with perhaps several minima: where it is least between -reach and reach, of the
+// places that were tried
 double LeastOf(const std::function<double(double z)>& f, double reach) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSteps = 20, kHalvings = 24;  // golden^24: 1e-5 of a step
   const double step = reach / kSteps;
   double best = 0, least = f(0);
-  for (int k = -kSteps; k <= kSteps; ++k) {
-    const double value = f(k * step);
+  const auto at = [&](double z) {
+    const double value = f(z);
     if (value < least) {
       least = value;
-      best = k * step;
+      best = z;
     }
-  }
+    return value;
+  };
+  for (int k = -kSteps; k <= kSteps; ++k) at(k * step);
   double low = best - step, high = best + step;
   for (int k = 0; k < kHalvings; ++k) {
     const double one = high - kGolden * (high - low), other = low + kGolden * (high - low);
-    if (f(one) < f(other)) {
+    if (at(one) < at(other)) {
       high = other;
     } else {
       low = one;
     }
   }
-  return (low + high) / 2;
+  return best;
 }
 
 }  // namespace
@@ -145,13 +148,16 @@ ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const Compar
     const auto quantity = static_cast<Compared>(k);
     const auto row = static_cast<Eigen::Index>(k);
     const auto& [simulated, method] = propagation.at[k];
-    const bool is_simulated = std::isfinite(simulated) && propagation.changes.row(row).allFinite();
+    // a matrix without inputs has no rows to point at
+    const Eigen::VectorXd changes =
+        scene.inputs().empty() ? Eigen::VectorXd() : propagation.changes.row(row);
+    const bool is_simulated = std::isfinite(simulated) && changes.allFinite();
     if (!measured[k] || !is_simulated) {
       if (measured[k]) result.only_measured.push_back(quantity);
       if (is_simulated) result.only_simulated.push_back(quantity);
       continue;
     }
-    const double u = std::hypot(propagation.changes.row(row).norm(), method);
+    const double u = std::hypot(changes.norm(), method);
     const double apart = measured[k]->value - simulated;
     const bool is_phase = quantity == Compared::kPhase;
     rows.push_back(row);
@@ -201,11 +207,14 @@ void FindCauses(const ComparedScene& scene, const Propagation& propagation,
       return std::isfinite(chi_squared) ? chi_squared : HUGE_VAL;
     };
     // the tangent's change of this input alone lies at pull / sqrt(P_jj)
-    const double tangent = std::abs(agreement.pull(j)) / std::sqrt(agreement.explained(j));
-    const double z = LeastOf(left, std::clamp(1.5 * tangent, kLeastReach, kMostReach));
+    const double tangent = agreement.pull(j) / std::sqrt(agreement.explained(j));
+    const double z = LeastOf(left, std::clamp(1.5 * std::abs(tangent), kLeastReach, kMostReach));
+    const auto place = static_cast<std::size_t>(j);
+    const bool is_curved = std::abs(z - tangent) > kMostCurvature * std::max(1.0, std::abs(z));
+    if (is_curved && !std::ranges::count(result.curved, place)) result.curved.push_back(place);
     const double explained = std::max(0.0, agreement.chi_squared - left(z));
     agreement.pull(j) = std::copysign(std::sqrt(explained), z);
-    result.explaining[static_cast<std::size_t>(j)] = z;
+    result.explaining[place] = z;
   }
   result.sets = SetsOf(agreement);
 }

@@ -52,6 +52,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "(--contrast TREATMENT:CONTROL selects others)"},
       {kContrastNotYet, "contrast-not-yet",
        "planned, and not possible yet: one of its conditions has no trial that is included"},
+      {kSessionLogDamaged, "session-log-damaged",
+       "{what}: a decision may be missing, as a rejection; restore log.csv from a copy"},
       {kAllExcluded, "all-excluded", "all {trials} trial{trials s} are excluded"},
       {kTooFewSubjects, "too-few-subjects",
        "not tested: {subjects} subject{subjects s}, 2 are needed"},

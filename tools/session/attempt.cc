@@ -135,7 +135,7 @@ Result<AttemptOutcome> Judge(const SessionFolder& session, const SessionState& s
   outcome.attempt.verdict = SessionVerdict::kBad;
   HAPTOMETER_LET(auto question, QuestionOf(AnalyzeWords{}));
   const bool is_floor = outcome.attempt.cell.is_floor();
-  const auto is_usable = [&](const SessionAttempt& one) { return session.IsUsableFloor(one); };
+  const auto is_usable = [&](const SessionAttempt& one) { return session.IsUsable(one); };
   const SessionAttempt* floor = is_floor ? nullptr : state.FloorOf(outcome.attempt, is_usable);
   if (floor != nullptr) {
     HAPTOMETER_LET(question.floor, ReadFloor(session.trials() + floor->file, question, {}, 1));

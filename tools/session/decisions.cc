@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "base/text.h"
@@ -17,7 +19,13 @@ Result<SessionAttempt> AttemptOf(const SessionFolder& session, const std::string
     HAPTOMETER_TRY(ChooseLast(session));
     return *session.state().LastFinished();
   }
-  const SessionAttempt* found = session.state().Find(file.substr(file.rfind('/') + 1));
+  // a path has to be that of a trial of this session
+  const std::string name = file.substr(file.rfind('/') + 1);
+  std::error_code error;
+  if (name != file && !std::filesystem::equivalent(file, session.trials() + name, error)) {
+    return Usage(file, "is no file in " + session.trials(), "give the name of one of its trials");
+  }
+  const SessionAttempt* found = session.state().Find(name);
   if (found != nullptr && found->verdict) return *found;
   return Usage(file, "is not a finished attempt of the session",
                "see session status --all for its files");
@@ -115,8 +123,10 @@ Result<std::string> Accept(SessionFolder& session, const Decision& decision) {
     }
   }
   HAPTOMETER_TRY(Write(session, attempt, SessionEvent::kAccept, decision.reason));
-  return fmt::format("accepted: {}, attempt {}, {}: {}", NameOf(attempt.cell), attempt.number,
-                     attempt.file, StandingOf(session, attempt.file));
+  return fmt::format(
+      "accepted: {}, attempt {}, {}: {}{}", NameOf(attempt.cell), attempt.number, attempt.file,
+      StandingOf(session, attempt.file),
+      session.IsUsable(attempt) ? "" : "; studies leave it out until trial include includes it");
 }
 
 namespace {
@@ -140,6 +150,9 @@ Result<std::string> Relabel(SessionFolder& session, const Decision& decision,
   SessionCell cell = attempt.cell;
   if (!other.subject.empty()) cell.subject = other.subject;
   if (!other.condition.empty()) cell.condition = other.condition;
+  if (cell.is_floor() != attempt.cell.is_floor() && !other.repeat && session.plan().repeats > 1) {
+    return Usage("--repeat", "is missing: a floor has none", "write the repeat of the cell");
+  }
   cell.repeat = other.repeat.value_or(cell.repeat);
   if (other.is_floor) cell = {.subject = cell.subject, .condition = "", .repeat = 1};
   HAPTOMETER_TRY(CheckCell(session, cell));

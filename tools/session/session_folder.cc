@@ -230,8 +230,8 @@ std::string ExclusionBySession(const std::string& path) {
   return known == nullptr ? "" : session->ExclusionOf(*known);
 }
 
-bool SessionFolder::IsUsableFloor(const SessionAttempt& floor) const {
-  const auto metadata = MetadataIn(trials() + floor.file);
+bool SessionFolder::IsUsable(const SessionAttempt& attempt) const {
+  const auto metadata = MetadataIn(trials() + attempt.file);
   return metadata && !IsByHand(trial::ExclusionOf(*metadata).value_or(""));
 }
 

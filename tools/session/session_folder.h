@@ -67,8 +67,8 @@ class SessionFolder {
   /// is the one that counts, and GOOD or CHECK.
   [[nodiscard]] std::string ExclusionOf(const SessionAttempt& attempt) const;
 
-  /// Whether the floor can be read, and is not excluded by hand. Cost: reads it.
-  [[nodiscard]] bool IsUsableFloor(const SessionAttempt& floor) const;
+  /// Whether the attempt's trial can be read, and is not excluded by hand. Cost: reads it.
+  [[nodiscard]] bool IsUsable(const SessionAttempt& attempt) const;
 
   /// Brings the trials of a cell in agreement with the log: labels, and ExclusionOf(). An exclusion
   /// by the user stays. Events are appended to trials that lack them. Errors: as

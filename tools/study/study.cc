@@ -96,6 +96,7 @@ struct Task {
   std::vector<TrialFile> files;
   std::vector<std::string> ignored;  // tables of results among them
   Manifest manifest;
+  std::string session_damage{};  // of a session's log, in words
   dsp::BandQuestion question;
   trial::ImportOptions import;
 };
@@ -149,7 +150,8 @@ std::shared_ptr<const dsp::NoiseFloor> FloorOfSession(const std::string& path, c
   return nullptr;
 }
 
-// what the session in a folder states: contrasts, order of conditions, what is excluded, and floors
+// what the session in a folder states: contrasts, order of conditions, labels, what is excluded,
+// and floors
 Result<void> TakeSession(const Wanted& wanted, Task& task) {
   std::error_code ignored;
   if (!fs::exists(fs::path(wanted.source) / "session.toml", ignored)) return {};
@@ -159,18 +161,27 @@ Result<void> TakeSession(const Wanted& wanted, Task& task) {
   task.manifest.is_session = true;
   // its own log is no table that somebody left there
   std::erase(task.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
+  task.session_damage = session.DamageInWords();
+  const fs::path trials = fs::path(session.trials()).lexically_normal().parent_path();
   // each floor is read once, in the band of the trials
   std::map<std::string, std::shared_ptr<const dsp::NoiseFloor>> floors;
   std::map<std::string, bool> usable;
   const auto is_usable = [&](const SessionAttempt& floor) {
     const auto [place, is_new] = usable.try_emplace(floor.file);
-    if (is_new) place->second = session.IsUsableFloor(floor);
+    if (is_new) place->second = session.IsUsable(floor);
     return place->second;
   };
   for (TrialFile& file : task.files) {
-    const SessionAttempt* known = session.state().Find(fs::path(file.path).filename());
-    if (known == nullptr) continue;
+    const fs::path path = fs::path(file.path).lexically_normal();
+    const bool is_among = path.parent_path() == trials;
+    const SessionAttempt* known = is_among ? session.state().Find(path.filename()) : nullptr;
+    if (known == nullptr) {
+      file.excluded = fmt::format("{}it is not in log.csv", kSessionReason);
+      continue;
+    }
     file.excluded = session.ExclusionOf(*known);
+    // labels that were changed by hand do not move a trial to another cell
+    if (wanted.pattern.empty()) file.labels = LabelsOf(known->cell);
     const SessionAttempt* floor = session.state().FloorOf(*known, is_usable);
     const bool is_replaced = !FloorPath(wanted, task.manifest).empty();
     if (floor == nullptr || known->cell.is_floor() || is_replaced) continue;
@@ -227,6 +238,7 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   study.source = Printable(wanted.source);
   study.question = task.question;
   study.ignored = task.ignored;
+  study.session_damage = task.session_damage;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
   HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session

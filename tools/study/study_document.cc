@@ -57,6 +57,9 @@ StudyFindings FindingsOf(const StudyResult& study) {
   if (std::ranges::all_of(study.table.trials, [](const auto& one) { return !!one.excluded; })) {
     findings.Refuse(StudyFinding::kAllExcluded, {{"trials", study.table.trials.size()}});
   }
+  if (!study.session_damage.empty()) {
+    findings.Doubt(StudyFinding::kSessionLogDamaged, {{"what", study.session_damage}});
+  }
   // contrasts chosen by the program weaken the tests: every condition against the first
   if (!study.planned && !study.contrasts.empty()) {
     findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});

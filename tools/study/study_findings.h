@@ -32,6 +32,7 @@ enum class StudyFinding : std::uint8_t {
   kContrastsNotPlanned,    ///< control
   kContrastNotYet,         ///< a condition of it has no trial yet
   kAllExcluded,            ///< trials
+  kSessionLogDamaged,      ///< what: so the session may have forgotten attempts and decisions
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects

@@ -197,6 +197,7 @@ struct StudyResult {
   dsp::BandQuestion question;
   StudyTable table;
   std::vector<std::string> ignored;      ///< tables of results that lie among the trials
+  std::string session_damage{};          ///< what of a session's log is damaged, in words
   bool planned = false;                  ///< the contrasts were asked for
   std::vector<PlannedContrast> not_yet;  ///< of a condition of the plan that has no trial yet
   std::vector<Contrast> contrasts;

@@ -141,8 +141,7 @@ constexpr cli::VerbText kIncludeText{
                  "haptometer trial exclude trial.bin --reason 'finger slipped'"}};
 
 // the event that `kind` asks for; nothing is appended to a trial that is not excluded
-Result<void> SetExclusion(const std::string& path, trial::EventKind kind,
-                          const std::string& reason) {
+Result<void> SetExclusion(const std::string& path, trial::EventKind kind, std::string reason) {
   const bool excludes = kind == trial::EventKind::kExcluded;
   if (excludes && reason.find_first_not_of(' ') == std::string::npos) {
     return Usage("--reason", "is missing", "state why, for example --reason 'finger slipped'");
@@ -154,14 +153,21 @@ Result<void> SetExclusion(const std::string& path, trial::EventKind kind,
   }
   if (!excludes) {
     HAPTOMETER_LET(const auto recording, trial::ReadRecording(path));
-    if (!trial::ExclusionOf(recording.record.metadata)) {
+    const auto present = trial::ExclusionOf(recording.record.metadata);
+    if (!present) {
       cli::Remark(kIncludeText.name, fmt::format("{}: is not excluded; unchanged", path));
       return {};
     }
     const std::string by_session = ExclusionBySession(path);
-    if (!by_session.empty()) {
+    if (!by_session.empty() && present->starts_with(kSessionReason)) {
       return Usage(path, "is excluded by the log of its " + by_session,
                    "haptometer session accept lets an attempt count");
+    }
+    // the user's exclusion ends, and that of the session holds again
+    if (!by_session.empty()) {
+      cli::Remark(kIncludeText.name, fmt::format("{}: is excluded by its session again", path));
+      kind = trial::EventKind::kExcluded;
+      reason = by_session;
     }
   }
   return Append(

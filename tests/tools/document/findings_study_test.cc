@@ -99,6 +99,11 @@ std::vector<Case> Cases() {
        {},
        "contrast-not-yet",
        "planned, and not possible yet: one of its conditions has no trial that is included"},
+      {kSessionLogDamaged,
+       {{"what", std::string("2 lines of log.csv cannot be read")}},
+       "session-log-damaged",
+       "2 lines of log.csv cannot be read: a decision may be missing, as a rejection; restore "
+       "log.csv from a copy"},
       {kAllExcluded, {{"trials", 3}}, "all-excluded", "all 3 trials are excluded"},
       {kTooFewSubjects,
        {{"subjects", 1}},
