@@ -88,6 +88,20 @@ TEST_F(Calibration, TheFileHoldsTheLineAndItsEvidence) {
   EXPECT_EQ(Calibrate({Pairs("p.csv"), "-o", file, "--overwrite"}).status, 0);
 }
 
+TEST_F(Calibration, TheFileOfPointsWhoseOffsetOrHysteresisIsRoundingCanBeRead) {
+  const trial::ChannelFormat format{.name = "displacement",
+                                    .role = trial::ChannelRole::kDisplacement};
+  const std::string file = directory_ / "c.toml";
+  // hysteresis of 2e-19 m, and offsets, uncertainties and covariances of rounding
+  for (const char* rows : {"-4,-4.001\n-2,-2.0\n0,0.001\n2,2.002\n4,3.999\n2,2.001\n0,0\n",
+                           "-3,-3\n-1,-1\n0.1,0.1\n1,1\n3,3\n", "0,0\n1,3\n2,6\n3,9\n"}) {
+    const std::string pairs = File("p.csv", std::string("displacement_mm,voltage_v\n") + rows);
+    ASSERT_EQ(Calibrate({pairs, "-o", file, "--overwrite"}).status, 0) << rows;
+    const auto read = trial::ReadCalibrationFile(file, {&format, 1});
+    EXPECT_TRUE(read) << read.error().Text();
+  }
+}
+
 TEST_F(Calibration, CheckSaysWhetherTodaysLineAgrees) {
   const std::string file = directory_ / "c.toml";
   ASSERT_EQ(Calibrate({Pairs("p.csv", 1e-3, 3), "-o", file}).status, 0);

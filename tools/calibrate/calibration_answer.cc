@@ -18,6 +18,8 @@ namespace haptometer::tools {
 namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
+// the least length and voltage of base/quantity.h
+constexpr double kLeastStated = 1e-15;
 constexpr double kErrorLevelV = 1e-3 * acquire::dl_rs1a::kAnalogErrorMv;
 // DAQ and amplifier may differ by so much there
 constexpr double kErrorToleranceV = 0.05;
@@ -232,24 +234,27 @@ std::string CalibrationText(const CalibrationAnswer& answer,
   const auto number = [&text](std::string_view key, double value) {
     if (std::isfinite(value)) text += fmt::format("{} = {}\n", key, value);
   };
+  // of lengths and voltages what is smaller than a file may state is rounding
+  const auto rounded = [](double value) { return std::abs(value) < kLeastStated ? 0 : value; };
   if (answer.averaging.averages) text += fmt::format("averages = {}\n", *answer.averaging.averages);
   if (answer.averaging.sampling_s) number("sampling_s", *answer.averaging.sampling_s);
 
   text += fmt::format("\n[displacement]\n");
   number("scale_m_per_v", line.slope);
-  number("offset_m", line.intercept);
+  number("offset_m", rounded(line.intercept));
   number("scale_standard_uncertainty_m_per_v", line.slope_uncertainty);
-  number("offset_standard_uncertainty_m", line.intercept_uncertainty);
-  number("scale_offset_covariance_m2_per_v", line.covariance);
+  number("offset_standard_uncertainty_m", rounded(line.intercept_uncertainty));
+  number("scale_offset_covariance_m2_per_v",
+         rounded(line.intercept_uncertainty) == 0 ? 0 : line.covariance);
   if (line.coverage_95 > 1.0001 * kNormal95) number("degrees_of_freedom", line.degrees_of_freedom);
   // a share of 0, of points without noise, is none that a budget could hold
   if (answer.RelativeUncertainty() > 0) {
     number("relative_standard_uncertainty", answer.RelativeUncertainty());
   }
-  number("nonlinearity_m", answer.fit.nonlinearity);
-  if (answer.fit.hysteresis) number("hysteresis_m", answer.fit.hysteresis->difference);
-  number("calibrated_min_v", least.x);
-  number("calibrated_max_v", most.x);
+  number("nonlinearity_m", rounded(answer.fit.nonlinearity));
+  if (answer.fit.hysteresis) number("hysteresis_m", rounded(answer.fit.hysteresis->difference));
+  number("calibrated_min_v", rounded(least.x));
+  number("calibrated_max_v", rounded(most.x));
   // an amplifier's output above this is its error level
   if (answer.daq || !answer.measured.error_level.empty()) number("bad_above_v", kMostOutputV);
   number("daq_min_v", answer.limits.rail_min);
