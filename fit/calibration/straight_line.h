@@ -35,8 +35,8 @@ struct StraightLine {
   double coverage_95 = 0;
   int degrees_of_freedom = 0;  ///< n - 2
   double birge_ratio = 0;      ///< sqrt(chi^2 / (n - 2)) of the points' uncertainties
-  bool is_beyond_stated =
-      false;  ///< chi^2 is above its 99 % quantile: the uncertainties are widened
+  /// chi^2 is above its 99 % quantile: the uncertainties are widened.
+  bool is_beyond_stated = false;
   std::vector<double> residuals{};  ///< y - intercept - slope * x
 
   /// Standard uncertainty of intercept + slope * x:

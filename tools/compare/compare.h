@@ -29,8 +29,7 @@
 ///   d    = measured - simulated
 ///   zeta = d_i / sqrt(V_ii)                         zeta score
 ///   E_n  = d_i / (2 sqrt(V_ii))                     normalised error; |E_n| > 1: they differ
-///   2 sqrt(V_ii)                                    the smallest deviation that could have been
-///   seen
+///   2 sqrt(V_ii)                                    smallest deviation that could have been seen
 ///
 /// What the measurement says of the inputs is, to first order and for normal distributions, their
 /// mean given d, an adjustment by least squares:
@@ -79,10 +78,9 @@ struct MeasuredNumbers {
   std::vector<std::string> files{};             ///< of the trials
   std::vector<document::DataSource> sources{};  ///< of their data
   std::vector<std::string> doubts{};            ///< of their analyses, in words
-  double lower_hz = 0,
-         upper_hz =
-             std::numeric_limits<double>::infinity();  ///< narrowest band that the RMS are of
-  bool is_calibrated = true;                           ///< each u holds the laser's calibration
+  /// Narrowest band that the RMS are of.
+  double lower_hz = 0, upper_hz = std::numeric_limits<double>::infinity();
+  bool is_calibrated = true;         ///< each u holds the laser's calibration
   bool has_electrical_gain = false;  ///< gain or skew of voltage and current is stated
 };
 
