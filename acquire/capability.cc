@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "acquire/protocol/keyence/dl_en1.h"
@@ -25,17 +24,32 @@ double SmallestRms(const NoiseInBand& noise, double relative) {
                    noise.noise_record_s);
   HAPTOMETER_CHECK(relative > 0, "relative = {}", relative);
   // variances of two mean squares of noise, in units of that over the record
-  const double noise_parts = 1 + noise.record_s / noise.noise_record_s;
-  // positive root q = rms^2 / noise^2 of relative^2 = (1 + T/Tn + 2 q) / (4 B T q^2)
+  const double noise_parts = noise.own_share + noise.record_s / noise.noise_record_s;
+  // positive root q = rms^2 / noise^2 of relative^2 = (a + T/Tn + 2 q) / (4 B T q^2)
   const double s = 4 * noise.bandwidth_hz * noise.record_s * relative * relative;
   const double q = (1 + std::sqrt(1 + noise_parts * s)) / s;
   return noise.rms_m * std::sqrt(q);
 }
 
+double RelativeUncertaintyOf(const NoiseInBand& noise, double rms_m) {
+  HAPTOMETER_CHECK(rms_m > 0 && noise.record_s > 0, "{} m in {} s", rms_m, noise.record_s);
+  const double q = std::pow(rms_m / noise.rms_m, 2);
+  const double parts = noise.own_share + noise.record_s / noise.noise_record_s + 2 * q;
+  return std::sqrt(parts / (4 * noise.bandwidth_hz * noise.record_s)) / q;
+}
+
+std::optional<double> RecordLength(const NoiseInBand& noise, double rms_m, double relative) {
+  HAPTOMETER_CHECK(rms_m > 0 && relative > 0, "{} m to {}", rms_m, relative);
+  const double q = std::pow(rms_m / noise.rms_m, 2);
+  // what each second of the record adds to 1 / u^2, less what the noise's own record lacks
+  const double gained =
+      4 * noise.bandwidth_hz * std::pow(q * relative, 2) - 1 / noise.noise_record_s;
+  if (!(gained > 0)) return std::nullopt;
+  return (noise.own_share + 2 * q) / gained;
+}
+
 namespace {
 
-// -3 dB: what is less is mostly gone, and correcting for it raises the noise by as much
-constexpr double kLeastGain = std::numbers::sqrt2 / 2;
 // a rate that is enough by the arithmetic is not refused for its rounding
 constexpr double kRounding = 1e-9;
 
@@ -162,6 +176,9 @@ SensorAbility DlRs1a(int baud) {
   // new readings come at the slower of poll and refresh of the unit's buffer
   sensor.rate_hz = 1 / SecondsFromNs(std::max(poll_ns, refresh_ns));
   sensor.limit = poll_ns > refresh_ns ? RateLimit::kWire : RateLimit::kUnitRefresh;
+  sensor.is_polled = true;
+  sensor.wire_s = SecondsFromNs(poll_ns);
+  sensor.refresh_s = SecondsFromNs(refresh_ns);
   return sensor;
 }
 
@@ -172,6 +189,8 @@ SensorAbility DlEn1() {
   sensor.settings = {{"sensor", "keyence-en1"}};
   sensor.rate_hz = 1 / SecondsFromNs(dl_en1::RefreshNs(1));
   sensor.limit = RateLimit::kUnitProcessing;
+  sensor.is_polled = true;
+  sensor.refresh_s = 1 / sensor.rate_hz;
   return sensor;
 }
 
@@ -179,11 +198,14 @@ SensorAbility DlEn1() {
 SensorAbility LkG() {
   constexpr int kBaud = 115200;
   constexpr std::size_t kExchangeBytes = 3 + 12;
+  const double exchange_s = SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud));
   return {.name = "LK-G asked over RS-232C, at an assumed 115200 baud",
           .settings = {{"sensor", "keyence-lkg"}, {"baud", "115200"}},
-          .rate_hz = 1 / SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud)),
+          .rate_hz = 1 / exchange_s,
           .limit = RateLimit::kWireAlone,
-          .resolution_m = 1e-7};
+          .resolution_m = 1e-7,
+          .is_polled = true,
+          .wire_s = exchange_s};
 }
 
 SensorAbility Stream(int baud) {
@@ -192,7 +214,8 @@ SensorAbility Stream(int baud) {
           .settings = {{"sensor", "stream"}, {"baud", std::to_string(baud)}},
           .rate_hz = MostLinesPerSecond(format, baud),
           .limit = RateLimit::kWire,
-          .resolution_m = MetresPerCount(format)};
+          .resolution_m = MetresPerCount(format),
+          .wire_s = 1 / MostLinesPerSecond(format, baud)};
 }
 
 SensorAbility Modbus(const SensorProfile& profile) {
@@ -203,8 +226,13 @@ SensorAbility Modbus(const SensorProfile& profile) {
           .resolution_m = profile.resolution_m,
           .noise_rms_m = profile.noise_rms_m,
           .range_min_m = profile.range_min_m,
-          .range_max_m = profile.range_max_m};
+          .range_max_m = profile.range_max_m,
+          .is_polled = true,
+          .wire_s = 1 / HighestRateHz(profile),
+          .refresh_s = profile.fastest_rate_hz ? 1 / *profile.fastest_rate_hz : 0};
 }
+
+}  // namespace
 
 // the amplifier renews its output with each raw sample; steps are those of the DAQ's converter
 SensorAbility AnalogOutput(double sampling_s, int averages) {
@@ -217,8 +245,6 @@ SensorAbility AnalogOutput(double sampling_s, int averages) {
   sensor.resolution_m.reset();
   return sensor;
 }
-
-}  // namespace
 
 std::vector<SensorAbility> KnownSensors() {
   constexpr double kFastest_s = 0.33e-3;  // data 132, code 1

@@ -53,6 +53,15 @@ enum class FindingKind : std::uint8_t {
   kRateTooLow,  ///< rate_hz, limit, observable_hz, asked_hz, needed_hz
   kAveragingTooLong,  ///< averages, sampling_s, gain, asked_hz
   kStepsTooLarge,     ///< step_m, wanted_m
+
+  // --- whether a route can answer to an accuracy, half of a 95 % interval as a part of the RMS
+  kRouteAnswers,     ///< record_s, half_interval
+  kNoiseNotStated,   ///< of a reading: no length can be promised
+  kReadingsTooOld,   ///< uncertainty_s, upper_hz, limit_s: of a reading's time
+  kFloorTooHigh,     ///< half_interval, accuracy, limit: at any length
+  kImagesFold,       ///< daq_rate_hz, image_hz, folded_hz, relative, better_hz
+  kUnseenByAnalyze,  ///< relative: of the RMS, by a value's age
+  kPromiseRests,     ///< coverage: what is supposed
 };
 
 using Finding = FindingOf<FindingKind>;

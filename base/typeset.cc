@@ -16,6 +16,14 @@ constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
 
 bool IsLetterOrDigit(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
+// whether a word ends before `rest`, which is not the end of a file's name
+bool IsEndOfWord(std::string_view rest) {
+  const bool goes_on = !rest.empty() && (IsLetterOrDigit(rest.front()) || rest.front() == '_');
+  return !goes_on && !(rest.size() > 1 && rest.front() == '.' && IsLetterOrDigit(rest[1]));
+}
+
+std::string_view PowerOf(char digit) { return digit == '2' ? "²" : digit == '3' ? "³" : ""; }
+
 // takes a unit with its exponent from the beginning of `text`; empty where there is none
 std::string TakeUnit(std::string_view& text) {
   for (const auto& [plain, sign] : kUnits) {
@@ -24,13 +32,11 @@ std::string TakeUnit(std::string_view& text) {
     std::string unit(sign);
     if (rest.starts_with('^')) rest.remove_prefix(1);
     if (rest.starts_with('2') || rest.starts_with('3')) {
-      unit += rest.front() == '2' ? "²" : "³";
+      unit += PowerOf(rest.front());
       rest.remove_prefix(1);
     }
-    // the beginning of another word, or of the end of a file's name
-    const bool goes_on = !rest.empty() && (IsLetterOrDigit(rest.front()) || rest.front() == '_');
-    const bool is_name = rest.size() > 1 && rest.front() == '.' && IsLetterOrDigit(rest[1]);
-    if (goes_on || is_name) continue;
+    // the beginning of another word
+    if (!IsEndOfWord(rest)) continue;
     text = rest;
     return unit;
   }
@@ -49,6 +55,13 @@ std::string Typeset(std::string_view text) {
     if (text.starts_with("+-")) {
       set += "±";
       text.remove_prefix(2);
+      continue;
+    }
+    // "R^2", "1/s^2"
+    if (c == '^' && std::isalpha(static_cast<unsigned char>(before)) != 0 && !rest.empty() &&
+        !PowerOf(rest.front()).empty() && IsEndOfWord(rest.substr(1))) {
+      set += PowerOf(rest.front());
+      text = rest.substr(1);
       continue;
     }
     const bool is_number = IsLetterOrDigit(before) ? before <= '9' : before == ')';

@@ -38,13 +38,10 @@ class Ladder {
   }
 
   void Ours(std::initializer_list<int> digits) const {
-    for (const auto& [name, method] : {std::pair{"SmoothMotion BDF", OdeMethod::kBdf},
-                                       std::pair{"SmoothMotion Adams", OdeMethod::kAdams}}) {
-      for (const int digit : digits) {
-        Climb(name, Power(digit), [&](const Question& question, std::size_t outputs) {
-          return BySmoothMotion(question, outputs, method, std::pow(10.0, -digit));
-        });
-      }
+    for (const int digit : digits) {
+      Climb("SmoothMotion", Power(digit), [&](const Question& question, std::size_t outputs) {
+        return BySmoothMotion(question, outputs, std::pow(10.0, -digit));
+      });
     }
   }
 

@@ -113,13 +113,11 @@ Answer ByPieces(const Question& question, std::size_t outputs) {
   return answer;
 }
 
-Answer BySmoothMotion(const Question& question, std::size_t outputs, OdeMethod method,
-                      double tolerance) {
+Answer BySmoothMotion(const Question& question, std::size_t outputs, double tolerance) {
   const Scene scene = SceneOf(question);
   Answer answer = EmptyAnswer(question, outputs);
   SmoothMotion motion(AssembleSmooth(scene, PiecewiseOf(question), SmoothOf(question)), scene.drive,
-                      PiecewiseStartOf(scene), question.rate_hz,
-                      {.tolerance = tolerance, .method = method});
+                      PiecewiseStartOf(scene), question.rate_hz, {.tolerance = tolerance});
   for (std::size_t i = 1; i <= outputs; ++i) {
     motion.Next();
     const auto output = static_cast<Eigen::Index>(i);

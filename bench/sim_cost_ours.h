@@ -9,7 +9,6 @@
 #include "bench/sim_cost_peers.h"
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene/scene.h"
-#include "sim/smooth/ode_solver.h"
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
@@ -34,7 +33,7 @@ enum class Hold : std::uint8_t { kZeroOrder, kFirstOrder };
 [[nodiscard]] Answer ByPieces(const Question& question, std::size_t outputs);
 
 /// Anything, to a tolerance.
-[[nodiscard]] Answer BySmoothMotion(const Question& question, std::size_t outputs, OdeMethod method,
+[[nodiscard]] Answer BySmoothMotion(const Question& question, std::size_t outputs,
                                     double tolerance);
 
 }  // namespace haptometer::sim

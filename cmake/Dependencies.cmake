@@ -3,6 +3,9 @@
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(fmt REQUIRED)                 # libfmt-dev
+find_library(z_archive libz.a)
+mark_as_advanced(z_archive)
+set(ZLIB_USE_STATIC_LIBS ${z_archive})     # where it exists, for the reason given below
 find_package(ZLIB REQUIRED)                # zlib1g-dev: crc32
 find_package(nlohmann_json REQUIRED)       # nlohmann-json3-dev
 find_package(Eigen3 REQUIRED NO_MODULE)    # libeigen3-dev
@@ -15,44 +18,62 @@ pkg_check_modules(libmodbus REQUIRED IMPORTED_TARGET libmodbus)          # libmo
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)             # libhdf5-dev
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libmatio-dev
 pkg_check_modules(libcrypto REQUIRED IMPORTED_TARGET libcrypto)          # libssl-dev: SHA-256
-pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
 find_package(CLI11 REQUIRED)               # libcli11-dev
 
-# HDF5, matio and libcrypto are linked from their archives where these exist, as in Debian's packages. The
-# shared HDF5 also reads Amazon's S3 and so loads libcurl with 30 libraries at every start of the program,
-# which takes 7 ms; the shared libcrypto takes 3 ms of every start, the archive 0.3 ms.
-find_library(hdf5_archive libhdf5.a HINTS ${hdf5_LIBRARY_DIRS})
-find_library(matio_archive libmatio.a HINTS ${matio_LIBRARY_DIRS})
-find_library(crypto_archive libcrypto.a HINTS ${libcrypto_LIBRARY_DIRS})
-find_library(szip_library sz)              # libaec-dev, which libhdf5-dev brings
-if(hdf5_archive AND matio_archive AND szip_library)
-  add_library(hdf5_archive STATIC IMPORTED)
-  set_target_properties(hdf5_archive PROPERTIES IMPORTED_LOCATION ${hdf5_archive}
-    INTERFACE_LINK_LIBRARIES "${szip_library};ZLIB::ZLIB;${CMAKE_DL_LIBS};m")
-  add_library(matio_archive STATIC IMPORTED)
-  set_target_properties(matio_archive PROPERTIES IMPORTED_LOCATION ${matio_archive}
-    INTERFACE_LINK_LIBRARIES "hdf5_archive;ZLIB::ZLIB")
-  set_target_properties(PkgConfig::hdf5 PROPERTIES INTERFACE_LINK_LIBRARIES hdf5_archive)
-  set_target_properties(PkgConfig::matio PROPERTIES INTERFACE_LINK_LIBRARIES matio_archive)
-endif()
-if(crypto_archive)
-  set_target_properties(PkgConfig::libcrypto PROPERTIES INTERFACE_LINK_LIBRARIES
-    "${crypto_archive};${CMAKE_DL_LIBS};Threads::Threads")
-endif()
-mark_as_advanced(hdf5_archive matio_archive szip_library crypto_archive)
+# Where archives exist, as in Debian's packages, they are linked in place of shared libraries: each of these
+# takes 0.3 ms of every start of the program, also where the command calls nothing of it. HDF5 would also load
+# libcurl with 30 libraries (it reads Amazon's S3), Ceres 20 for sparse problems, which fit/ does not have.
 
-# libsundials-dev: its CMake package needs OpenMP, which clang lacks. CVODES, not CVODE: it has the same
-# functions under the same names, and integrals too; a program can link only one of the two.
-foreach(part cvodes nvecserial sunlinsoldense sunmatrixdense generic)
-  find_library(SUNDIALS_${part} NAMES sundials_${part} REQUIRED)
-  # by name, so that the installed package does not contain the paths of the machine that built it
-  list(APPEND SUNDIALS_LIBRARIES sundials_${part})
-endforeach()
+# haptometer_archives(TARGET ARCHIVE... [ALSO LIBRARY...])
+# The imported target links these archives, each found by its name, and then LIBRARY...; it stays as it is
+# where one is missing.
+function(haptometer_archives target)
+  cmake_parse_arguments(PARSE_ARGV 1 target "" "" "ALSO")
+  foreach(name IN LISTS target_UNPARSED_ARGUMENTS)
+    set(archive "")
+    find_library(${name}_archive lib${name}.a PATH_SUFFIXES hdf5/serial)
+    if(${name}_archive)
+      set(archive ${${name}_archive})
+    else()
+      # the compiler's own: of Fortran and of OpenMP
+      execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=lib${name}.a
+                      OUTPUT_VARIABLE archive OUTPUT_STRIP_TRAILING_WHITESPACE)
+    endif()
+    if(NOT EXISTS "${archive}")
+      message(STATUS "${target}: no lib${name}.a, so the shared library")
+      return()
+    endif()
+    list(APPEND archives ${archive})
+    mark_as_advanced(${name}_archive)
+  endforeach()
+  set_target_properties(${target} PROPERTIES INTERFACE_LINK_LIBRARIES "${archives};${target_ALSO}")
+endfunction()
+
+haptometer_archives(PkgConfig::fftw3 fftw3 ALSO m)
+haptometer_archives(PkgConfig::libserialport serialport)
+haptometer_archives(PkgConfig::hdf5 hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::matio matio hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::libcrypto crypto ALSO ${CMAKE_DL_LIBS} Threads::Threads)
+# METIS and libunwind, which CHOLMOD and glog call, have none
+find_library(metis_library NAMES libmetis.so.5 metis)
+find_library(unwind_library NAMES unwind)
+mark_as_advanced(metis_library unwind_library)
+if(metis_library AND unwind_library)
+  haptometer_archives(Ceres::ceres glog gflags spqr cholmod amd camd ccolamd colamd suitesparseconfig cxsparse
+    lapack f77blas cblas atlas gfortran quadmath gomp
+    ALSO ${metis_library} ${unwind_library} Eigen3::Eigen Threads::Threads ${CMAKE_DL_LIBS} m)
+endif()
 
 if(BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
   find_package(rapidcheck REQUIRED)        # librapidcheck-dev
   find_package(benchmark REQUIRED)         # libbenchmark-dev
+  # libsundials-dev, a peer in bench/: its CMake package needs OpenMP, which clang lacks. CVODES, not CVODE: it
+  # has the same functions under the same names; a program can link only one of the two.
+  foreach(part cvodes nvecserial sunlinsoldense sunmatrixdense generic)
+    find_library(SUNDIALS_${part} NAMES sundials_${part} REQUIRED)
+    list(APPEND SUNDIALS_LIBRARIES sundials_${part})
+  endforeach()
 endif()
 if(HAPTOMETER_JOIN_SOURCES)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)                  # python3

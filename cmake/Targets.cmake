@@ -41,7 +41,9 @@ function(haptometer_room name)
                  FILES ${room_HEADERS})
   target_compile_features(${target} PUBLIC cxx_std_23)
   target_link_libraries(${target} PUBLIC ${room_DEPENDS} PRIVATE ${room_PARTS})
-  haptometer_join(${target})
+  if(NOT name IN_LIST HAPTOMETER_APART)
+    haptometer_join(${target})
+  endif()
   install(TARGETS ${target} EXPORT haptometer
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/haptometer)
@@ -67,12 +69,13 @@ function(haptometer_rooms_first target)
   target_link_options(${target} PRIVATE "LINKER:--whole-archive,${archives},--no-whole-archive")
 endfunction()
 
-# haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...])
+# haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...] [LONG ...])
 # The program NAME_test with one ctest entry per GoogleTest case, which is a process of its own; TOGETHER are
-# suites with one entry each, whose cases share what takes seconds to compute. It finds fixtures and programs
-# through compile definitions, so it runs from any directory.
+# suites with one entry each, whose cases share what takes seconds to compute. LONG are cases (patterns), or suites of
+# TOGETHER, that repeat for long what others do too: the sanitizers, which take up to thirty times as long, do not run
+# them. It finds fixtures and programs through compile definitions, so it runs from any directory.
 function(haptometer_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS;TOGETHER")
+  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS;TOGETHER;LONG")
   set(target ${name}_test)
   add_executable(${target} ${test_SOURCES})
   target_compile_definitions(${target} PRIVATE
@@ -87,14 +90,20 @@ function(haptometer_test name)
   if(HAPTOMETER_PRECOMPILE_TESTS)
     target_precompile_headers(${target} REUSE_FROM precompiled_test)
   endif()
+  list(TRANSFORM test_TOGETHER APPEND ".*" OUTPUT_VARIABLE excluded)
+  if(HAPTOMETER_SANITIZED)
+    list(APPEND excluded ${test_LONG})
+  endif()
+  list(JOIN excluded ":" excluded)
   set(alone "*")
-  if(test_TOGETHER)
-    list(TRANSFORM test_TOGETHER APPEND ".*" OUTPUT_VARIABLE shared)
-    list(JOIN shared ":" shared)
-    set(alone "-${shared}")
+  if(excluded)
+    set(alone "-${excluded}")
   endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES TEST_FILTER "${alone}"
                        PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  if(HAPTOMETER_SANITIZED AND test_LONG)
+    list(REMOVE_ITEM test_TOGETHER ${test_LONG})
+  endif()
   foreach(suite IN LISTS test_TOGETHER)
     add_test(NAME ${name}.${suite} COMMAND ${target} --gtest_filter=${suite}.*)
     set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600)

@@ -23,6 +23,8 @@ enum class FindingKind : std::uint8_t {
   kStuckInWindow,     ///< window_s, from_s, changes, readings, lower_hz
   kNoMeasurement,     ///< none of the readings is one
   kFarReadings,       ///< farthest_m: farther than any displacement sensor
+  kBeyondCalibrated,  ///< samples, readings, beyond_m, least_m, most_m of the calibrated range;
+                      ///< widths: from 100 on, as in another unit
   kSegments,          ///< segments: gaps split the record
   kLongestSegment,    ///< segments: the longest is used
   kSamplesLimited,    ///< samples, used

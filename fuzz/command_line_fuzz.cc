@@ -46,6 +46,7 @@ const std::vector<Verb>& Verbs() {
                                        {tools::RunTrial, {"trial", "export"}},
                                        {tools::RunAnalyze, {"analyze"}},
                                        {tools::RunStudy, {"study"}},
+                                       {tools::RunStudy, {"study", "compare"}},
                                        {tools::RunStudy, {"study", "matching"}},
                                        {tools::RunStudy, {"study", "linearity"}},
                                        {tools::RunFitLra, {"fit-lra"}},
@@ -115,7 +116,7 @@ void ReadWord(const std::string& word) {
     fuzz::Require(quantity->standard_uncertainty >= 0);
   }
   RequireReason(cli::ParseBand(word));
-  RequireReason(cli::ReadKeyValues({word}, "--label"));
+  RequireReason(cli::ReadKeyValues({word}, "--label", "subject=3"));
   RequireReason(tools::ReadBestWish(word));
   RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kGrid));
   RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kSampled));

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <string_view>
 
+#include "fuzz/memory_path.h"
 #include "fuzz/require.h"
 #include "fuzz/seeds.h"
-#include "tools/compare/compare.h"
+#include "tools/compare/measured.h"
 
 namespace {
 
@@ -30,8 +30,9 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;
-  const auto measured =
-      tools::MeasuredIn(std::string(reinterpret_cast<const char*>(data), size), "r.json");
+  if (size == 0 || data[0] != '{') return -1;  // a recording, which trial_fuzz reads
+  const fuzz::MemoryPath document({reinterpret_cast<const char*>(data), size});
+  const auto measured = tools::ReadMeasured(std::array{document.path()});
   if (!measured) {
     fuzz::Require(!measured.error().Text().empty());
     return 0;

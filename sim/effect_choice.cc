@@ -50,8 +50,9 @@ class Decision {
     PlayedScene everything = Play(all_);
     if (!everything.answered) return std::unexpected(*everything.refusal);
     // an exact motion's error cannot be reduced further, that of averages is their uncertainty
-    const double asked = everything.run.solver ? scene_.tolerance
-                                               : std::max(scene_.tolerance, kLargestPredictedError);
+    const double asked = everything.run.solver_tolerance > 0
+                             ? scene_.tolerance
+                             : std::max(scene_.tolerance, kLargestPredictedError);
     if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
       return std::unexpected(TooCoarse(everything.run));
     }
@@ -112,7 +113,7 @@ class Decision {
   }
 
   Finding TooCoarse(const SceneRun& run) const {
-    if (!run.solver) {
+    if (run.solver_tolerance == 0) {
       return Refused(FindingKind::kBeyondPrediction,
                      {{"tolerance", scene_.tolerance},
                       {"known_until_s", run.known_until_s.value_or(run.begin_s)}});

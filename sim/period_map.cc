@@ -127,7 +127,6 @@ std::expected<PeriodStep, FindingKind> PeriodMap::After(const PeriodPoint& point
       PiecewiseMotion motion(system_.linear, drive_, StartOf(point), rate_hz, true);
       return Play(motion, periods, outputs, true, visit);
     }
-    // matrices are kept between calls
     if (exact_ == nullptr) {
       exact_ = std::make_unique<PiecewiseMotion>(system_.linear, drive_, StartOf(point), rate_hz);
     } else {
@@ -135,11 +134,20 @@ std::expected<PeriodStep, FindingKind> PeriodMap::After(const PeriodPoint& point
     }
     return Play(*exact_, periods, outputs, false, visit);
   }
-  SmoothSettings settings = *settings_;
-  settings.with_energy = with_means;
   const double theta_k = system_.heating ? point.x(point.x.size() - 1) : 0;
-  SmoothMotion motion(system_, drive_, StartOf(point), rate_hz, settings, theta_k);
-  return Play(motion, periods, outputs, with_means, visit);
+  if (with_means) {
+    SmoothSettings settings = *settings_;
+    settings.with_energy = true;
+    SmoothMotion motion(system_, drive_, StartOf(point), rate_hz, settings, theta_k);
+    return Play(motion, periods, outputs, true, visit);
+  }
+  if (smooth_ == nullptr) {
+    smooth_ = std::make_unique<SmoothMotion>(system_, drive_, StartOf(point), rate_hz, *settings_,
+                                             theta_k);
+  } else {
+    smooth_->Restart(StartOf(point), theta_k);
+  }
+  return Play(*smooth_, periods, outputs, false, visit);
 }
 
 }  // namespace haptometer::sim

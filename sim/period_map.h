@@ -79,7 +79,9 @@ class PeriodMap {
   SineDrive drive_;
   std::optional<SmoothSettings> settings_;  // absent: exact
   double error_;
-  mutable std::unique_ptr<PiecewiseMotion> exact_;  // without means
+  // without means; their matrices are kept between calls
+  mutable std::unique_ptr<PiecewiseMotion> exact_;
+  mutable std::unique_ptr<SmoothMotion> smooth_;
 };
 
 }  // namespace haptometer::sim

@@ -27,22 +27,20 @@ constexpr std::uint64_t kBusyOutputs = 4;
 constexpr double kIntegralRounding = 1e-14;
 // of every number of an exact run, relative (measured: of a peak 2e-13)
 constexpr double kExactRounding = 4e-13;
-// of the solver, relative; and of each of its steps, which can all point the same way (measured:
-// 5e-12 after 90 000 steps)
+// of the solver, relative; and of each of its steps, which can all point the same way
 constexpr double kSolverRounding = 1e-12;
-constexpr double kStepRounding = std::numeric_limits<double>::epsilon();
+constexpr double kStepRounding = 2 * std::numeric_limits<double>::epsilon();
 
-// what n times less tolerance leaves of the error is less than this over n (measured for n = 100:
-// 0.5 to 31, where an error's signs cancel in the looser run)
+// what n times less tolerance leaves of the error is less than this over n
 constexpr double kLeftOver = 64;
 // an error that less tolerance does not make smaller than this part of itself stays
 constexpr double kWorthIt = 0.5;
 // of the exact motion in its fastest mode: 10 ms in one output step
 constexpr double kMostIntervalsPerOutput = 1e4;
-// of the solver: some 3 us each, so that a run takes a minute or two at most
+// of the solver: some 8 us each, so that a run takes a minute or two at most
 constexpr std::int64_t kMostSteps = 100'000;
-constexpr std::int64_t kMostStepsPerOutput = 300;
-constexpr std::int64_t kMostStepsOfAll = 30'000'000;
+constexpr std::int64_t kMostStepsPerOutput = 100;
+constexpr std::int64_t kMostStepsOfAll = 10'000'000;
 constexpr std::size_t kReportOutputs = 256;
 
 // The outputs of a run: so many steps from before t = 0 to its very end.
@@ -362,16 +360,16 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
 // runs with smaller and smaller tolerance until their difference is within scene.tolerance
 SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const PiecewiseStart& start,
                     double temperature_rise_k) {
-  const auto play = [&](double tolerance) {
-    return RunSmoothly(scene, duration_s, start, temperature_rise_k, tolerance);
+  const auto play = [&](const SmoothSettings& settings) {
+    return RunSmoothly(scene, duration_s, start, temperature_rise_k, settings);
   };
   SolverLadder ladder(scene.scene.tolerance);
   SceneRun coarse = play(ladder.before());
   // a smaller tolerance takes more steps
   if (coarse.stall_reason == FindingKind::kTooManySteps) return coarse;
-  OdeWork work = coarse.work;
+  SolverWork work = coarse.work;
   for (;; ladder.Refine()) {
-    SceneRun run = play(ladder.tolerance());
+    SceneRun run = play(ladder.settings());
     work += run.work;
     run.error_estimate = ErrorOf(run, coarse);
     run.work = work;
@@ -437,8 +435,9 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse) {
   }
   largest = std::max(largest, LargestDeviation(coarse, run));
   const double rounding = kSolverRounding + kStepRounding * static_cast<double>(run.work.steps);
-  // an n times smaller tolerance leaves at most kLeftOver / n of the deviation (measured)
-  return largest * kLeftOver / finer + rounding;
+  // an n times smaller tolerance leaves at most kLeftOver / n of the deviation, and moves the run
+  // by no more than the deviation
+  return std::min(largest * kLeftOver / finer, coarse.error_estimate + largest) + rounding;
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {
@@ -452,24 +451,20 @@ SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart
 }
 
 SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseStart start,
-                     double temperature_rise_k, double tolerance) {
+                     double temperature_rise_k, SmoothSettings settings) {
   const Scene& bodies = scene.scene;
   SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
   AskForNumbers(scene, system.linear);
   const RunGrid grid = GridOf(scene, duration_s);
   const auto outputs = static_cast<std::int64_t>(grid.count);
+  settings.with_energy = true;
+  settings.most_steps = std::min(kMostSteps + kMostStepsPerOutput * outputs, kMostStepsOfAll);
   auto motion = std::make_unique<SmoothMotion>(
       std::move(system), Excitation(bodies.drive, bodies.finger.tones), std::move(start),
-      grid.outputs,
-      SmoothSettings{
-          .tolerance = tolerance,
-          .with_energy = true,
-          .most_steps = std::min(kMostSteps + kMostStepsPerOutput * outputs, kMostStepsOfAll)},
-      temperature_rise_k);
+      grid.outputs, settings, temperature_rise_k);
   const SmoothMotion& played = *motion;
   Playing playing(scene, duration_s, std::move(motion));
   SceneRun run = playing.Play();
-  run.solver = played.method();
   run.solver_tolerance = played.tolerance();
   run.work = played.work();
   // a single run gives no estimate; ErrorOf() needs two

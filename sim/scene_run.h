@@ -10,7 +10,7 @@
 #include "sim/findings.h"
 #include "sim/piecewise/energy_ledger.h"
 #include "sim/piecewise/piecewise_motion.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_motion.h"
 
 namespace haptometer::sim {
 
@@ -48,11 +48,10 @@ struct SceneRun {
   std::vector<EventCount> events{};  ///< of the whole run, in the order in which they first came
   std::optional<double> stalled_at_s{};  ///< nothing behind it is known
   std::optional<FindingKind> stall_reason{};
-  double temperature_rise_k = 0;      ///< of the coil that heats, at the end of the run
-  double temperature_peak_k = 0;      ///< the largest in the run
-  std::optional<OdeMethod> solver{};  ///< of smooth effects; absent: exact
-  double solver_tolerance = 0;        ///< SmoothMotion::tolerance(); 0: exact
-  OdeWork work{};                     ///< of the solver, over all runs that led to this one
+  double temperature_rise_k = 0;  ///< of the coil that heats, at the end of the run
+  double temperature_peak_k = 0;  ///< the largest in the run
+  double solver_tolerance = 0;    ///< SmoothMotion::tolerance(); 0: exact
+  SolverWork work{};              ///< of the solver, over all runs that led to this one
   /// A bound of the relative error of every number here (the least force apart) and of the
   /// waveform over its peak; infinite where it is not known. Of an exact motion what rounding,
   /// events and bounces that are not played come to, carried through all modes and events
@@ -91,9 +90,9 @@ inline constexpr double kLargestPredictedError = 1e-3;
 [[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
 
 /// What a run is wrong by that was played with n times less of solver_tolerance than another: the
-/// largest deviation between them, the waveform's included, over n/64, and rounding: 1e-12 and
-/// 2.2e-16 a step. In random scenes a hundred times less tolerance left up to 0.31 of the
-/// deviation. Where n is 1 the two are the same run, and the other's estimate stays.
+/// largest deviation between them, the waveform's included, over n/64, or the other's error and
+/// that deviation where that is less; and rounding: 1e-12 and 4.4e-16 a step. Where n is 1 the two
+/// are the same run, and the other's estimate stays.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse);
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
@@ -104,7 +103,7 @@ inline constexpr double kLargestPredictedError = 1e-3;
 ///
 /// **Without smooth effects** by PiecewiseMotion, exact.
 ///
-/// **With them** by SmoothMotion, with one tolerance of ode_solver.h after the other until
+/// **With them** by SmoothMotion, with one tolerance of SolverLadder after the other until
 /// ErrorOf the last two runs is a quarter of scene.tolerance, or no longer falls (a chaotic
 /// motion); what is left is told in error_estimate, and it is the caller who compares that with
 /// scene.tolerance.
@@ -117,9 +116,10 @@ inline constexpr double kLargestPredictedError = 1e-3;
 [[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s,
                                 PiecewiseStart start, double temperature_rise_k = 0);
 
-/// By SmoothMotion alone, one run at one tolerance, whose error_estimate is infinite.
+/// By SmoothMotion alone, one run with tolerance and longest step of `settings`, whose
+/// error_estimate is infinite.
 [[nodiscard]] SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s,
                                    PiecewiseStart start, double temperature_rise_k,
-                                   double tolerance);
+                                   SmoothSettings settings);
 
 }  // namespace haptometer::sim

@@ -21,7 +21,7 @@
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"
 #include "sim/piecewise/piecewise_motion.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/semilinear_solver.h"
 #include "sim/smooth/smooth_motion.h"
 #include "sim/smooth/smooth_system.h"
 #include "sim/waveforms.h"
@@ -29,7 +29,7 @@
 namespace haptometer::sim {
 
 /// The displacement of `target` under a scene's effects at any requested time: exact, or
-/// by SmoothMotion with the first tolerance of ode_solver.h where smooth effects are on.
+/// by SmoothMotion with the first tolerance of SolverLadder where smooth effects are on.
 ///
 /// The motion is played in the outputs of sim/effective_scene.h and interpolated by quintics: 2e-11
 /// of its amplitude where it is smooth, h^2/8 times the jump of acceleration within an output step
@@ -99,7 +99,7 @@ trial::Metadata Describe(const Scene& scene) {
       effects[Effect::kStiffening] != Wish::kOff || effects[Effect::kCoilHeating] != Wish::kOff;
   metadata.source = fmt::format("simulated: {}, {}, start from {}",
                                 effects.Asked() ? "scene with effects" : "linear scene",
-                                smooth ? "SUNDIALS CVODES" : "exact solution",
+                                smooth ? "exponential collocation" : "exact solution",
                                 StartOf(scene) == Start::kRest ? "rest" : "steady state");
   metadata.sensor = "sensor model";
   metadata.head = sensor.head.name;
@@ -243,8 +243,8 @@ trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart sta
   }
   return Played<SmoothMotion>(
       scene, target, [scene, start = std::move(start), temperature_rise_k](double rate_hz) {
-        const SmoothSettings settings{.tolerance = SolverLadder(scene.scene.tolerance).tolerance(),
-                                      .most_steps = std::numeric_limits<std::int64_t>::max()};
+        SmoothSettings settings = SolverLadder(scene.scene.tolerance).settings();
+        settings.most_steps = std::numeric_limits<std::int64_t>::max();
         return std::make_unique<SmoothMotion>(
             AssembleSmooth(scene.scene, scene.piecewise, scene.smooth), ExcitationOf(scene.scene),
             start, OutputGrid{.rate_hz = rate_hz}, settings, temperature_rise_k);

@@ -10,7 +10,7 @@
 #include "sim/period_map.h"
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/piecewise/piecewise_scene.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/semilinear_solver.h"
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
@@ -168,11 +168,12 @@ class SmoothSearch {
     // the search runs at the coarse tolerance; finer ones refine its motion by Newton's method
     SolverLadder ladder(scene_.scene.tolerance);
     const PiecewiseStart rest = AtRest(scene_);
-    const PeriodMap map = MapOf(ladder.before());
+    const PeriodMap map = MapOf(ladder.before(), kSearchTolerance);
     SteadyRun coarse = Settle(map, map.PointOf(rest.mode, rest.x), ladder.before());
-    OdeWork work = coarse.run ? coarse.run->work : OdeWork{};
+    SolverWork work = coarse.run ? coarse.run->work : SolverWork{};
     for (; coarse.periodic; ladder.Refine()) {
-      SteadyRun fine = Refined(MapOf(ladder.tolerance()), *coarse.periodic, ladder.tolerance());
+      SteadyRun fine =
+          Refined(MapOf(ladder.settings(), kRefinedTolerance), *coarse.periodic, ladder.settings());
       if (!fine.run) return fine;
       work += fine.run->work;
       // the remainder of Newton's step may be equal in both motions and cancel in their difference
@@ -186,14 +187,17 @@ class SmoothSearch {
   }
 
  private:
-  // The tolerance of a search is 1e-8 at most, also for a coarser answer: it compares states of
+  static constexpr double kSearchTolerance = 1e-8;
+  static constexpr double kRefinedTolerance = 5e-12;  // 2048 times less, so that the maps differ
+
+  // The tolerance of a search is bounded, also for a coarser answer: it compares states of
   // different periods, and Newton's method divides differences of them.
-  PeriodMap MapOf(double tolerance) const {
-    constexpr double kMost = 1e-8;
-    return {system_, scene_.scene.drive, SmoothSettings{.tolerance = std::min(tolerance, kMost)}};
+  PeriodMap MapOf(SmoothSettings settings, double most) const {
+    settings.tolerance = std::min(settings.tolerance, most);
+    return {system_, scene_.scene.drive, settings};
   }
 
-  SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, double tolerance) {
+  SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, const SmoothSettings& settings) {
     SteadyRun steady;
     PeriodicSearch search = FindPeriodicMotion(map, from);
     spent_.steps = search.steps;
@@ -204,24 +208,25 @@ class SmoothSearch {
       const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
       PlayChaotic(scene_, std::move(search), in_it, steady);
     } else if (search.found) {
-      Play(map, std::move(*search.found), tolerance, steady);
+      Play(map, std::move(*search.found), settings, steady);
     }
     return steady;
   }
 
-  SteadyRun Refined(const PeriodMap& map, const PeriodicMotion& coarse, double tolerance) {
+  SteadyRun Refined(const PeriodMap& map, const PeriodicMotion& coarse,
+                    const SmoothSettings& settings) {
     auto found = RefinePeriodicMotion(map, coarse, {}, spent_);
     if (!found) {
       return NoRun(FindingKind::kNotFoundAgain, {{"drive_periods", coarse.drive_periods},
-                                                 {"tolerance", tolerance},
+                                                 {"tolerance", settings.tolerance},
                                                  {"steps", spent_.steps}});
     }
     SteadyRun steady;
-    Play(map, std::move(*found), tolerance, steady);
+    Play(map, std::move(*found), settings, steady);
     return steady;
   }
 
-  void Play(const PeriodMap& map, PeriodicMotion motion, double tolerance,
+  void Play(const PeriodMap& map, PeriodicMotion motion, const SmoothSettings& settings,
             SteadyRun& steady) const {
     const PeriodPoint& point = motion.point;
     const int periods = motion.drive_periods;
@@ -230,7 +235,7 @@ class SmoothSearch {
     EffectiveScene whole = scene_;
     whole.window_periods = PeriodsPlayed(periods);
     steady.run = RunSmoothly(whole, PlayedS(scene_, periods), steady.start,
-                             steady.temperature_rise_k, tolerance);
+                             steady.temperature_rise_k, settings);
     steady.periodic = std::move(motion);
   }
 

@@ -39,7 +39,7 @@ inline constexpr int kChaosRunPeriods = 512;
 ///
 /// **Smooth effects**: shooting over SmoothMotion, the coil's temperature among the unknowns, so
 /// that its time constant costs nothing; a coil that no heat leaves has no steady motion. First
-/// with a hundred times the solver's tolerance, from there with the tolerance itself, which is
+/// with the looser settings of SolverLadder, from there with the tolerance itself, which is
 /// made smaller as in RunScene; error_estimate is ErrorOf the last two motions.
 ///
 /// The scene must have a linear steady state (SolveSteadyState's error_estimate below 1). Cost: ten

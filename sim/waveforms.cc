@@ -13,7 +13,7 @@
 #include "sim/linear/linear_model.h"
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/semilinear_solver.h"
 #include "sim/smooth/smooth_motion.h"
 #include "sim/smooth/smooth_system.h"
 #include "sim/steady_run.h"
@@ -172,8 +172,8 @@ Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning, double
                            grid);
     return Recording(scene, duration_s, rate_hz, motion).Play();
   }
-  const SmoothSettings settings{.tolerance = SolverLadder(bodies.tolerance).tolerance(),
-                                .most_steps = std::numeric_limits<std::int64_t>::max()};
+  SmoothSettings settings = SolverLadder(bodies.tolerance).settings();
+  settings.most_steps = std::numeric_limits<std::int64_t>::max();
   SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
   if (with_least_force) WatchTravelAndForce(bodies, scene.piecewise, system.linear);
   SmoothMotion motion(std::move(system), std::move(excitation), std::move(beginning.start), grid,

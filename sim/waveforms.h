@@ -48,7 +48,7 @@ struct Beginning {
 
 /// Plays the scene from its beginning for `duration_s`, rows 0 to floor(duration_s rate_hz).
 ///
-/// Exact at any rate, under smooth effects to the scene's tolerance as ode_solver.h begins with
+/// Exact at any rate, under smooth effects to the scene's tolerance as SolverLadder begins with
 /// it; an event shows in `events` of the row behind it. duration_s rate_hz at most 1e8. Cost:
 /// PiecewiseMotion's without energies, or SmoothMotion's; `with_least_force` 0.1 us more a row.
 /// Memory: eleven numbers a row.

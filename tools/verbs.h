@@ -8,6 +8,7 @@ int RunAcquire(int argc, const char* const* argv);
 int RunAnalyze(int argc, const char* const* argv);
 int RunCalibrate(int argc, const char* const* argv);
 int RunCompare(int argc, const char* const* argv);
+int RunCost(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);
 int RunFitAdapter(int argc, const char* const* argv);
 int RunFitImpedance(int argc, const char* const* argv);

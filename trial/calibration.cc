@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/quantity.h"
+#include "base/text.h"
 #include "base/toml.h"
 
 namespace haptometer::trial {
@@ -45,6 +46,11 @@ constexpr std::string_view kRelativeUncertainty = "relative_standard_uncertainty
 
 std::string UncertaintyField(const std::string& channel) {
   return fmt::format("calibration.{}.{}", channel, kRelativeUncertainty);
+}
+
+// "least" or "most" of the calibrated range
+std::string RangeField(const std::string& channel, std::string_view end) {
+  return fmt::format("calibration.{}.calibrated_{}", channel, end);
 }
 
 // one pair of input and value: { voltage_v = -5, displacement_m = "-5mm" }
@@ -330,6 +336,13 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
     for (const auto& [key, number] : channel.stated) {
       fields[fmt::format("calibration.{}.{}", name, key)] = fmt::format("{}", number);
     }
+    if (channel.calibrated_min && channel.calibrated_max) {
+      const auto [least, most] =
+          std::minmax({*channel.calibrated_min * channel.scale + channel.offset,
+                       *channel.calibrated_max * channel.scale + channel.offset});
+      fields[RangeField(name, "least")] = fmt::format("{}", least);
+      fields[RangeField(name, "most")] = fmt::format("{}", most);
+    }
   }
   return fields;
 }
@@ -344,6 +357,10 @@ Result<Channel*> SensorChannel(const std::string& where, Record* record) {
     return Usage("<calibration>", where + " has a displacement already", "leave it out");
   }
   const auto named = std::ranges::find(record->channels, "sensor", &Channel::name);
+  if (named != record->channels.end() && !named->unit.empty() && named->unit != "V") {
+    return Usage("<calibration>", fmt::format("{} has its sensor in {}", where, named->unit),
+                 "give its volts");
+  }
   if (named != record->channels.end()) return &*named;
   const auto voltages = std::ranges::count(record->channels, ChannelRole::kVoltage, &Channel::role);
   if (voltages == 1) {
@@ -357,7 +374,8 @@ Result<Channel*> SensorChannel(const std::string& where, Record* record) {
 
 }  // namespace
 
-Result<void> CalibrateRecord(const std::string& path, const std::string& where, Record* record) {
+Result<void> CalibrateRecord(const std::string& path, const std::string& where, Record* record,
+                             Findings* findings) {
   ChannelFormat format{.name = "displacement", .role = ChannelRole::kDisplacement};
   HAPTOMETER_LET(const auto calibration, ReadCalibrationFile(path, {&format, 1}));
   const ChannelCalibration& line = calibration.channels.at(format.name);
@@ -366,14 +384,27 @@ Result<void> CalibrateRecord(const std::string& path, const std::string& where, 
   }
   HAPTOMETER_LET(Channel* const channel, SensorChannel(where, record));
   const RawLimits limits = Calibrate(line, 1, 0, &format);
+  double most_v = 0;
   for (std::size_t row = 0; row < record->rows; ++row) {
     if (!IsMeasurement(channel->statuses[row])) continue;
     double& value = channel->values[row];
+    if (std::isfinite(value)) most_v = std::max(most_v, std::abs(value));
     const SampleStatus status = StatusOf(limits, value);
     if (status != SampleStatus::kOk) channel->statuses[row] = status;
     value = IsMeasurement(channel->statuses[row]) ? value * line.scale + line.offset
                                                   : std::numeric_limits<double>::quiet_NaN();
   }
+  const bool has_reading = std::ranges::any_of(channel->statuses, IsMeasurement);
+  if (most_v > kMostOutputV && !has_reading) {
+    return CannotAnswer(
+        where,
+        fmt::format("reaches {:g} V, and has no reading by the calibration's limits", most_v),
+        "if its column is in mV, name it by <columns> time_s,voltage_mv");
+  }
+  // pairs in mV give a range in them
+  most_v = std::max({most_v, std::abs(line.calibrated_min.value_or(0)),
+                     std::abs(line.calibrated_max.value_or(0))});
+  if (most_v > kMostOutputV) findings->Doubt(FindingKind::kInputTooLarge, {{"most_v", most_v}});
   channel->name = format.name;
   channel->role = format.role;
   channel->unit = "m";
@@ -385,6 +416,17 @@ Result<void> CalibrateRecord(const std::string& path, const std::string& where, 
   Metadata& metadata = record->metadata;
   if (!metadata.averages && !metadata.sampling_s) StateAveraging(calibration.averaging, &metadata);
   return {};
+}
+
+std::optional<ValueRange> CalibratedRangeOf(const Metadata& metadata, const std::string& channel) {
+  const auto least = metadata.fields.find(RangeField(channel, "least"));
+  const auto most = metadata.fields.find(RangeField(channel, "most"));
+  if (least == metadata.fields.end() || most == metadata.fields.end()) return std::nullopt;
+  const ValueRange range{NumberFrom<double>(least->second).value_or(std::nan("")),
+                         NumberFrom<double>(most->second).value_or(std::nan(""))};
+  // what was edited to no range is none
+  if (!(range.least < range.most)) return std::nullopt;
+  return range;
 }
 
 Result<double> ParseGainUncertainty(std::string_view text, std::string_view where) {

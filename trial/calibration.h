@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "trial/findings.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 
@@ -94,19 +95,36 @@ struct Calibration {
 
 /// What of it is kept in a trial's metadata.fields: `calibration`, `calibration.date`, `.notes`, a
 /// sentence a channel, `calibration.CHANNEL`, where it is stated
-/// `calibration.CHANNEL.relative_standard_uncertainty` and all of ChannelCalibration::stated, and
-/// `calibration.provenance.KEY`.
+/// `calibration.CHANNEL.relative_standard_uncertainty`, all of ChannelCalibration::stated and the
+/// calibrated range as `calibration.CHANNEL.calibrated_least` and `calibrated_most` in the
+/// channel's unit, and `calibration.provenance.KEY`.
 [[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
+
+/// Values of a channel from `least` to `most`, in its unit.
+struct ValueRange {
+  double least = 0;
+  double most = 0;
+};
+
+/// The range in which the line of `channel` was measured, as CalibrationFields kept it; nothing
+/// where it is not stated.
+[[nodiscard]] std::optional<ValueRange> CalibratedRangeOf(const Metadata& metadata,
+                                                          const std::string& channel);
+
+/// More volts than an analog output gives (+-10 V, and 5 %): then the numbers are in another unit.
+inline constexpr double kMostOutputV = 10.5;
 
 /// Turns the volts of a foreign table, `where`, into the displacement of the calibration file
 /// `path`, table [displacement]: of the channel called "sensor", else of its only voltage. Rails
 /// and limits give statuses; the file's fields and averaging go into the metadata, where the table
 /// does not state an averaging itself.
 ///
-/// Errors: the file's; Cause::kUsage: a displacement is there already, no channel or several could
-/// be meant, an input of amperes.
+/// `findings` gets kInputTooLarge where input or range exceeds kMostOutputV. Errors: the file's;
+/// Cause::kUsage: a displacement is there already, no channel or several could be meant, an input
+/// or a channel of another unit than V; Cause::kCannotAnswer: an input beyond kMostOutputV has no
+/// reading by the limits.
 [[nodiscard]] Result<void> CalibrateRecord(const std::string& path, const std::string& where,
-                                           Record* record);
+                                           Record* record, Findings* findings);
 
 /// A relative standard uncertainty of a gain: "0.005" or "0.5%". Errors (Cause::kUsage), at
 /// `where`: not a number, or not above 0 and at most 0.2.

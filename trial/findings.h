@@ -38,6 +38,7 @@ enum class FindingKind : std::uint8_t {
   kTransitionsOnly,   ///< rows of digital channels are no samples
   kValueUnitAssumed,  ///< title, unit
   kTimeUnitAssumed,   ///< title, unit
+  kInputTooLarge,     ///< most_v: more than an analog output gives
   kRowsBeginAt,       ///< first, earlier_s
   kNotedAtExport,     ///< text: what an exported file holds of these
 };

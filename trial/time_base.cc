@@ -242,8 +242,8 @@ double RisePerPlace(const Rows& rows, const std::vector<Window>& windows, std::s
 
 // A period that neither bursts nor stalls nor a few gaps disturb: medians over windows. The lag of
 // up to ten windows keeps the noise of the minima small; a loss spoils only the differences across
-// it. Then once more on the minima over three windows, which are much less noisy once the slope is
-// nearly right.
+// it. Then on the minima over three windows, which are much less noisy once the slope is nearly
+// right; three times, because bursts that keep step with the windows leave 1 % of a slope at first.
 double RobustPeriod(const Rows& rows, double period_ns, std::size_t window_rows) {
   if (rows.size() <= window_rows) return MedianInterval(rows);
   // first estimate: time per place over whole windows, by the median
@@ -257,7 +257,7 @@ double RobustPeriod(const Rows& rows, double period_ns, std::size_t window_rows)
   // a pause in one of few windows would otherwise be treated as the source's period
   if (periods.size() >= kLeastCounts || period_ns <= 0) period_ns = Median(std::move(periods));
   // correction by the slope of the minima over one window, then over three
-  for (const std::size_t count : {1U, 3U}) {
+  for (const std::size_t count : {1U, 3U, 3U, 3U}) {
     const auto windows = RunningLeast(WindowsOf(rows, period_ns, window_rows), count);
     const std::size_t lag = std::clamp<std::size_t>(windows.size() / 5, 1, 10);
     period_ns += RisePerPlace(rows, windows, lag, period_ns, window_rows);

@@ -186,6 +186,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
   DescribeRecord(head, clean.segments, clean.summary, &analysis);
   HAPTOMETER_TRY(CheckReadings(head, clean.summary, analysis.record));
   RemarkArtifacts(clean, &analysis);
+  HAPTOMETER_TRY(CheckCalibratedRange(*clean.rows, channel, clean.summary, &analysis.findings));
   const RecordFacts& facts = analysis.record;
   RemarkPlausibility(head, clean.summary,
                      {facts.rate_hz, facts.fresh_rate_hz, facts.duration_s,

@@ -8,8 +8,8 @@
 /// tests/architecture/decision_limits_test.py lists them and counts these.
 ///
 /// Each states what it decides, what a wrong decision costs as measured, and the test that measures
-/// it. Classes are those of tests/long/drive_classes.py (docs/developer/hard-cases.md has the rates
-/// of all).
+/// it. Classes are those of tests/long/drive_classes.py (docs/developer/hard_case_tests.md has the
+/// rates of all).
 namespace haptometer::dsp {
 
 // ---- One rate of false alarms

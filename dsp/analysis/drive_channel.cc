@@ -24,27 +24,10 @@ namespace haptometer::dsp {
 
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 16U;
 // a value near the border of two digits flickers between these, with noise of half a digit between
 // three
 constexpr double kCoarseSteps = 2.000001;
 constexpr double kRounding = 1.000001;  // what the products of decimal digits are off by, and more
-
-// visits values of rows [first, first + size), block by block
-template <typename Visit>
-Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, std::size_t first,
-                          std::size_t size, const Visit& visit) {
-  std::vector<double> values(std::min(size, kBlock));
-  std::vector<trial::SampleStatus> statuses(values.size());
-  for (std::size_t done = 0; done < size; done += values.size()) {
-    const std::size_t count = std::min(values.size(), size - done);
-    const auto read = source.Read(channel, first + done, std::span(values).first(count),
-                                  std::span(statuses).first(count));
-    if (!read) return read;
-    for (std::size_t k = 0; k < count; ++k) visit(done + k, values[k]);
-  }
-  return {};
-}
 
 // range of a channel's values, and the least change from row to row
 struct Steps {
@@ -71,17 +54,6 @@ struct DrivePower {
   bool is_coarse = false;
 };
 
-// the channel that says when the drive is on: a voltage before a current before a trigger
-std::optional<std::size_t> DriveChannel(const trial::Record& head) {
-  for (const trial::ChannelRole role :
-       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
-    if (const trial::Channel* channel = head.Find(role)) {
-      return static_cast<std::size_t>(channel - head.channels.data());
-    }
-  }
-  return std::nullopt;
-}
-
 // Of the rows of `signal`, by its cells.
 //
 // A trigger counts from its least value of all rows, and is never coarse. A voltage's or current's
@@ -97,12 +69,12 @@ Result<DrivePower> PowerOf(const trial::RowSource& source, std::size_t channel,
   Steps steps;
   if (is_trigger) {
     HAPTOMETER_TRY(ForEachValue(source, channel, 0, source.head().rows,
-                                [&](std::size_t, double value) { steps.See(value); }));
+                                [&](std::size_t, double value, auto) { steps.See(value); }));
   }
   const double rest = is_trigger ? steps.least : 0;
   DrivePower power;
   power.mean_square.resize(signal.cells().size(), 0.0);
-  const auto see = [&](std::size_t k, double value) {
+  const auto see = [&](std::size_t k, double value, auto) {
     steps.See(value);
     const double x = std::isfinite(value) ? value - rest : 0;
     power.mean_square[k / cell_rows] += x * x / static_cast<double>(cell_rows);
@@ -177,6 +149,16 @@ Result<std::optional<std::vector<double>>> FilteredPower(const trial::RowSource&
 }
 
 }  // namespace
+
+std::optional<std::size_t> DriveChannel(const trial::Record& head) {
+  for (const trial::ChannelRole role :
+       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
+    if (const trial::Channel* channel = head.Find(role)) {
+      return static_cast<std::size_t>(channel - head.channels.data());
+    }
+  }
+  return std::nullopt;
+}
 
 Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t channel,
                                     const BandSignal& signal, const BandPass& band,

@@ -15,6 +15,9 @@
 /// What a recorded voltage, current or trigger says of the drive.
 namespace haptometer::dsp {
 
+/// The channel that says when the drive is on: a voltage before a current before a trigger.
+[[nodiscard]] std::optional<std::size_t> DriveChannel(const trial::Record& head);
+
 /// What a drive channel says beside the vibration of `signal`.
 struct ChannelCourse {
   std::vector<TimeWindow> on;       ///< in the record's time

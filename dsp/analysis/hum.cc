@@ -90,19 +90,19 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   const double moved_hz = std::arg(product) / kTwoPi / windows.step_s();
   if (std::abs(moved_hz) > tolerance) return std::nullopt;
   const double exact_hz = frequency_hz + moved_hz;
-  // the windows at that frequency, and their noise from ten bins on either side
-  std::vector<std::complex<double>> z;
+  // the windows at that frequency, and their noise from ten bins on either side, until it is enough
+  std::complex<double> mean = 0;
+  for (std::size_t k = 0; k < windows.count(); ++k) {
+    mean += windows.Demodulated(k, exact_hz) / static_cast<double>(windows.count());
+  }
   double noise = 0;
   const double away_hz = 2 * kReachBins * windows.rate_hz / static_cast<double>(windows.length());
   for (std::size_t k = 0; k < windows.count(); ++k) {
-    z.push_back(windows.Demodulated(k, exact_hz));
     noise += std::min(std::abs(windows.Demodulated(k, exact_hz - away_hz)),
                       std::abs(windows.Demodulated(k, exact_hz + away_hz)));
+    if (std::abs(mean) <= kClearUncertainties * noise / static_cast<double>(windows.count()))
+      return std::nullopt;
   }
-  std::complex<double> mean = 0;
-  for (const auto& one : z) mean += one / static_cast<double>(z.size());
-  if (std::abs(mean) <= kClearUncertainties * noise / static_cast<double>(z.size()))
-    return std::nullopt;
   return IsSteady(windows, exact_hz, mean)
              ? std::optional(SteadyLine{exact_hz, mean.real(), -mean.imag()})
              : std::nullopt;

@@ -19,13 +19,7 @@
 
 namespace haptometer::dsp {
 
-namespace {
-
 using trial::SampleStatus;
-
-constexpr std::size_t kBlock = std::size_t{1} << 16U;
-
-}  // namespace
 
 Result<std::size_t> AnalyzedChannel(const trial::Record& head) {
   const trial::Channel* first = head.Find(trial::ChannelRole::kDisplacement);
@@ -153,21 +147,14 @@ Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const 
   const std::size_t first = part.signal->first_row() + part.begin;
   const std::size_t rows = part.end - part.begin;
   // only a record with few changes is read again, over the chosen part
-  std::vector<double> values(std::min(rows, kBlock));
-  std::vector<trial::SampleStatus> statuses(values.size());
   std::size_t changes = 0;
   double last = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t done = 0; done < rows; done += values.size()) {
-    const std::size_t count = std::min(values.size(), rows - done);
-    HAPTOMETER_TRY(displacement.source.Read(displacement.channel, first + done,
-                                            std::span(values).first(count),
-                                            std::span(statuses).first(count)));
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!IsMeasured(values[k], statuses[k])) continue;
-      if (std::isfinite(last) && values[k] != last) ++changes;
-      last = values[k];
-    }
-  }
+  const auto see = [&](std::size_t, double value, SampleStatus status) {
+    if (!IsMeasured(value, status)) return;
+    if (std::isfinite(last) && value != last) ++changes;
+    last = value;
+  };
+  HAPTOMETER_TRY(ForEachValue(displacement.source, displacement.channel, first, rows, see));
   const double seconds = static_cast<double>(rows) / part.signal->rate_hz();
   if (static_cast<double>(changes) >= least_changes(seconds)) return std::nullopt;
   return Finding{.severity = Severity::kRefusal,

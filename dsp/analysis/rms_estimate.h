@@ -27,7 +27,7 @@ enum class RmsCause : std::uint8_t {
   kQuantisation,  ///< step / sqrt(12), white up to half the rate
   kBridged,       ///< readings: the expanded error of the interpolation
   kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
-  kDriveEdges,    ///< what a window shorter by a period at either end would change
+  kDriveEdges,    ///< what a shorter window, or one without all that may be bumps, would change
   kSteps,         ///< their energy within the band
   kFoot,          ///< motion below the band in it: half of what was subtracted, all that was not
   kHum,           ///< half of its power; half a percent of it where a pause shows it alone

@@ -12,6 +12,7 @@
 
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/decision_limits.h"
+#include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/readings/clean_rows.h"
@@ -32,17 +33,6 @@ struct SweepPiece {
 
 // limit of memory: some ten copies of the piece are made
 constexpr std::size_t kMostSamples = std::size_t{1} << 24U;
-
-// a voltage, or else a current; a trigger has no amplitude to divide by
-std::optional<std::size_t> DriveChannelOf(const trial::Record& head) {
-  for (const trial::ChannelRole role :
-       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent}) {
-    if (const trial::Channel* channel = head.Find(role)) {
-      return static_cast<std::size_t>(channel - head.channels.data());
-    }
-  }
-  return std::nullopt;
-}
 
 // [first, last) of the longest run of measured values
 std::pair<std::size_t, std::size_t> LongestRun(std::span<const double> values,
@@ -111,7 +101,9 @@ Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t ch
   piece.displacement_m.resize(std::min(longest->size, kMostSamples));
   const SegmentSamples samples(source, channel, *longest);
   HAPTOMETER_TRY(samples.Read(0, piece.displacement_m));
-  if (const auto drive = DriveChannelOf(source.head())) {
+  // a trigger has no amplitude to divide by
+  const auto drive = DriveChannel(source.head());
+  if (drive && source.head().channels[*drive].role != trial::ChannelRole::kTrigger) {
     HAPTOMETER_TRY(AddDrive(source, *drive, longest->first_row, piece, findings));
   }
   return piece;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr std::array<double, 3> kBlockLengths{1, kLongerBlocks, kLongerBlocks* kLongerBlocks};
 // quartile of the normal distribution
 constexpr double kQuartile = 0.6745;
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 // one signal, its hum, its blocks and their states
 struct Course {
@@ -82,19 +84,36 @@ bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
          state.from_hz < kFootReach * lower_hz && state.level_m < kMajority * level_m;
 }
 
-using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
+// logarithm of a mean square, as far as it counts beside a drive of `level_m`
+double LogOf(double mean_square, double level_m) {
+  return std::log(mean_square + std::max(1e-300, std::pow(kLevelFloor * level_m, 2)));
+}
 
-// the blocks of samples [begin, end) that are bumps by logarithms of a mean square
-std::vector<std::pair<std::size_t, std::size_t>> BumpBlocks(const std::vector<double>& logs,
-                                                            double expected) {
+// median of the logarithms over all blocks without a drive; unknown where there are few
+double LogOfPauses(const Course& course, double level_m) {
+  std::vector<double> logs;
+  for (const StateInterval& state : course.states) {
+    if (state.state != DriveState::kOff) continue;
+    for (std::size_t k = state.first; k < state.end; ++k) {
+      logs.push_back(LogOf(course.blocks.blocks[k].mean_square, level_m));
+    }
+  }
+  if (logs.size() < kFewest) return kUnknown;
+  std::ranges::nth_element(logs, logs.begin() + std::ssize(logs) / 2);
+  return logs[logs.size() / 2];
+}
+
+// blocks that are bumps by logarithms of a mean square, against their median, or that of a pause
+// where it is less; `expected` is their scatter in noise
+SampleRanges BumpBlocks(const std::vector<double>& logs, double expected, double of_pause) {
   if (logs.size() < kFewest) return {};
   std::vector<double> sorted = logs;
   std::ranges::sort(sorted);
-  const double median = sorted[sorted.size() / 2];
+  const double median = std::min(of_pause, sorted[sorted.size() / 2]);
   // scatter by the lower quartile, which bumps do not reach
   const double scatter = std::max((median - sorted[sorted.size() / 4]) / kQuartile, expected);
   const double limit = median + std::max(kBumpLeast, kFalseAlarmDeviations * scatter);
-  std::vector<std::pair<std::size_t, std::size_t>> bumps;
+  SampleRanges bumps;
   for (std::size_t k = 0; k < logs.size(); ++k) {
     if (logs[k] <= limit) continue;
     // until it is near the median again, and a block more
@@ -110,9 +129,9 @@ std::vector<std::pair<std::size_t, std::size_t>> BumpBlocks(const std::vector<do
 
 // Bumps: samples within [begin, end) of blocks of which a mean square is far above its median
 // there, of those beside them until it is near the median again, and of one more, to which the
-// filter spreads them.
-SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, std::size_t begin,
-                     std::size_t end) {
+// filter spreads them. What is far below the drive's level does not count.
+SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, double level_m,
+                     std::size_t begin, std::size_t end, double of_pause = kUnknown) {
   const double block_samples = course.blocks.block_s * course.signal->rate_hz();
   // blocks count from their own first sample
   const auto base = static_cast<std::size_t>(
@@ -125,7 +144,7 @@ SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, std
                static_cast<std::size_t>(static_cast<double>(end - base) / block_samples) + 1);
   std::vector<double> logs;
   for (std::size_t k = first; k < last; ++k) {
-    logs.push_back(std::log(course.blocks.blocks[k].*mean_square + 1e-300));
+    logs.push_back(LogOf(course.blocks.blocks[k].*mean_square, level_m));
   }
   const auto sample_at = [&](std::size_t block) {
     const double sample = static_cast<double>(first + block) * block_samples;
@@ -133,7 +152,7 @@ SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, std
   };
   SampleRanges bumps;
   for (const auto& [from, to] :
-       BumpBlocks(logs, std::sqrt(2 / course.blocks.degrees_of_freedom()))) {
+       BumpBlocks(logs, std::sqrt(2 / course.blocks.degrees_of_freedom()), of_pause)) {
     if (!bumps.empty() && sample_at(from) <= bumps.back().second) {
       bumps.back().second = sample_at(to);
     } else {
@@ -159,7 +178,7 @@ std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double low
                                          : TimeOfSample(signal, signal.settled_end());
     if (window.end_s <= window.begin_s) continue;
     const auto [begin, end] = SettledWithin(signal, window);
-    for (const auto& [from, to] : BumpsIn(course, &DriveBlock::mean_square, begin, end)) {
+    for (const auto& [from, to] : BumpsIn(course, &DriveBlock::mean_square, level_m, begin, end)) {
       const double from_s = TimeOfSample(signal, from);
       if (from_s > window.begin_s) quiet.push_back({window.begin_s, from_s});
       window.begin_s = TimeOfSample(signal, to);
@@ -187,7 +206,7 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
       if (duration_s < kLeastWindowPeriods / lower_hz) continue;
       if (best && end - begin <= best->end - best->begin) continue;
       of = &course;
-      best = ChosenPart{course.signal, begin, end, {}, {}, {}};
+      best = ChosenPart{course.signal, begin, end};
       best->part.why.kind =
           course.states.size() == 1 ? FindingKind::kOneState : FindingKind::kSteadyDrive;
       best->part.from_drive = true;
@@ -196,24 +215,31 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   }
   if (!best) return best;
   best->hum = of->hum;
-  best->part.quiet = QuietOf(*of, best->part.state.level_m, lower_hz);
-  best->excluded = BumpsIn(*of, &DriveBlock::residual, best->begin, best->end);
-  // bumps throughout are no bumps; at an end they shorten the window
-  const auto all = static_cast<double>(best->end - best->begin);
-  if (static_cast<double>(SizeOf(best->excluded)) > kMajority * all) best->excluded.clear();
-  if (!best->excluded.empty() && best->excluded.front().first == best->begin) {
-    best->begin = best->excluded.front().second;
-    best->excluded.erase(best->excluded.begin());
+  const double level_m = best->part.state.level_m;
+  best->part.quiet = QuietOf(*of, level_m, lower_hz);
+  // bumps throughout, beside a pause or beside each other, are none; at an end they shorten the
+  // window
+  const double most = kMajority * static_cast<double>(best->end - best->begin);
+  for (const double of_pause : {LogOfPauses(*of, level_m), kUnknown}) {
+    best->excluded = BumpsIn(*of, &DriveBlock::residual, level_m, best->begin, best->end, of_pause);
+    if (static_cast<double>(SizeOf(best->excluded)) <= most) break;
+    if (of_pause < kUnknown) best->may_be_bumps = best->excluded;
+    best->excluded.clear();
   }
-  if (!best->excluded.empty() && best->excluded.back().second == best->end) {
-    best->end = best->excluded.back().first;
-    best->excluded.pop_back();
+  SampleRanges& bumps = best->excluded;
+  if (!bumps.empty() && bumps.front().first == best->begin) {
+    best->begin = bumps.front().second;
+    bumps.erase(bumps.begin());
+  }
+  if (!bumps.empty() && bumps.back().second == best->end) {
+    best->end = bumps.back().first;
+    bumps.pop_back();
   }
   return best;
 }
 
 ChosenPart AllSettled(const BandSignal& signal) {
-  ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end(), {}, {}, {}};
+  ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end()};
   chosen.part.why.kind = FindingKind::kAllSettled;
   return chosen;
 }
@@ -224,7 +250,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   ChosenPart chosen;
   for (const BandSignal& signal : all) {
     const auto [begin, end] = SettledWithin(signal, question.window);
-    if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end, {}, {}, {}};
+    if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end};
   }
   const double found_s = chosen.signal == nullptr ? 0
                                                   : static_cast<double>(chosen.end - chosen.begin) /

@@ -15,14 +15,18 @@
 /// to the window, and to the intervals without drive that noise is measured in.
 namespace haptometer::dsp {
 
+/// Samples [first, second).
+using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
+
 /// Samples [begin, end) of a signal, all free of transients.
 struct ChosenPart {
   const BandSignal* signal = nullptr;
   std::size_t begin = 0;
   std::size_t end = 0;
-  std::vector<std::pair<std::size_t, std::size_t>> excluded;  ///< samples within, bumps
-  std::vector<SteadyLine> hum;                                ///< of the signal; to be subtracted
-  UsedPart part;                      ///< how it was chosen; window and rows are not set yet
+  SampleRanges excluded{};            ///< samples within, bumps
+  SampleRanges may_be_bumps{};        ///< samples within; most of them
+  std::vector<SteadyLine> hum{};      ///< of the signal; to be subtracted
+  UsedPart part{};                    ///< how it was chosen; window and rows are not set yet
   std::optional<DriveDelay> delay{};  ///< of the vibration behind a drive channel
   std::optional<Finding> refusal{};   ///< why there is no drive; its numbers are not set yet
 };

@@ -83,13 +83,11 @@ void DescribePart(Window& window) {
   window.numbers.hum = window.chosen.hum;
 }
 
-// samples of the window that are not excluded
-std::vector<std::pair<std::size_t, std::size_t>> KeptOf(const ChosenPart& chosen,
-                                                        std::size_t rows) {
-  std::vector<std::pair<std::size_t, std::size_t>> kept;
-  std::size_t begin = chosen.begin;
-  const std::size_t end = chosen.begin + rows;
-  for (const auto& [from, to] : chosen.excluded) {
+// `rows` samples from `begin` on that are not excluded
+SampleRanges KeptOf(std::size_t begin, std::size_t rows, const SampleRanges& excluded) {
+  SampleRanges kept;
+  const std::size_t end = begin + rows;
+  for (const auto& [from, to] : excluded) {
     if (std::min(from, end) > begin) kept.emplace_back(begin, std::min(from, end));
     begin = std::max(begin, to);
   }
@@ -99,10 +97,11 @@ std::vector<std::pair<std::size_t, std::size_t>> KeptOf(const ChosenPart& chosen
 
 // mean square over the samples kept, `inset` away from each end of what is kept, from the sums of
 // their cells
-Result<double> MeanSquareKept(const Window& window, std::size_t inset) {
+Result<double> MeanSquareKept(const Window& window, const SampleRanges& excluded,
+                              std::size_t inset) {
   double sum = 0;
   std::size_t count = 0;
-  for (const auto& [from, to] : KeptOf(window.chosen, window.rows)) {
+  for (const auto& [from, to] : KeptOf(window.chosen.begin, window.rows, excluded)) {
     if (to - from <= 2 * inset) continue;
     HAPTOMETER_LET(const double square_sum, window.signal().SquareSum(from + inset, to - inset));
     sum += square_sum;
@@ -125,7 +124,8 @@ Result<std::vector<double>> WithoutHum(const Window& window, std::size_t begin, 
 
 // those of the longest part kept, thinned
 Result<ThinnedSamples> SamplesOf(Window& window) {
-  const auto kept = KeptOf(window.chosen, window.chosen.end - window.chosen.begin);
+  const ChosenPart& chosen = window.chosen;
+  const auto kept = KeptOf(chosen.begin, chosen.end - chosen.begin, chosen.excluded);
   const auto [begin, end] =
       *std::ranges::max_element(kept, {}, [](const auto& one) { return one.second - one.first; });
   HAPTOMETER_LET(auto samples, WithoutHum(window, begin, end, &window.hum_square));
@@ -164,7 +164,7 @@ std::vector<FrequencyRange> DriveRanges(const Window& window) {
 // the window's mean square, its tone, and the noise beside the drive
 Result<void> MeasurePower(Window& window) {
   // exact mean square over the window, from the sums of its cells
-  HAPTOMETER_LET(const auto square, MeanSquareKept(window, 0));
+  HAPTOMETER_LET(const auto square, MeanSquareKept(window, window.chosen.excluded, 0));
   const double mean_square = std::max(0.0, square - window.hum_square);
   // variance from the fitted samples, scaled from their duration to that of the window
   const BandNoise whole =
@@ -287,7 +287,10 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(Window& window) {
     if (IsNearClipped(window, begin, end)) continue;
     double of_hum = 0;
     HAPTOMETER_LET(auto samples, WithoutHum(window, begin, end, &of_hum));
-    parts.push_back({QuietPower(window, std::move(samples)), part_s});
+    const NoisePower power = QuietPower(window, std::move(samples));
+    // of which all that is beside the drive explains next to nothing: disturbed
+    if ((1 - kExplained) * power.mean_square > std::pow(window.numbers.residual_rms_m, 2)) continue;
+    parts.push_back({power, part_s});
     floor.quiet.push_back(
         {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
     floor.duration_s += part_s;
@@ -365,17 +368,19 @@ Result<void> JudgeClipping(Window& window) {
   return {};
 }
 
-// change of the RMS if each end of what is kept of a driven part moves inwards by a period of the
-// lower corner: the drive's edges, and bumps, ring in the filter
+// change of the RMS of a driven part if each end of what is kept moves inwards by a period of the
+// lower corner, as its edges and bumps ring in the filter, or if all that may be bumps is excluded
 Result<double> EdgeBound(const Window& window) {
   if (!window.chosen.part.from_drive) return 0;
   const auto period = static_cast<std::size_t>(window.rate_hz() / window.band().lower_hz);
   if (window.rows < 4 * period) return 0;
-  HAPTOMETER_LET(const double square, MeanSquareKept(window, period));
-  if (square == 0) return 0;
-  // with the hum in both
-  return std::abs(std::sqrt(square) -
-                  std::sqrt(window.numbers.power.mean_square + window.hum_square));
+  HAPTOMETER_LET(const double inside, MeanSquareKept(window, window.chosen.excluded, period));
+  HAPTOMETER_LET(const double between, MeanSquareKept(window, window.chosen.may_be_bumps, 0));
+  // with the hum in all
+  const double rms = std::sqrt(window.numbers.power.mean_square + window.hum_square);
+  const auto change = [&](double square) { return square > 0 ? std::sqrt(square) - rms : 0; };
+  const bool has_bumps = !window.chosen.may_be_bumps.empty();
+  return std::hypot(change(inside), has_bumps ? change(between) : 0);
 }
 
 // what rounding to steps may hide of the drive: half width of the RMS's error, m

@@ -19,7 +19,7 @@ inline constexpr double kConstantTolerance = 5e-4;
 /// the signal does.
 inline constexpr double kFastTolerance = 2.5e-5;
 /// What a settled sample may be wrong by, as a part of the band RMS: the bar that these three hold
-/// (docs/developer/hard-cases.md; 9.8e-5 at worst of 8000 cuts).
+/// (docs/developer/hard_case_tests.md; 9.8e-5 at worst of 8000 cuts).
 inline constexpr double kSettledError = 1e-4;
 
 /// How far the filtered signal hangs on what lay beyond its ends: the results of other

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
+
+#include "dsp/readings/row_block.h"
+#include "trial/calibration.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -15,6 +19,7 @@ constexpr double kRateTolerance = 1.05;
 constexpr double kFastestTableHz = 1e6;  // what a table of another program holds at most
 constexpr double kShortestTrialS = 0.1;
 constexpr double kStatedTolerance = 0.01;
+constexpr double kUnitSlip = 100;  // so many times a range is no motion, but another unit
 
 // a time column's unit that would make the rate a usable one; `factor`: printed seconds in it
 struct OtherUnit {
@@ -70,6 +75,39 @@ void RemarkPlausibility(const trial::Record& head, const RawSummary& summary,
   RemarkFar(summary, findings);
   RemarkSampling(head.metadata, rate.fresh_rate_hz, findings);
   RemarkTimes(head, rate, findings);
+}
+
+Result<void> CheckCalibratedRange(const trial::RowSource& source, std::size_t channel,
+                                  const RawSummary& summary, Findings* findings) {
+  const trial::Record& head = source.head();
+  const auto range = trial::CalibratedRangeOf(head.metadata, head.channels[channel].name);
+  if (!range) return {};
+  const double width = range->most - range->least;
+  const double tolerance = kStatedTolerance * width;
+  const auto beyond = [&](double value) {
+    return std::max(range->least - value, value - range->most);
+  };
+  const double farthest = std::max(beyond(summary.least), beyond(summary.most));
+  if (!(farthest > tolerance)) return {};
+  // the whole record is read again only where there is something to count
+  std::size_t samples = 0;
+  HAPTOMETER_TRY(ForEachValue(source, channel, 0, head.rows,
+                              [&](std::size_t, double value, trial::SampleStatus status) {
+                                const bool is_beyond = beyond(value) > tolerance;
+                                samples += is_beyond && IsMeasured(value, status) ? 1 : 0;
+                              }));
+  Finding finding{.severity = Severity::kDoubt,
+                  .kind = FindingKind::kBeyondCalibrated,
+                  .numbers = {{"samples", samples},
+                              {"readings", summary.measured},
+                              {"beyond_m", farthest},
+                              {"least_m", range->least},
+                              {"most_m", range->most}}};
+  if (farthest > kUnitSlip * width) {
+    finding.numbers.emplace_back("widths", std::round(farthest / width));
+  }
+  findings->Add(std::move(finding));
+  return {};
 }
 
 void RemarkImplausibleRms(double rms_m, double farthest_m, Findings* findings) {

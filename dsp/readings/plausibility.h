@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
+#include "base/error.h"
 #include "dsp/findings.h"
 #include "dsp/readings/raw_summary.h"
 #include "trial/record.h"
+#include "trial/row_source.h"
 
 /// Whether a record's readings are what they are said to be: slips of a unit, a setting, a sensor
 /// that stands still. What may be right is a doubt and changes no number.
@@ -29,6 +32,12 @@ struct ReadingRate {
 /// or too fast, but would not be with times in milli- or microseconds, or seconds.
 void RemarkPlausibility(const trial::Record& head, const RawSummary& summary,
                         const ReadingRate& rate, Findings* findings);
+
+/// Adds a doubt where measurements of `channel` lie beyond the range in which the record's
+/// calibration was measured, by more than 1 % of its width. Reads the channel where one does.
+/// Errors: as RowSource::Read.
+[[nodiscard]] Result<void> CheckCalibratedRange(const trial::RowSource& source, std::size_t channel,
+                                                const RawSummary& summary, Findings* findings);
 
 /// Adds a doubt where an RMS (m) lies beyond the limits above; a large one only where the readings,
 /// `farthest_m` from zero or from end to end, are not doubted already.

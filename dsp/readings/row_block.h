@@ -1,10 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
+#include "base/error.h"
 #include "trial/record.h"
+#include "trial/row_source.h"
 
 namespace haptometer::dsp {
 
@@ -19,6 +23,22 @@ namespace haptometer::dsp {
 
 /// Whether every value is a finite number.
 [[nodiscard]] bool AllFinite(std::span<const double> values);
+
+/// Calls visit(k, value, status) for each row first + k, k < size, of a channel.
+/// Errors: as RowSource::Read. Memory: 2^16 rows.
+template <typename Visit>
+Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, std::size_t first,
+                          std::size_t size, const Visit& visit) {
+  std::vector<double> values(std::min(size, std::size_t{1} << 16U));
+  std::vector<trial::SampleStatus> statuses(values.size());
+  for (std::size_t done = 0; done < size; done += values.size()) {
+    const std::size_t count = std::min(values.size(), size - done);
+    HAPTOMETER_TRY(source.Read(channel, first + done, std::span(values).first(count),
+                               std::span(statuses).first(count)));
+    for (std::size_t k = 0; k < count; ++k) visit(done + k, values[k], statuses[k]);
+  }
+  return {};
+}
 
 /// Rows [begin, end).
 struct RowRange {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
 // a probability of 1 % to take noise for a curve
-constexpr double kCurved = 0.01;
+constexpr double kByChance = 0.01;
 // hysteresis is reported as such beyond so many standard uncertainties
 constexpr double kSignificant = 3;
 
@@ -53,35 +53,73 @@ std::optional<Hysteresis> HysteresisOf(const std::vector<double>& residuals,
   return found;
 }
 
-// a cubic through the residuals over z = (x - middle) / half range, from -1 to 1
-void AddCurvature(std::span<const LinePoint> points, CalibrationFit& fit) {
+// a cubic through residuals over z = (x - middle) / half range, from -1 to 1
+struct Cubic {
+  Eigen::Vector4d terms = Eigen::Vector4d::Zero();
+  double explained = 0;  // sum of squares
+  double left = 0;
+  double freedom = 0;
+  double half_range = 0;
+
+  // against chance: exact points have no noise to test against
+  [[nodiscard]] bool IsCurved() const {
+    return left > 0 && dsp::FisherUpperP(explained / 2 / (left / freedom), 2, freedom) < kByChance;
+  }
+  // RMS over the range of its slope over the line's: mean over z of (q1 + 2 q2 z + 3 q3 z^2)^2
+  [[nodiscard]] double LocalSlope(double slope) const {
+    const double square = terms[1] * terms[1] + 4. / 3 * terms[2] * terms[2] +
+                          9. / 5 * terms[3] * terms[3] + 2 * terms[1] * terms[3];
+    return std::sqrt(square) / half_range / std::abs(slope);
+  }
+};
+
+// nothing of fewer than six points, or four places of x
+std::optional<Cubic> CubicOf(std::span<const LinePoint> points,
+                             const std::vector<double>& residuals) {
   constexpr std::size_t kLeastPoints = 6;
   constexpr int kTerms = 4;
-  if (points.size() < kLeastPoints) return;
+  if (points.size() < kLeastPoints) return std::nullopt;
   const auto [least, most] = std::ranges::minmax(points, {}, &LinePoint::x);
-  const double half_range = (most.x - least.x) / 2;
+  Cubic cubic{.freedom = static_cast<double>(points.size() - kTerms),
+              .half_range = (most.x - least.x) / 2};
   Eigen::MatrixXd terms(points.size(), kTerms);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double z = (points[i].x - least.x) / half_range - 1;
+    const double z = (points[i].x - least.x) / cubic.half_range - 1;
     terms.row(static_cast<Eigen::Index>(i)) << 1, z, z * z, z * z * z;
   }
-  const Eigen::Map<const Eigen::VectorXd> residuals(
-      fit.line.residuals.data(), static_cast<Eigen::Index>(fit.line.residuals.size()));
+  const Eigen::Map<const Eigen::VectorXd> of(residuals.data(), std::ssize(residuals));
   const auto solver = terms.colPivHouseholderQr();
-  // fewer than four places of x determine no cubic
-  if (solver.rank() < kTerms) return;
-  const Eigen::Vector4d q = solver.solve(residuals);
-  const double explained = (terms * q).squaredNorm();
-  const double left = (residuals - terms * q).squaredNorm();
-  const auto freedom = static_cast<double>(points.size() - kTerms);
-  // exact points: no noise to test against
-  if (!(left > 0)) return;
-  const double f = explained / 2 / (left / freedom);
-  fit.is_curved = dsp::FisherUpperP(f, 2, freedom) < kCurved;
-  if (!fit.is_curved) return;
-  // mean over z of (q1 + 2 q2 z + 3 q3 z^2)^2
-  const double square = q[1] * q[1] + 4. / 3 * q[2] * q[2] + 9. / 5 * q[3] * q[3] + 2 * q[1] * q[3];
-  fit.local_slope_uncertainty = std::sqrt(square) / half_range / std::abs(fit.line.slope);
+  if (solver.rank() < kTerms) return std::nullopt;
+  cubic.terms = solver.solve(of);
+  cubic.explained = (terms * cubic.terms).squaredNorm();
+  cubic.left = (of - terms * cubic.terms).squaredNorm();
+  return cubic;
+}
+
+// The outliers, unless they are points of a curve: a cubic through all points explains them better
+// than chance does, leaves no more than the line of the others, and is no steeper than a sensor's
+// curve. A cubic alone shows nothing, as it bends to any one point at an end.
+std::optional<Outliers> OutliersOffTheLine(std::span<const LinePoint> points, Scatter scatter,
+                                           const StraightLine& line) {
+  constexpr double kSteepestCurve = 0.05;  // of the local slope, RMS
+  constexpr double kAsLittle = 10;         // of variances of few degrees of freedom
+  auto found = FindOutliers(points, scatter);
+  const auto cubic = CubicOf(points, line.residuals);
+  if (!found || !cubic || !cubic->IsCurved()) return found;
+  if (cubic->LocalSlope(found->others.slope) > kSteepestCurve) return found;
+  double squares = 0;
+  for (const double residual : found->others.residuals) squares += residual * residual;
+  const double of_line = squares / found->others.degrees_of_freedom;
+  if (cubic->left / cubic->freedom < kAsLittle * of_line) return std::nullopt;
+  return found;
+}
+
+// of the points that are no outliers
+void AddCurvature(std::span<const LinePoint> points, CalibrationFit& fit) {
+  const auto cubic = fit.outliers ? CubicOf(fit.outliers->kept, fit.outliers->others.residuals)
+                                  : CubicOf(points, fit.line.residuals);
+  fit.is_curved = cubic && cubic->IsCurved();
+  if (fit.is_curved) fit.local_slope_uncertainty = cubic->LocalSlope(fit.line.slope);
 }
 
 }  // namespace
@@ -95,6 +133,7 @@ Result<CalibrationFit> FitCalibration(std::span<const LinePoint> points, Scatter
   fit.nonlinearity = std::abs(*farthest);
   fit.directions = DirectionsOf(points);
   fit.hysteresis = HysteresisOf(fit.line.residuals, fit.directions);
+  fit.outliers = OutliersOffTheLine(points, scatter, fit.line);
   AddCurvature(points, fit);
   const double of_slope =
       fit.line.coverage_95 * fit.line.slope_uncertainty / (kNormal95 * std::abs(fit.line.slope));
@@ -102,10 +141,14 @@ Result<CalibrationFit> FitCalibration(std::span<const LinePoint> points, Scatter
   return fit;
 }
 
-double NormalizedError(double a, double a_uncertainty, double b, double b_uncertainty) {
+std::optional<double> NormalizedError(double a, double a_uncertainty, double b,
+                                      double b_uncertainty) {
   constexpr double kCoverage = 2;
+  constexpr double kRounding = 1e-12;
   if (a == b) return 0;
-  return (a - b) / (kCoverage * std::hypot(a_uncertainty, b_uncertainty));
+  const double uncertainty = std::hypot(a_uncertainty, b_uncertainty);
+  if (!(uncertainty > kRounding * std::max(std::abs(a), std::abs(b)))) return std::nullopt;
+  return (a - b) / (kCoverage * uncertainty);
 }
 
 }  // namespace haptometer::fit

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "fit/calibration/outliers.h"
 #include "fit/calibration/straight_line.h"
 
 namespace haptometer::fit {
@@ -26,8 +27,14 @@ struct CalibrationFit {
   std::vector<int> directions;
   /// Nothing without two points of each direction.
   std::optional<Hysteresis> hysteresis;
+  /// Points that lie too far from the line of the others, of four points at least. They are points
+  /// of a curve, and none of these, where a cubic through all points explains the residuals better
+  /// than chance does (F test, level 1 %), leaves less than ten times the variance that the line of
+  /// the others does, and differs in slope by 5 % at most (RMS over the range). The line holds
+  /// them.
+  std::optional<Outliers> outliers;
   /// Whether a cubic explains the residuals better than chance does: F test of the quadratic and
-  /// cubic terms, level 1 %; of six points at least.
+  /// cubic terms, level 1 %; of six points at least, without outliers.
   bool is_curved = false;
   /// Relative standard uncertainty by which the slope within the range differs from the line's:
   /// RMS over the range of the cubic's slope less the line's; 0 unless curved.
@@ -45,8 +52,9 @@ struct CalibrationFit {
 
 /// The normalised error of two results (k = 2; ISO 13528, 9.7):
 ///   E_n = (a - b) / sqrt((2 u(a))^2 + (2 u(b))^2)
-/// They disagree where |E_n| > 1. Not finite where both are exact and differ.
-[[nodiscard]] double NormalizedError(double a, double a_uncertainty, double b,
-                                     double b_uncertainty);
+/// They disagree where |E_n| > 1. Nothing where they differ and both are exact, to rounding (1e-12
+/// of the larger).
+[[nodiscard]] std::optional<double> NormalizedError(double a, double a_uncertainty, double b,
+                                                    double b_uncertainty);
 
 }  // namespace haptometer::fit

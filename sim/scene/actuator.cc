@@ -24,13 +24,6 @@ void RefuseUnlessPositive(TomlTable& table, std::string_view key,
     table.Refuse(key, "must be greater than 0", "check its sign");
 }
 
-// the number whose symbol stands at a place of kActuatorSymbols
-constexpr std::array kMembers{
-    &Actuator::moving_mass_kg,    &Actuator::case_mass_kg,           &Actuator::stiffness_n_per_m,
-    &Actuator::damping_n_s_per_m, &Actuator::force_constant_n_per_a, &Actuator::resistance_ohm,
-    &Actuator::inductance_h};
-static_assert(kMembers.size() == kActuatorSymbols.size());
-
 // key of a correlation in the file: both symbols, joined by _
 std::string PairOf(std::size_t first, std::size_t second) {
   return fmt::format("{}_{}", kActuatorSymbols[first], kActuatorSymbols[second]);
@@ -53,7 +46,7 @@ void ReadCorrelations(TomlTable& table, StatedActuator& stated) {
 }  // namespace
 
 Actuator Scaled(Actuator actuator, std::size_t place, double factor) {
-  actuator.*kMembers[place] *= factor;
+  actuator.*kActuatorNumbers[place] *= factor;
   return actuator;
 }
 

@@ -45,6 +45,14 @@ struct StatedActuator {
 /// The symbols of an actuator's seven numbers, in the order of their covariance.
 inline constexpr std::array<std::string_view, 7> kActuatorSymbols{"Mv", "Mc", "Kv", "Bv",
                                                                   "Km", "R",  "L"};
+/// Those numbers, and their keys in files, in that order.
+inline constexpr std::array kActuatorNumbers{
+    &Actuator::moving_mass_kg,    &Actuator::case_mass_kg,           &Actuator::stiffness_n_per_m,
+    &Actuator::damping_n_s_per_m, &Actuator::force_constant_n_per_a, &Actuator::resistance_ohm,
+    &Actuator::inductance_h};
+inline constexpr std::array<std::string_view, 7> kActuatorKeys{
+    "moving_mass_kg",         "case_mass_kg",   "stiffness_n_per_m", "damping_n_s_per_m",
+    "force_constant_n_per_a", "resistance_ohm", "inductance_h"};
 /// Relative covariance of the seven: that of their logarithms.
 using ActuatorCovariance = std::array<std::array<double, 7>, 7>;
 

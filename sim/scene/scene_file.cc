@@ -14,13 +14,6 @@
 #include "sim/effective_scene.h"
 
 namespace haptometer::sim {
-namespace {
-
-// limits of every number of a scene in its SI unit; one outside has a wrong unit
-constexpr double kSmallest = 1e-9;
-constexpr double kLargest = 1e9;
-
-}  // namespace
 
 void RefuseUnlessReal(TomlTable& table, std::string_view key, double value) {
   if (value < kSmallest || value > kLargest) {
@@ -70,30 +63,24 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
   const auto file = table.Text("file");
   if (!table.Has("model") && !table.Has("file")) return ReadActuator(table);
   // a model excludes a file, and either excludes the seven constants
-  for (const std::string_view key :
-       {"moving_mass_kg", "case_mass_kg", "stiffness_n_per_m", "damping_n_s_per_m",
-        "force_constant_n_per_a", "resistance_ohm", "inductance_h", "file"}) {
-    const bool wanted = key == "file" && !table.Has("model");
-    if (table.Has(key) && !wanted) {
-      table.Refuse(key,
-                   fmt::format("cannot be combined with {}", table.Has("model") ? "model" : "file"),
-                   "give one or the other");
-    }
-  }
+  const std::string_view other = table.Has("model") ? "model" : "file";
+  const auto refuse = [&](std::string_view key) {
+    if (!table.Has(key) || key == other) return;
+    table.Refuse(key, fmt::format("cannot be combined with {}", other), "give one or the other");
+  };
+  std::ranges::for_each(kActuatorKeys, refuse);
+  refuse("file");
   HAPTOMETER_TRY(table.Finish());
   return FindActuator(model ? *model : Beside(scene_path, *file));
 }
 
 // limits of an actuator's numbers, also of one from a file; inductance and damping may be 0
 void RefuseUnrealActuator(TomlTable& table, const Actuator& actuator) {
-  RefuseUnlessReal(table, "moving_mass_kg", actuator.moving_mass_kg);
-  RefuseUnlessReal(table, "case_mass_kg", actuator.case_mass_kg);
-  RefuseUnlessReal(table, "stiffness_n_per_m", actuator.stiffness_n_per_m);
-  RefuseUnlessReal(table, "force_constant_n_per_a", actuator.force_constant_n_per_a);
-  RefuseUnlessReal(table, "resistance_ohm", actuator.resistance_ohm);
-  if (actuator.inductance_h != 0) RefuseUnlessReal(table, "inductance_h", actuator.inductance_h);
-  if (actuator.damping_n_s_per_m != 0) {
-    RefuseUnlessReal(table, "damping_n_s_per_m", actuator.damping_n_s_per_m);
+  for (std::size_t k = 0; k < kActuatorKeys.size(); ++k) {
+    const double number = actuator.*kActuatorNumbers[k];
+    const bool may_be_0 =
+        kActuatorKeys[k] == "damping_n_s_per_m" || kActuatorKeys[k] == "inductance_h";
+    if (number != 0 || !may_be_0) RefuseUnlessReal(table, kActuatorKeys[k], number);
   }
 }
 

@@ -11,8 +11,10 @@
 
 namespace haptometer::sim {
 
-/// Refuses a number that no actuator, adapter or skin of this kind has: outside 1e-9 to 1e9 in SI
-/// units the arithmetic, not the mechanics, would be under test.
+/// Ends of every number of a scene in its SI unit; one outside has a wrong unit.
+inline constexpr double kSmallest = 1e-9, kLargest = 1e9;
+/// Refuses a number that no actuator, adapter or skin of this kind has: outside these ends the
+/// arithmetic, not the mechanics, would be under test.
 void RefuseUnlessReal(TomlTable& table, std::string_view key, double value);
 
 /// The number under a key that must be there, greater than 0 and real in the sense above.

@@ -38,6 +38,7 @@ SmoothMode::SmoothMode(const SmoothSystem& system, std::size_t mode, const Excit
       mode_(mode),
       with_energy_(with_energy),
       inputs_(system.linear.modes[mode].Inputs()) {
+  SetLinear();
   Begin(piece, piece.begin_s);
 }
 
@@ -106,7 +107,7 @@ SmoothMode::Coil SmoothMode::CoilAt(double volt, const Eigen::Ref<const Eigen::V
   const Mode& m = mode();
   Coil coil;
   if (system_->heating) coil.rise_ohm = RisePerKelvin() * y[n()];
-  coil.held_back = 1 / (1 + m.current_per_volt * coil.rise_ohm);
+  coil.held_back = HeldBack(coil.rise_ohm);
   coil.current_a = (m.current_row.dot(y.head(n())) + m.current_per_volt * volt) * coil.held_back;
   return coil;
 }
@@ -115,32 +116,84 @@ double SmoothMode::Current(double t_s, const Eigen::VectorXd& y) const {
   return CoilAt(InputsThen(t_s)[kVoltage], y).current_a;
 }
 
-void SmoothMode::Rate(double t_s, const ConstVector& y, Vector rate) const {
+// A, B, P and R with the coil at R0 + linear_rise_ohm_
+void SmoothMode::SetLinear() {
   const Mode& m = mode();
-  const auto x = y.head(n());
-  Eigen::Vector3d u = InputsThen(t_s);
-  if (system_->heating) {
-    // C theta' = R(theta) i^2 - theta / Rth; the hot coil takes R0 alpha theta i from the voltage
-    const CoilHeating& heating = *system_->heating;
-    const Coil coil = CoilAt(u[kVoltage], y);
-    rate[n()] = ((system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a -
-                 y[n()] / heating.thermal_resistance_k_per_w) /
-                heating.heat_capacity_j_per_k;
-    u[kVoltage] -= coil.rise_ohm * coil.current_a;
+  const Eigen::Index size = n(), heat = system_->heating ? 1 : 0, spring = system_->spring ? 1 : 0;
+  // voltage, and the finger where it reaches anything
+  const Eigen::Index inputs = m.finger.size() > 0 ? kInputs : 1;
+  linear_ = {.a = Eigen::MatrixXd::Zero(size + heat, size + heat),
+             .inputs = Eigen::MatrixXd::Zero(size + heat, inputs),
+             .feedback = Eigen::MatrixXd::Zero(size + heat, spring + 2 * heat),
+             .readings = Eigen::MatrixXd::Zero(spring + 2 * heat, size + heat)};
+  linear_.a.topLeftCorner(size, size) = m.a;
+  linear_.inputs.topRows(size) = inputs_.leftCols(inputs);
+  if (system_->spring) {
+    const SpringTerms& terms = system_->spring_terms[mode_];
+    linear_.feedback.col(0).head(size) = -terms.push;
+    linear_.readings.row(0).head(size) = terms.deflection;
   }
-  // x' = A x + B u - push f(d), f the force beyond the linear spring's
-  rate.head(n()).noalias() = m.a * x;
-  rate.head(n()).noalias() += inputs_ * u;
-  if (!system_->spring) return;
-  const SpringTerms& terms = system_->spring_terms[mode_];
-  rate.head(n()) -= system_->spring->Force(terms.deflection.dot(x)) * terms.push;
+  if (!system_->heating) return;
+  const CoilHeating& heating = *system_->heating;
+  // the voltage across the rise, as far as it is linear: rise i, i = held back (c x + k v)
+  const double across = linear_rise_ohm_ * HeldBack(linear_rise_ohm_);
+  linear_.a.topLeftCorner(size, size) -= across * m.b * m.current_row;
+  linear_.inputs.col(kVoltage).head(size) -= across * m.current_per_volt * m.b;
+  linear_.a(size, size) = -1 / (heating.thermal_resistance_k_per_w * heating.heat_capacity_j_per_k);
+  linear_.feedback.col(spring).head(size) = -m.b;
+  linear_.feedback(size, spring + 1) = 1;
+  linear_.readings.row(spring).head(size) = m.current_row;
+  linear_.readings(spring + 1, size) = 1;
 }
 
-void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) const {
+int SmoothMode::Linearise(const ConstVector& y) {
+  // a larger deviation from the linear part's resistance slows the fixed-point iteration down
+  constexpr double kStep = 1.2;
+  if (!system_->heating) return 0;
+  const double R = system_->resistance_ohm;
+  const double number = std::round(std::log1p(RisePerKelvin() * y[n()] / R) / std::log(kStep));
+  // a rise that is no number, or below absolute zero
+  const int next = std::abs(number) < 1000 ? static_cast<int>(number) : 0;
+  if (next == linearisation_) return linearisation_;
+  linearisation_ = next;
+  linear_rise_ohm_ = R * (std::pow(kStep, next) - 1);
+  SetLinear();
+  return linearisation_;
+}
+
+void SmoothMode::Inputs(double t_s, Vector u) const { u = InputsThen(t_s).head(u.size()); }
+
+void SmoothMode::Feedback(const ConstVector& u, const ConstVector& readings, Vector g) const {
+  Eigen::Index place = 0;
+  if (system_->spring) {
+    g[0] = system_->spring->Force(readings[0]);
+    place = 1;
+  }
+  if (!system_->heating) return;
+  // c x + k v, the current of a cold coil; theta
+  const double cold_a = readings[place] + mode().current_per_volt * u[kVoltage];
+  const double rise_ohm = RisePerKelvin() * readings[place + 1];
+  const double current_a = HeldBack(rise_ohm) * cold_a;
+  g[place] = rise_ohm * current_a - linear_rise_ohm_ * HeldBack(linear_rise_ohm_) * cold_a;
+  g[place + 1] = (system_->resistance_ohm + rise_ohm) * current_a * current_a /
+                 system_->heating->heat_capacity_j_per_k;
+}
+
+// A y + B u + P g
+Eigen::VectorXd SmoothMode::Rate(double t_s, const Eigen::VectorXd& y) const {
+  Eigen::VectorXd u(linear_.inputs.cols()), g(linear_.feedback.cols());
+  Inputs(t_s, u);
+  Feedback(u, linear_.readings * y, g);
+  return linear_.a * y + linear_.inputs * u + linear_.feedback * g;
+}
+
+// d y' / dy
+Eigen::MatrixXd SmoothMode::Jacobian(double t_s, const Eigen::VectorXd& y) const {
   const Mode& m = mode();
   const Eigen::Index size = n();
   const auto x = y.head(size);
-  // d rate / dy: the linear part, then heating and spring
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(states(), states());
+  // the linear part, then heating and spring
   jacobian.topLeftCorner(size, size) = m.a;
   if (system_->heating) {
     const CoilHeating& heating = *system_->heating;
@@ -159,15 +212,17 @@ void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) con
                             1 / heating.thermal_resistance_k_per_w) /
                            heating.heat_capacity_j_per_k;
   }
-  if (!system_->spring) return;
+  if (!system_->spring) return jacobian;
   const SpringTerms& terms = system_->spring_terms[mode_];
   jacobian.topLeftCorner(size, size) -=
       system_->spring->Stiffness(terms.deflection.dot(x)) * terms.push * terms.deflection;
+  return jacobian;
 }
 
-void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) const {
+void SmoothMode::IntegralRate(const ConstVector& inputs, const ConstVector& y, Vector rate) const {
   const Mode& m = mode();
-  const Eigen::Vector3d u = InputsThen(t_s);
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  u.head(inputs.size()) = inputs;
   const Coil coil = CoilAt(u[kVoltage], y);
   const Eigen::VectorXd z = WithInputs(y.head(n()), u);
   rate.setZero();  // a mode may know of no dissipation at all
@@ -227,11 +282,8 @@ GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y
   const Mode& m = mode();
   const Eigen::Index size = n();
   const Coil coil = CoilAt(InputsThen(t_s)[kVoltage], y);
-  Eigen::VectorXd rate(states());
-  Rate(t_s, ConstVector(y.data(), y.size()), Vector(rate.data(), rate.size()));
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(states(), states());
-  Jacobian(t_s, ConstVector(y.data(), y.size()),
-           Matrix(jacobian.data(), jacobian.rows(), jacobian.cols()));
+  const Eigen::VectorXd rate = Rate(t_s, y);
+  const Eigen::MatrixXd jacobian = Jacobian(t_s, y);
   // derivatives of the inputs; those of the voltage reduced by the rise of the resistance
   Eigen::Vector3d input_rate = InputsThen(t_s, 1), input_second = InputsThen(t_s, 2);
   input_rate[kVoltage] *= coil.held_back;
@@ -283,8 +335,8 @@ Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   // rise within a radian of the drive without loss of heat, K
   if (system_->heating) {
     const double current = LargestCurrent(scale);
-    scale[n()] = y[n()] + system_->resistance_ohm * current * current / Pace() /
-                              system_->heating->heat_capacity_j_per_k;
+    scale[n()] = std::abs(y[n()]) + system_->resistance_ohm * current * current / Pace() /
+                                        system_->heating->heat_capacity_j_per_k;
   }
   return scale;
 }

@@ -6,7 +6,7 @@
 
 #include "sim/linear/excitation.h"
 #include "sim/piecewise/guard.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/semilinear_solver.h"
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
@@ -14,13 +14,15 @@ namespace haptometer::sim {
 /// The highest frequency among a piece's tones; 0 without any.
 [[nodiscard]] double HighestFrequencyHz(const ExcitationPiece& piece);
 
-/// One mode of a smooth system under a piece of its excitation as an ODE: y = [x, theta], theta
-/// where the coil heats. The integrals are the input, each dissipating element (J), each of the
-/// squared rows (times s) and i^2 (A^2 s); none where no energies are asked for.
+/// One mode of a smooth system under a piece of its excitation: y = [x, theta], theta where the
+/// coil heats. g is the spring's force beyond the linear one's, of the deflection, and where the
+/// coil heats the voltage across the rise of its resistance and its power over C, of current and
+/// theta. The integrals are the input, each dissipating element (J), each of the squared rows
+/// (times s) and i^2 (A^2 s); none where no energies are asked for.
 ///
 /// Time counts from `origin_s`, where the mode was entered, so that it has its digits for what is
 /// near.
-class SmoothMode final : public OdeProblem {
+class SmoothMode final : public SemilinearProblem {
  public:
   SmoothMode(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
              bool with_energy);
@@ -28,11 +30,17 @@ class SmoothMode final : public OdeProblem {
   /// From here on: a piece, which goes on smoothly beyond its end, and where the mode is entered.
   void Begin(const ExcitationPiece& piece, long double origin_s);
 
-  [[nodiscard]] Eigen::Index states() const override;
+  [[nodiscard]] const Linear& linear() const override { return linear_; }
+  /// The coil's resistance in steps of a fifth.
+  [[nodiscard]] int Linearise(const ConstVector& y) override;
+  void Inputs(double t_s, Vector u) const override;
+  void Feedback(const ConstVector& u, const ConstVector& readings, Vector g) const override;
   [[nodiscard]] Eigen::Index integrals() const override;
-  void Rate(double t_s, const ConstVector& y, Vector rate) const override;
-  void Jacobian(double t_s, const ConstVector& y, Matrix jacobian) const override;
-  void IntegralRate(double t_s, const ConstVector& y, Vector rate) const override;
+  void IntegralRate(const ConstVector& u, const ConstVector& y, Vector rate) const override;
+
+  [[nodiscard]] Eigen::Index states() const;
+  /// y'.
+  [[nodiscard]] Eigen::VectorXd Rate(double t_s, const Eigen::VectorXd& y) const;
 
   /// g, g', g'', g''' of a guard.
   [[nodiscard]] GuardJet Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
@@ -75,12 +83,20 @@ class SmoothMode final : public OdeProblem {
   };
   [[nodiscard]] Coil CoilAt(double volt, const Eigen::Ref<const Eigen::VectorXd>& y) const;
   [[nodiscard]] double RisePerKelvin() const;
+  [[nodiscard]] double HeldBack(double rise_ohm) const {
+    return 1 / (1 + mode().current_per_volt * rise_ohm);
+  }
+  [[nodiscard]] Eigen::MatrixXd Jacobian(double t_s, const Eigen::VectorXd& y) const;
+  void SetLinear();
   [[nodiscard]] Eigen::RowVectorXd RowOfPositions(const Eigen::RowVectorXd& row) const;
 
   const SmoothSystem* system_;
   std::size_t mode_;
   bool with_energy_;
   Eigen::MatrixXd inputs_;  // (n, kInputs)
+  Linear linear_;
+  int linearisation_ = 0;
+  double linear_rise_ohm_ = 0;  // R(theta) - R0 that is part of linear_
   ExcitationPiece piece_;
   std::array<Eigen::MatrixXd, 3> rows_;  // (kInputs, m): u, u', u'' of the piece's signals
   mutable Eigen::VectorXd signals_;      // work space

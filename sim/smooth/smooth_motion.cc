@@ -1,6 +1,5 @@
 #include "sim/smooth/smooth_motion.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -13,32 +12,24 @@
 namespace haptometer::sim {
 namespace {
 
-// the solver's local tolerance over that of the whole motion: errors add up over the steps of
-// a ringing resonance (measured: by 300 to 3000 and by 50 to 510)
-constexpr double kLocalPartBdf = 1.0 / 3000;
-constexpr double kLocalPartAdams = 1.0 / 1000;
-// below this the rounding of a step exceeds its truncation
-constexpr double kLeastRelative = 0x1p-48;
-// error of a guard's value, over the local tolerance times the size of its terms
-constexpr double kNoiseParts = 10;
-// no step is longer than an eighth of the fastest tone's period
-constexpr double kLongestStepPeriods = 0.125;
+// what a step may leave out, over the tolerance of the whole motion
+constexpr double kLocalPart = 0.3;
+// below this the rounding of a step exceeds what it leaves out
+constexpr double kLeastRelative = 0x1p-44;
+// error of a guard's value, over the tolerance times the size of its terms
+constexpr double kNoisePart = 0.01;
+// the first tolerance over the scene's, its limits, and what ends the refinement
+constexpr double kPart = 0.1;
+constexpr double kLeastSolverTolerance = 4e-12;
+constexpr double kMostSolverTolerance = 1e-5;
+constexpr double kErrorPart = 0.25;
+// what a halved step leaves out: 2^-11 with polynomials of degree 10
+constexpr double kFiner = 2048;
 // so many events, each within kCrowdedPart of an output step of the one before, are a stall
 constexpr int kMostCrowdedEvents = 100;
 constexpr double kCrowdedPart = 0x1p-40;  // of an output step
-// rates above so many times the drive's are stiff
-constexpr double kStiffRatio = 30;
-// above so many BDF is faster at any tolerance: Adams's steps are limited by the fastest rate
-constexpr double kVeryStiffRatio = 1000;
-// below this the higher orders of Adams's formulas are faster even with short steps
-constexpr double kAdamsTolerance = 1e-7;
-
-double LocalPart(OdeMethod method) {
-  return method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
-}
-
 // Coefficients in u, 0 <= u <= 1, of a smooth function over a step: the polynomial through
-// Chebyshev's points. Over an eighth of a period its error is 1e-15 of what a sine adds.
+// Chebyshev's points. Over a quarter of a period its error is 2e-15 of what a sine adds.
 template <typename Function>
 Eigen::VectorXd ThroughPoints(const Function& value) {
   constexpr Eigen::Index kPoints = 13;
@@ -66,26 +57,28 @@ std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noi
 
 }  // namespace
 
-OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
-                    double tolerance) {
-  // the largest eigenvalue of A in 1/s, or the coil's thermal rate 1 / (Rth C)
-  double fastest_per_s = system.linear.modes[mode].a.eigenvalues().cwiseAbs().maxCoeff();
-  if (system.heating) {
-    const double time_s =
-        system.heating->heat_capacity_j_per_k * system.heating->thermal_resistance_k_per_w;
-    fastest_per_s = std::max(fastest_per_s, 1 / time_s);
-  }
-  // over the drive's angular frequency, dimensionless
-  const double ratio = fastest_per_s / (2 * std::numbers::pi * frequency_hz);
-  const bool stiff =
-      ratio > kVeryStiffRatio || (ratio > kStiffRatio && tolerance > kAdamsTolerance);
-  return stiff ? OdeMethod::kBdf : OdeMethod::kAdams;
+SolverLadder::SolverLadder(double scene_tolerance)
+    : asked_(scene_tolerance),
+      settings_{.tolerance = std::clamp(kPart * scene_tolerance, kLeastSolverTolerance,
+                                        kMostSolverTolerance)},
+      before_(settings_) {
+  before_.tolerance *= kFiner;
+  before_.longest_step_periods *= 2;
+}
+
+bool SolverLadder::EndsWith(double error) const {
+  return error <= kErrorPart * asked_ || settings_.tolerance <= kLeastSolverTolerance;
+}
+
+void SolverLadder::Refine() {
+  before_ = settings_;
+  settings_.tolerance = std::max(settings_.tolerance / kFiner, kLeastSolverTolerance);
+  settings_.longest_step_periods /= 2;
 }
 
 SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode,
-                               const ExcitationPiece& piece, bool with_energy, OdeMethod method,
-                               double relative)
-    : problem(system, mode, piece, with_energy), solver(problem, method, relative) {}
+                               const ExcitationPiece& piece, bool with_energy, double relative)
+    : problem(system, mode, piece, with_energy), solver(problem, relative) {}
 
 SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, PiecewiseStart start,
                            const OutputGrid& grid, const SmoothSettings& settings,
@@ -104,10 +97,7 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
                    grid.origin_s, rate_hz_);
   HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
   TakePiece(0);
-  // the frequency of which the longest step is an eighth of a period
-  const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
-  method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
-  relative_ = std::max(LocalPart(method_) * settings_.tolerance, kLeastRelative);
+  relative_ = std::max(kLocalPart * settings_.tolerance, kLeastRelative);
   Enter(Whole());
   ForgetRanges();
   if (!settings_.with_energy) return;
@@ -115,25 +105,47 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
   initial_j_ = Run().problem.StoredEnergy(0, x_);
 }
 
+void SmoothMotion::Restart(PiecewiseStart start, double temperature_rise_k) {
+  HAPTOMETER_CHECK(!settings_.with_energy && grid_origin_s_ == 0,
+                   "a motion with energies begins once");
+  mode_ = start.mode;
+  x_ = std::move(start.x);
+  temperature_rise_k_ = temperature_rise_k;
+  for (const std::unique_ptr<ModeRun>& run : runs_) {
+    if (!run) continue;
+    run->was_entered = false;
+    run->solver.Reset();
+  }
+  index_ = 0;
+  origin_s_ = 0;
+  events_.clear();
+  crowded_events_ = 0;
+  steps_ = 0;
+  stalled_at_s_.reset();
+  stall_reason_.reset();
+  TakePiece(0);
+  Enter(Whole());
+  ForgetRanges();
+}
+
 void SmoothMotion::Enter(Eigen::VectorXd y) {
   std::unique_ptr<ModeRun>& run = runs_[mode_];
-  const bool known = run != nullptr;
-  if (!known) {
-    run = std::make_unique<ModeRun>(system_, mode_, piece_, settings_.with_energy, method_,
-                                    relative_);
+  if (!run) {
+    run = std::make_unique<ModeRun>(system_, mode_, piece_, settings_.with_energy, relative_);
   }
   run->problem.Begin(piece_, origin_s_);
   Eigen::VectorXd scale = run->problem.ScaleFrom(y);
   // scales only grow when a mode is entered again: a state may be small at the moment
-  if (known) scale = scale.cwiseMax(run->solver.scale());
+  if (run->was_entered) scale = scale.cwiseMax(run->solver.scale());
+  run->was_entered = true;
+  const Eigen::VectorXd largest = scale.cwiseMax(y.cwiseAbs());
   run->solver.Begin({.y = std::move(y),
                      .scale = scale,
-                     .integral_scale = run->problem.IntegralScale(scale),
+                     .integral_scale = run->problem.IntegralScale(largest),
                      .longest_step_s = LongestStepS()});
   // no guard counts as risen yet: the one just left is zero to within its error
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
-  terms_.resize(0, 0);
   watched_until_s_ = 0;
   Arm();
 }
@@ -146,7 +158,10 @@ void SmoothMotion::TakePiece(std::size_t place) {
 // s; an output step where the piece has no tones
 double SmoothMotion::LongestStepS() const {
   const double highest_hz = HighestFrequencyHz(piece_);
-  return highest_hz > 0 ? kLongestStepPeriods / highest_hz : 1 / rate_hz_;
+  const double longest_s =
+      highest_hz > 0 ? settings_.longest_step_periods / highest_hz : 1 / rate_hz_;
+  const auto piece_s = static_cast<double>(piece_.end_s - piece_.begin_s);
+  return piece_s > 0 ? std::min(longest_s, piece_s) : longest_s;
 }
 
 double SmoothMotion::TauOfPieceEnd() const {
@@ -219,7 +234,7 @@ void SmoothMotion::ForgetRanges() {
 
 // Extends the ranges of the watched numbers and of the coil's rise from where they ended last.
 void SmoothMotion::Watch(double tau_s) {
-  const OdeSolver& solver = Run().solver;
+  const SemilinearSolver& solver = Run().solver;
   const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
   if (ranges_.empty() || !(step_s > 0 && tau_s > watched_until_s_)) return;
   // the part of the last step not watched yet, in units of the step
@@ -236,15 +251,14 @@ void SmoothMotion::Watch(double tau_s) {
     ExtendRange(polynomial, from, to, ranges_[k]);
   }
   if (system_.heating) {
-    ExtendRange(StepTerms().bottomRows(1).transpose(), from, to, temperature_peak_k_);
+    ExtendRange(solver.StepTerms().bottomRows(1).transpose(), from, to, temperature_peak_k_);
   }
   watched_until_s_ = tau_s;
 }
 
 void SmoothMotion::Advance() {
-  // the old step's polynomial is replaced by the new one
+  // the new step's polynomial replaces the old one's
   Watch(Run().solver.end_s());
-  terms_.resize(0, 0);
   if (!Run().solver.Step()) {
     Stall(FindingKind::kSolverStopped);
     return;
@@ -253,11 +267,11 @@ void SmoothMotion::Advance() {
   if (!fall_) Arm();
 }
 
-// bound of a guard's error: the local tolerance of all its terms at their largest
+// bound of a guard's error: the tolerance of all its terms at their largest
 double SmoothMotion::NoiseOf(std::size_t guard) {
   const Guard& that = system_.linear.modes[mode_].guards[guard];
   const double terms = that.row.cwiseAbs().dot(Run().solver.scale().head(that.row.size()));
-  return kNoiseParts * relative_ * (terms + std::abs(that.offset));
+  return kNoisePart * tolerance() * (terms + std::abs(that.offset));
 }
 
 // arms the guards that have risen above their own error; from then on any fall below zero counts
@@ -269,20 +283,6 @@ void SmoothMotion::Arm() {
     run.armed[guard] =
         run.armed[guard] || run.problem.Value(guard, run.solver.end_s(), y) > NoiseOf(guard);
   }
-}
-
-// The step's polynomial in u, t = begin + u step, one row per state.
-const Eigen::MatrixXd& SmoothMotion::StepTerms() {
-  if (terms_.size() > 0) return terms_;
-  ModeRun& run = Run();
-  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
-  terms_.resize(run.problem.states(), run.solver.order() + 1);
-  double factor = 1;  // step^k / k!
-  for (Eigen::Index k = 0; k < terms_.cols(); ++k) {
-    terms_.col(k) = factor * run.solver.At(begin_s, static_cast<int>(k));
-    factor *= step_s / static_cast<double>(k + 1);
-  }
-  return terms_;
 }
 
 // the guard that falls first within the step, with its time since the mode's entry
@@ -305,7 +305,7 @@ void SmoothMotion::LookForFall() {
 // state. With a direct feed of the inputs it is no polynomial and is interpolated.
 template <typename Number, typename Value>
 Eigen::VectorXd SmoothMotion::PolynomialOf(const Number& that, const Value& value) {
-  const OdeSolver& solver = Run().solver;
+  const SemilinearSolver& solver = Run().solver;
   const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
   if (that.feed.size() > 0) {
     return ThroughPoints([&](double u) {
@@ -313,9 +313,10 @@ Eigen::VectorXd SmoothMotion::PolynomialOf(const Number& that, const Value& valu
       return value(t_s, solver.At(t_s));
     });
   }
-  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  Eigen::VectorXd coefficients =
+      (that.row * solver.StepTerms().topRows(that.row.size())).transpose();
   // the row alone lacks the offset
-  coefficients[0] = value(begin_s, StepTerms().col(0));
+  coefficients[0] = value(begin_s, solver.StepTerms().col(0));
   return coefficients;
 }
 
@@ -381,10 +382,10 @@ void SmoothMotion::Stall(FindingKind reason) {
   TakeOutput(Run().solver.end_s());
 }
 
-double SmoothMotion::tolerance() const { return relative_ / LocalPart(method_); }
+double SmoothMotion::tolerance() const { return relative_ / kLocalPart; }
 
-OdeWork SmoothMotion::work() const {
-  OdeWork work;
+SolverWork SmoothMotion::work() const {
+  SolverWork work;
   for (const std::unique_ptr<ModeRun>& run : runs_) {
     if (run) work += run->solver.work();
   }
@@ -412,7 +413,7 @@ Eigen::VectorXd SmoothMotion::Positions() const {
 std::vector<double> SmoothMotion::IntegralsHere() const {
   HAPTOMETER_CHECK(settings_.with_energy, "no energies were kept");
   // after a stall the output lies behind the solver's last step
-  const OdeSolver& solver = runs_[mode_]->solver;
+  const SemilinearSolver& solver = runs_[mode_]->solver;
   const double tau_s = std::clamp(TauOfOutput(), solver.begin_s(), solver.end_s());
   const Eigen::VectorXd since = solver.IntegralsAt(tau_s);
   std::vector<double> integrals;
@@ -452,10 +453,7 @@ Eigen::VectorXd SmoothMotion::Whole() const {
 }
 
 Eigen::VectorXd SmoothMotion::Rates() const {
-  const Eigen::VectorXd y = Whole();
-  Eigen::VectorXd rate(y.size());
-  runs_[mode_]->problem.Rate(TauOfOutput(), OdeProblem::ConstVector(y.data(), y.size()),
-                             OdeProblem::Vector(rate.data(), rate.size()));
+  const Eigen::VectorXd rate = runs_[mode_]->problem.Rate(TauOfOutput(), Whole());
   const Mode& mode = system_.linear.modes[mode_];
   if (mode.positions.size() == 0) return rate.head(x_.size());
   return mode.positions * rate.head(x_.size());

@@ -13,7 +13,7 @@
 #include "sim/piecewise/energy_ledger.h"
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/scene/scene.h"
-#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/semilinear_solver.h"
 #include "sim/smooth/smooth_mode.h"
 #include "sim/smooth/smooth_system.h"
 
@@ -22,25 +22,42 @@ namespace haptometer::sim {
 /// How a smooth motion is computed.
 struct SmoothSettings {
   double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2
-  std::optional<OdeMethod> method{};     ///< absent: the cheaper one, MethodFor()
-  bool with_energy = false;              ///< keep the ledger
-  std::int64_t most_steps = 10'000'000;  ///< of the solver, in all: half a minute
+  double longest_step_periods = 0.25;   ///< of the fastest tone
+  bool with_energy = false;             ///< keep the ledger
+  std::int64_t most_steps = 4'000'000;  ///< of the solver, in all: half a minute
 };
 
-/// The method that costs less at equal error, as measured by bench/smooth_bench.cc: BDF where a
-/// mode is stiff against `frequency_hz` (the coil's R/L or its heat, 30 times) and the tolerance
-/// above 1e-7, or very stiff (1000 times), else Adams.
-[[nodiscard]] OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
-                                  double tolerance);
+/// The settings that a scene with smooth effects is computed with, one after the other: with a
+/// tolerance of a tenth of scene.tolerance (4e-12 to 1e-5), and ever 2048 times less with half the
+/// longest step where the answer is not good enough, down to 4e-12, where the rounding of a run
+/// exceeds what its steps leave out. before() is one such step coarser than the first, the run that
+/// the first is compared with. As a halved step leaves out 2^-11 of what the whole one does, two of
+/// them take the same steps only near that least tolerance.
+class SolverLadder {
+ public:
+  explicit SolverLadder(double scene_tolerance);
+
+  [[nodiscard]] const SmoothSettings& settings() const { return settings_; }
+  /// Of the run before.
+  [[nodiscard]] const SmoothSettings& before() const { return before_; }
+  /// Whether an error is a quarter of what is asked for, or no less tolerance is left.
+  [[nodiscard]] bool EndsWith(double error) const;
+  void Refine();
+
+ private:
+  double asked_;
+  SmoothSettings settings_;
+  SmoothSettings before_;
+};
 
 /// The motion of a scene with smooth nonlinear effects, with the face of PiecewiseMotion: outputs
 /// on the same grid, events located, energies counted.
 ///
-/// **Between events** SUNDIALS CVODES integrates; each step leaves a polynomial behind. A guard,
-/// being affine in the states, is a polynomial too over that step, and the first place where it
-/// falls below zero is found for certain (sim/piecewise/guard.h): what is missed is at most what
-/// the solution's own error hides. No step is longer than an eighth of the fastest tone's period,
-/// or without tones than an output step.
+/// **Between events** exponential collocation (semilinear_solver.h); each step is a polynomial. A
+/// guard, being affine in the states, is a polynomial too over that step, and the first place where
+/// it falls below zero is found for certain (sim/piecewise/guard.h): what is missed is at most what
+/// the solution's own error hides. No step is longer than a quarter (or what is set) of the
+/// fastest tone's period, or without tones than an output step.
 ///
 /// **The excitation's pieces** begin at known times, each with a new beginning of the solver. What
 /// is shown for the very moment is the state before the new piece.
@@ -76,8 +93,12 @@ class SmoothMotion {
   SmoothMotion(const SmoothMotion&) = delete;
   SmoothMotion& operator=(const SmoothMotion&) = delete;
 
-  /// Goes on to the next output. Cost: some 3 us a step of the solver, of which there are 30 to 300
-  /// in a period and 30 to 100 after an event. Nothing happens after a stall.
+  /// Begins anew as one that never ran would, but with the matrices of steps kept; needs output 0
+  /// at t = 0 and no energies.
+  void Restart(PiecewiseStart start, double temperature_rise_k);
+
+  /// Goes on to the next output. Cost: some 10 us a step of the solver, of which there are 8 to 30
+  /// in a period and 5 to 10 after an event. Nothing happens after a stall.
   void Next();
 
   /// The number of the output that the motion stands at; 0: at its beginning.
@@ -111,21 +132,20 @@ class SmoothMotion {
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
   [[nodiscard]] std::optional<FindingKind> stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_.linear; }
-  [[nodiscard]] OdeMethod method() const { return method_; }
-  /// What it is integrated with: the tolerance that was asked for, or the least that rounding lets
-  /// (4e-12 by Adams's formulas, 1.1e-11 by BDF).
+  /// The tolerance that was asked for, or the least that rounding lets, 1.9e-13.
   [[nodiscard]] double tolerance() const;
   /// What it cost.
-  [[nodiscard]] OdeWork work() const;
+  [[nodiscard]] SolverWork work() const;
   /// The solver's steps so far.
   [[nodiscard]] std::int64_t steps() const { return steps_; }
 
  private:
   struct ModeRun {
     ModeRun(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
-            bool with_energy, OdeMethod method, double relative);
+            bool with_energy, double relative);
     SmoothMode problem;
-    OdeSolver solver;
+    SemilinearSolver solver;
+    bool was_entered = false;   // since the motion's beginning
     std::vector<bool> armed{};  // of each guard: it has risen
   };
   struct Fall {
@@ -158,7 +178,6 @@ class SmoothMotion {
   void Stall(FindingKind reason);
   void TakeOutput(double tau_s);
   void Watch(double tau_s);
-  [[nodiscard]] const Eigen::MatrixXd& StepTerms();
   [[nodiscard]] std::vector<double> IntegralsHere() const;
   [[nodiscard]] Eigen::VectorXd Whole() const;
   [[nodiscard]] long double TimeOf(std::uint64_t output) const;
@@ -171,7 +190,6 @@ class SmoothMotion {
   double rate_hz_;
   long double grid_origin_s_;
   SmoothSettings settings_;
-  OdeMethod method_ = OdeMethod::kBdf;
   double relative_ = 0;                         // the solver's local tolerance
   std::vector<std::unique_ptr<ModeRun>> runs_;  // one for each mode that was entered
   std::uint64_t index_ = 0;
@@ -180,7 +198,6 @@ class SmoothMotion {
   Eigen::VectorXd x_;
   double temperature_rise_k_;
   std::optional<Fall> fall_;  // in the step that was taken last
-  Eigen::MatrixXd terms_;     // of that step; empty: not asked for
   std::vector<ValueRange> ranges_;
   ValueRange temperature_peak_k_{.least = 0, .largest = 0};
   double watched_until_s_ = 0;  // from where the mode was entered

@@ -136,7 +136,7 @@ namespace {
 // the equation that SmallestRms is the root of
 double RelativeUncertainty(const NoiseInBand& noise, double rms_m) {
   const double q = rms_m * rms_m / (noise.rms_m * noise.rms_m);
-  const double noise_parts = 1 + noise.record_s / noise.noise_record_s;
+  const double noise_parts = noise.own_share + noise.record_s / noise.noise_record_s;
   return std::sqrt((noise_parts + 2 * q) / (4 * noise.bandwidth_hz * noise.record_s)) / q;
 }
 
@@ -158,6 +158,37 @@ TEST(SmallestRms, IsTheRootOfTheUncertainty) {
                  "a few roundings");
     }
   }
+}
+
+TEST(RecordLength, IsTheInverseOfTheUncertainty) {
+  for (const double relative : {0.005, 0.02, 0.1}) {
+    for (const double share : {0.05, 1.0}) {
+      for (const double rms_m : {2e-6, 6e-6, 50e-6}) {
+        NoiseInBand noise = kIl030;
+        noise.noise_record_s = 1e6;
+        noise.own_share = share;
+        const auto record_s = RecordLength(noise, rms_m, relative);
+        ASSERT_TRUE(record_s.has_value());
+        noise.record_s = *record_s;
+        EXPECT_REL(RelativeUncertainty(noise, rms_m), relative, 1e-10, "a quotient of sums");
+        EXPECT_REL(RelativeUncertaintyOf(noise, rms_m), relative, 1e-10, "the same");
+        EXPECT_REL(SmallestRms(noise, relative), rms_m, 1e-9, "the same, and a root");
+      }
+    }
+  }
+}
+
+// q = 1, B = 480, share 1: (1 + 2) / (4 * 480 * 0.01^2 - 1/Tn) = 3 / (0.192 - 0.1) with Tn = 10 s
+TEST(RecordLength, WorkedExample) {
+  const auto record_s = RecordLength(kIl030, 6e-6, 0.01);
+  ASSERT_TRUE(record_s.has_value());
+  EXPECT_REL(*record_s, 3 / 0.092, 1e-13, "a difference of two");
+}
+
+TEST(RecordLength, IsNoneBelowTheNoisesOwnUncertainty) {
+  // 1 / sqrt(4 B Tn) = 0.00722 at q = 1
+  EXPECT_FALSE(RecordLength(kIl030, 6e-6, 0.0072).has_value());
+  EXPECT_TRUE(RecordLength(kIl030, 6e-6, 0.0073).has_value());
 }
 
 // a tone in white noise, its power less that of other noise: B = half the rate, so B T = n / 2

@@ -25,7 +25,7 @@ MATHEMATICS = {
     "rms_estimate.cc": {"kNormal95", "kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge
-    "window_choice.cc": {"kQuartile", "kBlockLengths"},
+    "window_choice.cc": {"kQuartile", "kBlockLengths", "kUnknown"},
     "window_numbers.cc": {"kTwoPi", "kCoverage"},
 }
 # memory, speed, and what is left out because it is below the accuracy that is stated beside it
@@ -33,10 +33,9 @@ SIZES = {
     "band_filtering.cc": {"kMostModelled", "kMostSearched", "kLeastSearched", "kSearchedRatePerLower", "kPiece"},
     "band_noise.cc": {"kFootFrom", "kSteps", "kFolded", "kLeastSamples", "kRatePerUpper"},
     "band_signal.cc": {"kMostKept", "kThinnedAtOnce", "kLongestCellS", "kMostCells"},
-    "drive_channel.cc": {"kBlock"},
     "drive_states.cc": {"kRatePerUpper", "kMostValues", "kMostInFrames", "kLeastSamples"},
     "hum.cc": {"kMostMultiples", "kBlock"},
-    "record_facts.cc": {"kBlock", "kLeastBlock", "kMostBlocks", "kMost", "kSteps"},
+    "record_facts.cc": {"kLeastBlock", "kMostBlocks", "kMost", "kSteps"},
     "sensor_gain.cc": {"kGridSteps"},
     "sweep_analysis.cc": {"kMostSamples"},
     "window_choice.h": {"kMostFitted", "kFittedOfLonger"},

@@ -87,7 +87,6 @@ const std::vector<HeavyPart> kHeavyParts{
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
     {"openssl/", {"tools/document/provenance.cc"}},
-    {"systemd/", {"tools/daemon/daemon.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/linear/driven_step.cc"}},
 };
 

@@ -1,4 +1,4 @@
-"""Reads docs/ and the sources: each test that docs/developer/hard-cases.md names exists; no page and no message in a
+"""Reads docs/ and the sources: each test that docs/developer/hard_case_tests.md names exists; no page and no message in a
 source uses a word that the glossary lists as not to be used; links between pages, paths in code and sources that
 comments name lead to what exists."""
 import fnmatch
@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from programs import check
 from words import GLOSSARY, MARK, comments, literals, message, pattern_of, uses, words_not_to_use
 
-HARD_CASES = pathlib.Path("docs/developer/hard-cases.md")
+HARD_CASES = pathlib.Path("docs/developer/hard_case_tests.md")
 # what users get; tests/, bench/ and fuzz/ are for developers
 PRODUCT = ["acquire", "base", "dsp", "fit", "sim", "tools", "trial"]
 

@@ -20,6 +20,9 @@ TEST(Typeset, UnitsHaveTheirSignsAndStayWithTheirNumbers) {
         {"density / (um^2/Hz)", "density / (µm²/Hz)"},
         {"area / mm2", "area / mm²"},
         {"acceleration / m/s^2", "acceleration / m/s²"},
+        {"R^2", "R²"},
+        {"Km^2 over mass", "Km² over mass"},
+        {"23.0 1/s^2; 95 %: 22 to 24 1/s^2", "23.0 1/s²; 95" + blank + "%: 22 to 24 1/s²"},
         {"130 uH, 27 ohm", "130" + blank + "µH, 27" + blank + "Ω"},
         {"225 Hz +- 1 Hz", "225" + blank + "Hz ± 1" + blank + "Hz"}}) {
     EXPECT_EQ(Typeset(plain), set);
@@ -28,9 +31,9 @@ TEST(Typeset, UnitsHaveTheirSignsAndStayWithTheirNumbers) {
 }
 
 TEST(Typeset, OtherWordsStayAsTheyAre) {
-  for (const char* text :
-       {"", "um", "12 um.csv", "4 subjects", "16 trials", "um umbrella", "3 umbrellas", "a um",
-        "day1/m.csv", "/home/um/x", "x/y", "5 gaps", "2 Hz_x"}) {
+  for (const char* text : {"", "um", "12 um.csv", "4 subjects", "16 trials", "um umbrella",
+                           "3 umbrellas", "a um", "day1/m.csv", "/home/um/x", "x/y", "5 gaps",
+                           "2 Hz_x", "2^4 choices", "run^2.csv", "a^25", "a^2b"}) {
     EXPECT_EQ(Typeset(text), text);
   }
 }

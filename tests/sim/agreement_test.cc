@@ -1,6 +1,6 @@
 // Five ways to the motion of the thesis's scenes, which share no method: the phasor of the steady
-// state, the exact time response, shooting, SUNDIALS, and csim of Scilab, which the thesis used.
-// They agree to what the loosest of them was asked for.
+// state, the exact time response, shooting, exponential collocation, and csim of Scilab, which the
+// thesis used. They agree to what the loosest of them was asked for.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace haptometer::sim {
 namespace {
 
-// what SUNDIALS is asked for, and what csim comes to in 0.1 s where it is asked for 1e-12 a step
+// what collocation is asked for, and what csim comes to in 0.1 s where it is asked for 1e-12 a step
 constexpr double kLoosest = 1e-10;
 constexpr Eigen::Index kCsimTimes = 20;
 constexpr double kCsimRateHz = 200;
@@ -39,7 +39,7 @@ double WorstApart(const Eigen::VectorXd& one, const Eigen::VectorXd& other,
   return (one - other).cwiseAbs().cwiseQuotient(sizes).maxCoeff();
 }
 
-SmoothMotion BySundials(const Scene& scene, double rate_hz) {
+SmoothMotion ByCollocation(const Scene& scene, double rate_hz) {
   return {AssembleSmooth(scene, {}, {}), scene.drive, PiecewiseStartOf(scene), rate_hz,
           SmoothSettings{.tolerance = kLoosest}};
 }
@@ -63,10 +63,11 @@ void ExpectOneSteadyMotion(const Scene& scene) {
              "the map's 1e-13 over 1 less the largest multiplier, 0.2");
 
   constexpr int kPeriods = 22;
-  SmoothMotion sundials =
-      BySundials(From(Start::kSteady, scene), scene.drive.frequency_hz / kPeriods);
-  sundials.Next();
-  EXPECT_ABS(WorstApart(sundials.Positions(), phasor, sizes), 0, kLoosest, "what it was asked for");
+  SmoothMotion collocation =
+      ByCollocation(From(Start::kSteady, scene), scene.drive.frequency_hz / kPeriods);
+  collocation.Next();
+  EXPECT_ABS(WorstApart(collocation.Positions(), phasor, sizes), 0, kLoosest,
+             "what it was asked for");
 }
 
 TEST(Agreement, OfTheSteadyMotionOfTheAdapterScene) {
@@ -103,13 +104,13 @@ Eigen::VectorXd Apart(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other,
 void ExpectOneTransient(const Scene& scene, const Eigen::MatrixXd& csim,
                         const Eigen::MatrixXd& csim_by_itself) {
   const Eigen::MatrixXd exact = Exactly(scene);
-  SmoothMotion motion = BySundials(From(Start::kRest, scene), kCsimRateHz);
-  Eigen::MatrixXd sundials(exact.rows(), kCsimTimes);
+  SmoothMotion motion = ByCollocation(From(Start::kRest, scene), kCsimRateHz);
+  Eigen::MatrixXd collocation(exact.rows(), kCsimTimes);
   for (Eigen::Index i = 0; i < kCsimTimes; ++i) {
     motion.Next();
-    sundials.col(i) = motion.Positions();
+    collocation.col(i) = motion.Positions();
   }
-  EXPECT_ABS(Apart(sundials, exact, scene).maxCoeff(), 0, kLoosest, "what it was asked for");
+  EXPECT_ABS(Apart(collocation, exact, scene).maxCoeff(), 0, kLoosest, "what it was asked for");
   EXPECT_ABS(Apart(csim, exact, scene).maxCoeff(), 0, kLoosest, "csim at 1e-12 a step");
 
   // its own tolerance of a step is 1e-12 times the sum of |v|/L over 1001 outputs: 2.5e-5 A, which

@@ -48,7 +48,7 @@ void CheckScene(const Scene& scene, const std::string& text, const std::string& 
       << text;
   EXPECT_LE(Deviation(scene.quantity, choice->run, everything.run), scene.tolerance) << name;
   tally.active += everything.run.events.empty() ? 0 : 1;
-  tally.smooth += everything.run.solver ? 1 : 0;
+  tally.smooth += everything.run.solver_tolerance > 0 ? 1 : 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (scene.effects.wishes[k] != Wish::kAuto) continue;
     EffectSet without = all;

@@ -298,6 +298,9 @@ def studies(run):
             for cell in row:
                 check(cell[:1] not in "=+-@\t\r" or cell == "" or re.fullmatch(r"[-+.\de]+", cell),
                       f"{table} holds {cell!r}")
+    run("study", "compare", "study", ROOT / "fixtures" / "lra_adapter.toml", "--table", "cells.csv", "--plot", "drawn.svg", "--report", "page.html",
+        statuses=(3,))
+    check_text((run.folder / "cells.csv").read_bytes(), "cells.csv")
     run("study", "linearity", *(f"study/{n}.bin" for n in range(9)), "--plot", "drawn.svg",
         statuses=(0, 3))
     for text in ('files = "*.bin"\ncondition = "a\\nb"', 'conditions = ["a\\u001b"]',

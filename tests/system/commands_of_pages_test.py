@@ -1,21 +1,26 @@
 #!/usr/bin/env python3
-"""Runs every command of README.md, CONTRIBUTING.md and docs/, each page in a temporary folder with a link to fixtures/,
-in the order in which they stand. Each must end with status 0, or with the status that its page states (REFUSED).
+"""Runs every command of README.md, CONTRIBUTING.md and docs/, each page in a temporary folder
+with a link to fixtures/, in the order in which they stand. Each must end with status 0, or with the status that its
+page states (REFUSED). Where the page shows what a command prints, it prints that: every line, with any number in
+place of a number. A picture has the words of the one that the command in its text draws; --draw replaces it.
 
-    tests/system/commands_of_pages_test.py [--times] [PAGE ...]
+    tests/system/commands_of_pages_test.py [--times] [--draw] [PAGE ...]
 
 A command is a line of a code block that begins with a program, perhaps behind `$ `, or that pipes into one, with the
-lines that continue it; a block of shell (```sh) that uses a program is one command. `emulate` and `acquire --daemon`
-run until the next of them, or until the page ends. Files and devices that a page supposes are in PREPARED, EMULATED and
-CHANGED.
+lines that continue it; a block of shell (```sh) that uses a program is one command. Behind a command with `$ `, and
+in a block of ```output behind one of shell, stands what it prints, shortened at `...`. `emulate` and `acquire
+--daemon` run until the next of them, or until the page ends. Files and devices that a page supposes are in PREPARED,
+EMULATED and CHANGED.
 """
 import contextlib
 import functools
+import itertools
 import math
 import os
 import pathlib
 import random
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -33,18 +38,23 @@ COMMAND = re.compile(rf"(?:\$ )?(?:\./|build/release/bin/)?((?:\S+ \| )?{PROGRAM
 FENCED = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?<=\n\n)(?: {4,}\S.*\n+)+")
 SERVER = re.compile(r"(haptometer emulate|acquire --daemon) (?!--help)")
+NUMBER = re.compile(r"-?\d[\d.]*(?:\(\d+\))?(?:e[-+]?\d+)?")
+# text of a picture that ends with the command that draws it, and the picture
+DRAWN = re.compile(r"!\[[^\]]*\((\w[^()]*)\)\]\(([^)]+)\)")
 
 
 class Command(NamedTuple):
     page: str
     line: int
     text: str
+    shown: str = ""  # of its output
 
 
 # --- what the pages need ---
 
-DAQ, DAYS, STUDY, SESSION, CALIBRATION = (f"docs/how-to/{name}.md" for name in (
-    "record-with-a-daq", "record-for-days", "run-a-study", "run-a-session", "calibrate"))
+DAQ, DAYS, STUDY, SESSION, CALIBRATION, ADAPTER, LABEL, WINDOWS = (f"docs/how-to/{name}.md" for name in (
+    "record-with-a-daq", "record-for-days", "run-a-study", "run-a-session", "calibrate", "find-an-adapter",
+    "mend-a-wrong-label", "windows"))
 
 
 def block(page, language):
@@ -80,6 +90,11 @@ def daq_table():
     return laser(0.28).replace("t;laser", "seconds;volts").replace(";", ",")
 
 
+def daq_file():
+    """A table of a DAQ that states its units: 225 Hz at 10 kHz for 1 s."""
+    return laser(0.28).replace("t;laser", "time_s,displacement_mm").replace(";", ",")
+
+
 def drives():
     """The table of study.md."""
     text = (ROOT / "docs/reference/study.md").read_text(encoding="utf-8")
@@ -101,6 +116,9 @@ PREPARED = {
     "README.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin", "mine.csv": lambda: laser(0.28),
                   "off.csv": lambda: laser(0)},
     "docs/how-to/bring-your-own-csv.md": {"mine.csv": lambda: laser(0.28)},
+    ADAPTER: {"mine.toml": lambda: block(ADAPTER, "toml")},
+    LABEL: {"trials": "mkdir trials; cp fixtures/recorded_trial.bin trials/FILE.bin"},
+    WINDOWS: {"lab": "mkdir lab", "run.csv": daq_file},
     "docs/how-to/drop-test.md": {**TAP, "open": "for n in 1 2; do grep -v '^#' fixtures/impulse.csv >open$n.csv; done",
                                  "load": "for n in 1 2; do grep -v '^#' fixtures/impulse_33ohm.csv >loaded$n.csv;"
                                          " done"},
@@ -122,7 +140,6 @@ PREPARED = {
     "docs/reference/sensors.md": DAQ_FILES,
     "docs/reference/session.md": {"DIR": "mkdir DIR"},
     "docs/reference/study.md": {"trials": block(STUDY, "sh"), "drive.csv": drives},
-    "docs/tutorial.md": {"mine.toml": lambda: block("docs/tutorial.md", "toml")},
 }
 
 # Ports in the commands or prepared files of a page, and the options of the emulator whose port takes the place.
@@ -132,6 +149,7 @@ EMULATED = {
     DAYS: HEADS,
     STUDY: {"/dev/ttyUSB0": ["--protocol", "stream"]},
     SESSION: {"/dev/ttyUSB0": ["--protocol", "stream", "--baud", "921600"]},
+    WINDOWS: {"/dev/ttyUSB0": ["--protocol", "stream"]},
 }
 
 
@@ -152,6 +170,17 @@ CHANGED = {
                "it needs a terminal, and a key for a trial"),
               ("haptometer session run day2", at_terminal("haptometer session run day2", "sleep 1; printf q; sleep 1"),
                "it needs a terminal")],
+    "docs/tutorial.md": [("haptometer session run pilot",
+                          at_terminal("haptometer session run pilot", "sleep 2; printf ' '; sleep 4; printf q; sleep 1"),
+                          "it needs a terminal, and a key for the trial")],
+    LABEL: [("--file FILE", "--file $(ls day1/trials | grep attempt-1_condition-adapter | tail -1)",
+             "FILE has the time in it")],
+    WINDOWS: [("/mnt/c/lab", "lab", "Windows is not here"),
+              ("haptometer session run day1",
+               at_terminal("haptometer session run day1", "cp run.csv lab/1.csv; sleep 5; printf q; sleep 1"),
+               "it needs a terminal, and a file of a program on Windows"),
+              ("haptometer session next day1", "(sleep 1; cp run.csv lab/2.csv) & haptometer session next day1",
+               "it waits for a file of a program on Windows")],
     STUDY: [("--duration 3s -o trials/", "--duration 1s -o recorded/", "the study is that of the simulated trials"),
             ("trials/FILE.bin", "trials/*adapter_repeat-1_subject-4.bin", "FILE has the time in it")],
 }
@@ -160,6 +189,9 @@ CHANGED = {
 REFUSED = {
     "README.md": [("haptometer trial info mine.csv", 3, "what it does not state")],
     "docs/how-to/bring-your-own-csv.md": [("haptometer trial info mine.csv", 3, "the answer has status 3")],
+    "docs/how-to/noise-floor.md": [("analyze off.bin", 3, "with status 3")],
+    STUDY: [("haptometer study compare", 3, "The exit status is 3")],
+    "docs/reference/study.md": [("haptometer study compare", 3, "Status 3: the mean of a condition differs")],
     "docs/reference/analyze.md": [("analyze trial.bin --expect", 3, "the exit status is 3")],
 }
 
@@ -175,10 +207,13 @@ def blocks(text):
 
 
 def commands_of(page, text):
+    found = []
     for first, language, lines in blocks(text):
         if language == "sh" and any(COMMAND.match(line.strip()) for line in lines):
-            yield Command(page, first, "\n".join(lines))
-        if language == "sh":
+            found.append(Command(page, first, "\n".join(lines)))
+        if language == "output":
+            found[-1] = found[-1]._replace(shown="\n".join(lines))
+        if language in ("sh", "output"):
             continue
         for number, line in enumerate(lines):
             command = COMMAND.fullmatch(line.strip())
@@ -186,7 +221,35 @@ def commands_of(page, text):
             while lines[last].endswith("\\") and last + 1 < len(lines):
                 last += 1
             if command:
-                yield Command(page, first + number, "\n".join([command[1], *lines[number + 1:last + 1]]))
+                output = shown_behind(lines[last + 1:]) if line.lstrip().startswith("$ ") else ""
+                found.append(Command(page, first + number, "\n".join([command[1], *lines[number + 1:last + 1]]), output))
+    return found
+
+
+def shown_behind(lines):
+    """The output that a block shows behind a command: as far as the next one."""
+    return "\n".join(itertools.takewhile(lambda line: not line.lstrip().startswith("$ "), lines)).strip()
+
+
+def masked(text):
+    """A text without its numbers and the widths of its blanks."""
+    return "".join(" ".join(NUMBER.sub("0", line).split()) + "\n" for line in text.strip().splitlines())
+
+
+def is_shown(shown, output):
+    """Whether an output is what a page shows of it, without what a slow build says of its work."""
+    output = "\n".join(line for line in output.splitlines() if "; Ctrl-C ends it" not in line)
+    lines = ["(?:.*\n)*?" if line == "..." else re.escape(line).replace(r"\.\.\.", ".*") + "\n"
+             for line in masked(shown).splitlines()]
+    return re.fullmatch("".join(lines), masked(output)) is not None
+
+
+def words_of(picture):
+    """The texts of an SVG that have a letter; of another picture its size in the PNG header."""
+    if picture.suffix != ".svg":
+        return picture.read_bytes()[16:24]
+    texts = re.findall(r">([^<>]*[A-Za-z][^<>]*)<", picture.read_text(encoding="utf-8"))
+    return [masked(text) for text in texts]
 
 
 def pages():
@@ -202,6 +265,8 @@ def check_search():
     text = ("analyze a\n\n1. Do:\n\n       $ analyze a \\\n         b\n       a: 1 um\n\n   analyze c\n\n"
             "```sh\nfor f in a; do\n  analyze $f\ndone\n```\n\n    x | acquire d\n    acquire: e\n")
     found = [(command.line, command.text) for command in commands_of("p", text)]
+    check(is_shown("a: 1.0 um\n...\nb ... c\n", "a:  23(1) um\n\nx\nb 1 c"), "an output is not recognised")
+    check(not is_shown("a: 1 um\nb", "a: 1 um\nx\nb") and not is_shown("a: 1 um", "a: 1 mm"), "any output is taken")
     wanted = [(5, "analyze a \\\n         b"), (12, "for f in a; do\n  analyze $f\ndone"), (17, "x | acquire d")]
     check(found == wanted, found)
 
@@ -224,7 +289,7 @@ class Folder:
 
     def __init__(self, page, path, changes):
         self.page, self.path, self.changes = page, pathlib.Path(path), changes
-        self.used, self.server = set(), None
+        self.used, self.server, self.groups = set(), None, []
         self.environment = {**os.environ, "PATH": os.path.dirname(program("haptometer")) + ":" + os.environ["PATH"],
                             "XDG_RUNTIME_DIR": path}
         os.symlink(ROOT / "fixtures", self.path / "fixtures")
@@ -243,14 +308,26 @@ class Folder:
                                 start_new_session=True, **streams)
 
     def run(self, text):
-        """Exit status and standard error of a command that ends by itself."""
-        process = self.start(text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        try:
-            said = process.communicate(timeout=DEADLINE_S)[1]
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            said = process.communicate()[1] + f"is not done after {DEADLINE_S} s".encode()
-        return process.returncode, said.decode(errors="replace")
+        """Exit status and output of a command that ends by itself; what it left running ends with the page."""
+        with tempfile.TemporaryFile() as file:
+            process = self.start(text, stdout=file, stderr=subprocess.STDOUT)
+            self.groups.append(process.pid)
+            late = ""
+            try:
+                process.wait(DEADLINE_S)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+                late = f"is not done after {DEADLINE_S} s"
+            file.seek(0)
+            return process.returncode, file.read().decode(errors="replace") + late
+
+    def end_all(self):
+        """The server, and what the commands left running."""
+        self.end_server()
+        for group in self.groups:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(group, signal.SIGTERM)
 
     def serve(self, text):
         """Begins a command that runs until it is ended; 0 once it answers, else its exit status, and what it said."""
@@ -303,9 +380,24 @@ class Folder:
         status, said = self.serve(text) if SERVER.match(text) else self.run(text)
         if "--times" in sys.argv:
             print(f"{time.monotonic() - begin:6.2f} s  {command.page}:{command.line}: {text}")
-        if status == wanted:
-            return None
-        return f"{command.page}:{command.line}: {text}\n  ends with {status} in place of {wanted}: {said.strip()}"
+        if status != wanted:
+            return f"{command.page}:{command.line}: {text}\n  ends with {status} in place of {wanted}: {said.strip()}"
+        if command.shown and not is_shown(command.shown, said):
+            return f"{command.page}:{command.line}: {text}\n  prints something else:\n{said.rstrip()}"
+        return None
+
+    def failure_of_picture(self, command, path):
+        """What is wrong with a picture of the page, which the command draws as docs/NAME; or None."""
+        (self.path / "docs").mkdir(exist_ok=True)
+        status, said = self.run(command)
+        drawn, wanted = self.path / "docs" / os.path.basename(path), (ROOT / self.page).parent / path
+        if status != 0 or not drawn.exists() or not wanted.exists() and "--draw" not in sys.argv:
+            return f"{self.page}: {command} does not draw {drawn.name}: {said.strip()}"
+        if "--draw" in sys.argv:
+            shutil.copy(drawn, wanted)
+        if words_of(drawn) != words_of(wanted):
+            return f"{self.page}: {path} is another picture: {words_of(drawn)} in place of {words_of(wanted)}"
+        return None
 
 
 def changes_of(page, stack):
@@ -320,9 +412,12 @@ def failures_of(page, commands):
     with contextlib.ExitStack() as stack:
         path = stack.enter_context(tempfile.TemporaryDirectory())
         folder = Folder(page, path, changes_of(page, stack))
-        stack.callback(folder.end_server)
+        stack.callback(folder.end_all)
         folder.prepare(PREPARED.get(page, {}))
-        failures = [failure for failure in map(folder.failure, commands) if failure]
+        drawn = DRAWN.findall((ROOT / page).read_text(encoding="utf-8"))
+        failures = [folder.failure(command) for command in commands]
+        failures += [folder.failure_of_picture(command, picture) for command, picture in drawn]
+        failures = [failure for failure in failures if failure]
         unused = set(folder.changes) - folder.used
         return failures + [f"{page}: '{text}', which is to be changed, stands in no command" for text in unused]
 

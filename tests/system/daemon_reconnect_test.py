@@ -45,7 +45,8 @@ def run(kind):
         plug = Terminal(directory) if kind == "terminal" else Tcp(resets=kind == "reset")
         head = Head(plug)
         # it is not there at the start, either
-        daemon = Daemon(directory, plug.port, "flush_s = 0.1")
+        daemon = Daemon(directory, plug.port, "flush_s = 0.1",
+                        sensor='sensor = "stream"\naverages = 16\nsampling_s = "0.33ms"')
         try:
             waiting = daemon.wait_for_state("waiting for device")
             check(waiting["last_error"], "waits for a device and does not say why")
@@ -66,6 +67,9 @@ def run(kind):
         path, = daemon.files()
         shown = info(path)
         check(shown["closed"], "the trial is not closed")
+        # the averaging that the daemon's file states, so that amplitudes can be verified
+        stated = [shown[key] for key in ("averages", "sampling_s")]
+        check(stated == [16, 0.33e-3], f"averaging {stated}")
         texts = [(event["event"], event["text"]) for event in shown["events"]]
         lost = [text for kind, text in texts if text == "the connection was lost"]
         back = [text for kind, text in texts if kind == "reconnect"]

@@ -22,10 +22,10 @@ WATCHDOG_S = 1
 class ServiceManager:
     """The socket that NOTIFY_SOCKET names, and what was said there."""
 
-    def __init__(self, directory):
-        self.path = os.path.join(directory, "notify")
+    def __init__(self, directory, is_abstract=False):
+        self.path = f"@haptometer-test-{os.getpid()}" if is_abstract else os.path.join(directory, "notify")
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-        self.socket.bind(self.path)
+        self.socket.bind(self.path.replace("@", "\0") if is_abstract else self.path)
 
     def environment(self):
         return {"NOTIFY_SOCKET": self.path, "WATCHDOG_USEC": str(WATCHDOG_S * 1000000)}
@@ -96,6 +96,21 @@ def notify(directory):
         daemon.end()
         manager.wait_for("STOPPING=1")
         check(all(info(path)["closed"] for path in daemon.files()), "a trial is not closed")
+    finally:
+        daemon.kill()
+
+
+def abstract(directory):
+    """A manager whose socket has a name and no path; a watchdog that is meant for another process."""
+    manager = ServiceManager(directory, is_abstract=True)
+    head = Head(Terminal(directory))
+    for_another = {**manager.environment(), "WATCHDOG_PID": "1"}
+    daemon = Daemon(directory, head.plug_point.port, "", for_another)
+    try:
+        manager.wait_for("READY=1")
+        check(not manager.says_alive(1.5 * WATCHDOG_S), "it says to be alive, and was not asked")
+        daemon.end()
+        manager.wait_for("STOPPING=1")
     finally:
         daemon.kill()
 
@@ -247,5 +262,5 @@ def hang_up(directory):
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        {part.__name__: part for part in (default_socket, hang_up, notify, only_daemon, refused,
+        {part.__name__: part for part in (abstract, default_socket, hang_up, notify, only_daemon, refused,
                                           rotation, status, watchdog)}[sys.argv[1]](scratch)

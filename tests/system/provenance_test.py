@@ -40,6 +40,10 @@ COMMANDS = [
     ("session status day", ["day/session.toml"], None, []),
     ("compare fixtures/recorded_trial.bin fixtures/lra_adapter.toml --input drive.amplitude_v=5+-1 --report compare.html",
      ["fixtures/lra_adapter.toml", "fixtures/recorded_trial.bin"], ["emulated", "simulated"], ["compare.html"]),
+    ("study compare trials fixtures/lra_adapter.toml --input drive.amplitude_v=5+-1 --input drive.frequency_hz=225+-1 "
+     "--pattern s{subject}_{condition} --table cells.csv --report cells.html",
+     ["fixtures/lra_adapter.toml", "trials/s1_a.bin", "trials/s1_b.csv", "trials/s2_a.bin", "trials/s2_b.csv"],
+     ["emulated", "simulated", "imported", "interrupted"], ["cells.csv", "cells.html"]),
     ("reproduce --report reproduce.html", [], ["simulated"], ["reproduce.html"]),
 ]
 VERSION = re.compile(r"haptometer \d+\.\d+\.\d+")

@@ -128,9 +128,101 @@ TEST_F(AnalyzeMistakes, SwappedAndRenamedColumnsAreNamed) {
   const std::string path = Write("a.csv", 4000, tone);
   const char* const overridden = "column 2 is in units of 1 m by the file and of 0.001 m by";
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_mm", path}).out, HasSubstr(overridden));
-  EXPECT_THAT(Analyze({"--scale", "1mm", path}).out, HasSubstr(overridden));
+  EXPECT_THAT(Analyze({"--scale", "1mm", path}).out,
+              HasSubstr(std::string("doubt: ") + overridden));
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_m", path}).out,
               Not(HasSubstr("by the file")));
+}
+
+TEST_F(AnalyzeMistakes, OptionsForTablesAreRefusedWhereThereIsNone) {
+  const std::string trial = std::string(HAPTOMETER_FIXTURES) + "/recorded_trial.bin";
+  const std::string calibration = (directory_ / "c.toml").string();
+  std::ofstream(calibration) << "[displacement]\nscale_m_per_v = 1e-3\n";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--calibration", calibration},
+        {"--columns", "time_s,displacement_mm"},
+        {"--scale", "1mm"},
+        {"--rate", "1kHz"},
+        {"--format", "plain"},
+        {"--channel", "CH1"},
+        {"--segment", "1"}}) {
+    const auto of = [&](std::vector<std::string> more) {
+      more.insert(more.end(), words.begin(), words.end());
+      return Analyze(more);
+    };
+    const Outcome outcome = of({trial});
+    EXPECT_EQ(outcome.status, 2) << words[0];
+    EXPECT_THAT(outcome.err, HasSubstr(words[0] + ": is for tables, and " + trial +
+                                       " is a recording that states its columns and units"));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_EQ(of({trial, trial}).status, 2) << words[0];
+  }
+  // they are of the tables, where a floor or another trial is a recording, and the other way round
+  const std::string table = Steady();
+  const std::vector<std::string> columns{"--columns", "time_s,displacement_m"};
+  for (const auto& files :
+       {std::vector{table, std::string("--floor"), trial},
+        std::vector{trial, std::string("--floor"), table}, std::vector{table, trial}}) {
+    std::vector<std::string> words = files;
+    words.insert(words.end(), columns.begin(), columns.end());
+    EXPECT_NE(Analyze(words).status, 2) << files[0];
+  }
+}
+
+TEST_F(AnalyzeMistakes, ATrialNamesTheCalibrationThatItHolds) {
+  const std::string calibration = (directory_ / "c.toml").string();
+  std::ofstream(calibration) << "name = 'rig 2'\ndate = '2026-03-01'\n"
+                                "[displacement]\nscale_m_per_v = 1e-3\n";
+  std::ofstream samples(directory_ / "v.txt");
+  for (int k = 0; k < 4000; ++k) samples << fmt::format("{:.6f}\n", Sine(225, k / 4000.));
+  samples.close();
+  const std::string trial = (directory_ / "t.bin").string();
+  ASSERT_EQ(Captured(RunAcquire, "acquire",
+                     {"--sensor", "pipe", "--port", (directory_ / "v.txt").string(), "--format",
+                      "text", "--rate", "4kHz", "--channels", "displacement:V", "--calibration",
+                      calibration, "-o", trial})
+                .status,
+            0);
+  const Outcome outcome = Analyze({trial, "--calibration", calibration});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("by the calibration rig 2 of 2026-03-01"));
+  EXPECT_THAT(outcome.err, HasSubstr("record again by acquire --calibration"));
+}
+
+TEST_F(AnalyzeMistakes, AColumnNamedSensorKeepsTheUnitOfTheFile) {
+  const std::string calibration = (directory_ / "c.toml").string();
+  std::ofstream(calibration) << "[displacement]\nscale_m_per_v = 1e-3\ncalibrated_min_v = -5\n"
+                                "calibrated_max_v = 5\n";
+  const auto offset_m = [&](const std::string& header, const std::string& columns, double volts) {
+    const std::string path = (directory_ / "daq.csv").string();
+    std::ofstream table(path);
+    table << header << "\n";
+    for (int k = 0; k < 8000; ++k) {
+      table << fmt::format("{:.6f},{:.6f}\n", k / 4000., volts * (2 + 0.01 * Sine(225, k / 4000.)));
+    }
+    table.close();
+    return Json::parse(Analyze({path, "--columns", columns, "--calibration", calibration, "--json"})
+                           .out)["trials"][0]["offset_m"]
+        .get<double>();
+  };
+  EXPECT_NEAR(offset_m("Time (s),Laser (V)", "time_s,sensor", 1), 2e-3, 1e-6);
+  EXPECT_NEAR(offset_m("Time (s),Laser (mV)", "time_s,sensor", 1e3), 2e-3, 1e-6);
+  EXPECT_NEAR(offset_m("Time (s),Laser (mV)", "time_s,voltage_mv", 1e3), 2e-3, 1e-6);
+  // without a unit mV are taken for V: doubted by the volts and by the range
+  EXPECT_NEAR(offset_m("a,b", "time_s,sensor", 1e3), 2, 1e-3);
+  const std::string said = Analyze({(directory_ / "daq.csv").string(), "--columns", "time_s,sensor",
+                                    "--calibration", calibration})
+                               .out;
+  EXPECT_THAT(said, HasSubstr("doubt: the input of the calibration reaches 2010 V"));
+  EXPECT_THAT(said, ContainsRegex("8000 of 8000 samples lie beyond the calibrated range, -5 mm to "
+                                  "5 mm, by 2.005 m at most, 20[01] times its width: is the input "
+                                  "in mV"));
+  // a file that knows its error level takes all of them for no reading
+  std::ofstream(calibration, std::ios::app) << "bad_above_v = 5.25\n";
+  const auto refused = Analyze({(directory_ / "daq.csv").string(), "--columns", "time_s,sensor",
+                                "--calibration", calibration});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("reaches 2010 V, and has no reading by the calibration"));
 }
 
 TEST_F(AnalyzeMistakes, AWrongQuestionIsWorseThanAMissingTrial) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -45,17 +46,19 @@ ComparedScene SceneOf(const std::string& path, const std::vector<std::string>& w
   return *std::move(scene);
 }
 
-Propagation PropagationOf(const ComparedScene& scene) {
-  auto propagation = Propagate(scene, MeasuredNumbers{.upper_hz = 500});
+Propagation PropagationOf(const ComparedScene& scene, bool with_rise = false) {
+  MeasuredNumbers measured{.upper_hz = 500};
+  if (with_rise) measured.numbers[kRiseAt] = dsp::Estimate{};
+  auto propagation = Propagate(scene, measured);
   EXPECT_TRUE(propagation.has_value()) << propagation.error().Text();
   return *std::move(propagation);
 }
 
 // what a rig would measure of the scene: its numbers with noise
 OfCompared<dsp::Estimate> Measured(const ComparedScene& truth, const Eigen::VectorXd& steps,
-                                   double share, std::mt19937_64* random) {
+                                   double share, std::mt19937_64* random, bool with_rise = false) {
   const auto scene = truth.At(steps);
-  const auto numbers = SimulatedOf(scene.value(), "truth", false);
+  const auto numbers = SimulatedOf(scene.value(), "truth", with_rise);
   OfCompared<dsp::Estimate> measured{};
   std::normal_distribution<double> normal;
   for (std::size_t k = 0; k < kComparedCount; ++k) {
@@ -63,7 +66,9 @@ OfCompared<dsp::Estimate> Measured(const ComparedScene& truth, const Eigen::Vect
     if (!std::isfinite(value)) continue;
     // a phase near 0 has an uncertainty of its own
     const double u = k == static_cast<std::size_t>(Compared::kPhase) ? 0.002 : share * value;
-    measured[k] = {value + (random == nullptr ? 0 : u * normal(*random)), u};
+    // how a rise is found is uncertain too, and drawn
+    const double spread = std::hypot(u, (*numbers)[k].uncertainty);
+    measured[k] = {value + (random == nullptr ? 0 : spread * normal(*random)), u};
   }
   return measured;
 }
@@ -72,6 +77,13 @@ std::vector<std::string> KeysIn(const ComparedScene& scene, const std::vector<st
   std::vector<std::string> keys;
   for (const std::size_t k : set) keys.push_back(scene.inputs()[k].key);
   return keys;
+}
+
+class CompareVerb : public tests::TemporaryFiles {};
+
+std::string TextOf(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // --- the equations ---
@@ -148,6 +160,13 @@ TEST(CompareScene, PropagatesTheVoltageExactly) {
   EXPECT_ABS(propagation.changes(1, 0), 0, 1e-15, "the tone does not depend on it");
 }
 
+// a phase beside +-pi
+TEST(CompareScene, TakesPhasesWithinPi) {
+  EXPECT_ABS(DeviationOf(Compared::kPhase, 3.1, -3.1), 6.2 - 2 * std::numbers::pi, 1e-15,
+             "rounding");
+  EXPECT_EQ(DeviationOf(Compared::kRms, 3.1, -3.1), 6.2);
+}
+
 // --- bars ---
 
 struct Scores {
@@ -156,14 +175,16 @@ struct Scores {
 };
 
 // mean and standard deviation of zeta over trials whose inputs are drawn from their uncertainties
-TEST(CompareBars, ZetaIsStandardNormalOnSimulatedTruth) {
+TEST_F(CompareVerb, ZetaIsStandardNormalOnSimulatedTruth) {
   constexpr int kSeeds = 800;
+  // a run from rest, which has a rise
   const ComparedScene scene =
-      SceneOf(kAdapter, {"skin.stiffness_n_per_m=500:700", "skin.damping_n_s_per_m=0.75+-0.03",
-                         "drive.amplitude_v=5+-0.05", "drive.frequency_hz=225+-0.1",
-                         "adapter.stiffness_n_per_m=8200+-40", "actuator.resistance_ohm=27+-0.3",
-                         "actuator.force_constant_n_per_a=1.0+-0.02"});
-  const Propagation propagation = PropagationOf(scene);
+      SceneOf(File("run.toml", TextOf(kAdapter) + "[run]\nduration_s = 0.12\nstart = \"rest\"\n"),
+              {"skin.stiffness_n_per_m=500:700", "skin.damping_n_s_per_m=0.75+-0.03",
+               "drive.amplitude_v=5+-0.05", "drive.frequency_hz=225+-0.1",
+               "adapter.stiffness_n_per_m=8200+-40", "actuator.resistance_ohm=27+-0.3",
+               "actuator.force_constant_n_per_a=1.0+-0.02"});
+  const Propagation propagation = PropagationOf(scene, true);
   std::mt19937_64 random(19);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-std::numbers::sqrt3, std::numbers::sqrt3);
@@ -177,8 +198,8 @@ TEST(CompareBars, ZetaIsStandardNormalOnSimulatedTruth) {
           scene.inputs()[static_cast<std::size_t>(j)].key == "skin.stiffness_n_per_m";
       steps(j) = is_range ? uniform(random) : normal(random);
     }
-    const auto result = Compare(Measured(scene, steps, 0.002, &random), scene, propagation);
-    ASSERT_EQ(result.quantities.size(), 5U);
+    const auto result = Compare(Measured(scene, steps, 0.002, &random, true), scene, propagation);
+    ASSERT_EQ(result.quantities.size(), 6U);
     for (const ComparedQuantity& one : result.quantities) {
       scores[static_cast<std::size_t>(one.quantity)].Add(one.Zeta());
     }
@@ -196,9 +217,7 @@ TEST(CompareBars, ZetaIsStandardNormalOnSimulatedTruth) {
     EXPECT_LT(sd, 1.1) << what;
   };
   for (std::size_t k = 0; k < kComparedCount; ++k) {
-    if (k != kRiseAt) {
-      check(scores[k], std::string(KeyOf(static_cast<Compared>(k), scene.target()).name));
-    }
+    check(scores[k], std::string(KeyOf(static_cast<Compared>(k), scene.target()).name));
   }
   for (std::size_t j = 0; j < pulls.size(); ++j) check(pulls[j], scene.inputs()[j].key);
 }
@@ -283,8 +302,6 @@ json TrialJson() {
           {"findings", json::array()}};
 }
 
-class CompareVerb : public tests::TemporaryFiles {};
-
 Outcome Answer(const std::vector<std::string>& words) {
   return Captured(RunCompare, "compare", words);
 }
@@ -309,18 +326,86 @@ TEST_F(CompareVerb, TakesTheActuatorsCovarianceWithItsCorrelations) {
   EXPECT_LT(factor.col(1).norm(), 1e-7);
 }
 
+constexpr const char* kOnSkin =
+    "[skin]\nstiffness_n_per_m = 600\ndamping_n_s_per_m = 0.75\n"
+    "[drive]\nkind = \"sine\"\namplitude_v = 5\nfrequency_hz = 225\n";
+constexpr const char* kActuator =
+    "moving_mass_kg = \"1.400(28)g\"\ncase_mass_kg = 0.6e-3\nstiffness_n_per_m = \"2800(56)\"\n"
+    "damping_n_s_per_m = 0.0322\nforce_constant_n_per_a = 1.0\nresistance_ohm = 27\n"
+    "inductance_h = 130e-6\n[correlation]\nMv_Kv = 0.97\n";
+
+// an actuator from a file: what is stated of a number replaces what the file says of it
+TEST_F(CompareVerb, TakesAnInputInThePlaceOfTheActuatorsFile) {
+  const std::string path =
+      File("scene.toml",
+           fmt::format("[actuator]\nfile = \"{}\"\n{}", File("actuator.toml", kActuator), kOnSkin));
+  const ComparedScene scene = SceneOf(path, {"actuator.stiffness_n_per_m=2900+-29"});
+  ASSERT_EQ(KeysIn(scene, {0, 1}),
+            (std::vector<std::string>{"actuator.stiffness_n_per_m", "actuator.moving_mass_kg"}));
+  EXPECT_LT((scene.factor() - Eigen::Matrix2d::Identity()).norm(), 1e-15) << "no correlation";
+  const auto stated = scene.At(Eigen::Vector2d::Zero());
+  EXPECT_REL(stated->actuator.stiffness_n_per_m, 2900, 1e-15, "as stated");
+  EXPECT_REL(stated->actuator.moving_mass_kg, 1.4e-3, 1e-15, "of the file");
+  const auto changed = scene.At(Eigen::Vector2d(1, 0));
+  EXPECT_REL(changed->actuator.stiffness_n_per_m, 2900 * std::exp(0.01), 1e-12, "by a factor");
+  // the built-in actuator too; a number that no actuator has is refused
+  const std::string model =
+      File("model.toml", std::string("[actuator]\nmodel = \"thesis-c10-100\"\n") + kOnSkin);
+  const std::string result = File("r.json", TrialJson().dump());
+  const auto input = [&](const char* word) { return Answer({result, model, "--input", word}); };
+  EXPECT_THAT(input("actuator.resistance_ohm=27+-1").out, HasSubstr("27.0(10)"));
+  EXPECT_THAT(input("actuator.stiffness_n_per_m=-5+-1").err, HasSubstr("-5 is outside 1e-09"));
+}
+
+TEST_F(CompareVerb, SaysWhichInputsItMovesTogether) {
+  const std::string path =
+      File("scene.toml",
+           fmt::format("[actuator]\nfile = \"{}\"\n{}", File("actuator.toml", kActuator), kOnSkin));
+  json trials = TrialJson();
+  trials["trials"][0]["band_rms_m"] = 90e-6;
+  const std::string result = File("r.json", trials.dump());
+  const std::string said =
+      "actuator.moving_mass_kg, actuator.stiffness_n_per_m are correlated: where one explains "
+      "most at a value, the others are moved with it";
+  EXPECT_THAT(Answer({result, path}).out, HasSubstr(said));
+  // alone it has nothing to be moved with
+  EXPECT_THAT(Answer({result, path, "--input", "actuator.stiffness_n_per_m=2800+-56"}).out,
+              AllOf(HasSubstr("explains most at"), Not(HasSubstr("are correlated"))));
+}
+
 TEST_F(CompareVerb, TakesRepeatsAsOneMeasurement) {
   json trials = TrialJson();
   trials["trials"].push_back(trials["trials"][0]);
   trials["trials"][1]["band_rms_m"] = 48e-6;
   trials["trials"][1]["band_rms_standard_uncertainty_m"] = 0.5e-6;
-  const auto measured = MeasuredIn(trials.dump(), "r.json");
+  const std::vector<std::string> files{File("r.json", trials.dump())};
+  const auto measured = ReadMeasured(files);
   ASSERT_TRUE(measured.has_value()) << measured.error().Text();
   // u^2 = s^2/n + mean of u^2: s^2 = 2, n = 2, mean of 0.09 and 0.25, um^2
   EXPECT_REL(measured->numbers[0]->value, 47e-6, 1e-14, "rounding");
   EXPECT_REL(measured->numbers[0]->uncertainty, std::sqrt(1 + 0.17) * 1e-6, 1e-12, "rounding");
   EXPECT_EQ(measured->sources.size(), 1U);
   EXPECT_FALSE(measured->is_calibrated);
+}
+
+TEST_F(CompareVerb, DoubtsRepeatsOfDifferentSubjectsOrConditions) {
+  const auto labelled = [&](const std::string& name, const std::vector<std::string>& labels) {
+    const std::string path = directory_ / name;
+    std::filesystem::copy_file(kFixtures + "/recorded_trial.bin", path);
+    std::vector<std::string> words{"label", path};
+    words.insert(words.end(), labels.begin(), labels.end());
+    EXPECT_EQ(Captured(RunTrial, "trial", words).status, 0);
+    return path;
+  };
+  const std::string one = labelled("1.bin", {"subject=3", "condition=stock", "repeat=1"});
+  const std::string again = labelled("2.bin", {"subject=3", "condition=stock", "repeat=2"});
+  const std::string other = labelled("3.bin", {"subject=3", "condition=ia1", "repeat=1"});
+  EXPECT_THAT(Answer({one, other, again, kAdapter}).out,
+              AllOf(HasSubstr("but their conditions are ia1, stock: compare those of one condition "
+                              "at a time"),
+                    Not(HasSubstr("their subjects"))));
+  EXPECT_THAT(KindsOf(json::parse(Answer({one, again, kAdapter, "--json"}).out)),
+              Not(Contains("labels-differ")));
 }
 
 TEST_F(CompareVerb, HasTheNumbersThatScriptsRelyOn) {
@@ -370,10 +455,24 @@ TEST_F(CompareVerb, DoubtsAQuantityThatIsNotLinear) {
               Not(HasSubstr("linearly")));
 }
 
+// 2500 standard uncertainties away
+TEST_F(CompareVerb, FindsAnInputThatIsFarOff) {
+  std::string scene = TextOf(kAdapter);
+  const std::string frequency = "frequency_hz = 225";
+  ASSERT_NE(scene.find(frequency), std::string::npos);
+  scene.replace(scene.find(frequency), frequency.size(), "frequency_hz = 200");
+  const json answer =
+      json::parse(Answer({kFixtures + "/recorded_trial.bin", File("far.toml", scene), "--input",
+                          "drive.frequency_hz=200+-0.01", "--json"})
+                      .out);
+  EXPECT_THAT(KindsOf(answer), AllOf(Contains("explained-by"), Not(Contains("not-explained"))));
+  EXPECT_ABS(answer["inputs"][0]["explaining_value"].get<double>(), 225, 0.02,
+             "the tone of the trial is 224.995(2) Hz");
+}
+
 TEST_F(CompareVerb, NamesNoInputThatCannotExplainTheDifference) {
   // a spring that is 10 % too stiff: no damping of the skin makes up for it, not even none
-  std::ifstream file(kAdapter);
-  std::string scene(std::istreambuf_iterator<char>(file), {});
+  std::string scene = TextOf(kAdapter);
   const std::string spring = "stiffness_n_per_m = 2800";
   ASSERT_NE(scene.find(spring), std::string::npos);
   scene.replace(scene.find(spring), spring.size(), "stiffness_n_per_m = 3080");
@@ -391,6 +490,46 @@ TEST_F(CompareVerb, NamesNoInputThatCannotExplainTheDifference) {
     if (finding["kind"] == "explained-by") causes = finding["text"];
   }
   EXPECT_EQ(causes, "a wrong value would explain it: actuator.stiffness_n_per_m");
+}
+
+// --- study compare ---
+
+TEST_F(CompareVerb, AStudyRefusesAWrongInputBeforeItsTrials) {
+  // an analysis of this one would be told of first
+  const std::string trials = directory_ / "trials";
+  std::filesystem::create_directory(trials);
+  std::ofstream(trials + "/1_a_1.bin") << "no trial";
+  const auto refused = [&](const std::vector<std::string>& further) {
+    std::vector<std::string> words{"compare", trials, "--pattern",
+                                   "{subject}_{condition}_{repeat}"};
+    words.insert(words.end(), further.begin(), further.end());
+    const Outcome outcome = Captured(RunStudy, "study", words);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_THAT(refused({kAdapter, "--input", "drive.amplitud_v=5+-1"}),
+              HasSubstr("--input drive.amplitud_v"));
+  EXPECT_THAT(refused({kAdapter, "--input", "a:drive.amplitude_v=5"}),
+              HasSubstr("has no uncertainty"));
+  EXPECT_THAT(refused({"--condition", "a=" + kAdapter, "--input", "a:drive.amplitud_v=5+-1"}),
+              HasSubstr("--input drive.amplitud_v"));
+  EXPECT_THAT(refused({"--condition", "stock"}), HasSubstr("write e.g. adapter=adapter.toml"));
+}
+
+TEST_F(CompareVerb, AStudyNamesItsOwnOptionForAnotherBand) {
+  const std::string trials = directory_ / "trials";
+  std::filesystem::create_directory(trials);
+  std::filesystem::copy_file(kFixtures + "/recorded_trial.bin", trials + "/1_a_1.bin");
+  std::string scene = TextOf(kAdapter);
+  const std::string frequency = "frequency_hz = 225";
+  scene.replace(scene.find(frequency), frequency.size(), "frequency_hz = 600");
+  const Outcome outcome = Captured(
+      RunStudy, "study",
+      {"compare", trials, File("high.toml", scene), "--pattern", "{subject}_{condition}_{repeat}"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("outside of the 20 to 500 Hz that the measured RMS is of; "
+                                     "give another --band\n"));
 }
 
 TEST_F(CompareVerb, RefusesMistakesInOneLine) {
@@ -420,11 +559,18 @@ TEST_F(CompareVerb, RefusesMistakesInOneLine) {
       {{good, kCone, "--input", "skin.stifness_n_per_m=600+-5"}, 2, "is not known"},
       {{good, kCone, "--input", "skin.stiffness_n_per_m=600"}, 2, "has no uncertainty"},
       {{good, kCone, "--input", "skin.stiffness_n_per_m=700:600"}, 2, "is not a range"},
-      {{good, kCone, "--input", "skin.stiffness_n_per_m"}, 2, "is not KEY=VALUE"},
+      {{good, kCone, "--input", "skin.stiffness_n_per_m"},
+       2,
+       "is not KEY=VALUE; write e.g. skin.stiffness_n_per_m=600+-50"},
+      {{good, kCone, "--uncertainty", "1%"}, 2, "write e.g. current_rms_a=1%"},
       {{good, kCone, "--input", "drive.amplitude_v=5+-0.1mm"}, 2, "--input drive.amplitude_v"},
       {{good, kCone, "--input", "skin.stiffness_n_per_m=600+-700"}, 2, "must not be negative"},
       {{good, kCone, "--input", "drive.frequency_hz=600+-1"}, 3, "outside of the 20 to 500 Hz"},
       {{good, kCone, "--uncertainty", "current_rms_a=1%"}, 3, "is not measured"},
+      {{good, kCone, "--input", "drive.amplitude_v=5+-1", "--input", "drive.amplitude_v=6+-1"},
+       2,
+       "--input: drive.amplitude_v is given twice"},
+      {{good, kFixtures + "/lra_burst.toml"}, 3, "and has no duration; give duration_s in [run]\n"},
       {{good, kCone, "--uncertainty", "skin_rms_m=0%"}, 2, "must be above 0"}};
   for (const Case& one : cases) {
     const Outcome outcome = Answer(one.words);

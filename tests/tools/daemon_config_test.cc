@@ -42,6 +42,8 @@ TEST(DaemonConfig, SaysWhatIsToBeRecordedAndWhere) {
     port = "127.0.0.1:5000"
     sensor = "stream"
     format = "+00.00,mm,LF"
+    averages = 16
+    sampling_s = "0.33ms"
     labels = { shift = "night" })");
   EXPECT_EQ(config.trials.directory, "/data");
   EXPECT_EQ(config.trials.file, "{utc}-{name}.bin");
@@ -62,6 +64,9 @@ TEST(DaemonConfig, SaysWhatIsToBeRecordedAndWhere) {
   const DaemonSensor& right = config.sensors[1];
   EXPECT_EQ(right.options.sensor, "stream");
   EXPECT_EQ(right.options.format, "+00.00,mm,LF");
+  EXPECT_EQ(right.options.averages, 16);
+  ASSERT_TRUE(right.options.sampling_s);
+  EXPECT_EQ(right.options.sampling_s->value, 0.33e-3);
   EXPECT_EQ(right.labels, (std::map<std::string, std::string>{{"rig", "A"}, {"shift", "night"}}));
 }
 

@@ -19,7 +19,7 @@ verbs = re.findall(r"^  ([a-z][a-z-]+) ", HELP["haptometer"], re.MULTILINE)
 for verb in verbs:
     add(verb)
 for verb, kind in [("trial", kind) for kind in ("exclude", "export", "include", "info", "label", "plot")] + [
-        ("study", kind) for kind in ("linearity", "matching")] + [
+        ("study", kind) for kind in ("compare", "linearity", "matching")] + [
         ("session", kind) for kind in ("floor", "new", "next", "note", "redo", "reject", "relabel", "run", "skip", "status")]:
     add(verb, kind)
 check(len(verbs) > 10, f"{len(verbs)} verbs")

@@ -253,8 +253,12 @@ TEST_F(SimulateVerb, PlaysASceneWithStops) {
   EXPECT_EQ(effects.at("contact_loss").at("change"), 0);
   // what a thousandth may neglect, a millionth may not
   EXPECT_FALSE(effects.at("inductance").at("on").get<bool>());
-  const json exact = json::parse(Simulate({stops, "--tolerance", "1e-6", "--json"}).out);
+  const json exact = json::parse(Simulate({stops, "--accuracy", "1e-6", "--json"}).out);
   EXPECT_TRUE(exact.at("effects").at("inductance").at("on").get<bool>());
+  // six digits are a millionth
+  const json by_digits = json::parse(Simulate({stops, "--digits", "6", "--json"}).out);
+  EXPECT_EQ(by_digits.at("run"), exact.at("run"));
+  EXPECT_EQ(by_digits.at("effects"), exact.at("effects"));
 }
 
 TEST_F(SimulateVerb, ExplainsEachEffect) {
@@ -276,6 +280,23 @@ TEST_F(SimulateVerb, ExplainsEachEffect) {
   EXPECT_EQ(linear.at("effects").at("inductance").at("ground"), "named");
   EXPECT_ABS(linear.at("explained").at(0).at("change").get<double>(), 6.6e-5, 0.05e-5,
              "two digits of what was shown before");
+}
+
+// each accuracy is kept, and a scene that the solver plays takes more steps for more digits
+TEST_F(SimulateVerb, ExplainsWhatAnAccuracyCosts) {
+  const std::string scene =
+      Scene("[effects]\nstiffening = true\n[stiffening]\ncubic_n_per_m3 = 3e9\n");
+  const json answer =
+      json::parse(Simulate({scene, "--duration", "50ms", "--explain", "--json"}).out);
+  const json& accuracies = answer.at("accuracies");
+  ASSERT_EQ(accuracies.size(), 5U);
+  for (const json& row : accuracies) {
+    EXPECT_LE(row.at("error_estimate"), row.at("accuracy"));
+    EXPECT_GT(row.at("answer_s"), 0);
+  }
+  EXPECT_GT(accuracies.back().at("solver_steps"), accuracies.front().at("solver_steps"));
+  const Outcome linear = Simulate({kFixtures + "/lra_adapter.toml", "--explain"});
+  EXPECT_THAT(linear.out, HasSubstr("what an accuracy costs, best time of three answers"));
 }
 
 // without a duration: what the scene settles to
@@ -301,7 +322,7 @@ TEST_F(SimulateVerb, AWaveformThatAStopMayChangeIsCompared) {
            "stiffness_n_per_m = 1e6\ndamping_n_s_per_m = 0\n";
   scene.close();
   const Outcome outcome = Simulate(
-      {Path("auto.toml"), "--json", "--quantity", "skin_waveform_m", "--tolerance", "1e-6"});
+      {Path("auto.toml"), "--json", "--quantity", "skin_waveform_m", "--accuracy", "1e-6"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(json::parse(outcome.out).at("periodic").at("drive_periods"), 6);
 }
@@ -394,7 +415,10 @@ TEST_F(SimulateVerb, RecordsAMotionWithImpacts) {
 TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const std::string limited =
       Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");
-  EXPECT_EQ(Simulate({limited, "--tolerance", "2"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--accuracy", "2"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--accuracy", "1e-12"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--digits", "12"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--digits", "6", "--accuracy", "1e-6"}).status, 2);
   const Outcome idle =
       Simulate({Scene("[travel_stops]\ngap_m = '50um'\nrestitution = 0\n"), "--json"});
   EXPECT_EQ(idle.status, 0);

@@ -44,6 +44,42 @@ TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   }
 }
 
+// the accuracy is that of simulate, in both spellings, and a part of the question
+TEST_F(SweepVerb, KeepsTheAccuracyThatIsAsked) {
+  std::ifstream adapter(kAdapter);
+  const std::string linear{std::istreambuf_iterator<char>(adapter), {}};
+  const std::string scene = File("scene.toml", linear +
+                                                   "[run]\nduration_s = 0.05\ntolerance = 1e-9\n"
+                                                   "[effects]\nstiffening = true\n"
+                                                   "[stiffening]\ncubic_n_per_m3 = 1e9\n");
+  const std::vector<std::string> words{scene, "--vary", "drive.amplitude_v=5"};
+  const auto rms = [&](const std::string& name, const std::vector<std::string>& asked) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), asked.begin(), asked.end());
+    return RowsOf(Table(all, name)).at(0).at("window_rms_m");
+  };
+  const std::string loose = rms("loose.csv", {"--digits", "3"});
+  EXPECT_NE(loose, rms("plain.csv", {}));
+  EXPECT_EQ(loose, rms("number.csv", {"--accuracy", "1e-3"}));
+  EXPECT_EQ(rms("plain.csv", {"--overwrite"}), rms("same.csv", {"--accuracy", "1e-9"}));
+  // every bit of what simulate prints
+  const Outcome one = Captured(RunSimulate, "simulate", {scene, "--digits", "3", "--json"});
+  EXPECT_EQ(std::stod(loose), json::parse(one.out).at("window_rms_m").get<double>());
+  // another accuracy is another question
+  EXPECT_THAT(Content("loose.csv"), HasSubstr("# accuracy = 0.001\n"));
+  EXPECT_THAT(Content("plain.csv"), Not(HasSubstr("# accuracy")));
+  EXPECT_EQ(Sweep(words, "loose.csv", {"--resume", "--digits", "4"}).status, 2);
+  EXPECT_EQ(Sweep(words, "loose.csv", {"--resume", "--digits", "3"}).status, 0);
+}
+
+TEST_F(SweepVerb, RefusesTwoAccuracies) {
+  const Outcome varied =
+      Sweep({kAdapter, "--vary", "run.tolerance=1e-3,1e-6"}, "t.csv", {"--accuracy", "1e-4"});
+  EXPECT_EQ(varied.status, 2);
+  EXPECT_THAT(varied.err, HasSubstr("--vary run.tolerance"));
+  EXPECT_EQ(Sweep(kGrid, "t.csv", {"--accuracy", "1e-4", "--digits", "4"}).status, 2);
+}
+
 // stops within the mover's travel: no steady motion, but the numbers of the run
 TEST_F(SweepVerb, AnswersScenesWithEffects) {
   std::ifstream adapter(kAdapter);
@@ -200,10 +236,10 @@ TEST_F(SweepVerb, DrawsOneOrTwoKeys) {
   const std::string hertz = "drive.frequency_hz=100:400:31";
   drawn({kCone, "--vary", hertz}, "drive frequency / Hz");
   drawn({kCone, "--vary", hertz}, "skin RMS / µm");
-  drawn(kGrid, "skin stiffness / N/m = 1200");
+  drawn(kGrid, "skin stiffness 1200\u00a0N/m");
   drawn({kCone, "--vary", hertz, "--vary", "skin.stiffness_n_per_m=600:2000:15"}, "<image");
   drawn({kCone, "--vary", hertz, "--vary", "skin.stiffness_n_per_m=log:600:2000:15"},
-        "skin stiffness / N/m = 2000");
+        "skin stiffness 2000\u00a0N/m");
   drawn(kSampled, "skin damping / N s/m");
   drawn({kCone, "--vary", "run.start=rest,steady"}, "steady");
   Outcome outcome = Sweep(kGrid, "s.csv", {"--plot", Path("p.svg"), "--shard", "1/2"});

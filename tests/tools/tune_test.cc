@@ -298,8 +298,8 @@ TEST(TuneVerb, AnswersTheOtherObjectives) {
 TEST(TuneVerb, TellsPeopleTheProof) {
   const Outcome outcome = Tune({});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("thesis: 5 V at 225 Hz, largest skin-rms\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("  skin-rms                     201.885 um\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("thesis: 5 V at 225 Hz, largest skin displacement (RMS)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  largest value                201.885 um\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no adapter within the bounds gives more"));
   EXPECT_THAT(outcome.out, HasSubstr("  mass on the motor's side     0.25 g, at a bound\n"));
 }

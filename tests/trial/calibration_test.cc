@@ -205,6 +205,13 @@ TEST(CalibrationFields, HoldHowTheLineWasFound) {
   EXPECT_EQ(fields.at("calibration.displacement.nonlinearity_m"), "7e-06");
   EXPECT_EQ(fields.at("calibration.provenance.utc"), "2026-03-01T12:00:00Z");
   Metadata metadata;
+  metadata.fields = fields;
+  // 1 mm/V over +-4 V
+  EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->least, -4e-3);
+  EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->most, 4e-3);
+  EXPECT_FALSE(CalibratedRangeOf(metadata, "voltage"));
+  metadata.fields["calibration.displacement.calibrated_most"] = "none";
+  EXPECT_FALSE(CalibratedRangeOf(metadata, "displacement"));
   StateAveraging(calibration.averaging, &metadata);
   EXPECT_EQ(metadata.averages, 16);
   EXPECT_EQ(metadata.sampling_s, 1e-3);
@@ -237,6 +244,7 @@ class CalibratedRecord : public tests::TemporaryFiles {
     }
     return record;
   }
+  Findings findings_;
   const std::string file_ =
       "averages = 1\n[displacement]\nscale_m_per_v = 0.001\noffset_m = 1e-4\n"
       "relative_standard_uncertainty = 0.002\nbad_above_v = 5.25\n"
@@ -245,7 +253,7 @@ class CalibratedRecord : public tests::TemporaryFiles {
 
 TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {
   Record record = Volts({"CH1"});
-  const auto done = CalibrateRecord(File("c.toml", file_), "t.csv", &record);
+  const auto done = CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_);
   ASSERT_TRUE(done) << done.error().Text();
   const Channel& channel = record.channels[0];
   EXPECT_EQ(channel.role, ChannelRole::kDisplacement);
@@ -256,22 +264,47 @@ TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {
   EXPECT_EQ(channel.statuses[3], SampleStatus::kClipped);
   EXPECT_EQ(record.metadata.averages, 1);
   EXPECT_EQ(*GainUncertaintyOf(record.metadata, "displacement"), 0.002);
+  EXPECT_TRUE(findings_.list().empty());
+}
+
+TEST_F(CalibratedRecord, MillivoltsReadAsVoltsAreDoubted) {
+  Record record = Volts({"CH1"});
+  record.channels[0].values = {-3000, 0, 3000, 2000};
+  ASSERT_TRUE(CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_));
+  ASSERT_TRUE(findings_.Has(FindingKind::kInputTooLarge));
+  EXPECT_EQ(std::get<double>(findings_.list()[0].numbers[0].value), 3000);
+}
+
+TEST_F(CalibratedRecord, PairsInMillivoltsReadAsVoltsAreDoubted) {
+  Record record = Volts({"CH1"});
+  const std::string file = file_ + "calibrated_min_v = -4003\ncalibrated_max_v = 4003\n";
+  ASSERT_TRUE(CalibrateRecord(File("c.toml", file), "t.csv", &record, &findings_));
+  ASSERT_TRUE(findings_.Has(FindingKind::kInputTooLarge));
+  EXPECT_EQ(std::get<double>(findings_.list()[0].numbers[0].value), 4003);
+}
+
+TEST_F(CalibratedRecord, ASensorInAnotherUnitIsRefused) {
+  Record record = Volts({"sensor"});
+  record.channels[0].unit = "A";
+  EXPECT_THAT(CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_).error().Text(),
+              HasSubstr("t.csv has its sensor in A"));
 }
 
 TEST_F(CalibratedRecord, SensorNamesItAmongSeveral) {
   const std::string path = File("c.toml", file_);
   Record record = Volts({"CH1", "sensor"});
-  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record));
+  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record, &findings_));
   EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
   EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
   // one is there now: a second is not made of it
-  EXPECT_THAT(CalibrateRecord(path, "t.csv", &record).error().Text(),
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &record, &findings_).error().Text(),
               HasSubstr("has a displacement already"));
   Record several = Volts({"CH1", "CH2"});
-  EXPECT_THAT(CalibrateRecord(path, "t.csv", &several).error().Text(),
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &several, &findings_).error().Text(),
               HasSubstr("has several voltages"));
   Record none = Volts({});
-  EXPECT_THAT(CalibrateRecord(path, "t.csv", &none).error().Text(), HasSubstr("has no voltage"));
+  EXPECT_THAT(CalibrateRecord(path, "t.csv", &none, &findings_).error().Text(),
+              HasSubstr("has no voltage"));
 }
 
 }  // namespace

@@ -240,11 +240,15 @@ Result<int> Run(const AcquireOptions& wanted, const RecordingPlan& plan, const d
   return Report(wanted, file, made, summary, plan.reconnects, argc, argv);
 }
 
-// the ports or the sensors
+// the ports, the routes or the sensors
 Result<document::Document> List(const AcquireOptions& wanted) {
   if (wanted.list_ports) {
     HAPTOMETER_LET(const auto ports, acquire::ListPorts());
     return PortsDocument(ports);
+  }
+  if (wanted.advise.advise) {
+    HAPTOMETER_LET(const auto asked, ReadRouteQuestion(wanted.advise, wanted.band));
+    return RoutesDocument(asked);
   }
   HAPTOMETER_LET(const auto question, ReadCapabilityQuestion(wanted.band, wanted.resolution_m));
   return SensorsDocument(question);
@@ -254,7 +258,7 @@ Result<document::Document> List(const AcquireOptions& wanted) {
 Result<int> Answer(const AcquireOptions& wanted, int argc, const char* const* argv) {
   HAPTOMETER_TRY(document::CheckOutputs(wanted.outputs));
   // lists need no sensor, so they come before the checks of the sensor's options
-  if (wanted.list_ports || wanted.list_sensors) {
+  if (wanted.list_ports || wanted.list_sensors || wanted.advise.advise) {
     HAPTOMETER_LET(auto document, List(wanted));
     return document::Present(std::move(document), wanted.outputs, argc, argv);
   }

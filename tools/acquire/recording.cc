@@ -226,7 +226,7 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
 Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
                                     std::time_t now) {
   RecordingPlan plan;
-  HAPTOMETER_LET(plan.labels, cli::ReadKeyValues(wanted.labels, "--label"));
+  HAPTOMETER_LET(plan.labels, cli::ReadKeyValues(wanted.labels, "--label", "subject=3"));
   HAPTOMETER_TRY(PlanEnd(wanted, now, plan));
   HAPTOMETER_TRY(PlanTrigger(wanted, plan));
   HAPTOMETER_TRY(PlanReconnection(wanted, sensor, plan));
@@ -396,11 +396,12 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
   options.Flag("--list-sensors", &wanted.list_sensors,
                "List which sensors meet --band and --resolution, and record nothing");
   options.Text("--band", &wanted.band, "LOWER-UPPERHz",
-               "Band that --live, --check and --list-sensors examine");
+               "Band that --live, --check, --list-sensors and --advise examine");
   options
       .Number("--resolution", &wanted.resolution_m, Dimension::kLength,
               "Largest permitted step, for --list-sensors")
       .Default("1 um");
+  DeclareAdvise(options, wanted.advise);
   DeclareDaemon(options, wanted.daemon);
   options.Flag("--all", &wanted.outputs.all, "Print all numbers and the provenance too");
   options.Output("--report", &wanted.outputs.report, "FILE.html",
@@ -419,6 +420,7 @@ Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
 }
 
 Result<void> CheckAcquire(const AcquireOptions& wanted) {
+  HAPTOMETER_TRY(CheckNotAdvised(wanted.advise));
   HAPTOMETER_TRY(CheckSensor(wanted.sensor));
   const bool has_output = !wanted.recording.output.empty();
   HAPTOMETER_TRY(cli::CheckRules({

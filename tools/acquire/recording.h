@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "dsp/filter/butterworth.h"
+#include "tools/acquire/advise_document.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/options.h"
 #include "tools/daemon/daemon.h"
@@ -126,6 +127,7 @@ struct AcquireOptions {
   bool list_ports = false;
   bool list_sensors = false;
   std::optional<Quantity> resolution_m;
+  AdviseWords advise;
   DaemonOptions daemon;
   document::Outputs outputs;
 };

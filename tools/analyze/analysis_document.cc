@@ -9,6 +9,7 @@
 
 #include "base/mapped.h"
 #include "tools/analyze/analyze.h"
+#include "tools/analyze/halving.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 #include "tools/document/render.h"
@@ -599,6 +600,7 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   // after all sections are complete: digits are limited recursively
   LimitDigits(file, trial);
   AddFindings(file, is_alone, trial);
+  AddHalving(analysis, is_alone ? "" : file.path, trial);
   return trial;
 }
 

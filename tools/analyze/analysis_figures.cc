@@ -215,7 +215,7 @@ plot::Panel DistancePanel(const Rows& rows) {
     return is_shown(row) && !IsInWindow(rows.analysis, row);
   };
   plot::Panel panel{
-      fmt::format("distance, about {:.5g} um", offset_m / kUm),
+      fmt::format("distance, about {:g} um", std::round(10 * offset_m / kUm) / 10 + 0.0),
       "time / s",
       "distance / um",
       {{"not used", plot::Lines(plot::kDarkGrey), rows.times_s,

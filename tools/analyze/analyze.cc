@@ -133,7 +133,9 @@ AnalyzedFile Analyze(const std::string& path, const Job& job) {
 Result<Job> JobOf(const AnalyzeWords& words) {
   auto question = QuestionOf(words);
   if (!question) return std::unexpected(question.error());
-  auto import = cli::ImportOf(words.import);
+  std::vector<std::string> read = words.files;
+  if (!words.floor.empty()) read.push_back(words.floor);
+  auto import = cli::ImportOf(words.import, read);
   if (!import) return std::unexpected(import.error());
   auto spectrum = SpectrumQuestionOf(words.spectrum);
   if (!spectrum) return std::unexpected(spectrum.error());

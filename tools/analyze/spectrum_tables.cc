@@ -115,9 +115,9 @@ bool IsCsv(const std::string& path) { return std::filesystem::path(path).extensi
 
 plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& question) {
   plot::Panel panel{
-      fmt::format("spectrum of the unfiltered window: {}, {:.3g} Hz noise bandwidth, {} segments",
-                  NameOf(question.window), spectrum.grid.noise_bandwidth_hz,
-                  spectrum.grid.segments),
+      fmt::format(
+          "spectrum of the unfiltered window: {} window, {:.3g} Hz noise bandwidth, {} segments",
+          NameOf(question.window), spectrum.grid.noise_bandwidth_hz, spectrum.grid.segments),
       "frequency / Hz",
       question.amplitude ? "amplitude / um" : "density / (um^2/Hz)",
       {{"", plot::Lines(plot::kBlue)}},

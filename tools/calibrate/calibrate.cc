@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <limits>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "acquire/transport/open_port.h"
+#include "base/mapped.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/calibrate/calibration_answer.h"
 #include "tools/calibrate/reference_points.h"
@@ -89,9 +91,9 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "Compare with this calibration: status 3 where |E_n| of the gain exceeds 1 (k = 2)");
   options.Output("-o,--output", &wanted.output, "FILE.toml", "Calibration file to write");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing calibration file");
-  document::DeclareOutputs(
-      options, wanted.outputs,
-      {.all = "Print each point too, and the provenance", .plot = "Draw the residuals"});
+  document::DeclareOutputs(options, wanted.outputs,
+                           {.all = "Print each point too, and the provenance",
+                            .plot = "Draw the points on the line and their residuals"});
 }
 
 Result<void> CheckTogether(const Wanted& wanted) {
@@ -167,6 +169,12 @@ Result<T> At(const std::string& where, Result<T> result) {
   return result;
 }
 
+// "line 3 of the table, line 6 of the table"
+std::string NamesOfOutliers(const CalibrationAnswer& answer) {
+  const auto name = [&](const fit::Outlier& one) { return answer.NameOf(one.point); };
+  return fmt::format("{}", fmt::join(Mapped(answer.fit.outliers->points, name), ", "));
+}
+
 Result<int> Calibrate(Wanted& wanted, int argc, const char* const* argv) {
   HAPTOMETER_TRY(CheckTogether(wanted));
   double scale_uncertainty = 0;
@@ -199,13 +207,19 @@ Result<int> Calibrate(Wanted& wanted, int argc, const char* const* argv) {
           where,
           fmt::format("the gain is uncertain by {:.0f} %: no calibration is written",
                       100 * answer.RelativeUncertainty()),
-          "measure more points, further apart");
+          answer.fit.outliers
+              ? fmt::format("correct {}, far from the others", NamesOfOutliers(answer))
+              : "measure more points, further apart");
     }
     HAPTOMETER_TRY(WriteOutput(wanted.output, cli::kCalibrationOutput, wanted.overwrite,
                                CalibrationText(answer, document::ProvenanceOf(kVerb, argc, argv))));
   }
-  return cli::InterruptedStatus(
-      document::Present(CalibrationDocument(answer, where), wanted.outputs, argc, argv));
+  int status = document::Present(CalibrationDocument(answer, where), wanted.outputs, argc, argv);
+  // a calibration that is no longer valid is an expectation that does not hold
+  if (answer.check && !answer.check->Agrees().value_or(true)) {
+    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
+  }
+  return cli::InterruptedStatus(status);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ constexpr double kErrorLevelV = 1e-3 * acquire::dl_rs1a::kAnalogErrorMv;
 // DAQ and amplifier may differ by so much there
 constexpr double kErrorToleranceV = 0.05;
 // what an amplifier's output of +-5 V reaches at most; above it stands its error level
-constexpr double kMostOutputV = 5.25;
+constexpr double kHighestReadingV = 5.25;
 
 constexpr KnownColumn kDisplacements[]{
     {"displacement_m", 1}, {"displacement_mm", 1e-3}, {"displacement_um", 1e-6}};
@@ -84,6 +84,36 @@ Result<std::vector<double>> Uncertainties(const TextTable& table,
                       "correct that cell");
 }
 
+// Excludes the points at +5.5 V, the amplifier's error level, unless all of them fit the line of
+// the others, or the output goes beyond.
+void ExcludeErrorLevel(CalibrationPoints* found) {
+  const auto is_there = [](const fit::LinePoint& point) {
+    return std::abs(point.x - kErrorLevelV) <= kErrorToleranceV;
+  };
+  const auto is_above = [](const fit::LinePoint& point) {
+    return point.x > kErrorLevelV + kErrorToleranceV;
+  };
+  if (std::ranges::none_of(found->points, is_there)) return;
+  if (std::ranges::any_of(found->points, is_above)) return;
+  CalibrationPoints rest = *found;
+  rest.points.clear();
+  rest.lines.clear();
+  for (std::size_t i = 0; i < found->points.size(); ++i) {
+    if (is_there(found->points[i])) {
+      rest.error_level.push_back(found->lines[i]);
+    } else {
+      rest.points.push_back(found->points[i]);
+      rest.lines.push_back(found->lines[i]);
+    }
+  }
+  const auto line = fit::FitStraightLine(rest.points, found->scatter);
+  const auto fits = [&](const fit::LinePoint& point) {
+    return !is_there(point) ||
+           std::abs((point.y - line->intercept) / line->slope - point.x) <= kErrorToleranceV;
+  };
+  if (!line || !std::ranges::all_of(found->points, fits)) *found = std::move(rest);
+}
+
 }  // namespace
 
 Result<CalibrationPoints> ReadPairs(const std::string& path,
@@ -109,22 +139,19 @@ Result<CalibrationPoints> ReadPairs(const std::string& path,
 
   CalibrationPoints found;
   found.scatter = are_stated ? fit::Scatter::kStated : fit::Scatter::kFromResiduals;
-  // an output that goes beyond +5.5 V has no error level there
-  const double most_v = *std::ranges::max_element(volts);
-  const bool has_error_level = std::abs(most_v - kErrorLevelV) <= kErrorToleranceV;
   for (std::size_t i = 0; i < volts.size(); ++i) {
     if (volts[i] <= rails.rail_min || volts[i] >= rails.rail_max) {
       found.at_rail.push_back(table.lines[i]);
-    } else if (has_error_level && volts[i] >= kErrorLevelV - kErrorToleranceV) {
-      found.error_level.push_back(table.lines[i]);
     } else if (are_stated && of_volts[i] == 0 && of_metres[i] == 0) {
       return CannotAnswer(fmt::format("{}:{}", path, table.lines[i]), "is stated to be exact",
                           "give one of its uncertainties above 0");
     } else {
       // without a statement all noise is in the voltage, and of one size
       found.points.push_back({volts[i], metres[i], are_stated ? of_volts[i] : 1, of_metres[i]});
+      found.lines.push_back(table.lines[i]);
     }
   }
+  ExcludeErrorLevel(&found);
   return found;
 }
 
@@ -175,6 +202,17 @@ Result<CalibrationPoints> PointsOf(ReferencePoints found, const trial::Metadata&
 
 double CalibrationAnswer::RelativeUncertainty() const {
   return std::hypot(fit.relative_uncertainty, scale_uncertainty);
+}
+
+std::optional<double> CalibrationAnswer::BadAboveV() const {
+  const bool is_below = std::ranges::all_of(
+      measured.points, [](const fit::LinePoint& point) { return point.x <= kHighestReadingV; });
+  return is_below ? std::optional(kHighestReadingV) : std::nullopt;
+}
+
+std::string CalibrationAnswer::NameOf(std::size_t point) const {
+  return measured.lines.empty() ? fmt::format("point {}", point + 1)
+                                : fmt::format("line {} of the table", measured.lines[point]);
 }
 
 Result<CalibrationAnswer> AnswerOf(CalibrationPoints points) {
@@ -255,8 +293,7 @@ std::string CalibrationText(const CalibrationAnswer& answer,
   if (answer.fit.hysteresis) number("hysteresis_m", rounded(answer.fit.hysteresis->difference));
   number("calibrated_min_v", rounded(least.x));
   number("calibrated_max_v", rounded(most.x));
-  // an amplifier's output above this is its error level
-  if (answer.daq || !answer.measured.error_level.empty()) number("bad_above_v", kMostOutputV);
+  if (const auto bad_above_v = answer.BadAboveV()) number("bad_above_v", *bad_above_v);
   number("daq_min_v", answer.limits.rail_min);
   number("daq_max_v", answer.limits.rail_max);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,8 +17,10 @@ namespace haptometer::tools {
 /// Points of a calibration as they were given or measured.
 struct CalibrationPoints {
   std::vector<fit::LinePoint> points;  ///< x: input in V, y: displacement in m
+  std::vector<std::size_t> lines{};    ///< of each in its table; empty without one
   fit::Scatter scatter = fit::Scatter::kFromResiduals;
-  std::vector<std::size_t> error_level{};  ///< lines excluded: the output stood at +5.5 V
+  std::vector<std::size_t> error_level{};  ///< lines excluded: the output stood at +5.5 V, off
+                                           ///< the line of the others
   std::vector<std::size_t> at_rail{};      ///< lines excluded: the DAQ's range ended there
   // of an amplifier that is its own reference
   std::vector<fit::LinePoint> analog{};      ///< x: input in V, y: what the amplifier puts out
@@ -45,11 +48,16 @@ struct CalibrationPoints {
 struct CalibrationCheck {
   std::string file;
   trial::ChannelCalibration stated;
-  double gain_error = 0;  ///< E_n of the gain (fit::NormalizedError)
+  std::optional<double> gain_error{};  ///< E_n of the gain (fit::NormalizedError)
   /// Today's line less the file's in the middle of today's points, in m, and its E_n; nothing where
   /// the file states no uncertainty of its offset.
   double shift_m = 0;
   std::optional<double> shift_error{};
+
+  /// Whether |E_n| of the gain is 1 at most; nothing where it is not determined.
+  [[nodiscard]] std::optional<bool> Agrees() const {
+    return gain_error ? std::optional(std::abs(*gain_error) <= 1) : std::nullopt;
+  }
 };
 
 /// What calibrate answers.
@@ -64,6 +72,11 @@ struct CalibrationAnswer {
 
   /// Relative standard uncertainty of the gain, all causes.
   [[nodiscard]] double RelativeUncertainty() const;
+  /// The input above which the file says that there is no reading: 5.25 V, where no point lies
+  /// above, as the error level of a +-5 V output is 5.5 V; else nothing.
+  [[nodiscard]] std::optional<double> BadAboveV() const;
+  /// "line 7 of the table", or "point 3" where there is none.
+  [[nodiscard]] std::string NameOf(std::size_t point) const;
 };
 
 /// Fits the points. Errors: as fit::FitCalibration.

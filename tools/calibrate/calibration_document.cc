@@ -46,7 +46,7 @@ Section LineSection(const CalibrationAnswer& answer) {
   Item& farthest = section.Add({"nonlinearity_m", "largest deviation", document::kMetre},
                                answer.fit.nonlinearity);
   ShowDigits(farthest, 3);
-  farthest.note = fmt::format("of point {} from the line", answer.fit.farthest + 1);
+  farthest.note = fmt::format("of {}", answer.NameOf(answer.fit.farthest));
   Item& difference =
       section.Add({"hysteresis_m", "rising less falling", document::kMetre, Form::kUncertain},
                   document::MemberOf(answer.fit.hysteresis, &fit::Hysteresis::difference));
@@ -57,6 +57,8 @@ Section LineSection(const CalibrationAnswer& answer) {
   const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
   section.Add({"calibrated_v", "range of the input", document::kVolt},
               document::Range{least.x, most.x});
+  section.Add({"bad_above_v", "no reading above", document::kVolt}, answer.BadAboveV()).note =
+      answer.BadAboveV() ? "the error level of a +-5 V output is 5.5 V" : "";
   return section;
 }
 
@@ -104,7 +106,7 @@ Section CheckSection(const CalibrationAnswer& answer) {
   section.Add({kGainKey.name, "its gain", document::kMetrePerVolt}, check.stated.scale);
   section.Add({"gain_normalized_error", "normalised error of the gain (k = 2)"}, check.gain_error)
       .resolution = 0.01;
-  section.Add({document::kAgrees.name, "agrees"}, std::abs(check.gain_error) <= 1);
+  section.Add({document::kAgrees.name, "agrees"}, check.Agrees());
   section.Add({"shift_m", "shift of the zero", document::kMetre}, check.shift_m);
   section.Add({"shift_normalized_error", "normalised error of it (k = 2)"}, check.shift_error)
       .resolution = 0.01;
@@ -132,24 +134,67 @@ Section PointsSection(const CalibrationAnswer& answer) {
   return table;
 }
 
-document::Figure ResidualFigure(const CalibrationAnswer& answer) {
-  plot::Panel panel{.title = "distance of the points from the line",
-                    .x_label = "input / V",
-                    .y_label = "residual / um",
-                    .has_margins = true};
+// points by how they were approached; `y` in the unit of the axis
+template <typename Value>
+void AddPointSeries(plot::Panel& panel, const CalibrationAnswer& answer, const Value& y) {
+  plot::Series first{"first point", plot::Points(plot::kBlack, 0.7)};
   plot::Series rising{"rising", plot::Points(plot::kBlue, 0.7)};
   plot::Series falling{"falling", plot::Points(plot::kOrange, 0.7)};
   for (std::size_t i = 0; i < answer.measured.points.size(); ++i) {
-    plot::Series& series = answer.fit.directions[i] < 0 ? falling : rising;
+    const int direction = answer.fit.directions[i];
+    plot::Series& series = direction == 0 ? first : direction > 0 ? rising : falling;
     series.x.push_back(answer.measured.points[i].x);
-    series.y.push_back(1e6 * answer.fit.line.residuals[i]);
+    series.y.push_back(y(i));
   }
-  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
-  panel.series.push_back({"line", plot::Lines(plot::kGrey), {least.x, most.x}, {0, 0}});
-  for (plot::Series* series : {&rising, &falling}) {
+  for (plot::Series* series : {&first, &rising, &falling}) {
     if (!series->x.empty()) panel.series.push_back(std::move(*series));
   }
-  return {.caption = "Residuals of the calibration.", .panels = {std::move(panel)}};
+  if (!answer.fit.outliers) return;
+  for (const auto& [point, distance] : answer.fit.outliers->points) {
+    panel.series.push_back(
+        {fmt::format("{}, off the others", answer.NameOf(point)),
+         {.mark = plot::Mark::kPoints, .colour = plot::kBlack, .size = 1.6, .point = 6},
+         {answer.measured.points[point].x},
+         {y(point)}});
+  }
+}
+
+// the points on their line, and below, with the same axis of the input, their distance from it
+document::Figure CalibrationFigure(const CalibrationAnswer& answer) {
+  constexpr int kSteps = 100;
+  const fit::StraightLine& line = answer.fit.line;
+  plot::Panel whole{.title = "calibration line",
+                    .x_label = "input / V",
+                    .y_label = "displacement / mm",
+                    .has_margins = true};
+  plot::Panel residuals{.title = "distance of the points from the line",
+                        .x_label = "input / V",
+                        .y_label = "residual / um",
+                        .has_margins = true};
+  plot::Series of_line{"line", plot::Lines(plot::kGrey)};
+  plot::Series zero{"line", plot::Lines(plot::kGrey)};
+  plot::Series upper{"95 % interval of the line", plot::Lines(plot::kDarkGrey, 1, 2)};
+  plot::Series lower{"", plot::Lines(plot::kDarkGrey, 1, 2)};
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::x);
+  for (int k = 0; k <= kSteps; ++k) {
+    const double x = std::lerp(least.x, most.x, static_cast<double>(k) / kSteps);
+    const double half_m = line.coverage_95 * line.UncertaintyAt(x);
+    for (plot::Series* series : {&of_line, &zero, &upper, &lower}) series->x.push_back(x);
+    of_line.y.push_back(1e3 * (line.intercept + line.slope * x));
+    zero.y.push_back(0);
+    upper.y.push_back(1e6 * half_m);
+    lower.y.push_back(-1e6 * half_m);
+  }
+  const double margin = (most.x - least.x) / 20;
+  for (plot::Panel* panel : {&whole, &residuals}) {
+    panel->x_range = {least.x - margin, most.x + margin};
+  }
+  whole.series = {std::move(of_line)};
+  residuals.series = {std::move(zero), std::move(upper), std::move(lower)};
+  AddPointSeries(whole, answer, [&](std::size_t i) { return 1e3 * answer.measured.points[i].y; });
+  AddPointSeries(residuals, answer, [&](std::size_t i) { return 1e6 * line.residuals[i]; });
+  return {.caption = "Points and residuals of the calibration. Excluded rows are not drawn.",
+          .panels = {std::move(whole), std::move(residuals)}};
 }
 
 void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
@@ -157,7 +202,7 @@ void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
   if (!measured.error_level.empty()) {
     root.Find(Severity::kDoubt, "error-level",
               fmt::format("+5.5 V is the error level of the amplifier's output (no target, or an "
-                          "error), and no reading: line {} excluded",
+                          "error), and off the line of the others: line {} excluded",
                           fmt::join(measured.error_level, ", ")),
               {{"points", measured.error_level.size()}});
   }
@@ -189,8 +234,60 @@ void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
             "are in no uncertainty unless --reference-uncertainty states them");
 }
 
+// the volts or millivolts of a DAQ as the other
+void AddUnitFindings(Section& root, const CalibrationAnswer& answer) {
+  constexpr double kMilli = 1e-3;
+  // above the factor of any divider at a DAQ's input, below that of milli
+  constexpr double kLargestRatio = 30;
+  double most_v = 0;
+  for (const fit::LinePoint& point : answer.measured.points) {
+    most_v = std::max(most_v, std::abs(point.x));
+  }
+  if (answer.daq) {
+    const double ratio = std::abs(answer.daq->line.slope);
+    if (ratio > 1 / kLargestRatio && ratio < kLargestRatio) return;
+    root.Find(
+        Severity::kDoubt, "input-unit",
+        fmt::format("the amplifier puts out {{ratio}} V for 1 V of the DAQ: --input must give "
+                    "V, does it give {}?",
+                    ratio < 1 ? "mV" : "another unit"),
+        {{"ratio", ratio}});
+  } else if (most_v > trial::kMostOutputV) {
+    root.Find(Severity::kDoubt, "input-unit",
+              "the input reaches {most_v}, more than an analog output gives: is the column in mV? "
+              "Name it voltage_mv",
+              {{"most_v", most_v}});
+  } else if (most_v < kMilli * trial::kMostOutputV) {
+    root.Find(Severity::kDoubt, "input-unit",
+              "the input reaches {most_v} only, a thousandth of an analog output: is the column in "
+              "V? Name it voltage_v",
+              {{"most_v", most_v}});
+  }
+}
+
+// a doubt each
+void AddOutliers(Section& root, const CalibrationAnswer& answer) {
+  const fit::Outliers& outliers = *answer.fit.outliers;
+  const std::size_t count = outliers.points.size();
+  const std::string those = count == 1 ? "it" : fmt::format("the {} such points", count);
+  for (const fit::Outlier& outlier : outliers.points) {
+    root.Find(Severity::kDoubt, "outlier",
+              answer.NameOf(outlier.point) +
+                  " lies {distance_m} from the line of the others, which scatter by {scatter_m}: a "
+                  "typing error, or a target that slipped? The gain is {gain_m_per_v} with " +
+                  those + " and {gain_without_m_per_v} without " + (count == 1 ? "it" : "them") +
+                  "; correct it, or leave it out",
+              {{"point", outlier.point + 1},
+               {"distance_m", outlier.distance},
+               {"scatter_m", outliers.scatter},
+               {"gain_m_per_v", answer.fit.line.slope},
+               {"gain_without_m_per_v", outliers.others.slope}});
+  }
+}
+
 void AddFitFindings(Section& root, const CalibrationAnswer& answer) {
   const fit::CalibrationFit& fit = answer.fit;
+  if (fit.outliers) AddOutliers(root, answer);
   if (fit.line.is_beyond_stated) {
     root.Find(Severity::kDoubt, "beyond-stated",
               "the points scatter {ratio} times as far as their stated uncertainties explain: the "
@@ -217,11 +314,16 @@ void AddFitFindings(Section& root, const CalibrationAnswer& answer) {
   }
   if (!answer.check) return;
   const CalibrationCheck& check = *answer.check;
-  if (!(std::abs(check.gain_error) <= 1)) {
-    root.Find(Severity::kRefusal, "calibration-changed",
+  if (!check.gain_error) {
+    root.Find(Severity::kRefusal, "check-not-determined",
+              "{file}: whether its gain still holds is not determined: neither its points nor "
+              "today's scatter, so that no difference is explained; state --voltage-uncertainty",
+              {{"file", check.file}});
+  } else if (!*check.Agrees()) {
+    root.Find(Severity::kDoubt, "calibration-changed",
               fmt::format("{{file}}: its gain is no longer valid: |E_n| = {:.2f} > 1",
-                          std::abs(check.gain_error)),
-              {{"file", check.file}, {"normalized_error", check.gain_error}});
+                          std::abs(*check.gain_error)),
+              {{"file", check.file}, {"normalized_error", *check.gain_error}});
   }
   if (check.shift_error && !(std::abs(*check.shift_error) <= 1)) {
     root.Find(Severity::kDoubt, "zero-shifted",
@@ -243,7 +345,8 @@ document::Document CalibrationDocument(const CalibrationAnswer& answer, const st
   }
   root.sections = {LineSection(answer), DaqSection(answer), CheckSection(answer),
                    DetailSection(answer), PointsSection(answer)};
-  root.figures.push_back(ResidualFigure(answer));
+  root.figures.push_back(CalibrationFigure(answer));
+  AddUnitFindings(root, answer);
   AddPointFindings(root, answer);
   AddFitFindings(root, answer);
   return document;

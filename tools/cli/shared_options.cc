@@ -8,6 +8,9 @@
 
 #include "base/input_file.h"
 #include "base/mapped.h"
+#include "base/text.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_reader.h"
 
 namespace haptometer::cli {
 
@@ -108,7 +111,45 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
                  "Which segment of a table whose times begin again, from 1", Shown::kHelpAll);
 }
 
-Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
+namespace {
+
+// the first option of those that are about tables; empty: none is given
+std::string OptionOfTables(const ImportWords& words) {
+  if (!words.calibration.empty()) return "--calibration";
+  if (!words.columns.empty()) return "--columns";
+  if (words.scale_m || words.scale_v) return "--scale";
+  if (words.rate_hz) return "--rate";
+  if (!words.format.empty()) return "--format";
+  if (!words.channel.empty()) return "--channel";
+  return words.segment ? "--segment" : "";
+}
+
+// refuses what no file would take
+Result<void> CheckTable(const ImportWords& words, std::span<const std::string> files) {
+  const std::string option = OptionOfTables(words);
+  if (option.empty() || files.empty() || std::ranges::any_of(files, trial::IsTable)) return {};
+  // what the first one states in place of it
+  std::string states = "its columns and units";
+  if (const auto reader = trial::TrialReader::Open(files.front())) {
+    const auto& fields = reader->header().metadata.fields;
+    if (const auto name = fields.find("calibration"); name != fields.end()) {
+      states += fmt::format(", by the calibration {}", Printable(name->second));
+      const auto date = fields.find("calibration.date");
+      if (date != fields.end()) states += fmt::format(" of {}", Printable(date->second));
+    }
+  }
+  return Usage(option,
+               fmt::format("is for tables, and {} is a recording that states {}",
+                           Printable(files.front()), states),
+               option == "--calibration"
+                   ? "leave it out, or record again by acquire --calibration"
+                   : "leave it out, or give its table (haptometer trial export)");
+}
+
+}  // namespace
+
+Result<trial::ImportOptions> ImportOf(const ImportWords& words,
+                                      std::span<const std::string> files) {
   trial::ImportOptions options;
   for (std::string_view rest = words.columns; !rest.empty();) {
     const std::size_t end = std::min(rest.find(','), rest.size());
@@ -128,6 +169,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
   if (!words.format.empty()) options.format = trial::TableFormatFromName(words.format);
   options.channel = words.channel;
   if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);
+  HAPTOMETER_TRY(CheckTable(words, files));
   return options;
 }
 
@@ -138,16 +180,21 @@ int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most) {
 }
 
 Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::string>& words,
-                                                         std::string_view option) {
+                                                         std::string_view option,
+                                                         std::string_view example) {
   std::map<std::string, std::string> values;
   for (const std::string& word : words) {
     // the first '=' separates: a value may hold further ones
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0) {
       return Usage(std::string(option), fmt::format("'{}' is not KEY=VALUE", word),
-                   "write e.g. subject=3");
+                   fmt::format("write e.g. {}", example));
     }
-    values[word.substr(0, equals)] = word.substr(equals + 1);
+    const auto [place, is_new] = values.emplace(word.substr(0, equals), word.substr(equals + 1));
+    if (!is_new) {
+      return Usage(std::string(option), fmt::format("{} is given twice", place->first),
+                   "give it once");
+    }
   }
   return values;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,17 +61,20 @@ enum class Scaled : std::uint8_t { kDisplacement, kVoltage };
 void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled::kDisplacement,
                    bool has_format = false);
 
-/// Errors (Cause::kUsage): a scale of 0, an empty name among the
-/// columns, a format that is not known.
-[[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words);
+/// `files`: all that the command reads, floors too; they apply to the tables among them. Errors
+/// (Cause::kUsage): a scale of 0, an empty name among the columns, a format that is not known; none
+/// of `files` is a table, so that all of it would be passed over.
+[[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words,
+                                                    std::span<const std::string> files);
 
 /// Threads as asked for, otherwise as many as there are cores, `most` at most.
 [[nodiscard]] int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most);
 
-/// "subject=3" and its like, split at the first '='; the last word on a key counts.
+/// "subject=3" and its like, split at the first '='.
 ///
-/// Errors (Cause::kUsage), naming `option`: a word without '=' or without a key.
+/// Errors (Cause::kUsage), naming `option`: a word without '=' or without a key, with `example` of
+/// one that has both; a key twice.
 [[nodiscard]] Result<std::map<std::string, std::string>> ReadKeyValues(
-    const std::vector<std::string>& words, std::string_view option);
+    const std::vector<std::string>& words, std::string_view option, std::string_view example);
 
 }  // namespace haptometer::cli

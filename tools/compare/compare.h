@@ -1,13 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "dsp/spectrum/electrical.h"
 #include "sim/scene/scene.h"
 #include "sim/sweep/varied_scene.h"
+#include "tools/compare/measured.h"
 #include "tools/document/document.h"
 
 /// Whether a measurement and a scene agree within what is known of both.
@@ -25,15 +25,24 @@
 /// long,
 ///
 ///   T_k  = (f(x + F_k) - f(x - F_k)) / 2            so that S C S^T = T T^T,  S C = T F^T
-///   V    = T T^T + diag(u_measured^2 + u_method^2)  covariance of
-///   d    = measured - simulated
-///   zeta = d_i / sqrt(V_ii)                         zeta score
-///   E_n  = d_i / (2 sqrt(V_ii))                     normalised error; |E_n| > 1: they differ
-///   2 sqrt(V_ii)                                    smallest deviation that could have been seen
+///   c_k  = (f(x + F_k) + f(x - F_k)) / 2 - f(x)     second order
+///   M    = sum over k of E (f(x + z F_k) - f(x)) (f(x + z F_k) - f(x))^T
+///        = sum over k of T_k T_k^T + E z^4 c_k c_k^T   to second order
+///   d    = measured - simulated, where simulated = f(x)
+///   u(d) = sqrt(M_ii + u_measured^2 + u_method^2)
+///   zeta = d_i / u(d)                               zeta score
+///   E_n  = d_i / (2 u(d))                           normalised error; |E_n| > 1: they differ
+///   2 u(d)                                          smallest deviation that could have been seen
+///
+/// M holds the square of the mean change too, for which f(x) is not corrected. z is of mean 0 and
+/// standard deviation 1, normal (E z^4 = 3) or of a range rectangular (1.8). Where c_k of a
+/// measured quantity is beyond a twentieth of its first-order uncertainty (a resonance), E is taken
+/// at 41 places of z; those that the scene does not take have no weight.
 ///
 /// What the measurement says of the inputs is, to first order and for normal distributions, their
 /// mean given d, an adjustment by least squares:
 ///
+///   V    = T T^T + diag(u_measured^2 + u_method^2)
 ///   a    = F T^T V^-1 d                             change of the inputs
 ///   P    = F T^T V^-1 T F^T                         covariance of a where all is as stated
 ///   p_j  = a_j / sqrt(P_jj)                         pull, of mean 0 and standard deviation 1 then
@@ -47,7 +56,8 @@
 ///
 ///   p_j^2 = chi^2 - min over z of chi^2 of d - (f(x + z C e_j / u_j) - f(x)),  sign of z
 ///
-/// with V as above. Of a linear scene it is the pull above.
+/// with V as above. Of a linear scene it is the pull above. z is at most 1000, and as much as 1e6
+/// where the pull's tangent points there.
 ///
 /// Sources: JCGM 100:2008, 5.2.2 and 5.1.3 note 2 (propagation, numerical); JCGM 101:2008, 6.4.2
 /// (a range is a rectangular distribution: u = width / sqrt(12)); ISO 13528:2022, 9.6 and 9.7 (zeta
@@ -56,58 +66,15 @@
 /// inputs (Kv and Mv of a drop test) a step of one alone leaves the range in which y is linear.
 namespace haptometer::tools {
 
-// --- quantities ---
-
-/// What is compared, where both sides have it.
-enum class Compared : std::uint8_t { kRms, kTone, kRise, kCurrent, kPower, kPhase };
-inline constexpr std::size_t kComparedCount = 6;
-/// One value a quantity, by Compared, SI.
-template <typename T>
-using OfCompared = std::array<std::optional<T>, kComparedCount>;
-
-/// The key of a quantity; the RMS is that of the sensor's target.
-[[nodiscard]] document::Key KeyOf(Compared quantity, sim::SensorTarget target);
-
-/// What trials say of the quantities.
-struct MeasuredNumbers {
-  /// Means over those trials that have the quantity, with
-  ///   u^2 = s^2 / n + mean of u_i^2,
-  /// s their standard deviation: calibration and other causes that are common to all do not average
-  /// out, and what is statistical in u_i counts twice, which is to the safe side.
-  OfCompared<dsp::Estimate> numbers{};
-  std::vector<std::string> files{};             ///< of the trials
-  std::vector<document::DataSource> sources{};  ///< of their data
-  std::vector<std::string> doubts{};            ///< of their analyses, in words
-  /// Narrowest band that the RMS are of.
-  double lower_hz = 0, upper_hz = std::numeric_limits<double>::infinity();
-  bool is_calibrated = true;         ///< each u holds the laser's calibration
-  bool has_electrical_gain = false;  ///< gain or skew of voltage and current is stated
-};
-
-/// Reads trials, which are analysed as `analyze` does without options, and documents of
-/// `analyze --json`.
-///
-/// Errors: as trial::OpenRows and dsp::AnalyzeBand; Cause::kCannotAnswer for a trial whose analysis
-/// is no answer, with its first reason, and for a document of another kind.
-[[nodiscard]] Result<MeasuredNumbers> ReadMeasured(std::span<const std::string> paths);
-
-/// The trials of a document of `analyze --json`, which `path` names. Errors: as ReadMeasured.
-[[nodiscard]] Result<MeasuredNumbers> MeasuredIn(const std::string& text, const std::string& path);
-
-/// Adds to the measured uncertainties, as root of the sum of squares, what `--uncertainty` words
-/// state: "current_rms_a=1%" of the value, "phase_rad=0.01" in SI. Errors (Cause::kUsage), naming
-/// --uncertainty: no '=', a key that is not compared, no number above 0; Cause::kCannotAnswer for a
-/// quantity that was not measured.
-[[nodiscard]] Result<void> AddUncertainties(const std::vector<std::string>& words,
-                                            sim::SensorTarget target, MeasuredNumbers& measured);
-
 // --- inputs and the scene ---
 
 /// An input of the scene whose uncertainty is stated.
 struct ComparedInput {
-  std::string key;  ///< "skin.stiffness_n_per_m"
-  Quantity value;   ///< SI; of a range its middle, u = width / sqrt(12)
-  /// Of the actuator: the place of its symbol in sim::kActuatorSymbols; it is varied by factors.
+  std::string key;        ///< "skin.stiffness_n_per_m"
+  Quantity value;         ///< SI; of a range its middle, u = width / sqrt(12)
+  bool is_range = false;  ///< distributed rectangularly; else normally
+  /// Of an actuator that stands in another file: the place of its symbol in sim::kActuatorSymbols;
+  /// it is varied by factors.
   std::optional<std::size_t> symbol{};
 };
 
@@ -116,12 +83,15 @@ struct ComparedInput {
 /// a range whose ends are not in order.
 [[nodiscard]] Result<std::vector<ComparedInput>> ReadInputs(const std::vector<std::string>& words);
 
+/// The body that a scene's sensor is on; the skin without one.
+[[nodiscard]] sim::SensorTarget TargetOf(const sim::Scene& scene);
+
 /// A scene as a function of its inputs.
 class ComparedScene {
  public:
-  /// Reads the scene with `inputs` at their values; the inputs that its actuator's file states
-  /// follow them. Errors: the scene's; those of an input name --input; Cause::kCannotAnswer where
-  /// the actuator's correlations contradict each other.
+  /// Reads the scene with `inputs` at their values; the uncertain numbers of its actuator follow
+  /// them, but for those among `inputs`. Errors: the scene's; those of an input name --input;
+  /// Cause::kCannotAnswer where the actuator's correlations contradict each other.
   [[nodiscard]] static Result<ComparedScene> Read(const std::string& path,
                                                   std::vector<ComparedInput> inputs);
 
@@ -141,7 +111,7 @@ class ComparedScene {
  private:
   ComparedScene(sim::VariedScene scene, std::vector<ComparedInput> inputs)
       : scene_(std::move(scene)), inputs_(std::move(inputs)) {}
-  [[nodiscard]] Result<void> TakeActuator(const sim::ActuatorCovariance& covariance,
+  [[nodiscard]] Result<void> TakeActuator(sim::ActuatorCovariance covariance,
                                           const sim::Actuator& actuator);
 
   sim::VariedScene scene_;
@@ -157,14 +127,19 @@ using SimulatedNumbers = std::array<dsp::Estimate, kComparedCount>;
 [[nodiscard]] Result<SimulatedNumbers> SimulatedOf(const sim::Scene& scene,
                                                    const std::string& where, bool with_rise);
 
-/// The scene and its first-order dependence on the inputs.
+/// one - other; of a phase within +-pi.
+[[nodiscard]] double DeviationOf(Compared quantity, double one, double other);
+
+/// The scene and its dependence on the inputs.
 struct Propagation {
   SimulatedNumbers at{};
   Eigen::MatrixXd changes;    ///< T (kComparedCount, n); NaN where a quantity is not known
-  Eigen::MatrixXd curvature;  ///< the same of (f(x + F_k) + f(x - F_k)) / 2 - f(x)
+  Eigen::MatrixXd curvature;  ///< c, of the same shape
+  Eigen::MatrixXd spread;     ///< M (kComparedCount, kComparedCount)
 };
-/// Cost: 2 n + 1 answers of the scene. Errors: as ComparedScene::At and SimulatedOf;
-/// Cause::kCannotAnswer where the scene drives outside of the band that `measured` is of.
+/// Cost: 2 n + 1 answers of the scene, 41 more of each input of which a quantity that is measured
+/// is not linear. Errors: as ComparedScene::At and SimulatedOf; Cause::kCannotAnswer where the
+/// scene drives outside of the band that `measured` is of.
 [[nodiscard]] Result<Propagation> Propagate(const ComparedScene& scene,
                                             const MeasuredNumbers& measured);
 
@@ -190,9 +165,10 @@ struct ComparedQuantity {
   Compared quantity{};
   dsp::Estimate measured, simulated;  ///< the latter's uncertainty by inputs and method
   double deviation = 0;               ///< measured - simulated; of a phase within +-pi
-  double deviation_uncertainty = 0;   ///< sqrt(V_ii)
+  double deviation_uncertainty = 0;   ///< u(d)
   [[nodiscard]] double Zeta() const { return deviation / deviation_uncertainty; }
   [[nodiscard]] double NormalizedError() const { return Zeta() / 2; }
+  [[nodiscard]] bool Differs() const { return std::abs(NormalizedError()) > 1; }
 };
 
 /// Two pulls of a larger correlation cannot be told apart.
@@ -201,14 +177,14 @@ inline constexpr double kToldApart = 0.95;
 inline constexpr double kPullOfCause = 2;
 /// Share of measurements that agree whose chi^2 is below the one from which on they do not.
 inline constexpr double kTogether = 0.99;
-/// A second-order term beyond this share of sqrt(V_ii), which holds the first-order one, is a
-/// doubt.
+/// A second-order term beyond this share of u(d), which holds both, is a doubt.
 inline constexpr double kMostCurvature = 0.2;
 
 struct ComparisonResult {
   sim::SensorTarget target{};
   std::vector<ComparedQuantity> quantities{};
-  Agreement agreement{};
+  double chi_squared = 0;  ///< d^T (M + diag(u_measured^2 + u_method^2))^-1 d
+  Agreement agreement{};   ///< to first order
   /// Inputs in sets that cannot be told apart: each begins with its largest |pull|, of which the
   /// others' correlation is above kToldApart; sets by falling |pull|, inputs without influence left
   /// out.
@@ -234,6 +210,30 @@ struct ComparisonResult {
 void FindCauses(const ComparedScene& scene, const Propagation& propagation,
                 ComparisonResult& result);
 
+// --- the answer ---
+
+/// A quantity as a row: both sides, deviation and scores.
+[[nodiscard]] document::Section QuantityRow(const ComparedQuantity& one, sim::SensorTarget target);
+/// The inputs that would each explain the difference, in words, with those that cannot be told
+/// apart; empty where none does.
+[[nodiscard]] std::vector<std::string> CausesOf(const ComparedScene& scene,
+                                                const ComparisonResult& result);
+/// Adds to `section` whether both agree, quantities, inputs, and what explains a difference.
+void AddComparison(const MeasuredNumbers& measured, const ComparedScene& scene,
+                   const ComparisonResult& result, document::Section& section);
+/// What is compared with one scene: results that stand beside each other in a figure.
+struct ComparedGroup {
+  std::string name{};
+  std::vector<ComparisonResult> results{};
+
+  /// The quantity in those that have it.
+  [[nodiscard]] std::vector<ComparedQuantity> Of(Compared quantity) const;
+};
+/// A panel a quantity, in its unit: what is simulated beside what is measured, by group. Some group
+/// has a result.
+[[nodiscard]] std::vector<plot::Panel> ComparisonPanels(std::span<const ComparedGroup> groups);
+inline constexpr std::string_view kFigureCaption =
+    "What is measured beside what is simulated, with expanded uncertainties (k = 2).";
 /// The answer as a document, with a figure where `has_figures` says.
 [[nodiscard]] document::Document CompareDocument(const MeasuredNumbers& measured,
                                                  const ComparedScene& scene,

@@ -5,9 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/mapped.h"
+#include "base/text.h"
 #include "dsp/statistics/distributions.h"
 #include "tools/compare/compare.h"
 #include "tools/document/keys.h"
@@ -18,9 +22,6 @@ namespace {
 using document::Section;
 
 constexpr double kScoreStep = 0.01;  // of a score: its last digit that is shown
-// by Compared, below a figure
-constexpr std::array<std::string_view, kComparedCount> kShortNames{"RMS",     "tone",  "rise",
-                                                                   "current", "power", "phase"};
 constexpr double kNotSearched = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCoverage = 2;  // k of the intervals
 
@@ -36,6 +37,8 @@ std::string LabelsOf(const std::vector<Compared>& quantities, sim::SensorTarget 
 }
 
 // --- tables ---
+
+}  // namespace
 
 Section QuantityRow(const ComparedQuantity& one, sim::SensorTarget target) {
   const document::Key key = KeyOf(one.quantity, target);
@@ -57,6 +60,8 @@ Section QuantityRow(const ComparedQuantity& one, sim::SensorTarget target) {
       std::pow(10, std::floor(std::log10(least)) - 1);
   return row;
 }
+
+namespace {
 
 // the inputs in their sets, then those without influence
 Section InputsSection(const ComparedScene& scene, const ComparisonResult& result) {
@@ -99,6 +104,8 @@ Section InputsSection(const ComparedScene& scene, const ComparisonResult& result
 
 // --- findings ---
 
+}  // namespace
+
 // sets of inputs of which one alone leaves no more than chance of chi^2
 std::vector<std::string> CausesOf(const ComparedScene& scene, const ComparisonResult& result) {
   const Agreement& agreement = result.agreement;
@@ -121,11 +128,13 @@ std::vector<std::string> CausesOf(const ComparedScene& scene, const ComparisonRe
   return causes;
 }
 
+namespace {
+
 void FindDifference(const ComparedScene& scene, const ComparisonResult& result, Section& root) {
   if (!result.Differs() && !result.DiffersTogether()) return;
   std::vector<Compared> differing;
   for (const ComparedQuantity& one : result.quantities) {
-    if (std::abs(one.NormalizedError()) > 1) differing.push_back(one.quantity);
+    if (one.Differs()) differing.push_back(one.quantity);
   }
   if (result.Differs()) {
     root.Find(Severity::kDoubt, "differs",
@@ -136,7 +145,7 @@ void FindDifference(const ComparedScene& scene, const ComparisonResult& result, 
     root.Find(Severity::kDoubt, "differs-together",
               "each quantity agrees, but not all together: chi squared is {chi_squared}, which "
               "chance exceeds in 1 % of comparisons",
-              {{"chi_squared", result.agreement.chi_squared}});
+              {{"chi_squared", result.chi_squared}});
   }
   const std::vector<std::string> causes = CausesOf(scene, result);
   if (!causes.empty()) {
@@ -149,16 +158,47 @@ void FindDifference(const ComparedScene& scene, const ComparisonResult& result, 
   }
 }
 
+// recordings that are repeats by their place on the command line, but not by their labels
+void FindLabels(const MeasuredNumbers& measured, Section& root) {
+  for (const std::string label : {"subject", "condition"}) {
+    std::set<std::string> values;
+    for (const auto& labels : measured.labels) {
+      const auto found = labels.find(label);
+      if (found != labels.end()) values.insert(Printable(found->second));
+    }
+    if (values.size() < 2) continue;
+    root.Find(Severity::kDoubt, "labels-differ",
+              "the trials are averaged as repeats of one measurement, but their {label}s are "
+              "{values}: compare those of one {label} at a time, or use study compare",
+              {{"label", label}, {"values", fmt::format("{}", fmt::join(values, ", "))}});
+  }
+}
+
 void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene,
                      const ComparisonResult& result, Section& root) {
+  FindLabels(measured, root);
   for (const std::string& doubt : measured.doubts) {
     root.findings.push_back({.kind = "trial-doubted", .severity = Severity::kDoubt, .text = doubt});
   }
   for (const std::size_t place : result.curved) {
-    root.Find(Severity::kDoubt, "not-linear",
-              "a quantity does not depend linearly on {input} as far as it is changed: its pull "
-              "and what is adjusted are rough",
-              {{"input", scene.inputs()[place].key}});
+    root.Find(
+        Severity::kDoubt, "not-linear",
+        "a quantity does not depend linearly on {input} as far as it is uncertain or changed: "
+        "its scores hold how far it spreads, pulls and adjusted values are rough",
+        {{"input", scene.inputs()[place].key}});
+  }
+  // inputs that the search moved together
+  std::vector<std::size_t> correlated;
+  const Eigen::MatrixXd correlation = scene.factor() * scene.factor().transpose();
+  for (std::size_t j = 0; j < result.explaining.size(); ++j) {
+    const auto others = correlation.col(static_cast<Eigen::Index>(j)).cwiseAbs().sum() - 1;
+    if (others > kScoreStep && std::isfinite(result.explaining[j])) correlated.push_back(j);
+  }
+  if (!correlated.empty()) {
+    root.Find(Severity::kNote, "moved-together",
+              "{inputs} are correlated: where one explains most at a value, the others are moved "
+              "with it, by their correlation",
+              {{"inputs", KeysOf(scene, correlated)}});
   }
   if (scene.inputs().empty()) {
     root.Find(Severity::kNote, "inputs-exact",
@@ -186,47 +226,65 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
        result.only_simulated);
 }
 
-// --- the figure ---
+}  // namespace
 
-// both sides as distances from the simulated value in units of the deviation's expanded
-// uncertainty: the measured points stand at E_n
-document::Figure FigureOf(const ComparisonResult& result) {
-  constexpr double kBeside = 0.08;  // of the distance of two quantities
-  plot::Panel panel{.y_label = "(value - simulated) / U(deviation)", .has_margins = true};
+void AddComparison(const MeasuredNumbers& measured, const ComparedScene& scene,
+                   const ComparisonResult& result, Section& section) {
+  section.Add({document::kAgrees.name, "agree (all |E_n| at most 1)"}, !result.Differs());
+  section.Add({"chi_squared"}, result.chi_squared);
+  section.Add({document::kDegreesOfFreedom.name}, result.quantities.size());
+  section.sections.push_back(document::ListOf(
+      {.name = "quantities"}, result.quantities,
+      [&](const ComparedQuantity& one) { return QuantityRow(one, result.target); }));
+  if (!scene.inputs().empty()) section.sections.push_back(InputsSection(scene, result));
+  FindDifference(scene, result, section);
+  FindAssumptions(measured, scene, result, section);
+}
+
+std::vector<plot::Panel> ComparisonPanels(std::span<const ComparedGroup> groups) {
+  constexpr double kWidth = 0.6;  // of a group
   const auto bars = [](std::string title, plot::Colour colour, int point) {
     return plot::Series{
         .title = std::move(title),
         .style = {.mark = plot::Mark::kErrorBars, .colour = colour, .point = point}};
   };
-  plot::Series measured = bars("measured (k = 2)", plot::kBlue, 7);
-  plot::Series simulated = bars("simulated (k = 2)", plot::kOrange, 5);
-  for (const ComparedQuantity& one : result.quantities) {
-    const double x = static_cast<double>(panel.ticks.size()) + 1;
-    panel.ticks.push_back({x, std::string(kShortNames[static_cast<std::size_t>(one.quantity)])});
-    const auto add = [&](plot::Series& series, double at, double y, double u) {
-      series.x.push_back(at);
-      series.y.push_back(y);
-      series.y_error.push_back(u / one.deviation_uncertainty);
+  std::vector<plot::Panel> panels;
+  for (std::size_t k = 0; k < kComparedCount; ++k) {
+    const auto quantity = static_cast<Compared>(k);
+    const auto found =
+        Mapped(groups, [&](const ComparedGroup& group) { return group.Of(quantity); });
+    // the first number decides the unit
+    const auto first = std::ranges::find_if_not(found, &std::vector<ComparedQuantity>::empty);
+    if (first == found.end()) continue;
+    const document::Key key = KeyOf(quantity, groups.front().results.front().target);
+    const document::SpokenUnit unit = key.unit.For(std::abs(first->front().measured.value));
+    plot::Panel panel{.y_label = fmt::format("{} / {}", key.label, unit.symbol),
+                      .series = {bars("simulated (k = 2)", plot::kOrange, 5),
+                                 bars("measured (k = 2)", plot::kBlue, 7)},
+                      .has_margins = true};
+    const auto add = [&](std::size_t series, double x, const dsp::Estimate& number) {
+      panel.series[series].x.push_back(x);
+      panel.series[series].y.push_back(number.value * unit.factor);
+      panel.series[series].y_error.push_back(kCoverage * number.uncertainty * unit.factor);
     };
-    add(measured, x - kBeside, one.NormalizedError(), one.measured.uncertainty);
-    add(simulated, x + kBeside, 0, one.simulated.uncertainty);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const double left = static_cast<double>(g) - kWidth / 2;
+      const double step = kWidth / static_cast<double>(found[g].size());
+      const auto differing = std::ranges::count_if(found[g], &ComparedQuantity::Differs);
+      panel.ticks.push_back(
+          {static_cast<double>(g),
+           found[g].size() == 1
+               ? fmt::format("{}, E_n = {:.2f}", groups[g].name, found[g][0].NormalizedError())
+               : fmt::format("{}, {} of {} differ", groups[g].name, differing, found[g].size())});
+      if (!found[g].empty()) add(0, left, found[g].front().simulated);
+      for (std::size_t i = 0; i < found[g].size(); ++i) {
+        add(1, left + step * static_cast<double>(i + 1), found[g][i].measured);
+      }
+    }
+    panels.push_back(std::move(panel));
   }
-  const double last = static_cast<double>(panel.ticks.size()) + kBeside;
-  for (const double limit : {-1.0, 1.0}) {
-    panel.series.push_back({.title = limit > 0 ? "|E_n| = 1" : "",
-                            .style = plot::Lines(plot::kGrey, 1, 2),
-                            .x = {1 - kBeside, last},
-                            .y = {limit, limit}});
-  }
-  panel.series.push_back(std::move(measured));
-  panel.series.push_back(std::move(simulated));
-  return {.caption =
-              "Measured and simulated with expanded uncertainties (k = 2), in units of that "
-              "of their deviation: beyond the lines they differ.",
-          .panels = {std::move(panel)}};
+  return panels;
 }
-
-}  // namespace
 
 document::Document CompareDocument(const MeasuredNumbers& measured, const ComparedScene& scene,
                                    const ComparisonResult& result, bool has_figures) {
@@ -242,16 +300,12 @@ document::Document CompareDocument(const MeasuredNumbers& measured, const Compar
   }
   root.Add(document::kScene, scene.path());
   root.Add(document::kTrials, measured.files);
-  root.Add({document::kAgrees.name, "agree (all |E_n| at most 1)"}, !result.Differs());
-  root.Add({"chi_squared"}, result.agreement.chi_squared);
-  root.Add({document::kDegreesOfFreedom.name}, result.quantities.size());
-  root.sections.push_back(document::ListOf(
-      {.name = "quantities"}, result.quantities,
-      [&](const ComparedQuantity& one) { return QuantityRow(one, result.target); }));
-  if (!scene.inputs().empty()) root.sections.push_back(InputsSection(scene, result));
-  if (has_figures) root.figures = {FigureOf(result)};
-  FindDifference(scene, result, root);
-  FindAssumptions(measured, scene, result, root);
+  AddComparison(measured, scene, result, root);
+  if (has_figures) {
+    const ComparedGroup group{.name = trials, .results = {result}};
+    root.figures = {
+        {.caption = std::string(kFigureCaption), .panels = ComparisonPanels({&group, 1})}};
+  }
   return document;
 }
 

@@ -1,10 +1,8 @@
-#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
@@ -15,22 +13,19 @@ namespace {
 
 // directions of V below this share of its largest are not determined
 constexpr double kLeastDirection = 1e-12;
-// how far an input is changed in a search, in its standard uncertainties
-constexpr double kLeastReach = 10, kMostReach = 1000;
+// how far an input is changed in a search, in its standard uncertainties: near, and where the
+// tangent points farther, so far
+constexpr double kLeastReach = 10, kNearReach = 1000, kMostReach = 1e6;
 // share of an input's variance that the measurement explains at least, where it depends on it
 constexpr double kLeastInfluence = 1e-12;
 
 // the inverse of a symmetric matrix in the scale of its diagonal
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& v) {
   const Eigen::VectorXd scale = v.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * v * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
-  const Eigen::VectorXd& values = solver.eigenvalues();
-  const double least = kLeastDirection * values.maxCoeff();
-  const Eigen::VectorXd inverse =
-      values.unaryExpr([&](double value) { return value > least ? 1 / value : 0.0; });
-  const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
-  return vectors * inverse.asDiagonal() * vectors.transpose();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(kLeastDirection);
+  solver.compute(scale.asDiagonal() * v * scale.asDiagonal());
+  return scale.asDiagonal() * solver.pseudoInverse() * scale.asDiagonal();
 }
 
 // inputs by falling |pull|, each with those that cannot be told apart from it
@@ -46,15 +41,13 @@ std::vector<std::vector<std::size_t>> SetsOf(const Agreement& agreement) {
   };
   std::ranges::sort(left, {}, order);
   std::vector<std::vector<std::size_t>> sets;
-  while (!left.empty()) {
-    const auto first = static_cast<Eigen::Index>(left.front());
-    const auto is_apart = [&](std::size_t j) {
-      return !(std::abs(agreement.correlation(first, static_cast<Eigen::Index>(j))) > kToldApart);
+  for (const std::size_t j : left) {
+    const auto is_like = [&](const std::vector<std::size_t>& set) {
+      const auto first = static_cast<Eigen::Index>(set.front());
+      return std::abs(agreement.correlation(first, static_cast<Eigen::Index>(j))) > kToldApart;
     };
-    std::vector<std::size_t>& set = sets.emplace_back();
-    std::vector<std::size_t> apart;
-    std::ranges::partition_copy(left, std::back_inserter(apart), std::back_inserter(set), is_apart);
-    left = std::move(apart);
+    const auto own = std::ranges::find_if(sets, is_like);
+    (own == sets.end() ? sets.emplace_back() : *own).push_back(j);
   }
   return sets;
 }
@@ -77,7 +70,8 @@ std::vector<std::size_t> CurvedInputs(const ComparedScene& scene, const Propagat
 // places that were tried
 double LeastOf(const std::function<double(double z)>& f, double reach) {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr int kSteps = 20, kHalvings = 24;  // golden^24: 1e-5 of a step
+  constexpr int kSteps = 20;
+  constexpr double kPrecision = 1e-5;  // of a standard uncertainty
   const double step = reach / kSteps;
   double best = 0, least = f(0);
   const auto at = [&](double z) {
@@ -90,7 +84,7 @@ double LeastOf(const std::function<double(double z)>& f, double reach) {
   };
   for (int k = -kSteps; k <= kSteps; ++k) at(k * step);
   double low = best - step, high = best + step;
-  for (int k = 0; k < kHalvings; ++k) {
+  while (high - low > kPrecision) {
     const double one = high - kGolden * (high - low), other = low + kGolden * (high - low);
     if (at(one) < at(other)) {
       high = other;
@@ -99,6 +93,15 @@ double LeastOf(const std::function<double(double z)>& f, double reach) {
     }
   }
   return best;
+}
+
+// where f is least, near or as far as the tangent's minimum
+double LeastNearAndFar(const std::function<double(double z)>& f, double tangent) {
+  const double reach = std::max(1.5 * std::abs(tangent), kLeastReach);
+  const double near = LeastOf(f, std::min(reach, kNearReach));
+  if (reach <= kNearReach) return near;
+  const double far = LeastOf(f, std::min(reach, kMostReach));
+  return f(far) < f(near) ? far : near;
 }
 
 }  // namespace
@@ -129,14 +132,21 @@ Agreement Agree(const Eigen::VectorXd& deviation, const Eigen::VectorXd& own,
 }
 
 bool ComparisonResult::Differs() const {
-  return std::ranges::any_of(quantities,
-                             [](const auto& one) { return std::abs(one.NormalizedError()) > 1; });
+  return std::ranges::any_of(quantities, &ComparedQuantity::Differs);
 }
 
 bool ComparisonResult::DiffersTogether() const {
   return !quantities.empty() &&
-         agreement.chi_squared >
-             dsp::ChiSquareQuantile(kTogether, static_cast<double>(quantities.size()));
+         chi_squared > dsp::ChiSquareQuantile(kTogether, static_cast<double>(quantities.size()));
+}
+
+std::vector<ComparedQuantity> ComparedGroup::Of(Compared quantity) const {
+  std::vector<ComparedQuantity> found;
+  for (const ComparisonResult& result : results) {
+    const auto one = std::ranges::find(result.quantities, quantity, &ComparedQuantity::quantity);
+    if (one != result.quantities.end()) found.push_back(*one);
+  }
+  return found;
 }
 
 ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const ComparedScene& scene,
@@ -157,11 +167,9 @@ ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const Compar
       if (is_simulated) result.only_simulated.push_back(quantity);
       continue;
     }
-    const double u = std::hypot(changes.norm(), method);
-    const double apart = measured[k]->value - simulated;
-    const bool is_phase = quantity == Compared::kPhase;
+    const double u = std::hypot(std::sqrt(propagation.spread(row, row)), method);
     rows.push_back(row);
-    deviations.push_back(is_phase ? std::remainder(apart, 2 * std::numbers::pi) : apart);
+    deviations.push_back(DeviationOf(quantity, measured[k]->value, simulated));
     own.push_back(measured[k]->uncertainty * measured[k]->uncertainty + method * method);
     result.quantities.push_back({.quantity = quantity,
                                  .measured = *measured[k],
@@ -171,9 +179,12 @@ ComparisonResult Compare(const OfCompared<dsp::Estimate>& measured, const Compar
   }
   if (rows.empty()) return result;
   const auto count = static_cast<Eigen::Index>(rows.size());
-  result.agreement =
-      Agree(Eigen::VectorXd::Map(deviations.data(), count), Eigen::VectorXd::Map(own.data(), count),
-            propagation.changes(rows, Eigen::all), scene.factor());
+  const auto d = Eigen::VectorXd::Map(deviations.data(), count);
+  const auto variances = Eigen::VectorXd::Map(own.data(), count);
+  Eigen::MatrixXd spread = propagation.spread(rows, rows);
+  spread.diagonal() += variances;
+  result.chi_squared = d.dot(InverseOf(spread) * d);
+  result.agreement = Agree(d, variances, propagation.changes(rows, Eigen::all), scene.factor());
   result.sets = SetsOf(result.agreement);
   result.curved = CurvedInputs(scene, propagation, result.quantities);
   return result;
@@ -201,14 +212,16 @@ void FindCauses(const ComparedScene& scene, const Propagation& propagation,
       for (Eigen::Index i = 0; i < d.size(); ++i) {
         const ComparedQuantity& one = result.quantities[static_cast<std::size_t>(i)];
         const auto k = static_cast<std::size_t>(one.quantity);
-        d(i) = one.deviation - ((*numbers)[k].value - propagation.at[k].value);
+        const double change =
+            DeviationOf(one.quantity, (*numbers)[k].value, propagation.at[k].value);
+        d(i) = DeviationOf(one.quantity, one.deviation, change);
       }
       const double chi_squared = d.dot(agreement.weight * d);
       return std::isfinite(chi_squared) ? chi_squared : HUGE_VAL;
     };
     // the tangent's change of this input alone lies at pull / sqrt(P_jj)
     const double tangent = agreement.pull(j) / std::sqrt(agreement.explained(j));
-    const double z = LeastOf(left, std::clamp(1.5 * std::abs(tangent), kLeastReach, kMostReach));
+    const double z = LeastNearAndFar(left, tangent);
     const auto place = static_cast<std::size_t>(j);
     const bool is_curved = std::abs(z - tangent) > kMostCurvature * std::max(1.0, std::abs(z));
     if (is_curved && !std::ranges::count(result.curved, place)) result.curved.push_back(place);

@@ -2,16 +2,23 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <systemd/sd-daemon.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <cstdint>
+#include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
+#include "acquire/transport/descriptor.h"
+#include "base/text.h"
 #include "tools/cli/terminal.h"
 #include "tools/daemon/daemon_config.h"
 #include "tools/daemon/sensor_loop.h"
@@ -38,15 +45,36 @@ void CatchHangUp() {
   sigaction(SIGHUP, &action, nullptr);
 }
 
-// tells the service manager that started this process: "READY=1\nSTATUS=..."; else does nothing
-void NotifyService(const std::string& assignments) { (void)sd_notify(0, assignments.c_str()); }
+// Tells the service manager that started this process "READY=1\nSTATUS=..."; else does nothing. The
+// datagram of sd_notify(3), whose form systemd keeps stable: libsystemd itself would load eight
+// libraries at each start of the program.
+void NotifyService(const std::string& assignments) {
+  const char* const variable = std::getenv("NOTIFY_SOCKET");
+  const std::string_view path = variable == nullptr ? "" : variable;
+  sockaddr_un address{};
+  if (path.empty() || path.size() >= sizeof(address.sun_path)) return;
+  address.sun_family = AF_UNIX;
+  std::ranges::copy(path, address.sun_path);
+  // a name in the abstract namespace begins with a zero byte, for which the variable has an @
+  if (path.starts_with('@')) address.sun_path[0] = '\0';
+  const acquire::OwnedDescriptor descriptor(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (descriptor.get() < 0) return;
+  (void)sendto(descriptor.get(), assignments.data(), assignments.size(), MSG_NOSIGNAL,
+               reinterpret_cast<const sockaddr*>(&address),
+               static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size()));
+}
 
-// within which time it wants a sign of life ("WATCHDOG=1"), where it does
+// within which time it wants a sign of life ("WATCHDOG=1"), where it does, by
+// sd_watchdog_enabled(3)
 std::optional<MonotonicNs> WatchdogInterval() {
-  std::uint64_t interval_us = 0;
-  // microseconds by sd_watchdog_enabled(3)
-  if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
-  return static_cast<MonotonicNs>(interval_us) * 1000;
+  const char* const process = std::getenv("WATCHDOG_PID");
+  // variables that the parent of this process was given are not meant for it
+  if (process != nullptr && NumberFrom<pid_t>(process) != getpid()) return std::nullopt;
+  const char* const variable = std::getenv("WATCHDOG_USEC");
+  if (variable == nullptr) return std::nullopt;
+  const auto interval_us = NumberFrom<MonotonicNs>(variable);
+  if (!interval_us || *interval_us <= 0) return std::nullopt;
+  return *interval_us * 1000;
 }
 
 // messages to systemd (sd_notify): ready, watchdog, status line

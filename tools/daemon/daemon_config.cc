@@ -159,6 +159,8 @@ constexpr std::array kKeys{
     SensorKey{"rate_hz", QuantityKey{&SensorOptions::rate_hz, Dimension::kFrequency}},
     SensorKey{"command", TextKey{&SensorOptions::command}},
     SensorKey{"decimals", CountKey{&SensorOptions::decimals, 0, 5}},
+    SensorKey{"averages", CountKey{&SensorOptions::averages, 1, 1'000'000}},
+    SensorKey{"sampling_s", QuantityKey{&SensorOptions::sampling_s, Dimension::kTime}},
     SensorKey{"profile", TextKey{&SensorOptions::profile}},
     SensorKey{"slave", CountKey{&SensorOptions::slave, 0, 255}},
 };

@@ -10,7 +10,7 @@ namespace {
 using acquire::FindingKind;
 
 // the last kind sets the number: a sentence without a kind does not compile
-constexpr std::size_t kKinds = static_cast<std::size_t>(FindingKind::kStepsTooLarge) + 1;
+constexpr std::size_t kKinds = static_cast<std::size_t>(FindingKind::kPromiseRests) + 1;
 
 // in the order of the kinds
 constexpr std::array<Sentence, kKinds> kSentences{{
@@ -102,6 +102,32 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"averaging-too-long",
      "{averages} averages at {sampling_s} leave {gain} of {asked_hz}: set fewer"},
     {"steps-too-large", "the steps are {step_m}; {wanted_m} are required"},
+
+    // whether a route can answer to an accuracy
+    {"route-answers", "a record of {record_s} has an interval of +-{half_interval %}"},
+    {"noise-not-stated",
+     "its rate is sufficient, but its maker states no noise, so no length can be promised: measure "
+     "it with --check and give --noise"},
+    {"readings-too-old",
+     "the time of a reading is known to {uncertainty_s} only; {upper_hz} needs {limit_s}"},
+    {"floor-too-high",
+     "the interval is +-{half_interval %} at any length, because of {limit}; +-{accuracy %} is "
+     "wanted"},
+    {"images-fold",
+     "the amplifier's output is a staircase: at {daq_rate_hz} the DAQ folds its image at "
+     "{image_hz} to {folded_hz}, {relative %} of the drive's amplitude[, and {others} smaller "
+     "one{others s}]; sample at {better_hz} (--daq-rate), or put a low-pass before the DAQ"},
+    {"unseen-by-analyze",
+     "values are repeated until the unit renews them, which takes {relative %} off the RMS: "
+     "the "
+     "interval of analyze "
+     "does not contain that, the length stated here does"},
+    {"promise-rests",
+     "accuracy is half of the 95 % interval that analyze prints (coverage factor {coverage}), as a "
+     "part of the RMS; it is promised for a drive that is on throughout, white noise, a target "
+     "without tremor, and analyze --floor where a record without drive is stated[, with a "
+     "calibration of relative standard uncertainty "
+     "{calibration %}]"},
 }};
 
 }  // namespace

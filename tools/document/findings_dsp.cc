@@ -42,6 +42,11 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "readings reach {farthest_m}, farther than any displacement sensor: is the column in mm, um "
        "or V? Name it (--columns time_s,displacement_mm) or state what one printed unit is "
        "(--scale 1mm)"},
+      {kBeyondCalibrated, "beyond-calibrated",
+       "{samples} of {readings} samples lie beyond the calibrated range, {least_m} to {most_m}, by "
+       "{beyond_m} at most[, {widths} times its width: is the input in mV?], where the line was "
+       "not "
+       "measured: calibrate a wider range, or move the sensor"},
       {kSegments, "segments",
        "gaps split the record into {segments} segments; the window is in one of them"},
       {kLongestSegment, "longest-segment",
@@ -339,7 +344,9 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"quantisation", "step / sqrt(12), white up to half the rate"},
       {"interpolated readings", "expanded error (k = 2) of what is interpolated"},
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
-      {"drive's edges", "what a window shorter by a period at either end would change"},
+      {"drive's edges",
+       "what a window shorter by a period at either end, or without all that may be bumps, "
+       "changes"},
       {"steps", "their energy within the band"},
       {"motion below the band in it",
        "half of its power that was subtracted, and power just above the lower corner"},

@@ -56,6 +56,9 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "digital channels list their transitions only: their rows are not samples"},
     {"value-unit-assumed", "the unit of the values is not in the file; {title} writes {unit}"},
     {"time-unit-assumed", "the unit of the times is not in the file; {title} writes {unit}"},
+    {"input-too-large",
+     "the input of the calibration reaches {most_v}, more than an analog output gives: is its "
+     "column in mV? Name it by --columns time_s,voltage_mv, or that of the pairs voltage_mv"},
     {"rows-begin-at",
      "the rows begin at number {first}: times are Start + number x Increment; if Start is the "
      "first row's time, all are {earlier_s} earlier"},

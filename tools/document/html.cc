@@ -133,10 +133,12 @@ struct HtmlWriter {
     body += "</tbody>\n</table></div>\n";
   }
 
-  Result<void> AddFigure(const Figure& figure) {
-    HAPTOMETER_LET(const auto svg, plot::DrawSvg(figure.panels));
-    body += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
-                        SvgElement(svg), ++figures, Escaped(Typeset(figure.caption)));
+  Result<void> AddFigures(const Section& section) {
+    for (const Figure& figure : section.figures) {
+      HAPTOMETER_LET(const auto svg, plot::DrawSvg(figure.panels));
+      body += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
+                          SvgElement(svg), ++figures, Escaped(Typeset(figure.caption)));
+    }
     return {};
   }
 
@@ -193,14 +195,20 @@ Result<void> HtmlWriter::AddSection(const Section& section, int level) {
   if (!section.sources.empty()) items.push_back({"data", SourcesText(section.sources)});
   AddItemRows(section, items);
   AddRows(items);
-  for (const Figure& figure : section.figures) HAPTOMETER_TRY(AddFigure(figure));
   if (section.shape == Section::Shape::kTable) {
+    HAPTOMETER_TRY(AddFigures(section));
     AddTable(section);
     AddBelow(section);
     return {};
   }
-  for (const Section& inner : section.sections) HAPTOMETER_TRY(AddSection(inner, level));
-  return {};
+  // numbers first: figures stand behind the sections without a heading
+  const auto headed = std::ranges::find_if(
+      section.sections, [](const Section& inner) { return !inner.heading.empty(); });
+  for (auto inner = section.sections.begin(); inner != section.sections.end(); ++inner) {
+    if (inner == headed) HAPTOMETER_TRY(AddFigures(section));
+    HAPTOMETER_TRY(AddSection(*inner, level));
+  }
+  return headed == section.sections.end() ? AddFigures(section) : Result<void>{};
 }
 
 }  // namespace

@@ -2,7 +2,11 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <openssl/evp.h>
+
+// SHA-256 alone, which OpenSSL 3 calls deprecated in favour of EVP: that loads every algorithm and
+// the configuration at each start of the program, and gives the same bytes
+#define OPENSSL_SUPPRESS_DEPRECATED
+#include <openssl/sha.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +14,6 @@
 #include <fstream>
 #include <future>
 #include <memory>
-#include <span>
 #include <system_error>
 
 #include "base/clock.h"
@@ -22,24 +25,20 @@
 namespace haptometer::document {
 
 struct Sha256::State {
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> hash{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
+  SHA256_CTX hash{};
 };
 
-Sha256::Sha256() : state_(std::make_unique<State>()) {
-  HAPTOMETER_CHECK(EVP_DigestInit_ex(state_->hash.get(), EVP_sha256(), nullptr) == 1,
-                   "libcrypto has no SHA-256");
-}
+Sha256::Sha256() : state_(std::make_unique<State>()) { SHA256_Init(&state_->hash); }
 Sha256::~Sha256() = default;
 
 void Sha256::Add(std::string_view bytes) {
-  EVP_DigestUpdate(state_->hash.get(), bytes.data(), bytes.size());
+  SHA256_Update(&state_->hash, bytes.data(), bytes.size());
 }
 
 std::string Sha256::Hex() {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned length = 0;
-  EVP_DigestFinal_ex(state_->hash.get(), digest.data(), &length);
-  return fmt::format("{:02x}", fmt::join(std::span(digest.data(), length), ""));
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256_Final(digest.data(), &state_->hash);
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {

@@ -199,7 +199,7 @@ Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
 // The displacement of a trial; the remark states its duration and the rows without measurement.
 Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& words,
                               emulator::MovingHead& head) {
-  HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+  HAPTOMETER_LET(const auto import, cli::ImportOf(words, {&path, 1}));
   HAPTOMETER_LET(const auto recording, trial::ReadRecording(path, import));
   HAPTOMETER_LET(auto motion, MotionOf(recording.record, path));
   head.displacement = std::move(motion.displacement);

@@ -171,7 +171,7 @@ int RunFitAdapter(int argc, const char* const* argv) {
                             .report = "Write one page with all details"});
   cli::DeclareImport(&options, &words);
   return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
-    HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+    HAPTOMETER_LET(const auto import, cli::ImportOf(words, files));
     if (!mass_kg) {
       return Usage("--mass", "is missing: the mass that rings on the spring", "add --mass 4.6g");
     }

@@ -399,6 +399,15 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
   }
 }
 
+// all files of the command line; the first word of --load is a resistance
+std::vector<std::string> RecordsOf(const FitLraOptions& wanted) {
+  std::vector<std::string> files = wanted.files;
+  for (const auto& group : wanted.open) files.insert(files.end(), group.begin(), group.end());
+  for (const auto& group : wanted.loads)
+    files.insert(files.end(), std::next(group.begin()), group.end());
+  return files;
+}
+
 // fits what can be fitted; what cannot is excluded
 FitLraAnswer Answer(FitLraInput input, const FitLraOptions& wanted) {
   FitLraAnswer answer{.input = std::move(input), .required = wanted.actuator.required};
@@ -429,7 +438,7 @@ int RunFitLra(int argc, const char* const* argv) {
   document::Outputs& outputs = files.outputs;
   Declare(options, wanted, import_words, files);
   return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
-    HAPTOMETER_LET(wanted.import, cli::ImportOf(import_words));
+    HAPTOMETER_LET(wanted.import, cli::ImportOf(import_words, RecordsOf(wanted)));
     HAPTOMETER_TRY(CheckFiles(files));
     HAPTOMETER_LET(auto input, GatherFitLraInput(wanted));
     const FitLraAnswer answer = Answer(std::move(input), wanted);

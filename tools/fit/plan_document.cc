@@ -41,23 +41,6 @@ constexpr std::array<Source, 6> kSources{{
     {"all", "combined", [](const ExpectedUncertainty& u) { return u.combined(); }},
 }};
 
-// the largest of the parts, not counting their sum
-std::string_view LargestSource(const ExpectedUncertainty& uncertainty) {
-  const Source* largest = kSources.data();
-  for (const Source& source : kSources) {
-    if (source.key == "combined") continue;
-    if (source.part(uncertainty) > largest->part(uncertainty)) largest = &source;
-  }
-  return largest->name;
-}
-
-std::string_view LimitName(PlanLimit limit) {
-  // in the order of the enumerators
-  static constexpr std::array<std::string_view, 7> kNames{
-      "", "moving mass", "coil resistance", "load", "time base", "noise", "converter steps"};
-  return kNames[static_cast<std::size_t>(limit)];
-}
-
 // half width of the 95 % interval, relative
 double HalfInterval(const fit::AccuracyWish& wish) {
   return fit::kCoverage95 * wish.relative_uncertainty;
@@ -106,7 +89,7 @@ void AddWishes(const TestCard& card, Section& root) {
               {{"constant", std::string(SymbolOf(answered.wish.constant))},
                {"half_interval", HalfInterval(answered.wish)},
                {"expected", expected},
-               {"limit", std::string(LimitName(count.limit))},
+               {"limit", std::string(NameOf(count.limit))},
                {"share", count.tolerable_share},
                {"open", count.open},
                {"loaded", count.loaded},
@@ -210,7 +193,7 @@ Section UncertaintySection(const TestCard& card) {
   for (const fit::Constant constant : kConstants) {
     Section one{.name = SymbolOf(constant)};
     for (const Source& source : kSources) one.Add({source.key}, source.part(Of(card, constant)));
-    one.Add({"limited_by"}, LargestSource(Of(card, constant)));
+    one.Add(document::kLimitedBy, LargestCause(Of(card, constant)));
     object.sections.push_back(std::move(one));
   }
   for (const Source& source : kSources) {
@@ -238,19 +221,36 @@ Section WishesSection(const TestCard& card) {
       return is_known ? std::optional(value) : std::nullopt;
     };
     Section& row = table.sections.emplace_back();
-    row.Add({"constant", "constant"}, SymbolOf(answered.wish.constant));
+    row.Add(document::kConstant, SymbolOf(answered.wish.constant));
     row.Add({"half_interval", "half interval of 95 %", document::kShare},
             HalfInterval(answered.wish));
     row.Add({"reached", "reached"}, answered.is_reached);
     row.Add({"open_drops_needed", "open drops needed"}, known(!is_limited, count.open));
     row.Add({"loaded_drops_needed", "loaded drops needed"}, known(!is_limited, count.loaded));
-    row.Add({"limit", "limit"}, known(is_limited, LimitName(count.limit)));
+    row.Add({"limit", "limit"}, known(is_limited, NameOf(count.limit)));
     row.Add({"tolerable_share"}, known(is_limited, count.tolerable_share));
   }
   return table;
 }
 
 }  // namespace
+
+std::string_view LargestCause(const ExpectedUncertainty& uncertainty) {
+  const Source* largest = kSources.data();
+  for (const Source& source : kSources) {
+    // not counting their sum
+    if (source.key == "combined") continue;
+    if (source.part(uncertainty) > largest->part(uncertainty)) largest = &source;
+  }
+  return largest->name;
+}
+
+std::string_view NameOf(PlanLimit limit) {
+  // in the order of the enumerators
+  static constexpr std::array<std::string_view, 7> kNames{
+      "", "moving mass", "coil resistance", "load", "time base", "noise", "converter steps"};
+  return kNames[static_cast<std::size_t>(limit)];
+}
 
 document::Document PlanDocument(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;

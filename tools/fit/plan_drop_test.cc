@@ -64,22 +64,6 @@ double RoundUp(double value) {
   return std::ceil(value / place * (1 - 1e-9)) * place;
 }
 
-// the command line
-struct PlanWords {
-  ActuatorWords actuator;
-  std::vector<std::string> wishes;   // "Km 2%"
-  std::vector<std::string> guesses;  // "Q 60", "Km 1N/A", "Bv 0.03"
-  std::optional<double> natural_frequency_hz;
-  std::optional<double> noise_v;
-  std::optional<double> range_v;
-  std::optional<double> length_s;
-  std::optional<double> rate_hz;
-  std::optional<Quantity> load_ohm;
-  fit::ImpulseRecord drop;  // height, rebound and time scale; without samples
-  std::optional<std::int64_t> bits;
-  std::optional<std::int64_t> taps;
-};
-
 // fills in a card from what is stated, else from the actuator file, else from what is usual
 class CardMaker {
  public:
@@ -362,6 +346,8 @@ void Declare(cli::Options& options, PlanWords& words) {
 
 }  // namespace
 
+Result<TestCard> MakeTestCard(const PlanWords& words) { return CardMaker(words).Make(); }
+
 std::string_view SymbolOf(fit::Constant constant) {
   constexpr std::array<std::string_view, fit::kConstantCount> kSymbols{"Kv", "Bv", "Km"};
   return kSymbols[static_cast<std::size_t>(constant)];
@@ -421,7 +407,7 @@ int RunPlanDropTest(int argc, const char* const* argv) {
       options, outputs,
       {.all = "Print the assumed constants too", .report = "Write the card as a page"});
   return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {
-    HAPTOMETER_LET(const auto card, CardMaker(words).Make());
+    HAPTOMETER_LET(const auto card, MakeTestCard(words));
     return document::Present(PlanDocument(card), outputs, argc, argv);
   });
 }

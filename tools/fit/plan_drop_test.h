@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "fit/drop_test/experiment_plan.h"
+#include "fit/drop_test/impulse_record.h"
 #include "tools/document/document.h"
+#include "tools/fit/actuator.h"
 
 namespace haptometer::tools {
 
@@ -37,6 +40,22 @@ struct AnsweredWish {
   bool is_reached = false;  ///< by the card's drops
 };
 
+/// What is stated of a test; what is empty is taken from the actuator, else from what is usual.
+struct PlanWords {
+  ActuatorWords actuator;
+  std::vector<std::string> wishes;   ///< "Km 2%"
+  std::vector<std::string> guesses;  ///< "Q 60", "Km 1N/A", "Bv 0.03"
+  std::optional<double> natural_frequency_hz;
+  std::optional<double> noise_v;
+  std::optional<double> range_v;
+  std::optional<double> length_s;
+  std::optional<double> rate_hz;
+  std::optional<Quantity> load_ohm;
+  fit::ImpulseRecord drop;  ///< height, rebound and time scale; without samples
+  std::optional<std::int64_t> bits;
+  std::optional<std::int64_t> taps;
+};
+
 /// A test of an actuator, worked out.
 struct TestCard {
   fit::PlannedDrops drops;
@@ -52,6 +71,16 @@ struct TestCard {
   document::Section notes;  ///< its findings: how the test is made, and what is assumed
   std::string command;      ///< that fits the records
 };
+
+/// Works a test out. Errors (Cause::kUsage): no resistance, no frequency, a quality factor, rate,
+/// length or range that no test has; as FindActuator, ParseWish and ParseGuesses.
+[[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words);
+
+/// What keeps a wish from being reached: "moving mass", "converter steps"; "" of kNone.
+[[nodiscard]] std::string_view NameOf(fit::PlanLimit limit);
+
+/// The largest cause of an uncertainty: "noise and converter", "coil resistance".
+[[nodiscard]] std::string_view LargestCause(const fit::ExpectedUncertainty& uncertainty);
 
 /// The card as a document (docs/reference/plan-drop-test.md), to be printed and taken to the bench.
 [[nodiscard]] document::Document PlanDocument(const TestCard& card);

@@ -99,8 +99,9 @@ void AddRangeOfX(const Panel& panel, Script* script) {
   script->Add("set xrange [0:{:.9g}]\n", 1.05 * last);
 }
 
-// Of an axis, x or y: on a logarithmic one of less than three decades 1, 2 and 5 of each, because
-// gnuplot would name the decades alone, of which it may hold one.
+// Of an axis, x or y: on a logarithmic one of less than three decades 1, 2 and 5 of each, of less
+// than one also what lies between, because gnuplot would name the decades alone, of which it may
+// hold one.
 void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
                   std::vector<double> Series::* values, Script* script) {
   double least = std::numeric_limits<double>::infinity();
@@ -119,7 +120,9 @@ void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
   Words separator = "";
   const int last = static_cast<int>(std::ceil(std::log10(most)));
   for (int decade = static_cast<int>(std::floor(std::log10(least))); decade <= last; ++decade) {
-    for (const double step : {1.0, 2.0, 5.0}) {
+    for (const double step : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0}) {
+      const bool is_coarse = step == 1 || step == 2 || step == 5;
+      if (!is_coarse && most > 10 * least) continue;
       script->Add("{}{:.9g}", separator, step * std::pow(10.0, decade));
       separator = ", ";
     }

@@ -146,7 +146,7 @@ ThesisFigure ReceptorsFigure() {
           "(2.6) Receptors stimulated against contact area, contact radii from 1 to 7.5 mm",
           {{"receptors stimulated",
             "contact area / mm2",
-            "Nr",
+            "receptors Nr",
             {Count("cell-centred grid", plot::kBlue, sim::ReceptorGrid::kCellCentred),
              Count("grid edge to edge", plot::kOrange, sim::ReceptorGrid::kEdgeToEdge)}}}};
 }
@@ -191,7 +191,9 @@ namespace {
 
 // every panel of generated data states that it is not measured
 std::vector<plot::Panel> Generated(std::vector<plot::Panel> panels) {
-  for (plot::Panel& panel : panels) panel.title = "generated, not measured: " + panel.title;
+  for (plot::Panel& panel : panels) {
+    panel.title = "generated, not measured" + (panel.title.empty() ? "" : ": " + panel.title);
+  }
   return panels;
 }
 

@@ -235,7 +235,7 @@ document::Document PlanDocument(const std::string& folder, const SessionPlan& pl
   root.Add({document::kOrder.name, "order"}, Name(plan.order));
   root.sections.push_back(FloorsSection(counts));
   const double recording_s = plan.duration_s * static_cast<double>(cells.size());
-  root.Add({"recording_s"}, recording_s);
+  root.Add(document::kRecording, recording_s);
   root.Add({"", "recording"}, TimeText(recording_s)).note = "without what lies between";
   AddDetectable(plan, spread, root);
   FindInPlan(plan, root);

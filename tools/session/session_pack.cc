@@ -132,7 +132,7 @@ Result<void> HashAll(const fs::path& folder, std::vector<Packed>& files) {
 Result<void> AddStudy(const fs::path& folder, int argc, const char* const* argv,
                       std::vector<Packed>& files, Section& root) {
   const WorkingFolder in(folder.parent_path());
-  const auto study = StudyOfFolder(folder.filename());
+  const auto study = AnswerStudy({.source = folder.filename()});
   if (!study) {
     root.Find(Severity::kNote, "no-study", "without results of a study: {reason}",
               {{"reason", study.error().Text()}});
@@ -288,7 +288,7 @@ Result<ResultsComparison> CompareStudy(const trial::ByteSource& archive,
   }
   HAPTOMETER_TRY(Unpack(archive, checked, temporary.path() / checked.list.session));
   const WorkingFolder in(temporary.path());
-  HAPTOMETER_LET(const auto study, StudyOfFolder(checked.list.session));
+  HAPTOMETER_LET(const auto study, AnswerStudy({.source = checked.list.session}));
   return CompareResults(earlier, where + ": " + std::string(kResults), StudyDocument(study, false));
 }
 

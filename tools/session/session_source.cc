@@ -26,6 +26,7 @@ cli::VerbText SourceText(std::string_view verb) {
 }
 
 constexpr std::string_view kFromFolder = "--from-folder";
+constexpr std::string_view kScene = "scene:";
 
 // the first option that the plan or the log decides, or that a session does not have
 const char* Decided(const RecordingOptions& recording) {
@@ -61,7 +62,7 @@ Result<FolderSource> ReadFolder(const SessionPlan& plan, std::string_view verb) 
   if (source.folder.empty()) {
     return Usage(std::string(kFromFolder), "has no folder", "name the folder that is written into");
   }
-  HAPTOMETER_LET(source.import, cli::ImportOf(import));
+  HAPTOMETER_LET(source.import, cli::ImportOf(import, {}));
   return source;
 }
 
@@ -93,7 +94,6 @@ void MakeFull(std::string& word, std::size_t at) {
 }  // namespace
 
 std::vector<std::string> WithFullPaths(std::vector<std::string> words) {
-  constexpr std::string_view kScene = "scene:";
   constexpr std::array<std::string_view, 4> kOfFiles{kFromFolder, "--port", "--profile",
                                                      "--calibration"};
   std::error_code error;
@@ -111,6 +111,14 @@ std::vector<std::string> WithFullPaths(std::vector<std::string> words) {
     option = begin > 0 ? std::string_view() : std::string_view(word);
   }
   return words;
+}
+
+std::string SceneOf(const SessionPlan& plan) {
+  for (const std::string& word : plan.source) {
+    const std::size_t begin = word.starts_with("--") ? word.find('=') + 1 : 0;
+    if (word.compare(begin, kScene.size(), kScene) == 0) return word.substr(begin + kScene.size());
+  }
+  return {};
 }
 
 Result<SessionSource> ReadSource(const SessionPlan& plan, std::string_view verb) {

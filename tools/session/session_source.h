@@ -18,6 +18,9 @@ namespace haptometer::tools {
 /// --calibration, where they are there, and a scene's.
 [[nodiscard]] std::vector<std::string> WithFullPaths(std::vector<std::string> words);
 
+/// The scene that the plan's source plays; empty of another source.
+[[nodiscard]] std::string SceneOf(const SessionPlan& plan);
+
 /// A folder into which another program writes a file for each trial.
 struct FolderSource {
   std::string folder;

@@ -102,7 +102,7 @@ Result<void> CheckRun(const sim::Scene& scene, const std::string& where) {
   if (!is_sine && !scene.duration_s) {
     return CannotAnswer(
         where, fmt::format("drives with {} and has no duration", KindText(scene.drive.kind)),
-        "give duration_s in [run], or --duration");
+        "give duration_s in [run]");
   }
   const double duration_s = scene.duration_s.value_or(0);
   const double steps = scene.duration_s ? sim::StepsOfRun(scene, duration_s) : 0;
@@ -418,6 +418,38 @@ std::optional<sim::Waveforms> PlayedMotion(const SceneAnswer& answer) {
 std::span<const AnswerNumber> SteadyNumbers() { return kSteadyNumbers; }
 
 std::span<const AnswerNumber> RunNumbers() { return kRunNumbers; }
+
+double ErrorOfAll(const SceneAnswer& answer) {
+  double largest = 0;
+  if (answer.steady) largest = answer.steady->error_estimate;
+  if (answer.tones) largest = std::max(largest, answer.tones->error_estimate);
+  if (const sim::SceneRun* run = RunOf(answer)) largest = std::max(largest, run->error_estimate);
+  return largest;
+}
+
+std::vector<AccuracyTrial> TryAccuracies(const sim::Scene& scene, const std::string& where) {
+  constexpr double kLongS = 1;
+  std::vector<AccuracyTrial> trials;
+  for (const double accuracy : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
+    sim::Scene asked = scene;
+    asked.tolerance = accuracy;
+    AccuracyTrial& trial = trials.emplace_back(AccuracyTrial{.accuracy = accuracy});
+    trial.seconds = HUGE_VAL;
+    for (int k = 0; k < kTimedRuns; ++k) {
+      const auto begin = std::chrono::steady_clock::now();
+      const auto answer = AnswerScene(asked, where);
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+      trial.seconds = std::min(trial.seconds, taken.count());
+      if (answer) {
+        trial.error_estimate = ErrorOfAll(*answer);
+        const sim::SceneRun* run = RunOf(*answer);
+        if (run != nullptr) trial.solver_steps = run->work.steps;
+      }
+      if (taken.count() > kLongS) break;
+    }
+  }
+  return trials;
+}
 
 std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectChoice& choice) {
   std::vector<EffectTrial> trials;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -121,6 +122,22 @@ struct EffectTrial {
   double with_s = 0;  ///< best time of three runs
   double without_s = 0;
 };
+
+/// What an accuracy costs.
+struct AccuracyTrial {
+  double accuracy = 0;                     ///< run.tolerance
+  double seconds = 0;                      ///< best time of three answers
+  std::optional<double> error_estimate{};  ///< of the answer; absent: it is refused
+  std::int64_t solver_steps = 0;           ///< 0: exact
+};
+
+/// The largest error estimate among an answer's numbers.
+[[nodiscard]] double ErrorOfAll(const SceneAnswer& answer);
+
+/// Answers the scene at accuracies of 2, 4, 6, 8 and 10 digits. Cost: fifteen answers; of one that
+/// takes more than a second, one each.
+[[nodiscard]] std::vector<AccuracyTrial> TryAccuracies(const sim::Scene& scene,
+                                                       const std::string& where);
 
 /// Plays the scene with and without each effect whose constants are stated, around its choice.
 /// Cost: six runs for each of them.

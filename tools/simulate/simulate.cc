@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
+#include "tools/simulate/accuracy_option.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_document.h"
 #include "tools/simulate/simulated_trial.h"
@@ -41,7 +43,7 @@ struct SimulateOptions {
   std::string output;
   bool overwrite = false;
   std::optional<Quantity> duration_s;
-  std::optional<Quantity> tolerance;
+  AccuracyWords accuracy;
   std::string quantity;
   bool explain = false;
   std::string waveforms;
@@ -54,10 +56,10 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Length of the run; overrides [run] duration_s");
-  options.Flag("--explain", &wanted.explain,
-               "Show for each effect whether it is on, why, what it changes and how long it takes");
-  options.Number("--tolerance", &wanted.tolerance, Dimension::kNone,
-                 "Relative change that effects = \"auto\" may neglect; overrides [run] tolerance");
+  options.Flag(
+      "--explain", &wanted.explain,
+      "Show for each effect whether it is on, why and what it changes, and what an accuracy costs");
+  DeclareAccuracy(options, wanted.accuracy);
   options.Choice("--quantity", &wanted.quantity,
                  {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
                  "Quantity that the tolerance applies to; overrides [run] quantity");
@@ -133,15 +135,7 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
     const auto* const place = std::ranges::find(sim::kAskedQuantityNames, wanted.quantity);
     scene.quantity = static_cast<sim::AskedQuantity>(place - sim::kAskedQuantityNames.begin());
   }
-  if (wanted.tolerance) {
-    scene.tolerance = wanted.tolerance->value;
-    if (!(scene.tolerance >= sim::kLeastTolerance && scene.tolerance < 1)) {
-      return Usage("--tolerance",
-                   fmt::format("{:g} is not {:g} or more and below 1", scene.tolerance,
-                               sim::kLeastTolerance),
-                   "it is relative: 1e-3 asks for three digits");
-    }
-  }
+  scene.tolerance = wanted.accuracy.Asked().value_or(scene.tolerance);
   if (!wanted.duration_s) return scene;
   const double duration_s = wanted.duration_s->value;
   if (!(duration_s > 0 && duration_s <= sim::kLongestRunS)) {
@@ -157,7 +151,9 @@ Result<Explanation> Explained(const SceneAnswer& solved, const std::string& wher
   HAPTOMETER_LET(auto choice, solved.effects ? Result<sim::EffectChoice>(*solved.effects)
                                              : DecideEffects(solved.scene, where));
   std::vector<EffectTrial> trials = TryEffects(solved.scene, choice);
-  return Explanation{.choice = std::move(choice), .trials = std::move(trials)};
+  return Explanation{.choice = std::move(choice),
+                     .trials = std::move(trials),
+                     .accuracies = TryAccuracies(solved.scene, where)};
 }
 
 // constants of an effect that is off: possible, but perhaps forgotten

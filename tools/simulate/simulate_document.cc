@@ -25,7 +25,7 @@ using document::Section;
 
 // keys of more than one place
 constexpr Key kDrivePeriods{"drive_periods", "drive periods per repetition"};
-constexpr Key kChange{"change", "change"};
+constexpr Key kSolverSteps{"solver_steps", "steps of the solver"};
 
 bool IsNamed(const SceneAnswer& solved, sim::Effect effect) {
   return solved.scene.effects[effect] != sim::Wish::kOff;
@@ -127,8 +127,8 @@ std::string Method(const SceneAnswer& solved) {
     methods.emplace_back("exact phasors of the linear model, superposed");
   }
   if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
-  // with a smooth effect CVODES integrates the run, its window included
-  const bool smooth = solved.effects && solved.effects->run.solver;
+  // with a smooth effect one solver plays the run, its window included
+  const bool smooth = solved.effects && solved.effects->run.solver_tolerance > 0;
   if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
   if (solved.effects && solved.effects->periodic) methods.emplace_back("transient and shooting");
   if (solved.effects && solved.effects->chaotic) methods.emplace_back("averages of batches");
@@ -136,20 +136,9 @@ std::string Method(const SceneAnswer& solved) {
     methods.emplace_back("events located to rounding");
   }
   if (smooth) {
-    methods.emplace_back(*solved.effects->run.solver == sim::OdeMethod::kBdf
-                             ? "SUNDIALS CVODES, BDF"
-                             : "SUNDIALS CVODES, Adams");
+    methods.emplace_back("exponential collocation");
   }
   return fmt::format("{}", fmt::join(methods, "; "));
-}
-
-// largest relative error estimate of all numbers of the answer
-double ErrorOfAll(const SceneAnswer& solved) {
-  double largest = 0;
-  if (solved.steady) largest = solved.steady->error_estimate;
-  if (solved.tones) largest = std::max(largest, solved.tones->error_estimate);
-  if (const sim::SceneRun* run = RunOf(solved)) largest = std::max(largest, run->error_estimate);
-  return largest;
 }
 
 // resolution of a number: its relative error times its value, so no digit below it is printed
@@ -256,7 +245,8 @@ Section RunSection(const SceneAnswer& solved) {
               run.temperature_peak_k);
   section.Add({kErrorEstimate.name}, run.error_estimate);
   section.Add({"known_until_s"}, run.known_until_s);
-  section.Add({"solver_steps", run.solver ? "steps of the solver" : ""}, run.work.steps);
+  const bool is_exact = run.solver_tolerance == 0;
+  section.Add({kSolverSteps.name, is_exact ? "" : kSolverSteps.label}, run.work.steps);
   // a tenth of the imbalance: two digits of a quantity that is itself an error
   section.Add(kEnergyImbalance, run.ledger.Imbalance()).resolution =
       std::abs(run.ledger.Imbalance()) / 10;
@@ -366,7 +356,7 @@ Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanatio
     effect.Add({document::kOn.name, is_shown ? sim::kEffectNames[k] : ""}, verdict.on).note =
         GroundText(verdict);
     effect.Add({"ground"}, NameOf(verdict.ground));
-    effect.Add({kChange.name}, is_asked ? std::optional(verdict.change) : std::nullopt);
+    effect.Add({document::kChange.name}, is_asked ? std::optional(verdict.change) : std::nullopt);
   }
   return effects;
 }
@@ -381,9 +371,26 @@ Section ExplainedTable(const std::optional<Explanation>& explanation) {
     Section& row = table.sections.emplace_back();
     row.Add({"effect", "effect"}, sim::kEffectNames[sim::PlaceOf(trial.effect)]);
     // two digits of the change; times in steps of a microsecond
-    row.Add(kChange, trial.change).resolution = trial.change / 10;
+    row.Add(document::kChange, trial.change).resolution = trial.change / 10;
     row.Add({"with_s", "with it", document::kSecond}, trial.with_s).resolution = 1e-6;
     row.Add({"without_s", "without it", document::kSecond}, trial.without_s).resolution = 1e-6;
+  }
+  return table;
+}
+
+Section AccuraciesTable(const std::optional<Explanation>& explanation) {
+  Section table{.name = "accuracies",
+                .heading = "what an accuracy costs, best time of three answers",
+                .shape = Section::Shape::kTable,
+                .is_known = explanation.has_value()};
+  if (!explanation) return table;
+  for (const AccuracyTrial& trial : explanation->accuracies) {
+    Section& row = table.sections.emplace_back();
+    row.Add({document::kAccuracy.name, "asked for"}, trial.accuracy);
+    row.Add({"answer_s", "time", document::kSecond}, trial.seconds).resolution = 1e-6;
+    row.Add(kErrorEstimate, trial.error_estimate).resolution =
+        trial.error_estimate.value_or(0) / 10;
+    row.Add(kSolverSteps, trial.solver_steps);
   }
   return table;
 }
@@ -393,7 +400,7 @@ Section ExplainedTable(const std::optional<Explanation>& explanation) {
 Section MethodSection(const SimulateAnswer& answer) {
   const double error = ErrorOfAll(answer.solved);
   Section section;
-  section.Add({"method", "method"}, Method(answer.solved));
+  section.Add(document::kMethod, Method(answer.solved));
   section.Add(kErrorEstimate, error).resolution = error / 10;
   section.Add({"trial", "trial"}, document::TextOrNotKnown(answer.trial_path));
   section.Add({"waveforms", "waveforms"}, document::TextOrNotKnown(answer.waveforms_path));
@@ -547,6 +554,7 @@ document::Document SimulateDocument(const SimulateAnswer& answer) {
                    RunSection(solved),
                    EffectsSection(solved, answer.explanation),
                    ExplainedTable(answer.explanation),
+                   AccuraciesTable(answer.explanation),
                    MethodSection(answer)};
   if (!answer.panels.empty()) root.figures = {{.caption = "motion", .panels = answer.panels}};
   AddAllFindings(answer, root);

@@ -34,10 +34,11 @@ enum class SimulateFinding : std::uint8_t {
 
 [[nodiscard]] document::Sentence SentenceOf(SimulateFinding kind);
 
-/// The effects of a scene as --explain has them.
+/// The effects of a scene and the cost of its accuracy, as --explain has them.
 struct Explanation {
   sim::EffectChoice choice;
   std::vector<EffectTrial> trials;
+  std::vector<AccuracyTrial> accuracies;
 };
 
 /// Everything that simulate answers.

@@ -380,7 +380,7 @@ document::Document MatchingDocument(const MatchingResult& result, bool has_figur
   root.sources = {document::DataSource::kImported};
   root.Add(document::kFile, result.source);
   root.Add(kUnitOfAnalysis, document::kSubject.name);
-  root.Add({"settings"}, result.settings);
+  root.Add(document::kSettings, result.settings);
   root.Add({kSubjects.name}, result.subjects);
   root.Add(kContrastsPlanned, result.planned);
   root.sections = {ListOf({.name = kConditions.name, .shape = Section::Shape::kArray},

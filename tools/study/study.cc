@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/input_file.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/analyze/analyze.h"
 #include "tools/cli/options.h"
@@ -22,6 +23,7 @@
 #include "tools/document/present.h"
 #include "tools/document/render.h"
 #include "tools/session/session_folder.h"
+#include "tools/session/session_source.h"
 #include "tools/study/study_document.h"
 #include "tools/verbs.h"
 
@@ -39,7 +41,7 @@ constexpr cli::VerbText kText{
     .name = kVerb,
     .summary =
         "Compare the conditions of a study: trials x subjects x conditions, one mean per subject. "
-        "See also study matching --help and study linearity --help.",
+        "See also --help of study compare, study matching and study linearity.",
     .examples = {"haptometer study trials/ --contrast ia1:stock --contrast ia2:cone",
                  "haptometer study study.toml --all --plot study.svg --methods methods.md",
                  "haptometer study study.toml --verify results.json"}};
@@ -48,34 +50,23 @@ constexpr std::string_view kReportHelp = "Write a page with everything";
 
 // the command line as it was typed
 struct Wanted {
-  std::string source{};
-  std::vector<std::string> contrasts{};
-  std::string pattern{};
-  cli::BandWords band{};
-  std::string floor{};
+  StudyWords study{};
   document::Outputs outputs{};
   std::string table{};
   std::string wide{};
   std::string methods{};
   std::string verify{};
   bool overwrite = false;
-  cli::ImportWords import{};
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
-  options.Positional("source", &wanted.source,
+  options.Positional("source", &wanted.study.source,
                      "A folder of trials, or a manifest (.toml, docs/reference/study.md)");
   options
-      .Repeated("--contrast", &wanted.contrasts, "TREATMENT:CONTROL",
+      .Repeated("--contrast", &wanted.study.contrasts, "TREATMENT:CONTROL",
                 "A planned contrast; may be repeated")
       .Default("the manifest's, else every condition against the first");
-  options.Text("--pattern", &wanted.pattern, "PATTERN",
-               "Labels in the files' names: '{subject}_{condition}_{repeat}'");
-  cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
-  options
-      .Text("--floor", &wanted.floor, "FILE",
-            "Drive-off trial whose noise in the band is subtracted (mean square)")
-      .Default("the manifest's, else each trial's own quiet part");
+  DeclareStudy(options, wanted.study);
   document::DeclareOutputs(
       options, wanted.outputs,
       {.all = "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend, "
@@ -88,20 +79,17 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Text("--verify", &wanted.verify, "RESULTS.json",
                "Compare with an earlier output of --json; status 1 where something differs");
   options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
-  cli::DeclareImport(&options, &wanted.import);
 }
 
 // the question from command line and manifest; the command line overrides
 struct Task {
   std::vector<TrialFile> files;
-  std::vector<std::string> ignored;  // tables of results among them
   Manifest manifest;
-  std::string session_damage{};  // of a session's log, in words
-  dsp::BandQuestion question;
   trial::ImportOptions import;
+  StudyResult study;  // what is known of it before the trials are analysed
 };
 
-Result<void> FindFiles(const Wanted& wanted, Task& task) {
+Result<void> FindFiles(const StudyWords& wanted, Task& task) {
   std::error_code ignored;
   // a .toml is a manifest, every other file a usage error
   const bool is_folder = fs::is_directory(wanted.source, ignored);
@@ -126,7 +114,7 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   // tables of results are listed as ignored, so that a folder may contain earlier output
   for (TrialFile& file : files) {
     if (file.is_table) {
-      task.ignored.push_back(Printable(file.path));
+      task.study.ignored.push_back(Printable(file.path));
     } else {
       task.files.push_back(std::move(file));
     }
@@ -135,7 +123,7 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
 }
 
 // path of the drive-off trial; empty: each trial's own quiet part is its floor
-std::string FloorPath(const Wanted& wanted, const Manifest& manifest) {
+std::string FloorPath(const StudyWords& wanted, const Manifest& manifest) {
   if (!wanted.floor.empty()) return wanted.floor;
   if (manifest.floor.empty()) return {};
   // paths in a manifest are relative to its folder
@@ -144,7 +132,7 @@ std::string FloorPath(const Wanted& wanted, const Manifest& manifest) {
 
 // the noise of a session's floor; nothing, and a remark, where it cannot be read any more
 std::shared_ptr<const dsp::NoiseFloor> FloorOfSession(const std::string& path, const Task& task) {
-  auto floor = ReadFloor(path, task.question, task.import, 1);
+  auto floor = ReadFloor(path, task.study.question, task.import, 1);
   if (floor) return std::make_shared<const dsp::NoiseFloor>(*std::move(floor));
   cli::Remark(kVerb, floor.error().Text());
   return nullptr;
@@ -152,7 +140,7 @@ std::shared_ptr<const dsp::NoiseFloor> FloorOfSession(const std::string& path, c
 
 // what the session in a folder states: contrasts, order of conditions, labels, what is excluded,
 // and floors
-Result<void> TakeSession(const Wanted& wanted, Task& task) {
+Result<void> TakeSession(const StudyWords& wanted, Task& task) {
   std::error_code ignored;
   if (!fs::exists(fs::path(wanted.source) / "session.toml", ignored)) return {};
   HAPTOMETER_LET(const auto session, SessionFolder::Read(wanted.source));
@@ -160,8 +148,9 @@ Result<void> TakeSession(const Wanted& wanted, Task& task) {
   task.manifest.conditions = session.plan().conditions;
   task.manifest.is_session = true;
   // its own log is no table that somebody left there
-  std::erase(task.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
-  task.session_damage = session.DamageInWords();
+  std::erase(task.study.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
+  task.study.session_damage = session.DamageInWords();
+  task.study.scene = SceneOf(session.plan());
   const fs::path trials = fs::path(session.trials()).lexically_normal().parent_path();
   // each floor is read once, in the band of the trials
   std::map<std::string, std::shared_ptr<const dsp::NoiseFloor>> floors;
@@ -193,11 +182,12 @@ Result<void> TakeSession(const Wanted& wanted, Task& task) {
 }
 
 // noise of the drive-off trial, which is then no trial of the study
-Result<void> TakeFloor(const Wanted& wanted, Task& task) {
+Result<void> TakeFloor(const StudyWords& wanted, Task& task) {
   const std::string path = FloorPath(wanted, task.manifest);
   if (path.empty()) return {};
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  HAPTOMETER_LET(task.question.floor, ReadFloor(path, task.question, task.import, threads));
+  HAPTOMETER_LET(task.study.question.floor,
+                 ReadFloor(path, task.study.question, task.import, threads));
   // equivalent() finds the file under another spelling of its path too
   std::erase_if(task.files, [&](const TrialFile& file) {
     std::error_code ignored;
@@ -208,14 +198,7 @@ Result<void> TakeFloor(const Wanted& wanted, Task& task) {
                       "add the trials with the drive on");
 }
 
-Result<Task> TaskOf(const Wanted& wanted) {
-  // outputs are checked before the analysis
-  for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
-                                   std::pair(&wanted.wide, cli::kStudyTableOutput),
-                                   std::pair(&wanted.methods, cli::kMethodsOutput)}) {
-    if (path->empty()) continue;
-    HAPTOMETER_TRY(cli::CheckOutput(*path, kind, wanted.overwrite));
-  }
+Result<Task> TaskOf(const StudyWords& wanted) {
   Task task;
   HAPTOMETER_TRY(FindFiles(wanted, task));
   // band, order and corner: command line first, then manifest, then the defaults
@@ -223,8 +206,10 @@ Result<Task> TaskOf(const Wanted& wanted) {
   if (band.band.empty()) band.band = task.manifest.band;
   if (!band.order) band.order = task.manifest.order;
   if (band.corner.empty()) band.corner = task.manifest.corner;
-  HAPTOMETER_LET(task.question, cli::BandQuestionOf(band));
-  HAPTOMETER_LET(task.import, cli::ImportOf(wanted.import));
+  HAPTOMETER_LET(task.study.question, cli::BandQuestionOf(band));
+  std::vector<std::string> read = Mapped<std::string>(task.files, &TrialFile::path);
+  if (auto floor = FloorPath(wanted, task.manifest); !floor.empty()) read.push_back(floor);
+  HAPTOMETER_LET(task.import, cli::ImportOf(wanted.import, read));
   // after the question: floors are computed in the band of the trials
   HAPTOMETER_TRY(TakeSession(wanted, task));
   HAPTOMETER_LET(const auto contrasts, ParseContrasts(wanted.contrasts));
@@ -233,18 +218,15 @@ Result<Task> TaskOf(const Wanted& wanted) {
   return task;
 }
 
-Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
-  StudyResult study;
-  study.source = Printable(wanted.source);
-  study.question = task.question;
-  study.ignored = task.ignored;
-  study.session_damage = task.session_damage;
-  study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
-                               task.manifest.conditions);
-  HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session
-                                                            ? task.manifest.conditions
-                                                            : std::vector<std::string>{}));
-  return study;
+// outputs are checked before the analysis
+Result<void> CheckOutputs(const Wanted& wanted) {
+  for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
+                                   std::pair(&wanted.wide, cli::kStudyTableOutput),
+                                   std::pair(&wanted.methods, cli::kMethodsOutput)}) {
+    if (path->empty()) continue;
+    HAPTOMETER_TRY(cli::CheckOutput(*path, kind, wanted.overwrite));
+  }
+  return {};
 }
 
 Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc,
@@ -281,13 +263,10 @@ int RunStudyTrials(int argc, const char* const* argv) {
   Wanted wanted;
   Declare(options, wanted);
   return document::RunVerb(kVerb, options, wanted.outputs, argc, argv, [&]() -> Result<int> {
-    HAPTOMETER_LET(const auto task, TaskOf(wanted));
-    HAPTOMETER_LET(const auto study, Answer(wanted, task));
+    HAPTOMETER_TRY(CheckOutputs(wanted));
+    HAPTOMETER_LET(const auto study, AnswerStudy(wanted.study));
     // an unreadable trial worsens the status; the others are answered
-    int status = 0;
-    for (const StudyTrial& trial : study.table.trials) {
-      if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
-    }
+    int status = cli::ReportErrors(kVerb, study.Errors());
     const document::Document document = StudyDocument(study, wanted.outputs.HasFigures());
     status = cli::WorseStatus(status, document::Present(document, wanted.outputs, argc, argv));
     HAPTOMETER_TRY(WriteFiles(wanted, study, argc, argv));
@@ -362,7 +341,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   cli::DeclareImport(&options, &words);
   const auto answer = [&]() -> Result<int> {
     HAPTOMETER_LET(const auto question, cli::BandQuestionOf(band));
-    HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+    HAPTOMETER_LET(const auto import, cli::ImportOf(words, files));
     // errors of single files are reported, the others are used
     const DriveReadings taken = ReadDriveReadings(files, question, import);
     const int status = cli::ReportErrors(kLinearity, taken.errors);
@@ -377,15 +356,35 @@ int RunStudyLinearity(int argc, const char* const* argv) {
 
 }  // namespace
 
-Result<StudyResult> StudyOfFolder(const std::string& folder) {
-  const Wanted wanted{.source = folder};
-  HAPTOMETER_LET(const auto task, TaskOf(wanted));
-  return Answer(wanted, task);
+void DeclareStudy(cli::Options& options, StudyWords& words) {
+  options.Text("--pattern", &words.pattern, "PATTERN",
+               "Labels in the files' names: '{subject}_{condition}_{repeat}'");
+  cli::DeclareBand(&options, &words.band, cli::Shown::kHelpAll);
+  options
+      .Text("--floor", &words.floor, "FILE",
+            "Drive-off trial whose noise in the band is subtracted (mean square)")
+      .Default("the manifest's, else each trial's own quiet part");
+  cli::DeclareImport(&options, &words.import);
+}
+
+Result<StudyResult> AnswerStudy(
+    const StudyWords& words, const std::function<Result<void>(const std::string& scene)>& check) {
+  HAPTOMETER_LET(auto task, TaskOf(words));
+  if (check) HAPTOMETER_TRY(check(task.study.scene));
+  StudyResult study = std::move(task.study);
+  study.source = Printable(words.source);
+  study.table = MakeStudyTable(AnalyzeTrials(task.files, study.question, task.import),
+                               task.manifest.conditions);
+  HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session
+                                                            ? task.manifest.conditions
+                                                            : std::vector<std::string>{}));
+  return study;
 }
 
 int RunStudy(int argc, const char* const* argv) {
-  // the second word selects the verb: matching, linearity, else a study of trials
+  // the second word selects the verb: compare, matching, linearity, else a study of trials
   const std::string_view word = argc > 1 ? argv[1] : "";
+  if (word == "compare") return RunStudyCompare(argc, argv);
   if (word == "matching") return RunStudyMatching(argc, argv);
   if (word == "linearity") return RunStudyLinearity(argc, argv);
   return RunStudyTrials(argc, argv);

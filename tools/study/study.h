@@ -1,19 +1,40 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "tools/cli/options.h"
+#include "tools/cli/shared_options.h"
 #include "tools/document/document.h"
 #include "tools/study/study_table.h"
 
 namespace haptometer::tools {
 
-/// What `haptometer study FOLDER` answers without options. Errors: as cli::RecordingsIn,
-/// SessionFolder::Read and CompareConditions.
-[[nodiscard]] Result<StudyResult> StudyOfFolder(const std::string& folder);
+/// The trials of a study as they are asked for on a command line.
+struct StudyWords {
+  std::string source{};  ///< a folder or a manifest
+  std::vector<std::string> contrasts{};
+  std::string pattern{};
+  cli::BandWords band{};
+  std::string floor{};
+  cli::ImportWords import{};
+};
+/// Declares the options of those words, but for source and contrasts.
+void DeclareStudy(cli::Options& options, StudyWords& words);
+
+/// What `haptometer study` answers; `check` is called before any trial is analysed, with the scene
+/// that the session's source plays (empty: none). Errors: as cli::RecordingsIn, SessionFolder::Read
+/// and CompareConditions; those of the words and of `check`.
+[[nodiscard]] Result<StudyResult> AnswerStudy(
+    const StudyWords& words,
+    const std::function<Result<void>(const std::string& scene)>& check = nullptr);
+
+/// The verb `study compare`; argv[1] is its second word.
+int RunStudyCompare(int argc, const char* const* argv);
 
 /// Results of a study against earlier ones.
 struct ResultsComparison {

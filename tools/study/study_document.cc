@@ -52,6 +52,8 @@ StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
   return findings;
 }
 
+}  // namespace
+
 StudyFindings FindingsOf(const StudyResult& study) {
   StudyFindings findings = RefusalsOf(study, false);
   if (std::ranges::all_of(study.table.trials, [](const auto& one) { return !!one.excluded; })) {
@@ -83,6 +85,8 @@ StudyFindings FindingsOf(const StudyResult& study) {
                           : StudyFinding::kCalibrationExcluded);
   return findings;
 }
+
+namespace {
 
 // --- sections ---
 
@@ -387,15 +391,6 @@ Section TrialsSection(const StudyResult& study) {
   return section;
 }
 
-// data sources of all answered trials, without duplicates, in the order of the enumeration
-std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
-  std::set<document::DataSource> sources;
-  for (const StudyTrial& trial : table.trials) {
-    if (trial.answered) sources.insert(trial.sources.begin(), trial.sources.end());
-  }
-  return {sources.begin(), sources.end()};
-}
-
 // names that may be one, written in two ways
 void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
                     StudyFindings& findings) {
@@ -491,6 +486,15 @@ Section MethodsSection(const StudyResult& study) {
 
 }  // namespace
 
+// without duplicates, in the order of the enumeration
+std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
+  std::set<document::DataSource> sources;
+  for (const StudyTrial& trial : table.trials) {
+    if (trial.answered) sources.insert(trial.sources.begin(), trial.sources.end());
+  }
+  return {sources.begin(), sources.end()};
+}
+
 StudyFindings ExceptionsOf(const StudyResult& study) {
   StudyFindings findings;
   // deviations concern trials with a value only
@@ -570,19 +574,19 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
                            Counted(table.conditions.size(), "condition"))};
   Section& root = document.root;
   root.sources = SourcesOf(table);
-  root.Add({"study"}, study.source);
+  root.Add(kStudy, study.source);
   root.Add(kUnitOfAnalysis, document::kSubject.name);
   root.Add({kSubjects.name}, table.subjects);
   root.Add(kContrastsPlanned, study.planned);
   root.sections = {
       BandSection(study.question.band),
       FloorSection(study.question.floor),
-      FloorsSection(table),
       CountsSection(table),
       ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
       ListOf({.heading = "contrasts", .detail = Detail::kPage}, study.contrasts, ContrastRow),
       ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray}, study.contrasts,
-             ContrastSection)};
+             ContrastSection),
+      FloorsSection(table)};
   if (has_figures) {
     root.sections.push_back(
         {.figures = {

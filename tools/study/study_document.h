@@ -23,6 +23,11 @@ namespace haptometer::tools {
 [[nodiscard]] document::Document MatchingDocument(const MatchingResult& result, bool has_figures);
 [[nodiscard]] document::Document LinearityDocument(const LinearityResult& result, bool has_figures);
 
+/// What there is to say of the trials and of the contrasts.
+[[nodiscard]] StudyFindings FindingsOf(const StudyResult& study);
+/// The sources of the answered trials' data.
+[[nodiscard]] std::vector<document::DataSource> SourcesOf(const StudyTable& table);
+
 /// What the trials with a value have of their own: how their analysis differs from what was asked,
 /// missing repeats, outliers.
 [[nodiscard]] StudyFindings ExceptionsOf(const StudyResult& study);
@@ -58,6 +63,7 @@ namespace haptometer::tools {
 // How the numbers of statistics stand in these documents, and the keys that they share.
 inline constexpr document::Key kCondition{"condition", "condition"};
 inline constexpr document::Key kRepeat{"repeat", "repeat"};
+inline constexpr document::Key kStudy{"study"};
 inline constexpr document::Key kTreatment{"treatment"};
 inline constexpr document::Key kControl{"control"};
 inline constexpr document::Key kUnitOfAnalysis{"unit_of_analysis"};

@@ -119,9 +119,9 @@ std::string ContrastsText(const StudyResult& study) {
   if (study.contrasts.empty()) return {};
   const auto names =
       Mapped(study.contrasts, [](const Contrast& contrast) { return NameOf(contrast.planned); });
-  const bool is_one = names.size() == 1;
   return fmt::format(
-      "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "
+      "{} ({}) were tested with two-sided paired t tests of the subjects' means, with exact p "
+      "values "
       "corrected by Holm's method over {} test{}. Mean differences are given with 95 % confidence "
       "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
       "geometric means, with intervals from the paired t on logarithms; effect sizes are d_z and "
@@ -129,7 +129,7 @@ std::string ContrastsText(const StudyResult& study) {
       "(exact correction) with intervals of the population's effect from the noncentral t "
       "distribution. ",
       study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
-      fmt::join(names, "; "), is_one ? "was" : "were", names.size(), is_one ? "" : "s");
+      fmt::join(names, "; "), names.size(), names.size() == 1 ? "" : "s");
 }
 
 // outlying values are named and retained; limits from study_table.h

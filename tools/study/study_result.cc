@@ -192,6 +192,14 @@ FurtherStatistics DescribeFurther(const StudyTable& table) {
   return further;
 }
 
+std::vector<Error> StudyResult::Errors() const {
+  std::vector<Error> errors;
+  for (const StudyTrial& trial : table.trials) {
+    if (trial.error) errors.push_back(*trial.error);
+  }
+  return errors;
+}
+
 Result<void> StudyResult::Compare(std::vector<PlannedContrast> wanted,
                                   const std::vector<std::string>& expected) {
   planned = !wanted.empty();

@@ -231,6 +231,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   trial.rms_uncertainty_m = rms.standard_uncertainty_m;
   trial.gain_uncertainty = analysis.gain_uncertainty;
   if (numbers.tone) trial.tone_hz = numbers.tone->fit.frequency_hz;
+  trial.numbers = NumbersOf(numbers);
   trial.is_of_drive = numbers.part.from_drive;
   trial.below_band_removed = numbers.below_band && numbers.below_band->modelled;
   trial.gain_corrected = numbers.sensor.divided_out;

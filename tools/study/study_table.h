@@ -12,6 +12,7 @@
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/paired_tests.h"
 #include "dsp/statistics/repeated_measures.h"
+#include "tools/compare/measured.h"
 #include "tools/document/provenance.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_findings.h"
@@ -42,11 +43,12 @@ struct StudyTrial {
   std::optional<double> rms_uncertainty_m;
   std::optional<double> gain_uncertainty;  ///< relative, of the calibration: in rms_uncertainty_m
   std::optional<double> tone_hz;
-  bool is_of_drive = false;         ///< its window lies in a state in which the drive is on
-  bool has_no_drive = false;        ///< no drive found: never a measurement
-  bool is_doubtful = false;         ///< its analysis or its file gives rise to a doubt
-  bool below_band_removed = false;  ///< motion below the band was modelled and subtracted
-  bool gain_corrected = false;      ///< the sensor's gain at the tone was divided out
+  OfCompared<dsp::Estimate> numbers{};  ///< what a scene is compared with
+  bool is_of_drive = false;             ///< its window lies in a state in which the drive is on
+  bool has_no_drive = false;            ///< no drive found: never a measurement
+  bool is_doubtful = false;             ///< its analysis or its file gives rise to a doubt
+  bool below_band_removed = false;      ///< motion below the band was modelled and subtracted
+  bool gain_corrected = false;          ///< the sensor's gain at the tone was divided out
 };
 
 /// Reads and analyses one file, as the verb analyze does. Nothing else of the study depends on what
@@ -198,6 +200,7 @@ struct StudyResult {
   StudyTable table;
   std::vector<std::string> ignored;      ///< tables of results that lie among the trials
   std::string session_damage{};          ///< what of a session's log is damaged, in words
+  std::string scene{};                   ///< that the session's source plays; empty: none
   bool planned = false;                  ///< the contrasts were asked for
   std::vector<PlannedContrast> not_yet;  ///< of a condition of the plan that has no trial yet
   std::vector<Contrast> contrasts;
@@ -210,6 +213,9 @@ struct StudyResult {
   /// one that has no trial yet is in not_yet. Errors: as CompareConditions.
   [[nodiscard]] Result<void> Compare(std::vector<PlannedContrast> wanted,
                                      const std::vector<std::string>& expected = {});
+
+  /// Of trials that cannot be read or have no place.
+  [[nodiscard]] std::vector<Error> Errors() const;
 
   /// How many answered trials `is_so` holds of.
   template <typename Predicate>

@@ -11,23 +11,26 @@
 
 namespace haptometer::tools {
 
-/// A comma-separated table with names in its first line, whose cells are text.
+/// A table with names in its first line, whose cells are text.
 struct TextTable {
   std::string name;                                         ///< the file, for messages
+  char separator = ',';                                     ///< of its cells: , ; or a tab
   std::map<std::string, std::vector<std::string>> columns;  ///< all of `rows` cells
   std::vector<std::size_t> lines;                           ///< (rows) line of each, from 1
   [[nodiscard]] std::size_t rows() const { return lines.size(); }
 };
 
-/// At most 16 MiB and 4096 columns. Lines that begin with '#' and empty ones are passed over; cells
-/// may stand in double quotes (RFC 4180, without line ends within them). Errors
-/// (Cause::kCannotAnswer): the file's, larger, a line with another number of cells, a name twice,
-/// no row, a `required` column that is not there, with the nearest.
+/// At most 16 MiB and 4096 columns, separated by commas, semicolons or tabs as in the first line
+/// (trial/import/table_cells.h), with CR LF and any of the encodings there. Lines that begin with
+/// '#' and empty ones are passed over; cells may stand in double quotes (RFC 4180, without line
+/// ends within them). Errors (Cause::kCannotAnswer): the file's, larger, a line with another number
+/// of cells, a name twice, no row, a `required` column that is not there, with the nearest.
 [[nodiscard]] Result<TextTable> ReadTextTable(const std::string& path,
                                               const std::vector<std::string>& required);
 
-/// The numbers of a column. Errors (Cause::kCannotAnswer): a cell that is no finite number, or
-/// one of a magnitude that no measurement has (base/quantity.h), with its line.
+/// The numbers of a column, with decimal commas where no comma separates the cells. Errors
+/// (Cause::kCannotAnswer), with the line: a cell that is no finite number, or one of a magnitude
+/// that no measurement has (base/quantity.h); one with a point where a comma is the decimal sign.
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
 

@@ -16,6 +16,7 @@
 #include "tools/cli/options.h"
 #include "tools/document/present.h"
 #include "tools/document/provenance.h"
+#include "tools/simulate/accuracy_option.h"
 #include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
@@ -40,6 +41,7 @@ struct SweepQuestion {
   sim::VariedScene scene;
   sim::SweepPoints points;
   Shard shard;
+  std::optional<double> accuracy;  ///< of every point, in place of the scene's [run] tolerance
 };
 
 inline constexpr std::int64_t kMostSweepThreads = 1024;
@@ -48,6 +50,7 @@ inline constexpr std::int64_t kMostSweepThreads = 1024;
 struct SweepWords {
   std::vector<std::string> scenes;
   std::vector<std::string> vary;
+  AccuracyWords accuracy;
   std::optional<std::int64_t> samples;
   std::optional<std::int64_t> seed;
   std::string output;

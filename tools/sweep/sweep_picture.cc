@@ -28,8 +28,12 @@ constexpr std::array<plot::Colour, kMostCurves> kColours{
 // a column as an axis names it, "drive frequency / Hz" of "drive.frequency_hz", and the factor of
 // its numbers; `largest` chooses the unit
 struct Axis {
-  std::string label;
+  std::string quantity;
+  std::string unit{};
   double factor = 1;
+  [[nodiscard]] std::string label() const {
+    return unit.empty() ? quantity : fmt::format("{} / {}", quantity, unit);
+  }
 };
 
 Axis AxisOf(const std::string& name, const std::vector<double>& values) {
@@ -39,11 +43,10 @@ Axis AxisOf(const std::string& name, const std::vector<double>& values) {
     if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
   }
   const document::SpokenUnit spoken = unit.For(largest);
-  Axis axis{name.substr(0, name.size() - unit.ending.size()), spoken.factor};
-  std::ranges::replace_if(axis.label, [](char c) { return c == '.' || c == '_'; }, ' ');
-  if (axis.label.ends_with(" rms")) axis.label.replace(axis.label.size() - 3, 3, "RMS");
-  if (!spoken.symbol.empty()) axis.label += fmt::format(" / {}", spoken.symbol);
-  return axis;
+  std::string quantity = name.substr(0, name.size() - unit.ending.size());
+  std::ranges::replace_if(quantity, [](char c) { return c == '.' || c == '_'; }, ' ');
+  if (quantity.ends_with(" rms")) quantity.replace(quantity.size() - 3, 3, "RMS");
+  return {std::move(quantity), std::string(spoken.symbol), spoken.factor};
 }
 
 double NumberOrNaN(const std::string& cell) { return NumberFrom<double>(cell).value_or(kNaN); }
@@ -121,13 +124,13 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
     columns.values.push_back(NumberOrNaN(cells[place]));
   }
   const Axis axis = AxisOf(column, columns.values);
-  columns.label = axis.label;
+  columns.label = axis.label();
   for (double& value : columns.values) value *= axis.factor;
   return columns;
 }
 
 plot::Panel PanelOver(const KeyColumn& key, const std::string& label) {
-  plot::Panel panel{.x_label = key.axis().label, .y_label = label};
+  plot::Panel panel{.x_label = key.axis().label(), .y_label = label};
   panel.log_axes = key.is_logarithmic ? plot::LogAxes::kX : plot::LogAxes::kNone;
   if (key.AreNumbers()) return panel;
   // texts are names at the ticks
@@ -172,9 +175,10 @@ plot::Panel CurvesOver(const KeyColumn& key, const KeyColumn& other, const Sweep
     plot::Series series =
         SeriesOver(key, columns, [&](std::size_t row) { return other.of_row[row] == value; });
     const double position = other.Positions()[value];
-    series.title =
-        fmt::format("{} = {}", other.axis().label,
-                    other.AreNumbers() ? fmt::format("{:.6g}", position) : other.texts[value]);
+    const Axis axis = other.axis();
+    series.title = other.AreNumbers() ? fmt::format("{} {:.6g}{}{}", axis.quantity, position,
+                                                    axis.unit.empty() ? "" : " ", axis.unit)
+                                      : fmt::format("{} {}", axis.quantity, other.texts[value]);
     series.style = StyleOf(columns, k);
     panel.series.push_back(std::move(series));
   }
@@ -197,8 +201,8 @@ plot::Map MapOf(const SweepColumns& columns) {
   const KeyColumn& up = columns.keys[1];
   const std::vector<double> x = across.Positions();
   const std::vector<double> y = up.Positions();
-  plot::Map map{.x_label = across.axis().label,
-                .y_label = up.axis().label,
+  plot::Map map{.x_label = across.axis().label(),
+                .y_label = up.axis().label(),
                 .value_label = columns.label,
                 .x_start = x[0],
                 .x_step = x[1] - x[0],

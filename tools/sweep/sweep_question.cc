@@ -264,6 +264,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Repeated(
       "--vary", &words.vary, "KEY=VALUES",
       "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
+  DeclareAccuracy(options, words.accuracy);
   options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
                 "Points of a Latin hypercube over BEGIN:END instead of a grid");
   options.Count("--seed", &words.seed, 0, kMostSeed, "Seed of the samples").Default("1");
@@ -296,9 +297,17 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
     if (std::ranges::find(keys, error.where) != keys.end()) error.where = "--vary " + error.where;
     return std::unexpected(std::move(error));
   }
+  const std::optional<double> accuracy = words.accuracy.Asked();
+  if (accuracy && std::ranges::find(keys, "run.tolerance") != keys.end()) {
+    return Usage("--vary run.tolerance", "varies the accuracy, which --accuracy or --digits fixes",
+                 "give one of the two");
+  }
   // before the first row: values at the ends of every axis must be accepted by the scene's reader
   HAPTOMETER_TRY(CheckAxes(*scene, points));
-  return SweepQuestion{.scene = *std::move(scene), .points = std::move(points), .shard = shard};
+  return SweepQuestion{.scene = *std::move(scene),
+                       .points = std::move(points),
+                       .shard = shard,
+                       .accuracy = accuracy};
 }
 
 Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
@@ -306,7 +315,8 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   for (const auto& group : words.merge) tables.insert(tables.end(), group.begin(), group.end());
   // a merge computes nothing: options of a computation are refused
   const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
-                          words.seed || words.resume || words.threads || !words.shard.empty();
+                          words.seed || words.resume || words.threads || !words.shard.empty() ||
+                          words.accuracy.Asked();
   HAPTOMETER_TRY(cli::CheckRules({
       {has_others, "--merge", "joins tables and computes nothing",
        "give it tables, -o, --overwrite, --best and --plot alone"},

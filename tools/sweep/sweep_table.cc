@@ -188,6 +188,8 @@ TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& 
   }
   header.question.push_back(fmt::format("# sampling = {}", SamplingOf(question.points)));
   header.question.push_back(fmt::format("# points = {}", question.points.size()));
+  if (question.accuracy)
+    header.question.push_back(fmt::format("# accuracy = {}", *question.accuracy));
   // last, because other keys also change the digest, and those are reported first
   header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
   for (const AnswerColumn& column : AnswerColumns()) header.columns.push_back(column.name);
@@ -232,7 +234,8 @@ std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& va
 std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
   const std::vector<sim::SweepValue> values = question.points.At(point);
   std::string row = RowBegin(point, values);
-  const auto scene = question.scene.Read(values);
+  auto scene = question.scene.Read(values);
+  if (scene) scene->tolerance = question.accuracy.value_or(scene->tolerance);
   const std::string& path = question.scene.path();
   AppendAnswer(row, scene ? AnswerScene(*scene, path) : std::unexpected(scene.error()), path);
   return fmt::format("{},{}\n", row, ChecksumOf(row));

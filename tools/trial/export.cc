@@ -191,8 +191,8 @@ Result<int> Export(const Wanted& wanted) {
     return Usage(wanted.output, "has an ending that no export writes",
                  "use .csv, .h5, .npy, .wav or .mat");
   }
-  HAPTOMETER_LET(const auto import, cli::ImportOf(wanted.import));
   HAPTOMETER_LET(const auto inputs, FilesOf(wanted.files));
+  HAPTOMETER_LET(const auto import, cli::ImportOf(wanted.import, inputs));
   if (format == Format::kHdf5) return ExportAll<trial::Hdf5Writer>(wanted, *format, inputs, import);
   if (format == Format::kMat) return ExportAll<trial::MatWriter>(wanted, *format, inputs, import);
   // CSV, NumPy and WAV have no groups

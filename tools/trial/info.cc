@@ -335,7 +335,7 @@ int RunTrialInfo(int argc, const char* const* argv) {
                  "Write a page with all of it and a plot of the recording", cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &import);
   return document::RunVerb(kText.name, options, outputs, argc, argv, [&]() -> Result<int> {
-    HAPTOMETER_LET(const auto wanted, cli::ImportOf(import));
+    HAPTOMETER_LET(const auto wanted, cli::ImportOf(import, {&path, 1}));
     HAPTOMETER_LET(const auto recording, trial::ReadRecording(path, wanted));
     const int status = document::Present(
         TrialDocument(kText.name, path, recording, outputs.HasFigures()), outputs, argc, argv);

@@ -92,7 +92,7 @@ Result<void> Label(const std::string& path, const std::vector<std::string>& word
   if (words.empty()) {
     return Usage("labels", "are missing", "write them behind the file, for example subject=3");
   }
-  HAPTOMETER_LET(auto labels, cli::ReadKeyValues(words, "label"));
+  HAPTOMETER_LET(auto labels, cli::ReadKeyValues(words, "label", "subject=3"));
   const trial::Event event{
       .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(labels)};
   return Append(path, event,
@@ -217,7 +217,7 @@ Result<void> Draw(const std::string& input, const std::string& output,
                   const cli::ImportWords& words) {
   if (output.empty()) return Usage("-o", "is missing", "name the plot, e.g. -o trial.svg");
   HAPTOMETER_TRY(plot::CheckPlotPath(output));
-  HAPTOMETER_LET(const auto import, cli::ImportOf(words));
+  HAPTOMETER_LET(const auto import, cli::ImportOf(words, {&input, 1}));
   HAPTOMETER_LET(const auto recording, ReadAndTell(kPlotText.name, input, import));
   // at most kMostPanels channels are drawn; a remark states the others
   const trial::Record& record = recording.record;

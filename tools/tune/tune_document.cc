@@ -38,6 +38,21 @@ Unit ObjectiveUnit(sim::Objective objective) {
   return document::kMetre;
 }
 
+// the objective as it is shown; --objective and JSON have its name
+std::string_view LabelOf(sim::Objective objective) {
+  switch (objective) {
+    case sim::Objective::kStimulus:
+      return "stimulus";
+    case sim::Objective::kSkinPower:
+      return "power in the skin";
+    case sim::Objective::kRmsPerWatt:
+      return "skin displacement (RMS) per electrical power";
+    case sim::Objective::kSkinRms:
+      break;
+  }
+  return "skin displacement (RMS)";
+}
+
 // --- findings ---
 
 // a run too long to simulate, or a run whose rise determines no latency
@@ -161,7 +176,7 @@ Section ObjectiveSection(const TuneAnswer& answer) {
   objective.Add(document::kName, sim::Name(question.objective));
   objective.Add(document::kUnit, sim::UnitOf(question.objective));
   objective.Add({"skin_variation"}, question.problem.skin_variation);
-  objective.Add({document::kValue.name, sim::Name(question.objective), unit}, optimum.value);
+  objective.Add({document::kValue.name, "largest value", unit}, optimum.value);
   // gap between answer and proved bound, in percent of the answer
   objective.Add({"upper_bound", "upper bound", unit}, optimum.upper_bound).note = fmt::format(
       "{:.2g} % above: {}", (optimum.upper_bound / optimum.value - 1) * 100, ProofText(answer));
@@ -239,7 +254,7 @@ Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& 
     // value 0: no adapter was found for this row
     const bool is_found = point.value > 0;
     Section& row = list.sections.emplace_back();
-    row.Add({document::kValue.name, sim::Name(objective), ObjectiveUnit(objective)},
+    row.Add({document::kValue.name, LabelOf(objective), ObjectiveUnit(objective)},
             is_found ? point.value : kNaN);
     row.sections.push_back(AdapterSection(point.point, answer.question.problem));
     row.sections.back().is_known = is_found;
@@ -259,7 +274,7 @@ Section WrongSprings(const TuneAnswer& answer) {
     Section& row = list.sections.emplace_back();
     row.Add({"factor", "of the best", document::kShare}, spring.factor);
     // the objective with the spring alone changed, then with Ma2 optimised again
-    row.Add({document::kValue.name, sim::Name(answer.question.objective), unit}, spring.as_built);
+    row.Add({document::kValue.name, LabelOf(answer.question.objective), unit}, spring.as_built);
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
     row.Add({"value_with_new_skin_side_mass", "skin side's mass optimised again", unit},
             spring.rebalanced > 0 ? spring.rebalanced : kNaN);
@@ -323,7 +338,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
 
 plot::Series Rebalanced(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  plot::Series curve{.title = "spring, the skin side's mass optimised again",
+  plot::Series curve{.title = "spring, mass optimised again",
                      .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
                      .x = Factors()};
   // each point is a maximisation over Ma2 at a fixed spring
@@ -337,13 +352,13 @@ plot::Series Rebalanced(const TuneAnswer& answer) {
 }
 
 std::string ObjectiveLabel(const TuneQuestion& question) {
-  return fmt::format("{} / {}", sim::Name(question.objective), SpokenOf(question.objective).symbol);
+  return fmt::format("{} / {}", LabelOf(question.objective), SpokenOf(question.objective).symbol);
 }
 
 plot::Panel ObjectivePanel(const TuneAnswer& answer, const sim::MotorSource& source) {
   const TuneQuestion& question = answer.question;
   plot::Panel panel{.title = fmt::format("{}: around the optimum", question.name),
-                    .x_label = "one number / its best",
+                    .x_label = "number relative to its optimum",
                     .y_label = ObjectiveLabel(question),
                     .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
                       return sim::ValueOf(question.objective, question.problem, source,
@@ -357,7 +372,7 @@ plot::Panel ObjectivePanel(const TuneAnswer& answer, const sim::MotorSource& sou
 plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source) {
   const sim::TuningProblem& problem = answer.question.problem;
   plot::Panel panel{.title = "",
-                    .x_label = "one number / its best",
+                    .x_label = "number relative to its optimum",
                     .y_label = "mover travel / um",
                     .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
                       // travel of the mover in its case from the motion of the case, peak in um
@@ -406,9 +421,9 @@ std::vector<plot::Panel> PanelsOf(const TuneAnswer& answer) {
 
 // with a varied skin the least favourable skin is maximised
 std::string TitleOf(const TuneQuestion& question) {
-  std::string title = fmt::format(
-      "{}: {:g} V at {:g} Hz, largest {}", question.name, question.problem.drive.amplitude_v,
-      question.problem.drive.frequency_hz, sim::Name(question.objective));
+  std::string title = fmt::format("{}: {:g} V at {:g} Hz, largest {}", question.name,
+                                  question.problem.drive.amplitude_v,
+                                  question.problem.drive.frequency_hz, LabelOf(question.objective));
   if (question.problem.skin_variation == 0) return title;
   return title + fmt::format(" of the skin that moves least, stiffness and damping +-{:g} %",
                              question.problem.skin_variation * 100);
@@ -437,7 +452,11 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
       PointList(answer, answer.ridge,
                 {"ridge", "the ridge: best with a given mass on the motor's side"}, Detail::kAll),
       WrongSprings(answer)};
-  if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
+  if (has_figures)
+    root.figures = {{.caption = "Around the optimum: each number of the adapter alone is changed. "
+                                "Dashed: the spring is changed, and the skin side's mass is "
+                                "optimised again.",
+                     .panels = PanelsOf(answer)}};
   document::AddFindings(root, SimFindingsOf(answer));
   AddTuneFindings(answer, root);
   return document;

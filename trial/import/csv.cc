@@ -14,6 +14,7 @@
 #include "trial/import/csv_rows.h"
 #include "trial/import/foreign_table.h"
 #include "trial/import/instrument_layouts.h"
+#include "trial/import/named_columns.h"
 #include "trial/import/readers.h"
 #include "trial/import/row_times.h"
 #include "trial/import/stated_clock.h"
@@ -36,19 +37,20 @@ bool GrowsEvenly(const std::vector<double>& values) {
 }
 
 // finds each column whose unit in the options (`read`) differs from that in the file (`said`);
-// none where the numbers of columns differ
-void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
+// none where the numbers of columns differ. What the options name without a unit keeps the file's
+void FindOverriddenUnits(const std::vector<CsvColumn>& said, std::vector<CsvColumn>& read,
                          Findings& findings) {
   if (said.size() != read.size()) return;
   for (std::size_t i = 0; i < read.size(); ++i) {
     // no unit in the file, so nothing is overridden
     if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
+    KeepStatedUnit(said[i], &read[i]);
     if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
-    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
-                                                 {"file_factor", said[i].factor},
-                                                 {"file_unit", said[i].unit},
-                                                 {"given_factor", read[i].factor},
-                                                 {"given_unit", read[i].unit}});
+    findings.Doubt(FindingKind::kUnitOverridden, {{"column", i + 1},
+                                                  {"file_factor", said[i].factor},
+                                                  {"file_unit", said[i].unit},
+                                                  {"given_factor", read[i].factor},
+                                                  {"given_unit", read[i].unit}});
   }
 }
 
@@ -170,7 +172,7 @@ class Parser {
   }
 
   // where the options read a column otherwise than the file names it
-  void NoteOverridden(const std::vector<CsvColumn>& columns) {
+  void NoteOverridden(std::vector<CsvColumn>& columns) {
     if (options_.columns.empty() && !options_.scale_m && !options_.scale_v) return;
     // the columns as the file alone would name them
     ImportOptions own_words = options_;

@@ -251,7 +251,9 @@ class Parser {
         x_is_read_ = !is_left_out;
         x_factor_ = column.factor;
       } else {
-        columns_[i - (has_x ? 1 : 0)] = std::move(column);
+        CsvColumn& stated = columns_[i - (has_x ? 1 : 0)];
+        KeepStatedUnit(stated, &column);
+        stated = std::move(column);
       }
     }
     return {};

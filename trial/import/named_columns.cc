@@ -391,6 +391,12 @@ Result<CsvColumn> ReadToldColumn(const std::string& word, const ImportOptions& o
   return column;
 }
 
+void KeepStatedUnit(const CsvColumn& said, CsvColumn* told) {
+  if (told->kind != CsvColumnKind::kValue || told->role != ChannelRole::kOther) return;
+  told->unit = said.unit;
+  told->factor = said.factor;
+}
+
 Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning, const TableWords& words,
                                       const std::string& name, const ImportOptions& options) {
   return Head(beginning, words, name, options).Read();

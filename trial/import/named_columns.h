@@ -26,6 +26,9 @@ struct NamedColumns {
 [[nodiscard]] Result<CsvColumn> ReadToldColumn(const std::string& word,
                                                const ImportOptions& options);
 
+/// A channel of role kOther that a user named has the unit that the file states of it, `said`.
+void KeepStatedUnit(const CsvColumn& said, CsvColumn* told);
+
 /// What is known of a table beside its lines.
 struct TableWords {
   TableFormat format = TableFormat::kPlain;

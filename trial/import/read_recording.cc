@@ -158,11 +158,24 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
   const bool is_table =
       recording->report.kind == FileKind::kCsv || recording->report.kind == FileKind::kLvm;
   if (is_table && !options.calibration.empty()) {
-    HAPTOMETER_TRY(CalibrateRecord(options.calibration, path, &recording->record));
+    HAPTOMETER_TRY(CalibrateRecord(options.calibration, path, &recording->record,
+                                   &recording->report.findings));
   }
   MakePrintable(&*recording);
   recording->report.file_bytes = file_bytes;
   return recording;
+}
+
+bool IsTable(const std::string& whole_path) {
+  const std::string path = SplitTrialName(whole_path).first;
+  std::error_code ignored;
+  // a pipe would lose the bytes that are looked at
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;
+  const auto source = OpenFileSource(path);
+  if (!source) return true;
+  std::array<std::byte, 512> bytes;
+  const auto got = (*source)->ReadAt(0, bytes);
+  return !got || *got == 0 || IsText(std::span(bytes).first(*got));
 }
 
 namespace {

@@ -22,6 +22,10 @@ namespace haptometer::trial {
 [[nodiscard]] Result<Recording> ReadRecording(const std::string& path,
                                               const ImportOptions& options = {});
 
+/// Whether ReadRecording takes `path` for a table, to which ImportOptions apply, by its first
+/// bytes. What is no regular file or cannot be read counts as one: the reader has the message.
+[[nodiscard]] bool IsTable(const std::string& path);
+
 /// A recording to be read by range and how well it could be read.
 struct OpenedRows {
   std::unique_ptr<RowSource> rows;

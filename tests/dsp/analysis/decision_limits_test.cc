@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -80,6 +81,58 @@ TEST(QuietInterval, IsCutWhereABumpIs) {
   for (const TimeWindow& quiet : bumped.numbers->floor->quiet) {
     EXPECT_TRUE(quiet.end_s < 5 || quiet.begin_s > 5.06) << quiet.begin_s << ' ' << quiet.end_s;
   }
+}
+
+// bumps of `height_m` at 30 Hz that decay in 90 ms, at each time
+void AddBumps(std::initializer_list<double> times_s, double height_m, std::vector<double>& values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    for (const double from_s : times_s) {
+      const double t_s = static_cast<double>(k) / kRateHz - from_s;
+      if (t_s < 0) continue;
+      values[k] += height_m * std::exp(-t_s / 0.09) * std::sin(2 * std::numbers::pi * 30 * t_s);
+    }
+  }
+}
+
+// All but the first 0.3 s of the drive is bumped: beside each other the bumps are the rule, beside
+// the pause they are none. The interval holds both, and is a doubt.
+TEST(Bumps, ThatFillMostOfAWindowWidenItsInterval) {
+  std::vector<double> values = GatedDrive();
+  AddBumps({2.3, 2.6, 2.9, 3.2, 3.5, 3.8}, 28e-6, values);
+  AddNoise(3, 2e-6, &values);
+  const BandAnalysis analysis = Answer(RecordOf(std::move(values), kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  const RmsEstimate& rms = analysis.numbers->rms;
+  EXPECT_GT(rms.rms_m, 10.5e-6) << "the bumps are in it";
+  EXPECT_LE(rms.lower_m, 10e-6);
+  EXPECT_TRUE(analysis.findings.Has(FindingKind::kWideInterval));
+}
+
+// In noise of 1e-4 of the drive a bump stands out for so long as the filter rings, most of the
+// window, but counts in a part of it only.
+TEST(Bumps, InAQuietRecordAreExcluded) {
+  std::vector<double> values = GatedDrive();
+  AddBumps({2.8}, 8e-6, values);
+  AddNoise(3, 1e-9, &values);
+  const BandAnalysis analysis = Answer(RecordOf(std::move(values), kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_FALSE(analysis.numbers->excluded.empty());
+  EXPECT_REL(analysis.numbers->rms.rms_m, 10e-6, 3e-4,
+             "a bump above 2e-3 of the level is excluded");
+}
+
+// The pause behind the drive is bumped throughout: not its noise is subtracted, but that beside the
+// drive.
+TEST(QuietInterval, IsLeftOutWhereItIsBumpedThroughout) {
+  std::vector<double> values = GatedDrive();
+  values.resize(10'400);
+  values.erase(values.begin(), values.begin() + 4000);
+  AddBumps({2.3, 2.6, 2.9}, 15e-6, values);
+  AddNoise(3, 1e-9, &values);
+  const BandAnalysis analysis = Answer(RecordOf(std::move(values), kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_EQ(analysis.numbers->floor->from, NoiseSource::kBeside);
+  EXPECT_REL(analysis.numbers->rms.rms_m, 10e-6, 3e-4, "noise of 1e-4 of it");
 }
 
 // Tremor at the end of a sensor's range: the edges of what is clipped are no noise of the drive's

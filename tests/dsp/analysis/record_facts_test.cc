@@ -44,6 +44,25 @@ TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {
   EXPECT_TRUE(analysis.answered);
 }
 
+TEST(RecordDoubts, SamplesBeyondTheCalibratedRangeAreCounted) {
+  // 0 to 10 mm in 10 000 rows, calibrated from 1 to 9 mm: beyond by 1 mm, 1 % of the width allowed
+  std::vector<double> values = Samples(kRateHz, kRows, 0, {{20e-6, 225}});
+  for (std::size_t k = 0; k < kRows; ++k) values[k] += 1e-6 * static_cast<double>(k);
+  trial::Record record = RecordOf(values, kRateHz);
+  auto& fields = record.metadata.fields;
+  fields["calibration.displacement.calibrated_least"] = "0.001";
+  fields["calibration.displacement.calibrated_most"] = "0.009";
+  const Findings found = Answer(record).findings;
+  EXPECT_ABS(NumberOf(found, FindingKind::kBeyondCalibrated, "samples"), 1840, 60,
+             "the tone at both ends");
+  EXPECT_ABS(NumberOf(found, FindingKind::kBeyondCalibrated, "beyond_m"), 1e-3, 21e-6, "the tone");
+  // within 1 % of the width beyond, or without a range, there is nothing to say
+  fields["calibration.displacement.calibrated_least"] = "0.00005";
+  fields["calibration.displacement.calibrated_most"] = "0.00995";
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kBeyondCalibrated));
+  EXPECT_FALSE(Answer(RecordOf(values, kRateHz)).findings.Has(FindingKind::kBeyondCalibrated));
+}
+
 TEST(RecordDoubts, LengthsOffByAThousandAreDoubted) {
   using enum FindingKind;
   const Findings plain = Answer(Tone(1)).findings;

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
+#include <utility>
 
 #include "tests/residual.h"
 
@@ -14,16 +17,17 @@ namespace {
 using ::testing::ElementsAre;
 
 // n points over +-5 V of 1 mm/V, up and then down, with noise of 1 mV; `bend` and `gap` in m
-std::vector<LinePoint> Points(unsigned seed, int n, double bend = 0, double gap = 0) {
+std::vector<LinePoint> Points(unsigned seed, int n, double bend = 0, double gap = 0,
+                              double noise_v = 1e-3) {
   std::mt19937_64 engine(seed);
-  std::normal_distribution<double> noise(0, 1e-3);
+  std::normal_distribution<double> noise(0, noise_v);
   std::vector<LinePoint> points;
   for (int i = 0; i < n; ++i) {
     const int half = (n + 1) / 2;
     const bool is_rising = i < half;
     const double z = -1 + 2. * (is_rising ? i : n - 1 - i) / (half - 1);
     const double volts = 5 * z - 1e3 * bend * (z * z * z - 0.6 * z) + (is_rising ? 0 : 1e3 * gap);
-    points.push_back({volts + noise(engine), 5e-3 * z, 1e-3, 0});
+    points.push_back({volts + noise(engine), 5e-3 * z, noise_v, 0});
   }
   return points;
 }
@@ -40,6 +44,115 @@ TEST(CalibrationFit, NoiseIsSeldomTakenForACurveOrHysteresis) {
   // 1 % of 2000 and four standard deviations; three standard uncertainties of few points
   EXPECT_NEAR(curved, 20, 18);
   EXPECT_LT(hysteresis, 40);
+}
+
+// noise of 30 mV, so that not even its usual distances are below a thousandth of the range
+TEST(CalibrationFit, NoiseIsSeldomTakenForAnOutlier) {
+  for (const Scatter scatter : {Scatter::kFromResiduals, Scatter::kStated}) {
+    for (const int n : {4, 5, 6, 8, 9, 21}) {
+      int outliers = 0;
+      for (unsigned seed = 0; seed < 1000; ++seed) {
+        outliers += FitCalibration(Points(seed, n, 0, 0, 30e-3), scatter)->outliers ? 1 : 0;
+      }
+      std::printf("%2d points: %d of 1000\n", n, outliers);
+      // 1.1 % of 1000 at most and four standard deviations
+      EXPECT_LT(outliers, 25) << n;
+    }
+  }
+}
+
+TEST(CalibrationFit, ATypingErrorIsAnOutlierWithTheLineOfTheOthers) {
+  for (const Scatter scatter : {Scatter::kFromResiduals, Scatter::kStated}) {
+    // 1.00 V written as 10.0 V, at either end and in the middle
+    for (const std::size_t wrong : {std::size_t{0}, std::size_t{3}, std::size_t{8}}) {
+      auto points = Points(7, 9);
+      const auto right = FitCalibration(points, scatter);
+      points[wrong].x += 9;
+      const auto fit = FitCalibration(points, scatter);
+      ASSERT_TRUE(fit && fit->outliers) << wrong;
+      ASSERT_EQ(fit->outliers->points.size(), 1U) << wrong;
+      EXPECT_EQ(fit->outliers->points[0].point, wrong);
+      EXPECT_ABS(fit->outliers->points[0].distance, -9e-3, 20e-6, "noise of 1 um, extrapolated");
+      EXPECT_REL(fit->outliers->others.slope, right->line.slope, 1e-3, "noise of 8 points");
+      EXPECT_LT(fit->outliers->scatter, 4e-6) << "noise of 1 um";
+      // and no curve
+      EXPECT_FALSE(fit->is_curved) << wrong;
+    }
+  }
+  // what stated uncertainties explain is none
+  auto wide = Points(7, 9);
+  wide[3].x += 9;
+  wide[3].x_uncertainty = 10;
+  EXPECT_FALSE(FitCalibration(wide, Scatter::kStated)->outliers);
+  // a curve alone has none
+  for (const double bend : {5e-6, 20e-6, 200e-6}) {
+    for (const int n : {7, 9, 21}) {
+      for (unsigned seed = 0; seed < 100; ++seed) {
+        EXPECT_FALSE(FitCalibration(Points(seed, n, bend), Scatter::kFromResiduals)->outliers)
+            << bend << ' ' << n << ' ' << seed;
+      }
+    }
+  }
+}
+
+// 12 standard deviations in the middle of 21 points
+TEST(CalibrationFit, ASmallErrorAmongManyPointsIsNamed) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    auto points = Points(seed, 21, 0, 0, 5e-3);
+    points[5].x += 60e-3;
+    const auto fit = FitCalibration(points, Scatter::kFromResiduals);
+    ASSERT_TRUE(fit && fit->outliers) << seed;
+    EXPECT_TRUE(std::ranges::count(fit->outliers->points, 5U, &Outlier::point)) << seed;
+  }
+}
+
+// any one of few rows, by a digit more or less, in either column
+TEST(CalibrationFit, AGrossErrorOfAnyOfFewRowsIsNamed) {
+  for (const int n : {5, 6, 7}) {
+    for (std::size_t wrong = 0; wrong < static_cast<std::size_t>(n); ++wrong) {
+      for (const double error_v : {-30., -9., -1., 1., 9., 30.}) {
+        for (const bool is_reference : {false, true}) {
+          auto points = Points(11, n);
+          (is_reference ? points[wrong].y : points[wrong].x) += error_v * (is_reference ? 1e-3 : 1);
+          const auto fit = FitCalibration(points, Scatter::kFromResiduals);
+          ASSERT_TRUE(fit && fit->outliers) << n << ' ' << wrong << ' ' << error_v;
+          ASSERT_EQ(fit->outliers->points.size(), 1U) << n << ' ' << wrong << ' ' << error_v;
+          EXPECT_EQ(fit->outliers->points[0].point, wrong) << n << ' ' << error_v;
+        }
+      }
+    }
+  }
+}
+
+// two that pull the line the same way, or against each other
+TEST(CalibrationFit, TwoTypingErrorsDoNotHideEachOther) {
+  for (const int n : {7, 9, 21}) {
+    for (const auto& [one_v, other_v] :
+         {std::pair(9., 9.), std::pair(9., -9.), std::pair(3., 5.)}) {
+      for (std::size_t one = 0; one + 1 < static_cast<std::size_t>(n); ++one) {
+        auto points = Points(5, n);
+        points[one].x += one_v;
+        points[one + 1].x += other_v;
+        const auto fit = FitCalibration(points, Scatter::kFromResiduals);
+        ASSERT_TRUE(fit && fit->outliers) << n << ' ' << one << ' ' << one_v << ' ' << other_v;
+        ASSERT_EQ(fit->outliers->points.size(), 2U) << n << ' ' << one;
+        EXPECT_EQ(fit->outliers->points[0].point, one);
+        EXPECT_EQ(fit->outliers->points[1].point, one + 1);
+        EXPECT_FALSE(fit->is_curved) << n << ' ' << one;
+      }
+    }
+  }
+}
+
+TEST(CalibrationFit, RoundingOfExactPointsIsNoOutlier) {
+  std::vector<LinePoint> points;
+  for (int i = 0; i < 7; ++i) points.push_back({1. * i, i + (i == 3 ? 1e-3 : 0), 1, 0});
+  EXPECT_FALSE(FitCalibration(points, Scatter::kFromResiduals)->outliers);
+  points[3].y += 0.1;
+  const auto fit = FitCalibration(points, Scatter::kFromResiduals);
+  ASSERT_TRUE(fit->outliers);
+  ASSERT_EQ(fit->outliers->points.size(), 1U);
+  EXPECT_ABS(fit->outliers->points[0].distance, 0.101, 1e-12, "round-off");
 }
 
 TEST(CalibrationFit, ACurveWidensTheSlope) {
@@ -81,9 +194,11 @@ TEST(CalibrationFit, DirectionsFollowTheOrderOfMeasurement) {
 
 TEST(NormalizedError, IsTheDifferenceOverTheExpandedUncertainties) {
   // 1 % apart, U of 0.6 % and 0.8 %: E_n = 1
-  EXPECT_REL(NormalizedError(1.01, 0.003, 1.0, 0.004), 1.0, 1e-12, "round-off");
+  EXPECT_REL(NormalizedError(1.01, 0.003, 1.0, 0.004).value(), 1.0, 1e-12, "round-off");
   EXPECT_EQ(NormalizedError(1, 0, 1, 0), 0);
-  EXPECT_TRUE(std::isinf(NormalizedError(1, 0, 2, 0)));
+  // exact numbers that differ, and uncertainties of rounding, explain nothing
+  EXPECT_EQ(NormalizedError(1, 0, 2, 0), std::nullopt);
+  EXPECT_EQ(NormalizedError(1, 1e-16, 2, 0), std::nullopt);
 }
 
 }  // namespace

@@ -84,6 +84,16 @@ double Apart(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
   return (one - other).cwiseAbs().rowwise().maxCoeff().cwiseQuotient(largest).maxCoeff();
 }
 
+TEST(CubicsOf, AChirpWhoseFrequencyRisesWithinAPeriodCountsItsRate) {
+  // w = 200 pi, a = 180 pi / 0.0105 s: 6 a w^2 is nearly w^4, and the bound asks for 310.0977
+  const Drive chirp{.frequency_hz = 10,
+                    .kind = DriveKind::kChirp,
+                    .end_frequency_hz = 100,
+                    .duration_s = 0.0105,
+                    .hold_tolerance = 1e-9};
+  EXPECT_EQ(CubicsOf(chirp), 311);
+}
+
 TEST(Excitation, OfOneToneIsTheSine) {
   const Scene sine = WithDrive(AdapterScene(), AdapterScene().drive);
   const Scene tone = WithDrive(AdapterScene(), {.kind = DriveKind::kTones,

@@ -142,6 +142,39 @@ const std::vector<Case> kCases{
     {kStepsTooLarge,
      {{"step_m", 0.01}, {"wanted_m", 1e-6}},
      "the steps are 10 mm; 1 um are required"},
+    {kRouteAnswers,
+     {{"record_s", 18.4}, {"half_interval", 0.00998}},
+     "a record of 18.4 s has an interval of +-0.998 %"},
+    {kNoiseNotStated,
+     {},
+     "its rate is sufficient, but its maker states no noise, so no length can be promised: measure "
+     "it with --check and give --noise"},
+    {kReadingsTooOld,
+     {{"uncertainty_s", 5.967e-3}, {"upper_hz", 18.0}, {"limit_s", 5.556e-3}},
+     "the time of a reading is known to 5.967 ms only; 18 Hz needs 5.556 ms"},
+    {kFloorTooHigh,
+     {{"half_interval", 0.0118}, {"accuracy", 0.01}, {"limit", "the calibration"}},
+     "the interval is +-1.18 % at any length, because of the calibration; +-1 % is wanted"},
+    {kImagesFold,
+     {{"daq_rate_hz", 3000.0},
+      {"image_hz", 2805.303},
+      {"folded_hz", 194.697},
+      {"relative", 0.0802},
+      {"others", 1},
+      {"better_hz", 10000.0}},
+     "the amplifier's output is a staircase: at 3000 Hz the DAQ folds its image at 2805 Hz to "
+     "194.7 Hz, 8.02 % of the drive's amplitude, and 1 smaller one; sample at 10000 Hz "
+     "(--daq-rate), or put a low-pass before the DAQ"},
+    {kUnseenByAnalyze,
+     {{"relative", 0.0032}},
+     "values are repeated until the unit renews them, which takes 0.32 % off the RMS: the "
+     "interval of analyze does not contain that, the length stated here does"},
+    {kPromiseRests,
+     {{"coverage", 1.959964}, {"calibration", 0.003}},
+     "accuracy is half of the 95 % interval that analyze prints (coverage factor 1.96), as a part "
+     "of the RMS; it is promised for a drive that is on throughout, white noise, a target without "
+     "tremor, and analyze --floor where a record without drive is stated, with a calibration of "
+     "relative standard uncertainty 0.3 %"},
 };
 
 TEST(FindingsOfSensors, EachKindHasItsSentence) {
@@ -152,7 +185,7 @@ TEST(FindingsOfSensors, EachKindHasItsSentence) {
     EXPECT_EQ(Fill(SentenceOf(kind).text, numbers), sentence);
     EXPECT_TRUE(names.insert(SentenceOf(kind).kind).second) << SentenceOf(kind).kind;
   }
-  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kStepsTooLarge) + 1);
+  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kPromiseRests) + 1);
 }
 
 // 10240 has five digits, of which four are exact

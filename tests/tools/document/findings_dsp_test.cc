@@ -79,6 +79,15 @@ const std::vector<Case> kCases{
      "far-readings",
      "readings reach 30 m, farther than any displacement sensor: is the column in mm, um or V? "
      "Name it (--columns time_s,displacement_mm) or state what one printed unit is (--scale 1mm)"},
+    {kBeyondCalibrated,
+     {{"samples", 12},
+      {"readings", 400},
+      {"beyond_m", 0.5e-3},
+      {"least_m", -4e-3},
+      {"most_m", 4e-3}},
+     "beyond-calibrated",
+     "12 of 400 samples lie beyond the calibrated range, -4 mm to 4 mm, by 500 um at most, where "
+     "the line was not measured: calibrate a wider range, or move the sensor"},
     {kSegments,
      {{"segments", 3}},
      "segments",

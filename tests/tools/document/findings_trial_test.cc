@@ -82,6 +82,10 @@ const std::vector<Case> kCases{
     {kTimeUnitAssumed,
      {{"title", "LeCroy"}, {"unit", "s"}},
      "the unit of the times is not in the file; LeCroy writes s"},
+    {kInputTooLarge,
+     {{"most_v", 3e3}},
+     "the input of the calibration reaches 3000 V, more than an analog output gives: is its column "
+     "in mV? Name it by --columns time_s,voltage_mv, or that of the pairs voltage_mv"},
     {kRowsBeginAt,
      {{"first", 22.0}, {"earlier_s", 4.4e-3}},
      "the rows begin at number 22: times are Start + number x Increment; if Start is the first "

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""The page of hard cases (docs/developer/hard_cases.md), from what `hard_cases_test` prints in several builds.
+
+    tests/long/hard_cases.py [--builds NAME...] [--from NAME=PROGRAM...]
+                                                   builds and runs each, and writes the page; done builds are kept
+                                                   in build/hard_cases, so that it may be begun again; of --from the
+                                                   program is there already
+    tests/long/hard_cases.py --check               the page has the cases of the program in HAPTOMETER_PROGRAMS,
+                                                   with their reasons, naive methods, answers and bars
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "developer" / "hard_cases.md"
+ROOMS = {"acquire": "recording", "trial": "files and times", "dsp": "filters and statistics", "sim": "motion",
+         "fit": "constants"}
+BASE = "-Wno-array-bounds -Wno-maybe-uninitialized"
+# compiler and flags of each build; contraction joins a product and a sum to one rounding
+BUILDS = {
+    "g++ -O2": ("g++", "-O2 -ffp-contract=off"),
+    "g++ -O0": ("g++", "-O0 -ffp-contract=off"),
+    "g++ -O3": ("g++", "-O3 -ffp-contract=off"),
+    "g++ -O2 contracted": ("g++", "-O2 -mfma -ffp-contract=fast"),
+    "clang++ -O0": ("clang++-19", "-O0 -ffp-contract=off"),
+    "clang++ -O3": ("clang++-19", "-O3 -ffp-contract=off"),
+}
+HEAD = """# Hard cases
+
+Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states what
+that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build; `exact`:
+no error at all. Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
+[hard_case_tests.md](hard_case_tests.md).
+"""
+
+
+def rows_of(program):
+    """What a program prints of its cases, in its order."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "rows")
+        subprocess.run([program], env={**os.environ, "HAPTOMETER_HARD_CASES": path}, check=True,
+                       stdout=subprocess.DEVNULL, timeout=600)
+        with open(path, encoding="utf-8") as file:
+            return [json.loads(line) for line in file]
+
+
+def built(name):
+    """Configures and builds the program of a build, and returns its path."""
+    compiler, flags = BUILDS[name]
+    folder = ROOT / "build" / "hard_cases" / name.replace(" ", "_").replace("+", "x")
+    subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                    f"-DCMAKE_CXX_COMPILER={compiler}", f"-DCMAKE_CXX_FLAGS={BASE}", f"-DCMAKE_CXX_FLAGS_RELEASE={flags}",
+                    "-DHAPTOMETER_JOIN_SOURCES=ON"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", folder, "--target", "hard_cases_test", "--parallel", "2"], check=True,
+                   stdout=subprocess.DEVNULL)
+    return folder / "bin" / "hard_cases_test"
+
+
+def number(value):
+    return "not finite" if value is None else f"{value:.4g}"
+
+
+def stated(row):
+    """The cells that no build changes but in rounding: case, reason, naive method, bar."""
+    bar = "exact" if row["bar"] == 0 else f"{row['bar']:.1e}"
+    return [row["name"], row["why"], row["naive"], bar]
+
+
+def answer(row):
+    return f"{number(row['naive_value'])} (error {number(row['naive_error'])})"
+
+
+def digits(row):
+    return "exact" if row["error"] == 0 else f"{row['digits']:.1f}"
+
+
+def line(cells):
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def page(rows_by_build):
+    builds = list(rows_by_build)
+    first = rows_by_build[builds[0]]
+    text = [HEAD]
+    for room, what in ROOMS.items():
+        text.append(f"## {room}: {what}\n")
+        text.append(line(["case", "why it is hard", "naive method", "its answer", "bar", *builds]))
+        text.append("|" + "---|" * (5 + len(builds)))
+        for place, row in enumerate(first):
+            if row["room"] != room:
+                continue
+            name, why, naive, bar = stated(row)
+            text.append(line([name, why, naive, answer(row), bar, *(digits(rows_by_build[b][place]) for b in builds)]))
+        text.append("")
+    return "\n".join(text)
+
+
+def check():
+    """The page's rows are those of the program."""
+    rows = rows_of(os.path.join(os.environ["HAPTOMETER_PROGRAMS"], "hard_cases_test"))
+    text = PAGE.read_text(encoding="utf-8").splitlines()
+    shown = [[cell.strip() for cell in entry.replace("\\|", "\0").strip("|").split("|")] for entry in text
+             if entry.startswith("| ")]
+    shown = [[cell.replace("\0", "|") for cell in cells] for cells in shown if cells[0] != "case"]
+    wanted = [stated(row) for room in ROOMS for row in rows if row["room"] == room]
+    have = [cells[:3] + [cells[4]] for cells in shown]
+    for row in wanted:
+        if row not in have:
+            print(f"FAILED: not on the page, or changed: {row}")
+    for row in have:
+        if row not in wanted:
+            print(f"FAILED: on the page, but no case: {row}")
+    print(f"{len(wanted)} cases")
+    return 0 if have == wanted else 1
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--builds", nargs="*", choices=list(BUILDS), default=list(BUILDS))
+    parser.add_argument("--from", nargs="+", default=[], dest="programs", metavar="NAME=PROGRAM")
+    parser.add_argument("--check", action="store_true")
+    given = parser.parse_args()
+    if given.check:
+        return check()
+    rows = {}
+    for pair in given.programs:
+        name, program = pair.split("=", 1)
+        rows[name] = rows_of(program)
+    for name in given.builds:
+        print(name, flush=True)
+        rows[name] = rows_of(built(name))
+    PAGE.write_text(page(rows), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
