@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "sim/effect_bound.h"
 #include "sim/effective_scene.h"
 #include "sim/steady_run.h"
 
@@ -39,41 +41,43 @@ class Decision {
  public:
   explicit Decision(const Scene& scene) : scene_(scene) {
     for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
-      all_[k] = scene.effects.wishes[k] != Wish::kOff;
-      choice_.verdicts[k] = {.on = all_[k], .ground = all_[k] ? Ground::kNamed : Ground::kNotNamed};
+      choice_.on[k] = scene.effects.wishes[k] != Wish::kOff;
+      choice_.verdicts[k] = {.on = choice_.on[k], .ground = GroundOf(scene.effects.wishes[k])};
     }
   }
 
   std::expected<EffectChoice, Finding> Decide() {
-    choice_.on = all_;
-    // the reference of all comparisons: everything that is on or "auto"
-    PlayedScene everything = Play(all_);
-    if (!everything.answered) return std::unexpected(*everything.refusal);
+    LeaveOutByBound();
+    // an answer that the bounds needed is not played again
+    if (!base_ || choice_.on != base_on_) {
+      Scene rest = scene_;
+      rest.tolerance -= choice_.change;
+      base_ = Play(rest, choice_.on);
+    }
+    if (!base_->answered) return std::unexpected(*base_->refusal);
+    Take(*std::move(base_));
     // an exact motion's error cannot be reduced further, that of averages is their uncertainty
-    const double asked = everything.run.solver_tolerance > 0
+    const double asked = choice_.run.solver_tolerance > 0
                              ? scene_.tolerance
                              : std::max(scene_.tolerance, kLargestPredictedError);
-    if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
-      return std::unexpected(TooCoarse(everything.run));
+    choice_.run.error_estimate += choice_.change;
+    if (!choice_.chaotic && !(choice_.run.error_estimate <= asked)) {
+      return std::unexpected(TooCoarse(choice_.run));
     }
-    everything_ = everything.run;
-    Take(std::move(everything));
-    // first what is proved without a further run, then comparisons by runs
     LeaveOutWhatIsNeverReached();
     LeaveOutGravity();
-    LeaveOutByComparison();
-    choice_.change = Deviation(scene_.quantity, choice_.run, everything_);
-    // omitted effects may change other quantities than the one asked for
-    const double left_out = LargestDeviation(choice_.run, everything_);
-    if (left_out > 0) choice_.run.error_estimate += left_out + everything_.error_estimate;
-    choice_.runs = runs_;
     return std::move(choice_);
   }
 
  private:
-  PlayedScene Play(EffectSet on) {
-    ++runs_;
-    return PlayWith(scene_, on);
+  static Ground GroundOf(Wish wish) {
+    if (wish == Wish::kOff) return Ground::kNotNamed;
+    return wish == Wish::kOn ? Ground::kNamed : Ground::kKept;
+  }
+
+  PlayedScene Play(const Scene& scene, EffectSet on) {
+    ++choice_.runs;
+    return PlayWith(scene, on);
   }
   void Take(PlayedScene played) {
     choice_.run = std::move(played.run);
@@ -82,33 +86,54 @@ class Decision {
     choice_.end = played.end;
   }
   bool Asked(Effect effect) const { return scene_.effects[effect] == Wish::kAuto; }
-  EffectVerdict& VerdictOf(Effect effect) { return choice_.verdicts[PlaceOf(effect)]; }
 
-  void LeaveOut(Effect effect, Ground ground) {
+  void LeaveOut(Effect effect, Ground ground, double change = 0) {
     choice_.on.reset(PlaceOf(effect));
-    VerdictOf(effect).on = false;
-    VerdictOf(effect).ground = ground;
+    choice_.verdicts[PlaceOf(effect)] = {.on = false, .ground = ground, .change = change};
+    choice_.change += change;
+  }
+
+  // a motion that nothing limits or bends is one, wherever it began
+  static bool IsLinear(const PlayedScene& played) {
+    return played.answered && !played.periodic && !played.chaotic && played.run.events.empty();
+  }
+
+  // what disturbs the linear motion, least change first
+  void LeaveOutByBound() {
+    constexpr double kShareOfTolerance = 0.5;
+    if (std::ranges::none_of(kDisturbances, [&](Effect effect) { return Asked(effect); })) return;
+    base_on_ = WithoutDisturbances(choice_.on);
+    base_ = Play(scene_, base_on_);
+    if (!IsLinear(*base_)) return;
+    const EffectBounds bounds = BoundEffects(scene_, choice_.on, base_->run);
+    auto open = kDisturbances;
+    std::ranges::sort(open, {}, [&](Effect effect) { return bounds[PlaceOf(effect)]; });
+    for (const Effect effect : open) {
+      const double change = bounds[PlaceOf(effect)];
+      if (!Asked(effect)) continue;
+      if (!(choice_.change + change <= kShareOfTolerance * scene_.tolerance)) return;
+      LeaveOut(effect, Ground::kBounded, change);
+    }
   }
 
   // Where several effects limit the motion or make it nonlinear, more than one steady motion may
   // exist, of which the transient selected one.
   bool MaySettleElsewhere() const {
     if (scene_.duration_s && StartOf(scene_) != Start::kSteady) return false;
-    if (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]) return true;
-    const bool both = all_[PlaceOf(Effect::kTravelStops)] && all_[PlaceOf(Effect::kContactLoss)];
+    const EffectSet& on = choice_.on;
+    if (on[PlaceOf(Effect::kStiffening)] || on[PlaceOf(Effect::kCoilHeating)]) return true;
+    const bool both = on[PlaceOf(Effect::kTravelStops)] && on[PlaceOf(Effect::kContactLoss)];
     return both && (scene_.duration_s || choice_.periodic || choice_.chaotic);
   }
 
   void LeaveOutWhatIsNeverReached() {
+    // a mover that rests on a stop is held by it without an event
+    const bool rests = RestsOnStop(WithEffects(scene_, choice_.on));
+    const bool elsewhere = MaySettleElsewhere();
     for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss}) {
-      if (!Asked(effect)) continue;
-      // a mover that rests on a stop is held by it without an event
-      const bool rests = effect == Effect::kTravelStops && RestsOnStop(WithEffects(scene_, all_));
-      if (rests || MaySettleElsewhere() || Reached(effect, everything_)) {
-        VerdictOf(effect).ground = Ground::kCompared;
-      } else {
-        LeaveOut(effect, Ground::kNeverReached);
-      }
+      const bool held = rests && effect == Effect::kTravelStops;
+      if (!Asked(effect) || held || elsewhere || Reached(effect, choice_.run)) continue;
+      LeaveOut(effect, Ground::kNeverReached);
     }
   }
 
@@ -135,51 +160,10 @@ class Decision {
     if (!felt) LeaveOut(Effect::kGravity, Ground::kSuperposed);
   }
 
-  void LeaveOutByComparison() {
-    std::vector<Effect> open;
-    std::array<double, kEffectNames.size()> at_most{};
-    for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
-      const auto effect = static_cast<Effect>(k);
-      if (Asked(effect) && choice_.on[k]) open.push_back(effect);
-    }
-    // each effect off alone, to find its change
-    for (const Effect effect : open) {
-      EffectVerdict& verdict = VerdictOf(effect);
-      verdict.ground = Ground::kCompared;
-      EffectSet without = choice_.on;
-      const PlayedScene played = Play(without.reset(PlaceOf(effect)));
-      verdict.change = DeviationOf(played);
-      at_most[PlaceOf(effect)] = DeviationAtMost(played);
-    }
-    // least change first; each is tested again together with those omitted before
-    std::ranges::sort(open, {}, [&](Effect effect) { return at_most[PlaceOf(effect)]; });
-    for (const Effect effect : open) {
-      if (at_most[PlaceOf(effect)] <= scene_.tolerance) TryWithout(effect);
-    }
-  }
-
-  void TryWithout(Effect effect) {
-    EffectSet without = choice_.on;
-    PlayedScene played = Play(without.reset(PlaceOf(effect)));
-    if (!(DeviationAtMost(played) <= scene_.tolerance)) return;
-    LeaveOut(effect, Ground::kCompared);
-    Take(std::move(played));
-  }
-
-  // a run without an answer deviates without bound
-  double DeviationOf(const PlayedScene& played) const {
-    return played.answered ? Deviation(scene_.quantity, played.run, everything_) : HUGE_VAL;
-  }
-  // with the errors of both runs, on the safe side
-  double DeviationAtMost(const PlayedScene& played) const {
-    return DeviationOf(played) + played.run.error_estimate + everything_.error_estimate;
-  }
-
   const Scene& scene_;
-  EffectSet all_;
-  SceneRun everything_;
+  EffectSet base_on_;  // of the motion that the bounds begin with
+  std::optional<PlayedScene> base_;
   EffectChoice choice_;
-  std::size_t runs_ = 0;
 };
 
 }  // namespace

@@ -20,16 +20,17 @@ enum class Ground : std::uint8_t {
   kNamed,         ///< on: the scene calls for it
   kNeverReached,  ///< off: no guard fell, proved between samples too: the same motion, bit for bit
   kSuperposed,    ///< off: gravity in a motion that nothing limits and no spring bends
-  kCompared,      ///< on or off: the runs with and without it were compared
+  kBounded,       ///< off: no number changes by more than a bound that was found before any run
+  kKept,          ///< on: neither proof nor bound shows that it may be left out
 };
 
 /// What was decided about one effect.
 struct EffectVerdict {
   bool on = false;
   Ground ground = Ground::kNotNamed;
-  /// Relative change of the asked quantity by leaving this effect alone out; 0 where that is proved
-  /// or nothing was asked.
-  double change = 0;
+  /// Of an effect that was left out, bound of the relative change of any number; 0 where it is
+  /// proved that there is none. Absent of the others.
+  std::optional<double> change{};
 };
 
 /// How the end of a run under a sine looks, in which stops, contact or smooth effects took part.
@@ -52,8 +53,8 @@ struct EffectChoice {
   std::optional<PeriodicMotion> periodic;
   std::optional<ChaoticMotion> chaotic;  ///< it never does, and the run's numbers are averages
   std::optional<RunEnd> end;             ///< of a scene with a duration that something limits
-  double change = 0;     ///< of the asked quantity, by all that was left out together, measured
-  std::size_t runs = 1;  ///< that the decision took
+  double change = 0;     ///< of any number by all that was left out together, at most; relative
+  std::size_t runs = 0;  ///< that the decision took
 };
 
 /// A scene played with a set of effects.
@@ -69,20 +70,23 @@ struct PlayedScene {
 /// The scene's run, or without a duration the motion that it settles to (steady_run.h).
 [[nodiscard]] PlayedScene PlayWith(const Scene& scene, EffectSet on);
 
-/// Plays the scene with the effects that it calls for, and decides those that are "auto": over its
-/// run, or over the motion that it settles to where it has no duration.
+/// Plays the scene with the effects that it calls for: those that are "auto" are left out where a
+/// bound or a proof shows that no number changes by more than the tolerance.
 ///
-/// Everything asked about is first played together. Stops and contact whose guards never fell are
-/// left out: the motion is the same. Gravity is left out where then nothing limits the motion and
-/// no stiffening spring feels where it rests. The others are left out one by one, least change
-/// first, as long as the run without them all stays within scene.tolerance of the run with
-/// everything, what both may be wrong by included: what is answered never deviates by more. In a
-/// motion that stays linear the run without tremor costs microseconds, and without a duration its
-/// share is superposed phasors (steady_run.h).
+/// **Before any run of them** stiffening, coil heating and tremor, by effect_bound.h, as long as
+/// all that is left out changes no number by more than half of scene.tolerance; what remains is
+/// played with the rest of it. That takes the run without them, exact and cheap, which is the
+/// answer where all three are left out. **After the run** stops and contact whose guards never
+/// fell: the motion is the same; and gravity where then nothing limits the motion and no stiffening
+/// spring feels where it rests. All others stay, which costs no more than to find out: whoever
+/// wants to know what they change compares PlayWith and without. An inductance costs nothing and
+/// stays.
 ///
-/// Cost: one run where nothing is "auto" or all is proved; else up to two more for each effect.
-/// Refusals, with every effect on: a run that stalls, no steady motion found, an exact motion
-/// beyond prediction, smooth effects that cannot be played as exactly as scene.tolerance asks.
+/// Cost: one run; with stiffening, heating or tremor that stays, and is "auto", that of the linear
+/// scene too.
+/// Refusals, with every effect on that stays: a run that stalls, no steady motion found, an exact
+/// motion beyond prediction, smooth effects that cannot be played as exactly as scene.tolerance
+/// asks.
 [[nodiscard]] std::expected<EffectChoice, Finding> ChooseEffects(const Scene& scene);
 
 }  // namespace haptometer::sim

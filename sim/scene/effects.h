@@ -136,7 +136,7 @@ using EffectSet = std::bitset<kEffectNames.size()>;
 enum class Wish : std::uint8_t {
   kOff,
   kOn,
-  kAuto,  ///< on only where it changes the asked quantity by more than the tolerance
+  kAuto,  ///< off where that is shown to change no number by more than the tolerance
 };
 
 /// The scene's effects and their constants, which may be stated for effects that are off.

@@ -135,7 +135,7 @@ enum class SensorTarget : std::uint8_t { kSkin, kCase, kMover };
 /// "skin", "case", "mover".
 [[nodiscard]] std::string_view Name(SensorTarget target);
 
-/// What a tolerance is about; each is relative to its own size.
+/// What `simulate --explain` compares runs by; each is relative to its own size.
 enum class AskedQuantity : std::uint8_t {
   kSkinRms,       ///< RMS of xs over the window
   kSkinWaveform,  ///< largest deviation of xs from what it should be, over its peak
@@ -185,7 +185,8 @@ struct Scene {
   /// mover by Kv s + K3 s^3 = F in its case and adds to what presses on the skin. Positions count
   /// from static equilibrium, so linear motions do not feel it.
   double mover_preload_n = 0;
-  double tolerance = 1e-10;  ///< of the quantity: what effects = "auto" may neglect
+  double tolerance =
+      1e-10;  ///< largest relative error of any number, what "auto" neglects included
   AskedQuantity quantity = AskedQuantity::kSkinRms;
 };
 

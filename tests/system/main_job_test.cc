@@ -35,7 +35,11 @@ TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["bad"], 0);
-  EXPECT_EQ(summary["gaps"], 0);
+  // a busy machine may read too late: what the device says that it lost is then a true gap
+  emulator_->Signal(SIGINT);
+  const std::string remarks = emulator_->Wait(kEndS).err;
+  const bool read_all = remarks.find("lines were lost") == std::string::npos;
+  EXPECT_TRUE(!read_all || summary["gaps"] == 0) << summary["gaps"] << " gaps; " << remarks;
   EXPECT_REL(summary["rate_hz"].get<double>(), 10000.0, 1e-3, "a 3 s count of a 10 kHz head");
 
   const json info = TrialInfo(trial_);

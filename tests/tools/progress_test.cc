@@ -20,10 +20,15 @@ TEST(ProgressBar, IsFullOnlyWhenAllIsDone) {
 }
 
 TEST(WorkLine, SaysWhatIsDoneForHowLongAndHowToEndIt) {
-  EXPECT_EQ(WorkLine("simulate", "playing the run", 0.379, 12.4),
-            "simulate: playing the run: 37 % of the most work that is tried, 12 s; Ctrl-C ends it");
-  EXPECT_EQ(WorkLine("simulate", "looking", 1.5, 3),
-            "simulate: looking: 100 % of the most work that is tried, 3 s; Ctrl-C ends it");
+  EXPECT_EQ(
+      WorkLine("simulate", "playing the run", 0.379, 12.4),
+      "simulate: playing the run: 37 % of the most work that is tried, 12 s, 20 s left; Ctrl-C "
+      "ends it");
+  EXPECT_EQ(
+      WorkLine("simulate", "looking", 1.5, 3),
+      "simulate: looking: 100 % of the most work that is tried, 3 s, 0 s left; Ctrl-C ends it");
+  EXPECT_EQ(WorkLine("simulate", "looking", 0.001, 3),
+            "simulate: looking: 0 % of the most work that is tried, 3 s; Ctrl-C ends it");
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ TEST_F(SimulateDrives, ChoosesEffectsUnderABurst) {
   EXPECT_GE(answer.at("contact_force_least_n").get<double>(), 0);
   EXPECT_THAT(Simulate({Scene(kBurst, stops), "--explain"}).out,
               HasSubstr("each effect forced on and forced off"));
-  EXPECT_THAT(Simulate({Scene(kBurst, stops)}).out, HasSubstr("    travel_stops  yes, without it"));
+  EXPECT_THAT(Simulate({Scene(kBurst, stops)}).out, HasSubstr("    travel_stops  yes, no bound"));
 }
 
 TEST_F(SimulateDrives, TellsRiseAndLatency) {

@@ -116,8 +116,13 @@ void WorkProgress::Say(double elapsed_s) {
 }
 
 std::string WorkLine(std::string_view verb, std::string_view what, double share, double elapsed_s) {
-  return fmt::format("{}: {}: {:.0f} % of the most work that is tried, {:.0f} s; Ctrl-C ends it",
-                     verb, what, std::floor(100 * std::clamp(share, 0.0, 1.0)), elapsed_s);
+  // less than a hundredth tells nothing of the rest
+  constexpr double kLeastShare = 0.01;
+  const double done = std::clamp(share, 0.0, 1.0);
+  const std::string left =
+      done < kLeastShare ? "" : fmt::format(", {:.0f} s left", elapsed_s * (1 - done) / done);
+  return fmt::format("{}: {}: {:.0f} % of the most work that is tried, {:.0f} s{}; Ctrl-C ends it",
+                     verb, what, std::floor(100 * done), elapsed_s, left);
 }
 
 }  // namespace haptometer::cli

@@ -41,8 +41,8 @@ class Progress {
 [[nodiscard]] std::string ProgressBar(std::string_view what, double share, double elapsed_s);
 
 /// What long work says on stderr, from two seconds after its begin on: what is being done, how much
-/// of the most work that is tried is done, for how long it has gone on, how to end it. On a
-/// terminal one line that is written over and wiped at the end, else a line every ten seconds.
+/// of the most work that is tried is done, for how long it has gone on and will, how to end it. On
+/// a terminal one line that is written over and wiped at the end, else a line every ten seconds.
 ///
 /// While this object lives Ctrl-C ends the program with status 130 at once, SIGTERM with 143.
 class WorkProgress {
@@ -78,7 +78,8 @@ class WorkProgress {
   std::thread telling_;
 };
 
-/// "simulate: playing the run: 37 % of the most that is tried, 12 s; Ctrl-C ends it".
+/// "simulate: playing the run: 37 % of the most work that is tried, 12 s, 21 s left; Ctrl-C ends
+/// it"; what is left at the rate so far, from a hundredth of the work on.
 [[nodiscard]] std::string WorkLine(std::string_view verb, std::string_view what, double share,
                                    double elapsed_s);
 

@@ -62,7 +62,7 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   DeclareAccuracy(options, wanted.accuracy);
   options.Choice("--quantity", &wanted.quantity,
                  {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
-                 "Quantity that the tolerance applies to; overrides [run] quantity");
+                 "Quantity whose changes --explain shows; overrides [run] quantity");
   options.Output("-o,--output", &wanted.output, "FILE",
                  "Write the readings of the scene's sensor as a trial");
   options.Output("--waveforms", &wanted.waveforms, "FILE",
@@ -151,6 +151,11 @@ Result<Explanation> Explained(const SceneAnswer& solved, const std::string& wher
   HAPTOMETER_LET(auto choice, solved.effects ? Result<sim::EffectChoice>(*solved.effects)
                                              : DecideEffects(solved.scene, where));
   std::vector<EffectTrial> trials = TryEffects(solved.scene, choice);
+  // what no bound shows is measured here
+  for (const EffectTrial& trial : trials) {
+    sim::EffectVerdict& verdict = choice.verdicts[sim::PlaceOf(trial.effect)];
+    if (verdict.ground == sim::Ground::kKept) verdict.change = trial.change;
+  }
   return Explanation{.choice = std::move(choice),
                      .trials = std::move(trials),
                      .accuracies = TryAccuracies(solved.scene, where)};

@@ -306,12 +306,12 @@ Section AverageSection(const SceneAnswer& solved) {
 
 std::string_view NameOf(sim::Ground ground) {
   // in the order of the enumerators
-  static constexpr std::array<std::string_view, 5> kNames{"not named", "named", "never reached",
-                                                          "superposed", "compared"};
+  static constexpr std::array<std::string_view, 6> kNames{"not named",  "named",   "never reached",
+                                                          "superposed", "bounded", "kept"};
   return kNames[static_cast<std::size_t>(ground)];
 }
 
-std::string GroundText(const sim::EffectVerdict& verdict) {
+std::string GroundText(const sim::EffectVerdict& verdict, const sim::Scene& scene) {
   switch (verdict.ground) {
     case sim::Ground::kNotNamed:
       return "not named in the scene";
@@ -322,13 +322,19 @@ std::string GroundText(const sim::EffectVerdict& verdict) {
     case sim::Ground::kSuperposed:
       return "no limit and no nonlinear spring acts on the motion, so weight changes its centre "
              "only";
-    case sim::Ground::kCompared:
+    case sim::Ground::kBounded:
+      return fmt::format("without it no number changes by more than {:.2g}, a bound",
+                         *verdict.change);
+    case sim::Ground::kKept:
       break;
   }
-  // verdict by comparison of runs: relative change of the asked quantity
-  if (verdict.change == 0) return "without it the answer is the same";
-  if (std::isinf(verdict.change)) return "without it the answer is not known";
-  return fmt::format("without it the answer changes by {:.2g}", verdict.change);
+  // measured by --explain: relative change of the quantity between two runs
+  if (!verdict.change) return "no bound shows that it may be omitted; --explain compares";
+  const auto quantity = sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)];
+  if (*verdict.change == 0) return fmt::format("without it {} is the same", quantity);
+  if (std::isinf(*verdict.change)) return "without it the answer is not known";
+  return fmt::format("without it {} changes by {:.2g}{}", quantity, *verdict.change,
+                     *verdict.change < scene.tolerance ? ", less than the tolerance" : "");
 }
 
 // an object for each effect; in the text a line for those that the scene names, or for all
@@ -340,23 +346,17 @@ Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanatio
   const sim::Scene& scene = solved.scene;
   Section effects{.name = "effects", .is_known = choice != nullptr};
   if (choice == nullptr) return effects;
-  // heading: the quantity that the effects were decided by, its tolerance and the number of runs
-  effects.heading = fmt::format("effects, by {} to {:g} ({} runs)",
-                                sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)],
-                                scene.tolerance, choice->runs);
+  effects.heading = fmt::format("effects, for an accuracy of {:g}", scene.tolerance);
   for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
     const sim::EffectVerdict& verdict = choice->verdicts[k];
     // in the text only effects that the scene names, or all of them with --explain
     const bool is_shown = explanation || scene.effects.wishes[k] != sim::Effects{}.wishes[k];
-    // an effect that the scene names or omits has no measured change
-    const bool is_asked =
-        verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
     Section& effect = effects.sections.emplace_back();
     effect.name = sim::kEffectNames[k];
     effect.Add({document::kOn.name, is_shown ? sim::kEffectNames[k] : ""}, verdict.on).note =
-        GroundText(verdict);
+        GroundText(verdict, scene);
     effect.Add({"ground"}, NameOf(verdict.ground));
-    effect.Add({document::kChange.name}, is_asked ? std::optional(verdict.change) : std::nullopt);
+    effect.Add({document::kChange.name}, verdict.change);
   }
   return effects;
 }

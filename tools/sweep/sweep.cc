@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
@@ -29,11 +30,44 @@ constexpr cli::VerbText kText{
                  "skin.damping_n_s_per_m=0.75:2.38 --samples 10000 --seed 7 -o s.csv --resume",
                  "haptometer sweep --merge s1.csv s2.csv -o s.csv --best skin_rms_m --json"}};
 
+// "90 s", "12 min", "3.5 h": two digits of a time that is estimated
+std::string AboutTime(double seconds) {
+  constexpr double kMinuteS = 60, kHourS = 3600;
+  if (seconds < 2 * kMinuteS) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 2 * kHourS) return fmt::format("{:.0f} min", seconds / kMinuteS);
+  return fmt::format("{:.2g} h", seconds / kHourS);
+}
+
+// what the missing rows will take together, by a first, a middle and a last one of them; nothing
+// where that is a moment
+void SayExpectedTime(const SweepQuestion& question, std::uint64_t first, std::uint64_t rows,
+                     int threads) {
+  constexpr std::uint64_t kTimed = 3;
+  constexpr double kMomentS = 2, kEnoughS = 1;
+  if (rows < first + kTimed) return;
+  const std::uint64_t left = rows - first;
+  SystemClock clock;
+  const MonotonicNs begun_ns = clock.Now();
+  double taken_s = 0;
+  std::uint64_t timed = 0;
+  while (timed < kTimed && taken_s < kEnoughS && !cli::Interrupted()) {
+    (void)RowOf(question, question.shard.PointOf(first + (left - 1) * timed / (kTimed - 1)));
+    taken_s = SecondsFromNs(clock.Now() - begun_ns);
+    ++timed;
+  }
+  const double whole_s = taken_s / static_cast<double>(timed) * static_cast<double>(left) / threads;
+  if (!(whole_s > kMomentS) || timed == 0) return;
+  cli::Remark(kVerb, fmt::format("{} rows will take about {} on {} threads; Ctrl-C stops between "
+                                 "two of them, --resume continues",
+                                 left, AboutTime(whole_s), threads));
+}
+
 // computes the missing rows; returns the number of rows that the table then has
 Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, TableFile& file,
                                const std::string& path) {
   // rows of this shard
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
+  SayExpectedTime(question, file.rows(), rows, threads);
   cli::Progress progress(path);
   auto made = MakeRowsInOrder(
       // first: the rows that --resume found in the table

@@ -37,6 +37,26 @@ struct Tone {
   Real amplitude = 0, omega = 0, phase = 0;
 };
 
+// Straight lines between knots; beyond them its first and its last value.
+struct Lines {
+  std::vector<Real> at, value;
+
+  // value and slope just behind t
+  [[nodiscard]] std::pair<Real, Real> Behind(Real t) const {
+    const auto next =
+        static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), t) - at.begin());
+    if (next == 0) return {value.front(), 0};
+    if (next == at.size()) return {value.back(), 0};
+    const Real slope = (value[next] - value[next - 1]) / (at[next] - at[next - 1]);
+    return {value[next - 1] + slope * (t - at[next - 1]), slope};
+  }
+  // the next knot behind t
+  [[nodiscard]] Real Next(Real t) const {
+    const auto next = std::upper_bound(at.begin(), at.end(), t);
+    return next == at.end() ? kNever : *next;
+  }
+};
+
 struct Scene {
   Real mv = 0, mc = 0, kv = 0, bv = 0, km = 0, r = 0, l = 0;
   bool adapter = false;
@@ -50,6 +70,8 @@ struct Scene {
   Real heat_c = 0, heat_rth = kNever, alpha = 0;  // heat_c == 0: off
   Real source_r = 0, grip_k = 0, grip_b = 0, offset_v = 0;
   std::vector<Tone> drive, tremor;
+  Lines envelope;  // of the drive's tones; no knots: 1
+  Lines volts;     // added to them; no knots: 0
   Real duration = 0, window = 0, strobe_s = 0, tolerance = 1e-20L;
   std::array<Real, kStates> start{};
 
@@ -199,12 +221,17 @@ class Integrator {
     while (t_ < s_.duration && !result_.stalled) {
       Real limit = s_.duration;
       if (t_ < result_.begin) limit = std::min(limit, result_.begin);
+      // behind a knot of the voltage what rested may begin to move: its scale is estimated anew
+      const Real knot = std::min(s_.envelope.Next(t_), s_.volts.Next(t_));
+      limit = std::min(limit, knot);
       Real strobe_at = kNever;
       if (s_.strobe_s > 0) {
         strobe_at = static_cast<Real>(strobe) * s_.strobe_s;
         limit = std::min(limit, strobe_at);
       }
-      if (Step(limit) && limit == strobe_at) {
+      const bool reached = Step(limit);
+      first_ = first_ || (reached && limit == knot);
+      if (reached && limit == strobe_at) {
         result_.strobe_xs2.push_back(strobe_xs2_ / s_.strobe_s);
         result_.strobe_xv.push_back(x_[kXv]);
         result_.strobe_xs.push_back(Skin());
@@ -236,9 +263,23 @@ class Integrator {
     }
   }
 
-  void Expand() {
+  // e(t) times the tones, e a straight line about t_, and the straight lines of the voltage.
+  void DriveSeries() {
     TonesSeries(s_.drive, u_);
+    if (!s_.envelope.at.empty()) {
+      const auto [level, slope] = s_.envelope.Behind(t_);
+      for (int k = kOrder; k > 0; --k) u_[k] = level * u_[k] + slope * u_[k - 1];
+      u_[0] *= level;
+    }
     u_[0] += s_.offset_v;
+    if (s_.volts.at.empty()) return;
+    const auto [level, slope] = s_.volts.Behind(t_);
+    u_[0] += level;
+    u_[1] += slope;
+  }
+
+  void Expand() {
+    DriveSeries();
     TonesSeries(s_.tremor, xg_);
     for (int k = 0; k < kOrder; ++k) vg_[k] = (k + 1) * xg_[k + 1];
     vg_[kOrder] = 0;
@@ -414,7 +455,7 @@ class Integrator {
   // Scales before anything has moved: what the first terms of the series reach within a step.
   void EstimateScales() {
     first_ = false;
-    Real shortest = 1;
+    Real shortest = std::sqrt(s_.kv / s_.mv);
     for (const Tone& tone : s_.drive) shortest = std::max(shortest, tone.omega);
     const Real h = s_.l > 0 ? std::min(1 / shortest, s_.l / s_.r) : 1 / shortest;
     for (int n = 0; n < kStates; ++n) {
@@ -615,6 +656,11 @@ bool Read(std::istream& in, Scene& scene) {
       tone.omega = 2 * kPi * std::stold(value);
       if (words >> value) tone.phase = std::stold(value);
       (key == "drive" ? scene.drive : scene.tremor).push_back(tone);
+    } else if (key == "envelope" || key == "volts") {  // time value
+      Lines& lines = key == "envelope" ? scene.envelope : scene.volts;
+      lines.at.push_back(std::stold(value));
+      words >> value;
+      lines.value.push_back(std::stold(value));
     } else if (key == "adapter") {
       scene.adapter = value == "1";
     } else if (key == "unilateral") {
