@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/instruction_set.h"
 
 namespace haptometer::trial {
 namespace {
@@ -329,11 +330,11 @@ constexpr std::size_t kWideLane = 64;
 }  // namespace
 
 std::uint32_t Crc32(std::span<const std::byte> bytes) {
-  // the processor is checked once; the widest method that it supports and the length allows is used
-  static const bool folds_widely =
-      __builtin_cpu_supports("vpclmulqdq") != 0 && __builtin_cpu_supports("avx512f") != 0;
-  static const bool folds =
-      __builtin_cpu_supports("pclmul") != 0 && __builtin_cpu_supports("sse4.1") != 0;
+  // the widest method that the processor supports and the length allows; AVX-512 began without
+  // carry-less products
+  static const bool folds = UsableInstructionSet() >= InstructionSet::kAvx2;
+  static const bool folds_widely = UsableInstructionSet() == InstructionSet::kAvx512 &&
+                                   __builtin_cpu_supports("vpclmulqdq") != 0;
   if (folds_widely && bytes.size() >= kLanes * kWideLane) return ByWideFolding(kOnes, bytes);
   if (folds && bytes.size() >= kLanes * kLane) return ByFolding(kOnes, bytes);
   return ByZlib(0, bytes);

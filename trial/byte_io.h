@@ -73,8 +73,8 @@ class ByteSource {
 
 /// CRC-32 as in zlib, PNG and Ethernet (polynomial 0xEDB88320, start and final xor 0xFFFFFFFF).
 ///
-/// Of 64 bytes and more, where the processor multiplies without carries, the message is folded
-/// modulo the polynomial (V. Gopal et al., Fast CRC Computation for Generic Polynomials Using
+/// Of 64 bytes and more, from AVX2 on (base/instruction_set.h), the message is folded modulo the
+/// polynomial (V. Gopal et al., Fast CRC Computation for Generic Polynomials Using
 /// PCLMULQDQ Instruction, Intel 2009), of 256 bytes and more in lanes four times as wide where it
 /// can; zlib does the rest, and everything elsewhere. Cost: 15 or 70 ps a byte from the cache,
 /// zlib's 150 ps.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/instruction_set.h"
 #include "trial/block.h"
 #include "trial/record.h"
 #include "trial/time_base.h"
@@ -254,7 +255,7 @@ void DecodeAll(std::span<const std::byte> rows, const RowColumn& column, std::sp
   bool ok = true;
   if constexpr (sizeof(Raw) == 4) {
     // two rows fit in a load of 16 bytes
-    if (2 * column.row_bytes <= kLoadBytes && __builtin_cpu_supports("avx2") != 0) {
+    if (2 * column.row_bytes <= kLoadBytes && UsableInstructionSet() >= InstructionSet::kAvx2) {
       ok = DecodeEights<Raw>(rows, column, rest);
     }
   }

@@ -2,30 +2,14 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
+#include "base/instruction_set.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/lane_kernel.h"
 
 namespace haptometer::dsp {
-
-/// Instruction sets that the filter kernel is compiled for. All give the same bytes.
-enum class InstructionSet : std::uint8_t { kBaseline, kAvx2, kAvx512 };
-
-inline constexpr InstructionSet kInstructionSets[] = {
-    InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512};
-
-/// Whether this processor, and the system's saving of its registers, know it.
-[[nodiscard]] bool IsSupported(InstructionSet set);
-
-/// The fastest one that this processor knows.
-[[nodiscard]] InstructionSet WidestInstructionSet();
-
-/// "baseline", "avx2", "avx512".
-[[nodiscard]] std::string_view Name(InstructionSet set);
 
 /// What the lanes of a cascade need of its design; made once, shared by any number of threads.
 ///
@@ -39,7 +23,7 @@ class LanePlan {
   struct alignas(64) StateVector : std::array<double, kMostStates> {};
 
  public:
-  explicit LanePlan(const FilterDesign& design, InstructionSet set = WidestInstructionSet());
+  explicit LanePlan(const FilterDesign& design, InstructionSet set = UsableInstructionSet());
 
   [[nodiscard]] const FilterDesign& design() const { return design_; }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/instruction_set.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/lane_cascade.h"
 
@@ -81,7 +82,7 @@ class ZeroPhaseBlocks {
 
   /// `size` samples: any number, also far beyond memory.
   ZeroPhaseBlocks(const FilterDesign& design, std::size_t size,
-                  InstructionSet set = WidestInstructionSet());
+                  InstructionSet set = UsableInstructionSet());
 
   [[nodiscard]] const FilterDesign& design() const { return plan_.design(); }
   /// Length of the signal.

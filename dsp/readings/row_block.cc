@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "dsp/filter/lane_cascade.h"
+#include "base/instruction_set.h"
 #include "dsp/readings/row_kernel.h"
 
 namespace haptometer::dsp {
@@ -29,7 +29,7 @@ bool AllFinite(std::span<const double> values) {
 }
 
 const RowKernel& WidestRowKernel() {
-  switch (WidestInstructionSet()) {
+  switch (UsableInstructionSet()) {
     case InstructionSet::kBaseline:
       return kRowKernelBaseline;
     case InstructionSet::kAvx2:
@@ -37,7 +37,7 @@ const RowKernel& WidestRowKernel() {
     case InstructionSet::kAvx512:
       return kRowKernelAvx512;
   }
-  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(WidestInstructionSet()));
+  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(UsableInstructionSet()));
 }
 
 }  // namespace haptometer::dsp

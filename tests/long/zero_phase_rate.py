@@ -42,7 +42,7 @@ class Program:
 
 def known_sets():
     flags = pathlib.Path("/proc/cpuinfo").read_text()
-    return ["baseline"] + [s for s, flag in (("avx2", "avx2"), ("avx512", "avx512dq")) if flag in flags]
+    return ["sse2"] + [s for s, flag in (("avx2", "avx2"), ("avx512", "avx512dq")) if flag in flags]
 
 
 def compare(programs, samples, rate, rounds):

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "dsp/filter/lane_cascade.h"
+#include "base/instruction_set.h"
 #include "dsp/readings/faults.h"
 #include "tests/dsp/signals.h"
 
