@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """The page of hard cases (docs/developer/hard_cases.md), from what `hard_cases_test` prints in several builds.
 
-    tests/long/hard_cases.py [--builds NAME...] [--from NAME=PROGRAM...]
-                                                   builds and runs each, and writes the page; done builds are kept
-                                                   in build/hard_cases, so that it may be begun again; of --from the
-                                                   program is there already
+    tests/long/hard_cases.py [--release PROGRAM] [--builds NAME...]
+                                                   runs the release program, once more with each instruction set
+                                                   that the processor has, then builds and runs each other build,
+                                                   and writes the page; done builds are kept in build/hard_cases,
+                                                   so that it may be begun again
     tests/long/hard_cases.py --check               the page has the cases of the program in HAPTOMETER_PROGRAMS,
                                                    with their reasons, naive methods, answers and bars
 """
@@ -23,28 +24,32 @@ ROOMS = {"acquire": "recording", "trial": "files and times", "dsp": "filters and
 BASE = "-Wno-array-bounds -Wno-maybe-uninitialized"
 # compiler and flags of each build; contraction joins a product and a sum to one rounding
 BUILDS = {
-    "g++ -O2": ("g++", "-O2 -ffp-contract=off"),
     "g++ -O0": ("g++", "-O0 -ffp-contract=off"),
     "g++ -O3": ("g++", "-O3 -ffp-contract=off"),
     "g++ -O2 contracted": ("g++", "-O2 -mfma -ffp-contract=fast"),
     "clang++ -O0": ("clang++-19", "-O0 -ffp-contract=off"),
     "clang++ -O3": ("clang++-19", "-O3 -ffp-contract=off"),
 }
+# instruction sets of the release program's kernels, each with a flag of the processor that has it
+SETS = {"sse2": "sse2", "avx2": "avx2", "avx512": "avx512dq"}
 HEAD = """# Hard cases
 
 Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states what
 that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build; `exact`:
-no error at all. Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
+no error at all. `g++ -O2` is the release program; sse2, avx2 and avx512 are its kernels with these instruction sets.
+Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
 [hard_case_tests.md](hard_case_tests.md).
 """
 
 
-def rows_of(program):
-    """What a program prints of its cases, in its order."""
+def rows_of(program, instruction_set=None):
+    """What a program prints of its cases, in its order; it may miss bars, which the digits then show."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "rows")
-        subprocess.run([program], env={**os.environ, "HAPTOMETER_HARD_CASES": path}, check=True,
-                       stdout=subprocess.DEVNULL, timeout=600)
+        environment = {**os.environ, "HAPTOMETER_HARD_CASES": path}
+        if instruction_set is not None:
+            environment["HAPTOMETER_INSTRUCTION_SET"] = instruction_set
+        subprocess.run([program], env=environment, check=False, stdout=subprocess.DEVNULL, timeout=600)
         with open(path, encoding="utf-8") as file:
             return [json.loads(line) for line in file]
 
@@ -59,6 +64,11 @@ def built(name):
     subprocess.run(["cmake", "--build", folder, "--target", "hard_cases_test", "--parallel", "2"], check=True,
                    stdout=subprocess.DEVNULL)
     return folder / "bin" / "hard_cases_test"
+
+
+def known_sets():
+    flags = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
+    return [name for name, flag in SETS.items() if flag in flags]
 
 
 def number(value):
@@ -76,7 +86,10 @@ def answer(row):
 
 
 def digits(row):
-    return "exact" if row["error"] == 0 else f"{row['digits']:.1f}"
+    if row["error"] is None:
+        return "not finite (missed)"
+    shown = "exact" if row["error"] == 0 else f"{row['digits']:.1f}"
+    return shown if row["error"] <= row["bar"] else shown + " (missed)"
 
 
 def line(cells):
@@ -122,15 +135,14 @@ def check():
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--builds", nargs="*", choices=list(BUILDS), default=list(BUILDS))
-    parser.add_argument("--from", nargs="+", default=[], dest="programs", metavar="NAME=PROGRAM")
+    parser.add_argument("--release", default=ROOT / "build" / "release" / "bin" / "hard_cases_test")
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     if given.check:
         return check()
-    rows = {}
-    for pair in given.programs:
-        name, program = pair.split("=", 1)
-        rows[name] = rows_of(program)
+    rows = {"g++ -O2": rows_of(given.release)}
+    for name in known_sets():
+        rows[name] = rows_of(given.release, name)
     for name in given.builds:
         print(name, flush=True)
         rows[name] = rows_of(built(name))
