@@ -605,9 +605,10 @@ TEST(HardCasesDsp, StrongTremorInOneSecond) {
     return 0.03 + 1e-6 * Turned(100 * t_s) + 5e-4 * Turned(8.3 * t_s + 0.11);
   });
   // the bar: leakage of order 6 as docs/developer/hard_case_tests.md states it
-  CheckRecord({"dsp", "RMS of 1 um beside tremor of 0.5 mm in 1 s",
-               "the filter settles for longer than the record", "band RMS of the record", 1e-3},
-              values, 1e-6L * kHalfRoot, BandRms(values));
+  CheckRecord(
+      {"dsp", "RMS of 1 um beside tremor of 0.5 mm in 1 s",
+       "the filter's transients last longer than the record", "band RMS of the record", 1e-3},
+      values, 1e-6L * kHalfRoot, BandRms(values));
 }
 
 }  // namespace

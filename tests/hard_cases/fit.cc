@@ -233,8 +233,8 @@ constexpr double kMassKg = 1.4e-3, kKv = 2800, kBv = 0.0322, kKm = 1, kCoilOhm =
 
 constexpr long double Long(double value) { return static_cast<long double>(value); }
 
-// the terminals' voltage of M x'' + Bv x' + Kv x = -Km i, L i' + (R + RL) i = Km x' after a blow of
-// 0.4 m/s, in the three natural motions of the circuit
+// the terminals' voltage of M x'' + Bv x' + Kv x = -Km i, L i' + (R + RL) i = Km x' after an impact
+// of 0.4 m/s, in the three natural motions of the circuit
 class Circuit {
  public:
   explicit Circuit(long double load_ohm) : load_ohm_(load_ohm) {
@@ -296,7 +296,7 @@ fit::ActuatorKnowns Knowns() {
   return {Quantity{kMassKg, 0}, Quantity{0.6e-3, 0}, Quantity{kCoilOhm, 0}, Quantity{kHenry, 0}};
 }
 
-// an open circuit's voltage: Km x' of the spring and Bv alone, from the blow
+// an open circuit's voltage: Km x' of the spring and Bv alone, from the impact
 double OpenVoltage(double t_s) {
   const double d = kBv / (2 * kMassKg);
   const double w = std::sqrt(kKv / kMassKg - d * d);
@@ -331,7 +331,8 @@ double DecayOfPeaks(const std::vector<double>& values, double step_s) {
   return std::log(peaks[1].second / peaks.back().second) / (peaks.back().first - peaks[1].first);
 }
 
-// speed of x'' + 2 d x' + q x = -q f sign(x') after a blow: between turns a damped sine about +-f
+// speed of x'' + 2 d x' + q x = -q f sign(x') after an impact: between turns a damped sine about
+// +-f
 double SpeedWithFriction(double t_s, double friction_m) {
   const double d = kBv / (2 * kMassKg), q = kKv / kMassKg, w = std::sqrt(q - d * d);
   double sign = 1, place = friction_m, speed = 0.4, begin_s = 0;
@@ -363,7 +364,7 @@ TEST(HardCasesFit, DampingBesideDryFriction) {
         {Long(kBv), fitted->damping.value, 2 * kMassKg * DecayOfPeaks(ringing, 2e-4)});
 }
 
-TEST(HardCasesFit, TimeOfABlowBetweenSamples) {
+TEST(HardCasesFit, TimeOfAnImpactBetweenSamples) {
   const auto record = RecordOf(std::numeric_limits<double>::infinity(), OpenVoltage);
   const auto fitted = fit::FitDropTest({record}, Knowns());
   ASSERT_TRUE(fitted.has_value());
@@ -372,7 +373,7 @@ TEST(HardCasesFit, TimeOfABlowBetweenSamples) {
   const auto first = std::ranges::find_if(record.voltage_v, [&](double v) { return v > half; });
   const auto place = static_cast<double>(first - record.voltage_v.begin());
   // the bar: rounding of the voltage, 1e-16 of the period of 4.4 ms
-  Check({"fit", "time of a blow 13 us before a sample", "nothing but the ringing tells it",
+  Check({"fit", "time of an impact 13 us before a sample", "only the ringing contains it",
          "the first sample beyond half of the peak", 1e-9},
         {-1.3e-5L, fitted->records[0].impact_s, record.start_s + place * record.step_s});
 }

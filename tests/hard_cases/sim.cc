@@ -272,7 +272,7 @@ TEST(HardCasesSim, UndampedStiffeningSpring) {
   const double naive = -kTravel / 2 * std::cos(std::sqrt(1000 / 5e-4) * 0.02);
   // the bar: the scene's tolerance of the waveform's peak, of which 0.02 s leave a fifth
   Check({"sim", "place after seven periods of a spring that stiffens by 1.6",
-         "the period hangs on the amplitude", "cosine of the linear spring", 1e-8},
+         "the period depends on the amplitude", "cosine of the linear spring", 1e-8},
         {truth, run.skin_m(run.skin_m.size() - 1), naive});
 }
 
@@ -330,7 +330,7 @@ TEST(HardCasesSim, StatementOfAChaoticRun) {
   const sim::SceneRun other = sim::RunScene(sim::WithEffects(scene, on), 0.3);
   const double apart = std::fabs(run.skin_rms_m / other.skin_rms_m - 1);
   // 1 where the stated error holds what two units in the last place of the voltage change
-  Check({"sim", "a run that two ulp of the voltage change: 1 where its stated error says so",
+  Check({"sim", "a run that two ulp of the voltage change: 1 where its stated error holds that",
          "deviations double every few periods", "the energy balance, which closes", 0},
         {1, run.error_estimate >= apart ? 1.0 : 0.0,
          std::fabs(run.ledger.Imbalance()) >= apart ? 1.0 : 0.0});
