@@ -393,10 +393,11 @@ TEST(HardCasesDsp, DriveAboveHalfOfAPolledRate) {
     values.push_back(std::cos(2 * std::numbers::pi * 225 * times_s.back() + 0.3));
   }
   // its alias at 240 - 225 Hz on an even grid
-  Check({"dsp", "amplitude of 225 Hz in 48 readings a second", "the tone lies above half the rate",
-         "least squares at the alias, times taken as even", 1e-12},
-        {1, dsp::FitSineAtTimes(values, times_s, 225).amplitude,
-         dsp::FitSineAt(values, {.rate_hz = 48}, 15).amplitude});
+  Check(
+      {"dsp", "amplitude of 225 Hz in 48 readings per second", "the tone lies above half the rate",
+       "least squares at the alias, times taken as even", 1e-12},
+      {1, dsp::FitSineAtTimes(values, times_s, 225).amplitude,
+       dsp::FitSineAt(values, {.rate_hz = 48}, 15).amplitude});
 }
 
 TEST(HardCasesDsp, MissingRowsOfAVibration) {
@@ -419,7 +420,7 @@ TEST(HardCasesDsp, MissingRowsOfAVibration) {
     truth += std::pow(at(1000 + k), 2);
   }
   // the bar: the fitted coefficients of two sines without noise
-  Check({"dsp", "energy of 40 missing rows of two tones at 10 kHz", "the hole is most of a period",
+  Check({"dsp", "energy of 40 missing rows of two tones at 10 kHz", "the gap is most of a period",
          "a straight line", 1e-6},
         {static_cast<long double>(truth), ours, naive});
 }
@@ -581,12 +582,12 @@ TEST(HardCasesDsp, ClippingOfSixReadingsAPeriod) {
     equal += values[k] == values[k - 1] && values[k] == values[k - 2] ? 1 : 0;
   }
   const dsp::BandAnalysis analysis = dsp::Answer(dsp::RecordOf(values, 2000));
-  // 1 where the amplitude is told to be a lower limit, or not told at all
-  const bool told =
+  // 1 where the amplitude is stated as a lower limit, or not stated at all
+  const bool stated =
       !analysis.answered || (analysis.numbers.has_value() && analysis.numbers->is_lower_limit);
-  Check({"dsp", "331 Hz at 2 kHz cut at 0.6 of its amplitude: 1 where that is told",
+  Check({"dsp", "331 Hz at 2 kHz cut at 0.6 of its amplitude: 1 where that is stated",
          "a crest has two readings", "runs of three equal readings", 0},
-        {1, told ? 1.0 : 0.0, equal > 0 ? 1.0 : 0.0});
+        {1, stated ? 1.0 : 0.0, equal > 0 ? 1.0 : 0.0});
 }
 
 TEST(HardCasesDsp, HumThroughoutARecord) {

@@ -242,7 +242,7 @@ TEST(HardCasesTrial, TornLastBlock) {
   const std::size_t begin = bytes.find(std::string("\0\0\0\0\0\1\0\0\0\0", 10));
   ASSERT_NE(begin, std::string::npos);
   Check({"trial", "rows of a trial that ends within its tenth block",
-         "nothing tells whether a row of a torn block is whole", "bytes over bytes of a row", 0},
+         "a row of a torn block may be cut", "bytes over bytes of a row", 0},
         {900, static_cast<double>(recording->record.rows), static_cast<double>((end - begin) / 5)});
 }
 
