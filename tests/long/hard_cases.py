@@ -4,8 +4,8 @@
     tests/long/hard_cases.py [--release PROGRAM] [--builds NAME...]
                                                    runs the release program, once more with each instruction set
                                                    that the processor has, then builds and runs each other build,
-                                                   and writes the page; done builds are kept in build/hard_cases,
-                                                   so that it may be begun again
+                                                   and writes the page after each; done builds are kept in
+                                                   build/hard_cases, so that it may be begun again
     tests/long/hard_cases.py --check               the page has the cases of the program in HAPTOMETER_PROGRAMS,
                                                    with their reasons, naive methods, answers and bars
 """
@@ -143,10 +143,11 @@ def main():
     rows = {"g++ -O2": rows_of(given.release)}
     for name in known_sets():
         rows[name] = rows_of(given.release, name)
+    PAGE.write_text(page(rows), encoding="utf-8")
     for name in given.builds:
         print(name, flush=True)
         rows[name] = rows_of(built(name))
-    PAGE.write_text(page(rows), encoding="utf-8")
+        PAGE.write_text(page(rows), encoding="utf-8")
     return 0
 
 
