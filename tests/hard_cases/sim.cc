@@ -156,7 +156,8 @@ TEST(HardCasesSim, ExponentialOfManyTurns) {
 // ---------------------------------------------------------------- scenes with effects
 
 // Truths "by another integrator": tests/sim/reference/scene_reference.cc, long double, of which 13
-// digits hold.
+// digits hold. Bars of peaks and least values: 1e-10, what is located between two outputs; of runs
+// by the solver the tolerance of the scene; 1e-9 where a steady motion is searched for.
 
 sim::EffectSet With(std::initializer_list<sim::Effect> effects) {
   sim::EffectSet on;
@@ -270,7 +271,7 @@ TEST(HardCasesSim, UndampedStiffeningSpring) {
   const long double w = std::sqrt((1000 + bent) / 5e-4L);
   const long double truth = -2e-4L * JacobiCn(w * 0.02L, bent / (2 * (1000 + bent)));
   const double naive = -kTravel / 2 * std::cos(std::sqrt(1000 / 5e-4) * 0.02);
-  // the bar: the scene's tolerance of the waveform's peak, of which 0.02 s leave a fifth
+  // the bar: a hundred times the scene's tolerance of 1e-10, which is the RMS's
   Check({"sim", "place after seven periods of a spring that stiffens by 1.6",
          "the period depends on the amplitude", "cosine of the linear spring", 1e-8},
         {truth, run.skin_m(run.skin_m.size() - 1), naive});
@@ -284,7 +285,7 @@ TEST(HardCasesSim, PeakOfTravelIntoACompliantStop) {
   const sim::SceneRun run =
       sim::RunScene(sim::WithEffects(scene, With({sim::Effect::kTravelStops})), 0.1);
   Check({"sim", "mover's peak between stops of 1e7 N/m, 0.1 s",
-         "it is reached within a contact of 40 us", "the gap", 1e-9},
+         "it is reached within a contact of 40 us", "the gap", 1e-10},
         {4.0529825442004553e-04L, run.mover_peak_m, 4e-4});
 }
 
@@ -301,7 +302,7 @@ TEST(HardCasesSim, LeastContactForceBetweenImpacts) {
     naive = std::fmin(naive, 600 * run.skin_m(k) + 0.75 * speed);
   }
   Check({"sim", "least contact force between rigid stops at 50 um",
-         "the speed jumps at each impact", "the least of the outputs", 1e-9},
+         "the speed jumps at each impact", "the least of the outputs", 1e-10},
         {-0.082598570029467638L, run.skin_force_least_n, naive});
 }
 

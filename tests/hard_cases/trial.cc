@@ -272,6 +272,7 @@ TEST(HardCasesTrial, TimeBehindLostLines) {
   ASSERT_EQ(stretches.size(), 2U);
   const trial::Stretch& second = stretches[1];
   const double ours = second.start_s + 999 / second.rate_hz;
+  // the bar: rounding of a line through times of up to 2.3 s
   Check({"trial", "time of row 1999 behind 300 lost lines", "rows are numbered as they came",
          "row over the rate", 1e-12},
         {2.299L, ours, 1999 / 1000.0});
@@ -296,6 +297,7 @@ TEST(HardCasesTrial, RateOfLinesWhoseEndIsLate) {
     rr += row * row;
   }
   ASSERT_GT(tt, 0);
+  // the bar: a nanosecond over the span of 2.8 s
   Check({"trial", "rate of lines of which the last 0.2 s come together",
          "lines are late, never early", "least squares of time over row", 1e-9},
         {1000, stretches[0].rate_hz, rr / rt});
