@@ -33,6 +33,8 @@ constexpr double kStepRounding = 2 * std::numeric_limits<double>::epsilon();
 
 // what n times less tolerance leaves of the error is less than this over n
 constexpr double kLeftOver = 64;
+// what polynomials of degree 10 leave out falls by this power of a step's length
+constexpr double kStepOrder = 11;
 // an error that less tolerance does not make smaller than this part of itself stays
 constexpr double kWorthIt = 0.5;
 // of the exact motion in its fastest mode: 10 ms in one output step
@@ -357,6 +359,13 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   return Playing(scene, duration_s, std::move(motion)).Play();
 }
 
+// How many times less a run leaves out than a coarser one: by its tolerance, or by its steps where
+// pieces and events begin them anew so often that they do not follow the tolerance.
+double FinerThan(const SceneRun& coarse, const SceneRun& run) {
+  const double steps = static_cast<double>(run.work.steps) / static_cast<double>(coarse.work.steps);
+  return std::min(coarse.solver_tolerance / run.solver_tolerance, std::pow(steps, kStepOrder));
+}
+
 // runs with smaller and smaller tolerance until their difference is within scene.tolerance
 SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const PiecewiseStart& start,
                     double temperature_rise_k) {
@@ -371,11 +380,14 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
   for (;; ladder.Refine()) {
     SceneRun run = play(ladder.settings());
     work += run.work;
-    run.error_estimate = ErrorOf(run, coarse);
-    run.work = work;
-    if (run.stalled_at_s || ladder.EndsWith(run.error_estimate)) return run;
+    run.error_estimate = ErrorOf(run, coarse, FinerThan(coarse, run));
     // of a chaotic motion no tolerance reduces the error
-    if (run.error_estimate > kWorthIt * coarse.error_estimate) return run;
+    const bool ends = run.stalled_at_s || ladder.EndsWith(run.error_estimate) ||
+                      run.error_estimate > kWorthIt * coarse.error_estimate;
+    if (ends) {
+      run.work = work;
+      return run;
+    }
     coarse = std::move(run);
   }
 }
@@ -421,12 +433,11 @@ double LargestDeviation(const SceneRun& run, const SceneRun& reference) {
                    Relative(run.mover_peak_of_run_m, reference.mover_peak_of_run_m)});
 }
 
-double ErrorOf(const SceneRun& run, const SceneRun& coarse) {
+double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
   if (run.stalled_at_s || coarse.stalled_at_s || !run.IsFinite() || !coarse.IsFinite()) {
     return std::numeric_limits<double>::infinity();
   }
   // the same tolerance gives the same run: the difference shows nothing of its error
-  const double finer = coarse.solver_tolerance / run.solver_tolerance;
   if (finer <= 1) return coarse.error_estimate;
   // the largest deviation over quantities, waveform, power and peaks
   double largest = 0;

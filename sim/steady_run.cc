@@ -178,7 +178,8 @@ class SmoothSearch {
       work += fine.run->work;
       // the remainder of Newton's step may be equal in both motions and cancel in their difference
       const double left = fine.periodic ? kRmsOverLargest * fine.periodic->error : 0;
-      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run) + left;
+      const double finer = coarse.run->solver_tolerance / fine.run->solver_tolerance;
+      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, finer) + left;
       fine.run->work = work;
       if (ladder.EndsWith(fine.run->error_estimate)) return fine;
       coarse = std::move(fine);

@@ -155,13 +155,14 @@ void SmoothMotion::TakePiece(std::size_t place) {
   piece_ = excitation_.Piece(place);
 }
 
-// s; an output step where the piece has no tones
+// s; a part of the fastest tone's period, without tones of an output step, of a short piece
 double SmoothMotion::LongestStepS() const {
   const double highest_hz = HighestFrequencyHz(piece_);
+  const double part = settings_.longest_step_periods / SmoothSettings{}.longest_step_periods;
   const double longest_s =
-      highest_hz > 0 ? settings_.longest_step_periods / highest_hz : 1 / rate_hz_;
+      highest_hz > 0 ? settings_.longest_step_periods / highest_hz : part / rate_hz_;
   const auto piece_s = static_cast<double>(piece_.end_s - piece_.begin_s);
-  return piece_s > 0 ? std::min(longest_s, piece_s) : longest_s;
+  return piece_s > 0 ? std::min(longest_s, part * piece_s) : longest_s;
 }
 
 double SmoothMotion::TauOfPieceEnd() const {

@@ -22,7 +22,9 @@ namespace haptometer::sim {
 /// How a smooth motion is computed.
 struct SmoothSettings {
   double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2
-  double longest_step_periods = 0.25;   ///< of the fastest tone
+  /// Of the fastest tone; without tones a quarter stands for an output step, or for a piece that is
+  /// shorter.
+  double longest_step_periods = 0.25;
   bool with_energy = false;             ///< keep the ledger
   std::int64_t most_steps = 4'000'000;  ///< of the solver, in all: half a minute
 };

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -144,6 +145,39 @@ TEST(SceneRun, AWeakSpringBendsInProportion) {
   const double one = rms_m(1e5) - linear_m, two = rms_m(2e5) - linear_m;
   EXPECT_GT(std::abs(one), 1e-6 * linear_m);
   EXPECT_REL(two, 2 * one, 1e-3, "the second order is 1.3e-4 of the first");
+}
+
+// a weak spring under a file's voltages: neither steps nor tolerance limit what a run leaves out,
+// but the iteration within each step
+TEST(SceneRun, OfAFilesVoltagesTheStatedErrorHolds) {
+  Scene scene = tests::AdapterScene();
+  scene.start = Start::kRest;
+  scene.actuator = {.moving_mass_kg = 1.05e-3,
+                    .case_mass_kg = 0.717e-3,
+                    .stiffness_n_per_m = 1431,
+                    .damping_n_s_per_m = 0.0515,
+                    .force_constant_n_per_a = 0.512,
+                    .resistance_ohm = 24,
+                    .inductance_h = 0.843e-3};
+  scene.adapter = Adapter{.motor_side_mass_kg = 0.357e-3,
+                          .skin_side_mass_kg = 2.24e-3,
+                          .stiffness_n_per_m = 5057,
+                          .damping_n_s_per_m = 0.1735};
+  scene.skin.stiffness_n_per_m = 834;
+  scene.skin.damping_n_s_per_m = 2.217;
+  scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 4.08e9};
+  VoltageSamples samples{.rate_hz = 1967.23, .voltages_v = {}};
+  for (int k = 0; k < 117; ++k) samples.voltages_v.push_back(0.6 * std::sin(1.319 * k * k));
+  scene.drive = {.kind = DriveKind::kSamples,
+                 .samples = std::make_shared<const VoltageSamples>(samples)};
+  scene.tolerance = 1e-11;
+  const SceneRun exact = RunScene(WithEffects(scene, Only({Effect::kStiffening})), 0.065);
+  for (const double tolerance : {1e-2, 1e-6}) {
+    scene.tolerance = tolerance;
+    const SceneRun run = RunScene(WithEffects(scene, Only({Effect::kStiffening})), 0.065);
+    EXPECT_LE(LargestDeviation(run, exact), run.error_estimate) << tolerance;
+    EXPECT_LE(run.error_estimate, tolerance);
+  }
 }
 
 TEST(SceneRun, GravityStretchesTheStiffeningSpring) {
