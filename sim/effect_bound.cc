@@ -175,6 +175,9 @@ class Bounding {
 
   void AddDisturbances() {
     if (all_.smooth.spring) {
+      // harder to the side of its sag
+      spring_ = all_.smooth.spring;
+      spring_->sag_m = std::abs(spring_->sag_m);
       const SmoothSystem system = AssembleSmooth(all_.scene, {}, all_.smooth);
       by_force_ = modes_.UnderInput(system.spring_terms.front().push);
     }
@@ -218,9 +221,11 @@ class Bounding {
     const Eigen::VectorXd begin = PiecewiseStartOf(scene).x;
     double steady_a = kUnknown;
     if (scene.drive.kind == DriveKind::kSine) {
+      const SteadyState steady = SolveSteadyState(scene);
+      // an undamped resonance has no steady motion
+      if (!(steady.error_estimate < 1)) return kUnknown;
       Scene from = scene;
       from.start = Start::kSteady;
-      const SteadyState steady = SolveSteadyState(scene);
       steady_a = std::abs(steady.current_a) + std::abs(steady.mean_current_a) +
                  modes_.OfFreeMotion(begin - PiecewiseStartOf(from).x).current_a;
     }
@@ -230,18 +235,9 @@ class Bounding {
                     driven_a * LargestVoltageV(scene.drive) + modes_.OfFreeMotion(begin).current_a);
   }
 
-  double ForceN(double travel_m) const {
-    if (!all_.smooth.spring) return 0;
-    StiffeningSpring spring = *all_.smooth.spring;
-    spring.sag_m = std::abs(spring.sag_m);
-    return spring.Force(travel_m);
-  }
-  double ForceSlope(double travel_m) const {
-    if (!all_.smooth.spring) return 0;
-    StiffeningSpring spring = *all_.smooth.spring;
-    spring.sag_m = std::abs(spring.sag_m);
-    return spring.Stiffness(travel_m);
-  }
+  // the spring's force and its slope at most, up to a travel either way
+  double ForceN(double travel_m) const { return spring_ ? spring_->Force(travel_m) : 0; }
+  double ForceSlope(double travel_m) const { return spring_ ? spring_->Stiffness(travel_m) : 0; }
 
   // R0 alpha theta in ohm, theta from theta0 = R0 I^2 min(Rth, T/C), theta = theta0 / (1 - alpha
   // theta0)
@@ -364,6 +360,7 @@ class Bounding {
   LinearModel model_;
   double length_s_;
   ModalBounds modes_;
+  std::optional<StiffeningSpring> spring_;
   Changes by_force_, by_voltage_, by_tremor_;
 };
 

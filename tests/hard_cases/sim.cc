@@ -342,7 +342,7 @@ TEST(HardCasesSim, StatementOfWhatAutoNeglects) {
   scene.start = sim::Start::kRest;
   scene.duration_s = 0.05;
   scene.tolerance = 0.1;
-  scene.effects.stiffening = sim::StiffeningSpring{.cubic_n_per_m3 = 5e10};
+  scene.effects.stiffening = sim::StiffeningSpring{.cubic_n_per_m3 = 1e7};
   const sim::SceneRun bent =
       sim::RunScene(sim::WithEffects(scene, With({sim::Effect::kStiffening})), 0.05);
   scene.effects[sim::Effect::kStiffening] = sim::Wish::kAuto;

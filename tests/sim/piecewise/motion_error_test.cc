@@ -185,21 +185,6 @@ TEST(ChooseEffects, BeyondPredictionIsSaid) {
   EXPECT_LT(known.error_estimate, 2 * scene.tolerance);
 }
 
-TEST(ChooseEffects, WhatWasLeftOutIsInTheEstimate) {
-  Scene scene = Narrow(210, 1, 0.5);
-  scene.tolerance = 0.2;
-  scene.duration_s = 0.1;
-  scene.actuator.inductance_h = 2e-3;
-  scene.effects[Effect::kInductance] = Wish::kAuto;
-  const auto choice = ChooseEffects(scene);
-  ASSERT_TRUE(choice);
-  EXPECT_FALSE(choice->on[PlaceOf(Effect::kInductance)]);
-  const SceneRun everything = RunScene(WithEffects(scene, With({})), 0.1);
-  const double off = LargestDeviation(choice->run, everything);
-  EXPECT_GT(off, 1e-4);
-  EXPECT_GE(choice->run.error_estimate, off);
-}
-
 // a pad that is pressed and left between two outputs
 TEST(SceneRun, PeaksAndLeastForceAreLocated) {
   Scene scene = Narrow(180, 1.4e-4, 0);
