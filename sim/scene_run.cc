@@ -31,6 +31,9 @@ constexpr double kExactRounding = 4e-13;
 constexpr double kSolverRounding = 1e-12;
 constexpr double kStepRounding = 2 * std::numeric_limits<double>::epsilon();
 
+// of the solver's tolerance, what the iteration within each step leaves, in both runs alike
+// (measured: 4e-5 in 1500 answers of random scenes)
+constexpr double kIterationPart = 5e-4;
 // what n times less tolerance leaves of the error is less than this over n
 constexpr double kLeftOver = 64;
 // what polynomials of degree 10 leave out falls by this power of a step's length
@@ -445,7 +448,8 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
     largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
   }
   largest = std::max(largest, LargestDeviation(coarse, run));
-  const double rounding = kSolverRounding + kStepRounding * static_cast<double>(run.work.steps);
+  const double rounding = kSolverRounding + kStepRounding * static_cast<double>(run.work.steps) +
+                          kIterationPart * run.solver_tolerance;
   // an n times smaller tolerance leaves at most kLeftOver / n of the deviation, and moves the run
   // by no more than the deviation
   return std::min(largest * kLeftOver / finer, coarse.error_estimate + largest) + rounding;

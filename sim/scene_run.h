@@ -91,8 +91,9 @@ inline constexpr double kLargestPredictedError = 1e-3;
 
 /// What a run of the solver is wrong by that leaves out n = `finer` times less than another: the
 /// largest deviation between them, the waveform's included, over n/64, or the other's error and
-/// that deviation where that is less; and rounding: 1e-12 and 4.4e-16 a step. Where n is 1 the two
-/// are the same run, and the other's estimate stays.
+/// that deviation where that is less; and rounding: 1e-12 and 4.4e-16 a step; and 5e-4 of the
+/// solver's tolerance, for the iteration within each step. Where n is 1 the two are the same run,
+/// and the other's estimate stays.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
