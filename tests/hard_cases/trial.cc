@@ -241,9 +241,10 @@ TEST(HardCasesTrial, TornLastBlock) {
   ASSERT_TRUE(recording);
   const std::size_t begin = bytes.find(std::string("\0\0\0\0\0\1\0\0\0\0", 10));
   ASSERT_NE(begin, std::string::npos);
+  const std::size_t by_size = (end - begin) / 5;
   Check({"trial", "rows of a trial that ends within its tenth block",
          "a row of a torn block may be cut", "bytes over bytes of a row", 0},
-        {900, static_cast<double>(recording->record.rows), static_cast<double>((end - begin) / 5)});
+        {900, static_cast<double>(recording->record.rows), static_cast<double>(by_size)});
 }
 
 TEST(HardCasesTrial, TimeOfAPolledReading) {
