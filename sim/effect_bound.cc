@@ -54,11 +54,12 @@ class ModalBounds {
  public:
   ModalBounds(const LinearModel& model, const Scene& scene, double length_s)
       : model_(model), length_s_(length_s), case_moves_(!scene.grip.holds) {
-    // a case that is held stays where it is: modes of its own, which nothing excites
+    // a case that is held stays where it is: two modes of its own, which nothing excites
     Eigen::MatrixXd a = model.a;
     if (!case_moves_) {
-      a(LinearModel::kCase, LinearModel::kCase) = -a.norm();
-      a(LinearModel::kCaseVelocity, LinearModel::kCaseVelocity) = -2 * a.norm();
+      const double apart_per_s = a.norm();
+      a(LinearModel::kCase, LinearModel::kCase) = -apart_per_s;
+      a(LinearModel::kCaseVelocity, LinearModel::kCaseVelocity) = -2 * apart_per_s;
     }
     // in balanced units, x = D y
     const BalancedMatrix balanced = Balance(a);
@@ -89,7 +90,8 @@ class ModalBounds {
   // the integral of |exp(s t) cos(w t + phase)| over the run, p = s + j w, at any phase
   double Length(const std::complex<double>& pole) const {
     const double growth_per_s = pole.real(), w = std::abs(pole.imag());
-    if (!(growth_per_s < 0)) return length_s_ * std::exp(std::max(growth_per_s, 0.0) * length_s_);
+    if (growth_per_s > 0) return length_s_ * std::exp(growth_per_s * length_s_);
+    if (growth_per_s == 0) return length_s_;
     const double length_s = std::expm1(growth_per_s * length_s_) / growth_per_s;
     if (w == 0) return length_s;
     // in each half period the cosine's magnitude has the integral 2 / w

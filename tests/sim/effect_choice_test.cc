@@ -184,6 +184,22 @@ TEST(EffectBound, IsInfiniteWhereTheMotionMayChangeItsKind) {
   EXPECT_TRUE(std::isinf(bound(on)));
 }
 
+// a travel far below the sag of 4.9 um: the spring is stiffer all the time
+TEST(EffectBound, HoldsWhereGravityStretchesTheSpring) {
+  Scene scene = Disturbed();
+  scene.effects.stiffening->cubic_n_per_m3 = 1e9;
+  scene.drive.amplitude_v = 0.001;
+  scene.duration_s = kDurationS;
+  const EffectSet on =
+      EffectSet(1).set(PlaceOf(Effect::kStiffening)).set(PlaceOf(Effect::kGravity));
+  const PlayedScene base = PlayWith(scene, WithoutDisturbances(on));
+  const PlayedScene with = PlayWith(scene, on);
+  const double bound = BoundEffects(scene, on, base.run)[PlaceOf(Effect::kStiffening)];
+  const double change = Deviation(AskedQuantity::kSkinWaveform, base.run, with.run);
+  EXPECT_LE(change, bound);
+  EXPECT_LE(bound, 300 * change) << "as effect_bound.h says";
+}
+
 TEST(EffectBound, OfACaseThatIsHeld) {
   Scene scene = Disturbed();
   scene.adapter.reset();
