@@ -413,7 +413,8 @@ std::optional<std::string> TomlTable::Choice(std::string_view key,
   auto text = Text(key);
   // absent: nothing; a wrong type has been refused by Text()
   if (!text || std::ranges::find(choices, *text) != choices.end()) return text;
-  state_->Fail(key, fmt::format("\"{}\" is not known", *text), "use one of " + Joined(choices));
+  state_->Fail(key, fmt::format("\"{}\" is not known", *text),
+               (choices.size() == 1 ? "use " : "use one of ") + Joined(choices));
   return std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "base/clock.h"
@@ -55,11 +56,14 @@ void SayExpectedTime(const SweepQuestion& question, std::uint64_t first, std::ui
     taken_s = SecondsFromNs(clock.Now() - begun_ns);
     ++timed;
   }
-  const double whole_s = taken_s / static_cast<double>(timed) * static_cast<double>(left) / threads;
-  if (!(whole_s > kMomentS) || timed == 0) return;
-  cli::Remark(kVerb, fmt::format("{} rows will take about {} on {} threads; Ctrl-C stops between "
+  // threads beyond the processors take turns
+  const int workers =
+      std::min(threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  const double whole_s = taken_s / static_cast<double>(timed) * static_cast<double>(left) / workers;
+  if (!(whole_s > kMomentS)) return;
+  cli::Remark(kVerb, fmt::format("{} rows will take about {} on {} thread{}; Ctrl-C stops between "
                                  "two of them, --resume continues",
-                                 left, AboutTime(whole_s), threads));
+                                 left, AboutTime(whole_s), threads, threads == 1 ? "" : "s"));
 }
 
 // computes the missing rows; returns the number of rows that the table then has

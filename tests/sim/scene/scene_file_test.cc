@@ -196,8 +196,7 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
       {"[effects]\ncontact_loss = 'auto'\n",
        "[effects]: contact_loss: needs preload_n in [skin]; docs/reference/scene.md lists the "
        "constants"},
-      {"[effects]\ngravity = 'maybe'\n",
-       "[effects]: gravity: \"maybe\" is not known; use one of auto"},
+      {"[effects]\ngravity = 'maybe'\n", "[effects]: gravity: \"maybe\" is not known; use auto"},
       {"[effects.travel_stops]\ngap_m = '1mm'\n",
        "[effects]: travel_stops: is a table; its constants stand in [travel_stops]"},
       {"[effects]\ngravitation = true\n",
@@ -290,7 +289,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kActuator + kDrive, "has no [skin]; add that table (docs/reference/scene.md)"},
       {"skin = 1\n" + kActuator + kDrive, "skin: is not a table; write [skin]"},
       {"[actuator]\nmodel = 'c10'\n" + kDrive + kSkin,
-       "[actuator]: model: \"c10\" is not known; use one of thesis-c10-100"},
+       "[actuator]: model: \"c10\" is not known; use thesis-c10-100"},
       {kActuator + "moving_mass_kg = 1\n" + kDrive + kSkin,
        "[actuator]: moving_mass_kg: cannot be combined with model; give one or the other"},
       {kActuator + kSkin + "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 0\n",
