@@ -120,10 +120,10 @@ function(haptometer_script_test name script)
     ENVIRONMENT "HAPTOMETER_PROGRAMS=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};PYTHONDONTWRITEBYTECODE=1")
 endfunction()
 
-# haptometer_reference_test(NAME SCRIPT ARGUMENT...)
-# A script test that runs no program of this tree: it derives numbers that tests compare with, or reads the
-# sources. Under the sanitizers it would be the same again, so only the other builds have it.
-function(haptometer_reference_test name script)
+# haptometer_unsanitized_test(NAME SCRIPT ARGUMENT...)
+# A script test that the builds with sanitizers do not have: it derives numbers that tests compare with, reads the
+# sources, or runs whole programs whose parts the tests written in C++ run there, ten times as fast as it.
+function(haptometer_unsanitized_test name script)
   if(NOT HAPTOMETER_SANITIZED)
     haptometer_script_test(${name} ${script} ${ARGN})
   endif()

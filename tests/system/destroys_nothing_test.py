@@ -5,8 +5,7 @@ The options are read from `--help-all` of every verb; one that names a file and 
 fails the test. Disks are filled in a namespace of their own (unshare -rm) where that is permitted, and by
 RLIMIT_FSIZE and /dev/full always.
 
-Usage: destroys_nothing_test.py [--only TEXT | --every N], of the options whose verb and name hold TEXT, or of
-every Nth (the sanitizers take ten times as long, and run the same code with each). It calls itself with
+Usage: destroys_nothing_test.py [--only TEXT], of the options whose verb and name hold TEXT. It calls itself with
 --disks DIRECTORY inside the namespace.
 """
 import hashlib
@@ -478,8 +477,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         make_inputs(directory)
         only = sys.argv[2] if sys.argv[1:2] == ["--only"] else ""
-        every = int(sys.argv[2]) if sys.argv[1:2] == ["--every"] else 1
-        for option in WRITES[::every]:
+        for option in WRITES:
             if option.verb != "reproduce" and only in str(option):
                 check_option(option)
         if only:

@@ -141,10 +141,13 @@ TEST(Cost, AnswersASceneWithItsOwnMethodAndThoseOfOthers) {
   const json cost = CostJson(
       {"skin-rms", "--scene", kFixtures + "/lra_adapter.toml", "--accuracy", "1e-6", "--measure"});
   const json& methods = cost.at("methods");
-  EXPECT_EQ(methods.at(0).at("method"), "exact phasors");
-  EXPECT_TRUE(methods.at(0).at("answers").get<bool>());
-  EXPECT_GT(methods.at(0).at("measured_s").get<double>(), 0);
-  EXPECT_LE(methods.at(0).at("measured_error").get<double>(), 1e-12);
+  // which one is the fastest is for this processor to say, so the row is found by its name
+  const auto exact = std::ranges::find_if(
+      methods, [](const json& method) { return method.at("method") == "exact phasors"; });
+  ASSERT_NE(exact, methods.end());
+  EXPECT_TRUE(exact->at("answers").get<bool>());
+  EXPECT_GT(exact->at("measured_s").get<double>(), 0);
+  EXPECT_LE(exact->at("measured_error").get<double>(), 1e-12);
   for (const json& method : methods) {
     EXPECT_LE(method.at("predicted_error").get<double>(), 1e-6) << method;
     EXPECT_GT(method.at("predicted_s").get<double>(), 0) << method;
