@@ -69,13 +69,16 @@ function(haptometer_rooms_first target)
   target_link_options(${target} PRIVATE "LINKER:--whole-archive,${archives},--no-whole-archive")
 endfunction()
 
-# haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...] [LONG ...])
+# haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...] [LONG ...] [ALONE])
 # The program NAME_test with one ctest entry per GoogleTest case, which is a process of its own; TOGETHER are
-# suites with one entry each, whose cases share what takes seconds to compute. LONG are cases (patterns), or suites of
-# TOGETHER, that repeat for long what others do too: the sanitizers, which take up to thirty times as long, do not run
-# them. It finds fixtures and programs through compile definitions, so it runs from any directory.
+# suites with one entry each, whose cases share what takes seconds to compute. It finds fixtures and programs
+# through compile definitions, so it runs from any directory.
+# With sanitizers a process takes longer to begin and end than most cases: there the cases are run by as many
+# processes as the program has sources, NAME.1 ..., by one with TOGETHER, and ALONE as without sanitizers. LONG are
+# cases (patterns) that repeat for long what others do too, which take up to thirty times as long there, and are
+# not run.
 function(haptometer_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS;TOGETHER;LONG")
+  cmake_parse_arguments(PARSE_ARGV 1 test "ALONE" "" "SOURCES;DEPENDS;TOGETHER;LONG")
   set(target ${name}_test)
   add_executable(${target} ${test_SOURCES})
   target_compile_definitions(${target} PRIVATE
@@ -90,23 +93,41 @@ function(haptometer_test name)
   if(HAPTOMETER_PRECOMPILE_TESTS)
     target_precompile_headers(${target} REUSE_FROM precompiled_test)
   endif()
-  list(TRANSFORM test_TOGETHER APPEND ".*" OUTPUT_VARIABLE excluded)
-  if(HAPTOMETER_SANITIZED)
-    list(APPEND excluded ${test_LONG})
+  if(HAPTOMETER_SANITIZED AND NOT test_ALONE)
+    list(LENGTH test_SOURCES processes)
+    if(test_TOGETHER)
+      set(processes 1)
+    endif()
+    haptometer_shards(${name} ${processes} "${test_LONG}")
+  else()
+    haptometer_cases(${name} "${test_TOGETHER}")
   endif()
-  list(JOIN excluded ":" excluded)
+endfunction()
+
+# An entry per case, and one for each suite of `together`.
+function(haptometer_cases name together)
   set(alone "*")
-  if(excluded)
-    set(alone "-${excluded}")
+  if(together)
+    list(TRANSFORM together APPEND ".*" OUTPUT_VARIABLE suites)
+    list(JOIN suites ":" suites)
+    set(alone "-${suites}")
   endif()
-  gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES TEST_FILTER "${alone}"
+  gtest_discover_tests(${name}_test TEST_PREFIX "${name}." NO_PRETTY_VALUES TEST_FILTER "${alone}"
                        PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
-  if(HAPTOMETER_SANITIZED AND test_LONG)
-    list(REMOVE_ITEM test_TOGETHER ${test_LONG})
-  endif()
-  foreach(suite IN LISTS test_TOGETHER)
-    add_test(NAME ${name}.${suite} COMMAND ${target} --gtest_filter=${suite}.*)
+  foreach(suite IN LISTS together)
+    add_test(NAME ${name}.${suite} COMMAND ${name}_test --gtest_filter=${suite}.*)
     set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600)
+  endforeach()
+endfunction()
+
+# Entries that share the cases among them, without those of `long`.
+function(haptometer_shards name count long)
+  list(JOIN long ":" long)
+  foreach(number RANGE 1 ${count})
+    math(EXPR index "${number} - 1")
+    add_test(NAME ${name}.${number} COMMAND ${name}_test --gtest_filter=-${long})
+    set_tests_properties(${name}.${number} PROPERTIES TIMEOUT 600
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${index}")
   endforeach()
 endfunction()
 
