@@ -17,7 +17,7 @@ PRODUCT = ["acquire", "base", "dsp", "fit", "sim", "tools", "trial"]
 
 CASE = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)",
                   re.MULTILINE)
-SCRIPT = re.compile(r"(?:haptometer_(?:script|reference)_test\(\s*|add_test\(NAME )([\w.]+(?:\$\{\w+\})?)")
+SCRIPT = re.compile(r"(?:haptometer_(?:script|reference|unsanitized)_test\(\s*|add_test\(NAME )([\w.]+(?:\$\{\w+\})?)")
 
 
 def pages():
