@@ -21,6 +21,7 @@
 
 #include "base/mapped.h"
 #include "base/text.h"
+#include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/verbs.h"
 
@@ -65,25 +66,13 @@ struct Part {
   std::string_view verb;
   const char* name;
 };
-constexpr auto kParts = std::to_array<Part>({{"session", "new"},
-                                             {"session", "run"},
-                                             {"session", "next"},
-                                             {"session", "redo"},
-                                             {"session", "reject"},
-                                             {"session", "relabel"},
-                                             {"session", "floor"},
-                                             {"session", "note"},
-                                             {"session", "skip"},
-                                             {"session", "status"},
-                                             {"trial", "info"},
-                                             {"trial", "label"},
-                                             {"trial", "exclude"},
-                                             {"trial", "include"},
-                                             {"trial", "plot"},
-                                             {"trial", "export"},
-                                             {"study", "compare"},
-                                             {"study", "matching"},
-                                             {"study", "linearity"}});
+constexpr auto kParts = std::to_array<Part>(
+    {{"session", "new"},    {"session", "run"},    {"session", "next"},    {"session", "redo"},
+     {"session", "reject"}, {"session", "accept"}, {"session", "relabel"}, {"session", "floor"},
+     {"session", "note"},   {"session", "skip"},   {"session", "status"},  {"session", "pack"},
+     {"session", "verify"}, {"trial", "info"},     {"trial", "label"},     {"trial", "exclude"},
+     {"trial", "include"},  {"trial", "plot"},     {"trial", "export"},    {"study", "compare"},
+     {"study", "matching"}, {"study", "linearity"}});
 // verbs without options of their own
 constexpr std::array<std::string_view, 2> kOnlyParts{"session", "trial"};
 
@@ -105,19 +94,30 @@ Error UnknownVerb(std::string_view word) {
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
 }
 
+// A verb of parts alone: its name and summary.
+int DescribeSummary(const Verb& verb) {
+  const std::array<const char*, 2> words{verb.name.data(), "--describe-options"};
+  cli::Options options({.name = verb.name, .summary = verb.summary, .examples = {}});
+  return options.Parse(static_cast<int>(words.size()), words.data()).value_or(0);
+}
+
 // All options of all verbs as one JSON list; hidden, because it is for pages, tests and packages.
 int DescribeOptions() {
   int status = 0;
   std::string_view before = "[\n";
   const auto describe = [&](const Verb& verb, std::vector<const char*> words) {
-    words.insert(words.begin(), verb.name.data());
-    words.push_back("--describe-options");
     cli::Print(before);
     before = ",\n";
+    if (words.empty() && std::ranges::count(kOnlyParts, verb.name) > 0) {
+      status = cli::WorseStatus(status, DescribeSummary(verb));
+      return;
+    }
+    words.insert(words.begin(), verb.name.data());
+    words.push_back("--describe-options");
     status = cli::WorseStatus(status, verb.run(static_cast<int>(words.size()), words.data()));
   };
   for (const Verb& verb : kVerbs) {
-    if (std::ranges::count(kOnlyParts, verb.name) == 0) describe(verb, {});
+    describe(verb, {});
     for (const Part& part : kParts) {
       if (part.verb == verb.name) describe(verb, {part.name});
     }

@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -17,6 +18,22 @@ DESCRIBE = "--describe-options"
 ALIKE = {"--help", "--help-all", "--version", "--json"}  # common.md
 # where a verb's options are, if not on the page of its name
 PAGES = {"acquire": ["acquire.md", "daemon.md"]}
+# tables of a scene with which the reader knows all keys of the table
+TABLES = {
+    "coil_heating": ["heat_capacity_j_per_k = 1"],
+    "drive": ['kind = "sine"\namplitude_v = 5\nfrequency_hz = 225',
+              'kind = "burst"\namplitude_v = 5\nfrequency_hz = 225\nhold_s = 0.01',
+              'kind = "chirp"\namplitude_v = 5\nfrequency_hz = 225\nend_frequency_hz = 300\nduration_s = 0.01',
+              'kind = "samples"\nrate_hz = 1000\nfile = "volts.txt"'],
+    "mounting": ['kind = "drop"\nheight_m = 0.01', 'kind = "grip"\nstiffness_n_per_m = 1\ndamping_n_s_per_m = 1'],
+    "sensor": ['kind = "ideal"'],
+    "skin": ["stiffness_n_per_m = 600\ndamping_n_s_per_m = 0.75",
+             'contact_area_m2 = 1e-6\nlaw = "power"\nrange = "text"'],
+    "stiffening": ["cubic_n_per_m3 = 1e6"],
+    "travel_stops": ["gap_m = 1e-3\nrestitution = 0.5"],
+    "tremor": ["amplitude_m = 1e-5\nfrequency_hz = 8"],
+}
+CONSTANTS = {"gravity", "travel_stops", "stiffening", "tremor", "coil_heating"}  # of effects
 EXACT = 2**53  # bounds are doubles, which are no exact whole numbers from here on
 STEP = 1e-3  # by how much a value lies outside, relative to the bound
 
@@ -105,6 +122,61 @@ def check_pages(verbs):
     check(not wrong, "\n".join(wrong))
 
 
+def keys_of_page():
+    """The keys in the tables of the page on scenes, as "drive.frequency_hz"; not of [[drive.tone]]."""
+    keys, table = {"drive.kind"}, None  # which a sentence names
+    for line in (ROOT / "docs/reference/scene.md").read_text().splitlines():
+        if heading := re.match(r"## \[(\w+)\]$", line):
+            table = heading[1]
+        elif line.startswith("## "):
+            table = None
+        cells = [cell.strip() for cell in line.split("|")[1:]]
+        if len(cells) < 2:
+            continue
+        if named := re.match(r"key of `\[(\w+)\]`", cells[0]):
+            table = named[1]
+        elif cells[0] == "table":
+            table = "of each row"
+        cell = cells[0]
+        if table == "of each row" or table in CONSTANTS:
+            if named := re.match(r"`\[(\w+)\]`", cells[0]):
+                table = named[1]
+            cell = cells[1]
+        if table and "." not in table:
+            keys |= {f"{table}.{key}" for key in re.findall(r"(?:^|, |or )`([a-z][a-z0-9_]*)`", cell)}
+    return keys
+
+
+def is_known(key, folder):
+    """Whether the reader of scenes knows the key in one of the forms of its table."""
+    table, name = key.split(".")
+    scene = folder / "scene.toml"
+    for content in TABLES.get(table, [None]):
+        text = (ROOT / "fixtures/lra_adapter.toml").read_text()
+        if content:
+            text = re.sub(rf"(?ms)^\[{table}\]\n.*?(?=^\[|\Z)", "", text) + f"\n[{table}]\n{content}\n"
+        scene.write_text(text)
+        done = answer(["sweep", str(scene), "--vary", f"{key}=1,2", "-o", str(folder / "table.csv"), "--overwrite"])
+        if f"key {name} is not known" not in done.stderr:
+            return True
+    return False
+
+
+def check_keys(verbs):
+    """The keys of a scene that a shell completes are those of the page, and those that the reader knows."""
+    known, = [option["known"] for verb in verbs for option in verb["options"]
+              if (verb["name"], option["name"]) == ("sweep", "--vary")]
+    page = keys_of_page()
+    check(set(known) == page, f"only completed: {set(known) - page}; only on the page: {page - set(known)}")
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        (folder / "volts.txt").write_text("voltage_v\n0\n1\n")
+        for table in sorted({key.split(".")[0] for key in known}):
+            check(not is_known(f"{table}.no_such_key", folder), f"the reader takes any key of [{table}]")
+        unknown = [key for key in known if not is_known(key, folder)]
+    check(not unknown, f"the reader does not know {unknown}")
+
+
 def main():
     done = answer([DESCRIBE])
     check(done.returncode == 0, done.stderr)
@@ -117,6 +189,7 @@ def main():
             tried += check_bounds(verb, option)
     check(tried > 60, f"only {tried} values were tried")
     check_pages(verbs)
+    check_keys(verbs)
     print(f"{len(verbs)} verbs, {tried} values at and beyond bounds")
 
 

@@ -27,7 +27,9 @@ struct Words {
   std::optional<Quantity> mass_kg;
   std::size_t values = 20;
   std::string skin = "text", output, note;
-  bool all = false;
+  bool all = false, status = false;
+  std::vector<std::string> labels, files;
+  std::vector<std::vector<std::string>> loads;
 } words;
 
 int Sample(int argc, const char* const* argv) {
@@ -51,6 +53,10 @@ int Sample(int argc, const char* const* argv) {
       "A note");
   options.Output("-o,--output", &words.output, "FILE", "Write it");
   options.Flag("--all", &words.all, "All");
+  options.Repeated("--label", &words.labels, "KEY=VALUE", "A label").Known({"subject"});
+  options.Groups("--load", &words.loads, "OHM FILE...", "Records");
+  options.OptionalText("--status", &words.status, &words.note, "SOCKET", "Status");
+  options.Positionals("files", &words.files, "Trials", 0);
   options.Exclude("--band", {"--drop", "--note"}, "they measure different things");
   return options.Parse(argc, argv).value_or(0);
 }
@@ -126,7 +132,7 @@ TEST(Options, AreDescribedAsJson) {
   EXPECT_EQ(json.at("name"), "sample");
   EXPECT_EQ(json.at("examples").size(), 3U);
   const auto& options = json.at("options");
-  ASSERT_EQ(options.size(), 11U);
+  ASSERT_EQ(options.size(), 14U);
   const auto& pad = options.at(1);
   EXPECT_EQ(pad.at("name"), "--pad");
   EXPECT_EQ(pad.at("kind"), "number");
@@ -139,8 +145,29 @@ TEST(Options, AreDescribedAsJson) {
   EXPECT_TRUE(options.at(0).at("most").is_null());
   EXPECT_EQ(options.at(0).at("above"), true);
   EXPECT_EQ(options.at(4).at("below"), true);
+  EXPECT_EQ(pad.at("bounds"), "from 0 to 1 m");
+  EXPECT_TRUE(options.at(9).at("bounds").is_null());
+  EXPECT_EQ(options.at(11).at("known"), nlohmann::json({"subject"}));
+  EXPECT_EQ(options.at(11).at("repeatable"), true);
+  EXPECT_EQ(options.at(11).at("several"), false);
+  EXPECT_EQ(options.at(12).at("several"), true);
+  EXPECT_EQ(options.at(13).at("optional"), true);
+  EXPECT_EQ(options.at(13).at("repeatable"), false);
   EXPECT_EQ(options.at(7).at("choices"), nlohmann::json({"text", "table"}));
   EXPECT_EQ(Typed({"--drop", "-1mm", "--describe-options"}).status, 2);
+}
+
+TEST(Options, DescribeWordsWithoutDashesAndWhatAllVerbsHave) {
+  const auto json = nlohmann::json::parse(Typed({"--describe-options"}).out);
+  ASSERT_EQ(json.at("positionals").size(), 1U);
+  EXPECT_EQ(json.at("positionals").at(0), nlohmann::json({{"name", "files"},
+                                                          {"text", "Trials"},
+                                                          {"repeatable", true},
+                                                          {"required", false},
+                                                          {"known", nlohmann::json::array()}}));
+  ASSERT_EQ(json.at("common").size(), 4U);
+  EXPECT_EQ(json.at("common").at(0).at("name"), "-h,--help");
+  EXPECT_EQ(json.at("common").at(0).at("text"), "Show this help");
 }
 
 }  // namespace

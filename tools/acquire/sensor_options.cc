@@ -10,6 +10,8 @@
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/sensor/keyence/il_settings.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "base/mapped.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::tools {
@@ -127,10 +129,12 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
             "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
             "pipe")
       .Default("standard input for pipe");
-  options.Text("--sensor", &wanted.sensor, "NAME",
-               "keyence-il: a polled DL-RS1A; keyence-en1: a DL-EN1 (TCP); keyence-lkg: an "
-               "LK-G3001; modbus: registers, with --profile; stream: lines sent without request; "
-               "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
+  options
+      .Text("--sensor", &wanted.sensor, "NAME",
+            "keyence-il: a polled DL-RS1A; keyence-en1: a DL-EN1 (TCP); keyence-lkg: an LK-G3001; "
+            "modbus: registers, with --profile; stream: lines sent without request; pipe: another "
+            "program's samples; replay: a trial; scene:FILE: a simulated scene")
+      .Known(Mapped<std::string>(kKinds, &SensorKind::name));
   options.Count("--baud", &wanted.baud, 50, 4'000'000, "Bits per second")
       .Default("9600, 921600 for stream, the profile's for modbus");
   options
@@ -166,17 +170,21 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
       .Text("--speed", &wanted.speed, "recorded|max|FACTOR", "Speed of a replay or a scene",
             cli::Shown::kHelpAll)
       .Default("max for a replay, recorded for a scene");
-  options.Text("--profile", &wanted.profile, "NAME|FILE",
-               "Profile of the Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
+  options
+      .Text("--profile", &wanted.profile, "NAME|FILE",
+            "Profile of the Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file")
+      .Known(Mapped<std::string>(acquire::BuiltInProfiles(), &acquire::SensorProfile::name));
   options.Count("--slave", &wanted.slave, 0, 255, "Modbus address").Default("the profile's");
   options
       .Number("--refresh", &wanted.refresh_s, Dimension::kTime,
               "Interval at which a Keyence refreshes its values", cli::Shown::kHelpAll)
       .Default("7 ms, of a DL-RS1A with one amplifier");
-  options.Repeated("--set", &wanted.settings, "KEY=VALUE",
-                   "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
-                   "high-pass=off; may be repeated",
-                   cli::Shown::kHelpAll);
+  options
+      .Repeated("--set", &wanted.settings, "KEY=VALUE",
+                "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
+                "high-pass=off; may be repeated",
+                cli::Shown::kHelpAll)
+      .Known({"sampling", "averaging", "hold", "high-pass"});
 }
 
 Result<void> CheckSensor(const SensorOptions& wanted) {

@@ -74,33 +74,6 @@ std::string EndText(const Option& option, double end) {
   return fmt::format("{:g} {}", end, unit);
 }
 
-std::string_view NameOf(Option::Kind kind) {
-  constexpr std::array<std::string_view, 6> kNames{"flag",  "text",   "choice",
-                                                   "count", "number", "range"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
-
-// an option as JSON, for --describe-options
-Section SectionOf(const Option& option) {
-  const bool is_number =
-      option.kind == Option::Kind::kNumber || option.kind == Option::Kind::kRange;
-  Section section;
-  section.Add(document::kName, option.name);
-  section.Add(document::kKind, NameOf(option.kind));
-  section.Add({"placeholder"}, document::TextOrNotKnown(option.placeholder));
-  section.Add(document::kUnit,
-              is_number ? document::TextOrNotKnown(SiUnit(option.dimension)) : Value());
-  section.Add({"least"}, option.bounds.least);
-  section.Add({"most"}, option.bounds.most);
-  section.Add({"above"}, option.bounds.is_above);
-  section.Add({"below"}, option.bounds.is_below);
-  section.Add({"choices"}, option.choices);
-  section.Add({"default"}, document::TextOrNotKnown(option.default_text));
-  section.Add({"rare"}, option.is_rare);
-  section.Add(document::kText, option.text);
-  return section;
-}
-
 // "above 0", "from 1 to 60", "at most 1 V"; empty without bounds
 std::string BoundsText(const Option& option) {
   const Bounds& bounds = option.bounds;
@@ -116,6 +89,52 @@ std::string BoundsText(const Option& option) {
   return "";
 }
 
+std::string_view NameOf(Option::Kind kind) {
+  constexpr std::array<std::string_view, 6> kNames{"flag",  "text",   "choice",
+                                                   "count", "number", "range"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+constexpr document::Key kKnown{"known"};
+constexpr document::Key kRepeatable{"repeatable"};
+
+// an option as JSON, for --describe-options
+Section SectionOf(const Option& option) {
+  const bool is_number =
+      option.kind == Option::Kind::kNumber || option.kind == Option::Kind::kRange;
+  Section section;
+  section.Add(document::kName, option.name);
+  section.Add(document::kKind, NameOf(option.kind));
+  section.Add({"placeholder"}, document::TextOrNotKnown(option.placeholder));
+  section.Add(document::kUnit,
+              is_number ? document::TextOrNotKnown(SiUnit(option.dimension)) : Value());
+  section.Add({"least"}, option.bounds.least);
+  section.Add({"most"}, option.bounds.most);
+  section.Add({"above"}, option.bounds.is_above);
+  section.Add({"below"}, option.bounds.is_below);
+  section.Add({"bounds"}, document::TextOrNotKnown(BoundsText(option)));
+  section.Add({"choices"}, option.choices);
+  section.Add(kKnown, option.known);
+  section.Add({"default"}, document::TextOrNotKnown(option.default_text));
+  section.Add({"rare"}, option.is_rare);
+  section.Add(kRepeatable, option.is_repeated);
+  section.Add({"several"}, option.takes_several);
+  section.Add({"optional"}, option.may_lack_value);
+  section.Add(document::kText, option.text);
+  return section;
+}
+
+// a positional argument as JSON
+Section SectionOfPositional(const Option& positional) {
+  Section section;
+  section.Add(document::kName, positional.name);
+  section.Add(document::kText, positional.text);
+  section.Add(kRepeatable, positional.is_repeated);
+  section.Add({"required"}, positional.is_required);
+  section.Add(kKnown, positional.known);
+  return section;
+}
+
 // line of an option in --help: "Side of the fingerpad [above 0; default 15 mm]"
 std::string HelpOf(const Option& option) {
   std::string added = BoundsText(option);
@@ -125,10 +144,9 @@ std::string HelpOf(const Option& option) {
   return added.empty() ? option.text : fmt::format("{} [{}]", option.text, added);
 }
 
-// NaN satisfies no bound; without bounds both are infinite
-
 }  // namespace
 
+// NaN satisfies no bound; without bounds both are infinite
 Result<void> CheckBounds(const Option& option, double number, const std::string& text) {
   const Bounds& bounds = option.bounds;
   const bool is_above = bounds.is_above ? number > bounds.least : number >= bounds.least;
@@ -138,27 +156,11 @@ Result<void> CheckBounds(const Option& option, double number, const std::string&
                "write one within");
 }
 
-namespace {
-
-// One JSON object: name, summary and examples of the verb, and `options`, without those that are
-// alike in all verbs. What is not known is null.
-std::string DescriptionOf(const VerbText& verb, const std::deque<Option>& options) {
-  Section section;
-  section.Add(document::kName, verb.name);
-  section.Add({"summary"}, verb.summary);
-  section.Add({"examples"}, std::vector<std::string>(verb.examples.begin(), verb.examples.end()));
-  Section& list =
-      section.sections.emplace_back(Section{.name = "options", .shape = Section::Shape::kArray});
-  for (const Option& option : options) list.sections.push_back(SectionOf(option));
-  return document::JsonOf(section);
-}
-
-}  // namespace
-
 struct Options::State {
   VerbText verb;
   CLI::App app;
-  std::deque<Option> declared;              // without those that all verbs have
+  std::deque<Option> declared;  // without those that all verbs have
+  std::deque<Option> positionals;
   std::vector<const CLI::Option*> files;    // options whose words name files to read
   std::vector<const CLI::Option*> outputs;  // options whose words name files to write
   std::vector<Exclusion> exclusions;
@@ -167,6 +169,19 @@ struct Options::State {
   bool version = false;
   bool json = false;
   bool describe = false;
+
+  // what all verbs have
+  struct CommonFlag {
+    const char* name;
+    bool State::* value;
+    const char* text;
+  };
+  static constexpr std::array<CommonFlag, 4> CommonFlags() {
+    return {{{"-h,--help", &State::help, "Show this help"},
+             {"--help-all", &State::help_all, "Show every option"},
+             {"--version", &State::version, "Show the version"},
+             {"--json", &State::json, "Print one JSON document (docs/reference/)"}}};
+  }
 
   Option& Add(Option option, CLI::Option* parsed, Shown shown = Shown::kHelp) {
     option.parsed = parsed;
@@ -192,6 +207,8 @@ struct Options::State {
   bool IsOutput(const CLI::Option* option) const {
     return std::ranges::find(outputs, option) != outputs.end();
   }
+  // the options as JSON; what is not known is null
+  std::string Description() const;
   // help text of each option, and the group in which it is listed
   void DescribeToParser() const;
   void NoteInputs() const;
@@ -202,6 +219,31 @@ struct Options::State {
   // a message in the form of all errors for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
+
+std::string Options::State::Description() const {
+  Section section;
+  section.Add(document::kName, verb.name);
+  section.Add({"summary"}, verb.summary);
+  std::vector<std::string> examples(verb.examples.begin(), verb.examples.end());
+  std::erase(examples, "");
+  section.Add({"examples"}, examples);
+  Section& of_words = section.sections.emplace_back(
+      Section{.name = "positionals", .shape = Section::Shape::kArray});
+  for (const Option& positional : positionals) {
+    of_words.sections.push_back(SectionOfPositional(positional));
+  }
+  Section& of_options =
+      section.sections.emplace_back(Section{.name = "options", .shape = Section::Shape::kArray});
+  for (const Option& option : declared) of_options.sections.push_back(SectionOf(option));
+  Section& of_all =
+      section.sections.emplace_back(Section{.name = "common", .shape = Section::Shape::kArray});
+  for (const CommonFlag& flag : CommonFlags()) {
+    Section& one = of_all.sections.emplace_back();
+    one.Add(document::kName, flag.name);
+    one.Add(document::kText, flag.text);
+  }
+  return document::JsonOf(section);
+}
 
 void Options::State::DescribeToParser() const {
   for (const Option& option : declared) {
@@ -298,25 +340,31 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.footer(footer);
   // without CLI11's own help flag, which ends the parse: Parse() prints the help itself
   app.set_help_flag();
-  app.add_flag("-h,--help", state_->help, "Show this help");
-  app.add_flag("--help-all", state_->help_all, "Show every option");
-  app.add_flag("--version", state_->version, "Show the version");
-  app.add_flag("--json", state_->json, "Print one JSON document (docs/reference/)");
+  for (const State::CommonFlag& flag : State::CommonFlags()) {
+    app.add_flag(flag.name, (*state_).*flag.value, flag.text);
+  }
   app.add_flag("--describe-options", state_->describe)->group("");
 }
 
 Options::~Options() = default;
 
-void Options::Positional(std::string_view name, std::string* value, std::string_view help) {
-  state_->app.add_option(std::string(name), *value, std::string(help))->required()->type_name("");
+Option& Options::Positional(std::string_view name, std::string* value, std::string_view help) {
+  auto* parsed = state_->app.add_option(std::string(name), *value, std::string(help));
+  parsed->required()->type_name("");
+  return state_->positionals.emplace_back(
+      Option{.name = std::string(name), .text = std::string(help), .is_required = true});
 }
 
-void Options::Positionals(std::string_view name, std::vector<std::string>* values,
-                          std::string_view help, std::size_t at_least) {
-  auto* option = state_->app.add_option(std::string(name), *values, std::string(help));
-  option->type_name("");
+Option& Options::Positionals(std::string_view name, std::vector<std::string>* values,
+                             std::string_view help, std::size_t at_least) {
+  auto* parsed = state_->app.add_option(std::string(name), *values, std::string(help));
+  parsed->type_name("");
   // -1: no upper limit
-  if (at_least > 0) option->required()->expected(static_cast<int>(at_least), -1);
+  if (at_least > 0) parsed->required()->expected(static_cast<int>(at_least), -1);
+  return state_->positionals.emplace_back(Option{.name = std::string(name),
+                                                 .text = std::string(help),
+                                                 .is_repeated = true,
+                                                 .is_required = at_least > 0});
 }
 
 namespace {
@@ -401,6 +449,7 @@ Option& Options::OptionalText(std::string_view name, bool* given, std::string* v
   Option& option =
       state_->AddRead(Declared(name, Option::Kind::kText, placeholder, help), read, shown);
   option.parsed->expected(0, 1);
+  option.may_lack_value = true;
   return option;
 }
 
@@ -515,6 +564,7 @@ Option& Options::Repeated(std::string_view name, std::vector<std::string>* value
   Option& option =
       state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
   parsed->expected(1)->take_all()->allow_extra_args(false);
+  option.is_repeated = true;
   return option;
 }
 
@@ -522,7 +572,10 @@ Option& Options::Groups(std::string_view name, std::vector<std::vector<std::stri
                         std::string_view placeholder, std::string_view help, Shown shown) {
   auto* parsed = state_->app.add_option(std::string(name), *groups);
   state_->files.push_back(parsed);
-  return state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
+  Option& option =
+      state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
+  option.is_repeated = option.takes_several = true;
+  return option;
 }
 
 void Options::Exclude(std::string_view name, std::initializer_list<std::string_view> others,
@@ -554,7 +607,7 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
   }
   // a description needs no input, so an absent one is no error here
   if (state_->describe && (!error || is_incomplete)) {
-    cli::Print(DescriptionOf(state_->verb, state_->declared));
+    cli::Print(state_->Description());
     return 0;
   }
   // checks over several options, once each alone is valid

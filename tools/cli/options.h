@@ -51,18 +51,28 @@ struct Option {
 
   std::string name;  ///< "--drop-height", "-o,--output"; of a positional argument "scene"
   Kind kind = Kind::kText;
-  std::string placeholder;  ///< "LOW:HIGH"; of a number its unit
-  std::string text;
+  std::string placeholder{};  ///< "LOW:HIGH"; of a number its unit
+  std::string text{};
   Dimension dimension = Dimension::kNone;
   Bounds bounds{};
   std::vector<std::string> choices{};
-  std::string default_text{};  ///< what holds without it; empty: nothing
-  bool is_rare = false;        ///< shown by --help-all alone
+  std::vector<std::string> known{};  ///< values among others: names, or keys before a '='
+  std::string default_text{};        ///< what holds without it; empty: nothing
+  bool is_rare = false;              ///< shown by --help-all alone
+  bool is_repeated = false;          ///< may be given several times; of a positional: several words
+  bool takes_several = false;        ///< several values at a time
+  bool may_lack_value = false;       ///< its value may be left out
+  bool is_required = false;          ///< a positional without which the verb does not start
   CLI::Option* parsed = nullptr;
 
   /// Shown by --help-all alone.
   Option& Rare() {
     is_rare = true;
+    return *this;
+  }
+  /// Values that it takes among others, for the completion of a shell.
+  Option& Known(std::vector<std::string> values) {
+    known = std::move(values);
     return *this;
   }
   /// What holds without it, where the variable does not say so itself.
@@ -93,10 +103,10 @@ class Options {
   Options& operator=(const Options&) = delete;
 
   /// A required positional argument.
-  void Positional(std::string_view name, std::string* value, std::string_view help);
+  Option& Positional(std::string_view name, std::string* value, std::string_view help);
   /// Any number of positional arguments, at least `at_least`.
-  void Positionals(std::string_view name, std::vector<std::string>* values, std::string_view help,
-                   std::size_t at_least = 1);
+  Option& Positionals(std::string_view name, std::vector<std::string>* values,
+                      std::string_view help, std::size_t at_least = 1);
   Option& Flag(std::string_view name, bool* value, std::string_view help,
                Shown shown = Shown::kHelp);
   Option& Text(std::string_view name, std::string* value, std::string_view placeholder,
@@ -157,9 +167,13 @@ class Options {
   /// they are opened.
   ///
   /// Beside --describe-options the options are printed as a JSON object where nothing else is
-  /// wrong than what is missing: name, summary and examples of the verb, and `options`, each with
-  /// name, kind, placeholder, unit, least, most, above and below (whether `least` and `most`
-  /// themselves are refused), choices, default, rare (shown by --help-all alone) and text.
+  /// wrong than what is missing: name, summary and examples of the verb; `positionals` in their
+  /// order, each with name, text, repeatable (several words), required and known; `options`, each
+  /// with name, kind, placeholder, unit, least, most, above and below (whether `least` and `most`
+  /// themselves are refused), bounds (the same in words), choices, known (values among others, or
+  /// keys before a '='), default, rare (shown by --help-all alone), repeatable (given again),
+  /// several (values at a time), optional (its value) and text; `common`, the options of all verbs,
+  /// each with name and text.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text

@@ -12,6 +12,7 @@
 #include "base/mapped.h"
 #include "base/toml.h"
 #include "sim/scene/scene_file.h"
+#include "sim/scene/scene_keys.h"
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/shared_options.h"
@@ -93,13 +94,16 @@ struct Words {
 };
 
 void Declare(cli::Options& options, Words& words) {
-  options.Positionals("files", &words.files,
-                      "Trials or results of analyze --json, repeats of one measurement, and last "
-                      "the scene.toml",
-                      0);
-  options.Repeated("--input", &words.inputs, "KEY=VALUE",
-                   "A key of the scene whose value is uncertain: KEY=600+-50, KEY=600(50), or a "
-                   "range KEY=600:1200");
+  options.Positionals(
+      "files", &words.files,
+      "Trials, or results of analyze --json (.json), repeats of one measurement, and "
+      "last the scene.toml",
+      0);
+  options
+      .Repeated("--input", &words.inputs, "KEY=VALUE",
+                "A key of the scene whose value is uncertain: KEY=600+-50, KEY=600(50), or a "
+                "range KEY=600:1200")
+      .Known({sim::kSceneKeys.begin(), sim::kSceneKeys.end()});
   options.Repeated("--uncertainty", &words.uncertainties, "KEY=U",
                    "A standard uncertainty that a measured quantity has besides analyze's, as "
                    "current_rms_a=1%");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/jobs.h"
+#include "base/mapped.h"
 #include "sim/scene/scene_file.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/cli/options.h"
@@ -69,8 +70,10 @@ Result<void> TakeAccuracy(const std::string& text, std::optional<double>& accura
 }
 
 void Declare(cli::Options& options, Words& words) {
-  options.Positionals("question", &words.question,
-                      "skin-rms, waveform, band-rms, kv, bv or km; without one the whole chain", 0);
+  options
+      .Positionals("question", &words.question,
+                   "skin-rms, waveform, band-rms, kv, bv or km; without one the whole chain", 0)
+      .Known(Mapped<std::string>(kQuestions, &QuestionName::name));
   options
       .Parsed(
           "--accuracy", "1e-6|1%",
@@ -80,7 +83,8 @@ void Declare(cli::Options& options, Words& words) {
   options.Text("--scene", &words.scene, "FILE", "Scene of skin-rms and waveform")
       .Default(std::string(kUsualScene));
   options.Text("--actuator", &words.actuator, "NAME|FILE", "Actuator of kv, bv and km")
-      .Default(std::string(kUsualActuator));
+      .Default(std::string(kUsualActuator))
+      .Known({std::string(kUsualActuator)});
   options.Text("--sensor", &words.sensor, "TEXT", "Of band-rms: routes whose name holds it");
   options.Number("--rms", &words.vibration.rms_m, Dimension::kLength, "Of band-rms: expected RMS")
       .Default("10um");

@@ -20,6 +20,7 @@
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/modbus_profile.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/options.h"
@@ -90,8 +91,10 @@ void Declare(cli::Options& options, Wanted& wanted) {
                   std::string(kModbus)},
                  "Keyence's DL-RS1A, DL-EN1 or LK-G3001, polled for each reading; stream: lines "
                  "sent without request; modbus: registers");
-  options.Text("--profile", &wanted.profile, "NAME|FILE",
-               "Profile of the Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
+  options
+      .Text("--profile", &wanted.profile, "NAME|FILE",
+            "Profile of the Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP")
+      .Known(Mapped<std::string>(acquire::BuiltInProfiles(), &acquire::SensorProfile::name));
   options.Count("--baud", &wanted.baud, 300, 20'000'000, "Bits per second of the wire")
       .Default("9600, 921600 for stream, none for en1");
   options

@@ -88,8 +88,10 @@ void DeclareActuator(cli::Options& options, ActuatorWords& words, bool has_case)
     if (!has_case && number.known == &ActuatorKnowns::case_mass_kg) continue;
     number.Declare(options, &(words.knowns.*number.known));
   }
-  options.Text("--actuator", &words.file, "NAME|FILE",
-               "Actuator file, or thesis-c10-100, from which masses, R and L are read");
+  options
+      .Text("--actuator", &words.file, "NAME|FILE",
+            "Actuator file, or thesis-c10-100, from which masses, R and L are read")
+      .Known({"thesis-c10-100"});
   if (!has_case) return;
   options.Flag("--held", &words.held, "The case was fixed to a heavy mass");
   options.Flag("--free", &words.is_free, "The case was free");

@@ -479,8 +479,10 @@ int RunFitSkin(int argc, const char* const* argv) {
   options.Positionals("tables", &files,
                       "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
                       "columns (docs/reference/fit-skin.md)");
-  options.Text("--actuator", &actuator_name, "NAME|FILE",
-               "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
+  options
+      .Text("--actuator", &actuator_name, "NAME|FILE",
+            "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100")
+      .Known({"thesis-c10-100"});
   document::DeclareOutputs(options, outputs,
                            {.all = "Print correlations and given numbers too, and the provenance",
                             .plot = "Draw sweeps, fits and the area law"});

@@ -387,7 +387,7 @@ int RunSessionVerify(int argc, const char* const* argv) {
   std::string path;
   document::Outputs outputs;
   cli::Options options(kSessionVerifyText);
-  options.Positional("archive", &path, "What session pack wrote");
+  options.Positional("archive", &path, "The archive (.zip) that session pack wrote");
   return document::RunVerb(kSessionVerifyText.name, options, outputs, argc, argv,
                            [&]() { return Verify(path, outputs, argc, argv); });
 }

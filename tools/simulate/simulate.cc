@@ -65,13 +65,12 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  "Quantity whose changes --explain shows; overrides [run] quantity");
   options.Output("-o,--output", &wanted.output, "FILE",
                  "Write the readings of the scene's sensor as a trial");
-  options.Output("--waveforms", &wanted.waveforms, "FILE",
-                 "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
+  options.Output("--waveforms", &wanted.waveforms, "FILE.csv|h5|bin",
+                 "Write the exact motion, voltage, current and force over time");
   options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, "Rows per second of --waveforms")
       .Default("64 in the shortest period");
   options.Flag("--all", &wanted.outputs.all, "Print the whole run and the method too");
-  options.Output("--plot", &wanted.outputs.plot, "FILE",
-                 "Draw waveforms and spectrum, .svg, .png or .pdf");
+  options.Output("--plot", &wanted.outputs.plot, "FILE.svg|png|pdf", "Draw waveforms and spectrum");
   options.Output("--report", &wanted.outputs.report, "FILE.html",
                  "Write one page with figures, numbers and assumptions");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");

@@ -10,6 +10,7 @@
 #include "base/jobs.h"
 #include "base/mapped.h"
 #include "sim/scene/scene_file.h"
+#include "sim/scene/scene_keys.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/progress.h"
@@ -56,9 +57,11 @@ void Declare(cli::Options& options, Words& words) {
                       "conditions; without one that which a session plays");
   options.Repeated("--condition", &words.scenes, "NAME=SCENE.toml",
                    "The scene of a condition, where it has its own; may be repeated");
-  options.Repeated("--input", &words.inputs, "[NAME:]KEY=VALUE",
-                   "An uncertain key of the scenes, or of the scene of condition NAME, as of "
-                   "compare: KEY=600+-50, KEY=600(50), KEY=600:1200");
+  options
+      .Repeated("--input", &words.inputs, "[NAME:]KEY=VALUE",
+                "An uncertain key of the scenes, or of the scene of condition NAME, as of "
+                "compare: KEY=600+-50, KEY=600(50), KEY=600:1200")
+      .Known({sim::kSceneKeys.begin(), sim::kSceneKeys.end()});
   options.Repeated("--uncertainty", &words.uncertainties, "KEY=U",
                    "A further standard uncertainty of a measured quantity, as current_rms_a=1%");
   DeclareStudy(options, words.study);

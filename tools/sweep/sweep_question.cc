@@ -9,6 +9,7 @@
 #include "base/quantity.h"
 #include "base/text.h"
 #include "sim/scene/scene_file.h"
+#include "sim/scene/scene_keys.h"
 #include "tools/document/number_text.h"
 #include "tools/sweep/sweep.h"
 
@@ -261,9 +262,10 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
 
 void Declare(cli::Options& options, SweepWords& words) {
   options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
-  options.Repeated(
-      "--vary", &words.vary, "KEY=VALUES",
-      "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
+  options
+      .Repeated("--vary", &words.vary, "KEY=VALUES",
+                "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C")
+      .Known({sim::kSceneKeys.begin(), sim::kSceneKeys.end()});
   DeclareAccuracy(options, words.accuracy);
   options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
                 "Points of a Latin hypercube over BEGIN:END instead of a grid");
@@ -277,7 +279,7 @@ void Declare(cli::Options& options, SweepWords& words) {
              "Number of threads; no result depends on it")
       .Default("the number of cores");
   options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
-  options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
+  options.Groups("--merge", &words.merge, "TABLE.csv...", "Join the shards' tables into one");
   options.Text("--best", &words.best, "COLUMN[:least]",
                "Show the row with the largest number of this column");
   options.Flag("--all", &words.outputs.all, "Print the provenance too");
