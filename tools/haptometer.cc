@@ -85,13 +85,22 @@ void PrintHelp() {
   fmt::print("haptometer {}: vibration of tactile actuators by laser\n\nVerbs:\n",
              HAPTOMETER_VERSION);
   for (const Verb& verb : kVerbs) fmt::print("  {:<14} {}\n", verb.name, verb.summary);
-  fmt::print("\nhaptometer VERB --help shows a verb's options with examples.\n");
+  fmt::print("\nhaptometer help VERB shows a verb's options with examples.\n");
 }
 
 Error UnknownVerb(std::string_view word) {
   const std::string nearest = Nearest(word, Mapped<std::string>(kVerbs, &Verb::name));
   return {Cause::kUsage, std::string(word), "is not a verb",
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
+}
+
+// `haptometer help trial info` is `haptometer trial info --help`.
+int HelpOf(std::span<const char* const> names) {
+  const Verb* verb = Find(names.front());
+  if (verb == nullptr) return cli::ReportError("", UnknownVerb(names.front()));
+  std::vector<const char*> words(names.begin(), names.end());
+  words.push_back("--help");
+  return verb->run(static_cast<int>(words.size()), words.data());
 }
 
 // A verb of parts alone: its name and summary.
@@ -156,6 +165,7 @@ int Run(int argc, const char* const* argv) {
   // a link named after a verb starts that verb
   if (const Verb* own = Find(path.substr(path.rfind('/') + 1))) return Start(*own, argc, argv);
   const std::string_view word = argc > 1 ? argv[1] : "--help";
+  if (word == "help" && argc > 2) return HelpOf({argv + 2, argv + argc});
   // help on request has status 0; without a word it is a usage error
   if (word == "--help" || word == "-h" || word == "help") {
     PrintHelp();
