@@ -20,9 +20,10 @@ BARE_NAME = re.compile(r"(?<![\w:.>])[A-Za-z_]\w*")
 UNNAMED = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 DECLARED = re.compile(r"^(?![\s/}#]|namespace |using [\w:]+;|static_assert|[A-Z_]+\()"
                       r"[^(={;\[]*?[\s*&](\w+) ?[(={;\[]", re.MULTILINE)
-DECLARED_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)", re.MULTILINE)
+DECLARED_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)(?= final|<| ?[:{;])", re.MULTILINE)
 MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzer\w+)\(", re.MULTILINE)
 TEST_CASE = re.compile(r"^TEST\w*\((\w+),\s*(\w+)\)", re.MULTILINE)
+USING_ENUM = re.compile(r"^using enum ([\w:]+);$", re.MULTILINE)
 USING = re.compile(r"^ *using ([\w:]*::(\w+));$", re.MULTILINE)
 INCLUDE = re.compile(r"^#include .*$", re.MULTILINE)
 QUOTED = re.compile(r'^#include "(.*)"', re.MULTILINE)
@@ -72,6 +73,8 @@ class Source:
         # each name that means something of its own here, with what tells this meaning from another
         self.meanings = {name: path for name in private}
         self.meanings |= {name: target for target, name in USING.findall(text)}
+        # enumerators of two enums may clash, so that files agree only on the same one
+        self.meanings |= {"using enum": target for target in USING_ENUM.findall(text)}
         # the rooms' headers agree with each other; headers of tests are written for one program each
         for header in self.headers:
             if os.path.relpath(header).startswith("tests/"):
@@ -80,8 +83,8 @@ class Source:
 
     def renamable(self, private, text):
         """The private names that the file never qualifies and none of its headers uses. Only main() may end
-        without a return, so it keeps its name."""
-        used = frozenset({"main"}).union(*map(bare_names, self.headers))
+        without a return, and GoogleTest looks for PrintTo(): these keep their names."""
+        used = frozenset({"main", "PrintTo"}).union(*map(bare_names, self.headers))
         return frozenset(name for name in private - used
                          if not re.search(rf"(?:\.|->|::){name}\b", text))
 

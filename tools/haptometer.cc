@@ -105,7 +105,8 @@ int HelpOf(std::span<const char* const> names) {
 
 // A verb of parts alone: its name and summary.
 int DescribeSummary(const Verb& verb) {
-  const std::array<const char*, 2> words{verb.name.data(), "--describe-options"};
+  const std::string name(verb.name);
+  const std::array<const char*, 2> words{name.c_str(), "--describe-options"};
   cli::Options options({.name = verb.name, .summary = verb.summary, .examples = {}});
   return options.Parse(static_cast<int>(words.size()), words.data()).value_or(0);
 }

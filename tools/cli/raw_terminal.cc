@@ -30,7 +30,7 @@ constexpr std::array kFatal = {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV};
 constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP};
 
 // the settings before; a signal handler reads them
-struct termios settings_before;
+termios settings_before;
 volatile std::sig_atomic_t is_raw = 0;
 
 // tcsetattr and write may be called by a signal handler (POSIX.1-2008, 2.4.3)
@@ -153,7 +153,7 @@ Result<std::unique_ptr<RawTerminal>> RawTerminal::Open() {
     return Usage("", "a screen needs a terminal, and this is none",
                  "use session next, redo, reject and status in scripts");
   }
-  struct termios raw = settings_before;
+  termios raw = settings_before;
   cfmakeraw(&raw);
   raw.c_oflag = settings_before.c_oflag;
   raw.c_cc[VMIN] = 0;

@@ -196,9 +196,9 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
     status = word.value_or(status);
   }
   // in SI units: value = number * factor
-  const double si_value = number.value_or(kNan) * column.factor;
-  const bool is_value = std::isfinite(si_value);
-  channel->values.push_back(is_value ? si_value : kNan);
+  const double value_si = number.value_or(kNan) * column.factor;
+  const bool is_value = std::isfinite(value_si);
+  channel->values.push_back(is_value ? value_si : kNan);
   channel->statuses.push_back(is_value ? SampleStatus::kOk : status);
   return {};
 }
