@@ -82,6 +82,11 @@ class Commands:
         return one["options"] + [{**flag, "kind": "flag", "repeatable": False, "several": False, "optional": False}
                                  for flag in one["common"]]
 
+    def with_several(self):
+        """Options of several values at a time: "sweep --merge"."""
+        return [f"{name} {each}" for name in self.by_name for option in self.options(name)
+                if option["several"] for each in names(option)]
+
 
 def filled_in(name, places):
     """The file beside this one, with what belongs in its places, such as @NAMES@."""
@@ -124,14 +129,12 @@ def bash_values(commands):
 
 
 def bash(commands, own):
-    several = [f"{name} {each}" for name in commands.by_name for option in commands.options(name)
-               if option["several"] for each in names(option)]
     behind = [f"{quoted(name + ' --')}) command={other} given=' ' option= ; continue ;;"
               for name, other in BEHIND_DASHES.items()]
     places = {
         "COMMANDS": "\n".join(bash_command(commands, name) for name in ["", *commands.by_name]),
         "VALUES": "\n".join(bash_values(commands)),
-        "SEVERAL": " | ".join(map(quoted, several)),
+        "SEVERAL": " | ".join(map(quoted, commands.with_several())),
         "OWN": " | ".join(own) or "''",
         "BEHIND": "\n      ".join(behind),
         "NAMES": " ".join(["haptometer", *own]),
@@ -146,7 +149,7 @@ def zsh_action(value):
     """How _arguments finds the values."""
     pattern = "*"
     if value.extensions:
-        pattern = "*." + (value.extensions[0] if len(value.extensions) == 1 else f"({'|'.join(value.extensions)})")
+        pattern = "(#i)*." + (value.extensions[0] if len(value.extensions) == 1 else f"({'|'.join(value.extensions)})")
     if value.kind == "ports":
         return "_haptometer_ports"
     if value.kind == "folders":
@@ -170,7 +173,6 @@ def zsh_option(option):
             name += "=" if name.startswith("--") else "+"
             message, action = zsh_text(option["placeholder"]), zsh_action(value_of(option))
             behind = f"{':' if option['optional'] else ''}:{message}:{action}"
-            behind += f":*-*:{message}:{action}" if option["several"] else ""
         yield quoted(f"{begin}{name}[{zsh_text(option['text'])}]{behind}")
 
 
@@ -196,12 +198,13 @@ def zsh_below(commands, name):
 
 def zsh(commands, own):
     behind = [f"{quoted(name)})\n      dashes=${{words[(i)--]}}\n      if (( dashes < CURRENT )); then\n"
-              f"        words=({other} ${{words[dashes + 1,-1]}})\n        (( CURRENT -= dashes - 1 ))\n"
+              f"        words=({other} \"${{(@)words[dashes + 1,-1]}}\")\n        (( CURRENT -= dashes - 1 ))\n"
               f"        name={other}\n      fi ;;" for name, other in BEHIND_DASHES.items()]
     with_parts = ["", *(name for name in commands.verbs if commands.below(name))]
     places = {
         "COMMANDS": "\n".join(zsh_command(commands, name) for name in ["", *commands.by_name]),
         "BELOW": "\n".join(zsh_below(commands, name) for name in with_parts),
+        "SEVERAL": " | ".join(map(quoted, commands.with_several())),
         "OWN": "|".join(own) or "''",
         "BEHIND": "\n    ".join(behind),
         "NAMES": " ".join(["haptometer", *own]),

@@ -20,7 +20,7 @@ from manual_test import commands, options_of_help
 from programs import check, run, skip
 
 KEYS_S = 60  # for the answer to a Tab; a loaded machine takes seconds for the first one
-FILES = ("a.toml", "b.toml", "one.csv", "two.csv", "t.bin", "page.html", "x.svg", "notes.txt", "spaced/my file.csv",
+FILES = ("a.toml", "b.toml", "one.csv", "two.csv", "t.bin", "page.html", "x.svg", "notes.txt", "F0001CH1.CSV", "spaced/my file.csv",
          "sub/c.toml")
 START = {
     "bash": (["bash", "--norc", "--noprofile", "-i"], r"""
@@ -49,7 +49,7 @@ class Shell:
             file.write(script.replace("FOLDER", completions).replace("WORK", work))
         env = {"HOME": work, "TERM": "dumb", "PATH": os.path.join(work, "../bin") + ":" + os.environ["PATH"],
                "LC_ALL": "C.UTF-8", "INPUTRC": "/dev/null"}
-        self.text = ""
+        self.text, self.name = "", name
         self.pid, self.master = pty.fork()
         if self.pid == 0:
             os.execvpe(words[0], words, env)
@@ -132,6 +132,20 @@ def check_words(shell):
     check_offers(shell, "haptometer compare --input skin.", {"skin.stiffness_n_per_m=", "skin.damping_n_s_per_m="})
 
 
+def check_no_verb(shell):
+    """Nothing is offered behind what is no verb or part."""
+    for line in ("haptometer nonsense ", "haptometer trial nonsense "):
+        check_offers(shell, line, set(), exactly=True)
+
+
+def check_own_separator(shell):
+    """What the user's shell takes for a separator of words changes nothing."""
+    shell.type("IFS=,\r")
+    check_completes(shell, "haptometer analyze --corner w", "haptometer analyze --corner whole ")
+    check_offers(shell, "haptometer trial ", {"info", "label"}, {"--help"})
+    shell.type("unset IFS\r" if shell.name == "bash" else "IFS=$' \\t\\n\\0'\r")
+
+
 def check_options_once(shell):
     for line in ("haptometer analyze t.bin --hum keep --hu", "haptometer sweep -o a.csv --out",
                  "haptometer sweep --best=a --be", "haptometer trial plot --output x.svg --plo"):
@@ -140,6 +154,8 @@ def check_options_once(shell):
     check_completes(shell, "acquire --label subject=3 --lab", "acquire --label subject=3 --label" + shell.after_option)
     # what stands behind -- is of acquire
     check_completes(shell, "haptometer session new d -- --tar", "haptometer session new d -- --tare ")
+    check_offers(shell, "haptometer session new d -- --sensor ", {"keyence-il", "scene:"}, FILES)
+    check_offers(shell, "haptometer session new d -- ", {"--sensor", "--tare"}, {"--subjects", *FILES})
 
 
 def check_files(shell):
@@ -150,6 +166,10 @@ def check_files(shell):
     check_completes(shell, "haptometer simulate a.toml --report p", "haptometer simulate a.toml --report page.html ")
     check_completes(shell, "analyze t.bin --plot=x", "analyze t.bin --plot=x.svg ")
     check_offers(shell, "analyze t.bin --plot ", {"x.svg", "sub/", "spaced/"}, exactly=True)
+    check_completes(shell, "analyze F", "analyze F0001CH1.CSV ")
+    check_offers(shell, "haptometer simulate ", {"a.toml"}, {"F0001CH1.CSV"})
+    if shell.name == "bash":  # zsh itself puts the value in place of a variable
+        check_completes(shell, 'analyze "$HOME/t.', 'analyze "$HOME/t.bin" ')
     check_completes(shell, "analyze spaced/m", "analyze spaced/my\\ file.csv ")
     check_completes(shell, "acquire --sensor scene:a", "acquire --sensor scene:a.toml ")
     check_completes(shell, "haptometer study compare --condition cone=b",
@@ -157,12 +177,25 @@ def check_files(shell):
     check_offers(shell, "fit-lra --load 33ohm one.csv ", {"one.csv", "t.bin"})
     # tables, as many as there are, where the sweep itself would have a scene
     check_offers(shell, "haptometer sweep --merge one.csv ", {"two.csv"}, {"a.toml"})
+    check_offers(shell, "fit-lra --load 33ohm one.csv two.csv ", {"one.csv", "t.bin"})
+    check_options_behind_several(shell)
     check_offers(shell, "haptometer session status ", {"sub/", "spaced/"}, {"a.toml", "t.bin"})
     ports = [path.as_posix() for name in ("ttyUSB*", "ttyACM*") for path in pathlib.Path("/dev").glob(name)]
     if len(ports) > 1:
         check_offers(shell, "acquire --port ", ports)
     else:
         check_completes(shell, "acquire --port t.b", "acquire --port t.bin ")
+
+
+def check_options_behind_several(shell):
+    """An option behind one of several values has values of its own, and is offered itself."""
+    check_offers(shell, "haptometer sweep --merge one.csv two.csv -o ", {"one.csv", "two.csv", "sub/"}, {"a.toml"})
+    check_completes(shell, "haptometer sweep --merge one.csv two.csv --overw",
+                    "haptometer sweep --merge one.csv two.csv --overwrite ")
+    for own in ("fit-lra", "haptometer fit-lra"):
+        for several in ("--load 33ohm one.csv two.csv", "--open one.csv two.csv"):
+            check_offers(shell, f"{own} {several} --require ", {"Kv", "Bv", "Km"}, exactly=True)
+            check_completes(shell, f"{own} {several} --format ro", f"{own} {several} --format rohde-schwarz ")
 
 
 def main():
@@ -188,6 +221,8 @@ def main():
         shell.after_option = " " if name == "bash" else "="
         try:
             check_words(shell)
+            check_no_verb(shell)
+            check_own_separator(shell)
             check_options_once(shell)
             check_files(shell)
             count = check_every_option(shell)
