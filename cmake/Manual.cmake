@@ -9,14 +9,15 @@ endif()
 set(manual ${PROJECT_BINARY_DIR}/manual)
 set(completions ${PROJECT_BINARY_DIR}/completions)
 set(man_pages ${PROJECT_SOURCE_DIR}/packaging/man_pages.py)
+set(statuses ${PROJECT_SOURCE_DIR}/docs/reference/common.md)
 set(completion ${PROJECT_SOURCE_DIR}/packaging/completion.py)
 set(templates ${PROJECT_SOURCE_DIR}/packaging/completion.bash.in ${PROJECT_SOURCE_DIR}/packaging/completion.zsh.in)
 add_custom_command(
   OUTPUT ${manual}/haptometer.1 ${completions}/haptometer ${completions}/_haptometer
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual} ${completions}
-  COMMAND ${Python3_EXECUTABLE} ${man_pages} $<TARGET_FILE:haptometer> ${manual} ${HAPTOMETER_OWN_NAMES}
-  COMMAND ${Python3_EXECUTABLE} ${completion} $<TARGET_FILE:haptometer> ${completions} ${HAPTOMETER_OWN_NAMES}
-  DEPENDS haptometer ${man_pages} ${completion} ${templates}
+  COMMAND ${Python3_EXECUTABLE} -B ${man_pages} $<TARGET_FILE:haptometer> ${manual} ${HAPTOMETER_OWN_NAMES}
+  COMMAND ${Python3_EXECUTABLE} -B ${completion} $<TARGET_FILE:haptometer> ${completions} ${HAPTOMETER_OWN_NAMES}
+  DEPENDS haptometer ${man_pages} ${statuses} ${completion} ${templates}
   COMMENT "Writing manual pages and completions" VERBATIM)
 add_custom_target(haptometer_manual ALL
   DEPENDS ${manual}/haptometer.1 ${completions}/haptometer ${completions}/_haptometer)

@@ -11,20 +11,16 @@ import re
 import subprocess
 import sys
 
-LINE = 74  # characters of an example before it is continued on the next line
+from completion import BEHIND_DASHES
+
+COMMON = pathlib.Path(__file__).parents[1] / "docs/reference/common.md"
+LINE = 69  # characters of an example before it is continued on the next line; indented, a line has 80
 LONG = 40  # characters of choices that still stand behind the option itself
 SPECIAL = {"\\": r"\(rs", "-": r"\-", "'": r"\(aq", "`": r"\(ga", "^": r"\(ha", "~": r"\(ti", '"': r"\(dq"}
 OPTIONS = """\
-A quantity has a unit, as in 10mm or 225Hz; the unit behind an option is the one that may be left out or, of a length, \
-a mass and an inductance, the SI unit. What holds without an option is its default."""
-MEANINGS = {
-    "0": "The question is answered.",
-    "1": "The run failed: a full disk (also behind standard output), a lost device.",
-    "2": "The command line, or a key of a scene, is wrong.",
-    "3": "The file or device cannot answer: it is missing, empty, of another kind, too slow, absent or busy.",
-    "130, 143, 129": "Ctrl-C, SIGTERM or a closed terminal ended the run. What was recorded until then is kept.",
-    "141": "Standard output was closed. There is no message.",
-}
+Numbers take a unit, as in 10mm. Hz, s, V, A, ohm and N/m may be left out. Brackets at the end of a text have the bounds \
+of a value, its default, which holds where the option is not given, and whether the option may be repeated."""
+PLAIN = ".nh\n.ad l\n"  # no word is broken or stretched, so that it can be copied
 
 
 def escaped(text):
@@ -104,17 +100,33 @@ def options_of(verb, title):
     return text
 
 
+def words_together(example):
+    """The words of a command, an option with its value as one."""
+    words = []
+    for word in re.findall(r"(?:'[^']*'|[^ ])+", example):
+        if words and re.fullmatch(r"-[^ =]+", words[-1]) and not word.startswith("-"):
+            words[-1] += " " + word
+        else:
+            words.append(word)
+    return words
+
+
+def lines_of(example):
+    """A command, continued where it is too long."""
+    lines = [""]
+    for word in words_together(example):
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > LINE:
+            lines.append("   ")
+        lines[-1] += (" " if lines[-1] else "") + word
+    return lines
+
+
 def examples_of(verb, title):
     """Commands, those that are too long continued behind a backslash."""
-    text = title
-    for example in verb["examples"]:
-        lines = [""]
-        for word in re.findall(r"(?:'[^']*'|[^ ])+", example):
-            if lines[-1] and len(lines[-1]) + len(word) > LINE:
-                lines.append("   ")
-            lines[-1] += (" " if lines[-1] else "") + word
-        text += ".PP\n.EX\n" + " \\(rs\n".join(map(escaped, lines)) + "\n.EE\n"
-    return text if verb["examples"] else ""
+    # .EE sets hyphens and margins as they are by default
+    examples = [".PP\n.EX\n" + " \\(rs\n".join(map(escaped, lines_of(example))) + "\n.EE\n" + PLAIN
+                for example in verb["examples"]]
+    return title + "".join(examples) if examples else ""
 
 
 def arguments_of(verb):
@@ -124,13 +136,22 @@ def arguments_of(verb):
 
 def beginning(name, summary, version):
     title = escaped(name.upper())
-    # no word is broken or stretched, so that it can be copied
     return (f'.\\" written by packaging/man_pages.py\n.TH {title} 1 "" "{escaped(version)}" "haptometer manual"\n'
-            f".nh\n.ad l\n.SH NAME\n{escaped(name)} \\- {escaped(summary)}\n")
+            f"{PLAIN}.SH NAME\n{escaped(name)} \\- {escaped(summary)}\n")
 
 
 def exit_status():
-    return ".SH EXIT STATUS\n" + "".join(item(bold(status), text) for status, text in MEANINGS.items())
+    """The table of docs/reference/common.md, and the paragraph behind it."""
+    said = re.search(r"### Exit status\n\n(?:\|.*\n){2}((?:\|.*\n)+)\n(.*)\n", COMMON.read_text())
+    table, behind = said[1].replace("`", "").replace("\\|", "\0"), said[2]
+    rows = [[cell.strip().replace("\0", "|") for cell in row.strip("|").split("|")] for row in table.splitlines()]
+    return ".SH EXIT STATUS\n" + "".join(item(bold(status), text) for status, text in rows) + ".PP\n" + line(behind)
+
+
+def see_also(names):
+    """Pages by name."""
+    return (".SH SEE ALSO\n" + ",\n".join(bold(name) + "(1)" for name in names) + "\n.PP\n" +
+            line("The pages docs/reference/*.md are in the source code of haptometer."))
 
 
 def part_section(part):
@@ -152,7 +173,8 @@ def verb_page(verb, parts, own, version):
     text += "".join(map(part_section, parts))
     text += ".SH COMMON OPTIONS\n" + "".join(item(names(option), option["text"]) for option in verb["common"])
     text += examples_of(verb, ".SH EXAMPLES\n") + exit_status()
-    return text + ".SH SEE ALSO\n" + bold("haptometer") + "(1)\n"
+    behind = [f"haptometer-{other}" for part, other in BEHIND_DASHES.items() if part.split()[0] == name]
+    return text + see_also(["haptometer", *behind])
 
 
 def program_page(verbs, own, version):
@@ -169,8 +191,9 @@ def program_page(verbs, own, version):
         text += ".PP\n" + ", ".join(map(bold, own)) + " are also programs of their own.\n"
     text += ".SH VERBS\n"
     text += "".join(item(f"{bold('haptometer-' + verb['name'])}(1)", first_sentence(verb["summary"])) for verb in verbs)
-    text += ".SH OPTIONS\n" + line(OPTIONS) + exit_status() + ".SH SEE ALSO\n"
-    return text + ",\n".join(bold("haptometer-" + verb["name"]) + "(1)" for verb in verbs) + "\n"
+    text += ".SH OPTIONS\n" + item(f"{bold('-h')}, {bold('--help')}", "Show the verbs")
+    text += item(bold("--version"), "Show the version") + ".PP\n" + line(OPTIONS)
+    return text + exit_status() + see_also(["haptometer-" + verb["name"] for verb in verbs])
 
 
 def answer(program, option):

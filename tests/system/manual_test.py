@@ -8,7 +8,9 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "../../packaging")]
+from man_pages import LONG
 from programs import DEADLINE_S, check, run, skip
 
 OWN = ("acquire", "analyze", "fit-lra")
@@ -58,8 +60,16 @@ def section(text, title):
     return found[1]
 
 
+def value_is_said(tag, placeholder, where):
+    """The placeholder stands behind the names; of many choices the page says NAME, and lists them."""
+    shown = placeholder.split(" ...")[0]
+    if f"{tag} {shown}" in where.replace(" [" + shown, " " + shown):
+        return True
+    return len(placeholder) > LONG and f"{tag} NAME" in where and ": " + shown.replace("|", ", ") in where
+
+
 def check_options(place, command, text, page):
-    """The text is that of a verb or of a part."""
+    """The text is that of a verb or of a part, without other parts."""
     help_text = run(*command, "--help-all").stdout
     said, common = one_line(text), one_line(section(page, "COMMON OPTIONS"))
     count = 0
@@ -67,15 +77,14 @@ def check_options(place, command, text, page):
         tag = ", ".join(names)
         where = common if names[-1] in ("--help", "--help-all", "--version", "--json") else said
         check(re.search(rf"(?:^| ){re.escape(tag)}(?: |$)", where), f"{place}: {tag} is missing")
-        if "|" not in placeholder:
-            tag += f" {placeholder.split(' ...')[0]}" if placeholder else ""
-        check(tag in where.replace(" [" + placeholder, " " + placeholder), f"{place}: {tag} is missing")
+        check(not placeholder or value_is_said(tag, placeholder, where), f"{place}: {tag} {placeholder} is missing")
         # the page may have more in the brackets, and the choices before them
         for part in re.sub(r"\]$", "", meaning).split(" ["):
             check(one_line(part) in where, f"{place}: {names[-1]}: '{part}' is missing")
         count += 1
     check(count >= 4, f"{place}: {count} options in the help")
-    examples = re.sub(r" \\\n +", " ", text)
+    has_own = len(command) > 1 or "\nEXAMPLES\n" not in page
+    examples = re.sub(r" \\\n +", " ", text if has_own else section(page, "EXAMPLES"))
     for example in help_text.partition("Examples:\n")[2].splitlines():
         check(example.strip() in [line.strip() for line in examples.splitlines()], f"{place}: no example {example}")
     synopsis = one_line(section(page, "SYNOPSIS"))
@@ -100,18 +109,43 @@ def check_roff(page):
 
 
 def check_as_installed(folder):
-    """man finds each page, a program's own page leads to that of the verb, and whatis has its line."""
+    """man finds each page, a program's own page leads to that of the verb, and whatis has its line. On 80 columns each
+    line fits, no word is hyphenated, and no option is broken from its value."""
     if shutil.which("man") is None:
-        return print("no man: its part is not tried")
+        skip("no man")
     with tempfile.TemporaryDirectory() as place:
         shutil.copytree(folder, os.path.join(place, "man1"))
         env = {**os.environ, "MANPATH": place, "LC_ALL": "C.UTF-8", "MANWIDTH": "80"}
         for page in sorted(folder.iterdir()):
             text = quiet("man", "--warnings", "-E", "UTF-8", "-P", "cat", page.stem, env=env)
             check(text.startswith("HAPTOMETER"), f"man {page.stem}: {text[:100]}")
+            broken = re.search(r" -[^ =]+ \\\n +[^- ].*", text)
+            check(not broken, f"man {page.stem}: a value is not behind its option: {broken and broken[0]}")
+            for line in text.splitlines():
+                check(len(line) <= 80, f"man {page.stem}: {len(line)} columns: {line}")
+                check("\u2010" not in line, f"man {page.stem}: a word is broken in {line}")
             if page.stem not in OWN:
                 said = quiet("lexgrog", os.path.join(place, "man1", page.name), env=env)
                 check(f'"{page.stem} - ' in said, said)
+
+
+def check_exit_status(laid):
+    """Statuses and meanings are those of the table on what all verbs have alike."""
+    with open("docs/reference/common.md", encoding="utf-8") as file:
+        text = file.read()
+    rows = re.findall(r"^\| ([0-9, ]+) \| (.*) \|$", text, re.MULTILINE)
+    check(len(rows) > 4, rows)
+    said = " ".join(f"{status} {meaning}" for status, meaning in rows).replace("`", "").replace("\\|", "|")
+    behind = re.search(r"^With several files .*$", text, re.MULTILINE)[0]
+    for stem, page in laid.items():
+        found = one_line(section(page, "EXIT STATUS"))
+        check(found == f"{said} {behind}", f"{stem}: exit status: {found}, not {said} {behind}")
+
+
+def without_parts(page, parts):
+    """What a page says before the sections of a verb's parts."""
+    starts = [page.index(f"\n{part.upper()}\n") for part in parts]
+    return page[:min(starts, default=len(page))]
 
 
 def check_pages(folder):
@@ -122,7 +156,8 @@ def check_pages(folder):
     for command in tried:
         page = laid["haptometer-" + command[0]]
         is_part = len(command) > 1
-        text = section(page, " ".join(command).upper()) if is_part else page
+        parts = [" ".join(other) for other in tried if len(other) > 1 and other[0] == command[0]]
+        text = section(page, " ".join(command).upper()) if is_part else without_parts(page, parts)
         count += check_options(" ".join(command), command, text, page)
     verbs = {command[0] for command in tried}
     check(set(laid) == {"haptometer", *("haptometer-" + verb for verb in verbs)}, sorted(laid))
@@ -131,12 +166,10 @@ def check_pages(folder):
     for name in OWN:
         check((folder / f"{name}.1").read_text() == f".so man1/haptometer-{name}.1\n", name)
         check(re.search(rf"^ +{name} \[OPTION\]", laid["haptometer-" + name], re.MULTILINE), f"synopsis of {name}")
-    with open("docs/reference/common.md", encoding="utf-8") as file:
-        statuses = re.findall(r"^\| ([0-9, ]+) \| ", file.read(), re.MULTILINE)
-    check(len(statuses) > 4, statuses)
-    for stem, text in laid.items():
-        found = re.findall(r"^ {4,}(\d[\d, ]*\d|\d)(?:  +\S|$)", section(text, "EXIT STATUS"), re.MULTILINE)
-        check(found == statuses, f"{stem}: exit status {found}, not {statuses}")
+    for names in (r"-h, --help\n", r"--version\n"):
+        check(re.search("^ +" + names, section(laid["haptometer"], "OPTIONS"), re.MULTILINE), names)
+    check("haptometer-acquire(1)" in section(laid["haptometer-session"], "SEE ALSO"), "session names no acquire")
+    check_exit_status(laid)
     print(f"{len(tried)} commands, {count} options")
 
 
