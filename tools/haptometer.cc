@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -94,10 +95,41 @@ Error UnknownVerb(std::string_view word) {
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
 }
 
+// what is wrong with the words behind the verb of `haptometer help VERB PART`
+std::optional<Error> WrongBehind(const Verb& verb, std::span<const char* const> words) {
+  if (words.empty()) return std::nullopt;
+  const std::string word = words.front();
+  std::vector<std::string> parts;
+  for (const Part& part : kParts) {
+    if (part.verb == verb.name) parts.emplace_back(part.name);
+  }
+  if (std::ranges::find(parts, word) == parts.end()) {
+    const std::string nearest = Nearest(word, parts);
+    return Error{Cause::kUsage, word, fmt::format("is not a part of {}", verb.name),
+                 nearest.empty() ? fmt::format("see haptometer help {}", verb.name)
+                                 : fmt::format("did you mean {} {}?", verb.name, nearest)};
+  }
+  if (words.size() == 1) return std::nullopt;
+  return Error{Cause::kUsage, words[1], "is one word too many",
+               fmt::format("write haptometer help {} {}", verb.name, word)};
+}
+
 // `haptometer help trial info` is `haptometer trial info --help`.
 int HelpOf(std::span<const char* const> names) {
-  const Verb* verb = Find(names.front());
-  if (verb == nullptr) return cli::ReportError("", UnknownVerb(names.front()));
+  const std::string_view first = names.front();
+  if (first == "help" && names.size() == 1) {
+    PrintHelp();
+    return 0;
+  }
+  if (first.starts_with("-")) {
+    return cli::ReportError("", {Cause::kUsage, std::string(first),
+                                 "is an option, and help takes a verb", "see haptometer help"});
+  }
+  const Verb* verb = Find(first);
+  if (verb == nullptr) return cli::ReportError("", UnknownVerb(first));
+  if (const auto error = WrongBehind(*verb, names.subspan(1))) {
+    return cli::ReportError("", *error);
+  }
   std::vector<const char*> words(names.begin(), names.end());
   words.push_back("--help");
   return verb->run(static_cast<int>(words.size()), words.data());

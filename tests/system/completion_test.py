@@ -20,7 +20,7 @@ from manual_test import commands, options_of_help
 from programs import check, run, skip
 
 KEYS_S = 60  # for the answer to a Tab; a loaded machine takes seconds for the first one
-FILES = ("a.toml", "b.toml", "one.csv", "two.csv", "t.bin", "page.html", "x.svg", "notes.txt", "F0001CH1.CSV", "spaced/my file.csv",
+FILES = ("a.toml", "b.toml", "one.csv", "two.csv", "t.bin", "page.html", "x.svg", "notes.txt", "F0001CH1.CSV", "d.h5", "v.lvm", "spaced/my file.csv",
          "sub/c.toml")
 START = {
     "bash": (["bash", "--norc", "--noprofile", "-i"], r"""
@@ -158,8 +158,22 @@ def check_options_once(shell):
     check_offers(shell, "haptometer session new d -- ", {"--sensor", "--tare"}, {"--subjects", *FILES})
 
 
+def check_kinds(shell):
+    """Files of the kinds that a command reads."""
+    of_scene, of_trial = ({"a.toml", "b.toml"}, {"one.csv", "t.bin"}), ({"t.bin", "one.csv", "d.h5"}, {"a.toml", "x.svg"})
+    for line in ("cost skin-rms --scene", "emulate --scene", "acquire --sensor scene:", "fit-skin --actuator",
+                 "fit-lra --actuator", "plan-drop-test --actuator", "cost kv --actuator", "calibrate t.csv --check"):
+        check_offers(shell, f"haptometer {line}" + ("" if line.endswith(":") else " "), *of_scene)
+    for line in ("emulate --trial", "analyze --floor", "study --floor", "fit-adapter"):
+        check_offers(shell, f"haptometer {line} ", *of_trial)
+    check_offers(shell, "fit-lra ", {"one.csv", "t.bin", "a.toml"}, {"notes.txt", "x.svg"})
+    for line in ("fit-impedance", "fit-skin", "calibrate"):
+        check_offers(shell, f"haptometer {line} ", {"one.csv", "F0001CH1.CSV"}, {"t.bin", "a.toml"})
+
+
 def check_files(shell):
-    check_offers(shell, "analyze ", {"t.bin", "one.csv", "two.csv", "sub/"}, {"a.toml", "notes.txt", "--all"})
+    check_kinds(shell)
+    check_offers(shell, "analyze ", {"t.bin", "one.csv", "two.csv", "d.h5", "v.lvm", "sub/"}, {"a.toml", "notes.txt", "--all"})
     check_completes(shell, "analyze notes", "analyze notes.txt ")  # no other file begins so
     check_offers(shell, "haptometer simulate ", {"a.toml", "b.toml", "sub/"}, {"t.bin", "one.csv"})
     check_completes(shell, "haptometer simulate sub/", "haptometer simulate sub/c.toml ")
@@ -178,6 +192,7 @@ def check_files(shell):
     # tables, as many as there are, where the sweep itself would have a scene
     check_offers(shell, "haptometer sweep --merge one.csv ", {"two.csv"}, {"a.toml"})
     check_offers(shell, "fit-lra --load 33ohm one.csv two.csv ", {"one.csv", "t.bin"})
+    check_offers(shell, "haptometer sweep --merge one.csv two.csv F0001CH1.CSV -o ", {"one.csv"}, {"a.toml"})
     check_options_behind_several(shell)
     check_offers(shell, "haptometer session status ", {"sub/", "spaced/"}, {"a.toml", "t.bin"})
     ports = [path.as_posix() for name in ("ttyUSB*", "ttyACM*") for path in pathlib.Path("/dev").glob(name)]

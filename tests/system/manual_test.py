@@ -83,13 +83,13 @@ def check_options(place, command, text, page):
             check(one_line(part) in where, f"{place}: {names[-1]}: '{part}' is missing")
         count += 1
     check(count >= 4, f"{place}: {count} options in the help")
+    check("... ..." not in help_text, f"{place}: doubled dots")
     has_own = len(command) > 1 or "\nEXAMPLES\n" not in page
     examples = re.sub(r" \\\n +", " ", text if has_own else section(page, "EXAMPLES"))
     for example in help_text.partition("Examples:\n")[2].splitlines():
         check(example.strip() in [line.strip() for line in examples.splitlines()], f"{place}: no example {example}")
     synopsis = one_line(section(page, "SYNOPSIS"))
     usage = re.search(r"^Usage: (.*)$", help_text, re.MULTILINE)[1].replace("[OPTIONS]", "[OPTION]...")
-    usage = re.sub(r"(\w+)(?:\.\.\.)?\]$", r"\1...]", usage)
     check(usage in synopsis, f"{place}: the synopsis lacks '{usage}'")
     return count
 
@@ -179,7 +179,15 @@ def check_help():
         check(run("help", *words).stdout == run(*words, "--help").stdout, f"help {words}")
     check("did you mean analyze?" in run("help", "analyse", status=2).stderr, "help analyse")
     check("did you mean trial info?" in run("help", "trial", "inf", status=2).stderr, "help trial inf")
-    check(run("help").stdout == run("--help").stdout, "help")
+    for words in (["help"], ["help", "help"]):
+        check(run(*words).stdout == run("--help").stdout, words)
+    for words, said in ((["analyze", "info"], "info: is not a part of analyze; see haptometer help analyze"),
+                        (["study", "nonsense"], "nonsense: is not a part of study"),
+                        (["trial", "info", "extra"], "extra: is one word too many; write haptometer help trial info"),
+                        (["--json"], "--json: is an option, and help takes a verb"),
+                        (["-h"], "-h: is an option"), (["--version"], "--version: is an option")):
+        error = run("help", *words, status=2).stderr
+        check(said in error and not re.search("did you mean s", error), f"help {words}: {error}")
 
 
 def main():

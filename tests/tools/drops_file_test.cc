@@ -91,7 +91,7 @@ TEST(DropsFile, MistakesAreNamed) {
   refused(drop + "rebound = 1.5\n", "rebound: '1.5' is not from 0 to 1");
   refused(drop + "time_scale = 1000\n", "time_scale: '1000' is not from 0.5 to 2");
   refused(drop + "drop_height_m = '10g'\n", "'g' is not a unit of a length");
-  refused("moving_mass_kg = -1\n" + drop, "moving_mass_kg: '-1' is not from 1e-09 kg to 1000000 g");
+  refused("moving_mass_kg = -1\n" + drop, "moving_mass_kg: '-1' is not from 1e-09 kg to 1000 kg");
   refused("resistance_ohm = 'inf'\n" + drop, "resistance_ohm: 'inf' is not from 0.001 ohm to");
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -123,6 +124,28 @@ TEST(Options, HelpStatesBoundsAndDefaults) {
   EXPECT_THAT(help, Not(HasSubstr("--pad")));
   EXPECT_THAT(help, Not(HasSubstr("describe-options")));
   EXPECT_THAT(Typed({"--help-all"}).out, HasSubstr("Side [from 0 to 1 m; default 15 mm]"));
+}
+
+int WithLargeEnds(int argc, const char* const* argv) {
+  std::optional<double> mass_kg, travel_m;
+  std::int64_t points = 1;
+  std::vector<std::string> scenes;
+  Options options({.name = "ends", .summary = "Large ends.", .examples = {"one", "two", "three"}});
+  options.Count("--points", &points, 1, 1'000'000'000, "Points");
+  options.Count("--seed", &points, 0, std::numeric_limits<std::int64_t>::max(), "Seed");
+  options.Number("--mass", &mass_kg, Dimension::kMass, Within(1e-9, 1e3), "Mass");
+  options.Number("--travel", &travel_m, Dimension::kLength, Within(1e-6, 1e-5), "Travel");
+  options.Positionals("scene", &scenes, "Scene", 0).is_repeated = false;
+  return options.Parse(argc, argv).value_or(0);
+}
+
+TEST(Options, HelpStatesEndsThatAreTakenInOneUnit) {
+  const std::string help = tools::Captured(WithLargeEnds, "ends", {"--help"}).out;
+  for (const char* said :
+       {"Points [from 1 to 1000000000; default 1]", "Seed [at least 0; default 1]",
+        "Mass [from 1e-09 kg to 1000 kg]", "Travel [from 1 um to 10 um]", "[OPTIONS] [scene]\n"}) {
+    EXPECT_THAT(help, HasSubstr(said));
+  }
 }
 
 TEST(Options, AreDescribedAsJson) {

@@ -130,7 +130,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
             "pipe")
       .Default("standard input for pipe");
   options
-      .Text("--sensor", &wanted.sensor, "NAME",
+      .Text("--sensor", &wanted.sensor, "NAME|scene:SCENE.toml",
             "keyence-il: a polled DL-RS1A; keyence-en1: a DL-EN1 (TCP); keyence-lkg: an LK-G3001; "
             "modbus: registers, with --profile; stream: lines sent without request; pipe: another "
             "program's samples; replay: a trial; scene:FILE: a simulated scene")

@@ -106,12 +106,13 @@ Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
   options->Positionals("files", &words->files,
-                       "Trials (trial.bin), CSV with time_s,displacement_m, or folders of them");
+                       "Trials (trial.bin), CSV with time_s,displacement_m, HDF5, LabVIEW .lvm, or "
+                       "folders of them");
   cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
   options->Text("--window", &words->window, "auto|all|FROM:TO",
                 "Part to use: the steady drive (auto), all that is free of filter transients "
                 "(all), or an interval such as 1s:3s");
-  options->Text("--floor", &words->floor, "FILE",
+  options->Text("--floor", &words->floor, "FILE.bin|csv|h5|lvm",
                 "Drive-off trial whose noise in the band is subtracted (mean square)");
   options->Choice("--hum", &words->hum, {"subtract", "keep"},
                   "Hum of the mains: subtracted, or counted as vibration", cli::Shown::kHelpAll);

@@ -53,8 +53,10 @@ struct Wanted {
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
-  options.Positionals("pairs", &wanted.pairs,
-                      "Table of displacement_mm,voltage_v in the order of measurement", 0);
+  options
+      .Positionals("pairs", &wanted.pairs,
+                   "CSV of displacement_mm,voltage_v in the order of measurement", 0)
+      .is_repeated = false;
   options.Text("--reference", &wanted.reference.port, "PORT",
                "Port of the amplifier, which then is the reference: its reading (data 038) and "
                "what it puts out (data 042)");
@@ -87,7 +89,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
       .Default("with --reference the amplifier's");
   options.Number("--sampling", &wanted.sampling_s, Dimension::kTime, cli::Above(0),
                  "Period of the samples that --averaging is of");
-  options.Text("--check", &wanted.check, "FILE",
+  options.Text("--check", &wanted.check, "FILE.toml",
                "Compare with this calibration: status 3 where |E_n| of the gain exceeds 1 (k = 2)");
   options.Output("-o,--output", &wanted.output, "FILE.toml", "Calibration file to write");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing calibration file");

@@ -64,21 +64,40 @@ std::string NumberText(double value, Dimension dimension) {
   return document::QuantityText(value, kUnits.at(static_cast<std::size_t>(dimension)), 6);
 }
 
-// a bound in the usual unit (mm, ms), or in the SI unit where that needs no power of ten
-std::string EndText(const Option& option, double end) {
+// whole numbers beyond it have no double of their own: such a bound is as good as none
+constexpr double kMostExact = 9007199254740992;  // 2^53
+
+// an end as people say it
+std::string InUsualUnit(const Option& option, double end) {
   if (end == 0) return "0";
-  std::string text = NumberText(end, option.dimension);
+  return option.kind == Option::Kind::kCount ? fmt::format("{:.0f}", end)
+                                             : NumberText(end, option.dimension);
+}
+
+// an end in the SI unit
+std::string InSiUnit(const Option& option, double end) {
   const std::string_view unit = SiUnit(option.dimension);
-  // a power of ten only where the value is too large for the usual unit
-  if (text.find('e') == std::string::npos || unit.empty()) return text;
+  if (end == 0 || unit.empty()) return InUsualUnit(option, end);
   return fmt::format("{:g} {}", end, unit);
+}
+
+// both ends in the usual unit (mm, ms), or in the SI unit where one would have a power of ten
+std::array<std::string, 2> EndTexts(const Option& option) {
+  const double least = option.bounds.least, most = option.bounds.most;
+  std::array texts{InUsualUnit(option, least), InUsualUnit(option, most)};
+  const auto has_power = [](const std::string& text) { return text.contains('e'); };
+  if (std::ranges::any_of(texts, has_power))
+    texts = {InSiUnit(option, least), InSiUnit(option, most)};
+  return texts;
 }
 
 // "above 0", "from 1 to 60", "at most 1 V"; empty without bounds
 std::string BoundsText(const Option& option) {
   const Bounds& bounds = option.bounds;
-  const bool has_least = std::isfinite(bounds.least), has_most = std::isfinite(bounds.most);
-  const std::string least = EndText(option, bounds.least), most = EndText(option, bounds.most);
+  const bool has_least = std::isfinite(bounds.least);
+  const bool has_most =
+      option.kind == Option::Kind::kCount ? bounds.most <= kMostExact : std::isfinite(bounds.most);
+  const auto [least, most] = EndTexts(option);
   // a closed end is "from" or "to", an open one "above" or "below"
   if (has_least && has_most) {
     return fmt::format("{} {} to {}{}", bounds.is_above ? "above" : "from", least,
@@ -252,6 +271,10 @@ void Options::State::DescribeToParser() const {
     // an empty group leaves an option out of the help
     option.parsed->group(help_all ? kMoreOptions : "");
   }
+  for (const Option& positional : positionals) {
+    // shown as one word, though a verb refuses a second one in words of its own
+    if (!positional.is_repeated) positional.parsed->expected(positional.is_required ? 1 : 0, 1);
+  }
 }
 
 std::optional<Error> Options::State::Excluded() const {
@@ -351,8 +374,8 @@ Options::~Options() = default;
 Option& Options::Positional(std::string_view name, std::string* value, std::string_view help) {
   auto* parsed = state_->app.add_option(std::string(name), *value, std::string(help));
   parsed->required()->type_name("");
-  return state_->positionals.emplace_back(
-      Option{.name = std::string(name), .text = std::string(help), .is_required = true});
+  return state_->positionals.emplace_back(Option{
+      .name = std::string(name), .text = std::string(help), .is_required = true, .parsed = parsed});
 }
 
 Option& Options::Positionals(std::string_view name, std::vector<std::string>* values,
@@ -364,7 +387,8 @@ Option& Options::Positionals(std::string_view name, std::vector<std::string>* va
   return state_->positionals.emplace_back(Option{.name = std::string(name),
                                                  .text = std::string(help),
                                                  .is_repeated = true,
-                                                 .is_required = at_least > 0});
+                                                 .is_required = at_least > 0,
+                                                 .parsed = parsed});
 }
 
 namespace {
@@ -574,6 +598,8 @@ Option& Options::Groups(std::string_view name, std::vector<std::vector<std::stri
   state_->files.push_back(parsed);
   Option& option =
       state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
+  // the help adds dots
+  parsed->type_name(option.placeholder.substr(0, option.placeholder.find("...")));
   option.is_repeated = option.takes_several = true;
   return option;
 }

@@ -73,16 +73,17 @@ void Declare(cli::Options& options, Words& words) {
   options
       .Positionals("question", &words.question,
                    "skin-rms, waveform, band-rms, kv, bv or km; without one the whole chain", 0)
-      .Known(Mapped<std::string>(kQuestions, &QuestionName::name));
+      .Known(Mapped<std::string>(kQuestions, &QuestionName::name))
+      .is_repeated = false;
   options
       .Parsed(
           "--accuracy", "1e-6|1%",
           [&words](const std::string& text) { return TakeAccuracy(text, words.accuracy); },
           "Largest relative error of a simulation; else half the 95 % interval")
       .Default("1e-6 of a simulation, else 1%");
-  options.Text("--scene", &words.scene, "FILE", "Scene of skin-rms and waveform")
+  options.Text("--scene", &words.scene, "SCENE.toml", "Scene of skin-rms and waveform")
       .Default(std::string(kUsualScene));
-  options.Text("--actuator", &words.actuator, "NAME|FILE", "Actuator of kv, bv and km")
+  options.Text("--actuator", &words.actuator, "NAME|FILE.toml", "Actuator of kv, bv and km")
       .Default(std::string(kUsualActuator))
       .Known({std::string(kUsualActuator)});
   options.Text("--sensor", &words.sensor, "TEXT", "Of band-rms: routes whose name holds it");

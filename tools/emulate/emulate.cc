@@ -81,9 +81,9 @@ struct Wanted {
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
-  options.Text("--scene", &wanted.scene, "FILE",
+  options.Text("--scene", &wanted.scene, "SCENE.toml",
                "Scene to play: its steady state, unless it starts at rest");
-  options.Text("--trial", &wanted.trial, "FILE",
+  options.Text("--trial", &wanted.trial, "FILE.bin|csv|h5|lvm",
                "Trial to play, linearly interpolated between its rows; its last value is held "
                "after its end");
   options.Choice("--protocol", &wanted.protocol,

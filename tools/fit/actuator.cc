@@ -89,7 +89,7 @@ void DeclareActuator(cli::Options& options, ActuatorWords& words, bool has_case)
     number.Declare(options, &(words.knowns.*number.known));
   }
   options
-      .Text("--actuator", &words.file, "NAME|FILE",
+      .Text("--actuator", &words.file, "NAME|FILE.toml",
             "Actuator file, or thesis-c10-100, from which masses, R and L are read")
       .Known({"thesis-c10-100"});
   if (!has_case) return;

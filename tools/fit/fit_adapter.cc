@@ -163,7 +163,8 @@ int RunFitAdapter(int argc, const char* const* argv) {
   cli::ImportWords words;
   document::Outputs outputs;
   options.Positionals("taps", &files,
-                      "Recordings of the displacement after a tap, the other side held");
+                      "Trials, CSV, HDF5 or LabVIEW .lvm of the displacement after a tap, the "
+                      "other side held");
   options.Number("--mass", &mass_kg, Dimension::kMass, cli::Above(0),
                  "Mass that vibrates on the spring");
   document::DeclareOutputs(options, outputs,

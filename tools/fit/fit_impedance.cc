@@ -167,7 +167,8 @@ int RunFitImpedance(int argc, const char* const* argv) {
   ActuatorWords words;
   FitFiles files;
   document::Outputs& outputs = files.outputs;
-  options.Positional("sweep", &path, "frequency_hz,impedance_ohm,phase_deg of the terminals");
+  options.Positional("sweep", &path,
+                     "CSV with frequency_hz,impedance_ohm,phase_deg of the terminals");
   DeclareActuator(options, words, true);
   DeclareFiles(options, files, "Draw magnitudes, phases and residuals");
   return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {

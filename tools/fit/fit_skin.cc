@@ -477,10 +477,10 @@ int RunFitSkin(int argc, const char* const* argv) {
   std::string actuator_name;
   document::Outputs outputs;
   options.Positionals("tables", &files,
-                      "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
-                      "columns (docs/reference/fit-skin.md)");
+                      "CSV with frequency_hz, displacement_amplitude_um, current_amplitude_ma and "
+                      "further columns (docs/reference/fit-skin.md)");
   options
-      .Text("--actuator", &actuator_name, "NAME|FILE",
+      .Text("--actuator", &actuator_name, "NAME|FILE.toml",
             "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100")
       .Known({"thesis-c10-100"});
   document::DeclareOutputs(options, outputs,

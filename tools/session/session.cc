@@ -86,7 +86,8 @@ int RunNew(int argc, const char* const* argv) {
   std::vector<std::string> contrasts;
   std::optional<double> spread;
   cli::Options options(kNewText);
-  options.Positional("folder", &folder, "The new folder of the session");
+  options.Positional("folder", &folder,
+                     "The new folder of the session; behind -- the options of acquire");
   options.Text("--subjects", &subjects, "N|NAMES", "How many subjects, or their names with commas");
   options.Text("--conditions", &conditions, "NAMES", "The conditions, with commas between");
   options.Count("--repeats", &plan.repeats, 1, kMostRepeats,

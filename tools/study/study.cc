@@ -361,7 +361,7 @@ void DeclareStudy(cli::Options& options, StudyWords& words) {
                "Labels in the files' names: '{subject}_{condition}_{repeat}'");
   cli::DeclareBand(&options, &words.band, cli::Shown::kHelpAll);
   options
-      .Text("--floor", &words.floor, "FILE",
+      .Text("--floor", &words.floor, "FILE.bin|csv|h5|lvm",
             "Drive-off trial whose noise in the band is subtracted (mean square)")
       .Default("the manifest's, else each trial's own quiet part");
   cli::DeclareImport(&options, &words.import);

@@ -261,7 +261,8 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
 }  // namespace
 
 void Declare(cli::Options& options, SweepWords& words) {
-  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
+  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0)
+      .is_repeated = false;
   options
       .Repeated("--vary", &words.vary, "KEY=VALUES",
                 "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C")

@@ -242,8 +242,10 @@ void Declare(cli::Options& options, TuneWords& words) {
   TuneQuestion& asked = words.asked;
   // bounds of voltage in V and frequency in Hz
   constexpr cli::Bounds kDrive = cli::Within(1e-9, 1e9);
-  options.Positionals("scene", &words.scenes,
-                      "A scene.toml: its actuator and drive; without it the thesis's", 0);
+  options
+      .Positionals("scene", &words.scenes,
+                   "A scene.toml: its actuator and drive; without it the thesis's", 0)
+      .is_repeated = false;
   options.Choice("--objective", &words.objective,
                  {"skin-rms", "stimulus", "skin-power", "rms-per-watt"}, "Quantity to maximise");
   DeclareBounds(options, words);
