@@ -27,7 +27,7 @@ FIXTURES = os.path.abspath("fixtures")
 # options that name a file or folder to read; emulate --link and session pack, which replaces nothing
 # (session_pack_test.py), are tested apart
 READS = {
-    "acquire": {"--port", "--calibration", "--profile", "--daemon", "--status"},
+    "acquire": {"--sensor", "--port", "--calibration", "--profile", "--daemon", "--status"},
     "analyze": {"--floor", "--calibration"},
     "calibrate": {"--reference", "--check"},
     "fit-adapter": {"--calibration"},
