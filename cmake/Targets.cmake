@@ -1,4 +1,5 @@
-# One function per kind of target, and two that these use: haptometer_join, haptometer_rooms_first.
+# One function per kind of target, and three that these use: haptometer_join, haptometer_shareable,
+# haptometer_rooms_first.
 
 # haptometer_join(TARGET)
 # If HAPTOMETER_JOIN_SOURCES is on, compiles the target's sources in groups of files whose names agree
@@ -26,6 +27,14 @@ function(haptometer_join target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
+# haptometer_shareable(TARGET)
+# The archive can become part of a shared library, as of the Python module. Its symbols stay within that library,
+# so that calls among its functions are as direct as in a program.
+function(haptometer_shareable target)
+  set_target_properties(${target} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 # haptometer_room(NAME HEADERS ... SOURCES ... DEPENDS ... PARTS ...)
 # A room: the static library haptometer_NAME with the alias haptometer::NAME. DEPENDS are lower rooms, and
 # third-party libraries that its headers include; PARTS are third-party libraries that only its sources use.
@@ -41,6 +50,7 @@ function(haptometer_room name)
                  FILES ${room_HEADERS})
   target_compile_features(${target} PUBLIC cxx_std_23)
   target_link_libraries(${target} PUBLIC ${room_DEPENDS} PRIVATE ${room_PARTS})
+  haptometer_shareable(${target})
   if(NOT name IN_LIST HAPTOMETER_APART)
     haptometer_join(${target})
   endif()
