@@ -1,16 +1,17 @@
 # All third-party libraries, each with the name of its Debian package (tools/install-packages installs
 # them). cmake/haptometerConfig.cmake.in repeats those that the installed libraries need.
+# Debian's Python, whatever other stands ahead of it on the PATH: the module is for it, and it has Debian's packages
+if(NOT DEFINED Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+  set(Python3_EXECUTABLE /usr/bin/python3)
+endif()
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(fmt REQUIRED)                 # libfmt-dev
-find_library(z_archive libz.a)
-mark_as_advanced(z_archive)
-set(ZLIB_USE_STATIC_LIBS ${z_archive})     # where it exists, for the reason given below
-find_package(ZLIB REQUIRED)                # zlib1g-dev: crc32
 find_package(nlohmann_json REQUIRED)       # nlohmann-json3-dev
 find_package(Eigen3 REQUIRED NO_MODULE)    # libeigen3-dev
 find_package(Boost 1.74 REQUIRED)          # libboost-dev: headers only
 find_package(Ceres REQUIRED)               # libceres-dev
+pkg_check_modules(zlib REQUIRED IMPORTED_TARGET zlib)                    # zlib1g-dev: crc32
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)    # libtomlplusplus-dev
 pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)                  # libfftw3-dev
 pkg_check_modules(libserialport REQUIRED IMPORTED_TARGET libserialport)  # libserialport-dev
@@ -20,13 +21,14 @@ pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libma
 pkg_check_modules(libcrypto REQUIRED IMPORTED_TARGET libcrypto)          # libssl-dev: SHA-256
 find_package(CLI11 REQUIRED)               # libcli11-dev
 
-# Where archives exist, as in Debian's packages, they are linked in place of shared libraries: each of these
+# Programs link archives where they exist, as in Debian's packages, in place of shared libraries: each of these
 # takes 0.3 ms of every start of the program, also where the command calls nothing of it. HDF5 would also load
 # libcurl with 30 libraries (it reads Amazon's S3), Ceres 20 for sparse problems, which fit/ does not have.
+# Shared libraries and modules, as of Python, cannot hold Debian's archives and link the shared libraries.
 
 # haptometer_archives(TARGET ARCHIVE... [ALSO LIBRARY...])
-# The imported target links these archives, each found by its name, and then LIBRARY...; it stays as it is
-# where one is missing.
+# What links the imported target is given, where it is a program, these archives, each found by its name, and then
+# LIBRARY...; elsewhere, and where an archive is missing, what the target links itself.
 function(haptometer_archives target)
   cmake_parse_arguments(PARSE_ARGV 1 target "" "" "ALSO")
   foreach(name IN LISTS target_UNPARSED_ARGUMENTS)
@@ -46,20 +48,33 @@ function(haptometer_archives target)
     list(APPEND archives ${archive})
     mark_as_advanced(${name}_archive)
   endforeach()
-  set_target_properties(${target} PROPERTIES INTERFACE_LINK_LIBRARIES "${archives};${target_ALSO}")
+  set(is_program "$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>")
+  get_target_property(shared ${target} INTERFACE_LINK_LIBRARIES)
+  list(TRANSFORM shared REPLACE "(.+)" "$<$<NOT:${is_program}>:\\1>")
+  list(APPEND archives ${target_ALSO})
+  list(TRANSFORM archives REPLACE "(.+)" "$<${is_program}:\\1>")
+  set_target_properties(${target} PROPERTIES INTERFACE_LINK_LIBRARIES "${archives};${shared}")
 endfunction()
 
+haptometer_archives(PkgConfig::zlib z)
 haptometer_archives(PkgConfig::fftw3 fftw3 ALSO m)
 haptometer_archives(PkgConfig::libserialport serialport)
 haptometer_archives(PkgConfig::hdf5 hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
 haptometer_archives(PkgConfig::matio matio hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
 haptometer_archives(PkgConfig::libcrypto crypto ALSO ${CMAKE_DL_LIBS} Threads::Threads)
-# METIS and libunwind, which CHOLMOD and glog call, have none
+# Ceres' own target is an archive, which a module cannot hold; METIS and libunwind, which CHOLMOD and glog call, have
+# no archives
+find_library(ceres_library NAMES libceres.so ceres)
 find_library(metis_library NAMES libmetis.so.5 metis)
 find_library(unwind_library NAMES unwind)
-mark_as_advanced(metis_library unwind_library)
+mark_as_advanced(ceres_library metis_library unwind_library)
+add_library(Ceres::linked INTERFACE IMPORTED)
+get_target_property(ceres_include Ceres::ceres INTERFACE_INCLUDE_DIRECTORIES)
+set_target_properties(Ceres::linked PROPERTIES
+  INTERFACE_INCLUDE_DIRECTORIES "${ceres_include}"
+  INTERFACE_LINK_LIBRARIES "${ceres_library};glog::glog;Eigen3::Eigen")
 if(metis_library AND unwind_library)
-  haptometer_archives(Ceres::ceres glog gflags spqr cholmod amd camd ccolamd colamd suitesparseconfig cxsparse
+  haptometer_archives(Ceres::linked ceres glog gflags spqr cholmod amd camd ccolamd colamd suitesparseconfig cxsparse
     lapack f77blas cblas atlas gfortran quadmath gomp
     ALSO ${metis_library} ${unwind_library} Eigen3::Eigen Threads::Threads ${CMAKE_DL_LIBS} m)
 endif()

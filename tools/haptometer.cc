@@ -29,36 +29,6 @@
 namespace haptometer::tools {
 namespace {
 
-struct Verb {
-  std::string_view name;
-  std::string_view summary;
-  int (*run)(int argc, const char* const* argv);
-};
-
-// in the order of the work: record, inspect, analyse; then verbs without hardware
-constexpr auto kVerbs = std::to_array<Verb>({
-    {"acquire", "Record a sensor's readings into a trial", RunAcquire},
-    {"calibrate", "Determine the gain of an analog output, with its uncertainty", RunCalibrate},
-    {"session", "Plan and record the trials of a study, with a verdict after each", RunSession},
-    {"trial", "Show, label, plot and export recordings", RunTrial},
-    {"analyze", "Determine the band-limited RMS displacement of a recording", RunAnalyze},
-    {"study", "Compare conditions over subjects; matched voltages; linearity", RunStudy},
-    {"fit-lra", "Fit an actuator's constants to its ring-downs after a drop", RunFitLra},
-    {"fit-impedance", "Fit an actuator's constants to an impedance sweep", RunFitImpedance},
-    {"fit-adapter", "Fit an adapter's spring and damper to its ring-down after a tap",
-     RunFitAdapter},
-    {"plan-drop-test", "Plan the load, recorder and number of drops of a drop test",
-     RunPlanDropTest},
-    {"fit-skin", "Fit the skin's constants under a contact to drive sweeps", RunFitSkin},
-    {"simulate", "Solve a scene: motion, current and power", RunSimulate},
-    {"sweep", "Simulate a scene over any of its keys, as a table", RunSweep},
-    {"tune", "Find the adapter that moves the skin most, with a proved bound", RunTune},
-    {"compare", "Compare trials with a scene, and explain a difference", RunCompare},
-    {"cost", "Show what an accuracy costs, measured and simulated", RunCost},
-    {"reproduce", "Recompute the thesis's numbers and figures and compare", RunReproduce},
-    {"emulate", "Play a scene or a trial as an emulated sensor", RunEmulate},
-});
-
 constexpr int kHeapBytes = 64 << 20;
 constexpr int kPresentBytes = 3 << 20;
 
@@ -78,19 +48,19 @@ constexpr auto kParts = std::to_array<Part>(
 constexpr std::array<std::string_view, 2> kOnlyParts{"session", "trial"};
 
 const Verb* Find(std::string_view name) {
-  const auto found = std::ranges::find(kVerbs, name, &Verb::name);
-  return found == kVerbs.end() ? nullptr : &*found;
+  const auto found = std::ranges::find(Verbs(), name, &Verb::name);
+  return found == Verbs().end() ? nullptr : &*found;
 }
 
 void PrintHelp() {
   fmt::print("haptometer {}: vibration of tactile actuators by laser\n\nVerbs:\n",
              HAPTOMETER_VERSION);
-  for (const Verb& verb : kVerbs) fmt::print("  {:<14} {}\n", verb.name, verb.summary);
+  for (const Verb& verb : Verbs()) fmt::print("  {:<14} {}\n", verb.name, verb.summary);
   fmt::print("\nhaptometer help VERB shows a verb's options with examples.\n");
 }
 
 Error UnknownVerb(std::string_view word) {
-  const std::string nearest = Nearest(word, Mapped<std::string>(kVerbs, &Verb::name));
+  const std::string nearest = Nearest(word, Mapped<std::string>(Verbs(), &Verb::name));
   return {Cause::kUsage, std::string(word), "is not a verb",
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
 }
@@ -158,7 +128,7 @@ int DescribeOptions() {
     words.push_back("--describe-options");
     status = cli::WorseStatus(status, verb.run(static_cast<int>(words.size()), words.data()));
   };
-  for (const Verb& verb : kVerbs) {
+  for (const Verb& verb : Verbs()) {
     describe(verb, {});
     for (const Part& part : kParts) {
       if (part.verb == verb.name) describe(verb, {part.name});

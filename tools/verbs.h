@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <string_view>
+
 namespace haptometer::tools {
 
 /// One function a verb, each in the file of its name. `argv[0]` is the verb; the return value is
@@ -22,5 +25,14 @@ int RunStudy(int argc, const char* const* argv);
 int RunSweep(int argc, const char* const* argv);
 int RunTrial(int argc, const char* const* argv);
 int RunTune(int argc, const char* const* argv);
+
+struct Verb {
+  std::string_view name;
+  std::string_view summary;
+  int (*run)(int argc, const char* const* argv);
+};
+
+/// All, in the order of the work.
+[[nodiscard]] std::span<const Verb> Verbs();
 
 }  // namespace haptometer::tools

@@ -310,6 +310,10 @@ Result<TrialReader> TrialReader::OpenFrom(std::unique_ptr<ByteSource> source, st
 
 const TrialHeader& TrialReader::header() const { return state_->header; }
 
+std::size_t TrialReader::most_rows() const {
+  return static_cast<std::size_t>(state_->source->size() / state_->layout.row_bytes);
+}
+
 Result<const Chunk*> TrialReader::Next() {
   State& state = *state_;
   for (;;) {
@@ -471,6 +475,13 @@ Result<Recording> Gather(TrialReader* reader) {
   Record& record = recording.record;
   record.timing = header.timing;
   for (const ChannelFormat& format : header.channels) record.channels.push_back(ChannelOf(format));
+  // So that nothing is moved; memory that is not used is not taken from the system. A file of more
+  // than that may consist of holes.
+  const std::size_t rows = std::min(reader->most_rows(), std::size_t{1} << 28);
+  for (Channel& channel : record.channels) {
+    channel.values.reserve(rows);
+    channel.statuses.reserve(rows);
+  }
   Gathered gathered{
       .time_ns = {}, .reply_ns = {}, .grid = UniformGrid(header.rate_hz), .breaks = {}};
   for (;;) {

@@ -126,6 +126,9 @@ class TrialReader {
 
   [[nodiscard]] const TrialHeader& header() const;
 
+  /// As many rows as the source's bytes have room for: there are no more.
+  [[nodiscard]] std::size_t most_rows() const;
+
   /// The next chunk of rows, or nullptr after the last. Events on the way go to report(); damaged
   /// blocks are skipped and go to report().losses.
   /// Errors (Cause::kCannotAnswer): the disk cannot be read.

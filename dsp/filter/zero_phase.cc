@@ -330,25 +330,31 @@ ReadSamples ReadFrom(std::span<const double> signal) {
   };
 }
 
-std::vector<double> FilterZeroPhase(const FilterDesign& design, std::span<const double> signal,
-                                    int threads) {
+void FilterZeroPhase(const FilterDesign& design, std::span<const double> signal,
+                     std::span<double> filtered, int threads) {
   HAPTOMETER_CHECK(threads >= 1, "threads = {}", threads);
+  HAPTOMETER_CHECK(filtered.size() == signal.size(), "{} of {} samples", filtered.size(),
+                   signal.size());
   const ZeroPhaseBlocks blocks(design, signal.size());
-  std::vector<double> filtered(signal.size());
   // threads take the next free block; blocks do not depend on each other or on the order
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     ZeroPhaseBlocks::Scratch scratch;
     for (std::size_t block = next++; block < blocks.blocks(); block = next++) {
       const SampleRange range = blocks.Range(block);
-      const std::span<double> out = std::span(filtered).subspan(range.first, range.count);
-      blocks.Filter(block, signal, out, scratch);
+      blocks.Filter(block, signal, filtered.subspan(range.first, range.count), scratch);
     }
   };
   std::vector<std::jthread> helpers;
   helpers.reserve(static_cast<std::size_t>(threads - 1));
   for (int k = 1; k < threads; ++k) helpers.emplace_back(work);
   work();
+}
+
+std::vector<double> FilterZeroPhase(const FilterDesign& design, std::span<const double> signal,
+                                    int threads) {
+  std::vector<double> filtered(signal.size());
+  FilterZeroPhase(design, signal, filtered, threads);
   return filtered;
 }
 

@@ -148,4 +148,8 @@ class ZeroPhaseBlocks {
 [[nodiscard]] std::vector<double> FilterZeroPhase(const FilterDesign& design,
                                                   std::span<const double> signal, int threads = 1);
 
+/// The same into memory of the caller's: as many samples as the signal has.
+void FilterZeroPhase(const FilterDesign& design, std::span<const double> signal,
+                     std::span<double> filtered, int threads);
+
 }  // namespace haptometer::dsp

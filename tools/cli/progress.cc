@@ -38,10 +38,13 @@ extern "C" void EndAtOnce(int signal) {
   ::_exit(128 + signal);
 }
 
+// what a verb says within another program has no terminal
+bool IsErrorTerminal() { return !IsWithinProgram() && ::isatty(STDERR_FILENO) == 1; }
+
 }  // namespace
 
 Progress::Progress(std::string_view what)
-    : what_(what), begun_ns_(clock_.Now()), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+    : what_(what), begun_ns_(clock_.Now()), on_terminal_(IsErrorTerminal()) {}
 
 Progress::~Progress() {
   if (shown_) PrintError("\r\033[K");
@@ -72,7 +75,8 @@ WorkProgress::WorkProgress(std::string_view verb, std::string advice)
     : verb_(verb),
       advice_(std::move(advice)),
       begun_ns_(clock_.Now()),
-      on_terminal_(::isatty(STDERR_FILENO) == 1) {
+      on_terminal_(IsErrorTerminal()) {
+  if (IsWithinProgram()) return;
   struct sigaction ends{};
   ends.sa_handler = EndAtOnce;
   for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
@@ -91,7 +95,15 @@ WorkProgress::WorkProgress(std::string_view verb, std::string advice)
   });
 }
 
+void WorkProgress::Update(std::string_view what, double share) {
+  if (IsWithinProgram() && Interrupted().load()) throw Interruption();
+  const std::scoped_lock lock(mutex_);
+  what_ = what;
+  share_ = share;
+}
+
 WorkProgress::~WorkProgress() {
+  if (!telling_.joinable()) return;
   {
     const std::scoped_lock lock(mutex_);
     done_ = true;

@@ -45,6 +45,7 @@ class Progress {
 /// a terminal one line that is written over and wiped at the end, else a line every ten seconds.
 ///
 /// While this object lives Ctrl-C ends the program with status 130 at once, SIGTERM with 143.
+/// Within another program (tools/cli/terminal.h) it says nothing and takes no signal.
 class WorkProgress {
  public:
   /// `verb` and `advice` are said with it: "simulate", "a shorter --duration takes less".
@@ -53,12 +54,9 @@ class WorkProgress {
   WorkProgress(const WorkProgress&) = delete;
   WorkProgress& operator=(const WorkProgress&) = delete;
 
-  /// Cost: a lock that is hardly ever waited for.
-  void Update(std::string_view what, double share) {
-    const std::scoped_lock lock(mutex_);
-    what_ = what;
-    share_ = share;
-  }
+  /// Cost: a lock that is hardly ever waited for. Throws Interruption where the verb runs within
+  /// another program and is interrupted.
+  void Update(std::string_view what, double share);
 
  private:
   void Say(double elapsed_s);

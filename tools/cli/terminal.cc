@@ -24,6 +24,9 @@ std::atomic<int> which{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may only touch lock-free atomics");
 
+// where what is printed goes; nullptr: standard output and error
+WithinProgram* within = nullptr;
+
 extern "C" void OnSignal(int signal) {
   which.store(signal);
   interrupted.store(true);
@@ -110,7 +113,13 @@ int ReportErrors(std::string_view verb, const std::vector<Error>& errors) {
 }
 
 // all text on stdout is made printable: file names must not control the terminal
-void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
+void Print(std::string_view text) {
+  if (within != nullptr) {
+    within->output_ += PrintableLines(text);
+  } else {
+    fmt::print("{}", PrintableLines(text));
+  }
+}
 
 // a closed standard descriptor would be given to the next file opened, and be written to
 void HoldStandardStreams() {
@@ -140,13 +149,29 @@ int StatusWithOutput(int status, int failure) {
   return WorseStatus(status, ReportError("", {Cause::kFailed, "standard output", what, {}}));
 }
 
-void PrintError(const std::string& text) { std::fputs(text.c_str(), stderr); }
+void PrintError(const std::string& text) {
+  if (within != nullptr) {
+    within->errors_ += text;
+  } else {
+    std::fputs(text.c_str(), stderr);
+  }
+}
 
 void Remark(std::string_view verb, std::string_view text) {
   PrintError(fmt::format("{}: {}\n", verb, Printable(text)));
 }
 
+WithinProgram::WithinProgram() {
+  interrupted.store(false);
+  within = this;
+}
+
+WithinProgram::~WithinProgram() { within = nullptr; }
+
+bool IsWithinProgram() { return within != nullptr; }
+
 void CatchInterrupts() {
+  if (IsWithinProgram()) return;
   struct sigaction action{};
   action.sa_handler = OnSignal;
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal ends the program at once

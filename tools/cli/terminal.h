@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,8 +53,34 @@ void PrintError(const std::string& text);
 /// A remark on stderr, in one printable line: "VERB: TEXT".
 void Remark(std::string_view verb, std::string_view text);
 
+/// While one lives, a verb runs within another program (tools/verb_call.h): what is printed is
+/// kept, no signal is caught, and no interruption has come yet. One at a time; not for threads.
+class WithinProgram {
+ public:
+  WithinProgram();
+  ~WithinProgram();
+  WithinProgram(const WithinProgram&) = delete;
+  WithinProgram& operator=(const WithinProgram&) = delete;
+
+  [[nodiscard]] const std::string& output() const { return output_; }  ///< of Print()
+  [[nodiscard]] const std::string& errors() const { return errors_; }  ///< of PrintError()
+
+ private:
+  friend void Print(std::string_view text);
+  friend void PrintError(const std::string& text);
+  std::string output_;
+  std::string errors_;
+};
+
+[[nodiscard]] bool IsWithinProgram();
+
+/// What leaves long work that is interrupted within another program, where ending the process is
+/// not ours to do.
+struct Interruption : std::exception {};
+
 /// From now on SIGINT, SIGTERM and SIGHUP (a closed terminal) only set a flag, so that a verb can
 /// finish its file; a second signal of the same kind ends the program at once. SIGPIPE is ignored.
+/// Nothing of this within another program.
 void CatchInterrupts();
 
 /// As if `signal` had come and been caught: for an output that nobody reads any more (SIGPIPE).

@@ -14,6 +14,8 @@
 namespace haptometer::document {
 namespace {
 
+Receiver* receiver = nullptr;
+
 // the figures of all sections in one picture
 Result<void> DrawFigures(const std::string& path, const Document& document) {
   std::vector<plot::Panel> panels;
@@ -47,8 +49,9 @@ void AddProvenance(Document& document, const Outputs& outputs, int argc, const c
   document.provenance = ProvenanceOf(document.verb, argc, argv);
 }
 
-// writes picture and page; the exit status, the worse one of findings and files
-int WriteFiles(const Document& document, const Outputs& outputs) {
+// keeps the document, writes picture and page; the exit status, the worse one of findings and files
+int Deliver(const Document& document, const Outputs& outputs) {
+  if (receiver != nullptr) receiver->Take(document);
   int status = StatusOf(document);
   const auto note = [&](const Result<void>& done) {
     if (!done) status = cli::WorseStatus(status, cli::ReportError(document.verb, done.error()));
@@ -61,6 +64,14 @@ int WriteFiles(const Document& document, const Outputs& outputs) {
 Detail DetailOf(const Outputs& outputs) { return outputs.all ? Detail::kAll : Detail::kShort; }
 
 }  // namespace
+
+bool Outputs::HasFigures() const {
+  return !plot.empty() || !report.empty() || (receiver != nullptr && receiver->has_figures());
+}
+
+Receiver::Receiver(bool has_figures) : has_figures_(has_figures) { receiver = this; }
+
+Receiver::~Receiver() { receiver = nullptr; }
 
 void DeclareOutputs(cli::Options& options, Outputs& outputs, const OutputHelp& help) {
   if (!help.all.empty()) options.Flag("--all", &outputs.all, help.all);
@@ -90,7 +101,7 @@ Provenance ProvenanceOf(std::string_view verb, int argc, const char* const* argv
 int Present(Document document, const Outputs& outputs, int argc, const char* const* argv) {
   AddProvenance(document, outputs, argc, argv);
   cli::Print(outputs.json ? JsonOf(document) : TextOf(document, DetailOf(outputs)));
-  return WriteFiles(document, outputs);
+  return Deliver(document, outputs);
 }
 
 int RunVerb(std::string_view verb, cli::Options& options, Outputs& outputs, int argc,
@@ -131,7 +142,7 @@ int Presenter::Finish(Section last) {
   if (outputs_.json) cli::Print(JsonOf(document_));
   // text was printed already, so only the provenance is added
   if (outputs_.all && !outputs_.json) cli::Print(CommentOf(document_.provenance, "  "));
-  return WriteFiles(document_, outputs_);
+  return Deliver(document_, outputs_);
 }
 
 }  // namespace haptometer::document

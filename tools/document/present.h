@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "tools/cli/options.h"
@@ -19,7 +21,26 @@ struct Outputs {
   std::string report;  ///< --report: a page; empty: none
 
   /// Whether figures are drawn, which cost time to compute.
-  [[nodiscard]] bool HasFigures() const { return !plot.empty() || !report.empty(); }
+  [[nodiscard]] bool HasFigures() const;
+};
+
+/// While one lives, a document that is presented is kept here, too. One at a time.
+class Receiver {
+ public:
+  /// `has_figures`: they are computed.
+  explicit Receiver(bool has_figures);
+  ~Receiver();
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+
+  [[nodiscard]] bool has_figures() const { return has_figures_; }
+  void Take(const Document& document) { document_ = document; }
+  /// The last one; nothing where none was presented.
+  [[nodiscard]] std::optional<Document> document() && { return std::move(document_); }
+
+ private:
+  bool has_figures_;
+  std::optional<Document> document_{};
 };
 
 /// What help says of --all, --plot and --report; an option is not declared where it is empty.
