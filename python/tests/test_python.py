@@ -25,6 +25,7 @@ def run(script, **options):
 @pytest.mark.parametrize("call", [
     f'hm.sweep({str(SCENE)!r}, vary={{"drive.frequency_hz": (100.0, 400.0, 100_000_000)}})',
     f'hm.simulate({str(ROOT / "fixtures/lra_stops.toml")!r}, duration=5000.0)',
+    f'hm.analyze_many([{str(ROOT / "fixtures/recorded_trial.bin")!r}] * 20_000)',
 ])
 def test_ctrl_c_ends_a_verb(call):
     process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(f"""

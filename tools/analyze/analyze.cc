@@ -269,12 +269,14 @@ int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter
   single.threads = 1;
   const auto make_worker = [&]() -> OrderedWorker {
     return [&](std::size_t i) -> Result<Finish> {
+      if (cli::IsInterruptedWithin()) return Finish{};
       auto file = std::make_shared<AnalyzedFile>(Analyze(words.files[i], single));
       return [&answers, file] { answers.Take(*file); };
     };
   };
   const auto all = RunJobsInOrder(words.files.size(), job.threads, make_worker);
   HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  cli::LeaveIfInterrupted();
   return answers.Finish(job);
 }
 

@@ -96,7 +96,7 @@ WorkProgress::WorkProgress(std::string_view verb, std::string advice)
 }
 
 void WorkProgress::Update(std::string_view what, double share) {
-  if (IsWithinProgram() && Interrupted().load()) throw Interruption();
+  LeaveIfInterrupted();
   const std::scoped_lock lock(mutex_);
   what_ = what;
   share_ = share;

@@ -170,6 +170,12 @@ WithinProgram::~WithinProgram() { within = nullptr; }
 
 bool IsWithinProgram() { return within != nullptr; }
 
+bool IsInterruptedWithin() { return IsWithinProgram() && interrupted.load(); }
+
+void LeaveIfInterrupted() {
+  if (IsInterruptedWithin()) throw Interruption();
+}
+
 void CatchInterrupts() {
   if (IsWithinProgram()) return;
   struct sigaction action{};

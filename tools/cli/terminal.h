@@ -74,9 +74,15 @@ class WithinProgram {
 
 [[nodiscard]] bool IsWithinProgram();
 
+/// Whether the verb runs within another program and is to end: what has not begun may be left out.
+[[nodiscard]] bool IsInterruptedWithin();
+
 /// What leaves long work that is interrupted within another program, where ending the process is
 /// not ours to do.
 struct Interruption : std::exception {};
+
+/// Throws Interruption where IsInterruptedWithin(). On the verb's own thread only.
+void LeaveIfInterrupted();
 
 /// From now on SIGINT, SIGTERM and SIGHUP (a closed terminal) only set a flag, so that a verb can
 /// finish its file; a second signal of the same kind ends the program at once. SIGPIPE is ignored.

@@ -21,6 +21,7 @@
 #include "dsp/analysis/window_remarks.h"
 #include "dsp/statistics/outliers.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/session/session_folder.h"
 #include "trial/import/read_recording.h"
@@ -302,6 +303,7 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
   std::size_t done = 0;
   const auto make_worker = [&]() -> Worker {
     return [&](std::size_t i) -> Result<void> {
+      if (cli::IsInterruptedWithin()) return {};
       trials[i] = AnalyzeTrial(files[i], question, import);
       const std::scoped_lock lock(progress_mutex);
       progress.Update(static_cast<double>(++done) / static_cast<double>(files.size()));
@@ -311,6 +313,7 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const auto all = RunJobs(files.size(), threads, make_worker);
   HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  cli::LeaveIfInterrupted();
   return trials;
 }
 
