@@ -69,7 +69,7 @@ TEST(InterruptVerb, EndsAVerbAndNotTheNextOne) {
   VerbAnswer ended;
   std::thread running([&] {
     ended =
-        CallVerb({"simulate", HAPTOMETER_FIXTURES "/lra_stops.toml", "--duration=20000s"}, false);
+        CallVerb({"simulate", HAPTOMETER_FIXTURES "/lra_stops.toml", "--duration=5000s"}, false);
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   InterruptVerb();
