@@ -18,6 +18,7 @@ std::string_view Name(InstructionSet set) {
   HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
 }
 
+#ifdef __x86_64__
 bool IsSupported(InstructionSet set) {
   switch (set) {
     case InstructionSet::kBaseline:
@@ -30,6 +31,9 @@ bool IsSupported(InstructionSet set) {
   }
   HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
 }
+#else
+bool IsSupported(InstructionSet set) { return set == InstructionSet::kBaseline; }
+#endif
 
 InstructionSet WidestInstructionSet(std::string_view limit) {
   InstructionSet best = InstructionSet::kBaseline;

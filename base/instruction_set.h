@@ -5,9 +5,10 @@
 
 namespace haptometer {
 
-/// Instruction sets of x86-64 that loops are compiled for. All give the same bytes.
+/// Instruction sets of x86-64 that loops are compiled for. All give the same bytes. On other
+/// processors there is only kBaseline, which is what the compiler's flags say: NEON on AArch64.
 enum class InstructionSet : std::uint8_t {
-  kBaseline,  ///< SSE2, which every processor has
+  kBaseline,  ///< SSE2, which every processor of x86-64 has
   kAvx2,      ///< with carry-less products of 128 bits
   kAvx512,    ///< F, DQ, VL and BW
 };

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <immintrin.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,6 +16,10 @@
 
 #include "base/input_file.h"
 #include "base/instruction_set.h"
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
 
 namespace haptometer::trial {
 namespace {
@@ -236,17 +239,18 @@ std::unique_ptr<ByteSource> MakeMemorySource(std::string bytes) {
 
 namespace {
 
-// CRC by carry-less multiplication: four lanes of 16 bytes are in flight at once
-constexpr std::size_t kLane = 16;
-constexpr std::size_t kLanes = 4;
-// start and final value of the CRC, all ones
-constexpr std::uint32_t kOnes = 0xffff'ffff;
-
 // continues from `crc`, that of the bytes before
 std::uint32_t ByZlib(std::uint32_t crc, std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(
       crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
+
+#ifdef __x86_64__
+// CRC by carry-less multiplication: four lanes of 16 bytes are in flight at once
+constexpr std::size_t kLane = 16;
+constexpr std::size_t kLanes = 4;
+// start and final value of the CRC, all ones
+constexpr std::uint32_t kOnes = 0xffff'ffff;
 
 [[gnu::target("pclmul,sse4.1")]] inline __m128i Load(const std::byte* bytes) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
@@ -326,10 +330,12 @@ constexpr std::size_t kWideLane = 64;
   for (std::size_t k = 0; k < kLanes; ++k) _mm512_storeu_si512(&rest[k * kWideLane], lanes[k]);
   return ByZlib(ByFolding(0, rest), bytes);
 }
+#endif
 
 }  // namespace
 
 std::uint32_t Crc32(std::span<const std::byte> bytes) {
+#ifdef __x86_64__
   // the widest method that the processor supports and the length allows; AVX-512 began without
   // carry-less products
   static const bool folds = UsableInstructionSet() >= InstructionSet::kAvx2;
@@ -337,6 +343,7 @@ std::uint32_t Crc32(std::span<const std::byte> bytes) {
                                    __builtin_cpu_supports("vpclmulqdq") != 0;
   if (folds_widely && bytes.size() >= kLanes * kWideLane) return ByWideFolding(kOnes, bytes);
   if (folds && bytes.size() >= kLanes * kLane) return ByFolding(kOnes, bytes);
+#endif
   return ByZlib(0, bytes);
 }
 

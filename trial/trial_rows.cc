@@ -1,7 +1,5 @@
 #include "trial/trial_rows.h"
 
-#include <immintrin.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -12,6 +10,10 @@
 #include "trial/record.h"
 #include "trial/time_base.h"
 #include "trial/trial_format.h"
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
 
 namespace haptometer::trial {
 
@@ -161,6 +163,7 @@ bool DecodeOk(const std::byte* row, const RowColumn& column, std::span<double> v
   return seen == std::byte{};
 }
 
+#ifdef __x86_64__
 // bytes of one load; eight rows are four loads of two rows each
 constexpr std::size_t kLoadBytes = 16;
 constexpr std::size_t kRowsAtOnce = 8;  // two in each load
@@ -246,6 +249,7 @@ template <typename Raw>
   }
   return _mm256_testz_si256(seen, LoadBytes(shuffles.status)) != 0;
 }
+#endif
 
 // eights, then single rows; all rows again with care where a status is not kOk
 template <typename Raw>
@@ -253,12 +257,14 @@ void DecodeAll(std::span<const std::byte> rows, const RowColumn& column, std::sp
                std::span<SampleStatus> statuses) {
   std::span<double> rest = values;
   bool ok = true;
+#ifdef __x86_64__
   if constexpr (sizeof(Raw) == 4) {
     // two rows fit in a load of 16 bytes
     if (2 * column.row_bytes <= kLoadBytes && UsableInstructionSet() >= InstructionSet::kAvx2) {
       ok = DecodeEights<Raw>(rows, column, rest);
     }
   }
+#endif
   const std::size_t done = values.size() - rest.size();
   ok = ok && DecodeOk<Raw>(rows.data() + done * column.row_bytes, column, rest);
   if (!ok) return DecodeCarefully<Raw>(rows.data(), column, values, statuses);

@@ -62,7 +62,13 @@ struct LaneKernel {
 };
 
 extern const LaneKernel kLaneKernelBaseline;
+#ifdef __x86_64__
 extern const LaneKernel kLaneKernelAvx2;
 extern const LaneKernel kLaneKernelAvx512;
+#else
+// no processor has these sets
+inline constexpr const LaneKernel& kLaneKernelAvx2 = kLaneKernelBaseline;
+inline constexpr const LaneKernel& kLaneKernelAvx512 = kLaneKernelBaseline;
+#endif
 
 }  // namespace haptometer::dsp

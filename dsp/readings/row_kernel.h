@@ -52,8 +52,14 @@ struct RowKernel {
 };
 
 extern const RowKernel kRowKernelBaseline;
+#ifdef __x86_64__
 extern const RowKernel kRowKernelAvx2;
 extern const RowKernel kRowKernelAvx512;
+#else
+// no processor has these sets
+inline constexpr const RowKernel& kRowKernelAvx2 = kRowKernelBaseline;
+inline constexpr const RowKernel& kRowKernelAvx512 = kRowKernelBaseline;
+#endif
 
 /// The fastest one that this processor knows.
 [[nodiscard]] const RowKernel& WidestRowKernel();

@@ -9,7 +9,12 @@
 
 namespace haptometer::dsp {
 
+// 113 bits: on AArch64 those of long double
+#ifdef __aarch64__
+using Quad = long double;
+#else
 __extension__ typedef __float128 Quad;
+#endif
 
 // the numerator 1 + one/z + two/z^2, and what it makes of a constant 1
 struct Numerator {

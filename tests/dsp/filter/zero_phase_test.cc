@@ -1,11 +1,11 @@
 #include "dsp/filter/zero_phase.h"
 
 #include <gtest/gtest.h>
-#include <xmmintrin.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -308,11 +308,25 @@ TEST(ZeroPhaseBlocks, AReadThatFailsEndsTheBlock) {
   EXPECT_FALSE(blocks.FilterPieces(0, broken, [](auto...) {}, states, scratch));
 }
 
+// whether this thread takes subnormal numbers for 0
+struct Flushed {
+  bool results = false;
+  bool inputs = false;
+  bool operator==(const Flushed&) const = default;
+};
+constexpr Flushed kBoth{true, true};
+constexpr Flushed kNeither{false, false};
+
+Flushed FlushedNow() {
+  const volatile double least = std::numeric_limits<double>::min();
+  const volatile double below = std::numeric_limits<double>::denorm_min();
+  return {least / 2 == 0, below * 0x1p60 == 0};
+}
+
 TEST(ZeroPhaseBlocks, SilenceLeavesNoSubnormalNumbers) {
   // after a click the state decays through 1e-308 within 18 s
   std::vector<double> in(100'000, 0.0);
   in[0] = 1e-6;
-  const unsigned mode = _mm_getcsr();
   for (const FilterDesign& design : EveryDesign(2e3)) {
     std::vector<double> causal(in.size());
     Cascade cascade(design);
@@ -322,9 +336,21 @@ TEST(ZeroPhaseBlocks, SilenceLeavesNoSubnormalNumbers) {
     }
     EXPECT_LT(std::abs(causal.back()), 1e-300);
   }
-  // the caller's mode stands, but for the exceptions that were met
-  constexpr unsigned kExceptions = 0x3f;
-  EXPECT_EQ(_mm_getcsr() & ~kExceptions, mode & ~kExceptions);
+}
+
+TEST(ZeroPhaseBlocks, TheCallersModeStands) {
+  const std::vector<double> in(1000, 1.0);
+  const FilterDesign design = Designed({2, 20, 500}, 2e3);
+  ASSERT_EQ(FlushedNow(), kNeither);
+  (void)FilterZeroPhase(design, in);
+  EXPECT_EQ(FlushedNow(), kNeither);
+  {
+    const FlushSubnormals flush;
+    EXPECT_EQ(FlushedNow(), kBoth);
+    (void)FilterZeroPhase(design, in);
+    EXPECT_EQ(FlushedNow(), kBoth);
+  }
+  EXPECT_EQ(FlushedNow(), kNeither);
 }
 
 constexpr double kRateHz = 10e3;
