@@ -32,24 +32,26 @@ BUILDS = {
 }
 # instruction sets of the release program's kernels, each with a flag of the processor that has it
 SETS = {"sse2": "sse2", "avx2": "avx2", "avx512": "avx512dq"}
+# the column that tests/long/arm64.py writes
+EMULATED = "aarch64"
 HEAD = """# Hard cases
 
 Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states what
 that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build; `exact`:
 no error at all. `g++ -O2` is the release program; sse2, avx2 and avx512 are its kernels with these instruction sets.
-Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
-[hard_case_tests.md](hard_case_tests.md).
+Contracted: products and sums in one rounding. aarch64: g++ -O2 for that processor, run by qemu's user emulation
+(`tests/long/arm64.py`). What ordinary tests hold of hard cases is listed in [hard_case_tests.md](hard_case_tests.md).
 """
 
 
-def rows_of(program, instruction_set=None):
+def rows_of(command, instruction_set=None):
     """What a program prints of its cases, in its order; it may miss bars, which the digits then show."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "rows")
         environment = {**os.environ, "HAPTOMETER_HARD_CASES": path}
         if instruction_set is not None:
             environment["HAPTOMETER_INSTRUCTION_SET"] = instruction_set
-        subprocess.run([program], env=environment, check=False, stdout=subprocess.DEVNULL, timeout=600)
+        subprocess.run(command, env=environment, check=False, stdout=subprocess.DEVNULL, timeout=3600)
         with open(path, encoding="utf-8") as file:
             return [json.loads(line) for line in file]
 
@@ -113,13 +115,64 @@ def page(rows_by_build):
     return "\n".join(text)
 
 
+def cells_of(entry):
+    """The cells of a line of a table."""
+    return [cell.strip().replace("\0", "|") for cell in entry.replace("\\|", "\0").strip("|").split("|")]
+
+
+def rows_of_page(text):
+    """Lines of a page, each with its room and its cells, which are None where it is not of a table."""
+    room = None
+    for entry in text.splitlines():
+        if entry.startswith("## "):
+            room = entry[3:].split(":")[0]
+        yield entry, room, cells_of(entry) if entry.startswith("| ") else None
+
+
+def column(text, build):
+    """The cells of a build's column by room and case; none where the page has no such column."""
+    found, place = {}, None
+    for _, room, cells in rows_of_page(text):
+        if cells is not None and cells[0] == "case":
+            place = cells.index(build) if build in cells else None
+        elif cells is not None and place is not None:
+            found[room, cells[0]] = cells[place]
+    return found
+
+
+def with_column(text, build, shown):
+    """The page's text with these cells, by room and case, as its last column."""
+    lines, place = [], None
+    for entry, room, cells in rows_of_page(text):
+        if cells is not None and cells[0] == "case":
+            place = cells.index(build) if build in cells else len(cells)
+            entry = line([*cells[:place], build])
+        elif cells is not None:
+            entry = line([*cells[:place], shown.get((room, cells[0]), "not run")])
+        elif entry.startswith("|---"):
+            entry = "|" + "---|" * (place + 1)
+        lines.append(entry)
+    return "\n".join(lines) + "\n"
+
+
+def write(rows_by_build):
+    """Writes the page; the column of AArch64 remains as it was."""
+    emulated = column(PAGE.read_text(encoding="utf-8"), EMULATED)
+    text = page(rows_by_build)
+    PAGE.write_text(with_column(text, EMULATED, emulated) if emulated else text, encoding="utf-8")
+
+
+def write_emulated(rows):
+    """Writes the column of AArch64, the others remain as they were."""
+    shown = {(row["room"], row["name"]): digits(row) for row in rows}
+    PAGE.write_text(with_column(PAGE.read_text(encoding="utf-8"), EMULATED, shown), encoding="utf-8")
+
+
 def check():
     """The page's rows are those of the program."""
     rows = rows_of(os.path.join(os.environ["HAPTOMETER_PROGRAMS"], "hard_cases_test"))
     text = PAGE.read_text(encoding="utf-8").splitlines()
-    shown = [[cell.strip() for cell in entry.replace("\\|", "\0").strip("|").split("|")] for entry in text
-             if entry.startswith("| ")]
-    shown = [[cell.replace("\0", "|") for cell in cells] for cells in shown if cells[0] != "case"]
+    shown = [cells for cells in map(cells_of, filter(lambda entry: entry.startswith("| "), text)) if cells[0] != "case"]
     wanted = [stated(row) for room in ROOMS for row in rows if row["room"] == room]
     have = [cells[:3] + [cells[4]] for cells in shown]
     for row in wanted:
@@ -143,11 +196,11 @@ def main():
     rows = {"g++ -O2": rows_of(given.release)}
     for name in known_sets():
         rows[name] = rows_of(given.release, name)
-    PAGE.write_text(page(rows), encoding="utf-8")
+    write(rows)
     for name in given.builds:
         print(name, flush=True)
         rows[name] = rows_of(built(name))
-        PAGE.write_text(page(rows), encoding="utf-8")
+        write(rows)
     return 0
 
 
