@@ -63,9 +63,12 @@ struct SolverReport {
 /// (tests/fit/least_squares_test.cc). Its gradient tolerance is absolute, so residuals belong in
 /// units of their noise, and positive parameters are best given as logarithms.
 ///
-/// @param is_free one flag a parameter; the others stay where they are
 /// Cost of an iteration: one evaluation with derivatives, and reflections of its rows, a stretch at
 /// a time, over the columns that are not 0 there: 2 residuals x (columns touched)^2.
+///
+/// @param problem residuals with their derivatives
+/// @param is_free one flag a parameter; the others stay where they are
+/// @param point where the search begins, and the best point found
 [[nodiscard]] SolverReport Minimise(const LeastSquares& problem, const std::vector<bool>& is_free,
                                     std::vector<double>* point);
 

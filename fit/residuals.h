@@ -28,6 +28,8 @@ struct ResidualDensity {
 /// 1.
 ///
 /// @param residuals on a regular grid, 0 where there is no sample
+/// @param step_s of the grid
+/// @param resonance_hz the oscillation's frequency
 [[nodiscard]] ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
                                         double resonance_hz);
 

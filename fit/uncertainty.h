@@ -15,8 +15,10 @@ namespace haptometer::fit {
 /// interval symmetric in the constant or in its logarithm no longer says the same. The 95 %
 /// interval is that of a normal distribution; see SetIntervals for few residuals.
 ///
+/// @param logarithm l
 /// @param statistical_variance of l, from scatter (type A)
 /// @param input_variance of l, from what was given (type B)
+/// @param unit of the constant
 [[nodiscard]] FittedValue FromLogarithm(double logarithm, double statistical_variance,
                                         double input_variance, std::string unit);
 

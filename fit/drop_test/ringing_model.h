@@ -43,6 +43,8 @@ struct RingingSlopes {
 /// is a stretch of its own. No allocation.
 class RingingMoments {
  public:
+  /// @param decay_per_s d
+  /// @param stiffness_per_s2 q
   /// @param electrical_rate_per_s p; 0: there is no such current
   /// @param step_s 0: no grid is known
   RingingMoments(double decay_per_s, double stiffness_per_s2, double electrical_rate_per_s,
@@ -177,7 +179,10 @@ struct RingingSum {
 /// record's polarity. Derivatives of the circuit's poles and shape are automatic. Not numbers where
 /// a given impact speed meets an impossible Km^2.
 ///
-/// @param shared the point's shared parameters, @param own those of this record
+/// @param record of which all but the samples counts
+/// @param inductance_h of the coil
+/// @param shared the point's shared parameters
+/// @param own those of this record
 [[nodiscard]] RingingSum SumOfParts(const RingDownSamples& record, double inductance_h,
                                     const double* shared, const double* own);
 

@@ -35,6 +35,7 @@ struct AreaLaw {
 /// Weighted straight line of ln(value) over ln(area); nothing for fewer than two areas that are at
 /// least 10 % apart.
 ///
+/// @param points one a contact
 /// @param input_covariance relative covariance of the common inputs (inputs x inputs); empty: none
 [[nodiscard]] std::optional<AreaLaw> FitAreaLaw(
     const std::vector<AreaPoint>& points, const std::vector<std::vector<double>>& input_covariance);

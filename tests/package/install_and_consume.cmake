@@ -1,5 +1,5 @@
 # The consumer is built with the flags of the build, so that sanitized libraries find their runtime.
-# cmake -P: install, configure the consumer, build it, run it; stops at the first failure.
+# cmake -P: install, configure the consumer, build it by CMake and by pkg-config, run it; stops at the first failure.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -13,10 +13,24 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${SCRATCH}/build -G Ninja -D CMAKE_CXX_COMPILER=${COMPILER}
     -D CMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=${FLAGS}" -D CMAKE_PREFIX_PATH=${SCRATCH}/prefix)
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
-run(${SCRATCH}/build/consumer ${FIXTURES}/lra_adapter.toml)
-if(NOT output MATCHES "0\\.200176")
-  message(FATAL_ERROR "the consumer answered ${output}, not the adapter's 0.200176 mm")
-endif()
+function(answers)
+  run(${ARGN} ${FIXTURES}/lra_adapter.toml)
+  if(NOT output MATCHES "0\\.200176")
+    message(FATAL_ERROR "${ARGN} answered ${output}, not the adapter's 0.200176 mm")
+  endif()
+endfunction()
+answers(${SCRATCH}/build/consumer)
+answers(/usr/bin/python3 ${SOURCE}/call_shared.py ${SCRATCH}/build/librooms.so)
+
+# by pkg-config
+file(GLOB of_pkg_config ${SCRATCH}/prefix/lib*/pkgconfig ${SCRATCH}/prefix/lib/*/pkgconfig)
+set(ENV{PKG_CONFIG_PATH} "${of_pkg_config}")
+run(pkg-config --cflags --libs haptometer)
+separate_arguments(flags UNIX_COMMAND "${output}")
+separate_arguments(optimised UNIX_COMMAND "${FLAGS}")
+run(${COMPILER} -std=c++23 ${optimised} ${SOURCE}/consumer.cc ${flags} -o ${SCRATCH}/consumer)
+answers(${SCRATCH}/consumer)
+
 foreach(verb acquire analyze fit-lra)
   run(${SCRATCH}/prefix/bin/${verb} --version)
 endforeach()
@@ -25,3 +39,15 @@ foreach(file man/man1/haptometer.1 man/man1/analyze.1 bash-completion/completion
     message(FATAL_ERROR "share/${file} is not installed")
   endif()
 endforeach()
+
+# the service starts the program of the prefix, also where the files are staged for another place
+function(starts root prefix)
+  file(READ ${root}${prefix}/lib/systemd/system/haptometer-acquire@.service unit)
+  if(NOT unit MATCHES "\nExecStart=${prefix}/bin/haptometer acquire ")
+    message(FATAL_ERROR "the unit does not start ${prefix}/bin/haptometer:\n${unit}")
+  endif()
+endfunction()
+starts("" ${SCRATCH}/prefix)
+set(ENV{DESTDIR} ${SCRATCH}/staged)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix /usr)
+starts(${SCRATCH}/staged /usr)

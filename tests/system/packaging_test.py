@@ -1,5 +1,5 @@
 """The files that are installed for systemd and udev: verified by systemd-analyze, and by the keys
-that udev(7) knows (udevadm of Debian 12 cannot verify rules)."""
+that udev(7) knows (udevadm of Debian 12 cannot verify rules). tests/package checks where they are installed."""
 import os
 import re
 import shutil
@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from programs import DEADLINE_S, Emulator, check, program, run, skip, wait_for
 
 RULES = "packaging/udev/60-haptometer.rules"
+UNIT = "packaging/systemd/haptometer-acquire@.service.in"
 MOST_EXPOSURE = 2.5  # what the project promises
 
 # the keys that we use, with the operators that udev(7) allows them
@@ -61,18 +62,22 @@ def rules():
     print(f"{len(parsed)} rules, {sum(map(len, parsed))} items")
 
 
+def filled(text, directory):
+    """A file of the unit that starts the program of the build."""
+    check(text.count("ExecStart=@BINDIR@/haptometer ") == 1, "the unit starts something else")
+    copy = os.path.join(directory, "haptometer-acquire@rig.service")
+    with open(copy, "w") as file:
+        file.write(text.replace("@BINDIR@", os.path.dirname(program("haptometer"))))
+    return copy
+
+
 def unit(path):
     if shutil.which("systemd-analyze") is None:
         skip("no systemd-analyze")
     with open(path) as file:
         text = file.read()
-    installed, = re.findall(r"^ExecStart=(\S+)", text, re.MULTILINE)
-    check(os.path.isabs(installed) and installed.endswith("/haptometer"), installed)
     with tempfile.TemporaryDirectory() as directory:
-        # the program is not installed yet
-        copy = os.path.join(directory, "haptometer-acquire@rig.service")
-        with open(copy, "w") as file:
-            file.write(text.replace(installed, os.path.abspath(program("haptometer"))))
+        copy = filled(text, directory)
         verified = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no",
                                    copy], capture_output=True, text=True)
         check(verified.returncode == 0 and verified.stderr == "",
@@ -88,8 +93,8 @@ def unit(path):
 
 def exposure(path):
     """What an intruder in the daemon could reach, as systemd-analyze weighs it: 10 is a program of root's."""
-    with tempfile.TemporaryDirectory() as directory:
-        copy = shutil.copy(path, os.path.join(directory, "haptometer-acquire@rig.service"))
+    with open(path) as file, tempfile.TemporaryDirectory() as directory:
+        copy = filled(file.read(), directory)
         done = subprocess.run(["systemd-analyze", "security", "--offline=yes", "--no-pager", copy],
                               capture_output=True, text=True)
     found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", done.stdout)
@@ -157,6 +162,6 @@ def daemon_calls():
 
 if __name__ == "__main__":
     rules()
-    unit(sys.argv[1])
-    exposure(sys.argv[1])
-    system_calls(sys.argv[1])
+    unit(UNIT)
+    exposure(UNIT)
+    system_calls(UNIT)
