@@ -56,11 +56,14 @@ function(haptometer_archives target)
   set_target_properties(${target} PROPERTIES INTERFACE_LINK_LIBRARIES "${archives};${shared}")
 endfunction()
 
-haptometer_archives(PkgConfig::zlib z)
+option(HAPTOMETER_SHARED_ZLIB "Link the shared zlib, as Debian asks of its packages" OFF)
+if(NOT HAPTOMETER_SHARED_ZLIB)
+  haptometer_archives(PkgConfig::zlib z)
+endif()
 haptometer_archives(PkgConfig::fftw3 fftw3 ALSO m)
 haptometer_archives(PkgConfig::libserialport serialport)
-haptometer_archives(PkgConfig::hdf5 hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
-haptometer_archives(PkgConfig::matio matio hdf5 sz aec z ALSO ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::hdf5 hdf5 sz aec ALSO ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::matio matio hdf5 sz aec ALSO ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
 haptometer_archives(PkgConfig::libcrypto crypto ALSO ${CMAKE_DL_LIBS} Threads::Threads)
 # Ceres' own target is an archive, which a module cannot hold; METIS and libunwind, which CHOLMOD and glog call, have
 # no archives
