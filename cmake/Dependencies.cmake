@@ -62,8 +62,8 @@ if(NOT HAPTOMETER_SHARED_ZLIB)
 endif()
 haptometer_archives(PkgConfig::fftw3 fftw3 ALSO m)
 haptometer_archives(PkgConfig::libserialport serialport)
-haptometer_archives(PkgConfig::hdf5 hdf5 sz aec ALSO ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
-haptometer_archives(PkgConfig::matio matio hdf5 sz aec ALSO ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::hdf5 hdf5 sz aec ALSO PkgConfig::zlib ${CMAKE_DL_LIBS} m)
+haptometer_archives(PkgConfig::matio matio hdf5 sz aec ALSO PkgConfig::zlib ${CMAKE_DL_LIBS} m)
 haptometer_archives(PkgConfig::libcrypto crypto ALSO ${CMAKE_DL_LIBS} Threads::Threads)
 # Ceres' own target is an archive, which a module cannot hold; METIS and libunwind, which CHOLMOD and glog call, have
 # no archives
