@@ -7,13 +7,14 @@
                                                of docs/developer/hard_cases.md
     tests/long/arm64.py --programs NAME...     these alone
 
-Needs the packages g++-aarch64-linux-gnu, mmdebstrap and qemu-user-static. The machine's own packages stay as they are.
+Needs the group arm64 of tools/packages.txt. The machine's own packages stay as they are.
 """
 import argparse
 import concurrent.futures
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -42,13 +43,17 @@ def packages():
     return ["libc6-dev", *(name for group, name in groups if group == "build" and name.endswith("-dev"))]
 
 
-def linked_within(folder):
-    """Packages state some links from the root of the system, which here is `folder`."""
-    for path in folder.rglob("*.so*"):
+def linked_within(libraries):
+    """Packages state some links and libraries from the root of the system, which here is SYSROOT."""
+    for path in libraries.glob("*.so*"):
         if path.is_symlink() and os.path.isabs(os.readlink(path)):
-            target = folder / os.readlink(path).lstrip("/")
+            target = SYSROOT / os.readlink(path).lstrip("/")
             path.unlink()
             path.symlink_to(os.path.relpath(target, path.parent))
+    for path in libraries.glob("cmake/*/*.cmake"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(re.sub(r"(?<![\w}])/usr/lib/aarch64-linux-gnu(?=/lib[\w.+-]+\.so)", str(libraries), text),
+                        encoding="utf-8")
 
 
 def alternatives_chosen(libraries):
@@ -61,15 +66,15 @@ def alternatives_chosen(libraries):
 
 
 def unpack():
-    """Makes the sysroot, unless it has these packages."""
+    """Makes the sysroot, unless it has these packages, and in this place."""
     listed = SYSROOT / "packages"
-    names = "\n".join(packages())
+    names = "\n".join([str(SYSROOT), *packages()])
     if listed.exists() and listed.read_text(encoding="utf-8") == names:
         return
     shutil.rmtree(SYSROOT, ignore_errors=True)
     subprocess.run(["mmdebstrap", "--quiet", "--variant=extract", "--architectures=arm64",
                     f"--include={','.join(packages())}", "bookworm", SYSROOT], check=True)
-    linked_within(SYSROOT)
+    linked_within(LIBRARIES)
     alternatives_chosen(LIBRARIES)
     listed.write_text(names, encoding="utf-8")
 
