@@ -3,8 +3,8 @@
 
     tests/long/arm64.py --sysroot              unpacks the packages into build/arm64-sysroot, for the preset arm64
     tests/long/arm64.py                        does so where they are missing, builds the test programs, runs them, prints
-                                               passed, failed and skipped cases of each, and writes the column aarch64
-                                               of docs/developer/hard_cases.md
+                                               passed, failed and skipped cases of each, and writes a column of
+                                               docs/developer/hard_cases.md
     tests/long/arm64.py --programs NAME...     these alone
 
 Needs the group arm64 of tools/packages.txt. The machine's own packages stay as they are.

@@ -32,15 +32,15 @@ BUILDS = {
 }
 # instruction sets of the release program's kernels, each with a flag of the processor that has it
 SETS = {"sse2": "sse2", "avx2": "avx2", "avx512": "avx512dq"}
-# the column that tests/long/arm64.py writes
-EMULATED = "aarch64"
+# the column that tests/long/arm64.py writes: g++ -O2 for AArch64, run by qemu's user emulation
+EMULATED = "aarch64 under qemu"
 HEAD = """# Hard cases
 
 Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states what
 that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build; `exact`:
 no error at all. `g++ -O2` is the release program; sse2, avx2 and avx512 are its kernels with these instruction sets.
-Contracted: products and sums in one rounding. aarch64: g++ -O2 for that processor, run by qemu's user emulation
-(`tests/long/arm64.py`). What ordinary tests hold of hard cases is listed in [hard_case_tests.md](hard_case_tests.md).
+Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
+[hard_case_tests.md](hard_case_tests.md).
 """
 
 
