@@ -16,8 +16,9 @@ PICTURES = {".svg", ".png"}
 
 def pages(tree):
     """Paths of the pages within the tree."""
-    of_folders = [path.relative_to(tree) for path in sorted((tree / "docs").rglob("*.md"))]
-    return [pathlib.Path(name) for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "tests/long/README.md")] + of_folders
+    names = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "tests/long/README.md"]
+    return [pathlib.Path(name) for name in names] + [
+        path.relative_to(tree) for path in sorted((tree / "docs").rglob("*.md"))]
 
 
 def html_name(page):

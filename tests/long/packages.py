@@ -21,27 +21,23 @@ NAMES = ["haptometer", "haptometer-doc", "libhaptometer-dev"]
 RELEASE = "bookworm"
 
 
-def run(what, *words, **options):
+def run(what, *words, log=None, **options):
     """Runs a command with its output in a log; what it takes is printed."""
-    log = PACKAGES / f"{what.replace(' ', '-')}.log"
+    log = log or PACKAGES / f"{what.replace(', ', '-').replace(' ', '-')}.log"
     begin = time.monotonic()
     with open(log, "w") as file:
         status = subprocess.run([str(word) for word in words], stdout=file, stderr=subprocess.STDOUT, cwd=ROOT,
                                 **options).returncode
-    print(f"{what:<28}{'done' if status == 0 else 'FAILED':<8}{time.monotonic() - begin:6.0f} s   {log.relative_to(ROOT)}",
-          flush=True)
+    took = f"{time.monotonic() - begin:6.0f} s"
+    print(f"{what:<28}{'done' if status == 0 else 'FAILED':<8}{took}   {log.relative_to(ROOT)}", flush=True)
     return status == 0
 
 
 def build(checked):
-    options = "" if checked else "nocheck"
-    shutil.rmtree(PACKAGES, ignore_errors=True)
-    PACKAGES.mkdir(parents=True)
-    # the script empties the folder in which the log would be
-    begin = time.monotonic()
-    done = subprocess.run(["tools/build-packages"], env=os.environ | {"DEB_BUILD_OPTIONS": options}, cwd=ROOT)
-    print(f"{'build':<28}{'done' if done.returncode == 0 else 'FAILED':<8}{time.monotonic() - begin:6.0f} s", flush=True)
-    return done.returncode == 0
+    (ROOT / "build").mkdir(exist_ok=True)
+    # the script empties the folder of the other logs
+    return run("build", "tools/build-packages", log=ROOT / "build/packages.log",
+               env=os.environ | {"DEB_BUILD_OPTIONS": "" if checked else "nocheck"})
 
 
 def packages():
@@ -59,8 +55,9 @@ def examined():
 
 def has_clean_root():
     shutil.rmtree(CLEAN, ignore_errors=True)
+    # systemd, which every machine has and the packages need, leaves files of its own when it is purged
     return os.getuid() == 0 and shutil.which("mmdebstrap") and run(
-        "clean root", "mmdebstrap", "--variant=minbase", RELEASE, CLEAN)
+        "clean root", "mmdebstrap", "--variant=minbase", "--include=systemd", RELEASE, CLEAN)
 
 
 def in_clean_root():
@@ -71,10 +68,11 @@ def in_clean_root():
     gone = run("install, remove, purge", "piuparts", "--existing-chroot", CLEAN, "--distribution", RELEASE,
                "--no-eatmydata", "--no-upgrade-test", *packages())
     # terminals for the emulator; the mounts end with the process
-    mounted = f'mount -t proc proc "{CLEAN}/proc" && mount -t devpts -o newinstance,ptmxmode=0666 pts "{CLEAN}/dev/pts" && ' \
-              f'mount --bind "{CLEAN}/dev/pts/ptmx" "{CLEAN}/dev/ptmx" && exec "$@"'
-    used = run("tests of the installed", "unshare", "--mount", "sh", "-c", mounted, "sh", "autopkgtest", "-U", "-B", *packages(),
-               f"{source}/", "--", "chroot", CLEAN)
+    mounted = (f'mount -t proc proc "{CLEAN}/proc" && '
+               f'mount -t devpts -o newinstance,ptmxmode=0666 pts "{CLEAN}/dev/pts" && '
+               f'mount --bind "{CLEAN}/dev/pts/ptmx" "{CLEAN}/dev/ptmx" && exec "$@"')
+    used = run("tests of the installed", "unshare", "--mount", "sh", "-c", mounted, "sh",
+               "autopkgtest", "-U", "-B", *packages(), f"{source}/", "--", "chroot", CLEAN)
     return gone and used
 
 

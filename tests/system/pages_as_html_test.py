@@ -17,7 +17,8 @@ def main():
         skip("no pandoc")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        made = subprocess.run([sys.executable, "-B", "packaging/pages/pages.py", ".", name], capture_output=True, text=True)
+        made = subprocess.run([sys.executable, "-B", "packaging/pages/pages.py", ".", name],
+                              capture_output=True, text=True)
         check(made.returncode == 0 and not made.stderr, made.stderr)
         read = {path: Anchors(path) for path in folder.rglob("*.html")}
         sources = len(list(pathlib.Path("docs").rglob("*.md"))) + 4  # README, CHANGELOG, CONTRIBUTING, long runs
