@@ -1,11 +1,13 @@
 // haptometer._native: what the package haptometer (python/haptometer) is made of. Everything that
 // computes runs without Python's lock. Errors of the outside world become haptometer's exceptions
 // in the package.
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <toml++/toml.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -25,7 +27,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/input_file.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
@@ -58,6 +59,20 @@ T ValueOf(Result<T> result) {
   if (!result) throw Raised(result.error());
   return *std::move(result);
 }
+
+// Without Python's lock. Where the interpreter ends meanwhile, it ends a thread that wants the lock
+// back by unwinding it, so that this destructor throws, which that of py::gil_scoped_release must
+// not.
+class WithoutLock {
+ public:
+  WithoutLock() : state_(PyEval_SaveThread()) {}
+  ~WithoutLock() noexcept(false) { PyEval_RestoreThread(state_); }
+  WithoutLock(const WithoutLock&) = delete;
+  WithoutLock& operator=(const WithoutLock&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
 
 // --- arrays ---
 
@@ -190,34 +205,37 @@ py::list PanelsOf(const document::Document& document) {
 }
 
 std::string Html(const Answer& answer) {
-  const py::gil_scoped_release released;
+  const WithoutLock released;
   return ValueOf(document::HtmlOf(*answer.document));
 }
 
 std::string Text(const Answer& answer) {
-  const py::gil_scoped_release released;
+  const WithoutLock released;
   return document::TextOf(*answer.document, document::Detail::kAll);
 }
 
 // The verb runs on a thread of its own; this one looks at Python's signals ten times a second.
-// After Ctrl-C the verb is told to end until it has.
+// After Ctrl-C the verb is told to end until it has, from when it is its turn.
 Answer Call(const std::vector<std::string>& words, bool has_figures) {
   constexpr std::chrono::milliseconds kLook{100};
-  const py::gil_scoped_release released;
-  auto running = std::async(std::launch::async, tools::CallVerb, words, has_figures);
+  std::atomic<bool> has_begun = false;
   bool is_interrupted = false;
-  while (running.wait_for(kLook) != std::future_status::ready) {
-    if (!is_interrupted) {
-      const py::gil_scoped_acquire acquired;
-      is_interrupted = PyErr_CheckSignals() != 0;
+  tools::VerbAnswer answer;
+  {
+    const WithoutLock released;
+    auto running = std::async(std::launch::async, [&] {
+      return tools::CallVerb(words, has_figures, [&] { has_begun = true; });
+    });
+    while (running.wait_for(kLook) != std::future_status::ready) {
+      if (!is_interrupted) {
+        const py::gil_scoped_acquire acquired;
+        is_interrupted = PyErr_CheckSignals() != 0;
+      }
+      if (is_interrupted && has_begun) tools::InterruptVerb();
     }
-    if (is_interrupted) tools::InterruptVerb();
+    answer = running.get();
   }
-  tools::VerbAnswer answer = running.get();
-  if (is_interrupted) {
-    const py::gil_scoped_acquire acquired;
-    throw py::error_already_set();
-  }
+  if (is_interrupted) throw py::error_already_set();
   std::shared_ptr<const document::Document> document;
   if (answer.document) {
     document = std::make_shared<const document::Document>(*std::move(answer.document));
@@ -230,15 +248,18 @@ Answer Call(const std::vector<std::string>& words, bool has_figures) {
 using RecordPointer = std::shared_ptr<trial::Record>;
 
 RecordPointer Read(const std::string& path, const trial::ImportOptions& options) {
-  const py::gil_scoped_release released;
-  trial::Recording recording = ValueOf(trial::ReadRecording(path, options));
-  return std::make_shared<trial::Record>(std::move(recording.record));
+  const WithoutLock released;
+  RecordPointer record;
+  tools::BesideVerbs([&] {
+    record = std::make_shared<trial::Record>(ValueOf(trial::ReadRecording(path, options)).record);
+  });
+  return record;
 }
 
 py::array TimesOf(const trial::Record& record) {
   std::vector<double> times_s;
   {
-    const py::gil_scoped_release released;
+    const WithoutLock released;
     times_s.reserve(record.rows);
     for (const trial::Stretch& stretch : record.stretches) {
       for (std::size_t k = 0; k < stretch.rows; ++k) {
@@ -325,22 +346,36 @@ RecordPointer MakeRecord(const std::vector<std::tuple<std::string, std::string, 
 }
 
 void Save(const trial::Record& record, const std::string& path, bool overwrite) {
-  const py::gil_scoped_release released;
-  ForgetInputs();  // what was read before is in memory
-  if (const auto done = tools::WriteSimulatedTrial(path, record, overwrite); !done) {
-    throw Raised(done.error());
-  }
+  const WithoutLock released;
+  tools::BesideVerbs([&] {
+    const auto done = tools::WriteSimulatedTrial(path, record, overwrite);
+    if (!done) throw Raised(done.error());
+  });
 }
 
 // --- signals ---
+
+// a filter needs memory for its ringing on either side of what it filters
+void RefuseLongRinging(const dsp::FilterDesign& design) {
+  constexpr double kMostSamples = 1 << 25;
+  // exp(-decay t) = 1e-18
+  const double samples = std::log(1e18) * design.rate_hz / dsp::SlowestDecayPerS(design);
+  if (samples <= kMostSamples) return;
+  throw Raised(
+      {Cause::kUsage, "band",
+       fmt::format("is so narrow, or begins so low, that its filter rings for {:.3g} samples",
+                   samples),
+       fmt::format("a wider band rings for {:.3g} at most", kMostSamples)});
+}
 
 py::array BandPass(const Numbers& x, double rate_hz, const dsp::BandPass& band, int threads) {
   const std::span<const double> signal = SpanOf(x);
   py::array_t<double> filtered(x.size());
   const std::span<double> out(filtered.mutable_data(), signal.size());
   {
-    const py::gil_scoped_release released;
+    const WithoutLock released;
     const auto design = ValueOf(dsp::DesignBandPass(band, rate_hz));
+    RefuseLongRinging(design);
     dsp::FilterZeroPhase(design, signal, out, threads);
   }
   return filtered;
@@ -350,7 +385,7 @@ py::dict Welch(const Numbers& x, const dsp::WelchOptions& options) {
   const std::span<const double> signal = SpanOf(x);
   dsp::PowerSpectrum spectrum;
   {
-    const py::gil_scoped_release released;
+    const WithoutLock released;
     spectrum = ValueOf(dsp::WelchSpectrum(signal, options));
   }
   py::dict made;
@@ -383,7 +418,7 @@ py::dict SineFitAt(const Numbers& x, const dsp::SineFitOptions& options, double 
   const std::span<const double> signal = SpanOf(x);
   dsp::SineFit fit;
   {
-    const py::gil_scoped_release released;
+    const WithoutLock released;
     fit = dsp::FitSineAt(signal, options, frequency_hz);
   }
   return DictOf(fit);
@@ -393,7 +428,7 @@ std::optional<py::dict> StrongestTone(const Numbers& x, const dsp::ToneSearch& s
   const std::span<const double> signal = SpanOf(x);
   std::optional<dsp::SineFit> fit;
   {
-    const py::gil_scoped_release released;
+    const WithoutLock released;
     fit = dsp::StrongestTone(signal, search);
   }
   if (!fit) return std::nullopt;
@@ -436,8 +471,8 @@ toml::table Parsed(const std::string& text, const std::string& where) {
 std::string ChangedScene(const std::string& text, const std::string& folder,
                          const std::string& changes) {
   toml::table scene = Parsed(text, "scene");
-  MakeFilesAbsolute(scene, folder);
   Merge(scene, Parsed(changes, "change of a scene"));
+  MakeFilesAbsolute(scene, folder);
   std::ostringstream written;
   written << scene << '\n';
   return written.str();

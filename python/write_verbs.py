@@ -16,6 +16,8 @@ import textwrap
 COMMANDS = {"acquire", "emulate", "session"}
 ANSWERS = {"analyze": "Analysis", "fit-lra": "Fit", "fit-impedance": "Fit", "simulate": "Simulation", "sweep": "Sweep"}
 # the document has everything, and pictures of it are drawn by its own methods
+CHANGES = {"trial label", "trial exclude", "trial include"}  # a file that is given
+WRITERS = {"trial export", "trial plot"}  # of a file, without another answer
 WITHOUT_PANELS = {"simulate", "reproduce", "analyze"}  # they would add a run, or a picture of each trial
 LEFT_OUT = {"--all", "--plan", "--impedance", "--adapter"}
 HEAD = '''\
@@ -25,14 +27,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
-from haptometer._words import File, Files, Number, Option, Pair, Path, Texts, Values, call, call_sweep
+from haptometer._words import (File, Files, Labels, Number, Option, Pair, Path, Texts, Values, call, call_sweep,
+                               call_writer, on_disk, texts)
 from haptometer.answer import Analysis, Answer, Fit, Simulation, Sweep
 '''
 
 
 def name_of(words):
     """--drop-height is drop_height, "-o,--output" output."""
-    name = words.split(",")[-1 if words.startswith("-o,") else 0].lstrip("-").replace("-", "_").replace(" ", "_")
+    first = next((word for word in words.split(",") if word.startswith("--")), words)
+    name = first.lstrip("-").replace("-", "_").replace(" ", "_")
     return name + "_" if keyword.iskeyword(name) else name
 
 
@@ -42,6 +46,10 @@ def long_name(option):
 
 def is_pair(placeholder):
     return re.fullmatch(r"(auto\|all\|)?[A-Z]+[:-][A-Z]+(Hz)?|20-500Hz", placeholder or "")
+
+
+def takes_pair(option):
+    return option["kind"] == "range" or is_pair(option["placeholder"]) and not option["repeatable"]
 
 
 def type_of(option):
@@ -55,7 +63,7 @@ def type_of(option):
         return "Number | None"
     if option["kind"] == "choice":
         return f"Literal[{', '.join(map(json.dumps, option['choices']))}] | None"
-    if option["kind"] == "range" or is_pair(placeholder):
+    if takes_pair(option):
         return "Pair | None"
     if option["several"]:
         keyed = placeholder.startswith("OHM ")
@@ -82,10 +90,12 @@ def spec(option):
         words.append('"ohm"')
     elif option["unit"]:
         words.append(json.dumps(option["unit"]))
-    if "Hz" in (option["placeholder"] or "") and is_pair(option["placeholder"]):
-        words += ['between="-"', 'ending="Hz"']
-    if option["several"]:
-        words.append("is_list=True")
+    if takes_pair(option):
+        words.append("is_pair=True")
+        words += ['between="-"', 'ending="Hz"'] if "Hz" in option["placeholder"] and not option["unit"] else []
+    words += ["is_list=True"] if option["several"] else []
+    words += ["is_repeated=True"] if option["repeatable"] else []
+    words += ["is_flag=True"] if option["kind"] == "flag" or option["optional"] else []
     return f"Option({', '.join(words)})"
 
 
@@ -100,7 +110,7 @@ def shape_of(option):
     return word + (f", {option['unit']}" if option["unit"] else "")
 
 
-def docstring(verb, options, words, raises):
+def docstring(verb, options, words, has_panels):
     """NumPy's style."""
     lines = ['    """' + verb["summary"], "", "    Parameters", "    ----------"]
     for one in words:
@@ -110,22 +120,29 @@ def docstring(verb, options, words, raises):
         added = [part for part in (option["bounds"], option["default"] and "default " + option["default"]) if part]
         text = option["text"] + (f" [{'; '.join(added)}]" if added else "")
         lines += [f"    {name_of(option['name'])} : {shape_of(option)}", wrapped(text + ".", " " * 8)]
-    lines += ["    panels : bool", "        Whether panels for plot() and the page are computed.", "",
-              "    Raises", "    ------", "    UsageError, CannotAnswerError, HaptometerError", f"        {raises}", '    """']
+    if has_panels:
+        lines += ["    panels : bool", "        Whether panels for plot() and the page are computed."]
+    lines += ["", "    Raises", "    ------", "    UsageError, CannotAnswerError, HaptometerError",
+              "        It failed; the text is what the command prints. A refusal is an answer.", '    """']
     return "\n".join(line.replace("\\", "\\\\") for line in lines)
 
 
+def is_text(one):
+    return "key=" in one["text"] or "KEY=" in one["text"] or one["name"] == "question"
+
+
 def positional_type(one, verb):
+    if is_text(one):
+        return "Labels" if one["required"] else "Labels | None"
     if one["repeatable"]:
         return "Files" if one["required"] else "Files | None"
-    kind = "File" if re.search(r"scene|\.bin|\.toml|Trial|folder", one["text"], re.IGNORECASE) else "str"
+    kind = "Path" if verb["name"] in CHANGES else "File"
     return kind if one["required"] and verb["name"] != "sweep" else f"{kind} | None"
 
 
 def function(verb, name, answer, words, one_file=False):
     """The source of one function."""
     options = [option for option in verb["options"] if not LEFT_OUT & set(option["name"].split(","))]
-    # a command word that is a parameter's name, as `report` of a page
     positional = []
     for one in words:
         kind = "File" if one_file else positional_type(one, verb)
@@ -133,13 +150,21 @@ def function(verb, name, answer, words, one_file=False):
         positional.append(f"{'file' if one_file else name_of(one['name'])}: {kind}{default}")
     parameters = [*positional, "*", *map(parameter, options), f"panels: bool = {one_file or verb['name'] not in WITHOUT_PANELS}"]
     shown = [dict(one, name="file", repeatable=False) for one in words] if one_file else words
-    files = [name_of(one["name"]) for one in shown]
+    files = []
+    for one in shown:
+        word = name_of(one["name"])
+        files.append(f"texts({word})" if is_text(one) else f"on_disk({word})" if verb["name"] in CHANGES else word)
     verb_words = json.dumps(verb["name"].split())
+    if verb["name"] in WRITERS:
+        parameters.pop()
+        body = ",\n        ".join(map(spec, options))
+        return (f"\n\ndef {name}(\n    " + ",\n    ".join(parameters) + ",\n) -> None:\n"
+                + docstring(verb, options, shown, False)
+                + f"\n    call_writer({verb_words}, [{', '.join(files)}], [\n        {body},\n    ])\n")
     call = f"call_sweep({verb_words}" if answer == "Sweep" else f"call({answer}, {verb_words}"
     body = ",\n        ".join(map(spec, options))
-    raises = "It failed; the text is what the command prints. A refusal is an answer."
     return (f"\n\ndef {name}(\n    " + ",\n    ".join(parameters) + f",\n) -> {answer}:\n"
-            + docstring(verb, options, shown, raises)
+            + docstring(verb, options, shown, True)
             + f"\n    return {call}, [{', '.join(files)}], [\n        {body},\n    ], panels)\n")
 
 

@@ -26,7 +26,6 @@ int Run(const std::vector<std::string>& words) {
   }
   std::vector<const char*> arguments;
   for (const std::string& word : words) arguments.push_back(word.c_str());
-  arguments.push_back("--json");
   try {
     return verb->run(static_cast<int>(arguments.size()), arguments.data());
   } catch (const cli::Interruption&) {
@@ -39,11 +38,13 @@ int Run(const std::vector<std::string>& words) {
 
 }  // namespace
 
-VerbAnswer CallVerb(const std::vector<std::string>& words, bool has_figures) {
+VerbAnswer CallVerb(const std::vector<std::string>& words, bool has_figures,
+                    const std::function<void()>& begins) {
   HAPTOMETER_CHECK(!words.empty(), "no verb");
   const std::scoped_lock lock(running);
   ForgetInputs();
   cli::WithinProgram printed;
+  begins();
   document::Receiver receiver(has_figures);
   VerbAnswer answer;
   answer.status = Run(words);
@@ -51,6 +52,12 @@ VerbAnswer CallVerb(const std::vector<std::string>& words, bool has_figures) {
   answer.errors = printed.errors();
   answer.document = std::move(receiver).document();
   return answer;
+}
+
+void BesideVerbs(const std::function<void()>& work) {
+  const std::scoped_lock lock(running);
+  ForgetInputs();
+  work();
 }
 
 void InterruptVerb() { cli::InterruptAsBy(SIGINT); }

@@ -47,8 +47,10 @@ def _draw_panel(axes: Axes, panel: Mapping[str, Any]) -> None:
 def draw(panels: Sequence[Mapping[str, Any]]) -> Figure:
     """A figure with the panels one below the other."""
     if not panels:
-        raise ValueError("the answer has no panels: call the verb with panels=True, or there is nothing to draw")
+        raise ValueError("the answer has no panels: the verb has none, or was called with panels=False")
     figure = matplotlib.pyplot.figure(figsize=(8, 3 * len(panels)), layout="constrained")
     for number, panel in enumerate(panels):
         _draw_panel(figure.add_subplot(len(panels), 1, number + 1), panel)
+    # the caller has it; a notebook would draw it a second time
+    matplotlib.pyplot.close(figure)
     return figure

@@ -81,7 +81,9 @@ class Section(Mapping[str, Any]):
         return len(self._content)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name not in self._content:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in self._content:
             raise AttributeError(f"no {name}; there are {', '.join(self._content)}")
         return self._content[name]
 
@@ -114,6 +116,8 @@ def _content(raw: Mapping[str, Any]) -> dict[str, Any]:
     content = {item["name"]: _item(item) for item in raw["items"]}
     for part in raw["sections"]:
         name = part["name"]
+        if part["is_list"] and not name:
+            continue  # of a text alone
         if part["is_list"]:
             rows = tuple(Section(_content(row)) for row in part["sections"])
             content[name] = (content.get(name) or ()) + rows if part["is_known"] else None
@@ -160,7 +164,8 @@ class Answer:
 
     @classmethod
     def _of(cls, made: _native.Answer) -> Answer:
-        findings = tuple(Finding(**one) for one in json.loads(made.json).get("findings", []))
+        found = json.loads(made.json).get("findings", [])
+        findings = tuple(Finding(**(one | {"subject": one["subject"] or ""})) for one in found)
         return cls(made.status == 0, findings, cls._root(Section(_content(made.root()))), made)
 
     @classmethod
@@ -179,6 +184,15 @@ class Answer:
 
     def __getitem__(self, name: str) -> Any:
         return self.root[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.root
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.root)
+
+    def __len__(self) -> int:
+        return len(self.root)
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.root]
@@ -219,7 +233,7 @@ class Answer:
         Raises
         ------
         ValueError
-            The document has no panels; call the verb with `panels=True`.
+            The document has no panels: the verb has none, or was called with `panels=False`.
         """
         from haptometer._plot import draw
 
@@ -247,6 +261,8 @@ class Analysis(Answer):
     @classmethod
     def _root(cls, document: Section) -> Section:
         trials: tuple[Section, ...] = document["trials"]
+        if len(trials) != 1:
+            raise UsageError(f"analyze takes one recording, not {len(trials)}; analyze_many takes several", 2)
         return trials[0]
 
     @property

@@ -1,6 +1,7 @@
 """Filter, spectrum and sine fit of arrays."""
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 
@@ -9,7 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptometer import _native
 from haptometer.quantity import Quantity
-from haptometer.trial import native
+from haptometer.trial import doubles, native
+
+
+def _samples(x: ArrayLike, rate: float) -> NDArray[numpy.float64]:
+    """One-dimensional, finite samples at a rate above 0; masked ones are not."""
+    samples = doubles(x)
+    if samples.ndim != 1:
+        raise ValueError(f"the samples are to have one dimension, not {samples.ndim}")
+    # a sum is finite where all are, but for the largest numbers that there are
+    if not math.isfinite(numpy.add.reduce(samples)) and not numpy.isfinite(samples).all():
+        raise ValueError("some samples are not finite: leave them out, or interpolate; analyze does so for trials")
+    if not (rate > 0 and math.isfinite(rate)):
+        raise ValueError(f"the rate is to be above 0, not {rate!r}")
+    return samples
+
+
+def _check_band(band: tuple[float, float], rate: float) -> None:
+    low, high = band
+    if not 0 < low < high < rate / 2:
+        raise ValueError(f"the band {low!r} to {high!r} Hz is not above 0, in order and below half the rate of {rate!r} Hz")
 
 
 def bandpass(x: ArrayLike, rate: float, band: tuple[float, float] = (20.0, 500.0), order: int = 6,
@@ -38,17 +58,17 @@ def bandpass(x: ArrayLike, rate: float, band: tuple[float, float] = (20.0, 500.0
 
     Raises
     ------
-    UsageError
-        No such band-pass.
     ValueError
-        `x` has more than one dimension, or `corner` is neither.
+        `x` has more than one dimension or a value that is not finite; no such band-pass, rate or corner; a band so
+        narrow that its filter rings for more than 33 million samples (UsageError).
     """
     if corner not in ("whole", "each"):
         raise ValueError(f'corner is to be "whole" or "each", not {corner!r}')
     used = os.cpu_count() or 1 if threads is None else threads
-    if used < 1:
-        raise ValueError(f"threads are to be at least 1, not {threads}")
-    filtered: NDArray[numpy.float64] = native(_native.bandpass, x, rate, band, order, corner == "each", used)
+    if not 1 <= used <= 1024:
+        raise ValueError(f"threads are to be 1 to 1024, not {threads}")
+    _check_band(band, rate)
+    filtered: NDArray[numpy.float64] = native(_native.bandpass, _samples(x, rate), rate, band, order, corner == "each", used)
     return filtered
 
 
@@ -107,8 +127,8 @@ def welch(x: ArrayLike, rate: float, segment_size: int | None = None, window: st
     shapes = _native.Window.__members__
     if window not in shapes:
         raise ValueError(f"window is to be one of {', '.join(shapes)}, not {window!r}")
-    samples = numpy.asarray(x, dtype=numpy.float64)
-    size = min(samples.size, round(rate)) if segment_size is None else segment_size
+    samples = _samples(x, rate)
+    size = min(samples.size, max(2, round(rate))) if segment_size is None else segment_size
     raw = native(_native.welch, samples, rate, size, shapes[window], overlap, detrend)
     return Spectrum(numpy.arange(len(raw["density"])) * raw["resolution_hz"], **raw)
 
@@ -154,11 +174,23 @@ def sine_fit(x: ArrayLike, rate: float, frequency: float | None = None, band: tu
     -------
     SineFit or None
         None: there is no tone, or the fit did not converge.
+
+    Raises
+    ------
+    ValueError
+        `x` has more than one dimension or a value that is not finite; the rate, the band, the frequency (above 0 and
+        below half the rate) or the bandwidth of the noise (0 to half the rate) is impossible.
     """
+    samples = _samples(x, rate)
+    if not 0 <= noise_bandwidth <= rate / 2:
+        raise ValueError(f"the noise's bandwidth is to be 0 to half the rate, not {noise_bandwidth!r} Hz")
     if frequency is None:
-        raw = _native.strongest_tone(x, rate, band, noise_bandwidth)
+        _check_band(band, rate)
+        raw = native(_native.strongest_tone, samples, rate, band, noise_bandwidth)
     else:
-        raw = _native.sine_fit_at(x, rate, frequency, noise_bandwidth, 0)
+        if not 0 < frequency < rate / 2:
+            raise ValueError(f"the frequency is to be above 0 and below half the rate, not {frequency!r} Hz")
+        raw = native(_native.sine_fit_at, samples, rate, frequency, noise_bandwidth, 0)
     if raw is None or not raw["converged"]:
         return None
     return SineFit(Quantity(raw["frequency_hz"], raw["frequency_uncertainty_hz"], unit="Hz"),

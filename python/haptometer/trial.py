@@ -16,6 +16,7 @@ from haptometer.answer import error_of
 if TYPE_CHECKING:
     import pandas
 
+PREFIXED = {"mm", "um", "\u00b5m", "nm", "cm", "mV", "uV", "mA", "uA", "in", "mil"}
 STATUSES = ("ok", "repeated", "over", "under", "invalid", "device_error", "late", "clipped", "bad_frame")
 
 
@@ -71,9 +72,15 @@ class Trial:
     1e-06
     """
 
-    def __init__(self, record: _native.Record, path: str | None = None) -> None:
+    def __init__(self, record: _native.Record, path: str | None = None, is_plain: bool = True) -> None:
         self._record = record
-        self.path = path
+        self.path = None if path is None else os.path.abspath(path)
+        # what the file was when it was read; None where a verb would read it otherwise
+        self._file = _state(self.path) if is_plain else None
+
+    def is_as_read(self) -> bool:
+        """Whether a verb finds in the file what is here."""
+        return self._file is not None and self._file == _state(self.path)
 
     @classmethod
     def from_arrays(cls, values: ArrayLike | Mapping[str, ArrayLike], rate: float, unit: str | Sequence[str] = "m",
@@ -83,7 +90,7 @@ class Trial:
         Parameters
         ----------
         values : array_like, shape (rows,), or mapping of names to them
-            Samples; those that are not finite count as not measured. One array is the displacement.
+            Samples; those that are masked or not finite count as not measured. One array is the displacement.
         rate : float
             Samples per second, Hz.
         unit : str or sequence of str
@@ -94,18 +101,21 @@ class Trial:
         Raises
         ------
         ValueError
-            Arrays of different lengths, more or fewer units than channels, a rate that is not above 0.
+            Arrays of different lengths, more or fewer units than channels, a unit that is no SI unit, a rate that is
+            not above 0.
         """
         channels = dict(values) if isinstance(values, Mapping) else {"displacement": values}
         units = [unit] * len(channels) if isinstance(unit, str) else list(unit)
-        arrays = [numpy.asarray(array, dtype=numpy.float64) for array in channels.values()]
+        arrays = [doubles(array) for array in channels.values()]
         if len(units) != len(arrays):
             raise ValueError(f"{len(arrays)} channels have {len(units)} units")
         if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 1 or arrays[0].size == 0:
             raise ValueError("channels are to be arrays of one dimension and one length, which is not 0")
-        if not (rate > 0 and numpy.isfinite(rate)):
-            raise ValueError(f"the rate is to be above 0, not {rate!r}")
-        return cls(_native.make_record(list(zip(channels, units, arrays)), float(rate), dict(labels or {})))
+        if wrong := PREFIXED & set(units):
+            raise ValueError(f"units are SI units: convert from {', '.join(sorted(wrong))}")
+        _check_rate(rate)
+        said = {str(name): str(label) for name, label in (labels or {}).items()}
+        return cls(native(_native.make_record, list(zip(channels, units, arrays)), float(rate), said))
 
     def __len__(self) -> int:
         return self._record.rows
@@ -119,7 +129,8 @@ class Trial:
         made: dict[str, Channel] = {}
         for number in range(self._record.channels):
             raw = self._record.channel(number)
-            made[raw["name"]] = Channel(raw["name"], raw["role"], raw["unit"], raw["values"], raw["statuses"],
+            name = raw["name"] if raw["name"] not in made else f"{raw['name']}_{number + 1}"
+            made[name] = Channel(raw["name"], raw["role"], raw["unit"], raw["values"], raw["statuses"],
                                         raw["range"], raw["resolution"])
         return made
 
@@ -133,7 +144,7 @@ class Trial:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
+        """Names of the channels; of a name that stands twice the second has its number behind it."""
         return tuple(self._channels)
 
     @cached_property
@@ -171,7 +182,7 @@ class Trial:
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time_s"))
 
     def save(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
-        """Writes it as a trial.bin; `overwrite` replaces an older one.
+        """Writes it as a trial.bin at one rate, whose time begins at 0; `overwrite` replaces an older one.
 
         Raises
         ------
@@ -193,7 +204,37 @@ def native(function: Any, *words: Any) -> Any:
         raise error_of(*error.args) from None
 
 
-def read(path: str | os.PathLike[str], columns: Sequence[str] = (), rate: float | None = None) -> Trial:
+def doubles(given: ArrayLike) -> NDArray[numpy.float64]:
+    """float64 in the order of memory; NaN where it is masked."""
+    masked: Any = numpy.ma
+    made: NDArray[numpy.float64] = numpy.ascontiguousarray(masked.filled(masked.asarray(given, numpy.float64), numpy.nan))
+    return made
+
+
+def _check_rate(rate: float) -> None:
+    if not (rate > 0 and numpy.isfinite(rate)):
+        raise ValueError(f"the rate is to be above 0, not {rate!r}")
+
+
+def _state(path: str | None) -> tuple[int, ...] | None:
+    """What tells whether a file was changed."""
+    if path is None or not os.path.exists(path):
+        return None
+    stat = os.stat(path)
+    return stat.st_dev, stat.st_ino, stat.st_size, stat.st_mtime_ns
+
+
+def path_of(given: Any) -> str:
+    """A path for the module."""
+    path = os.fsdecode(given)
+    if "\0" in path:
+        raise ValueError(f"{path!r} has a null character")
+    if path == "-":
+        raise ValueError("- stands for the streams of a command; give a file")
+    return f"./{path}" if path.startswith("-") else path
+
+
+def read(path: str | os.PathLike[str], columns: str | Sequence[str] = (), rate: float | None = None) -> Trial:
     """Reads a recording of any kind that `analyze` reads: trial.bin, CSV, HDF5, LabVIEW .lvm.
 
     Parameters
@@ -214,6 +255,12 @@ def read(path: str | os.PathLike[str], columns: Sequence[str] = (), rate: float 
     ------
     CannotAnswerError
         The file is missing, or no recording.
+    ValueError
+        The rate is not above 0.
     """
-    name = os.fspath(path)
-    return Trial(native(_native.read, name, list(columns), rate), name)
+    if rate is not None:
+        _check_rate(rate)
+    name = path_of(path)
+    named = columns.split(",") if isinstance(columns, str) else list(columns)
+    record = native(_native.read, name, named, rate)
+    return Trial(record, name, is_plain=not named and rate is None)

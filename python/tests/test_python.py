@@ -60,6 +60,44 @@ def test_signals_stay_pythons():
     assert "KeyboardInterrupt" in made.stderr
 
 
+@pytest.mark.parametrize("call", [f"hm.simulate({str(SCENE)!r})", "hm.bandpass(x, 1e4)",
+                                  f'hm.read({str(ROOT / "fixtures/recorded_trial.bin")!r})'])
+def test_interpreter_ends_beside_a_daemon_thread(call):
+    made = run(f"""
+        import threading, time
+        import haptometer as hm, numpy as np
+        x = np.random.default_rng(1).normal(0, 1, 200_000)
+        def work():
+            while True:
+                {call}
+        for _ in range(3):
+            threading.Thread(target=work, daemon=True).start()
+        time.sleep(1)
+    """)
+    assert made.returncode == 0, made.stderr
+
+
+def test_ctrl_c_ends_no_verb_of_another_thread():
+    made = run(f"""
+        import _thread, threading, time
+        import haptometer as hm
+        def work():
+            answers.append(hm.sweep({str(SCENE)!r}, vary={{"drive.frequency_hz": (100.0, 400.0, 20_000)}}).answered)
+        answers = []
+        thread = threading.Thread(target=work)
+        thread.start()
+        time.sleep(0.3)
+        threading.Timer(0.3, _thread.interrupt_main).start()
+        try:
+            hm.simulate({str(SCENE)!r})
+        except KeyboardInterrupt:
+            print("interrupted")
+        thread.join()
+        print(answers)
+    """)
+    assert made.stdout == "interrupted\n[True]\n", made.stdout + made.stderr
+
+
 def test_other_threads_run_meanwhile():
     """A thread of Python's own counts while another filters: the lock is released."""
     x = np.random.default_rng(1).normal(0, 1, 4_000_000)
@@ -94,6 +132,7 @@ def test_verbs_of_two_threads_wait_for_each_other():
     for thread in threads:
         thread.join()
     one = hm.Scene(SCENE).set("drive.amplitude_v", 1.0).simulate().skin_rms.value
+    assert len(answers) == 4
     for volts, rms in answers:
         assert rms == pytest.approx(volts * one, rel=1e-12)  # linear
 

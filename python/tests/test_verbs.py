@@ -203,7 +203,7 @@ def test_pictures_and_page():
     page = made._repr_html_()
     assert "svg" in page and "recorded_trial.bin" in page
     assert "vibration (RMS)" in str(made)
-    with pytest.raises(ValueError, match="panels=True"):
+    with pytest.raises(ValueError, match="no panels"):
         hm.analyze(RECORDED, panels=False).plot()
 
 

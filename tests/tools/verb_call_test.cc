@@ -23,7 +23,7 @@ const std::string kTrial = HAPTOMETER_FIXTURES "/recorded_trial.bin";
 const std::string kScene = HAPTOMETER_FIXTURES "/lra_adapter.toml";
 
 TEST(CallVerb, GivesTheDocumentThatItPrintsAsJson) {
-  const VerbAnswer answer = CallVerb({"analyze", kTrial}, false);
+  const VerbAnswer answer = CallVerb({"analyze", "--json", kTrial}, false);
   EXPECT_EQ(answer.status, 0);
   EXPECT_THAT(answer.errors, IsEmpty());
   ASSERT_TRUE(answer.document);
@@ -32,7 +32,7 @@ TEST(CallVerb, GivesTheDocumentThatItPrintsAsJson) {
 
 TEST(CallVerb, ComputesFiguresWhereTheyAreWanted) {
   const auto figures = [](bool wanted) {
-    const VerbAnswer answer = CallVerb({"analyze", kTrial}, wanted);
+    const VerbAnswer answer = CallVerb({"analyze", "--json", kTrial}, wanted);
     std::size_t count = 0;
     for (const document::Section* section : document::AllSections(answer.document->root)) {
       count += section->figures.size();
