@@ -485,6 +485,7 @@ PYBIND11_MODULE(_native, module) {
   using namespace haptometer;          // NOLINT(google-build-using-namespace): of this function
   using namespace haptometer::python;  // NOLINT(google-build-using-namespace)
   static const py::exception<Raised> error(module, "NativeError");
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature that is asked for
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

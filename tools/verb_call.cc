@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/mapped.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
 #include "tools/verbs.h"
@@ -24,8 +25,8 @@ int Run(const std::vector<std::string>& words) {
   if (verb == Verbs().end()) {
     return cli::ReportError("", {Cause::kUsage, words.front(), "is not a verb", {}});
   }
-  std::vector<const char*> arguments;
-  for (const std::string& word : words) arguments.push_back(word.c_str());
+  const auto arguments =
+      Mapped<const char*>(words, [](const std::string& word) { return word.c_str(); });
   try {
     return verb->run(static_cast<int>(arguments.size()), arguments.data());
   } catch (const cli::Interruption&) {
