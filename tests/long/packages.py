@@ -17,7 +17,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "build/packages"
 CLEAN = PACKAGES / "root"
-NAMES = ["haptometer", "haptometer-doc", "libhaptometer-dev"]
+NAMES = ["haptometer", "haptometer-doc", "libhaptometer-dev", "python3-haptometer"]
 RELEASE = "bookworm"
 
 
