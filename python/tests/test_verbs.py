@@ -86,6 +86,13 @@ def test_study_as_the_command(study):
     assert made.answered
 
 
+def test_study_compare_as_the_command(study):
+    """Whatever it answers: the trials are none of the scene's."""
+    made = hm.study_compare(study, condition={"stock": SCENE, "adapter": SCENE}, panels=False)
+    assert made.to_dict() == command("study", "compare", str(study), "--condition", f"stock={SCENE}",
+                                     "--condition", f"adapter={SCENE}")
+
+
 def test_sweep_has_the_table_of_the_command(tmp_path):
     made = hm.sweep(SCENE, vary={"drive.frequency_hz": (100.0, 400.0, 7)})
     command("sweep", str(SCENE), "--vary", "drive.frequency_hz=100:400:7", "-o", str(tmp_path / "t.csv"))
