@@ -110,7 +110,7 @@ def shape_of(option):
     return word + (f", {option['unit']}" if option["unit"] else "")
 
 
-def docstring(verb, options, words, has_panels):
+def docstring(verb, options, words, answer):
     """NumPy's style."""
     lines = ['    """' + verb["summary"], "", "    Parameters", "    ----------"]
     for one in words:
@@ -120,8 +120,9 @@ def docstring(verb, options, words, has_panels):
         added = [part for part in (option["bounds"], option["default"] and "default " + option["default"]) if part]
         text = option["text"] + (f" [{'; '.join(added)}]" if added else "")
         lines += [f"    {name_of(option['name'])} : {shape_of(option)}", wrapped(text + ".", " " * 8)]
-    if has_panels:
+    if answer:
         lines += ["    panels : bool", "        Whether panels for plot() and the page are computed."]
+        lines += ["", "    Returns", "    -------", f"    {answer}", "        The document that the command prints with --json."]
     lines += ["", "    Raises", "    ------", "    UsageError, CannotAnswerError, HaptometerError",
               "        It failed; the text is what the command prints. A refusal is an answer.", '    """']
     return "\n".join(line.replace("\\", "\\\\") for line in lines)
@@ -159,12 +160,12 @@ def function(verb, name, answer, words, one_file=False):
         parameters.pop()
         body = ",\n        ".join(map(spec, options))
         return (f"\n\ndef {name}(\n    " + ",\n    ".join(parameters) + ",\n) -> None:\n"
-                + docstring(verb, options, shown, False)
+                + docstring(verb, options, shown, None)
                 + f"\n    call_writer({verb_words}, [{', '.join(files)}], [\n        {body},\n    ])\n")
     call = f"call_sweep({verb_words}" if answer == "Sweep" else f"call({answer}, {verb_words}"
     body = ",\n        ".join(map(spec, options))
     return (f"\n\ndef {name}(\n    " + ",\n    ".join(parameters) + f",\n) -> {answer}:\n"
-            + docstring(verb, options, shown, True)
+            + docstring(verb, options, shown, answer)
             + f"\n    return {call}, [{', '.join(files)}], [\n        {body},\n    ], panels)\n")
 
 
