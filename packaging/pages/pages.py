@@ -16,7 +16,7 @@ PICTURES = {".svg", ".png"}
 
 def pages(tree):
     """Paths of the pages within the tree."""
-    names = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "tests/long/README.md"]
+    names = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "python/README.md", "tests/long/README.md"]
     return [pathlib.Path(name) for name in names] + [
         path.relative_to(tree) for path in sorted((tree / "docs").rglob("*.md"))]
 

@@ -21,7 +21,7 @@ def main():
                               capture_output=True, text=True)
         check(made.returncode == 0 and not made.stderr, made.stderr)
         read = {path: Anchors(path) for path in folder.rglob("*.html")}
-        sources = len(list(pathlib.Path("docs").rglob("*.md"))) + 4  # README, CHANGELOG, CONTRIBUTING, long runs
+        sources = len(list(pathlib.Path("docs").rglob("*.md"))) + 5  # README, CHANGELOG, CONTRIBUTING, Python, long runs
         check(len(read) == sources, f"{len(read)} pages of {sources}")
         targets = sum(len(page.targets) for page in read.values())
         check(targets > 500, f"{targets} links")
