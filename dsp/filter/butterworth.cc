@@ -102,8 +102,11 @@ double DecayPerSample(const DeltaSection& section) {
   const double discriminant = sum * sum - 4 * section.e;
   // a conjugate pair has radius^2 = 1 - f
   if (discriminant <= 0) return -0.5 * std::log1p(-section.f);
-  // two real poles: the smaller delta as a quotient, free of cancellation
-  return -std::log1p(-2 * section.e / (sum + std::sqrt(discriminant)));
+  // two real poles 1 - delta, in a wide band that ends near half the rate below 0; the smaller
+  // delta as a quotient, free of cancellation
+  const double larger = (sum + std::sqrt(discriminant)) / 2;
+  const auto decay = [](double delta) { return -std::log1p(delta < 1 ? -delta : delta - 2); };
+  return std::min(decay(section.e / larger), decay(larger));
 }
 
 }  // namespace

@@ -57,12 +57,12 @@ std::vector<double> DrawSignal() {
 // The bar. A state is rounded by u = 2^-53 of itself in each sample. What that adds to a slope is
 // carried on for 1/lowest samples, so that it becomes so many times larger, and dies away in
 // 1/slowest samples, over which it adds up as a random walk. Coefficients rounded by u move a pole
-// by u of its frequency, which is w0/bw of the band's width. Each section does so; 4 stands for the
+// by u of its frequency, which is w0/bw of the band's width. Each section does so; 8 stands for the
 // few roundings of a section, and for the largest of many samples.
 double Bar(const BandReference& band, double peak, int passes) {
   const Real carried = 1 / std::min(band.lowest, Real{1});
   const Real walk = carried / std::sqrt(band.slowest) + band.narrowness;
-  return 4 * 0x1p-53 * passes * band.order * static_cast<double>(walk) * peak;
+  return 8 * 0x1p-53 * passes * band.order * static_cast<double>(walk) * peak;
 }
 
 double Worst(std::span<const double> ours, std::span<const Real> truth) {

@@ -110,6 +110,24 @@ TEST(Butterworth, PhaseAndMagnitudeAreThoseOfScipy) {
   }
 }
 
+// a wide band that ends near half the rate has real poles z = (1 + s)/(1 - s) below 0, s by the
+// quadratic formula
+TEST(Butterworth, DecaysOfPolesBelowZero) {
+  const double rate_hz = 796200;
+  const BandPass band{
+      .order = 1, .lower_hz = 205200, .upper_hz = 390138, .corners = Corners::kEach};
+  const auto corner = [&](double hz) { return std::tan(std::numbers::pi * hz / rate_hz); };
+  const double width = corner(band.upper_hz) - corner(band.lower_hz);
+  const double square = corner(band.upper_hz) * corner(band.lower_hz);
+  const double far = -(width + std::sqrt(width * width - 4 * square)) / 2;
+  const double near = square / far;
+  const auto radius = [](double s) { return std::abs((1 + s) / (1 - s)); };
+  ASSERT_LT((1 + far) / (1 - far), 0);
+  const double expected = -std::log(std::max(radius(far), radius(near))) * rate_hz;
+  EXPECT_REL(SlowestDecayPerS(*DesignBandPass(band, rate_hz)), expected, 1e-13,
+             "rounding of some 20 operations");
+}
+
 TEST(Butterworth, SlowestDecayIsThatOfThePoleNearestTheCircle) {
   // 1 - |z| = 6.06e-4 for order 6 at 50 kHz by SciPy's poles
   const FilterDesign design = Designed({6, 20, 500, Corners::kEach}, 5e4);
