@@ -21,20 +21,15 @@
 
 namespace haptometer::dsp {
 
-namespace {
-
-// 24 bins on either side, the one next to the line excluded: 48 bins, 96 degrees of freedom
-constexpr std::size_t kBinsOnASide = 24;
-constexpr std::size_t kLeftOut = 1;
-
-}  // namespace
-
 double NoisePower::degrees_of_freedom() const {
   if (!(variance > 0)) return std::numeric_limits<double>::infinity();
   return 2 * mean_square * mean_square / variance;
 }
 
 double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper_hz) const {
+  // 24 bins on either side, the one next to the line excluded: 48 bins, 96 degrees of freedom
+  constexpr std::ptrdiff_t kBinsOnASide = 24;
+  constexpr std::ptrdiff_t kLeftOut = 1;
   const auto center = static_cast<std::ptrdiff_t>(std::lround(frequency_hz / bin_hz));
   const auto least = static_cast<std::ptrdiff_t>(std::ceil(lower_hz / bin_hz));
   // within the band only
@@ -42,8 +37,7 @@ double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper
                              static_cast<std::ptrdiff_t>(bins.size()) - 1);
   double sum = 0;
   std::size_t count = 0;
-  for (std::ptrdiff_t away = kLeftOut + 1;
-       away <= static_cast<std::ptrdiff_t>(kBinsOnASide + kLeftOut); ++away) {
+  for (std::ptrdiff_t away = kLeftOut + 1; away <= kBinsOnASide + kLeftOut; ++away) {
     for (const std::ptrdiff_t bin : {center - away, center + away}) {
       if (bin < least || bin > most) continue;
       sum += bins[static_cast<std::size_t>(bin)];
@@ -168,8 +162,7 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
   for (std::size_t k = 0; k < tapered.size(); ++k) tapered[k] *= samples[k];
   const auto spectrum = RealSpectrum(tapered);
   const double bin_hz = rate_hz / n;
-  // one-sided density: 2 |X|^2 / (rate sum of w^2)
-  const double to_density = 2 / (rate_hz * n * kTaperPower);
+  const double to_density = 2 / (rate_hz * n * kTaperPower);  // 2 |X|^2 / (rate sum of w^2)
   NoiseBeside noise;
   std::vector<std::size_t> counts;
   double from_hz = band.lower_hz;
@@ -185,6 +178,7 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
   }
   // a part that is excluded takes the density of the nearest one that is not
   const auto usable = [&](std::size_t k) { return counts[k] >= kFewest; };
+  noise.is_known = std::ranges::max(counts) >= kFewest;
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (usable(k)) continue;
     for (std::size_t away = 1; away < counts.size(); ++away) {

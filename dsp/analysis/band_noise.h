@@ -57,6 +57,7 @@ struct FrequencyRange {
 
 /// Noise beside lines, by the median of a tapered periodogram in parts of the band.
 struct NoiseBeside {
+  bool is_known = false;  ///< some part has bins enough for its median
   NoisePower power;
   /// Var(sum of the bins - this estimate): what is left of the window's own noise, m4.
   double variance_of_rest = 0;
