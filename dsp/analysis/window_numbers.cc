@@ -143,15 +143,15 @@ bool HasNoSingleTone(const Window& window, const SineFit& tone) {
   return moved_bins > kReachBins && tone.amplitude * tone.amplitude < square;
 }
 
-// ranges about the drive and its harmonics, up to an order, that hold no bins of noise
-std::vector<FrequencyRange> DriveRanges(const Window& window, int most) {
+// ranges about the drive, and about its harmonics or not, that hold no bins of noise
+std::vector<FrequencyRange> DriveRanges(const Window& window, bool harmonics) {
   const UsedPart& part = window.chosen.part;
   const double reach_hz = std::max(kDriveReachHz, kReachBins / window.samples.duration_s());
   std::vector<FrequencyRange> ranges;
   const auto add = [&](double from_hz, double to_hz) {
     const auto [low_hz, high_hz] = std::minmax(from_hz, to_hz);
-    for (int n = 1; n <= most && n * low_hz - reach_hz < window.band().upper_hz; ++n) {
-      ranges.push_back({n * low_hz - reach_hz, n * high_hz + reach_hz});
+    for (int n = 1; n * low_hz - reach_hz < window.band().upper_hz; ++n) {
+      if (n == 1 || harmonics) ranges.push_back({n * low_hz - reach_hz, n * high_hz + reach_hz});
     }
   };
   if (part.from_drive) add(part.state.from_hz, part.state.to_hz);
@@ -171,13 +171,12 @@ Result<void> MeasurePower(Window& window) {
       MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
   const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
-  constexpr int kAll = 1 << 20;
-  const std::vector<FrequencyRange> drive = DriveRanges(window, kAll);
+  const std::vector<FrequencyRange> drive = DriveRanges(window, true);
   // a short window's ranges may leave no noise: the median resists harmonics
-  for (const int most : {kAll, 1}) {
+  for (const bool harmonics : {true, false}) {
     window.beside =
         MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz,
-                           window.signal().design(), window.band(), DriveRanges(window, most));
+                           window.signal().design(), window.band(), DriveRanges(window, harmonics));
     if (window.beside.is_known) break;
   }
   window.numbers.residual_rms_m = std::sqrt(whole.power.mean_square);  // all of it without a tone
