@@ -66,7 +66,7 @@ def in_clean_root():
     shutil.copytree(ROOT / "packaging/debian", source / "debian")
     shutil.copytree(ROOT / "tests/package/consumer", source / "tests/package/consumer")
     gone = run("install, remove, purge", "piuparts", "--existing-chroot", CLEAN, "--distribution", RELEASE,
-               "--no-eatmydata", "--no-upgrade-test", *packages())
+               "--keep-sources-list", "--no-eatmydata", "--no-upgrade-test", *packages())
     # terminals for the emulator; the mounts end with the process
     mounted = (f'mount -t proc proc "{CLEAN}/proc" && '
                f'mount -t devpts -o newinstance,ptmxmode=0666 pts "{CLEAN}/dev/pts" && '
