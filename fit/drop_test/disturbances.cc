@@ -510,6 +510,24 @@ bool FollowsAnotherMotion(const ImpulseRecord& record, const RingStart& start,
          left.lasting_share > kSurely * left.lasting_share_deviation;
 }
 
+// Whether an oscillation of few periods leaves what the noise before it does not explain. A wrong
+// one leaves little of so short a part that its samples alone do not call noise.
+std::string TooShortToTell(const RingSamples& samples, const RingFit& fit, double noise_v) {
+  constexpr double kFewPeriods = 2;
+  constexpr double kMuchNoise = 10;       // times that before the impact
+  constexpr double kMostResidual = 0.01;  // of the first amplitude
+  const double periods = (samples.times_s.back() - samples.times_s.front()) / PeriodOf(fit.poles);
+  const double left_v =
+      std::sqrt(fit.Squares() / static_cast<double>(fit.jacobian.residuals.size()));
+  if (noise_v == 0 || periods >= kFewPeriods || left_v < kMuchNoise * noise_v ||
+      left_v < kMostResidual * fit.Envelope(0)) {
+    return {};
+  }
+  return fmt::format(
+      "holds only {:.2g} periods of a ring-down, and {:.2g} times the noise before it remains",
+      periods, left_v / noise_v);
+}
+
 // whether what is left of the part is one ring-down, and where its tail ends
 void Judge(const ImpulseRecord& record, const RingStart& start, const RingSamples& samples,
            const RingFit& fit, Disturbances* part) {
@@ -530,6 +548,9 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
       quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
   part->no_ring_down =
       NoRingDown(part->evidence, samples, fit, record.drop_height_m || record.release_current_a);
+  if (part->no_ring_down.empty() && part->evidence.begins) {
+    part->no_ring_down = TooShortToTell(samples, fit, std::max(quiet_v, step_v));
+  }
   const double hum_hz = part->background.hum_hz;
   if (part->no_ring_down.empty() && !part->follows_a_later_blow &&
       HumIsMissingBefore(record, start, samples, fit, hum_hz)) {

@@ -46,8 +46,9 @@ struct Disturbances {
 ///
 /// The part that is left is no ring-down (`no_ring_down`) for the reasons of ring_evidence.h; where
 /// what precedes it holds another motion: beyond noise, a decaying oscillation leaves more than
-/// 15 % of the part's first power there; and where a hum of a fifth of the ringing or more does not
-/// precede it.
+/// 15 % of the part's first power there; where a hum of a fifth of the ringing or more does not
+/// precede it; and where less than two periods leave both ten times the noise before them and 1 %
+/// of their first amplitude, because a wrong oscillation with a drift fits so short a part.
 ///
 /// A blow below 0.5 % of the ringing's first amplitude, hum and drift below 0.05 %, are let pass.
 /// Cost: some 5 ms; the record is averaged to 16 samples a period first.
