@@ -72,6 +72,7 @@ def unpack():
     if listed.exists() and listed.read_text(encoding="utf-8") == names:
         return
     shutil.rmtree(SYSROOT, ignore_errors=True)
+    SYSROOT.parent.mkdir(exist_ok=True)
     subprocess.run(["mmdebstrap", "--quiet", "--variant=extract", "--architectures=arm64",
                     f"--include={','.join(packages())}", "bookworm", SYSROOT], check=True)
     linked_within(LIBRARIES)
