@@ -7,23 +7,26 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
+#include <utility>
 
 namespace haptometer {
 namespace {
 
 // files that the command has read, so that no output overwrites one of them
 struct InputList {
+  // device and inode: the same file under any name
+  using Key = std::pair<dev_t, ino_t>;
+  struct Numbered {
+    std::size_t number = 0;  // in the order in which they were noted
+    NotedInput file;
+  };
   std::mutex mutex;
-  std::vector<NotedInput> files;
+  std::size_t noted = 0;
+  std::map<Key, Numbered> files;
 
-  [[nodiscard]] auto Find(const struct stat& status) const {
-    // device and inode: the same file under any name
-    return std::ranges::find_if(files, [&](const NotedInput& file) {
-      return file.status.st_dev == status.st_dev && file.status.st_ino == status.st_ino;
-    });
-  }
-  [[nodiscard]] bool Has(const struct stat& status) const { return Find(status) != files.end(); }
+  static Key KeyOf(const struct stat& status) { return {status.st_dev, status.st_ino}; }
 };
 
 InputList& Noted() {
@@ -38,26 +41,33 @@ void NoteInput(const std::string& path) {
   // only regular files can be overwritten
   if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
   const std::scoped_lock lock(Noted().mutex);
-  if (!Noted().Has(status)) Noted().files.push_back({path, status});
+  InputList& list = Noted();
+  if (list.files.try_emplace(InputList::KeyOf(status), list.noted, NotedInput{path, status})
+          .second) {
+    ++list.noted;
+  }
 }
 
 bool IsNotedInput(const struct stat& status) {
   const std::scoped_lock lock(Noted().mutex);
-  return Noted().Has(status);
+  return Noted().files.contains(InputList::KeyOf(status));
 }
 
 std::vector<NotedInput> NotedInputs() {
   const std::scoped_lock lock(Noted().mutex);
-  return Noted().files;
+  std::vector<std::pair<std::size_t, NotedInput>> numbered;
+  for (const auto& [key, one] : Noted().files) numbered.emplace_back(one.number, one.file);
+  std::ranges::sort(numbered, {}, &std::pair<std::size_t, NotedInput>::first);
+  std::vector<NotedInput> files;
+  for (auto& [number, file] : numbered) files.push_back(std::move(file));
+  return files;
 }
 
 void ForgetInput(const std::string& path) {
   struct stat status{};
   if (stat(path.c_str(), &status) != 0) return;
   const std::scoped_lock lock(Noted().mutex);
-  if (const auto found = Noted().Find(status); found != Noted().files.end()) {
-    Noted().files.erase(found);
-  }
+  Noted().files.erase(InputList::KeyOf(status));
 }
 
 void ForgetInputs() {

@@ -40,6 +40,14 @@ std::string Whole() {
   return table;
 }
 
+tools::SweepWords Merged(const std::string& output) {
+  tools::SweepWords words;
+  words.output = output;
+  words.overwrite = true;
+  words.command = {"sweep"};
+  return words;
+}
+
 }  // namespace
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
@@ -57,9 +65,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   [[maybe_unused]] const auto summary = tools::Summarise(file.path(), {});
   const std::string merged =
       std::filesystem::temp_directory_path() / ("sweep_table_fuzz_" + std::to_string(getpid()));
-  if (tools::MergeTables({file.path()}, merged, true, {"sweep"})) std::filesystem::remove(merged);
+  if (tools::MergeTables({file.path()}, Merged(merged))) std::filesystem::remove(merged);
   const auto resumed =
-      tools::TableFile::Resume(file.path(), tools::HeaderOf(Question(), {}), Question());
+      tools::TableFile::Resume(file.path(), tools::HeaderOf(Question(), {}), Question(), true);
   if (!resumed) {
     fuzz::Require(!resumed.error().Text().empty());
     return 0;

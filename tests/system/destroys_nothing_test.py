@@ -28,13 +28,13 @@ FIXTURES = os.path.abspath("fixtures")
 # (session_pack_test.py), are tested apart
 READS = {
     "acquire": {"--sensor", "--port", "--calibration", "--profile", "--daemon", "--status"},
-    "analyze": {"--floor", "--calibration"},
+    "analyze": {"--floor", "--calibration", "--merge"},
     "calibrate": {"--reference", "--check"},
     "fit-adapter": {"--calibration"},
     "trial info": {"--calibration"},
     "trial plot": {"--calibration"},
     "trial export": {"--calibration"},
-    "study": {"--floor", "--verify", "--calibration"},
+    "study": {"--floor", "--verify", "--calibration", "--merge"},
     "fit-lra": {"--open", "--load", "--actuator"},
     "fit-impedance": {"--actuator"},
     "plan-drop-test": {"--actuator"},
@@ -44,7 +44,7 @@ READS = {
     "session pack": {"-o", "--output"},
     "emulate": {"--scene", "--trial", "--profile", "--link", "--analog", "--calibration"},
 }
-PLACEHOLDER_OF_FILE = re.compile(r"FILE|DIR|PATH|TABLES|SOCKET|^PORT$|\.(csv|toml|html|json|md|svg|h5|bin)")
+PLACEHOLDER_OF_FILE = re.compile(r"FILE|DIR|PATH|TABLES|SOCKET|^PORT$|\.(csv|toml|html|json|md|svg|h5|bin|results)")
 
 
 class Option:
@@ -93,6 +93,8 @@ WRITES = [
     of(ANALYZE, "--spectrum", [".csv", ".svg"], "table", True),
     of(ANALYZE, "--spectrogram", [".csv", ".pdf"], "table", True),
     of(ANALYZE, "--response", [".csv"], "table", True),
+    of(ANALYZE, "-o,--output", [".results"], "results", True, ["--shard", "1/1"]),
+    of(STUDY, "-o,--output", [".results"], "results", True, ["--shard", "1/1"]),
     of(STUDY, "--table", [".csv"], "table", True),
     of(STUDY, "--wide", [".csv"], "table", True),
     of(STUDY, "--methods", [".md"], "text", True),

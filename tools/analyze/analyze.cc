@@ -1,5 +1,7 @@
 #include "tools/analyze/analyze.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -26,6 +28,7 @@
 #include "tools/document/present.h"
 #include "tools/document/provenance.h"
 #include "tools/document/render.h"
+#include "tools/results/kept_answers.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 
@@ -214,23 +217,47 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
   return files;
 }
 
+ShownTrial Shown(const AnalyzedFile& file, bool is_alone) {
+  const bool has_numbers = file.analysis && file.analysis->numbers;
+  return {.section = TrialSection(file, is_alone),
+          .row = TableRow(file),
+          .error = file.error,
+          .deviates = !file.deviations.list().empty(),
+          .has_numbers = has_numbers,
+          .excludes_calibration = has_numbers && !file.analysis->gain_uncertainty};
+}
+
+// the same as it was kept in an earlier run, or by `analyze` now
+Result<ShownTrial> KeptOr(const std::string& path, std::string_view further, TrialResults& results,
+                          const std::function<ShownTrial()>& analyze) {
+  const auto compute = [&]() -> KeptAnswer {
+    const ShownTrial shown = analyze();
+    return {.bytes = BytesOf(shown), .is_error = shown.error.has_value()};
+  };
+  HAPTOMETER_LET(const auto bytes,
+                 results.Answer(path, fmt::format("path = {}\n{}", path, further), compute));
+  auto shown = ShownTrialOf(bytes);
+  if (!shown) return NotReadable(path);
+  return *std::move(shown);
+}
+
 // what is shown of the trials, taken one by one in the order of the files
 class Answers {
  public:
   Answers(const AnalyzeWords& words, document::Presenter& shown) : words_(words), shown_(shown) {}
 
-  void Take(const AnalyzedFile& file) {
-    if (file.error) status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, *file.error));
+  void Take(ShownTrial trial) {
+    if (trial.error) Fail(*trial.error);
     // a violated expectation ends with the status of a question that is not answered
-    if (!file.deviations.list().empty()) {
-      status_ = cli::WorseStatus(status_, ExitStatus(Cause::kCannotAnswer));
-    }
-    const bool has_numbers = file.analysis && file.analysis->numbers;
-    has_numbers_ = has_numbers_ || has_numbers;
-    excludes_calibration_ =
-        excludes_calibration_ || (has_numbers && !file.analysis->gain_uncertainty);
-    if (!words_.table.empty()) table_.sections.push_back(TableRow(file));
-    shown_.Add(TrialSection(file, words_.files.size() == 1));
+    if (trial.deviates) status_ = cli::WorseStatus(status_, ExitStatus(Cause::kCannotAnswer));
+    has_numbers_ = has_numbers_ || trial.has_numbers;
+    excludes_calibration_ = excludes_calibration_ || trial.excludes_calibration;
+    if (!words_.table.empty()) table_.sections.push_back(std::move(trial.row));
+    shown_.Add(std::move(trial.section));
+  }
+
+  void Fail(const Error& error) {
+    status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, error));
   }
 
   [[nodiscard]] int Finish(const Job& job) {
@@ -238,7 +265,7 @@ class Answers {
       const auto written =
           cli::WriteOutput(words_.table, cli::kTrialsTableOutput, words_.spectrum.overwrite,
                            document::CsvOf(table_, job.provenance()));
-      if (!written) status_ = cli::WorseStatus(status_, cli::ReportError(kVerb, written.error()));
+      if (!written) Fail(written.error());
     }
     return cli::WorseStatus(status_, shown_.Finish(ClosingSection(
                                          excludes_calibration_ || !has_numbers_, has_numbers_)));
@@ -253,31 +280,80 @@ class Answers {
   bool excludes_calibration_ = false;  // of a trial with numbers
 };
 
-// one trial on all threads, or several trials with a thread each
-int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
-  Answers answers(words, shown);
-  if (words.files.size() == 1) {
-    // where only one thread has work, another computes the checksum that the provenance states
-    std::optional<document::HashAhead> hash;
-    if (job.threads > 1) hash.emplace(words.files.front());
-    answers.Take(Analyze(words.files.front(), job));
-    return answers.Finish(job);
-  }
+// the files of a shard, each answered by earlier results or now, on a thread of its own; `take` is
+// called in the order of the files
+Result<void> AnalyzeEach(const AnalyzeWords& words, const Job& job, TrialResults& results,
+                         const std::function<void(ShownTrial)>& take) {
+  const auto count = static_cast<std::size_t>(results.shard().RowsOf(words.files.size()));
+  const auto path_of = [&](std::size_t i) -> const std::string& {
+    return words.files[static_cast<std::size_t>(results.shard().PointOf(i))];
+  };
   // inputs are noted in the order of the files, independent of the threads
-  for (const std::string& path : words.files) NoteInput(path);
+  for (std::size_t i = 0; i < count; ++i) NoteInput(path_of(i));
   Job single = job;
   single.threads = 1;
+  const bool is_alone = words.files.size() == 1;
+  const std::string further = fmt::format("alone = {}\nexpected = {}\n", is_alone, words.expect);
   const auto make_worker = [&]() -> OrderedWorker {
     return [&](std::size_t i) -> Result<Finish> {
       if (cli::IsInterruptedWithin()) return Finish{};
-      auto file = std::make_shared<AnalyzedFile>(Analyze(words.files[i], single));
-      return [&answers, file] { answers.Take(*file); };
+      const auto analyze = [&] { return Shown(Analyze(path_of(i), single), is_alone); };
+      if (!results.IsUsed()) {
+        return [&take, shown = std::make_shared<ShownTrial>(analyze())] { take(*shown); };
+      }
+      HAPTOMETER_LET(auto kept, KeptOr(path_of(i), further, results, analyze));
+      return [&take, shown = std::make_shared<ShownTrial>(std::move(kept))] { take(*shown); };
     };
   };
-  const auto all = RunJobsInOrder(words.files.size(), job.threads, make_worker);
-  HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  HAPTOMETER_TRY(RunJobsInOrder(count, job.threads, make_worker));
   cli::LeaveIfInterrupted();
+  return results.Finish();
+}
+
+// one trial on all threads, or several trials with a thread each
+int AnalyzeTrials(const AnalyzeWords& words, const Job& job, TrialResults& results,
+                  document::Presenter& shown) {
+  Answers answers(words, shown);
+  if (words.files.size() == 1 && !results.IsUsed()) {
+    // where only one thread has work, another computes the checksum that the provenance states
+    std::optional<document::HashAhead> hash;
+    if (job.threads > 1) hash.emplace(words.files.front());
+    answers.Take(Shown(Analyze(words.files.front(), job), true));
+    return answers.Finish(job);
+  }
+  const auto all =
+      AnalyzeEach(words, job, results, [&](ShownTrial trial) { answers.Take(std::move(trial)); });
+  if (!all) return cli::ReportError(kVerb, all.error());
+  RemarkOnCache(kVerb, results, words.files.size());
+  for (const Error& error : results.ChangeErrors()) answers.Fail(error);
   return answers.Finish(job);
+}
+
+// the trials of one shard; they are shown by --merge
+Result<int> AnalyzeShard(const AnalyzeWords& words, const Job& job, TrialResults& results, int argc,
+                         const char* const* argv) {
+  int status = 0;
+  HAPTOMETER_TRY(AnalyzeEach(words, job, results, [&](const ShownTrial& trial) {
+    if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
+  }));
+  return cli::WorseStatus(
+      status, document::Present(ShardDocument(kVerb, words.results, results, words.files.size()),
+                                job.outputs, argc, argv));
+}
+
+// folders are answered by earlier results too; pictures and spectra need the samples themselves
+Result<TrialResults> ResultsOf(const AnalyzeWords& words, const Job& job, bool has_folder) {
+  const bool needs_samples = words.sweep || job.outputs.HasFigures() ||
+                             !words.spectrum.spectrum.empty() ||
+                             !words.spectrum.spectrogram.empty();
+  if (needs_samples && !words.results.merge.empty()) {
+    return Usage("--merge", "has no samples to draw or to transform",
+                 "analyse the trials themselves with --plot, --report, --spectrum or --sweep");
+  }
+  ResultsWords wanted = words.results;
+  wanted.overwrite = words.spectrum.overwrite;
+  return TrialResults::Open(wanted, TrialQuestionText(kVerb, job.question, job.import),
+                            has_folder && !needs_samples);
 }
 
 }  // namespace
@@ -287,6 +363,10 @@ int RunAnalyze(int argc, const char* const* argv) {
   AnalyzeWords words;
   DeclareAnalyze(&options, &words);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  const bool has_folder = std::ranges::any_of(words.files, [](const std::string& word) {
+    std::error_code ignored;
+    return std::filesystem::is_directory(word, ignored);
+  });
   auto files = FilesOf(words.files);
   if (!files) return cli::ReportError(kVerb, files.error());
   words.files = *std::move(files);
@@ -294,9 +374,16 @@ int RunAnalyze(int argc, const char* const* argv) {
   if (!job) return cli::ReportError(kVerb, job.error());
   job->outputs.json = options.json();
   job->provenance = [&] { return document::ProvenanceOf(kVerb, argc, argv); };
+  auto results = ResultsOf(words, *job, has_folder);
+  if (!results) return cli::ReportError(kVerb, results.error());
+  if (!words.results.shard.empty()) {
+    const auto status = AnalyzeShard(words, *job, *results, argc, argv);
+    return status ? *status : cli::ReportError(kVerb, status.error());
+  }
   document::Presenter shown(AnalysisDocument(words.files.front(), words.files.size()), job->outputs,
                             argc, argv);
-  return words.sweep ? AnalyzeSweeps(words, *job, shown) : AnalyzeTrials(words, *job, shown);
+  return words.sweep ? AnalyzeSweeps(words, *job, shown)
+                     : AnalyzeTrials(words, *job, *results, shown);
 }
 
 Result<AnalyzedFile> AnalyzeByDefault(const std::string& path) {

@@ -54,6 +54,16 @@ struct AnalyzedFile {
 /// A row of --table: the answer, the window, the tone, and the kinds of all findings.
 [[nodiscard]] document::Section TableRow(const AnalyzedFile& file);
 
+/// What is shown of one trial.
+struct ShownTrial {
+  document::Section section;   ///< TrialSection
+  document::Section row;       ///< TableRow
+  std::optional<Error> error;  ///< of the file
+  bool deviates = false;       ///< from what is expected
+  bool has_numbers = false;
+  bool excludes_calibration = false;  ///< its numbers have no uncertainty of the calibration
+};
+
 /// What is in no uncertainty, where that holds of a trial; it is shown where one of them has
 /// numbers
 /// (`is_shown`).

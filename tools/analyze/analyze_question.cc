@@ -147,6 +147,14 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
       .Default("the number of cores");
   DeclareSpectrum(options, &words->spectrum);
   cli::DeclareImport(options, &words->import);
+  DeclareResults(*options, words->results);
+  options->Flag("--verify", &words->results.verify,
+                "Compare every trial with its checksum; status 1 where one changed behind its size "
+                "and time",
+                cli::Shown::kHelpAll);
+  options->Exclude("--shard",
+                   {"--table", "--plot", "--report", "--spectrum", "--spectrogram", "--sweep"},
+                   "a shard analyses its trials; they are shown by --merge");
 }
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {

@@ -12,6 +12,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/document/present.h"
+#include "tools/results/trial_results.h"
 
 namespace haptometer::tools {
 
@@ -62,6 +63,7 @@ struct AnalyzeWords {
   std::optional<std::int64_t> threads;
   SpectrumWords spectrum;
   cli::ImportWords import;
+  ResultsWords results{};
 };
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words);

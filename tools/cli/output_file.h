@@ -37,6 +37,8 @@ inline constexpr OutputKind kStudyTableOutput{
     .name = "a study's table", .begin = "subject,", .has_comments = true};
 inline constexpr OutputKind kTrialsTableOutput{
     .name = "a table of trials", .begin = "file,", .has_comments = true};
+inline constexpr OutputKind kResultsOutput{.name = "a file of results",
+                                           .begin = "haptometer results "};
 inline constexpr OutputKind kMethodsOutput{.name = "a methods paragraph", .begin = "## Methods\n"};
 inline constexpr OutputKind kActuatorOutput{.name = "an actuator written by --save",
                                             .begin = "# written by haptometer fit-lra"};

@@ -174,6 +174,21 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words,
 }
 
 // threads: as requested, else the number of cores, at most `most`
+Result<Shard> ReadShard(const std::string& text) {
+  if (text.empty()) return Shard{};
+  constexpr std::uint64_t kMost = 1'000'000;
+  // "I/N": without a slash the number is 0, which is refused
+  const std::string_view word = text;
+  const std::size_t slash = std::min(word.find('/'), word.size() - 1);
+  const std::uint64_t number = NumberFrom<std::uint64_t>(word.substr(0, slash)).value_or(0);
+  const std::uint64_t count = NumberFrom<std::uint64_t>(word.substr(slash + 1)).value_or(0);
+  if (number < 1 || number > count || count > kMost) {
+    return Usage("--shard", fmt::format("'{}' is not I/N", text),
+                 "write 1/4 to 4/4 for the four parts of the whole");
+  }
+  return Shard{.number = number, .count = count};
+}
+
 int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most) {
   const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
   return static_cast<int>(asked.value_or(std::min(cores, most)));

@@ -67,6 +67,22 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled:
 [[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words,
                                                     std::span<const std::string> files);
 
+/// One of several parts of a work: items number - 1, number - 1 + count, ... from 0.
+struct Shard {
+  std::uint64_t number = 1;  ///< 1 to count
+  std::uint64_t count = 1;
+
+  /// How many of `items` items are its own.
+  [[nodiscard]] std::uint64_t RowsOf(std::uint64_t items) const {
+    return items < number ? 0 : (items - number) / count + 1;
+  }
+  /// The item in its row `row`, both from 0.
+  [[nodiscard]] std::uint64_t PointOf(std::uint64_t row) const { return number - 1 + row * count; }
+};
+
+/// Reads "2/7"; the whole of an empty text. Errors (Cause::kUsage), naming --shard.
+[[nodiscard]] Result<Shard> ReadShard(const std::string& text);
+
 /// Threads as asked for, otherwise as many as there are cores, `most` at most.
 [[nodiscard]] int ThreadsOf(const std::optional<std::int64_t>& asked, std::int64_t most);
 

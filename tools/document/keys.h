@@ -97,6 +97,7 @@ inline constexpr Key kSensors{"sensors"};
 inline constexpr Key kSettings{"settings"};
 inline constexpr Key kSkinForcePeak{"skin_force_peak_n", "force on the skin, amplitude", kNewton};
 inline constexpr Key kSkinRms{"skin_rms_m", "skin displacement (RMS)", kMetre};
+inline constexpr Key kShard{"shard", "shard"};
 inline constexpr Key kSmallestRms1{"smallest_rms_1_percent_m", "smallest RMS to 1 %", kMetre};
 inline constexpr Key kSmallestRms10{"smallest_rms_10_percent_m", "smallest RMS to 10 %", kMetre};
 inline constexpr Key kSource{"source", "source"};

@@ -1,7 +1,9 @@
 #include "tools/document/provenance.h"
 
+#include <dlfcn.h>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <link.h>
 
 // SHA-256 alone, which OpenSSL 3 calls deprecated in favour of EVP: that loads every algorithm and
 // the configuration at each start of the program, and gives the same bytes
@@ -13,12 +15,16 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <system_error>
+#include <tuple>
 
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/instruction_set.h"
 #include "base/text.h"
 #include "tools/cli/terminal.h"
 
@@ -63,15 +69,44 @@ std::string Sha256Of(const std::string& path, std::uint64_t first_bytes) {
 
 namespace {
 
+#if defined(__clang__)
+constexpr std::string_view kCompiler = "clang++ " __clang_version__;
+#else
+constexpr std::string_view kCompiler = "g++ " __VERSION__;
+#endif
+#if defined(__x86_64__)
+constexpr std::string_view kArchitecture = "x86-64";
+#else
+constexpr std::string_view kArchitecture = "aarch64";
+#endif
+
 // the checksum that is computed beside what the command does
 struct {
   std::string path;
   std::future<std::string> sha256;
 } hash_ahead;
 
+// checksums that are known, by device, inode, size and time of the last change
+using StateKey = std::tuple<dev_t, ino_t, off_t, time_t, long>;
+
+struct KnownHashes {
+  std::mutex mutex;
+  std::map<StateKey, std::string> sha256;
+};
+
+KnownHashes& Known() {
+  static KnownHashes known;
+  return known;
+}
+
+StateKey KeyOf(const struct stat& status) {
+  return {status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec,
+          status.st_mtim.tv_nsec};
+}
+
 std::string HashOf(const std::string& path) {
   const bool is_begun = hash_ahead.sha256.valid() && hash_ahead.path == path;
-  return is_begun ? hash_ahead.sha256.get() : Sha256Of(path);
+  return is_begun ? hash_ahead.sha256.get() : HashOfInput(path);
 }
 
 InputFile InputOf(const NotedInput& noted) {
@@ -89,6 +124,43 @@ InputFile InputOf(const NotedInput& noted) {
 }
 
 }  // namespace
+
+std::string HashOfInput(const std::string& path) {
+  struct stat status{};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return Sha256Of(path);
+  {
+    const std::scoped_lock lock(Known().mutex);
+    const auto known = Known().sha256.find(KeyOf(status));
+    if (known != Known().sha256.end()) return known->second;
+  }
+  const std::string sha256 = Sha256Of(path);
+  struct stat after{};
+  // a file that changes while it is read has no checksum that anything could be known by
+  if (!sha256.empty() && stat(path.c_str(), &after) == 0 && KeyOf(after) == KeyOf(status)) {
+    NoteHash(status, sha256);
+  }
+  return sha256;
+}
+
+void NoteHash(const struct stat& status, const std::string& sha256) {
+  const std::scoped_lock lock(Known().mutex);
+  Known().sha256.insert_or_assign(KeyOf(status), sha256);
+}
+
+const std::string& ComputedBy() {
+  static const std::string text = [] {
+    // the library of another program that this function is in; of the program itself it has no name
+    Dl_info here{};
+    link_map* file = nullptr;
+    const int is_found = dladdr1(reinterpret_cast<const void*>(&ComputedBy), &here,
+                                 reinterpret_cast<void**>(&file), RTLD_DL_LINKMAP);
+    const bool is_library = is_found != 0 && file != nullptr && *file->l_name != '\0';
+    const std::string sha256 = Sha256Of(is_library ? file->l_name : "/proc/self/exe");
+    return fmt::format("haptometer {} ({}, {}, {}, program {:.16})", HAPTOMETER_VERSION, kCompiler,
+                       kArchitecture, Name(UsableInstructionSet()), sha256);
+  }();
+  return text;
+}
 
 HashAhead::HashAhead(const std::string& path) {
   // what a pipe or a device sends can be read only once

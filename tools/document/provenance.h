@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -48,6 +50,17 @@ class Sha256 {
 /// read or is shorter than a stated number of bytes. Some 0.5 s a GB.
 [[nodiscard]] std::string Sha256Of(
     const std::string& path, std::uint64_t first_bytes = std::numeric_limits<std::uint64_t>::max());
+
+/// Sha256Of a regular file, computed once for each state of it (device, inode, size, time of
+/// change): CollectProvenance() takes it. Thread-safe.
+[[nodiscard]] std::string HashOfInput(const std::string& path);
+
+/// The same, where it is known from elsewhere of a file in this state.
+void NoteHash(const struct stat& status, const std::string& sha256);
+
+/// What computes: version, compiler, architecture, instruction set of the kernels, and the first 16
+/// digits of the SHA-256 of the program or library that this code is in, read once.
+[[nodiscard]] const std::string& ComputedBy();
 
 /// Computes the SHA-256 of a regular file on a thread of its own, which ends before this object
 /// does; CollectProvenance() takes the result. One at a time, in the thread that collects.

@@ -57,6 +57,7 @@ struct Wanted {
   std::string methods{};
   std::string verify{};
   bool overwrite = false;
+  ResultsWords results{};
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
@@ -76,9 +77,15 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Output("--table", &wanted.table, "LONG.csv", "Write a row per trial");
   options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row per subject");
   options.Output("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
-  options.Text("--verify", &wanted.verify, "RESULTS.json",
-               "Compare with an earlier output of --json; status 1 where something differs");
-  options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
+  options.OptionalText(
+      "--verify", &wanted.results.verify, &wanted.verify, "RESULTS.json",
+      "Compare every trial with its checksum, and the answer with an earlier output "
+      "of --json; status 1 where something differs");
+  options.Flag("--overwrite", &wanted.overwrite,
+               "Replace existing tables, paragraphs and results of a shard");
+  DeclareResults(options, wanted.results);
+  options.Exclude("--shard", {"--table", "--wide", "--methods", "--plot", "--report", "--verify"},
+                  "a shard analyses its trials; they are compared by --merge");
 }
 
 // the question from command line and manifest; the command line overrides
@@ -258,12 +265,38 @@ Result<int> Verify(const std::string& path, const document::Document& document) 
   return compared.differences.empty() ? 0 : 1;
 }
 
+Result<TrialResults> ResultsOf(const StudyWords& words, const Task& task) {
+  if (!words.results) return TrialResults::Open({}, {}, false);
+  const std::string question = TrialQuestionText(kVerb, task.study.question, task.import);
+  return TrialResults::Open(*words.results, question, true);
+}
+
+// the trials of one shard; their comparison is for --merge
+Result<int> AnswerShard(const Wanted& wanted, int argc, const char* const* argv) {
+  HAPTOMETER_LET(const auto task, TaskOf(wanted.study));
+  HAPTOMETER_LET(auto results, ResultsOf(wanted.study, task));
+  HAPTOMETER_LET(const auto trials,
+                 AnalyzeTrials(task.files, task.study.question, task.import, results));
+  HAPTOMETER_TRY(results.Finish());
+  std::vector<Error> errors;
+  for (const StudyTrial& trial : trials) {
+    if (trial.error) errors.push_back(*trial.error);
+  }
+  const int status = cli::ReportErrors(kVerb, errors);
+  return cli::WorseStatus(
+      status, document::Present(ShardDocument(kVerb, wanted.results, results, task.files.size()),
+                                wanted.outputs, argc, argv));
+}
+
 int RunStudyTrials(int argc, const char* const* argv) {
   cli::Options options(kText);
   Wanted wanted;
   Declare(options, wanted);
   return document::RunVerb(kVerb, options, wanted.outputs, argc, argv, [&]() -> Result<int> {
     HAPTOMETER_TRY(CheckOutputs(wanted));
+    wanted.results.overwrite = wanted.overwrite;
+    wanted.study.results = wanted.results;
+    if (!wanted.results.shard.empty()) return AnswerShard(wanted, argc, argv);
     HAPTOMETER_LET(const auto study, AnswerStudy(wanted.study));
     // an unreadable trial worsens the status; the others are answered
     int status = cli::ReportErrors(kVerb, study.Errors());
@@ -371,10 +404,13 @@ Result<StudyResult> AnswerStudy(
     const StudyWords& words, const std::function<Result<void>(const std::string& scene)>& check) {
   HAPTOMETER_LET(auto task, TaskOf(words));
   if (check) HAPTOMETER_TRY(check(task.study.scene));
+  HAPTOMETER_LET(auto results, ResultsOf(words, task));
   StudyResult study = std::move(task.study);
   study.source = Printable(words.source);
-  study.table = MakeStudyTable(AnalyzeTrials(task.files, study.question, task.import),
-                               task.manifest.conditions);
+  HAPTOMETER_LET(auto trials, AnalyzeTrials(task.files, study.question, task.import, results));
+  RemarkOnCache(kVerb, results, task.files.size());
+  study.changed = results.ChangeErrors();
+  study.table = MakeStudyTable(std::move(trials), task.manifest.conditions);
   HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session
                                                             ? task.manifest.conditions
                                                             : std::vector<std::string>{}));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/document/document.h"
+#include "tools/results/trial_results.h"
 #include "tools/study/study_table.h"
 
 namespace haptometer::tools {
@@ -22,8 +24,9 @@ struct StudyWords {
   cli::BandWords band{};
   std::string floor{};
   cli::ImportWords import{};
+  std::optional<ResultsWords> results{};  ///< of a verb that keeps results
 };
-/// Declares the options of those words, but for source and contrasts.
+/// Declares the options of those words, but for source, contrasts and results.
 void DeclareStudy(cli::Options& options, StudyWords& words);
 
 /// What `haptometer study` answers; `check` is called before any trial is analysed, with the scene

@@ -197,6 +197,7 @@ std::vector<Error> StudyResult::Errors() const {
   for (const StudyTrial& trial : table.trials) {
     if (trial.error) errors.push_back(*trial.error);
   }
+  errors.insert(errors.end(), changed.begin(), changed.end());
   return errors;
 }
 

@@ -1,6 +1,7 @@
 #include "tools/study/study_table.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cctype>
 #include <cmath>
@@ -23,6 +24,7 @@
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
+#include "tools/results/kept_answers.h"
 #include "tools/session/session_folder.h"
 #include "trial/import/read_recording.h"
 
@@ -290,31 +292,74 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   return trial;
 }
 
-std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
-                                      const dsp::BandQuestion& question,
-                                      const trial::ImportOptions& import) {
+namespace {
+
+// what decides a trial's answer beside its bytes and the question of all
+std::string FurtherOf(const TrialFile& file) {
+  std::string text = fmt::format("labels = {}\n", file.labels);
+  if (file.excluded) text += fmt::format("excluded = {}\n", *file.excluded);
+  if (file.floor) text += fmt::format("floor = {}\n", document::HashOfInput(file.floor->file));
+  return text;
+}
+
+}  // namespace
+
+Result<StudyTrial> AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question,
+                                const trial::ImportOptions& import, TrialResults& results) {
+  // an error of the pattern comes before any reading
+  if (file.error || !results.IsUsed()) return AnalyzeTrial(file, question, import);
+  const auto compute = [&]() -> KeptAnswer {
+    const StudyTrial trial = AnalyzeTrial(file, question, import);
+    return {.bytes = BytesOf(trial), .is_error = trial.error.has_value()};
+  };
+  HAPTOMETER_LET(const auto bytes, results.Answer(file.path, FurtherOf(file), compute));
+  auto trial = StudyTrialOf(bytes);
+  if (!trial) return NotReadable(file.path);
+  trial->file = Printable(file.path);
+  if (!trial->excluded && !trial->error) trial->floor = file.floor;
+  return *std::move(trial);
+}
+
+Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& files,
+                                              const dsp::BandQuestion& question,
+                                              const trial::ImportOptions& import,
+                                              TrialResults& results) {
+  const cli::Shard& shard = results.shard();
+  const auto count = static_cast<std::size_t>(shard.RowsOf(files.size()));
+  const auto file_of = [&](std::size_t i) -> const TrialFile& {
+    return files[static_cast<std::size_t>(shard.PointOf(i))];
+  };
   // inputs are noted in the order of the files, independent of the threads
-  for (const TrialFile& file : files) {
-    if (!file.error) NoteInput(file.path);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!file_of(i).error) NoteInput(file_of(i).path);
   }
-  std::vector<StudyTrial> trials(files.size());
+  std::vector<StudyTrial> trials(count);
   cli::Progress progress("trials");
   std::mutex progress_mutex;
   std::size_t done = 0;
   const auto make_worker = [&]() -> Worker {
     return [&](std::size_t i) -> Result<void> {
       if (cli::IsInterruptedWithin()) return {};
-      trials[i] = AnalyzeTrial(files[i], question, import);
+      HAPTOMETER_LET(trials[i], AnalyzeTrial(file_of(i), question, import, results));
       const std::scoped_lock lock(progress_mutex);
-      progress.Update(static_cast<double>(++done) / static_cast<double>(files.size()));
+      progress.Update(static_cast<double>(++done) / static_cast<double>(count));
       return {};
     };
   };
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const auto all = RunJobs(files.size(), threads, make_worker);
-  HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  HAPTOMETER_TRY(RunJobs(count, threads, make_worker));
   cli::LeaveIfInterrupted();
   return trials;
+}
+
+std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
+                                      const dsp::BandQuestion& question,
+                                      const trial::ImportOptions& import) {
+  auto none = TrialResults::Open({}, {}, false);
+  HAPTOMETER_CHECK(none.has_value(), "no results are wanted");
+  auto trials = AnalyzeTrials(files, question, import, *none);
+  HAPTOMETER_CHECK(trials.has_value(), "a trial's error belongs to the trial");
+  return *std::move(trials);
 }
 
 namespace {

@@ -14,6 +14,7 @@
 #include "dsp/statistics/repeated_measures.h"
 #include "tools/compare/measured.h"
 #include "tools/document/provenance.h"
+#include "tools/results/trial_results.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_findings.h"
 #include "trial/import/import_options.h"
@@ -56,8 +57,21 @@ struct StudyTrial {
 [[nodiscard]] StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question,
                                       const trial::ImportOptions& import);
 
+/// The same, as it was kept in an earlier run, or analysed and kept now. Errors: as
+/// TrialResults::Answer.
+[[nodiscard]] Result<StudyTrial> AnalyzeTrial(const TrialFile& file,
+                                              const dsp::BandQuestion& question,
+                                              const trial::ImportOptions& import,
+                                              TrialResults& results);
+
 /// The same of many files, on all processors; the order is that of `files`, whichever is ready
-/// first. Memory: one record a processor.
+/// first. Of a shard its own trials alone. Memory: one record a processor. Errors: as
+/// TrialResults::Answer; the first in the order of the files.
+[[nodiscard]] Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& files,
+                                                            const dsp::BandQuestion& question,
+                                                            const trial::ImportOptions& import,
+                                                            TrialResults& results);
+/// Without results of earlier runs.
 [[nodiscard]] std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                                     const dsp::BandQuestion& question,
                                                     const trial::ImportOptions& import);
@@ -198,6 +212,7 @@ struct StudyResult {
   std::string source;  ///< folder or manifest
   dsp::BandQuestion question;
   StudyTable table;
+  std::vector<Error> changed{};          ///< TrialResults::ChangeErrors()
   std::vector<std::string> ignored;      ///< tables of results that lie among the trials
   std::string session_damage{};          ///< what of a session's log is damaged, in words
   std::string scene{};                   ///< that the session's source plays; empty: none
@@ -214,7 +229,7 @@ struct StudyResult {
   [[nodiscard]] Result<void> Compare(std::vector<PlannedContrast> wanted,
                                      const std::vector<std::string>& expected = {});
 
-  /// Of trials that cannot be read or have no place.
+  /// Of trials that cannot be read, have no place, or changed behind the file system's back.
   [[nodiscard]] std::vector<Error> Errors() const;
 
   /// How many answered trials `is_so` holds of.

@@ -99,7 +99,8 @@ Result<Mended> Compute(const SweepWords& words) {
   const TableHeader header = HeaderOf(question, document::CollectProvenance(words.command));
   // the picture is checked before the first row is computed
   HAPTOMETER_TRY(CheckPicture(words.plot, header));
-  HAPTOMETER_LET(auto file, words.resume ? TableFile::Resume(words.output, header, question)
+  HAPTOMETER_LET(auto file, words.resume ? TableFile::Resume(words.output, header, question,
+                                                             words.is_mixed_allowed)
                                          : TableFile::Begin(words.output, header, words.overwrite));
   // from here on a signal ends the run between two rows, with a valid table
   cli::CatchInterrupts();
@@ -121,7 +122,7 @@ Result<Mended> Merge(const SweepWords& words) {
   TableHeader whole = first.header();
   whole.shard.clear();
   HAPTOMETER_TRY(CheckPicture(words.plot, whole));
-  HAPTOMETER_TRY(MergeTables(tables, words.output, words.overwrite, words.command));
+  HAPTOMETER_TRY(MergeTables(tables, words));
   return std::uint64_t{0};
 }
 
@@ -300,7 +301,7 @@ document::Document SweepDocument(const SweepSummary& summary) {
   root.sources = {document::DataSource::kSimulated};
   root.Add({"table"}, summary.table);
   root.Add(document::kPoints, header.points);
-  root.Add({"shard", "shard"}, document::TextOrNotKnown(header.shard));
+  root.Add(document::kShard, document::TextOrNotKnown(header.shard));
   root.Add({document::kRows.name, header.shard.empty() ? "" : "rows"}, summary.rows);
   root.Add({document::kAnswered.name, "answered"}, summary.answered);
   const auto first = header.columns.begin() + 1;

@@ -14,6 +14,7 @@
 #include "sim/sweep/sweep_points.h"
 #include "sim/sweep/varied_scene.h"
 #include "tools/cli/options.h"
+#include "tools/cli/shared_options.h"
 #include "tools/document/present.h"
 #include "tools/document/provenance.h"
 #include "tools/simulate/accuracy_option.h"
@@ -23,24 +24,11 @@ namespace haptometer::tools {
 
 // --- the question ---
 
-/// One of several parts of a sweep: points number - 1, number - 1 + count, ... from 0.
-struct Shard {
-  std::uint64_t number = 1;  ///< 1 to count
-  std::uint64_t count = 1;
-
-  /// How many of `points` points are its own.
-  [[nodiscard]] std::uint64_t RowsOf(std::uint64_t points) const {
-    return points < number ? 0 : (points - number) / count + 1;
-  }
-  /// The point in its row `row`, both from 0.
-  [[nodiscard]] std::uint64_t PointOf(std::uint64_t row) const { return number - 1 + row * count; }
-};
-
 /// What a sweep asks.
 struct SweepQuestion {
   sim::VariedScene scene;
   sim::SweepPoints points;
-  Shard shard;
+  cli::Shard shard;
   std::optional<double> accuracy;  ///< of every point, in place of the scene's [run] tolerance
 };
 
@@ -56,6 +44,7 @@ struct SweepWords {
   std::string output;
   bool resume = false;
   bool overwrite = false;
+  bool is_mixed_allowed = false;  ///< continues or merges what another program computed
   std::optional<std::int64_t> threads;
   std::string shard;
   std::vector<std::vector<std::string>> merge;
@@ -107,6 +96,7 @@ inline constexpr std::string_view kProvenance = "# provenance: ";
 struct TableHeader {
   std::vector<std::string> question;  ///< the lines without the shard's, in order
   std::string shard;                  ///< "2/7"; empty: the whole
+  std::string computed_by;            ///< document::ComputedBy(); no part of the question
   std::string provenance;             ///< whole lines; no part of the question
   std::vector<std::string> columns;
   std::size_t varied = 0;    ///< columns of keys, behind the first
@@ -115,8 +105,9 @@ struct TableHeader {
   [[nodiscard]] std::string Text() const;
 };
 
-/// The header of the table that answers `question`. Apart from the provenance equal for equal
-/// questions, whatever the directory, the number of threads and the order of lines in the scene.
+/// The header of the table that answers `question`. Apart from program and provenance equal for
+/// equal questions, whatever the directory, the number of threads and the order of lines in the
+/// scene.
 [[nodiscard]] TableHeader HeaderOf(const SweepQuestion& question,
                                    const document::Provenance& provenance);
 
@@ -176,9 +167,11 @@ class TableFile {
   /// stands behind its last whole row is cut off. A row that does not match its checksum is
   /// computed again and put in its place.
   /// Errors: as Begin; Cause::kUsage for a table of another question or shard, with the difference,
-  /// and for rows that this question does not make, or that were changed in their length.
+  /// for one that another program computed, unless `is_mixed_allowed`, and for rows that this
+  /// question does not make, or that were changed in their length.
   [[nodiscard]] static Result<TableFile> Resume(const std::string& path, const TableHeader& header,
-                                                const SweepQuestion& question);
+                                                const SweepQuestion& question,
+                                                bool is_mixed_allowed);
 
   TableFile(TableFile&& other) noexcept;
   TableFile& operator=(TableFile&&) = delete;
@@ -251,15 +244,14 @@ class TableReader {
 [[nodiscard]] std::optional<std::uint64_t> PointOfRow(std::string_view row);
 
 /// Joins the tables of shards into the table that one run would have written, byte for byte but for
-/// the provenance, which is that of `command`; memory of one row a table.
+/// the provenance, which is that of the command; memory of one row a table.
 ///
-/// Errors, with no file left: as cli::OutputFile for `output` (replaced where `replace` says so);
-/// as TableReader for a table; Cause::kUsage for tables of different questions, with the
-/// difference, and for a point that two of them hold; Cause::kCannotAnswer for a point that none
-/// holds or a table that ends amid a row.
+/// Errors, with no file left: as cli::OutputFile for the output; as TableReader for a table;
+/// Cause::kUsage for tables of different questions, with the difference, of different programs
+/// unless that is allowed, named both, and for a point that two of them hold; Cause::kCannotAnswer
+/// for a point that none holds or a table that ends amid a row.
 [[nodiscard]] Result<void> MergeTables(const std::vector<std::string>& tables,
-                                       const std::string& output, bool replace,
-                                       const std::vector<std::string>& command);
+                                       const SweepWords& words);
 
 // --- the answer ---
 

@@ -18,21 +18,6 @@ namespace {
 
 constexpr std::uint64_t kMostPoints = 1'000'000'000;
 constexpr std::int64_t kMostSeed = (1LL << 62) - 1;
-constexpr std::uint64_t kMostShards = 1'000'000;
-
-Result<Shard> ReadShard(const std::string& text) {
-  if (text.empty()) return Shard{};
-  // "I/N": without a slash the number is 0, which is refused
-  const std::string_view word = text;
-  const std::size_t slash = std::min(word.find('/'), word.size() - 1);
-  const std::uint64_t number = NumberFrom<std::uint64_t>(word.substr(0, slash)).value_or(0);
-  const std::uint64_t count = NumberFrom<std::uint64_t>(word.substr(slash + 1)).value_or(0);
-  if (number < 1 || number > count || count > kMostShards) {
-    return Usage("--shard", fmt::format("'{}' is not I/N", text),
-                 "write 1/4 to 4/4 for the four parts of a sweep");
-  }
-  return Shard{.number = number, .count = count};
-}
 
 Result<std::vector<sim::SweepAxis>> ReadAxes(const SweepWords& words) {
   if (words.vary.empty()) {
@@ -281,6 +266,9 @@ void Declare(cli::Options& options, SweepWords& words) {
       .Default("the number of cores");
   options.Text("--shard", &words.shard, "I/N", "Compute only every N-th point, from the I-th on");
   options.Groups("--merge", &words.merge, "TABLE.csv...", "Join the shards' tables into one");
+  options.Flag("--allow-mixed", &words.is_mixed_allowed,
+               "Continue or join tables that different programs or processors computed",
+               cli::Shown::kHelpAll);
   options.Text("--best", &words.best, "COLUMN[:least]",
                "Show the row with the largest number of this column");
   options.Flag("--all", &words.outputs.all, "Print the provenance too");
@@ -290,7 +278,7 @@ void Declare(cli::Options& options, SweepWords& words) {
 
 Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
   HAPTOMETER_TRY(CheckWords(words));
-  HAPTOMETER_LET(const auto shard, ReadShard(words.shard));
+  HAPTOMETER_LET(const auto shard, cli::ReadShard(words.shard));
   HAPTOMETER_LET(auto points, ReadPoints(words));
   const std::vector<std::string> keys = Mapped(points.axes(), &sim::SweepAxis::key);
   auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);

@@ -166,10 +166,11 @@ class OrderedRows {
 
 }  // namespace
 
-// lines of the question, shard, provenance, then the names of the columns
+// lines of the question, shard, program, provenance, then the names of the columns
 std::string TableHeader::Text() const {
   std::string text = fmt::format("{}\n", fmt::join(question, "\n"));
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
+  text += fmt::format("# computed_by = {}\n", computed_by);
   text += provenance;
   return text + fmt::format("{}\n", fmt::join(Mapped(columns, cli::CellOf), ","));
 }
@@ -195,6 +196,7 @@ TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& 
   for (const AnswerColumn& column : AnswerColumns()) header.columns.push_back(column.name);
   header.columns.emplace_back("remark");
   header.columns.emplace_back(kChecksumColumn);
+  header.computed_by = document::ComputedBy();
   header.provenance = document::CommentOf(provenance, kProvenance);
   header.varied = axes.size();
   header.points = question.points.size();

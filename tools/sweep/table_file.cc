@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -116,6 +117,7 @@ constexpr std::string_view kTitle = "# haptometer sweep ";
 constexpr std::string_view kVary = "# vary = ";
 constexpr std::string_view kPoints = "# points = ";
 constexpr std::string_view kShard = "# shard = ";
+constexpr std::string_view kComputedBy = "# computed_by = ";
 
 // longest row that is read: a file without line ends does not exhaust memory
 constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
@@ -151,7 +153,8 @@ struct MergedTable {
 };
 
 // all tables must be of one question
-Result<std::vector<MergedTable>> OpenAll(const std::vector<std::string>& paths) {
+Result<std::vector<MergedTable>> OpenAll(const std::vector<std::string>& paths,
+                                         bool is_mixed_allowed) {
   std::vector<MergedTable> tables;
   tables.reserve(paths.size());
   for (const std::string& path : paths) {
@@ -162,6 +165,13 @@ Result<std::vector<MergedTable>> OpenAll(const std::vector<std::string>& paths) 
         return Usage(path,
                      fmt::format("belongs to another sweep than {}: {}", paths[0], difference),
                      "merge the shards of one sweep");
+      }
+      const std::string& program = reader.header().computed_by;
+      const std::string& first = tables.front().reader.header().computed_by;
+      if (program != first && !is_mixed_allowed) {
+        return Usage(path,
+                     fmt::format("was computed by {}, but {} by {}", program, paths[0], first),
+                     "compute all shards with one program, or give --allow-mixed");
       }
     }
     NoteInput(path);
@@ -267,12 +277,18 @@ Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& h
 
 // order: lock, check, recompute changed rows, then cut an incomplete last row
 Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
-                                    const SweepQuestion& question) {
+                                    const SweepQuestion& question, bool is_mixed_allowed) {
   if (IsBegunOnly(path, header)) return Begin(path, header, true);
   auto file = Open(path);  // locked before it is read
   if (!file) return file;
   HAPTOMETER_LET(auto reader, TableReader::Open(path));
   HAPTOMETER_TRY(CheckQuestion(reader, header));
+  if (!is_mixed_allowed && reader.header().computed_by != header.computed_by) {
+    return Usage(path,
+                 fmt::format("was computed by {}, this is {}", reader.header().computed_by,
+                             header.computed_by),
+                 "continue it with that program, or give --allow-mixed");
+  }
   HAPTOMETER_LET(const auto old, ReadOldRows(reader, question));
   HAPTOMETER_LET(const auto rows, RowsAgain(old.changed, question, path));
   // before the cut and before new rows, so that a second interruption leaves a valid table
@@ -347,6 +363,10 @@ Result<void> TableReader::ReadHeader() {
       header_.shard = line->substr(kShard.size());
       continue;
     }
+    if (line->starts_with(kComputedBy)) {
+      header_.computed_by = line->substr(kComputedBy.size());
+      continue;
+    }
     if (line->starts_with(kVary)) ++header_.varied;
     if (line->starts_with(kPoints)) {
       header_.points = LeadingCount(line->substr(kPoints.size())).value_or(0);
@@ -394,14 +414,20 @@ std::optional<std::uint64_t> PointOfRow(std::string_view row) {
   return point;
 }
 
-Result<void> MergeTables(const std::vector<std::string>& tables, const std::string& output,
-                         bool replace, const std::vector<std::string>& command) {
-  HAPTOMETER_LET(auto merged, OpenAll(tables));
-  HAPTOMETER_LET(auto file, cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace));
-  // the merged table has no shard, and the provenance of this command
+Result<void> MergeTables(const std::vector<std::string>& tables, const SweepWords& words) {
+  HAPTOMETER_LET(auto merged, OpenAll(tables, words.is_mixed_allowed));
+  HAPTOMETER_LET(auto file,
+                 cli::OutputFile::Begin(words.output, cli::kSweepTableOutput, words.overwrite));
+  // the merged table has no shard, all programs, and the provenance of this command
   TableHeader header = merged.front().reader.header();
   header.shard.clear();
-  header.provenance = document::CommentOf(document::CollectProvenance(command), kProvenance);
+  std::vector<std::string> programs;
+  for (const MergedTable& table : merged) {
+    const std::string& program = table.reader.header().computed_by;
+    if (std::ranges::count(programs, program) == 0) programs.push_back(program);
+  }
+  header.computed_by = fmt::format("{}", fmt::join(programs, "; "));
+  header.provenance = document::CommentOf(document::CollectProvenance(words.command), kProvenance);
   HAPTOMETER_TRY(file.Write(header.Text()));
   HAPTOMETER_TRY(WriteRows(merged, file));
   return file.Finish();
