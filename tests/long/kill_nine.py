@@ -52,22 +52,28 @@ def sent(seconds):
 
 def corrupt_values(values, sequence):
     """How many of `values` are not the emulator's, in its order. A loaded machine may lose lines on the wire
-    (after which the sequence is found again further on); a value that was never sent is corrupt."""
-    strides = np.lib.stride_tricks.sliding_window_view
-    corrupt, at, i, probe = 0, 0, 0, 6
+    (after which the sequence is found again further on, by the next six values, or by two where more lines are
+    lost soon after); a value that was never sent is corrupt."""
+    corrupt, at, i = 0, 0, 0
     while i < len(values):
         if at < len(sequence) and values[i] == sequence[at]:
             at, i = at + 1, i + 1
             continue
-        ahead = values[i:i + probe]
-        rest = sequence[at:]
-        found = (np.flatnonzero((strides(rest, len(ahead)) == ahead).all(axis=1))
-                 if len(rest) >= len(ahead) else [])
-        if len(found):
+        found = [place for probe in (6, 2) if (place := place_of(values[i:i + probe], sequence[at:])) is not None]
+        if found:
             at += found[0]
         else:
             corrupt, i = corrupt + 1, i + 1
     return corrupt
+
+
+def place_of(values, sequence):
+    """Where `values` stand in `sequence` first, one after the other."""
+    if len(sequence) < len(values):
+        return None
+    windows = np.lib.stride_tricks.sliding_window_view(sequence, len(values))
+    found = np.flatnonzero((windows == values).all(axis=1))
+    return int(found[0]) if len(found) else None
 
 
 def kill_once(directory, number, moment_s):
