@@ -33,6 +33,15 @@ std::string_view Lasting(const std::string& text) {
 }  // namespace
 }  // namespace haptometer
 
+namespace haptometer {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Error, cause, where, what, remedy)
+}  // namespace haptometer
+
+namespace haptometer::dsp {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Interval, lower, upper)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Estimate, value, uncertainty)
+}  // namespace haptometer::dsp
+
 namespace nlohmann {
 
 template <typename T>
@@ -45,19 +54,11 @@ struct adl_serializer<std::optional<T>> {
   }
 };
 
-template <>
-struct adl_serializer<std::string_view> {
-  static void to_json(json& to, std::string_view from) { to = std::string(from); }
-  static void from_json(const json& from, std::string_view& to) {
-    to = haptometer::Lasting(from.get<std::string>());
-  }
-};
-
-/// Whole numbers, other numbers and texts are told apart by JSON itself.
+// whole numbers, other numbers and texts are told apart by JSON itself.
 template <>
 struct adl_serializer<haptometer::FindingNumber> {
   static void to_json(json& to, const haptometer::FindingNumber& from) {
-    to = {std::string(from.name)};
+    to = json::array({std::string(from.name)});
     std::visit([&](const auto& value) { to.push_back(value); }, from.value);
   }
   static haptometer::FindingNumber from_json(const json& from) {
@@ -125,26 +126,56 @@ struct nlohmann::adl_serializer<haptometer::document::Value> {
   }
 };
 
-namespace haptometer {
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Error, cause, where, what, remedy)
-
-}  // namespace haptometer
-
-namespace haptometer::dsp {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Interval, lower, upper)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Estimate, value, uncertainty)
-}  // namespace haptometer::dsp
-
 namespace haptometer::document {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SpokenUnit, factor, symbol)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Unit, ending, symbol, spoken)
+
+using Json = nlohmann::json;
+
+void to_json(Json& to, const SpokenUnit& from) { to = {from.factor, std::string(from.symbol)}; }
+void from_json(const Json& from, SpokenUnit& to) {
+  from.at(0).get_to(to.factor);
+  to.symbol = Lasting(from.at(1));
+}
+
+void to_json(Json& to, const Unit& from) {
+  to = {std::string(from.ending), std::string(from.symbol), from.spoken};
+}
+void from_json(const Json& from, Unit& to) {
+  to.ending = Lasting(from.at(0));
+  to.symbol = Lasting(from.at(1));
+  from.at(2).get_to(to.spoken);
+}
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Item, name, label, unit, form, value, standard_uncertainty,
                                    statistical, interval, at_most, resolution, note)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Finding, kind, severity, text, subject, numbers)
+
+void to_json(Json& to, const Finding& from) {
+  to = {std::string(from.kind), from.severity, from.text, from.subject, from.numbers};
+}
+void from_json(const Json& from, Finding& to) {
+  to.kind = Lasting(from.at(0));
+  from.at(1).get_to(to.severity);
+  from.at(2).get_to(to.text);
+  from.at(3).get_to(to.subject);
+  to.numbers = from.at(4).get<std::vector<FindingNumber>>();
+}
+
 // figures are drawn from samples, which no file of results holds
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Section, name, heading, shape, detail, is_known, sources, items,
-                                   sections, findings)
+void to_json(Json& to, const Section& from) {
+  to = {std::string(from.name), from.heading, from.shape,    from.detail,  from.is_known,
+        from.sources,           from.items,   from.sections, from.findings};
+}
+void from_json(const Json& from, Section& to) {
+  to.name = Lasting(from.at(0));
+  from.at(1).get_to(to.heading);
+  from.at(2).get_to(to.shape);
+  from.at(3).get_to(to.detail);
+  from.at(4).get_to(to.is_known);
+  from.at(5).get_to(to.sources);
+  from.at(6).get_to(to.items);
+  from.at(7).get_to(to.sections);
+  from.at(8).get_to(to.findings);
+}
+
 }  // namespace haptometer::document
 
 namespace haptometer::tools {
