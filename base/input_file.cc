@@ -11,6 +11,8 @@
 #include <mutex>
 #include <utility>
 
+#include "base/mapped.h"
+
 namespace haptometer {
 namespace {
 
@@ -58,9 +60,7 @@ std::vector<NotedInput> NotedInputs() {
   std::vector<std::pair<std::size_t, NotedInput>> numbered;
   for (const auto& [key, one] : Noted().files) numbered.emplace_back(one.number, one.file);
   std::ranges::sort(numbered, {}, &std::pair<std::size_t, NotedInput>::first);
-  std::vector<NotedInput> files;
-  for (auto& [number, file] : numbered) files.push_back(std::move(file));
-  return files;
+  return Mapped(numbered, &std::pair<std::size_t, NotedInput>::second);
 }
 
 void ForgetInput(const std::string& path) {

@@ -40,7 +40,8 @@ def write_trials(folder, first, count, texts):
         subject, rest = k % SUBJECTS + 1, k // SUBJECTS
         condition, repeat = CONDITIONS[rest % 4], rest // 4 + 1
         head = f"# label.subject = {subject}\n# label.condition = {condition}\n# label.repeat = {repeat}\n"
-        (folder / f"t{k:06d}.csv").write_text(head + texts[k % BODIES])
+        body = texts[(subject * subject + 7 * (rest % 4) + repeat) % BODIES]
+        (folder / f"t{k:06d}.csv").write_text(head + body)
 
 
 def timed(program, folder, cache, *words, status=0):

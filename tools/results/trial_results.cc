@@ -23,6 +23,7 @@
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
@@ -429,13 +430,11 @@ std::size_t TrialResults::computed() const { return state_->computed; }
 std::vector<Error> TrialResults::ChangeErrors() const {
   std::vector<std::string> sorted = state_->changed;
   std::ranges::sort(sorted);
-  std::vector<Error> errors;
-  for (const std::string& path : sorted) {
-    errors.push_back({Cause::kFailed, path,
-                      "has changed since it was analysed, though its size, time and inode have not",
-                      "is the disk all right? it was analysed again"});
-  }
-  return errors;
+  return Mapped(sorted, [](const std::string& path) {
+    return Error{Cause::kFailed, path,
+                 "has changed since it was analysed, though its size, time and inode have not",
+                 "is the disk all right? it was analysed again"};
+  });
 }
 
 Result<std::string> TrialResults::Answer(const std::string& path, std::string_view further,
