@@ -5,8 +5,8 @@
 namespace haptometer {
 
 /// Sines, angles and roots of the plane, with the properties of base/elementary_functions.h: the
-/// same bytes on every processor, C99's special values (Annex F, and G of complex numbers), the
-/// error below the stated part of an ulp for every argument.
+/// same bytes on every processor, C99's special values (Annex F, and G of complex numbers), errors
+/// in ulp that are found, not proven.
 ///
 /// Angles in rad of any size: below 2^23 they are reduced by pi/2 in three parts (W. J. Cody and W.
 /// Waite, "Software manual for the elementary functions", 1980, p. 136), above by as many bits of

@@ -10,9 +10,9 @@ namespace haptometer {
 /// These consist of sums, products, quotients and square roots of IEEE doubles in round-to-nearest,
 /// of operations on their bits and of constant tables, and call nothing else. Special values (zeros
 /// with their sign, subnormals, infinities, NaN, overflow, underflow) are those of C99, Annex F;
-/// errno and the floating-point flags are not set on purpose. The error is below the stated part of
-/// a unit in the last place (ulp) for every argument; results are not proven monotonous. No
-/// function allocates or throws.
+/// errno and the floating-point flags are not set on purpose. The stated error, a part of a unit in
+/// the last place (ulp), is the largest that MPFR finds in 1e4 to 1e5 arguments of all sizes (of
+/// Erfc in 1e3), with a margin: neither it nor monotony is proven. No function allocates or throws.
 ///
 /// Method: a table's value next to the argument, and a polynomial of the rest; sums whose rounding
 /// would be seen carry a second double. Source: P. T. P. Tang, "Table-driven implementation of the

@@ -51,6 +51,10 @@ def check_cache(trials, cache):
     # another question, other options of reading: none of it is known
     _, said = answered("study", trials, "--band", "30-500Hz", **on)
     check("known" not in said, said)
+    # labels that are read from the files' names: the same bytes in another cell of the study
+    for pattern in ("{subject}_{condition}_{repeat}", "{condition}_{subject}_{repeat}"):
+        words = ("study", trials, "--pattern", pattern)
+        check(answered(*words, **on)[0] == answered(*words, **OFF)[0], pattern)
     # a trial that is new, one that moved, one that was touched, one that changed
     paths = sorted(trials.glob("*.csv"))
     extra = trials / "new.csv"

@@ -149,8 +149,8 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
   cli::DeclareImport(options, &words->import);
   DeclareResults(*options, words->results);
   options->Flag("--verify", &words->results.verify,
-                "Compare every trial with its checksum; status 1 where one changed behind its size "
-                "and time",
+                "Compare every trial with its checksum; status 1 where one changed while its size "
+                "and time stayed",
                 cli::Shown::kHelpAll);
   options->Exclude("--shard",
                    {"--table", "--plot", "--report", "--spectrum", "--spectrogram", "--sweep"},

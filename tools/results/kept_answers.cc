@@ -31,9 +31,7 @@ std::string_view Lasting(const std::string& text) {
 }
 
 }  // namespace
-}  // namespace haptometer
 
-namespace haptometer {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Error, cause, where, what, remedy)
 }  // namespace haptometer
 
@@ -54,7 +52,7 @@ struct adl_serializer<std::optional<T>> {
   }
 };
 
-// whole numbers, other numbers and texts are told apart by JSON itself.
+// whole numbers, other numbers and texts are told apart by JSON itself
 template <>
 struct adl_serializer<haptometer::FindingNumber> {
   static void to_json(json& to, const haptometer::FindingNumber& from) {

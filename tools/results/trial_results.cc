@@ -8,13 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -420,9 +417,6 @@ Result<TrialResults> TrialResults::Open(const ResultsWords& words, std::string_v
 }
 
 const cli::Shard& TrialResults::shard() const { return state_->shard; }
-bool TrialResults::IsOwn(std::size_t index) const {
-  return index % state_->shard.count == state_->shard.number - 1;
-}
 bool TrialResults::IsMerge() const { return state_->is_merge; }
 bool TrialResults::IsUsed() const { return state_->is_merge || state_->descriptor >= 0; }
 std::size_t TrialResults::kept() const { return state_->kept; }
@@ -433,7 +427,7 @@ std::vector<Error> TrialResults::ChangeErrors() const {
   return Mapped(sorted, [](const std::string& path) {
     return Error{Cause::kFailed, path,
                  "has changed since it was analysed, though its size, time and inode have not",
-                 "is the disk all right? it was analysed again"};
+                 "check the disk; it was analysed again"};
   });
 }
 

@@ -19,7 +19,7 @@
 /// merging are one thing, a file of results that is asked before anything is computed.
 namespace haptometer::tools {
 
-/// What identifies a file's content as long as nobody goes behind the file system's back.
+/// What a file's content is known by: a change that keeps all three is seen by its SHA-256 alone.
 struct FileState {
   std::uint64_t bytes = 0;
   std::uint64_t inode = 0;
@@ -32,7 +32,7 @@ struct FileState {
 struct ResultsWords {
   std::string shard;                            ///< "2/7"; empty: all
   std::string output;                           ///< of a shard: its file of results
-  bool resume = false;                          ///< goes on with that file
+  bool resume = false;                          ///< continues that file
   bool overwrite = false;                       ///< replaces it
   std::vector<std::vector<std::string>> merge;  ///< files of shards; empty: results are computed
   bool is_mixed_allowed = false;                ///< merges what different programs computed
@@ -78,8 +78,6 @@ class TrialResults {
   ~TrialResults();
 
   [[nodiscard]] const cli::Shard& shard() const;
-  /// Whether trial number `index`, from 0, is one of this shard.
-  [[nodiscard]] bool IsOwn(std::size_t index) const;
   /// Whether nothing is computed.
   [[nodiscard]] bool IsMerge() const;
   /// Whether answers can be kept or found at all.
@@ -117,7 +115,7 @@ class TrialResults {
 /// What is wrong where the result that is kept of the trial at `path` is no answer of the verb.
 [[nodiscard]] std::unexpected<Error> NotReadable(const std::string& path);
 
-/// Says on stderr how many trials were not analysed because a cache knows them; nothing of none.
+/// States on stderr how many trials were not analysed because a cache knows them; nothing of none.
 void RemarkOnCache(std::string_view verb, const TrialResults& results, std::size_t trials);
 
 /// What a shard answers: its file, and how many of `trials` trials are in it.

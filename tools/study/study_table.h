@@ -229,7 +229,7 @@ struct StudyResult {
   [[nodiscard]] Result<void> Compare(std::vector<PlannedContrast> wanted,
                                      const std::vector<std::string>& expected = {});
 
-  /// Of trials that cannot be read, have no place, or changed behind the file system's back.
+  /// Of trials that cannot be read, have no place, or changed while size, time and inode stayed.
   [[nodiscard]] std::vector<Error> Errors() const;
 
   /// How many answered trials `is_so` holds of.

@@ -374,6 +374,7 @@ Result<void> TableReader::ReadHeader() {
     header_.question.push_back(*std::move(line));
   }
   if (!line) return unknown();
+  if (header_.computed_by.empty()) header_.computed_by = "a program that its table does not name";
   header_.columns = cli::CellsOf(*line);
   const std::size_t columns = header_.columns.size();
   // point, varied keys, at least one number, checksum
