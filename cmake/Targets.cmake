@@ -82,7 +82,7 @@ endfunction()
 # haptometer_test(NAME SOURCES ... DEPENDS ... [TOGETHER ...] [LONG ...] [ALONE])
 # The program NAME_test with one ctest entry per GoogleTest case, which is a process of its own; TOGETHER are
 # suites with one entry each, whose cases share what takes seconds to compute. It finds fixtures and programs
-# through compile definitions, so it runs from any directory.
+# through compile definitions, so it runs from any directory, and keeps nothing in the user's cache.
 # With sanitizers a process takes longer to begin and end than most cases: there the cases are run by as many
 # processes as the program has sources, NAME.1 ..., by one with TOGETHER, and ALONE as without sanitizers. LONG are
 # cases (patterns) that repeat for long what others do too, which take up to thirty times as long there, and are
@@ -123,10 +123,10 @@ function(haptometer_cases name together)
     set(alone "-${suites}")
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX "${name}." NO_PRETTY_VALUES TEST_FILTER "${alone}"
-                       PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+                       PROPERTIES TIMEOUT 600 ENVIRONMENT HAPTOMETER_CACHE=off DISCOVERY_TIMEOUT 60)
   foreach(suite IN LISTS together)
     add_test(NAME ${name}.${suite} COMMAND ${name}_test --gtest_filter=${suite}.*)
-    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600)
+    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600 ENVIRONMENT HAPTOMETER_CACHE=off)
   endforeach()
 endfunction()
 
@@ -137,7 +137,7 @@ function(haptometer_shards name count long)
     math(EXPR index "${number} - 1")
     add_test(NAME ${name}.${number} COMMAND ${name}_test --gtest_filter=-${long})
     set_tests_properties(${name}.${number} PROPERTIES TIMEOUT 600
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${index}")
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${index};HAPTOMETER_CACHE=off")
   endforeach()
 endfunction()
 

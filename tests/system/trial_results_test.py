@@ -154,6 +154,9 @@ def check_analyze(trials, folder):
     check(answered("analyze", trials, **cache)[0] == whole, "a first run")
     again, said = answered("analyze", trials, **cache)
     check(again == whole and "96 of 96 trials are known" in said, said)
+    homeless = {"HAPTOMETER_CACHE": "", "XDG_CACHE_HOME": "", "HOME": str(folder / "missing")}
+    check(answered("analyze", trials, **homeless)[0] == whole and not (folder / "missing").exists(),
+          "no home is made for the cache")
     # but for the line with version and time
     texts = [[line for line in run("analyze", trials, "--all", env=environment(**which)).stdout.splitlines()
               if not line.startswith("  haptometer 0.")] for which in (OFF, cache)]

@@ -186,8 +186,9 @@ TEST(TrialWriter, ExistingFilesAreRefusedUnlessReplaced) {
 
 TEST(TrialWriter, AMissingDirectoryIsNamed) {
   ManualClock clock;
-  const auto refused =
-      TrialWriter::Create("/nonexistent/t.bin", CountsHeader(Timing::kUniform), {}, clock);
+  const ScratchDirectory directory;
+  const auto refused = TrialWriter::Create(directory.File("missing/t.bin"),
+                                           CountsHeader(Timing::kUniform), {}, clock);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().cause, Cause::kFailed);
   EXPECT_THAT(refused.error().Text(), HasSubstr("No such file or directory"));

@@ -171,7 +171,8 @@ std::string DifferenceOf(std::string_view there, std::string_view here) {
   return {};
 }
 
-// the folder of the cache; empty: none
+// the folder of the cache; empty: none. Accounts of services have a home that is not there (Debian's
+// /nonexistent): none is made.
 std::string CacheFolder() {
   const auto variable = [](const char* name) -> std::string {
     const char* value = std::getenv(name);
@@ -184,7 +185,8 @@ std::string CacheFolder() {
     return shared + "/haptometer";
   }
   const std::string home = variable("HOME");
-  return home.empty() ? "" : home + "/.cache/haptometer";
+  std::error_code unknown;
+  return fs::is_directory(home, unknown) ? home + "/.cache/haptometer" : "";
 }
 
 std::string ContentOf(int descriptor) {

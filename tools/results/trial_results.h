@@ -59,8 +59,8 @@ struct KeptAnswer {
 /// not known by its SHA-256, wherever the file lies now.
 ///
 /// The cache is such a file for each question and program, below $HAPTOMETER_CACHE, or
-/// $XDG_CACHE_HOME/haptometer, or ~/.cache/haptometer; HAPTOMETER_CACHE=off, or a place that cannot
-/// be written, is none. Thread-safe. Memory: the file's size.
+/// $XDG_CACHE_HOME/haptometer, or ~/.cache/haptometer; HAPTOMETER_CACHE=off, a home that is not
+/// there, or a place that cannot be written, is none. Thread-safe. Memory: the file's size.
 class TrialResults {
  public:
   /// The results for `question`, a text that states all that decides them beside the trial: the
