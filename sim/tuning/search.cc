@@ -105,6 +105,23 @@ CubePlace Descend(const CubeView& view, const LimitedMerit& merit, const CubeBou
   return place;
 }
 
+// lambda of f' + lambda h' = 0 and h = 0 after a Newton step of both along the loose axes: where
+// the merit falls by less than its rounding, the slopes still tell the place, and so lambda, apart
+double PriceAt(const CubeView& view, const LimitedMerit& merit, const CubeBounds& bounds,
+               const CubePlace& place) {
+  const LimitedView here = view(place);
+  if (!(merit.lambda > 0)) return 0;
+  const CubePlace loose = Loose(bounds, place, merit.Slopes(here));
+  const CubePlace limit = loose.cwiseProduct(here.excess_slopes);
+  // with H = f'' + lambda h'' + rho h' h'^T: H step = -(f' + rho h h' + lambda h'), h' step = -h
+  const Curvature bend = CurvatureAt(view, merit, place, here);
+  const CubePlace with_limit = -Step(bend, limit, loose, 0);
+  const CubePlace with_cost =
+      -Step(bend, here.cost_slopes + merit.rho * here.excess * here.excess_slopes, loose, 0);
+  const double price = (here.excess - limit.dot(with_cost)) / limit.dot(with_limit);
+  return std::isfinite(price) && price > 0 ? price : merit.lambda;
+}
+
 }  // namespace
 
 LimitedSummit ClimbWithinBounds(const CubeView& view, const CubePlace& lower,
@@ -128,7 +145,7 @@ LimitedSummit ClimbWithinBounds(const CubeView& view, const CubePlace& lower,
     before = miss;
   }
   // the last lambda is the price of the limit: decrease of the cost per unit of its logarithm
-  summit.price = merit.lambda;
+  summit.price = PriceAt(view, merit, {.lower = lower, .upper = upper}, summit.place);
   return summit;
 }
 
