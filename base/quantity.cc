@@ -9,6 +9,8 @@
 #include <limits>
 #include <optional>
 
+#include "base/elementary_functions.h"
+
 namespace haptometer {
 namespace {
 
@@ -119,7 +121,7 @@ std::optional<Number> LeadingNumber(std::string_view text) {
   const std::size_t dot = std::min(digits.find('.'), mark);
   const int places = dot < mark ? static_cast<int>(mark - dot - 1) : 0;
   // 10^(exponent - decimal places): weight of the last digit written
-  number.last_digit = std::pow(10.0, ExponentAt(digits, mark) - places);
+  number.last_digit = Pow(10.0, ExponentAt(digits, mark) - places);
   return number;
 }
 
@@ -179,8 +181,8 @@ double Times(double value, double factor) {
 // so that 0.4 mm is the double next to 0.0004, as if that had been written.
 double InSi(std::string_view text, const Number& number, double factor) {
   // the factor as a power of ten, where it is one within 1e-12
-  const int shift = static_cast<int>(std::lround(std::log10(factor)));
-  const bool moves_the_point = std::abs(std::pow(10.0, shift) / factor - 1) < 1e-12;
+  const int shift = static_cast<int>(std::lround(Log10(factor)));
+  const bool moves_the_point = std::abs(Pow(10.0, shift) / factor - 1) < 1e-12;
   if (shift == 0 || !moves_the_point) return Times(number.value, factor);
   const std::size_t sign = text.starts_with('+') ? 1 : 0;
   const std::string_view written = text.substr(sign, number.length - sign);

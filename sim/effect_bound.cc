@@ -1,7 +1,6 @@
 #include "sim/effect_bound.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,7 +8,10 @@
 #include <numbers>
 #include <optional>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "sim/effective_scene.h"
+#include "sim/linear/complex_equations.h"
 #include "sim/linear/driven_step.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/steady_state.h"
@@ -67,7 +69,7 @@ class ModalBounds {
     poles_ = solver.eigenvalues();
     modes_ = balanced.scale.asDiagonal() * solver.eigenvectors();
     scale_ = balanced.scale;
-    inverse_.compute(solver.eigenvectors());
+    equations_.emplace(solver.eigenvectors());
     const Eigen::Index n = model.states();
     const auto unit = [n](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n, place); };
     travel_ = unit(LinearModel::kMover) - unit(LinearModel::kCase);
@@ -75,7 +77,7 @@ class ModalBounds {
              scene.skin.damping_n_s_per_m * unit(model.skin_velocity());
   }
 
-  bool IsKnown() const { return inverse_.rcond() > kLeastReciprocalCondition; }
+  bool IsKnown() const { return equations_->ReciprocalCondition() > kLeastReciprocalCondition; }
 
   // under an input through `column` of magnitude 1 at most
   Changes UnderInput(const Eigen::VectorXd& column) const {
@@ -90,28 +92,27 @@ class ModalBounds {
   // the integral of |exp(s t) cos(w t + phase)| over the run, p = s + j w, at any phase
   double Length(const std::complex<double>& pole) const {
     const double growth_per_s = pole.real(), w = std::abs(pole.imag());
-    if (growth_per_s > 0) return length_s_ * std::exp(growth_per_s * length_s_);
+    if (growth_per_s > 0) return length_s_ * Exp(growth_per_s * length_s_);
     if (growth_per_s == 0) return length_s_;
-    const double length_s = std::expm1(growth_per_s * length_s_) / growth_per_s;
+    const double length_s = Expm1(growth_per_s * length_s_) / growth_per_s;
     if (w == 0) return length_s;
     // in each half period the cosine's magnitude has the integral 2 / w
     const double half_s = std::numbers::pi / w;
     const double halves = std::ceil(length_s_ / half_s);
-    return std::min(length_s, 2 / w * std::expm1(growth_per_s * half_s * halves) /
-                                  std::expm1(growth_per_s * half_s));
+    return std::min(length_s,
+                    2 / w * Expm1(growth_per_s * half_s * halves) / Expm1(growth_per_s * half_s));
   }
 
   template <typename Weight>
   Changes Through(const Eigen::VectorXd& x, Weight weight) const {
     // how much of each mode x excites, and for how long
-    Eigen::VectorXd parts =
-        inverse_.solve(x.cwiseQuotient(scale_).cast<std::complex<double>>()).cwiseAbs();
+    Eigen::VectorXd parts = Magnitudes(equations_->Solve(x.cwiseQuotient(scale_)));
     for (Eigen::Index k = 0; k < parts.size(); ++k) {
       // a mode that is not excited lasts for no time
       if (parts(k) != 0) parts(k) *= kRounding * weight(poles_(k));
     }
     const auto bound = [&](const Eigen::RowVectorXd& row) {
-      return (row * modes_).cwiseAbs().dot(parts.transpose());
+      return Magnitudes(row * modes_).row(0).dot(parts);
     };
     if (!case_moves_) return {.travel_m = bound(travel_), .current_a = bound(model_.current_row)};
     const Eigen::Index n = model_.states();
@@ -128,7 +129,7 @@ class ModalBounds {
   Eigen::VectorXcd poles_;
   Eigen::MatrixXcd modes_;
   Eigen::VectorXd scale_;
-  Eigen::PartialPivLU<Eigen::MatrixXcd> inverse_;
+  std::optional<ComplexEquations> equations_;  // of the modes, in balanced units
   Eigen::RowVectorXd travel_, force_;
 };
 
@@ -228,7 +229,7 @@ class Bounding {
       if (!(steady.error_estimate < 1)) return kUnknown;
       Scene from = scene;
       from.start = Start::kSteady;
-      steady_a = std::abs(steady.current_a) + std::abs(steady.mean_current_a) +
+      steady_a = Abs(steady.current_a) + std::abs(steady.mean_current_a) +
                  modes_.OfFreeMotion(begin - PiecewiseStartOf(from).x).current_a;
     }
     if (!std::isfinite(length_s_)) return steady_a;

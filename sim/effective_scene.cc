@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/linear_model.h"
@@ -73,9 +75,9 @@ std::optional<double> RingDownS(const Scene& scene) {
   double slowest_per_s = HUGE_VAL;
   for (const auto& pole : poles) slowest_per_s = std::min(slowest_per_s, -pole.real());
   // undamped to rounding: it never ends
-  if (!(slowest_per_s > kNoDecay * std::abs(poles.back()))) return std::nullopt;
+  if (!(slowest_per_s > kNoDecay * Abs(poles.back()))) return std::nullopt;
   // ln(1000) / min abs(Re p), s
-  return -std::log(kRungDown) / slowest_per_s;
+  return -Log(kRungDown) / slowest_per_s;
 }
 
 double MoverSag(const Scene& scene, bool gravity, bool stiffening) {

@@ -14,7 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/jobs.h"
+#include "sim/linear/complex_equations.h"
 
 namespace haptometer::sim {
 namespace {
@@ -146,7 +149,7 @@ class Shooting {
                                                const Eigen::VectorXd& scale_after, double larger) {
     constexpr int kMostTries = 3;
     // the cube root balances the truncation, step^2, and the map's error over the step
-    double step = larger * std::cbrt(map_.error());
+    double step = larger * Cbrt(map_.error());
     for (int i = 0; i < kMostTries; ++i, step /= 8) {
       Eigen::MatrixXd jacobian(to.x.size(), from.x.size());
       Eigen::Index k = 0;
@@ -213,20 +216,20 @@ class Shooting {
 };
 
 Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
-  std::ranges::sort(values, [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
+  std::ranges::sort(values, [](const auto& a, const auto& b) { return Abs(a) > Abs(b); });
   return values;
 }
 
 // largest magnitude of a Floquet multiplier
 double Largest(const Eigen::MatrixXd& jacobian) {
-  return jacobian.eigenvalues().cwiseAbs().maxCoeff();
+  return Magnitudes(jacobian.eigenvalues()).maxCoeff();
 }
 
 // Whether deviations decay beyond doubt: the error of the differences is about their step's square,
 // map_error^(2/3); nearer to 1 it is measured by differences of three times the step.
 bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
   const double largest = Largest(end.jacobian);
-  if (largest < 1 - 10 * std::pow(map_error, 2.0 / 3)) return true;
+  if (largest < 1 - 10 * Pow(map_error, 2.0 / 3)) return true;
   if (!(largest < 1)) return false;
   const std::optional<Eigen::MatrixXd> again = shooting.Jacobian(end.point, 3);
   return again && largest < 1 - 10 * std::abs(Largest(*again) - largest);
@@ -423,7 +426,7 @@ class Search {
     // d(n + 1) - M d(n), zero for a linear map; d is the deviation from the motion over the scale
     const double missed = Size(deviation(after->point) - shot.jacobian * deviation(Now()));
     // the decay by the slowest multiplier
-    const double taken = (1 - std::abs(shot.motion.multipliers(0))) * apart;
+    const double taken = (1 - Abs(shot.motion.multipliers(0))) * apart;
     return missed <= kForetold * taken + kFixed * map_.error();
   }
 
@@ -456,7 +459,7 @@ class Search {
         // in different modes the pair has no distance: the period does not count
         if (other->point.mode != Now().mode) continue;
         way = (other->point.x - Now().x).cwiseQuotient(map_.ScaleOf(Now()));
-        sum += std::log(way.norm() / apart);
+        sum += Log(way.norm() / apart);
         ++counted;
       }
       if (counted > 0) batches.push_back(sum / counted);

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "base/jobs.h"
 #include "sim/linear/excitation.h"
@@ -366,7 +367,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
 // pieces and events begin them anew so often that they do not follow the tolerance.
 double FinerThan(const SceneRun& coarse, const SceneRun& run) {
   const double steps = static_cast<double>(run.work.steps) / static_cast<double>(coarse.work.steps);
-  return std::min(coarse.solver_tolerance / run.solver_tolerance, std::pow(steps, kStepOrder));
+  return std::min(coarse.solver_tolerance / run.solver_tolerance, Pow(steps, kStepOrder));
 }
 
 // runs with smaller and smaller tolerance until their difference is within scene.tolerance

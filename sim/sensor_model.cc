@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/effective_scene.h"
 #include "sim/linear/excitation.h"
@@ -65,13 +66,13 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
   if (StartOf(scene) == Start::kSteady) {
     const std::complex<double> phasor =
         SolveSteadyState(model, scene.drive, scene.skin).phasors(state);
-    return [amplitude_m = std::abs(phasor), phase_rad = std::arg(phasor),
+    return [amplitude_m = Abs(phasor), phase_rad = Arg(phasor),
             frequency_hz = scene.drive.frequency_hz](double t_s) {
       // whole cycles are subtracted in 64 bits, so that the phase keeps its digits at large times
       const long double cycles =
           static_cast<long double>(frequency_hz) * static_cast<long double>(t_s);
       const auto part = static_cast<double>(cycles - std::nearbyint(cycles));
-      return amplitude_m * std::sin(2 * std::numbers::pi * part + phase_rad);
+      return amplitude_m * Sin(2 * std::numbers::pi * part + phase_rad);
     };
   }
   // shared, because a std::function is copied freely

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/circular_functions.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/steady_state.h"
 #include "sim/period_map.h"
@@ -130,7 +131,7 @@ void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const Piece
 // Of a periodic motion that was played for a few periods: rounding accumulates over as many periods
 // as deviations need to decay (1 / (1 - largest multiplier)), and the initial point has an error.
 double ErrorForEver(double error_of_run, const PeriodicMotion& motion) {
-  const double stays = motion.multipliers.size() > 0 ? std::abs(motion.multipliers(0)) : 0;
+  const double stays = motion.multipliers.size() > 0 ? Abs(motion.multipliers(0)) : 0;
   return error_of_run / (1 - stays) + kRmsOverLargest * motion.error;
 }
 

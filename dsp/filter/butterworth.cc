@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
+
 namespace haptometer::dsp {
 namespace {
 
@@ -22,12 +25,11 @@ WarpedBand Warp(const BandPass& band, double rate_hz) {
   const double lower = kPi * band.lower_hz / rate_hz;
   const double upper = kPi * band.upper_hz / rate_hz;
   WarpedBand warped;
-  warped.center_square = std::tan(lower) * std::tan(upper);
-  warped.width = std::sin(kPi * (band.upper_hz - band.lower_hz) / rate_hz) /
-                 (std::cos(lower) * std::cos(upper));
+  warped.center_square = Tan(lower) * Tan(upper);
+  warped.width = Sin(kPi * (band.upper_hz - band.lower_hz) / rate_hz) / (Cos(lower) * Cos(upper));
   // both passes have -3 dB where one has -1.5 dB: (bw' / bw)^(2N) = 1 / (sqrt(2) - 1)
   if (band.corners == Corners::kWhole) {
-    warped.width /= std::pow(std::numbers::sqrt2 - 1, 1.0 / (2 * band.order));
+    warped.width /= Pow(std::numbers::sqrt2 - 1, 1.0 / (2 * band.order));
   }
   return warped;
 }
@@ -50,7 +52,7 @@ struct Pair {
 Pair PairOf(std::complex<double> prototype_pole, const WarpedBand& warped) {
   // q + w0^2/q = 2 h has two roots; the larger one without cancellation, the other by their product
   const std::complex<double> h = prototype_pole * (warped.width / 2);
-  const std::complex<double> root = std::sqrt(h * h - warped.center_square);
+  const std::complex<double> root = Sqrt(h * h - warped.center_square);
   const std::complex<double> sum = h + root;
   const std::complex<double> difference = h - root;
   const std::complex<double> large = std::norm(sum) >= std::norm(difference) ? sum : difference;
@@ -101,11 +103,11 @@ double DecayPerSample(const DeltaSection& section) {
   const double sum = section.e + section.f;  // poles 1 + delta: delta^2 + (e + f) delta + e = 0
   const double discriminant = sum * sum - 4 * section.e;
   // a conjugate pair has radius^2 = 1 - f
-  if (discriminant <= 0) return -0.5 * std::log1p(-section.f);
+  if (discriminant <= 0) return -0.5 * Log1p(-section.f);
   // two real poles 1 - delta, in a wide band that ends near half the rate below 0; the smaller
   // delta as a quotient, free of cancellation
   const double larger = (sum + std::sqrt(discriminant)) / 2;
-  const auto decay = [](double delta) { return -std::log1p(delta < 1 ? -delta : delta - 2); };
+  const auto decay = [](double delta) { return -Log1p(delta < 1 ? -delta : delta - 2); };
   return std::min(decay(section.e / larger), decay(larger));
 }
 
@@ -122,13 +124,13 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
   pairs.reserve(static_cast<std::size_t>(n / 2));
   for (int k = n / 2 - 1; k >= 0; --k) {
     const double angle = kPi * (2 * k + 1) / (2 * n);
-    pairs.push_back(PairOf({-std::sin(angle), std::cos(angle)}, warped));
+    pairs.push_back(PairOf({-Sin(angle), Cos(angle)}, warped));
   }
 
   FilterDesign design{n, {}, rate_hz};
   design.sections.reserve(static_cast<std::size_t>(n));
   // H = bw^n s^n / product of denominators; low-pass sections already have |pole|^2 as numerator
-  double gain = std::pow(warped.width, n);
+  double gain = Pow(warped.width, n);
   for (const Pair& pair : pairs) {
     design.sections.push_back(pair.high);
     gain /= pair.low_square;
@@ -149,15 +151,14 @@ Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz) {
 std::complex<double> Response(const FilterDesign& design, double frequency_hz) {
   // z = exp(2 j pi f / rate) by half its angle
   const double half_angle = kPi * frequency_hz / design.rate_hz;
-  const double s = std::sin(half_angle);
-  const double c = std::cos(half_angle);
+  const auto [s, c] = SinCos(half_angle);
   std::complex<double> product = 1;
   for (const DeltaSection& section : design.sections) product *= SectionResponse(section, s, c);
   return product;
 }
 
 double Magnitude(const FilterDesign& design, double frequency_hz) {
-  return std::abs(Response(design, frequency_hz));
+  return Abs(Response(design, frequency_hz));
 }
 
 double SlowestDecayPerS(const FilterDesign& design) {

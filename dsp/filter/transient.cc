@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
@@ -232,8 +233,9 @@ std::optional<ExpectedMotion> FindTone(const FilterDesign& design, std::span<con
   const double rad_per_sample = 2 * std::numbers::pi * found->frequency_hz / design.rate_hz;
   const double phase_rad =
       found->phase_rad + rad_per_sample * static_cast<double>(signal.size() - 1);
-  const ExpectedMotion::Sine sine{rad_per_sample, found->amplitude * std::cos(phase_rad),
-                                  -found->amplitude * std::sin(phase_rad)};
+  const SineAndCosine phase = SinCos(phase_rad);
+  const ExpectedMotion::Sine sine{rad_per_sample, found->amplitude * phase.cosine,
+                                  -found->amplitude * phase.sine};
   return ExpectedMotion{.sines = {sine}};
 }
 
@@ -363,9 +365,9 @@ Matrix ColumnsOf(const Means& means, std::span<const double> rad_per_sample) {
   for (const double w : rad_per_sample) {
     // gain of a mean of m samples for a sine: sin(w m / 2) / (m sin(w / 2)); turned from piece to
     // piece
-    const double gain = std::sin(0.5 * w * means.piece) / (means.piece * std::sin(0.5 * w));
-    std::complex<double> value = std::polar(gain, w * means.times[0]);
-    const std::complex<double> turn = std::polar(1.0, w * means.piece);
+    const double gain = Sin(0.5 * w * means.piece) / (means.piece * Sin(0.5 * w));
+    std::complex<double> value = Polar(gain, w * means.times[0]);
+    const std::complex<double> turn = Polar(1.0, w * means.piece);
     for (Eigen::Index row = 0; row < matrix.rows(); ++row, value *= turn) {
       matrix(row, column) = value.real();
       matrix(row, column + 1) = value.imag();
@@ -467,7 +469,8 @@ double ExpectedMotion::At(double k) const {
   const double t = k - middle;
   double value = offset + slope * t;
   for (const Sine& s : sines) {
-    value += s.cosine * std::cos(s.rad_per_sample * t) + s.sine * std::sin(s.rad_per_sample * t);
+    const SineAndCosine turn = SinCos(s.rad_per_sample * t);
+    value += s.cosine * turn.cosine + s.sine * turn.sine;
   }
   return value;
 }

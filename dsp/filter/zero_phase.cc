@@ -9,6 +9,8 @@
 #include <cstring>
 #include <thread>
 
+#include "base/elementary_functions.h"
+
 namespace haptometer::dsp {
 namespace {
 
@@ -128,7 +130,7 @@ std::size_t RingingSamples(const FilterDesign& design, double remainder) {
   HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
   // exp(-decay n / rate) = remainder
   return static_cast<std::size_t>(
-      std::ceil(-std::log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
+      std::ceil(-Log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
 }
 
 // its memory only grows; in pages of 2 MiB where it takes several: others cost a fifth of the time,

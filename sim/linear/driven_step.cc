@@ -5,6 +5,7 @@
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
@@ -114,7 +115,8 @@ Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
   // instruction
   const long double cycles = static_cast<long double>(frequency_hz) * t_s;
   const double phase_rad = 2 * std::numbers::pi * static_cast<double>(cycles - std::rint(cycles));
-  return {std::sin(phase_rad), std::cos(phase_rad)};
+  const SineAndCosine drive = SinCos(phase_rad);
+  return {drive.sine, drive.cosine};
 }
 
 Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s, Eigen::Index signals) {

@@ -6,6 +6,8 @@
 #include <memory>
 #include <numbers>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
 
@@ -62,7 +64,7 @@ Eigen::Vector2d TurnOf(const ExcitationTerm& term, long double t_s) {
   Eigen::Vector2d turn = DriveAt(term.frequency_hz, t_s - static_cast<long double>(term.origin_s));
   if (term.phase_rad == 0) return turn;
   // addition theorems, so that the phase of the frequency alone is reduced exactly
-  const double s = std::sin(term.phase_rad), c = std::cos(term.phase_rad);
+  const auto [s, c] = SinCos(term.phase_rad);
   return {turn[0] * c + turn[1] * s, turn[1] * c - turn[0] * s};
 }
 
@@ -80,7 +82,7 @@ double FourthOfChirp(const Drive& drive) {
 
 double CubicsOf(const Drive& chirp) {
   // error h^4 / 384 max abs(v'''') of cubics h apart, set equal to hold_tolerance x amplitude
-  const double step_s = std::pow(384 * chirp.hold_tolerance / FourthOfChirp(chirp), 0.25);
+  const double step_s = Pow(384 * chirp.hold_tolerance / FourthOfChirp(chirp), 0.25);
   const double cubics = std::ceil(chirp.duration_s / step_s);
   // whole milliseconds: as many in each, so that knots and outputs meet
   const double milliseconds = std::round(1000 * chirp.duration_s);
@@ -304,7 +306,7 @@ void Excitation::HoldChirp(const Drive& drive) {
   held_rate_hz_ = intervals / drive.duration_s;
   // V, at most A hold_tolerance
   voltage_error_v_ =
-      std::abs(drive.amplitude_v) * FourthOfChirp(drive) * std::pow(held_rate_hz_, -4) / 384;
+      std::abs(drive.amplitude_v) * FourthOfChirp(drive) * Pow(held_rate_hz_, -4) / 384;
   knot_ = [drive, acceleration, w0, rate = held_rate_hz_](std::size_t k) {
     const long double s = static_cast<long double>(k) / static_cast<long double>(rate);
     // phase in cycles f0 s + (f1 - f0) s^2 / (2 T), in long double for its fraction

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
 
@@ -223,8 +224,7 @@ std::vector<std::complex<double>> Poles(const LinearModel& model) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(Balance(model.a).matrix, false);
   const Eigen::VectorXcd& values = solver.eigenvalues();
   std::vector<std::complex<double>> poles(values.begin(), values.end());
-  std::ranges::sort(poles, {},
-                    [](const auto& pole) { return std::pair(std::abs(pole), pole.imag()); });
+  std::ranges::sort(poles, {}, [](const auto& pole) { return std::pair(Abs(pole), pole.imag()); });
   return poles;
 }
 

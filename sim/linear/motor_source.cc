@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/linear/steady_state.h"
 
@@ -43,7 +44,7 @@ MotorSource SourceOf(const Actuator& actuator, const SineDrive& drive) {
   const Complex kc = source.stiffness_n_per_m;
   // rounding, amplified where 1 - k1/d1 and Im kc are small differences
   source.rounding_allowance = 64 * std::numeric_limits<double>::epsilon() *
-                              std::norm(1 + std::abs(k1 / d1)) * (1 + std::abs(kc) / kc.imag());
+                              std::norm(1 + Abs(k1 / d1)) * (1 + Abs(kc) / kc.imag());
   return source;
 }
 
@@ -60,7 +61,7 @@ AdapterMotion MotionOf(const MotorSource& source, const Adapter& adapter, const 
 }
 
 double MoverTravel(const MotorSource& source, std::complex<double> case_m) {
-  return std::abs(source.travel_per_case * case_m + source.free_travel_m);
+  return Abs(source.travel_per_case * case_m + source.free_travel_m);
 }
 
 double ElectricalPower(const MotorSource& source, std::complex<double> case_m) {

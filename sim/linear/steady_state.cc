@@ -11,7 +11,10 @@
 #include <numeric>
 #include <vector>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
+#include "sim/linear/complex_equations.h"
 #include "sim/linear/driven_step.h"
 #include "sim/linear/scene_mode.h"
 #include "sim/linear/time_response.h"
@@ -21,117 +24,130 @@ namespace haptometer::sim {
 namespace {
 
 using Complex = std::complex<double>;
-using Wide = std::complex<long double>;
 
-// M X = r with M = j w I - A in balanced units
+// (j w I - A) X = b V in balanced units
 struct PhasorSystem {
-  Eigen::MatrixXcd matrix;  // (n, n)
-  Eigen::VectorXcd right;   // (n)
+  double omega_rad_per_s = 0;
+  Eigen::MatrixXd a;      // (n, n)
+  Eigen::VectorXd right;  // (n): b V
   // the rounding errors of both (linear_model.h), or empty
-  Eigen::MatrixXd matrix_rest{};
+  Eigen::MatrixXd a_rest{};
   Eigen::VectorXd right_rest{};
 };
 
 PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
                       const SineDrive& drive) {
   const Eigen::Index n = model.states();
-  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-  PhasorSystem system;
   // rows are divided and columns multiplied by the scale: states in balanced units
-  system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
-  system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
+  PhasorSystem system{.omega_rad_per_s = 2 * std::numbers::pi * drive.frequency_hz,
+                      .a = balanced.matrix,
+                      .right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale)};
   if (model.a_rest.size() == 0) return system;
-  system.matrix_rest =
-      -(balanced.scale.cwiseInverse().asDiagonal() * model.a_rest * balanced.scale.asDiagonal());
+  system.a_rest =
+      balanced.scale.cwiseInverse().asDiagonal() * model.a_rest * balanced.scale.asDiagonal();
   system.right_rest = drive.amplitude_v * model.b_rest.cwiseQuotient(balanced.scale);
   // fma gives the rounding error of the product with the amplitude
   for (Eigen::Index k = 0; k < n; ++k) {
     system.right_rest(k) +=
-        std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k).real());
+        std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k));
   }
   return system;
 }
 
-// the rounding errors' part of a row of the residual
-Wide RestOfResidual(const PhasorSystem& system, Eigen::Index row, const Eigen::VectorXcd& x) {
-  Wide sum(static_cast<long double>(system.right_rest(row)));
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    sum -= static_cast<long double>(system.matrix_rest(row, k)) * Wide(x(k));
-  }
-  return sum;
+// M = j w I - A
+Eigen::MatrixXcd MatrixOf(const PhasorSystem& system) {
+  Eigen::MatrixXcd matrix = -system.a.cast<Complex>();
+  matrix.diagonal().array() += Complex(0, system.omega_rad_per_s);
+  return matrix;
 }
 
-// right - matrix x in 64 bits of mantissa, so that the refinement has digits to correct
+// b V - j w X + A X in 64 bits of mantissa, so that the refinement has digits to correct
 Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
+  const auto wide = [](double value) { return static_cast<long double>(value); };
+  const bool with_rests = system.right_rest.size() > 0;
+  const long double w = wide(system.omega_rad_per_s);
   Eigen::VectorXcd residual(x.size());
   for (Eigen::Index row = 0; row < x.size(); ++row) {
-    Wide sum(system.right(row));
-    for (Eigen::Index k = 0; k < x.size(); ++k) sum -= Wide(system.matrix(row, k)) * Wide(x(k));
-    if (system.right_rest.size() > 0) sum += RestOfResidual(system, row, x);
-    residual(row) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
+    long double re = wide(system.right(row)) + w * wide(x(row).imag());
+    long double im = -w * wide(x(row).real());
+    if (with_rests) re += wide(system.right_rest(row));
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      long double a = wide(system.a(row, k));
+      if (with_rests) a += wide(system.a_rest(row, k));
+      re += a * wide(x(k).real());
+      im += a * wide(x(k).imag());
+    }
+    residual(row) = Complex(static_cast<double>(re), static_cast<double>(im));
   }
   return residual;
 }
 
-// |residual| + eps (|M| |x| + |right|): how far each equation may be off
+// |residual| + eps (|M| |x| + |b V|): how far each equation may be off
 Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd& x) {
   // with known rounding errors the numbers are good to long double
   const double eps = system.right_rest.size() > 0
                          ? static_cast<double>(std::numeric_limits<long double>::epsilon())
                          : std::numeric_limits<double>::epsilon();
-  const Eigen::VectorXd rounding =
-      eps * (system.matrix.cwiseAbs() * x.cwiseAbs() + system.right.cwiseAbs());
-  return Residual(system, x).cwiseAbs() + rounding;
+  Eigen::MatrixXd terms = system.a.cwiseAbs();
+  for (double& own : terms.diagonal()) own = Hypot(own, system.omega_rad_per_s);
+  const Eigen::VectorXd rounding = eps * (terms * Magnitudes(x) + system.right.cwiseAbs());
+  return Magnitudes(Residual(system, x)) + rounding;
 }
 
-// Bounds of the numbers' errors: abs(row M^-1) times the equations' bounds, for each number as
-// a whole, and the rounding of its sum of phasors.
-class ErrorBounds {
- public:
-  ErrorBounds(const PhasorSystem& system, const BalancedMatrix& balanced,
-              const Eigen::MatrixXcd& inverse, const Eigen::VectorXcd& x,
-              const Eigen::VectorXcd& phasors)
-      : from_(balanced.scale.asDiagonal() * inverse),
-        off_(EquationBound(system, x)),
-        phasors_(phasors) {}
+// Sums of phasors, rows X + fixed, and bounds of their errors.
+struct PhasorSums {
+  Eigen::VectorXd values;  // magnitudes
+  Eigen::VectorXd errors;
 
-  // relative, of row X + fixed
-  double Relative(const Eigen::RowVectorXd& row, double fixed = 0) const {
-    const Number number = Of(row, fixed);
-    return number.error == 0 ? 0 : number.error / number.value;
+  [[nodiscard]] double Relative(Eigen::Index k) const {
+    return errors(k) == 0 ? 0 : errors(k) / values(k);
   }
-  // of the sum of the rows' squares, which have one sign
-  double RelativeOfPower(const Eigen::MatrixXd& rows, double volt) const {
-    const Eigen::Index n = rows.cols() - 1;
-    double error = 0, sum = 0;
-    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
-      const Number number = Of(rows.row(k).head(n), rows(k, n) * volt);
-      // d(v^2) = 2 v dv
-      error += 2 * number.value * number.error;
-      sum += number.value * number.value;
-    }
-    return error == 0 ? 0 : error / sum;
+  // of the sum of squares of the last `count`, which have one sign: d(v^2) = 2 v dv
+  [[nodiscard]] double RelativeOfSquares(Eigen::Index count) const {
+    const double error = 2 * values.tail(count).dot(errors.tail(count));
+    return error == 0 ? 0 : error / values.tail(count).squaredNorm();
   }
-
- private:
-  struct Number {
-    double value = 0;
-    double error = 0;
-  };
-  Number Of(const Eigen::RowVectorXd& row, double fixed) const {
-    constexpr double kEps = std::numeric_limits<double>::epsilon();
-    constexpr double kUlps = 8;  // of what becomes of the number itself
-    const Complex value = (row.cast<Complex>() * phasors_).value() + fixed;
-    const double terms = row.cwiseAbs().dot(phasors_.cwiseAbs()) + std::abs(fixed);
-    return {.value = std::abs(value),
-            .error = (row.cast<Complex>() * from_).cwiseAbs().dot(off_) +
-                     kEps * (terms + kUlps * std::abs(value))};
-  }
-
-  Eigen::MatrixXcd from_;
-  Eigen::VectorXd off_;
-  Eigen::VectorXcd phasors_;
 };
+
+// |rows D M^-1| times the equations' bounds, and the rounding of the sums
+PhasorSums SumsOf(const Eigen::MatrixXd& rows, const Eigen::VectorXd& fixed,
+                  const Eigen::VectorXcd& phasors, const Eigen::MatrixXd& balanced_inverse,
+                  const Eigen::VectorXd& equation_bound) {
+  constexpr double kEps = std::numeric_limits<double>::epsilon();
+  constexpr double kUlps = 8;  // of what becomes of the sum itself
+  const Eigen::Index n = phasors.size();
+  Eigen::VectorXcd sums = fixed.cast<Complex>();
+  sums.real() += rows * phasors.real();
+  sums.imag() += rows * phasors.imag();
+  const Eigen::VectorXd terms = rows.cwiseAbs() * Magnitudes(phasors) + fixed.cwiseAbs();
+  const Eigen::MatrixXd parts = rows * balanced_inverse;
+  const Eigen::MatrixXd from =
+      (parts.leftCols(n).cwiseAbs2() + parts.rightCols(n).cwiseAbs2()).cwiseSqrt();
+  PhasorSums found{.values = Magnitudes(sums), .errors = from * equation_bound};
+  found.errors += kEps * (terms + kUlps * found.values);
+  return found;
+}
+
+// The largest relative error of skin, case, travel, current and power.
+double LargestError(const LinearModel& model, const SineDrive& drive,
+                    const Eigen::VectorXcd& phasors, const Eigen::MatrixXd& balanced_inverse,
+                    const Eigen::VectorXd& equation_bound) {
+  const Eigen::Index n = model.states(), powers = model.power_rows.rows();
+  enum { kSkin, kCase, kTravel, kCurrent, kPower };
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kPower + powers, n);
+  Eigen::VectorXd fixed = Eigen::VectorXd::Zero(kPower + powers);
+  rows(kSkin, model.skin()) = 1;
+  rows(kCase, LinearModel::kCase) = 1;
+  rows(kTravel, LinearModel::kMover) = 1;
+  rows(kTravel, LinearModel::kCase) = -1;
+  rows.row(kCurrent) = model.current_row;
+  rows.bottomRows(powers) = model.power_rows.leftCols(n);
+  fixed(kCurrent) = model.current_per_volt * drive.amplitude_v;
+  fixed.tail(powers) = model.power_rows.col(n) * drive.amplitude_v;
+  const PhasorSums sums = SumsOf(rows, fixed, phasors, balanced_inverse, equation_bound);
+  return std::max({sums.Relative(kSkin), sums.Relative(kCase), sums.Relative(kTravel),
+                   sums.Relative(kCurrent), sums.RelativeOfSquares(powers)});
+}
 
 // [X, V], on which the rows of the power act
 Eigen::VectorXcd WithVoltage(const Eigen::VectorXcd& phasors, const SineDrive& drive) {
@@ -153,24 +169,23 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   steady.mean_skin_force_n = skin.stiffness_n_per_m * mean(model.skin());
   // sqrt(mean^2 + abs(X)^2 / 2)
   const auto rms = [](double constant, const Complex& peak) {
-    return constant == 0 ? std::abs(peak) / std::numbers::sqrt2
-                         : std::hypot(constant, std::abs(peak) / std::numbers::sqrt2);
+    return constant == 0 ? Abs(peak) / std::numbers::sqrt2
+                         : Hypot(constant, Abs(peak) / std::numbers::sqrt2);
   };
   steady.skin_rms_m = rms(mean(model.skin()), x(model.skin()));
   steady.case_rms_m = rms(mean(LinearModel::kCase), x(LinearModel::kCase));
   steady.mover_peak_m =
       // a constant part adds to the amplitude
-      std::abs(steady.mean_travel_m) + std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
+      std::abs(steady.mean_travel_m) + Abs(x(LinearModel::kMover) - x(LinearModel::kCase));
   steady.current_rms_a = rms(steady.mean_current_a, steady.current_a);
   // a sum of squares of what is dissipated keeps its digits where v and i are at 90 degrees
   steady.power_w = drive.offset_v * steady.mean_current_a +
                    (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
-  steady.phase_rad =
-      drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
+  steady.phase_rad = drive.amplitude_v < 0 ? Arg(-steady.current_a) : Arg(steady.current_a);
   steady.skin_force_peak_n =
       // Ks xs + Bs vs = (Ks + j w Bs) Xs
       std::abs(steady.mean_skin_force_n) +
-      std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
+      Abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
 }
 
 }  // namespace
@@ -182,24 +197,19 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
   const PhasorSystem system = SystemOf(model, balanced, drive);
 
   // solve, then correct once by the residual
-  const Eigen::PartialPivLU<Eigen::MatrixXcd> factors(system.matrix);
-  Eigen::VectorXcd x = factors.solve(system.right);
-  x += factors.solve(Residual(system, x));
+  const ComplexEquations equations(MatrixOf(system));
+  Eigen::VectorXcd x = equations.Solve(system.right.cast<Complex>());
+  x += equations.Solve(Residual(system, x));
 
   SteadyState steady;
   steady.phasors = balanced.scale.asDiagonal() * x;
   steady.mean = StaticState(model, drive.offset_v);
   Summarise(model, drive, skin, steady);
 
-  // bounds for skin, case, travel, current and power; not finite where the matrix is singular
-  const Eigen::Index n = model.states();
-  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n, place); };
-  const ErrorBounds bounds(system, balanced, factors.inverse(), x, steady.phasors);
-  const double error =
-      std::max({bounds.Relative(unit(model.skin())), bounds.Relative(unit(LinearModel::kCase)),
-                bounds.Relative(unit(LinearModel::kMover) - unit(LinearModel::kCase)),
-                bounds.Relative(model.current_row, model.current_per_volt * drive.amplitude_v),
-                bounds.RelativeOfPower(model.power_rows, drive.amplitude_v)});
+  // not finite where the matrix is singular
+  const double error = LargestError(model, drive, steady.phasors,
+                                    balanced.scale.asDiagonal() * equations.InverseParts(),
+                                    EquationBound(system, x));
   // without an amplitude all phasors are exactly 0
   const bool silent = drive.amplitude_v == 0;
   steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
@@ -236,9 +246,9 @@ double SkinRmsUncertainty(const Scene& scene) {
     const auto logarithm = [&](double factor) {
       Scene moved = scene;
       moved.actuator = Scaled(scene.actuator, place, factor);
-      return std::log(SolveSteadyState(moved).skin_rms_m);
+      return Log(SolveSteadyState(moved).skin_rms_m);
     };
-    gradient[place] = (logarithm(std::exp(kStep)) - logarithm(std::exp(-kStep))) / (2 * kStep);
+    gradient[place] = (logarithm(Exp(kStep)) - logarithm(Exp(-kStep))) / (2 * kStep);
   }
   // u^2 = g' C g; rounding may put a zero below 0
   double square = 0;
@@ -265,7 +275,7 @@ struct TonePart {
 // bound of the sum of sines: the sum of the amplitudes
 double SumOf(const std::vector<TonePart>& parts, double mean) {
   double sum = std::abs(mean);
-  for (const TonePart& part : parts) sum += std::abs(part.amplitude);
+  for (const TonePart& part : parts) sum += Abs(part.amplitude);
   return sum;
 }
 
@@ -429,7 +439,7 @@ SteadyTones Superpose(const Scene& scene) {
   // tones of the same frequency add as phasors before they are squared
   std::map<double, Complex> fingers_m{{drive.frequency_hz, 0}};
   for (const Tone& tone : scene.finger.tones) {
-    fingers_m[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
+    fingers_m[tone.frequency_hz] += Polar(tone.amplitude, tone.phase_rad);
   }
   SumOfTones sum(scene, 0);
   for (const auto& [frequency_hz, finger_m] : fingers_m) {
@@ -445,7 +455,7 @@ SteadyTones SolveSteadyTones(const Scene& scene) {
   // equal frequencies add as phasors here too; opposite ones may cancel to 0
   std::map<double, Complex> voltages;
   for (const Tone& tone : scene.drive.tones) {
-    voltages[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
+    voltages[tone.frequency_hz] += Polar(tone.amplitude, tone.phase_rad);
   }
   SumOfTones sum(scene, CommonPeriod(voltages));
   for (const auto& [frequency_hz, voltage_v] : voltages) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "base/elementary_functions.h"
 #include "base/error.h"
 
 namespace haptometer::sim {
@@ -98,10 +99,10 @@ double SagUnder(double force_n, double stiffness_n_per_m, double cubic_n_per_m3)
   const double Kv = stiffness_n_per_m, K3 = cubic_n_per_m3;
   HAPTOMETER_CHECK(Kv >= 0 && K3 >= 0 && Kv + K3 > 0, "Kv {} N/m, K3 {} N/m^3", Kv, K3);
   if (!(K3 > 0)) return force_n / Kv;
-  if (!(Kv > 0)) return std::cbrt(force_n / K3);
+  if (!(Kv > 0)) return Cbrt(force_n / K3);
   // the only real root of Kv s + K3 s^3 = F, in closed form with p = sqrt(Kv / (3 K3))
   const double p_m = std::sqrt(Kv / (3 * K3));
-  return 2 * p_m * std::sinh(std::asinh(3 * force_n / (2 * p_m * Kv)) / 3);
+  return 2 * p_m * Sinh(Asinh(3 * force_n / (2 * p_m * Kv)) / 3);
 }
 
 }  // namespace haptometer::sim

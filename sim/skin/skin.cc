@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
 
 namespace haptometer::sim {
@@ -16,8 +18,8 @@ Skin SkinUnderArea(double contact_area_m2, SkinRange range) {
   const double Kmax = range == SkinRange::kText ? 2000 : 1200;
   const double Bmin = 0.75;
   const double Bmax = 2.38;
-  const double lower = std::cbrt(kSkinAreaMinM2);
-  const double part = (std::cbrt(contact_area_m2) - lower) / (std::cbrt(kSkinAreaMaxM2) - lower);
+  const double lower = Cbrt(kSkinAreaMinM2);
+  const double part = (Cbrt(contact_area_m2) - lower) / (Cbrt(kSkinAreaMaxM2) - lower);
   return {.stiffness_n_per_m = Kmin + (Kmax - Kmin) * part,
           .damping_n_s_per_m = Bmin + (Bmax - Bmin) * part};
 }
@@ -27,7 +29,7 @@ namespace {
 // distances that differ by the rounding of their coordinates are one
 constexpr double kSamePart = 1e-12;
 
-double Distance(const ReceptorPosition& position) { return std::hypot(position.x_m, position.y_m); }
+double Distance(const ReceptorPosition& position) { return Hypot(position.x_m, position.y_m); }
 
 }  // namespace
 
@@ -64,7 +66,7 @@ double StimulatedReceptors(const ReceptorField& field, double radius_m) {
     const double beyond_m = Distance(position) - radius_m - field.field_radius_m;
     // soft edge: a share that falls by a normal distribution; hard edge: inside or outside
     if (field.edge_width_m > 0) {
-      sum += std::erfc(beyond_m / (std::numbers::sqrt2 * field.edge_width_m)) / 2;
+      sum += Erfc(beyond_m / (std::numbers::sqrt2 * field.edge_width_m)) / 2;
     } else if (beyond_m <= slack_m) {
       sum += 1;
     }

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
 
@@ -70,7 +72,7 @@ struct Nodes {
 
   Nodes() {
     for (Eigen::Index j = 0; j < kNodes; ++j) {
-      u[j] = (1 - std::cos(static_cast<double>(j) * std::numbers::pi / kDegree)) / 2;
+      u[j] = (1 - Cos(static_cast<double>(j) * std::numbers::pi / kDegree)) / 2;
     }
     u[kDegree] = 1;
     SetChebyshev();
@@ -96,8 +98,7 @@ struct Nodes {
       for (Eigen::Index k = 0; k < kNodes; ++k) {
         const double angle = static_cast<double>(k * (kDegree - j)) * std::numbers::pi / kDegree;
         const bool is_outer = k == 0 || k == kDegree;
-        to_chebyshev(k, j) =
-            2.0 / kDegree * std::cos(angle) * (is_end ? 0.5 : 1) * (is_outer ? 0.5 : 1);
+        to_chebyshev(k, j) = 2.0 / kDegree * Cos(angle) * (is_end ? 0.5 : 1) * (is_outer ? 0.5 : 1);
       }
     }
   }
@@ -127,10 +128,10 @@ struct Nodes {
       double weight = 0;
       for (int k = 0; k <= kPoints; k += 2) {
         const double half = k == 0 || k == kPoints ? 0.5 : 1;
-        weight += half * 2 / (1 - static_cast<double>(k) * k) * std::cos(k * angle);
+        weight += half * 2 / (1 - static_cast<double>(k) * k) * Cos(k * angle);
       }
       weight *= (p == 0 || p == kPoints ? 0.5 : 1.0) / kPoints;
-      const double r = (1 - std::cos(angle)) / 2;
+      const double r = (1 - Cos(angle)) / 2;
       double term = weight;  // weight (1 - r)^m / m!
       for (int m = 0; m < kSeriesTerms; ++m, term *= (1 - r) / m) moments.row(m) += term * At(r);
     }
@@ -224,7 +225,7 @@ class OperatorSet {
       const double u = TheNodes().u[j + 1];
       Eigen::Matrix<double, kNodes, kSeriesTerms> moments = TheNodes().moments.transpose();
       for (Eigen::Index m = 0; m < kSeriesTerms; ++m) {
-        moments.col(m) *= std::pow(u, static_cast<double>(m + 1)) * h_s;
+        moments.col(m) *= Pow(u, static_cast<double>(m + 1)) * h_s;
       }
       at.responses.middleCols(Columns() * j, Columns()).noalias() = moments * moved;
     }

@@ -1,10 +1,12 @@
 #include "sim/smooth/smooth_mode.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
+
+#include "base/elementary_functions.h"
+#include "sim/linear/complex_equations.h"
 
 namespace haptometer::sim {
 namespace {
@@ -151,12 +153,12 @@ int SmoothMode::Linearise(const ConstVector& y) {
   constexpr double kStep = 1.2;
   if (!system_->heating) return 0;
   const double R = system_->resistance_ohm;
-  const double number = std::round(std::log1p(RisePerKelvin() * y[n()] / R) / std::log(kStep));
+  const double number = std::round(Log1p(RisePerKelvin() * y[n()] / R) / Log(kStep));
   // a rise that is no number, or below absolute zero
   const int next = std::abs(number) < 1000 ? static_cast<int>(number) : 0;
   if (next == linearisation_) return linearisation_;
   linearisation_ = next;
-  linear_rise_ohm_ = R * (std::pow(kStep, next) - 1);
+  linear_rise_ohm_ = R * (Pow(kStep, next) - 1);
   SetLinear();
   return linearisation_;
 }
@@ -325,7 +327,7 @@ Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   const auto magnitudes = [&](double omega, const Eigen::VectorXd& source) -> Eigen::VectorXd {
     Eigen::MatrixXcd matrix = -m.a.cast<std::complex<double>>();
     matrix.diagonal().array() += std::complex<double>(kGrowth * omega, omega);
-    return matrix.partialPivLu().solve(source.cast<std::complex<double>>()).cwiseAbs();
+    return Magnitudes(ComplexEquations(matrix).Solve(source.cast<std::complex<double>>()));
   };
   Eigen::VectorXd scale(states());
   scale.head(n()) = magnitudes(Pace(), Pace() * y.head(n()));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/piecewise/guard.h"
 
@@ -38,7 +39,7 @@ Eigen::VectorXd ThroughPoints(const Function& value) {
   for (Eigen::Index k = 0; k < kPoints; ++k) {
     // zeros of Chebyshev's polynomial on [0, 1]
     const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
-    const double u = (1 - std::cos(angle)) / 2;
+    const double u = (1 - Cos(angle)) / 2;
     values[k] = value(u);
     for (Eigen::Index j = 0; j < kPoints; ++j) powers(k, j) = j == 0 ? 1 : powers(k, j - 1) * u;
   }

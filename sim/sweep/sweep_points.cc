@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "base/toml.h"
 
@@ -33,10 +34,9 @@ double ValueAt(const SweepRange& range, double numerator, double denominator) {
     return (range.begin * (denominator - numerator) + range.end * numerator) / denominator;
   }
   // rounding grows with the exponent of a power: 30000.000000000015 in double
-  const auto begin = static_cast<long double>(range.begin);
-  const auto ratio = static_cast<long double>(range.end) / begin;
-  const auto way = static_cast<long double>(numerator) / static_cast<long double>(denominator);
-  return static_cast<double>(begin * std::pow(ratio, way));
+  const DoubleDouble ratio = DoubleDouble{range.end, 0} / DoubleDouble{range.begin, 0};
+  const DoubleDouble way = DoubleDouble{numerator, 0} / DoubleDouble{denominator, 0};
+  return ScaledPow(range.begin, ratio, way);
 }
 
 std::size_t CountOf(const SweepAxis& axis) {

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "base/circular_functions.h"
 #include "base/error.h"
 #include "sim/linear/motor_source.h"
 
@@ -138,7 +139,7 @@ GridBest BestOnGrid(const TuningProblem& problem, std::size_t values_per_axis,
   GridBest best{
       .point = {.adapter = leader.adapter, .contact_area_m2 = axes.contact_area_m2[leader.area]},
       // RMS from |Xs / Fc|^2: sqrt(square) |Fc| / sqrt(2)
-      .score = std::sqrt(leader.square) * std::abs(source.force_n) / std::numbers::sqrt2};
+      .score = std::sqrt(leader.square) * Abs(source.force_n) / std::numbers::sqrt2};
   best.skin_rms_m = weight > 0 ? best.score / weight : 0;
   best.points = axes.columns.size();
   for (int axis = 0; axis < 4; ++axis) best.points *= values_per_axis;

@@ -6,6 +6,9 @@
 #include <complex>
 #include <numbers>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
+
 namespace haptometer::sim {
 namespace {
 
@@ -28,7 +31,7 @@ const Words& WordsOf(Objective objective) {
 // |Xs| of the matched load with the lowest dampings, |Fc| / (2 sqrt((b + e)(q + e)) - 2 e), m
 double LargestSkinPeak(const MotorSource& source, double b, double e) {
   const double q = source.stiffness_n_per_m.imag();
-  return std::abs(source.force_n) / (2 * std::sqrt((b + e) * (q + e)) - 2 * e);
+  return Abs(source.force_n) / (2 * std::sqrt((b + e) * (q + e)) - 2 * e);
 }
 
 // RMS in m of the skin that moves least within the problem's variation
@@ -36,7 +39,7 @@ double LeastRms(const TuningProblem& problem, const MotorSource& source,
                 const AdapterPoint& point) {
   double least = HUGE_VAL;
   for (const Skin& skin : HardestSkins(problem, point.contact_area_m2)) {
-    least = std::min(least, std::abs(MotionOf(source, point.adapter, skin).skin_m));
+    least = std::min(least, Abs(MotionOf(source, point.adapter, skin).skin_m));
   }
   return least / std::numbers::sqrt2;
 }
@@ -46,7 +49,7 @@ double LargestRmsPerWatt(const MotorSource& source, double b) {
   const double q = source.stiffness_n_per_m.imag();
   const std::complex<double> g = source.power_slope_w_per_m * source.force_n / (2 * q);
   const double P1 = source.blocked_power_w + g.imag();
-  return std::abs(source.force_n) / std::sqrt(8 * q * b * (P1 * P1 - std::norm(g)));
+  return Abs(source.force_n) / std::sqrt(8 * q * b * (P1 * P1 - std::norm(g)));
 }
 
 }  // namespace
@@ -66,7 +69,7 @@ double ValueOf(Objective objective, const TuningProblem& problem, const MotorSou
                const ReceptorField& receptors, const AdapterPoint& point) {
   const Skin skin = SkinOf(problem, point.contact_area_m2);
   const AdapterMotion motion = MotionOf(source, point.adapter, skin);
-  const double rms_m = std::abs(motion.skin_m) / std::numbers::sqrt2;
+  const double rms_m = Abs(motion.skin_m) / std::numbers::sqrt2;
   const double w = source.omega_rad_per_s;
   switch (objective) {
     case Objective::kSkinRms:
@@ -155,7 +158,7 @@ double ValueOfCost(const AreaPiece& piece, const MotorSource& source, double cos
 double CostOfValue(const AreaPiece& piece, const MotorSource& source, double value) {
   const double half_square = piece.objective == Objective::kSkinPower
                                  ? value / source.omega_rad_per_s
-                                 : std::pow(value / piece.weight, 2);
+                                 : std::norm(value / piece.weight);
   return std::norm(source.force_n) / 2 / half_square;
 }
 

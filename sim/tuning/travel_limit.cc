@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "base/circular_functions.h"
+#include "base/elementary_functions.h"
 #include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
@@ -101,7 +103,7 @@ double LimitedTravelBound(Objective objective, const TuningProblem& problem,
                           const MotorSource& source, const ReceptorField& receptors) {
   HAPTOMETER_CHECK(objective != Objective::kRmsPerWatt, "{}", Name(objective));
   const double w = source.omega_rad_per_s, q = source.coupling_damping_n_per_m;
-  const double F = std::abs(source.coil_force_n);
+  const double F = Abs(source.coil_force_n);
   // F T - q T^2 is largest at T = F / (2 q): a longer travel adds nothing
   const double T = std::min(problem.mover_limit_m, F / (2 * q));
   const double Bs = SkinOf(problem, problem.bounds.contact_area_m2.lower).damping_n_s_per_m;
@@ -245,8 +247,8 @@ CubeNumber On(const Range& range, const CubePlace& place, int axis) {
 // Ka or Ba, as ScaledAt() has them
 CubeNumber ScaledOn(const Range& range, const CubePlace& place, int axis) {
   if (!IsWide(range)) return On(range, place, axis);
-  const double decades = std::log(range.upper / range.lower);
-  const double value = range.lower * std::exp(place[axis] * decades);
+  const double decades = Log(range.upper / range.lower);
+  const double value = range.lower * Exp(place[axis] * decades);
   return Variable<double, kCubeAxes>(0.0, static_cast<std::size_t>(axis), value * decades) + value;
 }
 
@@ -269,7 +271,7 @@ LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
 // ln Nr^2 at a part of the area's range
 double LimitedClimb::LogWeight(double part) const {
   const double area_m2 = AreaAt(problem_.bounds.contact_area_m2, part);
-  return 2 * std::log(StimulatedReceptors(receptors_, ContactRadius(area_m2)));
+  return 2 * Log(StimulatedReceptors(receptors_, ContactRadius(area_m2)));
 }
 
 LimitedView LimitedClimb::At(const CubePlace& place) const {
@@ -309,19 +311,19 @@ LimitedView LimitedClimb::ViewOf(const CubePlace& place, int side) const {
       (D2 + ka) * (source_.travel_per_case * source_.force_n) + N * source_.free_travel_m;
   const CubeNumber N2 = Norm(N), M2 = Norm(M), k2 = Norm(ka);
   // cost ln |Fc / Xs|^2, excess ln(|travel|^2 / T^2); below zero the limit is kept
-  LimitedView view{.cost = std::log(N2.value / k2.value),
-                   .excess = std::log(M2.value / N2.value) - 2 * std::log(problem_.mover_limit_m),
+  LimitedView view{.cost = Log(N2.value / k2.value),
+                   .excess = Log(M2.value / N2.value) - 2 * Log(problem_.mover_limit_m),
                    .cost_slopes = SlopesOf(N2) - SlopesOf(k2),
                    .excess_slopes = SlopesOf(M2) - SlopesOf(N2)};
   // less the logarithm of the objective's weight, 1 for the skin's RMS
   if (objective_ == Objective::kSkinPower) {
-    view.cost -= std::log(b.value);
+    view.cost -= Log(b.value);
     view.cost_slopes -= SlopesOf(b);
   } else if (objective_ == Objective::kRmsPerWatt) {
     // P |N|^2 = P0 |N|^2 + Re(beta Fc (ka + D2) conj N)
     const CubePhasor moved = (D2 + ka) * (source_.power_slope_w_per_m * source_.force_n);
     const CubeNumber power = N2 * source_.blocked_power_w + moved.re * N.re + moved.im * N.im;
-    view.cost += 2 * std::log(power.value / N2.value);
+    view.cost += 2 * Log(power.value / N2.value);
     view.cost_slopes += 2 * (SlopesOf(power) - SlopesOf(N2));
   } else if (objective_ == Objective::kStimulus) {
     constexpr double kStep = 1e-5;
@@ -520,7 +522,7 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
   // allowance for the rounding of source and limit: the travel is a difference of two terms; the
   // price is 1 at most, so that the value changes by no more than the limit's square
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
-  const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
+  const double travel = 1 + Abs(source.free_travel_m) / problem.mover_limit_m;
   bound.value *= 1 + squares * source.rounding_allowance * travel + (limited ? kKeptLimit : 0) +
                  (steps ? kStepAllowance : 0);
   return bound;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/elementary_functions.h"
+
 namespace haptometer::sim {
 
 AdapterBounds ThesisBounds() {
@@ -37,8 +39,8 @@ double AreaAt(const Range& contact_area_m2, double part) {
   if (part <= 0) return contact_area_m2.lower;
   if (part >= 1) return contact_area_m2.upper;
   // linear in the cube root of the area, in which the skin's law is linear
-  const double lower = std::cbrt(contact_area_m2.lower);
-  const double root = lower + (std::cbrt(contact_area_m2.upper) - lower) * part;
+  const double lower = Cbrt(contact_area_m2.lower);
+  const double root = lower + (Cbrt(contact_area_m2.upper) - lower) * part;
   return root * root * root;
 }
 
@@ -74,12 +76,12 @@ double ScaledAt(const Range& range, double part) {
   // the ends exactly
   if (part >= 1) return range.upper;
   // uniform in the logarithm
-  return range.lower * std::exp(part * std::log(range.upper / range.lower));
+  return range.lower * Exp(part * Log(range.upper / range.lower));
 }
 
 double ScaledPartOf(const Range& range, double value) {
   if (!IsWide(range)) return PartOf(range, value);
-  return std::log(value / range.lower) / std::log(range.upper / range.lower);
+  return Log(value / range.lower) / Log(range.upper / range.lower);
 }
 
 AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place) {
@@ -91,12 +93,12 @@ AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place) {
 }
 
 CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
-  const Range roots{.lower = std::cbrt(bounds.contact_area_m2.lower),
-                    .upper = std::cbrt(bounds.contact_area_m2.upper)};
+  const Range roots{.lower = Cbrt(bounds.contact_area_m2.lower),
+                    .upper = Cbrt(bounds.contact_area_m2.upper)};
   return {PartOf(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
           ScaledPartOf(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
           ScaledPartOf(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
-          PartOf(roots, std::cbrt(point.contact_area_m2)),
+          PartOf(roots, Cbrt(point.contact_area_m2)),
           PartOf(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
 }
 
