@@ -12,14 +12,14 @@ import subprocess
 import sys
 import textwrap
 
-# they talk to devices and terminals: what they do is done by the commands
-COMMANDS = {"acquire", "emulate", "session"}
+# they talk to devices, terminals and schedulers: what they do is done by the commands
+COMMANDS = {"acquire", "campaign", "emulate", "session"}
 ANSWERS = {"analyze": "Analysis", "fit-lra": "Fit", "fit-impedance": "Fit", "simulate": "Simulation", "sweep": "Sweep"}
 # the document has everything, and pictures of it are drawn by its own methods
 CHANGES = {"trial label", "trial exclude", "trial include"}  # a file that is given
 WRITERS = {"trial export", "trial plot"}  # of a file, without another answer
 WITHOUT_PANELS = {"simulate", "reproduce", "analyze"}  # they would add a run, or a picture of each trial
-LEFT_OUT = {"--all", "--plan", "--impedance", "--adapter"}
+LEFT_OUT = {"--all", "--plan", "--impedance", "--adapter", "--slurm", "--job-time"}
 HEAD = '''\
 """The verbs, written by python/write_verbs.py from the options that the program declares."""
 from __future__ import annotations

@@ -38,14 +38,15 @@ struct Part {
   const char* name;
 };
 constexpr auto kParts = std::to_array<Part>(
-    {{"session", "new"},    {"session", "run"},    {"session", "next"},    {"session", "redo"},
-     {"session", "reject"}, {"session", "accept"}, {"session", "relabel"}, {"session", "floor"},
-     {"session", "note"},   {"session", "skip"},   {"session", "status"},  {"session", "pack"},
-     {"session", "verify"}, {"trial", "info"},     {"trial", "label"},     {"trial", "exclude"},
-     {"trial", "include"},  {"trial", "plot"},     {"trial", "export"},    {"study", "compare"},
-     {"study", "matching"}, {"study", "linearity"}});
+    {{"session", "new"},    {"session", "run"},     {"session", "next"},    {"session", "redo"},
+     {"session", "reject"}, {"session", "accept"},  {"session", "relabel"}, {"session", "floor"},
+     {"session", "note"},   {"session", "skip"},    {"session", "status"},  {"session", "pack"},
+     {"session", "verify"}, {"trial", "info"},      {"trial", "label"},     {"trial", "exclude"},
+     {"trial", "include"},  {"trial", "plot"},      {"trial", "export"},    {"study", "compare"},
+     {"study", "matching"}, {"study", "linearity"}, {"campaign", "plan"},   {"campaign", "run"},
+     {"campaign", "merge"}, {"campaign", "status"}, {"campaign", "resume"}});
 // verbs without options of their own
-constexpr std::array<std::string_view, 2> kOnlyParts{"session", "trial"};
+constexpr std::array<std::string_view, 3> kOnlyParts{"session", "trial", "campaign"};
 
 const Verb* Find(std::string_view name) {
   const auto found = std::ranges::find(Verbs(), name, &Verb::name);

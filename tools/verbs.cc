@@ -24,6 +24,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"sweep", "Simulate a scene over any of its keys, as a table", RunSweep},
     {"tune", "Find the adapter that moves the skin most, with a proved bound", RunTune},
     {"compare", "Compare trials with a scene, and explain a difference", RunCompare},
+    {"campaign", "Divide long work into chunks for Slurm or GNU parallel", RunCampaign},
     {"cost", "Show what an accuracy costs, measured and simulated", RunCost},
     {"reproduce", "Recompute the thesis's numbers and figures and compare", RunReproduce},
     {"emulate", "Play a scene or a trial as an emulated sensor", RunEmulate},

@@ -10,6 +10,7 @@ namespace haptometer::tools {
 int RunAcquire(int argc, const char* const* argv);
 int RunAnalyze(int argc, const char* const* argv);
 int RunCalibrate(int argc, const char* const* argv);
+int RunCampaign(int argc, const char* const* argv);
 int RunCompare(int argc, const char* const* argv);
 int RunCost(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);

@@ -151,7 +151,7 @@ def test_every_verb_is_a_function():
     verbs = [line.split()[0] for line in help_.splitlines() if line.startswith("  ")]
     names = {name.split("_")[0] if name.startswith(("trial_", "study_")) else name for name in hm.verbs.__all__}
     missing = {verb.replace("-", "_") for verb in verbs} - names
-    assert missing == {"acquire", "emulate", "session"}
+    assert missing == {"acquire", "campaign", "emulate", "session"}
     for name in hm.verbs.__all__:
         with pytest.raises((hm.HaptometerError, TypeError)):
             getattr(hm, name)("nowhere.bin", no_such_option=1)

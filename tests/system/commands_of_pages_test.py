@@ -132,6 +132,8 @@ PREPARED = {
                   "my_daq.py": lambda: block(DAQ, "python")},
     "docs/reference/calibrate.md": PAIRS,
     STUDY: {"recorded": "mkdir recorded"},
+    "docs/reference/campaign.md": {"slurm": "mkdir slurm; printf '#!/bin/sh\\necho 1\\n' >slurm/sbatch;"
+                                            " chmod +x slurm/sbatch"},
     "docs/reference/analyze.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin",
                                   "trials": "mkdir trials; cp fixtures/recorded_trial.bin trials"},
     "docs/reference/daemon.md": RIG,
@@ -161,6 +163,10 @@ def at_terminal(command, keys):
 # Other texts in the commands of a page, what takes their place, and why.
 CHANGED = {
     "docs/reference/acquire.md": [("--duration 10s", "--duration 1s", "a second shows as much")],
+    "docs/reference/campaign.md": [("haptometer sweep", "PATH=$PWD/slurm:$PATH haptometer sweep",
+                                    "a Slurm that takes every job"),
+                                   ("haptometer campaign resume", "PATH=$PWD/slurm:$PATH haptometer campaign resume",
+                                    "a Slurm that takes every job")],
     "docs/reference/sensors.md": [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
     CALIBRATION: [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
     DAQ: [("my_daq |", "/usr/bin/python3 my_daq.py |", "what the page puts in place of a DAQ")],

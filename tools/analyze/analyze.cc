@@ -341,6 +341,18 @@ Result<int> AnalyzeShard(const AnalyzeWords& words, const Job& job, TrialResults
                                 job.outputs, argc, argv));
 }
 
+Result<int> BeginCampaignOf(const AnalyzeWords& words, const Job& job, const std::string& source,
+                            int argc, const char* const* argv) {
+  Job single = job;
+  single.threads = 1;
+  HAPTOMETER_LET(
+      auto planned,
+      BeginTrialCampaign(words.results.slurm, source, {argv, static_cast<std::size_t>(argc)},
+                         {"--table"}, words.threads, words.files.size(),
+                         [&](std::uint64_t place) { (void)Analyze(words.files[place], single); }));
+  return document::Present(std::move(planned), job.outputs, argc, argv);
+}
+
 // folders are answered by earlier results too; pictures and spectra need the samples themselves
 Result<TrialResults> ResultsOf(const AnalyzeWords& words, const Job& job, bool has_folder) {
   const bool needs_samples = words.sweep || job.outputs.HasFigures() ||
@@ -367,6 +379,7 @@ int RunAnalyze(int argc, const char* const* argv) {
     std::error_code ignored;
     return std::filesystem::is_directory(word, ignored);
   });
+  const std::string source = words.files.front();
   auto files = FilesOf(words.files);
   if (!files) return cli::ReportError(kVerb, files.error());
   words.files = *std::move(files);
@@ -374,6 +387,10 @@ int RunAnalyze(int argc, const char* const* argv) {
   if (!job) return cli::ReportError(kVerb, job.error());
   job->outputs.json = options.json();
   job->provenance = [&] { return document::ProvenanceOf(kVerb, argc, argv); };
+  if (words.results.slurm.jobs) {
+    const auto status = BeginCampaignOf(words, *job, source, argc, argv);
+    return status ? *status : cli::ReportError(kVerb, status.error());
+  }
   auto results = ResultsOf(words, *job, has_folder);
   if (!results) return cli::ReportError(kVerb, results.error());
   if (!words.results.shard.empty()) {

@@ -155,6 +155,9 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
   options->Exclude("--shard",
                    {"--table", "--plot", "--report", "--spectrum", "--spectrogram", "--sweep"},
                    "a shard analyses its trials; they are shown by --merge");
+  options->Exclude("--slurm",
+                   {"--verify", "--plot", "--report", "--spectrum", "--spectrogram", "--sweep"},
+                   "give it to a later run");
 }
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {

@@ -171,8 +171,8 @@ std::string DifferenceOf(std::string_view there, std::string_view here) {
   return {};
 }
 
-// the folder of the cache; empty: none. Accounts of services have a home that is not there (Debian's
-// /nonexistent): none is made.
+// the folder of the cache; empty: none. Accounts of services have a home that is not there
+// (Debian's /nonexistent): none is made.
 std::string CacheFolder() {
   const auto variable = [](const char* name) -> std::string {
     const char* value = std::getenv(name);
@@ -397,6 +397,9 @@ void DeclareResults(cli::Options& options, ResultsWords& words) {
   options.Flag("--no-cache", &words.no_cache,
                "Analyse trials again whose results are known from an earlier run",
                cli::Shown::kHelpAll);
+  DeclareSlurm(options, words.slurm);
+  options.Exclude("--slurm", {"--shard", "--resume", "--merge", "-o"},
+                  "the campaign does that itself");
 }
 
 Result<TrialResults> TrialResults::Open(const ResultsWords& words, std::string_view question,
@@ -529,6 +532,26 @@ void RemarkOnCache(std::string_view verb, const TrialResults& results, std::size
               fmt::format("{} of {} trials are known from an earlier run; --no-cache analyses "
                           "them again",
                           results.kept(), trials));
+}
+
+Result<document::Document> BeginTrialCampaign(
+    const SlurmWords& words, std::string_view source, std::span<const char* const> argv,
+    std::initializer_list<std::string_view> answer_options, std::optional<std::int64_t> threads,
+    std::size_t trials, const std::function<void(std::uint64_t)>& analyze) {
+  const std::vector<std::string> merge = WithoutOptions(
+      {argv.begin(), argv.end()}, {"--slurm", "--job-time", "--threads"}, {"--no-cache"});
+  std::vector<std::string> run =
+      WithoutOptions(merge, answer_options, {"--all", "--json", "--overwrite"});
+  // a job has one thread where nothing is said
+  const auto job_threads = static_cast<std::uint64_t>(threads.value_or(1));
+  run.insert(run.end(), {"--threads", std::to_string(job_threads)});
+  return BeginCampaign(words, {.name = fs::path(source).lexically_normal().filename().string(),
+                               .run = std::move(run),
+                               .merge = merge,
+                               .ending = "results",
+                               .items = trials,
+                               .seconds_per_item = SecondsPerItem(0, trials, analyze),
+                               .threads = job_threads});
 }
 
 document::Document ShardDocument(std::string_view verb, const ResultsWords& words,

@@ -3,13 +3,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
 #include "dsp/analysis/band_question.h"
+#include "tools/campaign/slurm.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/document/document.h"
@@ -38,9 +42,11 @@ struct ResultsWords {
   bool is_mixed_allowed = false;                ///< merges what different programs computed
   bool no_cache = false;
   bool verify = false;  ///< every trial is read and compared with its checksum
+  SlurmWords slurm{};
 };
 
-/// Declares --shard, -o, --resume, --merge, --allow-mixed and --no-cache.
+/// Declares --shard, -o, --resume, --merge, --allow-mixed, --no-cache and the options of
+/// SlurmWords.
 void DeclareResults(cli::Options& options, ResultsWords& words);
 
 /// An answer about one trial as a file of results holds it.
@@ -117,6 +123,14 @@ class TrialResults {
 
 /// States on stderr how many trials were not analysed because a cache knows them; nothing of none.
 void RemarkOnCache(std::string_view verb, const TrialResults& results, std::size_t trials);
+
+/// Plans `verb` on `trials` trials as a campaign and submits it (tools/campaign/slurm.h): its words
+/// are argv's, those that are about the answer alone (`answer_options` with a value, and flags) for
+/// the merging. `analyze` analyses the trial of that place. Errors: as BeginCampaign.
+[[nodiscard]] Result<document::Document> BeginTrialCampaign(
+    const SlurmWords& words, std::string_view source, std::span<const char* const> argv,
+    std::initializer_list<std::string_view> answer_options, std::optional<std::int64_t> threads,
+    std::size_t trials, const std::function<void(std::uint64_t)>& analyze);
 
 /// What a shard answers: its file, and how many of `trials` trials are in it.
 [[nodiscard]] document::Document ShardDocument(std::string_view verb, const ResultsWords& words,

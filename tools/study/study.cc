@@ -83,7 +83,12 @@ void Declare(cli::Options& options, Wanted& wanted) {
       "of --json; status 1 where something differs");
   options.Flag("--overwrite", &wanted.overwrite,
                "Replace existing tables, paragraphs and results of a shard");
+  options
+      .Count("--threads", &wanted.study.threads, 1, kMostStudyThreads,
+             "Number of threads; no result depends on it", cli::Shown::kHelpAll)
+      .Default("the number of cores");
   DeclareResults(options, wanted.results);
+  options.Exclude("--slurm", {"--verify"}, "give it to a later run, which has no trial to analyse");
   options.Exclude("--shard", {"--table", "--wide", "--methods", "--plot", "--report", "--verify"},
                   "a shard analyses its trials; they are compared by --merge");
 }
@@ -276,7 +281,8 @@ Result<int> AnswerShard(const Wanted& wanted, int argc, const char* const* argv)
   HAPTOMETER_LET(const auto task, TaskOf(wanted.study));
   HAPTOMETER_LET(auto results, ResultsOf(wanted.study, task));
   HAPTOMETER_LET(const auto trials,
-                 AnalyzeTrials(task.files, task.study.question, task.import, results));
+                 AnalyzeTrials(task.files, task.study.question, task.import, results,
+                               cli::ThreadsOf(wanted.study.threads, kMostStudyThreads)));
   HAPTOMETER_TRY(results.Finish());
   std::vector<Error> errors;
   for (const StudyTrial& trial : trials) {
@@ -288,6 +294,20 @@ Result<int> AnswerShard(const Wanted& wanted, int argc, const char* const* argv)
                                 wanted.outputs, argc, argv));
 }
 
+Result<int> BeginCampaignOf(const Wanted& wanted, int argc, const char* const* argv) {
+  HAPTOMETER_LET(const auto task, TaskOf(wanted.study));
+  HAPTOMETER_LET(auto none, TrialResults::Open({}, {}, false));
+  HAPTOMETER_LET(
+      auto planned,
+      BeginTrialCampaign(
+          wanted.results.slurm, wanted.study.source, {argv, static_cast<std::size_t>(argc)},
+          {"--table", "--wide", "--methods", "--plot", "--report"}, wanted.study.threads,
+          task.files.size(), [&](std::uint64_t place) {
+            (void)AnalyzeTrial(task.files[place], task.study.question, task.import, none);
+          }));
+  return document::Present(std::move(planned), wanted.outputs, argc, argv);
+}
+
 int RunStudyTrials(int argc, const char* const* argv) {
   cli::Options options(kText);
   Wanted wanted;
@@ -297,6 +317,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
     wanted.results.overwrite = wanted.overwrite;
     wanted.study.results = wanted.results;
     if (!wanted.results.shard.empty()) return AnswerShard(wanted, argc, argv);
+    if (wanted.results.slurm.jobs) return BeginCampaignOf(wanted, argc, argv);
     HAPTOMETER_LET(const auto study, AnswerStudy(wanted.study));
     // an unreadable trial worsens the status; the others are answered
     int status = cli::ReportErrors(kVerb, study.Errors());
@@ -407,7 +428,8 @@ Result<StudyResult> AnswerStudy(
   HAPTOMETER_LET(auto results, ResultsOf(words, task));
   StudyResult study = std::move(task.study);
   study.source = Printable(words.source);
-  HAPTOMETER_LET(auto trials, AnalyzeTrials(task.files, study.question, task.import, results));
+  HAPTOMETER_LET(auto trials, AnalyzeTrials(task.files, study.question, task.import, results,
+                                            cli::ThreadsOf(words.threads, kMostStudyThreads)));
   RemarkOnCache(kVerb, results, task.files.size());
   study.changed = results.ChangeErrors();
   study.table = MakeStudyTable(std::move(trials), task.manifest.conditions);

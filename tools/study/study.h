@@ -25,6 +25,7 @@ struct StudyWords {
   std::string floor{};
   cli::ImportWords import{};
   std::optional<ResultsWords> results{};  ///< of a verb that keeps results
+  std::optional<std::int64_t> threads{};
 };
 /// Declares the options of those words, but for source, contrasts and results.
 void DeclareStudy(cli::Options& options, StudyWords& words);

@@ -323,7 +323,7 @@ Result<StudyTrial> AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& 
 Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& files,
                                               const dsp::BandQuestion& question,
                                               const trial::ImportOptions& import,
-                                              TrialResults& results) {
+                                              TrialResults& results, int threads) {
   const cli::Shard& shard = results.shard();
   const auto count = static_cast<std::size_t>(shard.RowsOf(files.size()));
   const auto file_of = [&](std::size_t i) -> const TrialFile& {
@@ -346,7 +346,6 @@ Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& file
       return {};
     };
   };
-  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   HAPTOMETER_TRY(RunJobs(count, threads, make_worker));
   cli::LeaveIfInterrupted();
   return trials;
@@ -357,7 +356,8 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                       const trial::ImportOptions& import) {
   auto none = TrialResults::Open({}, {}, false);
   HAPTOMETER_CHECK(none.has_value(), "no results are wanted");
-  auto trials = AnalyzeTrials(files, question, import, *none);
+  auto trials = AnalyzeTrials(files, question, import, *none,
+                              cli::ThreadsOf(std::nullopt, kMostStudyThreads));
   HAPTOMETER_CHECK(trials.has_value(), "a trial's error belongs to the trial");
   return *std::move(trials);
 }

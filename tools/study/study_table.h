@@ -64,17 +64,19 @@ struct StudyTrial {
                                               const trial::ImportOptions& import,
                                               TrialResults& results);
 
-/// The same of many files, on all processors; the order is that of `files`, whichever is ready
-/// first. Of a shard its own trials alone. Memory: one record a processor. Errors: as
+/// The same of many files, on `threads` threads; the order is that of `files`, whichever is ready
+/// first. Of a shard its own trials alone. Memory: one record a thread. Errors: as
 /// TrialResults::Answer; the first in the order of the files.
 [[nodiscard]] Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& files,
                                                             const dsp::BandQuestion& question,
                                                             const trial::ImportOptions& import,
-                                                            TrialResults& results);
-/// Without results of earlier runs.
+                                                            TrialResults& results, int threads);
+/// On all processors, without results of earlier runs.
 [[nodiscard]] std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                                     const dsp::BandQuestion& question,
                                                     const trial::ImportOptions& import);
+
+inline constexpr std::int64_t kMostStudyThreads = 64;
 
 /// The repeats of one subject in one condition.
 struct Cell {

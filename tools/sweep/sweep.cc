@@ -10,8 +10,10 @@
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
+#include "tools/campaign/slurm.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
@@ -39,27 +41,19 @@ std::string AboutTime(double seconds) {
   return fmt::format("{:.2g} h", seconds / kHourS);
 }
 
-// what the missing rows will take together, by a first, a middle and a last one of them; nothing
-// where that is a moment
+// what the missing rows will take together; nothing where that is a moment
 void SayExpectedTime(const SweepQuestion& question, std::uint64_t first, std::uint64_t rows,
                      int threads) {
-  constexpr std::uint64_t kTimed = 3;
-  constexpr double kMomentS = 2, kEnoughS = 1;
-  if (rows < first + kTimed) return;
+  constexpr double kMomentS = 2;
+  constexpr std::uint64_t kFew = 3;
+  if (rows < first + kFew) return;
   const std::uint64_t left = rows - first;
-  SystemClock clock;
-  const MonotonicNs begun_ns = clock.Now();
-  double taken_s = 0;
-  std::uint64_t timed = 0;
-  while (timed < kTimed && taken_s < kEnoughS && !cli::Interrupted()) {
-    (void)RowOf(question, question.shard.PointOf(first + (left - 1) * timed / (kTimed - 1)));
-    taken_s = SecondsFromNs(clock.Now() - begun_ns);
-    ++timed;
-  }
+  const double row_s = SecondsPerItem(
+      first, rows, [&](std::uint64_t row) { (void)RowOf(question, question.shard.PointOf(row)); });
   // threads beyond the processors take turns
   const int workers =
       std::min(threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  const double whole_s = taken_s / static_cast<double>(timed) * static_cast<double>(left) / workers;
+  const double whole_s = row_s * static_cast<double>(left) / workers;
   if (!(whole_s > kMomentS)) return;
   cli::Remark(kVerb, fmt::format("{} rows will take about {} on {} thread{}; Ctrl-C stops between "
                                  "two of them, --resume continues",
@@ -113,6 +107,40 @@ Result<Mended> Compute(const SweepWords& words) {
   cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
                                  words.output, made, rows));
   return std::nullopt;
+}
+
+// words of the merging: what is said of the answer, and the table
+std::vector<std::string> MergeWords(const SweepWords& words) {
+  std::vector<std::string> merge{std::string(kVerb), "-o", words.output, "--best", words.best};
+  if (!words.plot.empty()) merge.insert(merge.end(), {"--plot", words.plot});
+  if (words.overwrite) merge.emplace_back("--overwrite");
+  if (words.outputs.json) merge.emplace_back("--json");
+  if (words.outputs.all) merge.emplace_back("--all");
+  return merge;
+}
+
+Result<document::Document> Plan(const SweepWords& words) {
+  HAPTOMETER_LET(const auto question, ReadQuestion(words));
+  const TableHeader header = HeaderOf(question, document::CollectProvenance(words.command));
+  HAPTOMETER_TRY(CheckPicture(words.plot, header));
+  HAPTOMETER_TRY(cli::CheckOutput(words.output, cli::kSweepTableOutput, words.overwrite));
+  // a job has one thread where nothing is said
+  std::vector<std::string> run = WithoutOptions(
+      words.command, {"--slurm", "--job-time", "-o", "--output", "--best", "--plot", "--threads"},
+      {"--overwrite", "--resume", "--json", "--all"});
+  run.erase(run.begin());
+  const auto threads = static_cast<std::uint64_t>(words.threads.value_or(1));
+  run.insert(run.end(), {"--threads", std::to_string(threads)});
+  const std::uint64_t points = question.points.size();
+  return BeginCampaign(words.slurm,
+                       {.name = words.output,
+                        .run = std::move(run),
+                        .merge = MergeWords(words),
+                        .ending = "csv",
+                        .items = points,
+                        .seconds_per_item = SecondsPerItem(
+                            0, points, [&](std::uint64_t point) { (void)RowOf(question, point); }),
+                        .threads = threads});
 }
 
 // joins the shards' tables; the header of the first one, without its shard, is that of the whole
@@ -238,6 +266,10 @@ Section BestSection(const SweepSummary& summary) {
 Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
   // the column of --best is checked before the computation
   HAPTOMETER_LET(const auto wish, ReadBestWish(words.best));
+  if (words.slurm.jobs) {
+    HAPTOMETER_LET(auto planned, Plan(words));
+    return document::Present(std::move(planned), words.outputs, argc, argv);
+  }
   HAPTOMETER_LET(const auto mended, words.merge.empty() ? Compute(words) : Merge(words));
   if (!mended) return cli::InterruptedStatus(1);
   // the summary reads the table again, so that a resumed or merged one is complete

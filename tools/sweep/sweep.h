@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "sim/sweep/sweep_points.h"
 #include "sim/sweep/varied_scene.h"
+#include "tools/campaign/slurm.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/document/present.h"
@@ -51,6 +52,7 @@ struct SweepWords {
   std::string best = "skin_rms_m";
   std::string plot;
   document::Outputs outputs;
+  SlurmWords slurm;
   std::vector<std::string> command;  ///< the whole command line
 };
 

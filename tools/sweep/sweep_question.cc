@@ -274,6 +274,8 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Flag("--all", &words.outputs.all, "Print the provenance too");
   options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
                  "Draw the column of --best over one or two varied keys");
+  DeclareSlurm(options, words.slurm);
+  options.Exclude("--slurm", {"--shard", "--resume", "--merge"}, "the campaign does that itself");
 }
 
 Result<SweepQuestion> ReadQuestion(const SweepWords& words) {

@@ -122,12 +122,13 @@ TEST(TimeResponse, OfHardCasesInSteps) {
       const Eigen::VectorXd error = samples.col(100 * (k + 1)) - Vector(reference.states[k]);
       worst = std::max(worst, error.cwiseAbs().cwiseQuotient(peaks).maxCoeff());
     }
-    // down to 1 uH less than the coil's own rate would allow
+    // down to 1 uH less than the coil's own rate would allow: rounding of a step's 12 squarings, 6e-12
+    // of 1 uH on x86-64 and 1.4e-11 where products are fused (AArch64)
     const bool changed_coil = std::string_view(reference.name).ends_with(" uH");
     const double natural = 4 * 2.2e-16 * reference.fastest_rad_per_s * 0.1;
     double bar =
-        changed_coil ? (reference.inductance_h < 50e-6 ? 1e-11 : 1e-12) : std::max(1e-12, natural);
-    EXPECT_ABS(worst, 0, bar, "the bar: 1e-12, 4 eps w t");
+        changed_coil ? (reference.inductance_h < 50e-6 ? 2e-11 : 1e-12) : std::max(1e-12, natural);
+    EXPECT_ABS(worst, 0, bar, "1e-12, 4 eps w t, and of coils as above");
   }
 }
 

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/campaign/campaign_plan.h"
+#include "tools/cli/options.h"
+#include "tools/document/document.h"
+
+namespace haptometer::tools {
+
+/// What the command line says of a campaign on Slurm.
+struct SlurmWords {
+  std::optional<std::int64_t> jobs;  ///< at the same time; empty: no campaign
+  double job_s = 1800;               ///< that a job is to last
+};
+
+/// Declares --slurm and --job-time.
+void DeclareSlurm(cli::Options& options, SlurmWords& words);
+
+/// `words` without options and flags: "-o x", "-o=x" of those with a value.
+[[nodiscard]] std::vector<std::string> WithoutOptions(
+    const std::vector<std::string>& words, std::initializer_list<std::string_view> with_value,
+    std::initializer_list<std::string_view> flags);
+
+/// Seconds that an item takes, by a first, a middle and a last one of those from `first` to
+/// `items`, or fewer where these take long. `make` computes an item and forgets it.
+[[nodiscard]] double SecondsPerItem(std::uint64_t first, std::uint64_t items,
+                                    const std::function<void(std::uint64_t)>& make);
+
+/// A work of a verb that is to become a campaign.
+struct Work {
+  std::string name;                ///< of the campaign's folder, NAME.campaign
+  std::vector<std::string> run;    ///< the verb's words for a chunk, from the verb on
+  std::vector<std::string> merge;  ///< and for the merging
+  std::string ending;              ///< of a chunk's file
+  std::uint64_t items = 0;
+  double seconds_per_item = 0;  ///< on one thread
+  std::uint64_t threads = 1;    ///< of a job
+};
+
+/// Plans a campaign of chunks that last a job's time each, at most kMostChunks, and submits it
+/// (SubmitCampaign). Errors: as WritePlan and WriteScripts.
+[[nodiscard]] Result<document::Document> BeginCampaign(const SlurmWords& words, const Work& work);
+
+/// Writes array.sh and merge.sh, which sbatch takes. Errors: Cause::kFailed.
+[[nodiscard]] Result<void> WriteScripts(const CampaignPlan& plan);
+
+/// Hands the chunks that are left to Slurm as an array of jobs, with the merging behind it. Where
+/// there is no sbatch, or it refuses the jobs (a refusal in the document), both commands are
+/// stated, and those that do the same here.
+[[nodiscard]] document::Document SubmitCampaign(const CampaignPlan& plan,
+                                                const std::vector<std::uint64_t>& left);
+
+}  // namespace haptometer::tools
