@@ -3,10 +3,13 @@
 sine through that calibration, and is analysed. How often the 95 % interval of the RMS holds the true one.
 
     tests/long/calibration_budget.py PROGRAMS [SEEDS]
+    haptometer campaign plan budget --ending json -- tests/long/calibration_budget.py PROGRAMS SEEDS
+                                                  the same in chunks (docs/reference/campaign.md)
 
 The gain's error is what the noise of the pairs makes of it, some 0.5 %, so it dominates the budget. Status 1 where the
 share lies outside 93 to 97 %.
 """
+import argparse
 import concurrent.futures
 import json
 import math
@@ -54,11 +57,34 @@ def rig(programs, seed):
     return lower <= AMPLITUDE_M / math.sqrt(2) <= upper, trial["calibration_relative_standard_uncertainty"]
 
 
-def main():
-    programs, seeds = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 1000
+def rigs(programs, seeds):
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(lambda seed: rig(programs, seed), range(seeds)))
-    held = sum(holds for holds, _ in results)
+        return list(pool.map(lambda seed: rig(programs, seed), seeds))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("programs")
+    parser.add_argument("seeds", nargs="?", type=int, default=1000)
+    parser.add_argument("--shard", default="1/1")
+    parser.add_argument("-o", dest="part", help="the results of a shard")
+    parser.add_argument("--resume", action="store_true", help="a shard is short, and begins anew")
+    parser.add_argument("--merge", nargs="+", default=[], help="the results of all shards")
+    given = parser.parse_args()
+    number, count = map(int, given.shard.split("/"))
+    if given.merge:
+        parts = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in given.merge]
+        results = [parts[seed % len(parts)][seed // len(parts)] for seed in range(given.seeds)]
+    else:
+        results = rigs(given.programs, range(number - 1, given.seeds, count))
+    if given.part:
+        pathlib.Path(given.part).write_text(json.dumps(results), encoding="utf-8")
+        return
+    report(results)
+
+
+def report(results):
+    held, seeds = sum(holds for holds, _ in results), len(results)
     shares = sorted(share for _, share in results)
     print(f"{held} of {seeds} intervals hold the true RMS: {100 * held / seeds:.1f} %; relative standard uncertainty of "
           f"the gain {100 * shares[0]:.2f} to {100 * shares[-1]:.2f} %, median {100 * shares[seeds // 2]:.2f} %")
