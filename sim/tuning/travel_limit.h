@@ -132,11 +132,11 @@ struct TravelBound {
 ///
 /// With one, by weak duality (sim/tuning/adapter_cost.h) with the price of travel at `best`. It
 /// comes within `relative_gap`, or within 2.1e-9, which is what its allowances for rounding leave,
-/// where the duality has no gap: so it has been in all problems of tests/sim/tuning/limited_reference.h, with 50 to
-/// 1200 boxes. Where the best has a price above 1, the skin's motion growing faster than the
-/// travel, as narrow bounds of Ma2 can make it, there is a gap: the bound then stays above the
-/// optimum, whatever the boxes. Of 175 random problems (tests/sim/tuning/random_problems_test.cc is
-/// of that kind) 14 had one, of 0.3 to 225 %.
+/// where the duality has no gap: so it has been in all problems of
+/// tests/sim/tuning/limited_reference.h, with 50 to 1200 boxes. Where the best has a price above 1,
+/// the skin's motion growing faster than the travel, as narrow bounds of Ma2 can make it, there is
+/// a gap: the bound then stays above the optimum, whatever the boxes. Of 175 random problems
+/// (tests/sim/tuning/random_problems_test.cc is of that kind) 14 had one, of 0.3 to 225 %.
 [[nodiscard]] TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
                                             const ReceptorField& receptors, double relative_gap,
                                             std::size_t most_boxes, LimitedBest& best);

@@ -204,6 +204,7 @@ std::vector<fs::path> AttemptsAt(const CampaignPlan& plan, std::uint64_t number)
   }
   std::ranges::sort(found, std::greater{});
   std::vector<fs::path> paths;
+  paths.reserve(found.size());
   for (auto& [bytes, path] : found) paths.push_back(std::move(path));
   return paths;
 }
