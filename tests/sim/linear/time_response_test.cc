@@ -122,8 +122,8 @@ TEST(TimeResponse, OfHardCasesInSteps) {
       const Eigen::VectorXd error = samples.col(100 * (k + 1)) - Vector(reference.states[k]);
       worst = std::max(worst, error.cwiseAbs().cwiseQuotient(peaks).maxCoeff());
     }
-    // down to 1 uH less than the coil's own rate would allow: rounding of a step's 12 squarings, 6e-12
-    // of 1 uH on x86-64 and 1.4e-11 where products are fused (AArch64)
+    // down to 1 uH less than the coil's own rate would allow: rounding of a step's 12 squarings,
+    // 6e-12 of 1 uH on x86-64 and 1.4e-11 where products are fused (AArch64)
     const bool changed_coil = std::string_view(reference.name).ends_with(" uH");
     const double natural = 4 * 2.2e-16 * reference.fastest_rad_per_s * 0.1;
     double bar =
