@@ -33,23 +33,4 @@ class Hdf5Id {
   CloseFunction close_;
 };
 
-/// The objects of one trial's group; docs/reference/formats.md says what they hold. Beside them
-/// stand one dataset a channel, named as its CSV column, and one with its statuses.
-namespace hdf5 {
-inline constexpr const char* kTimes = "time_s";
-inline constexpr const char* kRawTimes = "raw_time_s";
-inline constexpr const char* kStretches = "stretches";
-inline constexpr const char* kHeader = "header_json";
-inline constexpr const char* kEvents = "events_json";
-inline constexpr const char* kRemarks = "remarks";
-inline constexpr const char* kRaw = "raw";
-inline constexpr const char* kClosed = "closed";
-inline constexpr const char* kTimesAreKnown = "times_are_known";
-inline constexpr std::size_t kStretchNumbers = 5;
-
-[[nodiscard]] inline std::string StatusName(const std::string& column) {
-  return column + "_status";
-}
-}  // namespace hdf5
-
 }  // namespace haptometer::trial

@@ -116,7 +116,8 @@ std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& re
 }
 
 std::string_view Name(FileKind kind) {
-  constexpr Names<FileKind, 4> kNames{{"trial", "CSV", "HDF5", "LabVIEW measurement"}};
+  constexpr Names<FileKind, 7> kNames{
+      {"trial", "CSV", "HDF5", "LabVIEW measurement", "NPY", "MAT", "WAV"}};
   return kNames.Of(kind);
 }
 

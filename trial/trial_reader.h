@@ -37,9 +37,9 @@ struct Loss {
 [[nodiscard]] Finding FindingOfLoss(const Loss& loss);
 
 /// What a recording was read from.
-enum class FileKind : std::uint8_t { kTrial, kCsv, kHdf5, kLvm };
+enum class FileKind : std::uint8_t { kTrial, kCsv, kHdf5, kLvm, kNpy, kMat, kWav };
 
-/// "trial", "CSV", "HDF5", "LabVIEW measurement".
+/// "trial", "CSV", "HDF5", "LabVIEW measurement", "NPY", "MAT", "WAV".
 [[nodiscard]] std::string_view Name(FileKind kind);
 
 /// Where data come from. Interrupted stands beside one of the others.
@@ -51,8 +51,11 @@ enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported
 /// How well a file could be read; complete when the last chunk has been handed out.
 struct ReadReport {
   FileKind kind = FileKind::kTrial;
+  /// An HDF5, NPY, MAT or WAV that this program exported: it states its columns and units, so that
+  /// ImportOptions do not apply.
+  bool is_export = false;
   /// A trial.bin: it was finished by its writer; false: cut short or being written. Other kinds
-  /// cannot tell and say true; an HDF5 says what the exported trial said.
+  /// cannot tell and say true; an export says what the exported trial said.
   bool closed = false;
   std::uint64_t rows = 0;  ///< read
   std::uint64_t file_bytes = 0;

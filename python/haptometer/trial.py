@@ -235,7 +235,7 @@ def path_of(given: Any) -> str:
 
 
 def read(path: str | os.PathLike[str], columns: str | Sequence[str] = (), rate: float | None = None) -> Trial:
-    """Reads a recording of any kind that `analyze` reads: trial.bin, CSV, HDF5, LabVIEW .lvm.
+    """Reads a recording of any kind that `analyze` reads: trial.bin, CSV, HDF5, NPY, MAT, WAV, LabVIEW .lvm.
 
     Parameters
     ----------

@@ -105,9 +105,10 @@ Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
 }  // namespace
 
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
-  options->Positionals("files", &words->files,
-                       "Trials (trial.bin), CSV with time_s,displacement_m, HDF5, LabVIEW .lvm, or "
-                       "folders of them");
+  options->Positionals(
+      "files", &words->files,
+      "Trials (trial.bin), CSV with time_s,displacement_m, HDF5, NPY, MAT, WAV, LabVIEW "
+      ".lvm, or folders of them");
   cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
   options->Text("--window", &words->window, "auto|all|FROM:TO",
                 "Part to use: the steady drive (auto), all that is free of filter transients "

@@ -32,7 +32,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"format-given",
      "the file is read as {title} (--format {format})[, cells separated by {separator}], channels "
      "{channels}"},
-    {"format-not-used", "a LabVIEW measurement has a layout of its own; --format is not used"},
+    {"format-not-used", "the file has a layout of its own; --format is not used"},
     {"unit-overridden",
      "column {column} is in units of {file_factor} {file_unit} by the file and of {given_factor} "
      "{given_unit} by --columns or --scale, which is used"},

@@ -162,9 +162,10 @@ int RunFitAdapter(int argc, const char* const* argv) {
   std::optional<Quantity> mass_kg;
   cli::ImportWords words;
   document::Outputs outputs;
-  options.Positionals("taps", &files,
-                      "Trials, CSV, HDF5 or LabVIEW .lvm of the displacement after a tap, the "
-                      "other side held");
+  options.Positionals(
+      "taps", &files,
+      "Trials, CSV, HDF5, NPY, MAT, WAV or LabVIEW .lvm of the displacement after a tap, the "
+      "other side held");
   options.Number("--mass", &mass_kg, Dimension::kMass, cli::Above(0),
                  "Mass that vibrates on the spring");
   document::DeclareOutputs(options, outputs,

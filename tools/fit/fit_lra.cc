@@ -372,10 +372,11 @@ std::optional<int> RunOtherVerb(int argc, const char* const* argv) {
 
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
              FitFiles& files) {
-  options.Positionals("files", &wanted.files,
-                      "Trials, HDF5, LabVIEW .lvm, CSV with time_s,voltage_v and '# key = value' "
-                      "lines, or one .toml that names drops (docs/reference/fit-lra.md)",
-                      0);
+  options.Positionals(
+      "files", &wanted.files,
+      "Trials, HDF5, NPY, MAT, WAV, LabVIEW .lvm, CSV with time_s,voltage_v and '# key = value' "
+      "lines, or one .toml that names drops (docs/reference/fit-lra.md)",
+      0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
   options.Groups("--load", &wanted.loads, "OHM FILE...",
                  "Records with a resistor across the terminals; may be repeated");

@@ -75,11 +75,15 @@ const cli::OutputKind& KindOf(Format format) {
   return *kKinds.at(static_cast<std::size_t>(format));
 }
 
+// a finding as a line of an export
+std::string Say(const trial::Finding& found) { return Printable(document::WordsOf(found)); }
+
 // formats that are a stream of bytes; WAV reports what it cannot contain
-Result<void> WriteBytes(Format format, const trial::Record& record, const trial::PieceSink& sink) {
-  if (format == Format::kCsv) return trial::WriteCsv(record, sink);
-  if (format == Format::kNpy) return trial::WriteNpy(record, sink);
-  HAPTOMETER_LET(const auto left_out, trial::WriteWav(record, sink));
+Result<void> WriteBytes(Format format, const trial::Recording& recording,
+                        const trial::PieceSink& sink) {
+  if (format == Format::kCsv) return trial::WriteCsv(recording.record, sink);
+  if (format == Format::kNpy) return trial::WriteNpy(recording, sink, Say);
+  HAPTOMETER_LET(const auto left_out, trial::WriteWav(recording, sink, Say));
   cli::Remark(kText.name, left_out);
   return {};
 }
@@ -100,8 +104,8 @@ Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& i
   // without -o: CSV to standard output
   const std::string output = wanted.output.empty() ? "/dev/stdout" : wanted.output;
   HAPTOMETER_LET(auto file, cli::OutputFile::Begin(output, KindOf(format), wanted.overwrite));
-  auto done = WriteBytes(format, recording.record,
-                         [&](std::string_view bytes) { return file.Write(bytes); });
+  auto done =
+      WriteBytes(format, recording, [&](std::string_view bytes) { return file.Write(bytes); });
   if (done) done = file.Finish();
   if (!done) return std::unexpected(Explained(done.error(), input, output));
   return {};
@@ -132,8 +136,6 @@ class Names {
   std::set<std::string> taken_;
 };
 
-std::string Say(const trial::Finding& found) { return Printable(document::WordsOf(found)); }
-
 // a trial.bin is opened again for its raw values
 Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std::string& input,
                    const trial::Recording& recording) {
@@ -146,7 +148,7 @@ Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std
 
 Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std::string& /*input*/,
                    const trial::Recording& recording) {
-  return writer->Add(name, recording);
+  return writer->Add(name, recording, Say);
 }
 
 // All `inputs` into one file; an unreadable one is reported and the others are exported.
@@ -209,8 +211,9 @@ Result<int> Export(const Wanted& wanted) {
 int RunTrialExport(int argc, const char* const* argv) {
   Wanted wanted;
   cli::Options options(kText);
-  options.Positionals("files", &wanted.files,
-                      "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, or a folder of them");
+  options.Positionals(
+      "files", &wanted.files,
+      "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, NPY, MAT, WAV, or a folder of them");
   options.Output("-o,--output", &wanted.output, "FILE",
                  "The file to write, .csv, .h5, .npy, .wav or .mat (CSV to stdout)");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace FILE where it exists");

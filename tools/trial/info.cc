@@ -240,7 +240,7 @@ std::string FileText(const trial::ReadReport& report) {
   const char* end =
       report.closed ? "finished by its recorder" : "cut short, or still being recorded";
   if (report.kind == trial::FileKind::kTrial) return end;
-  if (report.kind == trial::FileKind::kHdf5) return fmt::format("exported to HDF5; {}", end);
+  if (report.is_export) return fmt::format("exported to {}; {}", Name(report.kind), end);
   return fmt::format("imported from {}", Name(report.kind));
 }
 
@@ -248,8 +248,7 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   const Record& record = recording.record;
   const trial::ReadReport& report = recording.report;
   // a table (CSV, LVM) has no end mark
-  const bool is_end_known =
-      report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
+  const bool is_end_known = report.kind == trial::FileKind::kTrial || report.is_export;
   Section section;
   section.Add(document::kFile, path);
   section.Add(document::kKind, Name(report.kind));
@@ -329,7 +328,8 @@ int RunTrialInfo(int argc, const char* const* argv) {
   cli::ImportWords import;
   document::Outputs outputs;
   cli::Options options(kText);
-  options.Positional("file", &path, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
+  options.Positional("file", &path,
+                     "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, NPY, MAT, WAV");
   options.Flag("--all", &outputs.all, "Print host, command and segments of the time base too");
   options.Output("--report", &outputs.report, "FILE.html",
                  "Write a page with all of it and a plot of the recording", cli::Shown::kHelpAll);

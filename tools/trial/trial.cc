@@ -236,7 +236,8 @@ int RunTrialPlot(int argc, const char* const* argv) {
   std::string output;
   cli::ImportWords import;
   cli::Options options(kPlotText);
-  options.Positional("file", &input, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
+  options.Positional("file", &input,
+                     "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, NPY, MAT, WAV");
   options.Output("-o,--output,--plot", &output, "FILE.svg|png|pdf",
                  "Plot to write; an older plot of haptometer is replaced");
   cli::DeclareImport(&options, &import);

@@ -16,6 +16,9 @@ namespace haptometer::trial {
 /// Takes the next piece of an export, text or bytes; an error ends the export.
 using PieceSink = std::function<Result<void>(std::string_view)>;
 
+/// What a finding says, in one line.
+using FindingSayer = std::function<std::string(const Finding&)>;
+
 /// Hands `bytes` and what `append` adds to them for each of `rows` rows to `sink`, in pieces.
 [[nodiscard]] Result<void> WriteInPieces(
     std::string bytes, std::size_t rows,
@@ -43,32 +46,39 @@ using PieceSink = std::function<Result<void>(std::string_view)>;
 
 /// Writes `record` as one NumPy array with named fields: `numpy.load(f)["displacement_m"]`.
 ///
-/// Fields: `time_s` (f8, the clean time base), then for each channel its column (f8, SI, NaN where
-/// there is no measurement) and `COLUMN_status` (u1, the number of its SampleStatus). Columns are
-/// named as in a CSV (trial/import/csv_header.h). Values and statuses keep their bits; metadata and
-/// raw times have no place. Form: NumPy format 1.0, or 2.0 where the head of fields needs it.
-/// Errors: those of `sink`; Cause::kCannotAnswer where the record holds no channel. Cost: one pass.
-[[nodiscard]] Result<void> WriteNpy(const Record& record, const PieceSink& sink);
+/// Fields: `time_s` (f8, the clean time base), `arrival_s` where raw times stand beside it, then
+/// for each channel its column (f8, SI, NaN where there is no measurement) and `COLUMN_status` (u1,
+/// the number of its SampleStatus). Columns are named as in a CSV (trial/import/csv_header.h).
+/// Values, statuses and times keep their bits. A second array behind the first, one text of bytes,
+/// holds the rest (trial/export/description.h): `numpy.load` of a path passes over it. Form: NumPy
+/// format 1.0, or 2.0 where the head of fields needs it. Errors: those of `sink`;
+/// Cause::kCannotAnswer where the record holds no channel. Cost: one pass.
+[[nodiscard]] Result<void> WriteNpy(const Recording& recording, const PieceSink& sink,
+                                    const FindingSayer& say = {});
 
-/// Writes `record` as a WAV of 64-bit floats (WAVE_FORMAT_IEEE_FLOAT) in SI units, one track a
+/// Writes `recording` as a WAV of 64-bit floats (WAVE_FORMAT_IEEE_FLOAT) in SI units, one track a
 /// channel, and returns in words what the numbers leave out; the same words stand in the file as
 /// its comment (LIST INFO ICMT).
 ///
-/// Each channel's mean is taken off, because a standing distance of 30 mm would bury micrometres of
-/// vibration in any player; the comment gives it in full, so that sample + offset is the value
-/// again within one rounding. Not kept: times, statuses, metadata.
+/// A channel's mean is taken off where each value comes back from it bit for bit (sample + offset):
+/// a standing distance of 30 mm would bury micrometres of vibration in any player. Where it does
+/// not, as where the channel swings about 0, the offset is 0. A list of chunks of its own (LIST
+/// hapt), which players pass over, holds the metadata (`desc`, trial/export/description.h) and,
+/// where one is not ok, the statuses (`stat`, a byte a value). Not kept: times of arrival.
 ///
 /// Errors (Cause::kCannotAnswer), because a WAV has no place for what is missing and nothing is
-/// invented: gaps; values that are no measurement; a rate that is no whole number of hertz to
-/// within 100 ppm (what is within is stated); more than 8191 channels or 4 GiB. Those of `sink`.
-/// Cost: two passes.
-[[nodiscard]] Result<std::string> WriteWav(const Record& record, const PieceSink& sink);
+/// invented: gaps; times of the readings' own, off any grid; values that are no measurement; a rate
+/// that is no whole number of hertz to within 100 ppm (what is within is stated); more than 7281
+/// channels or 4 GiB. Those of `sink`. Cost: three passes.
+[[nodiscard]] Result<std::string> WriteWav(const Recording& recording, const PieceSink& sink,
+                                           const FindingSayer& say = {});
 
 /// A MATLAB file (version 5, no compression) that takes trials, a struct each: columns `time_s`,
 /// one a channel (double, SI, NaN where there is no measurement) and `COLUMN_status` (uint8), named
-/// as in a CSV; `raw_time_s` where the source's times lie on no grid; `stretches`; and the texts
-/// `header_json`, `events_json` (a line an event). Values, statuses and times keep their bits and
-/// the metadata is whole; what the source sent in counts is not kept.
+/// as in a CSV; `arrival_s` where raw times stand beside them; `stretches`; the texts
+/// `header_json`, `events_json` (a line an event) and `remarks`; `closed` and, where they are,
+/// `times_are_known`. Values, statuses and times keep their bits and the metadata is whole; what
+/// the source sent in counts is not kept.
 class MatWriter {
  public:
   /// Makes the file at `path`, replacing one that is there. Errors (Cause::kFailed): it cannot be
@@ -80,8 +90,10 @@ class MatWriter {
   ~MatWriter();
 
   /// Adds `recording` as the variable `name`, a MATLAB identifier of at most 63 characters that is
-  /// new. Errors: Cause::kCannotAnswer for more than 2 GiB; Cause::kFailed when it is not written.
-  [[nodiscard]] Result<void> Add(const std::string& name, const Recording& recording);
+  /// new; `say` as for Hdf5Writer. Errors: Cause::kCannotAnswer for more than 2 GiB; Cause::kFailed
+  /// when it is not written.
+  [[nodiscard]] Result<void> Add(const std::string& name, const Recording& recording,
+                                 const FindingSayer& say = {});
 
   /// Closes the file and checks by the lengths in it that all of it was written: libmatio looks at
   /// no write's outcome. Errors (Cause::kFailed): the disk is full.
@@ -92,9 +104,6 @@ class MatWriter {
   explicit MatWriter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
-
-/// What a finding says, in one line.
-using FindingSayer = std::function<std::string(const Finding&)>;
 
 /// An HDF5 file that takes trials, a group each. Lossless: times, values and statuses keep their
 /// bits, header and events stay as JSON, and of a trial.bin also what the source sent (group

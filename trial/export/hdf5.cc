@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "trial/block.h"
+#include "trial/export/description.h"
 #include "trial/export/export.h"
+#include "trial/export/object_names.h"
 #include "trial/hdf5_id.h"
 #include "trial/import/csv_header.h"
 #include "trial/trial_format.h"
@@ -177,7 +179,7 @@ class RawColumns {
 // chunk by chunk, so that the raw values of a long trial are never all in memory
 Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names, std::size_t rows,
                       TrialReader* reader) {
-  const Hdf5Id group(H5Gcreate2(trial.id(), hdf5::kRaw, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  const Hdf5Id group(H5Gcreate2(trial.id(), objects::kRaw, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   if (!group.ok()) return NotWritten();
   const TrialHeader& header = reader->header();
@@ -201,13 +203,13 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
   return columns.Close();
 }
 
-// time of each row, raw times where there are any, and a table of the segments
+// time of each row, arrival times where there are any, and a table of the segments
 Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
   std::vector<double> times_s(record.rows);
   for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
-  auto done = WriteColumn(group, hdf5::kTimes, times_s);
-  if (done && !record.raw_times_s.empty()) {
-    done = WriteColumn(group, hdf5::kRawTimes, record.raw_times_s);
+  auto done = WriteColumn(group, objects::kTimes, times_s);
+  if (done && HasArrivalTimes(record)) {
+    done = WriteColumn(group, objects::kArrivalTimes, record.raw_times_s);
   }
   // one row of five numbers for each segment
   std::vector<double> numbers;
@@ -217,8 +219,8 @@ Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
                     stretch.start_s, stretch.rate_hz, stretch.time_uncertainty_s});
   }
   if (!done) return done;
-  return WriteData(group, hdf5::kStretches, H5T_IEEE_F64LE,
-                   {record.stretches.size(), hdf5::kStretchNumbers}, numbers.data());
+  return WriteData(group, objects::kStretches, H5T_IEEE_F64LE,
+                   {record.stretches.size(), objects::kStretchNumbers}, numbers.data());
 }
 
 Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& columns,
@@ -227,7 +229,7 @@ Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& 
   for (std::size_t c = 0; done && c < columns.size(); ++c) {
     done = WriteColumn(group, columns[c], record.channels[c].values);
     if (!done) return done;
-    done = WriteColumn(group, hdf5::StatusName(columns[c]), record.channels[c].statuses);
+    done = WriteColumn(group, objects::StatusName(columns[c]), record.channels[c].statuses);
   }
   return done;
 }
@@ -236,19 +238,12 @@ Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& 
 Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHeader header,
                         const FindingSayer& say) {
   header.metadata = recording.record.metadata;  // with the labels as last given
-  auto done = WriteText(group, hdf5::kHeader, HeaderToJson(header));
-  std::string events;
-  for (const Event& event : recording.report.events) events += EventToJson(event) + "\n";
-  if (done) done = WriteText(group, hdf5::kEvents, events);
-  std::string remarks;
-  const auto add = [&](const Finding& found) {
-    if (say) remarks += say(found) + "\n";
-  };
-  for (const Loss& loss : recording.report.losses) add(FindingOfLoss(loss));
-  for (const Finding& found : recording.report.findings.list()) add(found);
-  if (done) done = WriteText(group, hdf5::kRemarks, remarks);
-  if (done) done = WriteFlag(group, hdf5::kClosed, recording.report.closed);
-  if (done && recording.record.times_are_known) done = WriteFlag(group, hdf5::kTimesAreKnown, true);
+  auto done = WriteText(group, objects::kHeader, HeaderToJson(header));
+  if (done) done = WriteText(group, objects::kEvents, EventLinesOf(recording.report));
+  if (done) done = WriteText(group, objects::kRemarks, RemarksOf(recording.report, say));
+  if (done) done = WriteFlag(group, objects::kClosed, recording.report.closed);
+  if (done && recording.record.times_are_known)
+    done = WriteFlag(group, objects::kTimesAreKnown, true);
   return done;
 }
 

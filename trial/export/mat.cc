@@ -1,13 +1,17 @@
 #include <matio.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "trial/block.h"
 #include "trial/byte_io.h"
+#include "trial/export/description.h"
 #include "trial/export/export.h"
+#include "trial/export/object_names.h"
 #include "trial/import/csv_header.h"
 #include "trial/trial_format.h"
 
@@ -54,6 +58,10 @@ class Struct {
   void Statuses(const std::string& name, const std::vector<SampleStatus>& statuses) {
     Add(name, MAT_C_UINT8, MAT_T_UINT8, {statuses.size(), 1}, statuses.data());
   }
+  void Flag(const std::string& name, bool is_set) {
+    const std::uint8_t number = is_set ? 1 : 0;
+    Add(name, MAT_C_UINT8, MAT_T_UINT8, {1, 1}, &number);
+  }
   // `text` is ASCII, because what libmatio makes of other characters depends on the reader
   void Text(const std::string& name, const std::string& text) {
     Add(name, MAT_C_CHAR, MAT_T_UINT8, {text.empty() ? 0U : 1U, text.size()}, text.data());
@@ -87,21 +95,38 @@ std::string Ascii(const std::string& json) {
   return nlohmann::ordered_json::parse(json).dump(-1, ' ', true);
 }
 
-// time of each row, raw times where there are any, and a matrix of the segments
+// each byte of another character as a question mark
+std::string AsciiText(std::string text) {
+  std::ranges::replace_if(text, [](char c) { return (c & 0x80) != 0; }, '?');
+  return text;
+}
+
+// time of each row, arrival times where there are any, and a matrix of the segments
 void AddTimes(const Record& record, Struct* variable) {
   std::vector<double> times_s(record.rows);
   for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
-  variable->Column("time_s", times_s);
-  if (!record.raw_times_s.empty()) variable->Column("raw_time_s", record.raw_times_s);
+  variable->Column(objects::kTimes, times_s);
+  if (HasArrivalTimes(record)) variable->Column(objects::kArrivalTimes, record.raw_times_s);
   // column by column, as MATLAB stores a matrix
   std::vector<double> numbers;
-  numbers.reserve(5 * record.stretches.size());
+  numbers.reserve(objects::kStretchNumbers * record.stretches.size());
   for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.first_row));
   for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.rows));
   for (const Stretch& s : record.stretches) numbers.push_back(s.start_s);
   for (const Stretch& s : record.stretches) numbers.push_back(s.rate_hz);
   for (const Stretch& s : record.stretches) numbers.push_back(s.time_uncertainty_s);
-  variable->Column("stretches", numbers, 5);
+  variable->Column(objects::kStretches, numbers, objects::kStretchNumbers);
+}
+
+// header, events, remarks in ASCII, and the flags
+void AddWords(const Recording& recording, const FindingSayer& say, Struct* variable) {
+  variable->Text(objects::kHeader, Ascii(HeaderToJson(HeaderOf(recording.record))));
+  std::string events;
+  for (const Event& event : recording.report.events) events += Ascii(EventToJson(event)) + "\n";
+  variable->Text(objects::kEvents, events);
+  variable->Text(objects::kRemarks, AsciiText(RemarksOf(recording.report, say)));
+  variable->Flag(objects::kClosed, recording.report.closed);
+  if (recording.record.times_are_known) variable->Flag(objects::kTimesAreKnown, true);
 }
 
 }  // namespace
@@ -129,7 +154,8 @@ Result<MatWriter> MatWriter::Create(const std::string& path) {
   return MatWriter(std::move(state));
 }
 
-Result<void> MatWriter::Add(const std::string& name, const Recording& recording) {
+Result<void> MatWriter::Add(const std::string& name, const Recording& recording,
+                            const FindingSayer& say) {
   const Record& record = recording.record;
   // the length of a variable has 32 bits, which some readers treat as signed
   constexpr double kLargestBytes = 2e9;
@@ -144,12 +170,9 @@ Result<void> MatWriter::Add(const std::string& name, const Recording& recording)
   const std::vector<std::string> columns = CsvColumnNames(record.channels);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     variable.Column(columns[c], record.channels[c].values);
-    variable.Statuses(columns[c] + "_status", record.channels[c].statuses);
+    variable.Statuses(objects::StatusName(columns[c]), record.channels[c].statuses);
   }
-  variable.Text("header_json", Ascii(HeaderToJson(HeaderOf(record))));
-  std::string events;
-  for (const Event& event : recording.report.events) events += Ascii(EventToJson(event)) + "\n";
-  variable.Text("events_json", events);
+  AddWords(recording, say, &variable);
   if (!variable.ok() || Mat_VarWrite(state_->file, variable.get(), MAT_COMPRESSION_NONE) != 0) {
     return NotWritten();
   }

@@ -1,12 +1,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "base/mapped.h"
 #include "trial/block.h"
+#include "trial/export/description.h"
 #include "trial/export/export.h"
 #include "trial/import/csv_header.h"
 
@@ -31,9 +33,10 @@ void AppendChunk(std::string_view name, std::string_view content, std::string* b
 Result<void> CheckRoom(const Record& record) {
   if (record.rows == 0 || record.channels.empty()) return CannotAnswer("", "holds no samples");
   constexpr double kLargestBytes = 4.2e9;
+  // 8 bytes for a value, 1 for its status
   const double bytes =
-      8.0 * static_cast<double>(record.rows) * static_cast<double>(record.channels.size());
-  if (bytes > kLargestBytes || record.channels.size() > 0xffff / 8) {
+      9.0 * static_cast<double>(record.rows) * static_cast<double>(record.channels.size());
+  if (bytes > kLargestBytes || record.channels.size() > 0xffff / 9) {
     return CannotAnswer("", "is larger than the 4 GiB that a WAV can hold", kOtherFormats);
   }
   return {};
@@ -41,6 +44,10 @@ Result<void> CheckRoom(const Record& record) {
 
 // the rate in Hz of a record of one segment, which a WAV has as a whole number
 Result<std::uint32_t> RateOf(const Record& record) {
+  if (record.times_are_known) {
+    return CannotAnswer("", "has times of its own that lie on no grid, and a WAV has none",
+                        kOtherFormats);
+  }
   if (record.stretches.size() != 1) {
     return CannotAnswer(
         "",
@@ -83,6 +90,17 @@ double MeanOf(const std::vector<double>& values) {
   return values.front() + sum / static_cast<double>(values.size());
 }
 
+// The mean, where it gives each value back bit for bit: where they lie within a factor of two of it
+// their differences from it are exact (Sterbenz). Else 0, which loses nothing either.
+double OffsetOf(const std::vector<double>& values) {
+  const double mean = MeanOf(values);
+  const bool is_exact = std::ranges::all_of(values, [mean](double value) {
+    const double sample = value - mean;
+    return std::bit_cast<std::uint64_t>(sample + mean) == std::bit_cast<std::uint64_t>(value);
+  });
+  return is_exact ? mean : 0;
+}
+
 // what restores the values: the offset of each channel, and the rate before it was rounded
 std::string Comment(const Record& record, const std::vector<double>& offsets,
                     std::uint32_t rate_hz) {
@@ -94,13 +112,32 @@ std::string Comment(const Record& record, const std::vector<double>& offsets,
   const double exact_hz = record.stretches[0].rate_hz;
   comment += fmt::format(" rate {} Hz", exact_hz);
   if (exact_hz != rate_hz) comment += fmt::format(", written as {} Hz", rate_hz);
+  if (HasArrivalTimes(record)) comment += "; without times of arrival";
   return comment;
 }
 
-// chunks fmt, fact, LIST INFO and the beginning of data, in the order of the file
-std::string Head(const Record& record, std::uint32_t rate_hz, const std::string& comment) {
-  const std::size_t channels = record.channels.size();
-  const auto data_bytes = static_cast<std::uint32_t>(8 * record.rows * channels);
+// the chunks that only this program reads, as a list that others pass over
+std::string OwnChunks(const Record& record, const std::string& description) {
+  std::string chunks = "hapt";
+  AppendChunk("desc", description, &chunks);
+  const bool are_ok = std::ranges::all_of(record.channels, [](const Channel& channel) {
+    return std::ranges::all_of(channel.statuses, [](auto s) { return s == SampleStatus::kOk; });
+  });
+  if (are_ok) return chunks;
+  // a byte for each value, in the order of the samples
+  std::string statuses;
+  statuses.reserve(record.rows * record.channels.size());
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    for (const Channel& channel : record.channels) {
+      statuses += static_cast<char>(channel.statuses[row]);
+    }
+  }
+  AppendChunk("stat", statuses, &chunks);
+  return chunks;
+}
+
+// the chunk fmt: how samples are stored
+std::string FormatChunk(std::size_t channels, std::uint32_t rate_hz) {
   std::string format;
   constexpr std::uint16_t kIeeeFloat = 3;
   constexpr std::uint16_t kSampleBytes = 8;
@@ -115,6 +152,14 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
   AppendLittleEndian(static_cast<std::uint16_t>(kSampleBytes * channels), &format);
   AppendLittleEndian(static_cast<std::uint16_t>(8 * kSampleBytes), &format);
   AppendLittleEndian(std::uint16_t{0}, &format);  // no extension
+  return format;
+}
+
+// chunks fmt, fact, LIST INFO, LIST hapt and the beginning of data, in the order of the file
+std::string Head(const Record& record, std::uint32_t rate_hz, const std::string& comment,
+                 const std::string& description) {
+  const std::size_t channels = record.channels.size();
+  const auto data_bytes = static_cast<std::uint32_t>(8 * record.rows * channels);
   std::string fact;
   // fact: the number of rows, required for formats other than PCM
   AppendLittleEndian(static_cast<std::uint32_t>(record.rows), &fact);
@@ -122,9 +167,10 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
   AppendChunk("ICMT", comment + '\0', &info);
 
   std::string chunks = "WAVE";
-  AppendChunk("fmt ", format, &chunks);
+  AppendChunk("fmt ", FormatChunk(channels, rate_hz), &chunks);
   AppendChunk("fact", fact, &chunks);
   AppendChunk("LIST", info, &chunks);
+  AppendChunk("LIST", OwnChunks(record, description), &chunks);
   chunks += "data";
   AppendLittleEndian(data_bytes, &chunks);
   std::string head = "RIFF";
@@ -135,20 +181,23 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
 
 }  // namespace
 
-Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
+Result<std::string> WriteWav(const Recording& recording, const PieceSink& sink,
+                             const FindingSayer& say) {
+  const Record& record = recording.record;
   HAPTOMETER_TRY(CheckRoom(record));
   HAPTOMETER_LET(const auto rate_hz, RateOf(record));
   HAPTOMETER_TRY(CheckMeasured(record));
-  // the mean of each channel is subtracted; the comment gives it in full
+  // what is subtracted from each channel; the comment gives it in full
   const auto offsets = Mapped<double>(
-      record.channels, [](const Channel& channel) { return MeanOf(channel.values); });
+      record.channels, [](const Channel& channel) { return OffsetOf(channel.values); });
   std::string comment = Comment(record, offsets, rate_hz);
   const auto append = [&](std::size_t row, std::string* bytes) {
     for (std::size_t c = 0; c < offsets.size(); ++c) {
       AppendLittleEndian(record.channels[c].values[row] - offsets[c], bytes);
     }
   };
-  HAPTOMETER_TRY(WriteInPieces(Head(record, rate_hz, comment), record.rows, append, sink));
+  std::string head = Head(record, rate_hz, comment, DescriptionOf(recording, say, offsets));
+  HAPTOMETER_TRY(WriteInPieces(std::move(head), record.rows, append, sink));
   return comment;
 }
 

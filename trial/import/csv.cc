@@ -274,7 +274,7 @@ class Parser {
     HAPTOMETER_TRY(rows_.CheckCommas());
     SetChannelKeys();
     HAPTOMETER_TRY(SetTimes());
-    HAPTOMETER_TRY(CheckRate());
+    HAPTOMETER_TRY(CheckRate(name_, options_, record_));
     if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     return std::move(record_);
   }
@@ -314,21 +314,6 @@ class Parser {
       channel.range_max = number("range_max", channel.range_max);
       channel.resolution = number("resolution", channel.resolution);
     }
-  }
-
-  // a rate of the user and the rate of the times must agree to 1 %
-  [[nodiscard]] Result<void> CheckRate() const {
-    constexpr double kTolerance = 0.01;
-    if (!options_.rate_hz) return {};
-    const double wanted_hz = *options_.rate_hz;
-    const double rate_hz = std::ranges::max_element(record_.stretches, {}, &Stretch::rows)->rate_hz;
-    if (std::abs(rate_hz - wanted_hz) <= kTolerance * wanted_hz) return {};
-    return CannotAnswer(
-        name_,
-        fmt::format("its times give {:.6g} rows per second and <rate> gives {:.6g} Hz", rate_hz,
-                    wanted_hz),
-        "leave out <rate>, or name the time's unit in <columns> (time_ms), or - to "
-        "leave the times out");
   }
 
   std::string storage_;

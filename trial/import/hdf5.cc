@@ -3,45 +3,38 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/input_file.h"
+#include "trial/export/object_names.h"
 #include "trial/hdf5_id.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/exported_trial.h"
+#include "trial/import/hdf5_table.h"
+#include "trial/import/number_table.h"
 #include "trial/import/readers.h"
-#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {
 
 constexpr const char* kRemedy = "export the trial again with haptometer trial export";
 
-// no larger dataset is read, regardless of the size that a file states: 2 GiB of doubles
-constexpr hsize_t kMostNumbers = 1ULL << 28;
-
-// Reads the objects of one trial's group; errors name file and object.
-class Group {
+// Reads the objects of one trial's group.
+class Group final : public ExportedObjects {
  public:
-  Group(Hdf5Id group, std::string where) : group_(std::move(group)), where_(std::move(where)) {}
+  Group(Hdf5Id group, std::string where)
+      : ExportedObjects(std::move(where)), group_(std::move(group)) {}
 
-  [[nodiscard]] bool Has(const std::string& name) const {
+  bool Has(const std::string& name) override {
     return H5Lexists(group_.id(), name.c_str(), H5P_DEFAULT) > 0;
-  }
-  [[nodiscard]] const std::string& where() const { return where_; }
-
-  std::unexpected<Error> Wrong(const std::string& name, const std::string& what) const {
-    return CannotAnswer(where_, fmt::format("its {} {}", name, what), kRemedy);
   }
 
   // the numbers of a dataset whose rows are `width` wide; T as it lies in memory
   template <typename T>
   Result<std::vector<T>> Numbers(const std::string& name, hid_t type, H5T_class_t kind,
-                                 hsize_t width = 1) const {
+                                 hsize_t width) const {
     // existence, type, class and shape are checked before the memory is allocated
     const Hdf5Id dataset(H5Dopen2(group_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) return Wrong(name, "is missing");
@@ -67,12 +60,16 @@ class Group {
     return numbers;
   }
 
-  Result<std::vector<double>> Doubles(const std::string& name, hsize_t width = 1) const {
+  Result<std::vector<double>> Doubles(const std::string& name, std::size_t width) override {
     return Numbers<double>(name, H5T_NATIVE_DOUBLE, H5T_FLOAT, width);
   }
 
+  Result<std::vector<std::uint8_t>> Bytes(const std::string& name) override {
+    return Numbers<std::uint8_t>(name, H5T_NATIVE_UINT8, H5T_INTEGER, 1);
+  }
+
   // a scalar text of fixed length; NULs at its end do not belong to it
-  Result<std::string> Text(const std::string& name) const {
+  Result<std::string> Text(const std::string& name) override {
     constexpr std::size_t kMostBytes = 1U << 28;
     const Hdf5Id dataset(H5Dopen2(group_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) return Wrong(name, "is missing");
@@ -93,7 +90,7 @@ class Group {
   }
 
   // an attribute of one integer; absent or of another type: false
-  [[nodiscard]] bool Flag(const std::string& name) const {
+  bool Flag(const std::string& name) override {
     std::uint8_t value = 0;
     const Hdf5Id attribute(H5Aopen(group_.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
     if (!attribute.ok()) return false;
@@ -107,19 +104,7 @@ class Group {
 
  private:
   Hdf5Id group_;
-  std::string where_;
 };
-
-// the lines of a text, without empty ones
-std::vector<std::string> Lines(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (end > at) lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return lines;
-}
 
 // what stands at the root, at most `most` of it
 std::vector<std::string> NamesIn(const Hdf5Id& file, hsize_t most) {
@@ -140,7 +125,7 @@ std::vector<std::string> NamesIn(const Hdf5Id& file, hsize_t most) {
 std::vector<std::string> TrialsIn(const Hdf5Id& file) {
   std::vector<std::string> names;
   for (std::string& name : NamesIn(file, std::numeric_limits<hsize_t>::max())) {
-    const std::string header = name + "/" + hdf5::kHeader;
+    const std::string header = name + "/" + objects::kHeader;
     // objects at the root of other kinds than groups are no trials
     H5O_info_t object{};
     if (H5Oget_info_by_name(file.id(), name.c_str(), &object, H5P_DEFAULT) < 0 ||
@@ -174,19 +159,29 @@ std::string ObjectsIn(const Hdf5Id& file) {
   return fmt::format("{}{}", fmt::join(objects, ", "), is_more ? " and more" : "");
 }
 
-// the group to read: the named one, or the only one; else an error that lists the groups
-Result<std::string> Choose(const Hdf5Id& file, const std::string& path, const std::string& name) {
-  const std::vector<std::string> names = TrialsIn(file);
+// whether `name` is the group of a trial; each link on the way to it is looked at by itself,
+// because libhdf5 asks for that
+bool IsTrial(const Hdf5Id& file, const std::string& name) {
+  return Hdf5Exists(file, name) && Hdf5Exists(file, name + "/" + objects::kHeader);
+}
+
+// the error for a file of several trials, or of none and no columns
+std::unexpected<Error> WhichOf(const Hdf5Id& file, const std::string& path,
+                               const std::vector<std::string>& names, const std::string& name) {
+  if (names.empty() && !name.empty()) {
+    return CannotAnswer(path, fmt::format("holds no object '{}', but {}", name, ObjectsIn(file)),
+                        "name a dataset, or a group of columns");
+  }
   if (names.empty()) {
     return CannotAnswer(
         path,
         fmt::format("is an HDF5 file of another program: no group at its root holds a trial ({}); "
                     "it holds {}",
-                    hdf5::kHeader, ObjectsIn(file)),
-        "export the dataset's columns as a CSV whose header line is such as time_s,displacement_m");
+                    objects::kHeader, ObjectsIn(file)),
+        fmt::format("name a dataset, or a group of columns such as time_s and displacement_m: "
+                    "{}/NAME",
+                    path));
   }
-  if (name.empty() && names.size() == 1) return names.front();
-  if (!name.empty() && std::ranges::find(names, name) != names.end()) return name;
   const std::size_t shown = std::min<std::size_t>(names.size(), 8);
   const std::string list =
       fmt::format("{}{}", fmt::join(names.begin(), names.begin() + static_cast<long>(shown), ", "),
@@ -197,112 +192,10 @@ Result<std::string> Choose(const Hdf5Id& file, const std::string& path, const st
                       fmt::format("name one as {}/{}", path, names.front()));
 }
 
-// whether the segments cover `rows` rows in order
-bool Covers(const std::vector<Stretch>& stretches, std::size_t rows) {
-  std::size_t row = 0;
-  for (const Stretch& stretch : stretches) {
-    if (stretch.first_row != row || stretch.rows == 0 || stretch.rows > rows - row) return false;
-    if (!std::isfinite(stretch.start_s) || !(stretch.rate_hz > 0)) return false;
-    row += stretch.rows;
-  }
-  return row == rows;
-}
-
-Result<void> ReadTimes(const Group& group, Record* record) {
-  // five numbers per segment: first_row, rows, start_s, rate_hz, time_uncertainty_s
-  HAPTOMETER_LET(const auto numbers, group.Doubles(hdf5::kStretches, hdf5::kStretchNumbers));
-  constexpr double kMostRows = kMostNumbers;
-  for (std::size_t i = 0; i < numbers.size(); i += hdf5::kStretchNumbers) {
-    const double* n = numbers.data() + i;
-    // counts are stored as doubles: checked before they are converted
-    const bool is_count = n[0] >= 0 && n[0] <= kMostRows && n[1] >= 0 && n[1] <= kMostRows;
-    if (!is_count) return group.Wrong(hdf5::kStretches, "do not describe its rows");
-    record->stretches.push_back({.first_row = static_cast<std::size_t>(n[0]),
-                                 .rows = static_cast<std::size_t>(n[1]),
-                                 .start_s = n[2],
-                                 .rate_hz = n[3],
-                                 .time_uncertainty_s = n[4]});
-  }
-  if (!Covers(record->stretches, record->rows)) {
-    return group.Wrong(hdf5::kStretches, "do not describe its rows");
-  }
-  // raw times only where the source's times lie on no grid
-  if (!group.Has(hdf5::kRawTimes)) return {};
-  HAPTOMETER_LET(auto raw, group.Doubles(hdf5::kRawTimes));
-  if (raw.size() != record->rows) return group.Wrong(hdf5::kRawTimes, "has another length");
-  record->raw_times_s = std::move(raw);
-  record->times_are_known = group.Flag(hdf5::kTimesAreKnown);
-  return {};
-}
-
-// values and statuses of one channel, of equal length, without numbers that are no measurements
-Result<void> ReadChannel(const Group& group, const std::string& column, std::size_t rows,
-                         Channel* channel) {
-  HAPTOMETER_LET(auto values, group.Doubles(column));
-  const std::string status_name = hdf5::StatusName(column);
-  HAPTOMETER_LET(const auto statuses,
-                 group.Numbers<std::uint8_t>(status_name, H5T_NATIVE_UINT8, H5T_INTEGER));
-  if (values.size() != rows) return group.Wrong(column, "has another length");
-  if (statuses.size() != rows) return group.Wrong(status_name, "has another length");
-  for (std::size_t row = 0; row < rows; ++row) {
-    if (statuses[row] >= kSampleStatusCount) return group.Wrong(status_name, "is none");
-    const auto status = static_cast<SampleStatus>(statuses[row]);
-    channel->statuses.push_back(status);
-    // a number beside a status that is none is not kept, as everywhere
-    if (!IsMeasurement(status)) values[row] = std::numeric_limits<double>::quiet_NaN();
-  }
-  channel->values = std::move(values);
-  return {};
-}
-
-// the header comes first: it names the channels, whose columns have the names of a CSV
-Result<Record> ReadRecordOf(const Group& group) {
-  HAPTOMETER_LET(const auto json, group.Text(hdf5::kHeader));
-  const auto header = HeaderFromJson(json);
-  if (!header) return group.Wrong(hdf5::kHeader, "is not a trial's header");
-  // the times give the number of rows; they are computed again from the segments
-  HAPTOMETER_LET(const auto times_s, group.Doubles(hdf5::kTimes));
-  Record record;
-  record.rows = times_s.size();
-  record.timing = header->timing;
-  record.metadata = header->metadata;
-  HAPTOMETER_TRY(ReadTimes(group, &record));
-  for (const ChannelFormat& format : header->channels) record.channels.push_back(ChannelOf(format));
-  const std::vector<std::string> columns = CsvColumnNames(record.channels);
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    HAPTOMETER_TRY(ReadChannel(group, columns[c], record.rows, &record.channels[c]));
-  }
-  return record;
-}
-
-Result<Recording> ReadGroup(const Group& group) {
-  HAPTOMETER_LET(auto record, ReadRecordOf(group));
-  Recording recording{.record = std::move(record), .report = {}};
-  ReadReport& report = recording.report;
-  report.kind = FileKind::kHdf5;
-  report.closed = group.Flag(hdf5::kClosed);
-  // an export is complete: no rows beyond those that it holds
-  report.rows = report.next_row = recording.record.rows;
-  if (group.Has(hdf5::kEvents)) {
-    HAPTOMETER_LET(const auto events, group.Text(hdf5::kEvents));
-    for (const std::string& line : Lines(events)) {
-      const auto event = EventFromJson(line);
-      if (!event) return group.Wrong(hdf5::kEvents, "hold a line that is none");
-      report.events.push_back(*event);
-    }
-  }
-  if (group.Has(hdf5::kRemarks)) {
-    HAPTOMETER_LET(const auto remarks, group.Text(hdf5::kRemarks));
-    for (std::string& line : Lines(remarks)) {
-      report.findings.Note(FindingKind::kNotedAtExport, {{"text", std::move(line)}});
-    }
-  }
-  return recording;
-}
-
 }  // namespace
 
-Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
+Result<Recording> ReadHdf5(const std::string& path, const std::string& name,
+                           const ImportOptions& options) {
   // errors are reported by this program, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   // no output of the same command may replace this file
@@ -311,10 +204,22 @@ Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
   if (!file.ok()) {
     return CannotAnswer(path, "is a damaged HDF5 file, or is still being written", kRemedy);
   }
-  HAPTOMETER_LET(const auto chosen, Choose(file, path, name));
-  Hdf5Id group(H5Gopen2(file.id(), chosen.c_str(), H5P_DEFAULT), H5Gclose);
-  if (!group.ok()) return CannotAnswer(path, "holds a trial that cannot be opened", kRemedy);
-  return ReadGroup(Group(std::move(group), fmt::format("{}/{}", path, chosen)));
+  const std::vector<std::string> trials = TrialsIn(file);
+  const bool is_only = name.empty() && trials.size() == 1;
+  const std::string chosen = is_only ? trials.front() : name;
+  if (is_only || IsTrial(file, chosen)) {
+    Hdf5Id group(H5Gopen2(file.id(), chosen.c_str(), H5P_DEFAULT), H5Gclose);
+    if (!group.ok()) return CannotAnswer(path, "holds a trial that cannot be opened", kRemedy);
+    Group objects(std::move(group), fmt::format("{}/{}", path, chosen));
+    return ReadExportedTrial(objects, FileKind::kHdf5);
+  }
+  // without a name the columns may stand at the root
+  const bool is_there =
+      name.empty() ? trials.empty() && HasHdf5Column(file) : Hdf5Exists(file, name);
+  if (!is_there) return WhichOf(file, path, trials, name);
+  const std::string where = name.empty() ? path : fmt::format("{}/{}", path, name);
+  HAPTOMETER_LET(auto table, ReadHdf5Table(file, name, where, options));
+  return ReadNumberTable(std::move(table), FileKind::kHdf5, where, options);
 }
 
 }  // namespace haptometer::trial

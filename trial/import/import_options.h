@@ -56,8 +56,8 @@ struct TableFormatFacts {
 /// commas, semicolons or tabs, as after a spreadsheet. Only the first 64 lines are looked at.
 [[nodiscard]] TableFormat FindTableFormat(std::string_view text);
 
-/// What a user says of a foreign table whose own words do not suffice. A trial.bin and an HDF5 need
-/// none of it and pass it over.
+/// What a user says of a foreign table whose own words do not suffice. A trial.bin and an
+/// export of this program as HDF5, NPY, MAT or WAV need none of it and pass it over.
 struct ImportOptions {
   /// The columns from the left, named as a CSV of this program names them ("time_s",
   /// "displacement_mm", "voltage_v", any word for a channel of role other); "-" leaves a column

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -33,11 +34,19 @@ bool IsText(std::span<const std::byte> start) {
   });
 }
 
-// the signature at the beginning of an HDF5 file
-bool IsHdf5(std::span<const std::byte> start) {
-  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
-  return start.size() >= kSignature.size() &&
-         std::ranges::equal(start.first(kSignature.size()), BytesOfText(kSignature));
+// whether `signature` stands in the file from byte `at` on
+bool HasAt(std::span<const std::byte> start, std::size_t at, std::string_view signature) {
+  return start.size() >= at + signature.size() &&
+         std::ranges::equal(start.subspan(at, signature.size()), BytesOfText(signature));
+}
+
+// the kind of a binary file that holds columns of numbers; nothing for any other
+std::optional<FileKind> KindOfColumns(std::span<const std::byte> start) {
+  if (HasAt(start, 0, "\x89HDF\r\n\x1a\n")) return FileKind::kHdf5;
+  if (HasAt(start, 0, "\x93NUMPY")) return FileKind::kNpy;
+  if (HasAt(start, 0, "MATLAB 5.0 MAT-file")) return FileKind::kMat;
+  if (HasAt(start, 0, "RIFF") && HasAt(start, 8, "WAVE")) return FileKind::kWav;
+  return std::nullopt;
 }
 
 // a kind of file that is recognised and not read
@@ -47,12 +56,10 @@ struct UnreadKind {
   const char* what;
 };
 
-// kinds that this program writes, and kinds that come from laboratories and spreadsheets
-constexpr std::array<UnreadKind, 20> kUnreadKinds{{
-    {"WAVE", 8, "a WAV file, which this program writes and does not read"},
-    {"\x93NUMPY", 0, "a NumPy array (NPY), which this program writes and does not read"},
-    {"MATLAB 5.0 MAT-file", 0, "a MATLAB file (MAT), which this program writes and does not read"},
-    {"MATLAB 7.3 MAT-file", 0, "a MATLAB file of version 7.3 (HDF5), which is not read"},
+// kinds that come from laboratories and spreadsheets
+constexpr std::array<UnreadKind, 18> kUnreadKinds{{
+    {"MATLAB 7.3 MAT-file", 0, "a MATLAB file of version 7.3; save it with -v7"},
+    {"RF64", 0, "a WAV file of more than 4 GiB (RF64)"},
     {"\x89PNG", 0, "a picture (PNG)"},
     {"\xff\xd8\xff", 0, "a picture (JPEG)"},
     {"%PDF-", 0, "a PDF document"},
@@ -73,22 +80,35 @@ constexpr std::array<UnreadKind, 20> kUnreadKinds{{
 
 // the first kind whose signature is at its place in the file
 const UnreadKind* FindUnreadKind(std::span<const std::byte> start) {
-  const auto is_it = [&](const UnreadKind& kind) {
-    return start.size() >= kind.at + kind.signature.size() &&
-           std::ranges::equal(start.subspan(kind.at, kind.signature.size()),
-                              BytesOfText(kind.signature));
-  };
+  const auto is_it = [&](const UnreadKind& kind) { return HasAt(start, kind.at, kind.signature); };
   const auto* found = std::ranges::find_if(kUnreadKinds, is_it);
   return found == kUnreadKinds.end() ? nullptr : found;
 }
 
-// "FILE.h5/NAME": a trial in an HDF5 file, the file and the name
+// "FILE.h5/NAME": an object in a file of several, the file and the name
 std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
-  // a path below a regular file can only be FILE.h5/NAME
+  // a path below a regular file can only be FILE.h5/NAME, where the name may be a path itself
   std::error_code ignored;
-  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
-  if (!std::filesystem::is_regular_file(parent, ignored)) return {path, ""};
-  return {parent.string(), std::filesystem::path(path).filename().string()};
+  std::filesystem::path file = path;
+  while (file.has_relative_path() && !std::filesystem::exists(file, ignored)) {
+    file = file.parent_path();
+  }
+  const bool is_below = file != path && std::filesystem::is_regular_file(file, ignored);
+  if (!is_below) return {path, ""};
+  const std::string found = file.string();
+  return {found, path.substr(std::min(found.size() + 1, path.size()))};
+}
+
+Result<Recording> ReadColumns(FileKind kind, const std::string& path, const std::string& name,
+                              const ImportOptions& options) {
+  if (kind == FileKind::kHdf5) return ReadHdf5(path, name, options);
+  if (!name.empty() && kind != FileKind::kMat) {
+    return CannotAnswer(fmt::format("{}/{}", path, name), "lies in a file that holds one recording",
+                        "name the file");
+  }
+  HAPTOMETER_LET(const auto bytes, ReadInputFile(path));
+  if (kind == FileKind::kMat) return ParseMat(bytes, path, name, options);
+  return kind == FileKind::kNpy ? ParseNpy(bytes, path, options) : ParseWav(bytes, path, options);
 }
 
 Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions& options) {
@@ -140,8 +160,8 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
                         "is such as time_s,displacement_m");
   }
   Result<Recording> recording;
-  if (IsHdf5(start)) {
-    recording = ReadHdf5(path, name);
+  if (const auto kind = KindOfColumns(start)) {
+    recording = ReadColumns(*kind, path, name, options);
   } else if (!name.empty()) {
     return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
   } else if (got > 0 && !IsText(start)) {
@@ -175,7 +195,12 @@ bool IsTable(const std::string& whole_path) {
   if (!source) return true;
   std::array<std::byte, 512> bytes;
   const auto got = (*source)->ReadAt(0, bytes);
-  return !got || *got == 0 || IsText(std::span(bytes).first(*got));
+  if (!got || *got == 0) return true;
+  const std::span<const std::byte> start = std::span(bytes).first(*got);
+  if (!KindOfColumns(start)) return IsText(start);
+  // only its objects show whether this program exported it
+  const auto recording = ReadRecording(whole_path);
+  return !recording || !recording->report.is_export;
 }
 
 namespace {

@@ -11,19 +11,21 @@
 namespace haptometer::trial {
 
 /// A measurement from a file of any kind that is known, told apart by its first bytes: trial.bin,
-/// HDF5 of this program (`FILE.h5/NAME` where it holds several), LabVIEW measurement, CSV.
+/// HDF5, NPY, MAT and WAV of this program or another, LabVIEW measurement, CSV. One trial, or one
+/// table, of several in an HDF5 or MAT is `FILE.h5/NAME`; NAME may be a path.
 ///
 /// What was assumed on the way stands in report.findings; show it. `options` are about foreign
 /// tables only.
-/// Errors (Cause::kCannotAnswer): as TrialReader::Open, ReadHdf5, ReadLvm and ReadCsv; bytes that
-/// are none of them give one message that names the kinds, and those of a kind that is known and
-/// not read (WAV, NPY, MAT, TDMS, archives ...) one that names it. Cause::kUsage: `options` and the
+/// Errors (Cause::kCannotAnswer): as TrialReader::Open and trial/import/readers.h; bytes that are
+/// none of them give one message that names the kinds, and those of a kind that is known and not
+/// read (TDMS, archives ...) one that names it. Cause::kUsage: `options` and the
 /// file contradict each other.
 [[nodiscard]] Result<Recording> ReadRecording(const std::string& path,
                                               const ImportOptions& options = {});
 
 /// Whether ReadRecording takes `path` for a table, to which ImportOptions apply, by its first
-/// bytes. What is no regular file or cannot be read counts as one: the reader has the message.
+/// bytes; an HDF5, NPY, MAT or WAV is read for that, to tell an export of this program. What is no
+/// regular file or cannot be read counts as one: the reader has the message.
 [[nodiscard]] bool IsTable(const std::string& path);
 
 /// A recording to be read by range and how well it could be read.

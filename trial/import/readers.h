@@ -41,15 +41,53 @@ namespace haptometer::trial {
                                       const ImportOptions& options = {},
                                       Findings* findings = nullptr);
 
-/// A trial from an HDF5 file that trial/export/export.h wrote, bit for bit as it was exported:
-/// record, events, whether it was closed; the losses stated at the export come as remarks.
+/// A trial from an HDF5 file that trial/export/export.h wrote, bit for bit as it was exported
+/// (trial/import/exported_trial.h), or a table of numbers in a file of another program.
 ///
-/// `name`: the trial's group; empty where the file holds one trial. Objects of the file that are
-/// not known here are passed over. libhdf5 is not made for hostile files, so an HDF5 file is
-/// trusted not to be one; types, shapes and sizes are checked all the same.
-/// Errors (Cause::kCannotAnswer): no HDF5 file, no trial in it, several and no name (they are
-/// named), an object missing or of another shape or type. Memory: the record.
-[[nodiscard]] Result<Recording> ReadHdf5(const std::string& path, const std::string& name);
+/// `name`: the trial's group, or the path of a dataset or a group in the file; empty where the file
+/// holds one trial, or columns at its root. A table is a dataset of one dimension (a column called
+/// as the dataset), of two (trial/import/number_table.h), a compound one whose fields are its
+/// columns, or a group's datasets of one dimension that have the greatest length. Objects of other
+/// kinds are passed over. libhdf5 is not made for hostile files, so an HDF5 file is trusted not to
+/// be one; types, shapes and sizes are checked all the same.
+/// Errors (Cause::kCannotAnswer): no HDF5 file, nothing of these in it, several trials and no name
+/// (they are named), as ReadExportedTrial and ReadNumberTable. Memory: the record.
+[[nodiscard]] Result<Recording> ReadHdf5(const std::string& path, const std::string& name,
+                                         const ImportOptions& options = {});
+
+/// A trial from a MATLAB file of version 5 that trial/export/export.h wrote, or a table: the
+/// vectors of numbers of the greatest length of the file or of its only struct, a column each,
+/// called as they are; or its only matrix (trial/import/number_table.h).
+///
+/// `bytes`: of the file at `path`, which messages name; `variable`: the one to read; empty: all. At
+/// most 2^28 numbers are read; what else there is in it, trial/import/mat_variables.h says.
+/// Errors (Cause::kCannotAnswer): a file that was cut short, no such variable, several trials and
+/// no name (they are named), as ReadExportedTrial and ReadNumberTable. Memory: the record and what
+/// is compressed in the file.
+[[nodiscard]] Result<Recording> ParseMat(std::string_view bytes, const std::string& path,
+                                         const std::string& variable,
+                                         const ImportOptions& options = {});
+
+/// A trial from the bytes of an NPY that trial/export/export.h wrote, or a table: a NumPy array
+/// with named fields, which are its columns, of one dimension, or of two
+/// (trial/import/number_table.h). Numbers may be floats of 4 or 8 bytes and whole ones of 1 to 8,
+/// in either order of bytes.
+///
+/// Errors (Cause::kCannotAnswer), naming `name`: another array (objects, texts, complex numbers,
+/// fields with shapes of their own), bytes that are missing, more than 2^28 numbers, as
+/// ReadExportedTrial and ReadNumberTable. Memory: the record.
+[[nodiscard]] Result<Recording> ParseNpy(std::string_view bytes, const std::string& name,
+                                         const ImportOptions& options = {});
+
+/// A trial from the bytes of a WAV that trial/export/export.h wrote, or a table: a sound with a
+/// column channel_N each track, at the file's rate. Samples are floats of 32 or 64 bits as they
+/// are, or PCM of 8 to 32 bits as parts of full scale, -1 to 1; at either end they are kClipped.
+///
+/// Errors (Cause::kCannotAnswer), naming `name`: another coding, more than 2^28 numbers, as
+/// ReadExportedTrial and ReadNumberTable. Of a sound that is shorter than it states the finding
+/// kStatedRowsDiffer says so. Memory: the record.
+[[nodiscard]] Result<Recording> ParseWav(std::string_view bytes, const std::string& name,
+                                         const ImportOptions& options = {});
 
 /// Whether `text` begins as a LabVIEW measurement file does.
 [[nodiscard]] bool IsLvm(std::string_view text);

@@ -217,6 +217,21 @@ Result<Record> ReadSegmentTimes(const std::string& name, const TimeWords& words,
   return part;
 }
 
+// a rate of the user and the rate of the times must agree to 1 %
+Result<void> CheckRate(const std::string& name, const ImportOptions& options,
+                       const Record& record) {
+  constexpr double kTolerance = 0.01;
+  if (!options.rate_hz) return {};
+  const double rate_hz = RateOf(record);
+  if (std::abs(rate_hz - *options.rate_hz) <= kTolerance * *options.rate_hz) return {};
+  return CannotAnswer(
+      name,
+      fmt::format("its times give {:.6g} rows per second and <rate> gives {:.6g} Hz", rate_hz,
+                  *options.rate_hz),
+      "leave out <rate>, or name the time's unit in <columns> (time_ms), or - to "
+      "leave the times out");
+}
+
 // times of a table of this program: one segment
 Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Stretch> stretches,
                          CsvRows* rows, Record* record, Findings* findings) {

@@ -32,6 +32,11 @@ struct TimeWords {
 [[nodiscard]] Stretch UniformTimes(const TimeWords& words, const ImportOptions& options,
                                    std::size_t rows, Findings* findings);
 
+/// Whether the times of `record` have the rate options.rate_hz, where that is given, to 1 %.
+/// Errors (Cause::kCannotAnswer), naming `name` and both rates: they have not.
+[[nodiscard]] Result<void> CheckRate(const std::string& name, const ImportOptions& options,
+                                     const Record& record);
+
 /// Takes `rows`, which grow, from all channels of `record`.
 void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
 
