@@ -192,8 +192,11 @@ def table_columns(text):
 
 def numpy_columns(data):
     size = struct.unpack_from("<H", data, 8)[0]
-    kinds = ast.literal_eval(data[10:10 + size].decode())["descr"]
-    rows = struct.iter_unpack("<" + "".join({"<f8": "d", "|u1": "B"}[kind] for _, kind in kinds), data[10 + size:])
+    head = ast.literal_eval(data[10:10 + size].decode())
+    kinds = head["descr"]
+    row = struct.Struct("<" + "".join({"<f8": "d", "|u1": "B"}[kind] for _, kind in kinds))
+    # a second array behind the rows describes them
+    rows = row.iter_unpack(data[10 + size:10 + size + head["shape"][0] * row.size])
     return {name: list(column) for (name, _), column in zip(kinds, zip(*rows))}
 
 

@@ -236,15 +236,23 @@ def foreign_files(run):
     (run.folder / "t.lvm").write_text(lvm, encoding="utf-8")
     run("trial", "info", "t.lvm")
     run("trial", "plot", "t.lvm", "--plot", "drawn.svg")
-    # an HDF5 file whose header was changed afterwards: its texts have a fixed length
+    # exports whose header was changed afterwards: its texts have a fixed length
     mark = "M" * 400
     write_trial(run.folder / "mark.bin", mark)
-    run("trial", "export", "mark.bin", "-o", "mark.h5")
     evil = json.dumps(EVIL)[1:-1].encode()[:400].rsplit(b"\\", 1)[0]
-    changed = (run.folder / "mark.h5").read_bytes().replace(mark.encode(), evil.ljust(400, b"~"))
-    (run.folder / "mark.h5").write_bytes(changed)
-    check("touch CANARY1" in run("trial", "info", "mark.h5"), "the change is not read")
-    run("trial", "plot", "mark.h5", "--plot", "drawn.svg")
+    for form in ("mark.h5", "mark.npy", "mark.mat"):
+        run("trial", "export", "mark.bin", "-o", form)
+        changed = (run.folder / form).read_bytes().replace(mark.encode(), evil.ljust(400, b"~"))
+        (run.folder / form).write_bytes(changed)
+        check("touch CANARY1" in run("trial", "info", form), "the change is not read")
+        run("trial", "plot", form, "--plot", "drawn.svg")
+    # names of the columns of another program's file
+    field = re.sub(r"['\\\\]", " ", one_line)
+    head = f"{{'descr': [('time_s', '<f8'), ('{field}', '<f8')], 'fortran_order': False, 'shape': (50,), }}\n".encode()
+    rows = b"".join(struct.pack("<dd", n / 4000, n % 7) for n in range(50))
+    (run.folder / "t.npy").write_bytes(b"\x93NUMPY\2\0" + struct.pack("<I", len(head)) + head + rows)
+    run("trial", "info", "t.npy")
+    run("analyze", "t.npy", statuses=(3,))
 
 
 def sessions(run):

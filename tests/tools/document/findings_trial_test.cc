@@ -42,7 +42,7 @@ const std::vector<Case> kCases{
     {kFormatGiven,
      {{"format", "plain"}, {"title", "plain table"}, {"channels", "a"}, {"separator", "blanks"}},
      "the file is read as plain table (--format plain), cells separated by blanks, channels a"},
-    {kFormatNotUsed, {}, "a LabVIEW measurement has a layout of its own; --format is not used"},
+    {kFormatNotUsed, {}, "the file has a layout of its own; --format is not used"},
     {kUnitOverridden,
      {{"column", 2},
       {"file_factor", 1e-3},
