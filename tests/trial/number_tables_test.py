@@ -82,6 +82,12 @@ def check_npy(at):
     own["time_s"], own["displacement_m"], own["displacement_m_status"][7] = TIME, MOTION, 2
     over = np.where(np.arange(ROWS) == 7, np.nan, MOTION)
     check(expect(save("own.npy", own), motion=over)["status"][7] == "over", "npy: statuses")
+    # of one channel its own
+    two = np.zeros(ROWS, dtype=[(name, "f8") for name in ("time_s", "voltage_v", "displacement_m")]
+                   + [("displacement_m_status", "u1"), ("voltage_v_status", "u1")])
+    two["time_s"], two["displacement_m"], two["displacement_m_status"][7] = TIME, MOTION, 2
+    check(expect(save("two.npy", two), "--channel", "displacement_m", motion=over)["status"][7] == "over", "npy: its status")
+    check("status" not in table(at("two.npy"), "--channel", "voltage_v"), "npy: a status of another channel")
     own["displacement_m_status"][9] = 9
     refuse(save("own.npy", own), words="row 10 of column 'displacement_m_status' is no status")
     refuse(save("fields.npy", fields), "--rate", "9kHz", words="its times give 8000 rows per second")

@@ -168,7 +168,6 @@ class Reader {
       if (IsMeasurement(status) && !std::isfinite(value)) status = SampleStatus::kInvalid;
       if (!IsMeasurement(status)) value = std::numeric_limits<double>::quiet_NaN();
     }
-    channel_numbers_.push_back(as.channel);
     record_.channels.push_back(std::move(channel));
   }
 
@@ -182,8 +181,8 @@ class Reader {
       }
       const auto status = static_cast<SampleStatus>(static_cast<std::uint8_t>(number));
       for (std::size_t c = 0; c < record_.channels.size(); ++c) {
-        // 0: the status is valid for all channels
-        const bool is_meant = as.channel == 0 || as.channel == channel_numbers_[c];
+        // channels that are read count from 1; 0: the status is valid for all
+        const bool is_meant = as.channel == 0 || as.channel == c + 1;
         if (is_meant) SetStatus(status, row, &record_.channels[c]);
       }
     }
@@ -257,8 +256,7 @@ class Reader {
   NumberTable table_;
   const std::string& name_;
   const ImportOptions& options_;
-  std::vector<CsvColumn> columns_{};            // one each of table_
-  std::vector<std::size_t> channel_numbers_{};  // of the record's channels, in the file, from 1
+  std::vector<CsvColumn> columns_{};  // one each of table_
   Record record_{};
   Findings findings_{};
 };
