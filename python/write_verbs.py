@@ -19,7 +19,7 @@ ANSWERS = {"analyze": "Analysis", "fit-lra": "Fit", "fit-impedance": "Fit", "sim
 CHANGES = {"trial label", "trial exclude", "trial include"}  # a file that is given
 WRITERS = {"trial export", "trial plot"}  # of a file, without another answer
 WITHOUT_PANELS = {"simulate", "reproduce", "analyze"}  # they would add a run, or a picture of each trial
-LEFT_OUT = {"--all", "--plan", "--impedance", "--adapter", "--slurm", "--job-time"}
+LEFT_OUT = {"--all", "--plan", "--impedance", "--adapter", "--slurm", "--job-time", "--campaign"}
 HEAD = '''\
 """The verbs, written by python/write_verbs.py from the options that the program declares."""
 from __future__ import annotations

@@ -60,9 +60,11 @@ class Cluster:
         return self
 
     def __exit__(self, *_):
-        self.run("scancel", "--signal=KILL", "--full", "--user=root")
+        self.run("scancel", "--user=root")
         for name in [*(f"slurmd.{node}" for node in self.nodes), "slurmctld", "munged"]:
             self.stop(name, signal.SIGTERM)
+        for pid in self.steps():
+            kill_all(pid)
 
     def write_configuration(self):
         controller, *ports = free_ports(1 + len(self.nodes))
@@ -113,23 +115,20 @@ class Cluster:
 
     def lose(self, node):
         """The node and all that runs on it are gone from one moment to the next."""
-        steps = subprocess.run(["pgrep", "-f", f"^slurmstepd: .*"], capture_output=True, text=True).stdout.split()
+        steps = [pid for pid in self.steps() if self.is_on(pid, node)]
         self.stop(f"slurmd.{node}", signal.SIGKILL)
         for pid in steps:
-            if self.node_of(pid) == node:
-                for child in children_of(int(pid)):
-                    kill(child)
-                kill(int(pid))
+            kill_all(pid)
+        return len(steps)
 
-    def node_of(self, pid):
-        """The node whose slurmd started a step: the step's working folder is in its spool."""
-        try:
-            text = pathlib.Path(f"/proc/{pid}/environ").read_bytes()
-        except OSError:
-            return None
-        if str(self.folder).encode() not in text:
-            return None
-        return next((node for node in self.nodes if f"SLURMD_NODENAME={node}\0".encode() in text), None)
+    def steps(self):
+        """Processes that watch over the jobs of this cluster."""
+        listed = subprocess.run(["pgrep", "-f", "^slurmstepd: "], capture_output=True, text=True).stdout.split()
+        return [int(pid) for pid in listed if f"SLURM_CONF={self.folder}/".encode() in environment_of(pid)]
+
+    def is_on(self, pid, node):
+        """Whether a step is of that node: its job knows the name."""
+        return any(f"SLURMD_NODENAME={node}\0".encode() in environment_of(child) for child in children_of(pid))
 
     def run(self, *words, check=False):
         done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=WAIT_S, check=check)
@@ -159,6 +158,19 @@ class Cluster:
 def children_of(pid):
     listed = subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True).stdout.split()
     return [child for one in listed for child in (*children_of(int(one)), int(one))]
+
+
+def environment_of(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/environ").read_bytes() + b"\0"
+    except OSError:
+        return b""
+
+
+def kill_all(pid):
+    """A process and all below it."""
+    for one in (*children_of(pid), pid):
+        kill(one)
 
 
 def kill(pid):

@@ -13,7 +13,7 @@ namespace haptometer::sim {
 ///
 ///   [P, -Q; Q, P] [Re x; Im x] = [Re b; Im b],
 ///
-/// whose pivots are chosen without the C library's |z|: the bytes are the same on every processor.
+/// whose pivots are chosen without the C library's |z|: the bytes are the same on each x86-64.
 /// Cost: some us for (7, 7).
 class ComplexEquations {
  public:
@@ -23,7 +23,7 @@ class ComplexEquations {
   /// x of M x = b, (n); not finite where M is singular.
   [[nodiscard]] Eigen::VectorXcd Solve(const Eigen::VectorXcd& right) const;
   [[nodiscard]] Eigen::MatrixXd InverseParts() const;  ///< (n, 2n): [Re M^-1, Im M^-1]
-  /// An estimate of 1 / (|M| |M^-1|) in the real form's 1-norm; 0: singular.
+  /// An estimate of 1 / (|M| |M^-1|) in the real form's 1-norm; 0 or not finite: singular.
   [[nodiscard]] double ReciprocalCondition() const { return factors_.rcond(); }
 
  private:

@@ -42,8 +42,8 @@ def table(path):
 
 
 def done_chunks(folder):
-    """The time of each record."""
-    return {path.stem: path.stat().st_mtime_ns for path in pathlib.Path(folder, "chunks").glob("*.record")}
+    """The time at which each finished chunk was written, by its number."""
+    return {path.name.partition("of")[0]: path.stat().st_mtime_ns for path in pathlib.Path(folder, "chunks").glob("*-*")}
 
 
 class Disturbances:
@@ -51,16 +51,17 @@ class Disturbances:
 
     def __init__(self, cluster, folder, draw):
         self.cluster, self.folder, self.draw = cluster, folder, draw
-        self.kept, self.damaged = {}, set()
+        self.kept, self.damaged, self.lost, self.killed = {}, set(), 0, 0
 
     def wait_for_chunks(self, count):
         """Until so many chunks are done; remembers all that are."""
-        self.cluster.wait(lambda: len(done_chunks(self.folder)) >= count or not self.cluster.queue(),
-                          f"{count} chunks are done", JOBS_S)
+        self.cluster.wait(lambda: len(done_chunks(self.folder)) >= count, f"{count} chunks are done", JOBS_S)
         self.kept.update(done_chunks(self.folder))
 
     def lose_node(self):
-        self.cluster.lose("n2")
+        lost = self.cluster.lose("n2")
+        check(lost > 0, "no job was on the node that is lost")
+        self.lost += lost
         self.cluster.wait(lambda: any(state.startswith("down") for state in self.cluster.states()), "the node is down")
         self.cluster.start_node("n2")
 
@@ -72,20 +73,21 @@ class Disturbances:
         running = [line.split()[0] for line in self.cluster.queue() if line.endswith("RUNNING") and "_" in line]
         for job in self.draw.sample(running, min(count, len(running))):
             self.cluster.run("scontrol", "requeue", job)
+            self.killed += 1
         for pid in pids_below(self.folder)[:1]:
             slurm_cluster.kill(pid)
+            self.killed += 1
 
     def damage(self):
         """A file that is cut, and one with a flipped digit."""
-        files = sorted(path for path in pathlib.Path(self.folder, "chunks").iterdir()
-                       if path.suffix != ".record" and path.name.count(".") == 1)
+        files = sorted(pathlib.Path(self.folder, "chunks").glob("*-*"))
         cut, flipped = self.draw.sample(files, 2)
         cut.write_bytes(cut.read_bytes()[:self.draw.randrange(1, cut.stat().st_size)])
         data = bytearray(flipped.read_bytes())
         places = [place for place, byte in enumerate(data) if chr(byte).isdigit()]
         data[self.draw.choice(places)] ^= 1
         flipped.write_bytes(data)
-        self.damaged |= {cut.stem, flipped.stem}
+        self.damaged |= {path.name.partition("of")[0] for path in (cut, flipped)}
 
     def check_waste(self):
         now = done_chunks(self.folder)
@@ -95,7 +97,7 @@ class Disturbances:
 
 def pids_below(folder):
     """Commands of chunks of this campaign that run now."""
-    listed = subprocess.run(["pgrep", "-f", f"{folder}/chunks/"], capture_output=True, text=True).stdout.split()
+    listed = subprocess.run(["pgrep", "-f", f"{os.path.abspath(folder)}/chunks/"], capture_output=True, text=True).stdout.split()
     return [int(pid) for pid in listed]
 
 
@@ -114,6 +116,8 @@ def disturb(cluster, folder, draw, chunks):
         if left == 0:
             break
     check(left == 0, f"{left} chunks are left after five resumes")
+    check(events.killed > 1, "no job was killed")
+    print(f"{events.lost} jobs lost with their node, {events.killed} killed", flush=True)
     events.check_waste()
 
 

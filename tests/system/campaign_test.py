@@ -39,7 +39,7 @@ else:
 def without_sbatch():
     """An environment in which sbatch is not found, whether it is installed or not."""
     folder = pathlib.Path(tempfile.mkdtemp(dir="."))
-    for name in ("sh", "timeout", "perl", "ps", "cat", "bash", "env", "mktemp", "parallel"):
+    for name in ("sh", "timeout", "perl", "ps", "cat", "bash", "env", "mktemp", "parallel", "pgrep"):
         if found := shutil.which(name):
             (folder / name).symlink_to(found)
     return {**os.environ, "PATH": str(folder.resolve())}
@@ -82,6 +82,13 @@ def check_planning(env):
     return planned["chunks"]
 
 
+def done(folder, number):
+    """The file of a chunk that is done."""
+    found = list(pathlib.Path(folder, "chunks").glob(f"{number}of*-*"))
+    check(len(found) == 1, f"chunk {number}: {found}")
+    return found[0]
+
+
 def check_damage(count):
     """Chunks in any order, twice, killed, cut and changed."""
     folder, whole = "many.csv.campaign", rows("one.csv")
@@ -94,7 +101,7 @@ def check_damage(count):
     draw = random.Random(5)
     for damage in ("changed", "cut", "removed"):
         number = draw.randrange(1, count + 1)
-        path = pathlib.Path(folder, "chunks", f"{number}.csv")
+        path = done(folder, number)
         data = bytearray(path.read_bytes())
         data[draw.randrange(len(data))] ^= 1
         {"changed": lambda: path.write_bytes(data), "cut": lambda: path.write_bytes(data[:len(data) // 2]),
@@ -106,24 +113,24 @@ def check_damage(count):
         merged(folder, "many.csv", whole)
 
 
-def check_attempts():
+def check_attempts(count):
     """Two runs of a chunk at the same time count once; what a killed one leaves is continued."""
     folder = pathlib.Path("many.csv.campaign")
-    for path in folder.glob("chunks/1.*"):
+    for path in folder.glob("chunks/1of*"):
         path.unlink()
     both = [subprocess.Popen([program("haptometer"), "campaign", "run", folder, "1"], stdout=subprocess.DEVNULL)
             for _ in range(2)]
     check([one.wait(DEADLINE_S) for one in both] == [0, 0], "both runs of a chunk")
-    check(sorted(path.name for path in folder.glob("chunks/1.*")) == ["1.csv", "1.record"], "one file of it is left")
+    check(document("campaign", "status", folder, "--verify")["findings"] == [], "whoever finished it, it is whole")
     merged(folder, "many.csv", rows("one.csv"))
     # one that is killed leaves a part; a part that is no table is begun anew
-    text = (folder / "chunks/1.csv").read_text()
+    text = next(folder.glob("chunks/1of*-*")).read_text()
     for left in (text[:-20], "not a table\n"):
-        for path in folder.glob("chunks/1.*"):
+        for path in folder.glob("chunks/1of*"):
             path.unlink()
-        (folder / "chunks/1.elsewhere.1.csv").write_text(left)
+        (folder / f"chunks/1of{count}.elsewhere.1.csv").write_text(left)
         chunk(folder, 1)
-        check(sorted(path.name for path in folder.glob("chunks/1.*")) == ["1.csv", "1.record"], "what was left is gone")
+        check(list(folder.glob("chunks/1of*")) == [done(folder, 1)], "what was left is gone")
         merged(folder, "many.csv", rows("one.csv"))
 
 
@@ -134,11 +141,21 @@ def check_interruption():
     run(*many, "-o", "long.csv", "--slurm", "1", "--job-time", "1h")
     process = subprocess.Popen([program("haptometer"), "campaign", "run", "long.csv.campaign", "1"],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    attempt = f"long.csv.campaign/chunks/1.{os.uname().nodename}.{process.pid}.csv"
+    attempt = f"long.csv.campaign/chunks/1of1.{os.uname().nodename}.{process.pid}.csv"
     wait_for("rows", lambda: os.path.exists(attempt) and os.path.getsize(attempt) > 100_000)
     process.send_signal(signal.SIGTERM)
     check(process.wait(DEADLINE_S) == 143, f"an interrupted chunk ends with {process.returncode}")
     check(os.path.getsize(attempt) < os.path.getsize("long.csv.one"), "it was interrupted before its end")
+    # killed while it continues that: what it had is not begun anew
+    process = subprocess.Popen([program("haptometer"), "campaign", "run", "long.csv.campaign", "1"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    second = f"long.csv.campaign/chunks/1of1.{os.uname().nodename}.{process.pid}.csv"
+    before = os.path.getsize(attempt)
+    wait_for("more rows", lambda: os.path.exists(second) and os.path.getsize(second) > before + 50_000)
+    child, = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+    os.kill(int(child), signal.SIGKILL)
+    check(process.wait(DEADLINE_S) == 128 + 9, f"a killed chunk ends with {process.returncode}")
+    check(os.path.getsize(second) > before, "what a killed command had written stays")
     chunk("long.csv.campaign", 1)
     merged("long.csv.campaign", "long.csv", rows("long.csv.one"))
 
@@ -151,10 +168,19 @@ def check_plans():
     for number in range(1, 8):
         chunk("own", number)
     check(int(run("campaign", "merge", "own").stdout) == sum(n * n for n in range(1000)), "the sum")
-    os.remove("own/chunks/3.json")
-    check(run("campaign", "status", "own").stdout.count("doubt"), "a chunk that is gone")
+    done("own", 3).write_text("")
+    check(run("campaign", "status", "own").stdout.count("doubt"), "a chunk that is empty")
+    for words in (["one", "--ending", "a/b"], [""], ["one", "--job-time", "1e300h"]):
+        run("campaign", "plan", *words, "--", "./x", status=1 if words == [""] else 2)
+    # a program without words
+    pathlib.Path("own.py").write_text(f"#!{sys.executable}\n{COUNTER}")
+    os.chmod("own.py", 0o755)
+    run("campaign", "plan", "bare", "--chunks", "2", "--ending", "json", "--", "./own.py")
+    check(document("campaign", "resume", "bare", env=without_sbatch())["chunks_left"] == 2, "a program without words")
+    for verb in ("run", "merge"):
+        run("campaign", verb, "bare", *(["1"] if verb == "run" else []), "--json", status=2)
     text = pathlib.Path("own/plan.json").read_text()
-    for wrong in ("{}", text.replace("7", "7000"), text[:-40]):
+    for wrong in ("{}", text.replace('"chunks": 7', '"chunks": 7000'), text.replace('"jobs": 1', '"jobs": 0'), text[:-40]):
         pathlib.Path("own/plan.json").write_text(wrong)
         run("campaign", "run", "own", "1", status=2)
     if os.geteuid() == 0:
@@ -178,6 +204,62 @@ def check_parallel(env):
     answer = json.loads(done.stdout)
     answer.pop("provenance")
     check(answer == whole, "the study of a campaign is that of one run")
+
+
+def check_outputs(env):
+    """Names with blanks and quotes, a folder of one's own, a second merging, folders with a slash behind them, analyze."""
+    folder = pathlib.Path("it's a \"place\"")
+    folder.mkdir()
+    shutil.copy(ROOT / "fixtures/lra_stops.toml", folder)
+    os.chdir(folder)
+    words = ["sweep", "lra_stops.toml", *SWEEP[2:]]
+    planned = document(*words, "-om.csv", "--slurm=1", "--job-time=20ms", "--campaign", "my work", "--allow-mixed", env=env)
+    check(planned["campaign"].endswith("/my work"), planned)
+    if shutil.which("parallel"):
+        subprocess.run(planned["parallel_command"], shell=True, check=True, capture_output=True, timeout=DEADLINE_S)
+    for number in range(1, planned["chunks"] + 1):
+        chunk("my work", number)
+    run("campaign", "merge", "my work")
+    check(rows("m.csv") == rows("../one.csv"), "the table of a folder with blanks and quotes")
+    run("campaign", "merge", "my work", status=2)
+    run("campaign", "merge", "my work", "--overwrite")
+    plan = json.loads(pathlib.Path("my work/plan.json").read_text())
+    check("--allow-mixed" in plan["merge"], plan)
+    os.chdir("..")
+    whole = document("analyze", "trials")
+    document("analyze", "trials/", "--slurm", "2", "--campaign", "ana", env=env)
+    for number in range(1, document("campaign", "status", "ana")["chunks"] + 1):
+        chunk("ana", number)
+    answer = json.loads(run("campaign", "merge", "ana").stdout)
+    answer.pop("provenance")
+    check(answer == whole, "the analysis of a campaign is that of one run")
+    document("study", "trials/", "--slurm", "2", env=env)
+    check(pathlib.Path("trials.campaign").is_dir(), "a slash behind the folder")
+    shutil.rmtree("trials.campaign")
+
+
+def check_submission(env):
+    """Against programs in the place of sbatch and squeue: warnings, a second submission, a refusal of the merging."""
+    folder = pathlib.Path(env["PATH"])
+
+    def answers(name, text):
+        (folder / name).unlink(missing_ok=True)
+        (folder / name).write_text("#!/bin/sh\n" + text)
+        os.chmod(folder / name, 0o755)
+
+    run("campaign", "plan", "sub", "--chunks", "3", "--ending", "json", "--", sys.executable, "-c", COUNTER)
+    answers("sbatch", f"echo \"$*\" >>{folder}/log\necho 'sbatch: charged to 7' >&2\necho 101\n")
+    answers("squeue", "echo 101\n")
+    check(document("campaign", "resume", "sub", env=env)["array_job"] == "101", "a warning is no number")
+    check("--dependency=afterany:101 " in (folder / "log").read_text(), (folder / "log").read_text())
+    again = document("campaign", "resume", "sub", env=env, status=3)
+    check([found["kind"] for found in again["findings"]] == ["under-way"], again)
+    answers("squeue", "exit 1\n")
+    answers("sbatch", "case \"$*\" in *dependency*) echo 'no more' >&2; exit 1;; esac\necho 102\n")
+    refused = document("campaign", "resume", "sub", env=env, status=3)
+    check("array_command" not in refused and "afterany:102" in refused["merge_command"], refused)
+    for name in ("sbatch", "squeue"):
+        (folder / name).unlink()
 
 
 def check_slurm():
@@ -219,8 +301,11 @@ with tempfile.TemporaryDirectory() as place:
         check_slurm()
     else:
         bare = without_sbatch()
-        check_damage(check_planning(bare))
-        check_attempts()
+        count = check_planning(bare)
+        check_damage(count)
+        check_attempts(count)
+        check_outputs(bare)
+        check_submission(bare)
         check_plans()
         check_parallel(bare)
         os.environ["PATH"] = bare["PATH"]

@@ -21,6 +21,9 @@ TEST(WithoutOptions, RemovesOptionsWithTheirValues) {
                                        "--all", "--best", "x",       "--over"};
   EXPECT_EQ(WithoutOptions(words, {"--slurm", "-o", "--best"}, {"--all", "--overwrite"}),
             (std::vector<std::string>{"sweep", "s.toml", "--over"}));
+  EXPECT_EQ(WithoutOptions({"study", "--", "dir", "-ox.csv", "--best=y", "--bester"},
+                           {"-o", "--best"}, {}),
+            (std::vector<std::string>{"study", "dir", "--bester"}));
   // an option that another begins with, and a value that looks like one
   EXPECT_EQ(WithoutOptions({"--job", "--job-time", "--all", "x"}, {"--job-time"}, {}),
             (std::vector<std::string>{"--job", "x"}));

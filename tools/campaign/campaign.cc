@@ -29,12 +29,13 @@ document::Document StatusOf(std::string_view verb, const CampaignPlan& plan, boo
   std::vector<std::uint64_t> damaged;
   std::uint64_t done = 0;
   double seconds = 0;
+  const std::vector<Chunk> chunks = LookAtChunks(plan, verify);
   for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
-    const Chunk chunk = LookAtChunk(plan, number, verify);
+    const Chunk& chunk = chunks[number - 1];
     if (chunk.state == ChunkState::kDamaged) damaged.push_back(number);
     if (chunk.state != ChunkState::kDone) continue;
     ++done;
-    seconds += chunk.record.seconds;
+    seconds += chunk.seconds;
   }
   // as planned until a chunk has been timed
   const double chunk_s = done > 0 ? seconds / static_cast<double>(done) : plan.job_minutes * 60;
@@ -89,7 +90,7 @@ int RunPlan(int argc, const char* const* argv) {
   options.Positional("folder", &folder, "The new folder; behind -- the command");
   options.Count("--chunks", &plan.chunks, 1, kMostChunks, "Parts of the work");
   options.Count("--jobs", &plan.jobs, 1, kMostChunks, "At the same time");
-  options.Count("--threads", &plan.threads, 1, 1024, "Of a job");
+  options.Count("--threads", &plan.threads, 1, kMostChunks, "Of a job");
   options.Number("--job-time", &job_s, Dimension::kTime, cli::Above(0), "That a chunk is to last")
       .Default("30 min");
   options.Text("--ending", &plan.ending, "ENDING", "Of a chunk's file");
@@ -97,8 +98,10 @@ int RunPlan(int argc, const char* const* argv) {
     if (argc - own < 2) {
       return Usage("--", "is missing", "write the command behind it: -- PROGRAM WORDS");
     }
-    plan.folder = std::filesystem::absolute(folder).lexically_normal();
-    plan.working_folder = std::filesystem::current_path();
+    std::error_code failure;
+    plan.folder = std::filesystem::absolute(folder, failure).lexically_normal();
+    plan.working_folder = std::filesystem::current_path(failure);
+    if (failure) return Failed(folder, "cannot be made: " + failure.message());
     plan.run.assign(dashes + 1, argv + argc);
     plan.merge = plan.run;
     plan.job_minutes = job_s / 60;
@@ -109,6 +112,12 @@ int RunPlan(int argc, const char* const* argv) {
 }
 
 // --- campaign run, merge ---
+
+// what they print is the plan's command's
+Result<void> NoJson(const document::Outputs& outputs) {
+  if (!outputs.json) return {};
+  return Usage("--json", "is for the command that was planned", "plan it with --json");
+}
 
 constexpr cli::VerbText kRunText{
     .name = "campaign run",
@@ -125,8 +134,11 @@ int RunRun(int argc, const char* const* argv) {
   options.Positional("folder", &folder, kFolderHelp);
   options.Positional("number", &number, "Of the chunk, from 1");
   return document::RunVerb(kRunText.name, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_TRY(NoJson(outputs));
     HAPTOMETER_LET(const auto plan, ReadPlan(folder));
-    return RunChunk(plan, NumberFrom<std::uint64_t>(number).value_or(0));
+    const auto known = NumberFrom<std::uint64_t>(number);
+    if (!known) return Usage(number, "is no number of a chunk", "give one from 1 on");
+    return RunChunk(plan, *known);
   });
 }
 
@@ -140,10 +152,13 @@ int RunMerge(int argc, const char* const* argv) {
   cli::Options options(kMergeText);
   std::string folder;
   document::Outputs outputs;
+  bool overwrite = false;
   options.Positional("folder", &folder, kFolderHelp);
+  options.Flag("--overwrite", &overwrite, "Replace what an earlier merging wrote");
   return document::RunVerb(kMergeText.name, options, outputs, argc, argv, [&]() -> Result<int> {
+    HAPTOMETER_TRY(NoJson(outputs));
     HAPTOMETER_LET(const auto plan, ReadPlan(folder));
-    return MergeChunks(plan);
+    return MergeChunks(plan, overwrite);
   });
 }
 
@@ -183,9 +198,10 @@ int RunResume(int argc, const char* const* argv) {
   options.Positional("folder", &folder, kFolderHelp);
   return document::RunVerb(kResumeText.name, options, outputs, argc, argv, [&]() -> Result<int> {
     HAPTOMETER_LET(const auto plan, ReadPlan(folder));
-    document::Document document = SubmitCampaign(plan, ChunksLeft(plan, true));
-    document.verb = kResumeText.name;
-    return document::Present(std::move(document), outputs, argc, argv);
+    // the folder may have been moved
+    HAPTOMETER_TRY(WriteScripts(plan));
+    return document::Present(SubmitCampaign(kResumeText.name, plan, ChunksLeft(plan, true)),
+                             outputs, argc, argv);
   });
 }
 

@@ -11,12 +11,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <cctype>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <system_error>
 #include <utility>
 
@@ -33,14 +34,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr int kVersion = 1;
-// a file of the campaign is replaced whole, whatever it held
-constexpr cli::OutputKind kRecordOutput{.name = "a record of a chunk", .begin = "{"};
+constexpr cli::OutputKind kPlanOutput{.name = "a plan of a campaign", .begin = "{"};
 
 std::string PlanPath(const std::string& folder) { return folder + "/plan.json"; }
-
-std::string RecordPath(const CampaignPlan& plan, std::uint64_t number) {
-  return fmt::format("{}/chunks/{}.record", plan.folder, number);
-}
 
 Json JsonOf(const CampaignPlan& plan) {
   return {{"haptometer_campaign", kVersion},
@@ -52,6 +48,16 @@ Json JsonOf(const CampaignPlan& plan) {
           {"jobs", plan.jobs},
           {"threads", plan.threads},
           {"job_minutes", plan.job_minutes}};
+}
+
+bool IsPlan(const CampaignPlan& plan) {
+  constexpr double kMostMinutes = 1e6;
+  const auto is_plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  return !plan.run.empty() && !plan.merge.empty() && plan.chunks >= 1 &&
+         plan.chunks <= kMostChunks && plan.jobs >= 1 && plan.jobs <= kMostChunks &&
+         plan.threads >= 1 && plan.threads <= kMostChunks && plan.job_minutes >= 0 &&
+         plan.job_minutes <= kMostMinutes && !plan.ending.empty() &&
+         std::ranges::all_of(plan.ending, is_plain);
 }
 
 // nothing where the text is no plan
@@ -69,22 +75,7 @@ std::optional<CampaignPlan> PlanOf(const std::string& text, const std::string& f
                       .jobs = json.at("jobs").get<std::uint64_t>(),
                       .threads = json.at("threads").get<std::uint64_t>(),
                       .job_minutes = json.at("job_minutes").get<double>()};
-    const bool is_whole = !plan.run.empty() && !plan.merge.empty() && plan.chunks >= 1 &&
-                          plan.chunks <= kMostChunks && plan.ending.find('/') == std::string::npos;
-    return is_whole ? std::optional(std::move(plan)) : std::nullopt;
-  } catch (const Json::exception&) {
-    return std::nullopt;
-  }
-}
-
-std::optional<ChunkRecord> ReadRecord(const CampaignPlan& plan, std::uint64_t number) {
-  std::ifstream file(RecordPath(plan, number));
-  const Json json = Json::parse(file, nullptr, false);
-  try {
-    return ChunkRecord{.bytes = json.at("bytes").get<std::uint64_t>(),
-                       .sha256 = json.at("sha256").get<std::string>(),
-                       .seconds = json.at("seconds").get<double>(),
-                       .host = json.at("host").get<std::string>()};
+    return IsPlan(plan) ? std::optional(std::move(plan)) : std::nullopt;
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -99,6 +90,10 @@ std::string HostName() {
 }  // namespace
 
 Result<void> WritePlan(const CampaignPlan& plan) {
+  if (!IsPlan(plan)) {
+    return Usage(plan.folder, "is no folder of a campaign with these options",
+                 "give an ending of letters and digits, and at most 1e6 minutes a job");
+  }
   std::error_code failure;
   if (!fs::create_directory(plan.folder, failure)) {
     if (failure) return Failed(plan.folder, "cannot be made: " + failure.message());
@@ -110,13 +105,14 @@ Result<void> WritePlan(const CampaignPlan& plan) {
       return Failed(plan.folder + part, "cannot be made: " + failure.message());
     }
   }
-  return cli::WriteOutput(PlanPath(plan.folder), kRecordOutput, false, JsonOf(plan).dump(1) + '\n');
+  return cli::WriteOutput(PlanPath(plan.folder), kPlanOutput, false, JsonOf(plan).dump(1) + '\n');
 }
 
 Result<CampaignPlan> ReadPlan(const std::string& folder) {
-  const std::string path = PlanPath(fs::absolute(folder).lexically_normal().string());
+  std::error_code failure;
+  const std::string path = PlanPath(fs::absolute(folder, failure).lexically_normal().string());
   struct stat status{};
-  if (stat(path.c_str(), &status) != 0) {
+  if (failure || stat(path.c_str(), &status) != 0) {
     return CannotAnswer(folder, "holds no plan.json", "name the folder of a campaign");
   }
   if (status.st_uid != geteuid()) {
@@ -129,25 +125,70 @@ Result<CampaignPlan> ReadPlan(const std::string& folder) {
   return *std::move(plan);
 }
 
-std::string ChunkPath(const CampaignPlan& plan, std::uint64_t number) {
-  return fmt::format("{}/chunks/{}.{}", plan.folder, number, plan.ending);
+namespace {
+
+// "17of100", with which all files of a chunk begin
+std::string NameOf(const CampaignPlan& plan, std::uint64_t number) {
+  return fmt::format("{}of{}", number, plan.chunks);
 }
 
-Chunk LookAtChunk(const CampaignPlan& plan, std::uint64_t number, bool verify) {
-  const std::string path = ChunkPath(plan, number);
+// what the name of a finished chunk states: "17of100-4.52s-SHA256.csv"
+struct Finished {
+  std::uint64_t number = 0;
+  double seconds = 0;
+  std::string sha256;
+};
+std::optional<Finished> FinishedOf(const std::string& name, const CampaignPlan& plan) {
+  static const std::regex kPattern(R"((\d{1,4})of(\d{1,4})-(\d+\.\d+)s-([0-9a-f]{64})\.(\w+))");
+  std::smatch parts;
+  if (!std::regex_match(name, parts, kPattern) || parts[5] != plan.ending) return std::nullopt;
+  const Finished finished{
+      .number = std::stoull(parts[1]), .seconds = std::stod(parts[3]), .sha256 = parts[4]};
+  const bool is_ours = std::stoull(parts[2]) == plan.chunks && finished.number >= 1 &&
+                       finished.number <= plan.chunks;
+  return is_ours ? std::optional(finished) : std::nullopt;
+}
+
+std::vector<fs::path> FilesIn(const std::string& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::uintmax_t SizeOf(const fs::path& path) {
   std::error_code missing;
   const auto bytes = fs::file_size(path, missing);
-  auto record = ReadRecord(plan, number);
-  if (missing && !record) return {};
-  if (missing || !record || bytes != record->bytes) return {.state = ChunkState::kDamaged};
-  if (verify && document::Sha256Of(path) != record->sha256) return {.state = ChunkState::kDamaged};
-  return {.state = ChunkState::kDone, .record = *std::move(record)};
+  return missing ? 0 : bytes;
+}
+
+}  // namespace
+
+std::vector<Chunk> LookAtChunks(const CampaignPlan& plan, bool verify) {
+  std::vector<Chunk> chunks(plan.chunks);
+  for (const fs::path& path : FilesIn(plan.folder + "/chunks")) {
+    const auto finished = FinishedOf(path.filename().string(), plan);
+    if (!finished) continue;
+    Chunk& chunk = chunks[finished->number - 1];
+    // two attempts may have finished it; either is whole
+    if (chunk.state == ChunkState::kDone) continue;
+    const bool is_whole =
+        verify ? document::Sha256Of(path.string()) == finished->sha256 : SizeOf(path) > 0;
+    chunk = {.state = is_whole ? ChunkState::kDone : ChunkState::kDamaged,
+             .path = path.string(),
+             .seconds = finished->seconds};
+  }
+  return chunks;
 }
 
 std::vector<std::uint64_t> ChunksLeft(const CampaignPlan& plan, bool verify) {
+  const std::vector<Chunk> chunks = LookAtChunks(plan, verify);
   std::vector<std::uint64_t> left;
   for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
-    if (LookAtChunk(plan, number, verify).state != ChunkState::kDone) left.push_back(number);
+    if (chunks[number - 1].state != ChunkState::kDone) left.push_back(number);
   }
   return left;
 }
@@ -174,6 +215,10 @@ Result<pid_t> Start(const std::vector<std::string>& words, const std::string& fo
 // the exit status of the command, to which an interruption of this process is passed on
 Result<int> RunCommand(const std::vector<std::string>& words, const std::string& folder) {
   constexpr int kLookEveryMs = 200;
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    return CannotAnswer(folder, "is not there", "the campaign's commands run in it");
+  }
   HAPTOMETER_LET(const auto process, Start(words, folder));
   const int descriptor = static_cast<int>(syscall(SYS_pidfd_open, process, 0));
   bool is_passed_on = false;
@@ -187,26 +232,16 @@ Result<int> RunCommand(const std::vector<std::string>& words, const std::string&
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// whether `name` is "17.HOST.PID.csv", or with `is_done` "17.csv"
-bool IsAttempt(const std::string& name, const CampaignPlan& plan, std::uint64_t number) {
-  return name.starts_with(fmt::format("{}.", number)) && name.ends_with("." + plan.ending);
-}
-
-// the files that attempts at a chunk left, the largest first
+// the files that attempts at a chunk left, damaged ones that were finished too, the largest first
 std::vector<fs::path> AttemptsAt(const CampaignPlan& plan, std::uint64_t number) {
-  std::vector<std::pair<std::uintmax_t, fs::path>> found;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry :
-       fs::directory_iterator(plan.folder + "/chunks", ignored)) {
-    if (!IsAttempt(entry.path().filename().string(), plan, number)) continue;
-    const auto bytes = entry.file_size(ignored);
-    if (!ignored) found.emplace_back(bytes, entry.path());
+  std::vector<fs::path> found;
+  const std::string name = NameOf(plan, number);
+  for (const fs::path& path : FilesIn(plan.folder + "/chunks")) {
+    const std::string file = path.filename().string();
+    if (file.starts_with(name + ".") || file.starts_with(name + "-")) found.push_back(path);
   }
-  std::ranges::sort(found, std::greater{});
-  std::vector<fs::path> paths;
-  paths.reserve(found.size());
-  for (auto& [bytes, path] : found) paths.push_back(std::move(path));
-  return paths;
+  std::ranges::sort(found, std::greater{}, SizeOf);
+  return found;
 }
 
 // one attempt at a chunk, in a file of its own
@@ -215,8 +250,8 @@ class Attempt {
   Attempt(const CampaignPlan& plan, std::uint64_t number)
       : plan_(plan),
         number_(number),
-        path_(fmt::format("{}/chunks/{}.{}.{}.{}", plan.folder, number, HostName(), getpid(),
-                          plan.ending)) {}
+        path_(fmt::format("{}/chunks/{}.{}.{}.{}", plan.folder, NameOf(plan, number), HostName(),
+                          getpid(), plan.ending)) {}
 
   // the status of the command that continues what `from` holds, or begins anew; whether its file is
   // then whole
@@ -231,39 +266,40 @@ class Attempt {
     HAPTOMETER_LET(const int status, RunCommand(words, plan_.working_folder));
     // 3: a point or trial without an answer, which the file states, or a question that is refused
     // before the file is written
-    return std::pair(status, status == 0 || (status == 3 && SizeOf(path_) > before));
+    const bool is_answered = status == 0 || (status == 3 && SizeOf(path_) > before);
+    if (is_answered && SizeOf(path_) == 0 && !IsDone()) {
+      return Failed(path_, "is not there, though the command ended well",
+                    "the command has to write the file that -o names");
+    }
+    return std::pair(status, is_answered);
   }
 
-  // gives the file its place, then the record
+  // gives the file the name of a finished chunk
   Result<void> Finish(double seconds) const {
-    const ChunkRecord record{.bytes = SizeOf(path_),
-                             .sha256 = document::Sha256Of(path_),
-                             .seconds = seconds,
-                             .host = HostName()};
+    const std::string done =
+        fmt::format("{}/chunks/{}-{:.3f}s-{}.{}", plan_.folder, NameOf(plan_, number_), seconds,
+                    document::Sha256Of(path_), plan_.ending);
     std::error_code failure;
-    fs::rename(path_, ChunkPath(plan_, number_), failure);
-    // another attempt finished the chunk and removed this one's file
-    if (failure && LookAtChunk(plan_, number_, false).state == ChunkState::kDone) return {};
-    if (failure) return Failed(path_, "cannot be renamed: " + failure.message());
-    const Json json{{"bytes", record.bytes},
-                    {"sha256", record.sha256},
-                    {"seconds", record.seconds},
-                    {"host", record.host}};
-    HAPTOMETER_TRY(
-        cli::WriteOutput(RecordPath(plan_, number_), kRecordOutput, true, json.dump() + '\n'));
+    fs::rename(path_, done, failure);
+    if (failure && !IsDone()) return Failed(path_, "cannot be renamed: " + failure.message());
+    // what is left of other attempts, and damaged files
     for (const fs::path& left : AttemptsAt(plan_, number_)) {
-      if (left != ChunkPath(plan_, number_)) fs::remove(left, failure);
+      const auto finished = FinishedOf(left.filename().string(), plan_);
+      if (!finished || document::Sha256Of(left.string()) != finished->sha256) {
+        fs::remove(left, failure);
+      }
     }
     return {};
   }
 
- private:
-  static std::uintmax_t SizeOf(const std::string& path) {
-    std::error_code missing;
-    const auto bytes = fs::file_size(path, missing);
-    return missing ? 0 : bytes;
+  [[nodiscard]] bool IsDone() const {
+    return std::ranges::any_of(AttemptsAt(plan_, number_), [&](const fs::path& path) {
+      const auto finished = FinishedOf(path.filename().string(), plan_);
+      return finished && document::Sha256Of(path.string()) == finished->sha256;
+    });
   }
 
+ private:
   const CampaignPlan& plan_;
   std::uint64_t number_;
   std::string path_;
@@ -276,12 +312,12 @@ Result<int> RunChunk(const CampaignPlan& plan, std::uint64_t number) {
     return Usage(std::to_string(number), "is no chunk",
                  fmt::format("give a number from 1 to {}", plan.chunks));
   }
-  if (LookAtChunk(plan, number, true).state == ChunkState::kDone) return 0;
+  const Attempt attempt(plan, number);
+  if (attempt.IsDone()) return 0;
   cli::CatchInterrupts();
   SystemClock clock;
   const MonotonicNs begun_ns = clock.Now();
-  const Attempt attempt(plan, number);
-  // from the largest file that is there, then from nothing, in case that file is none
+  // from the largest file that is there, then, where the command refuses that, from nothing
   std::vector<fs::path> sources{{}};
   if (const auto left = AttemptsAt(plan, number); !left.empty()) {
     sources.insert(sources.begin(), left.front());
@@ -292,27 +328,32 @@ Result<int> RunChunk(const CampaignPlan& plan, std::uint64_t number) {
     status = ended.first;
     if (ended.second) {
       HAPTOMETER_TRY(attempt.Finish(SecondsFromNs(clock.Now() - begun_ns)));
-      return status;
+      return 0;
     }
     if (cli::Interrupted()) return cli::InterruptedStatus(status);
     // another attempt finished the chunk, and removed this one's file
-    if (LookAtChunk(plan, number, false).state == ChunkState::kDone) return 0;
+    if (attempt.IsDone()) return 0;
+    const bool is_refused = status == 2 || status == 3;
+    if (!is_refused) break;
   }
   return status;
 }
 
-Result<int> MergeChunks(const CampaignPlan& plan) {
-  const std::vector<std::uint64_t> left = ChunksLeft(plan, true);
+Result<int> MergeChunks(const CampaignPlan& plan, bool overwrite) {
+  const std::vector<Chunk> chunks = LookAtChunks(plan, true);
+  std::vector<std::uint64_t> left;
+  std::vector<std::string> words = plan.merge;
+  if (overwrite) words.emplace_back("--overwrite");
+  words.emplace_back("--merge");
+  for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
+    words.push_back(chunks[number - 1].path);
+    if (chunks[number - 1].state != ChunkState::kDone) left.push_back(number);
+  }
   if (!left.empty()) {
     return CannotAnswer(plan.folder,
                         fmt::format("{} of {} chunks are missing or damaged: {}", left.size(),
                                     plan.chunks, RangesOf(left)),
                         "run haptometer campaign resume");
-  }
-  std::vector<std::string> words = plan.merge;
-  words.emplace_back("--merge");
-  for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
-    words.push_back(ChunkPath(plan, number));
   }
   cli::CatchInterrupts();
   return RunCommand(words, plan.working_folder);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <regex>
 #include <system_error>
 
 #include "base/clock.h"
@@ -58,44 +60,67 @@ Result<std::string> Submit(std::vector<std::string> words) {
   constexpr std::string_view kLongestS = "60";
   words.insert(words.begin(), {"timeout", std::string(kLongestS)});
   const auto [output, status] = OutputOf(words);
-  if (status != 0) return Failed("", Printable(output));
-  // with several clusters "JOB;CLUSTER"
-  return output.substr(0, output.find(';'));
+  // a line of its own among warnings; with several clusters "JOB;CLUSTER"
+  static const std::regex kJob(R"((?:^|\n)(\d+)(?:;\S*)?(?=\n|$))");
+  std::smatch job;
+  if (status == 0 && std::regex_search(output, job, kJob)) return job[1];
+  return Failed("", Printable(output));
 }
 
 bool HasSbatch() { return OutputOf({"sh", "-c", "command -v sbatch"}).second == 0; }
 
-// of the chunks, or where none is left of one that is done, so that the merging has its job
 std::vector<std::string> ArrayCommand(const CampaignPlan& plan,
                                       const std::vector<std::uint64_t>& left) {
-  const std::string numbers = left.empty() ? "1" : RangesOf(left);
   return {"sbatch", "--parsable", "--chdir=" + plan.folder,
-          fmt::format("--array={}%{}", numbers, plan.jobs), plan.folder + "/array.sh"};
+          fmt::format("--array={}%{}", RangesOf(left), plan.jobs), plan.folder + "/array.sh"};
 }
 
 // the merging names what is missing, so it begins however the chunks end
 std::vector<std::string> MergeCommand(const CampaignPlan& plan, std::string_view array_job) {
-  return {"sbatch", "--parsable", "--chdir=" + plan.folder,
-          fmt::format("--dependency=afterany:{}", array_job), plan.folder + "/merge.sh"};
+  std::vector<std::string> words{"sbatch", "--parsable", "--chdir=" + plan.folder};
+  if (!array_job.empty()) words.push_back(fmt::format("--dependency=afterany:{}", array_job));
+  words.push_back(plan.folder + "/merge.sh");
+  return words;
 }
 
-// the jobs' numbers, added to `section`
-Result<void> SubmitBoth(const CampaignPlan& plan, const std::vector<std::string>& array,
-                        document::Section& section) {
-  HAPTOMETER_LET(const auto array_job, Submit(array));
-  section.Add({"array_job", "job of the chunks"}, array_job);
-  HAPTOMETER_LET(const auto merge_job, Submit(MergeCommand(plan, array_job)));
-  section.Add({"merge_job", "job of the merging"}, merge_job);
-  return {};
+// where the numbers of the jobs stand that were submitted last
+std::string JobsPath(const CampaignPlan& plan) { return plan.folder + "/jobs.txt"; }
+
+// jobs of this campaign that are not over, "101,102"; empty: none that Slurm knows of
+std::string JobsUnderWay(const CampaignPlan& plan) {
+  std::ifstream file(JobsPath(plan));
+  std::string jobs;
+  file >> jobs;
+  if (jobs.empty()) return {};
+  const auto [output, status] = OutputOf({"timeout", "60", "squeue", "-h", "-o", "%i", "-j", jobs});
+  return status == 0 && !output.empty() ? jobs : "";
 }
 
 std::vector<std::string> ParallelCommand(const CampaignPlan& plan,
                                          const std::vector<std::uint64_t>& left) {
-  std::vector<std::string> words{"parallel",    "-j",       std::to_string(plan.jobs),
-                                 ThisProgram(), "campaign", "run",
-                                 plan.folder,   ":::"};
+  std::vector<std::string> words{"parallel",    "-q",       "-j",  std::to_string(plan.jobs),
+                                 ThisProgram(), "campaign", "run", plan.folder,
+                                 ":::"};
   for (const std::uint64_t number : left) words.push_back(std::to_string(number));
   return words;
+}
+
+// what is still to be submitted behind the jobs `submitted`, and what does the same here
+void StateCommands(const CampaignPlan& plan, const std::vector<std::uint64_t>& left,
+                   std::string_view submitted, document::Section& section) {
+  const bool needs_chunks = !left.empty() && submitted.empty();
+  if (needs_chunks) {
+    section.Add({"array_command", "to submit"}, cli::CommandLine(ArrayCommand(plan, left)));
+  }
+  section.Add({"merge_command", "the merging"},
+              cli::CommandLine(MergeCommand(plan, needs_chunks ? "JOB" : submitted)));
+  if (!submitted.empty()) return;
+  if (needs_chunks) {
+    section.Add({"parallel_command", "or to run here"},
+                cli::CommandLine(ParallelCommand(plan, left)));
+  }
+  section.Add({"parallel_merge_command", "then"},
+              cli::CommandLine({ThisProgram(), "campaign", "merge", plan.folder}));
 }
 
 }  // namespace
@@ -109,6 +134,9 @@ void DeclareSlurm(cli::Options& options, SlurmWords& words) {
               "That a job of --slurm is to last")
       .Default("30 min")
       .Rare();
+  options
+      .Text("--campaign", &words.folder, "DIR", "The new folder of --slurm", cli::Shown::kHelpAll)
+      .Default("the table's or the trials' name with .campaign behind it");
 }
 
 std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
@@ -117,13 +145,17 @@ std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
   std::vector<std::string> kept;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (std::ranges::find(flags, word) != flags.end()) continue;
+    // further options stand behind the words
+    if (word == "--" || std::ranges::find(flags, word) != flags.end()) continue;
     if (std::ranges::find(with_value, word) != with_value.end()) {
       ++i;
       continue;
     }
+    // "--output=x", and of a short one "-ox"
     const bool has_value = std::ranges::any_of(with_value, [&](std::string_view name) {
-      return word.size() > name.size() && word.starts_with(name) && word[name.size()] == '=';
+      const bool is_short = !name.starts_with("--");
+      return word.size() > name.size() && word.starts_with(name) &&
+             (is_short || word[name.size()] == '=');
     });
     if (!has_value) kept.push_back(word);
   }
@@ -157,8 +189,10 @@ Result<document::Document> BeginCampaign(const SlurmWords& words, const Work& wo
     verb.insert(verb.begin(), ThisProgram());
     return verb;
   };
-  const CampaignPlan plan{.folder = fs::absolute(work.name + ".campaign").lexically_normal(),
-                          .working_folder = fs::current_path(),
+  std::error_code failure;
+  const std::string folder = words.folder.empty() ? work.name + ".campaign" : words.folder;
+  const CampaignPlan plan{.folder = fs::absolute(folder, failure).lexically_normal(),
+                          .working_folder = fs::current_path(failure),
                           .run = command(work.run),
                           .merge = command(work.merge),
                           .ending = work.ending,
@@ -166,9 +200,10 @@ Result<document::Document> BeginCampaign(const SlurmWords& words, const Work& wo
                           .jobs = static_cast<std::uint64_t>(*words.jobs),
                           .threads = work.threads,
                           .job_minutes = job_s / static_cast<double>(chunks) / kMinuteS};
+  if (failure) return Failed(folder, "cannot be made: " + failure.message());
   HAPTOMETER_TRY(WritePlan(plan));
   HAPTOMETER_TRY(WriteScripts(plan));
-  return SubmitCampaign(plan, ChunksLeft(plan, false));
+  return SubmitCampaign(work.run.front(), plan, ChunksLeft(plan, false));
 }
 
 Result<void> WriteScripts(const CampaignPlan& plan) {
@@ -178,39 +213,61 @@ Result<void> WriteScripts(const CampaignPlan& plan) {
       "#SBATCH --job-name=haptometer\n#SBATCH --cpus-per-task={}\n#SBATCH --time={}\n"
       "#SBATCH --requeue\n#SBATCH --open-mode=append\n#SBATCH --output=logs/%a.log\n",
       plan.threads, minutes);
+  // an earlier answer is replaced by a new one alone
   const std::string merge =
-      "#SBATCH --job-name=haptometer-merge\n#SBATCH --output=answer.txt\n"
-      "#SBATCH --error=logs/merge.log\n";
+      "#SBATCH --job-name=haptometer-merge\n#SBATCH --output=logs/merge.log\n";
   const std::string program = ThisProgram();
   HAPTOMETER_TRY(cli::WriteOutput(
       plan.folder + "/array.sh", kScriptOutput, true,
       ScriptOf(array, {program, "campaign", "run", plan.folder}, " \"$SLURM_ARRAY_TASK_ID\"")));
-  return cli::WriteOutput(plan.folder + "/merge.sh", kScriptOutput, true,
-                          ScriptOf(merge, {program, "campaign", "merge", plan.folder}, ""));
+  const std::string answer = plan.folder + "/answer.txt";
+  return cli::WriteOutput(
+      plan.folder + "/merge.sh", kScriptOutput, true,
+      fmt::format("#!/bin/sh\n{}{} >{}\nstatus=$?\nif [ -s {} ]; then mv {} {}; fi\n"
+                  "exit $status\n",
+                  merge, cli::CommandLine({program, "campaign", "merge", plan.folder}),
+                  cli::CommandLine({answer + ".new"}), cli::CommandLine({answer + ".new"}),
+                  cli::CommandLine({answer + ".new"}), cli::CommandLine({answer})));
 }
 
-document::Document SubmitCampaign(const CampaignPlan& plan,
+document::Document SubmitCampaign(std::string_view verb, const CampaignPlan& plan,
                                   const std::vector<std::uint64_t>& left) {
-  document::Document document{.verb = plan.run[1], .title = Printable(plan.folder)};
+  document::Document document{.verb = std::string(verb), .title = Printable(plan.folder)};
   document::Section& root = document.root;
   root.Add(document::kCampaign, plan.folder);
   root.Add(document::kChunks, plan.chunks);
   root.Add({"chunks_left", "of these to be computed"}, left.size());
   root.Add(document::kJobs, plan.jobs);
-  const std::vector<std::string> array = ArrayCommand(plan, left);
-  if (HasSbatch()) {
-    const Result<void> submitted = SubmitBoth(plan, array, root);
-    if (submitted) return document;
-    root.Find(Severity::kRefusal, "refused", "sbatch refuses the jobs: {answer}",
-              {{"answer", submitted.error().what}});
-  } else {
+  if (!HasSbatch()) {
     root.Find(Severity::kNote, "not-submitted", "there is no sbatch here");
+    StateCommands(plan, left, {}, root);
+    return document;
   }
-  root.Add({"array_command", "to submit"}, cli::CommandLine(array));
-  root.Add({"merge_command", "then"}, cli::CommandLine(MergeCommand(plan, "JOB")));
-  root.Add({"parallel_command", "or to run here"}, cli::CommandLine(ParallelCommand(plan, left)));
-  root.Add({"parallel_merge_command", "then"},
-           cli::CommandLine({ThisProgram(), "campaign", "merge", plan.folder}));
+  if (const std::string jobs = JobsUnderWay(plan); !jobs.empty()) {
+    root.Find(Severity::kRefusal, "under-way",
+              "jobs {jobs} of this campaign are not over; wait for them, or end them by scancel",
+              {{"jobs", jobs}});
+    return document;
+  }
+  // the chunks that are left, and behind them the merging
+  std::string submitted;
+  const auto submit = [&](const std::vector<std::string>& words, const document::Key& key) {
+    const auto job = Submit(words);
+    if (!job) {
+      root.Find(Severity::kRefusal, "refused", "sbatch refuses a job: {answer}",
+                {{"answer", job.error().what}});
+      StateCommands(plan, left, submitted, root);
+      return false;
+    }
+    root.Add(key, *job);
+    submitted += (submitted.empty() ? "" : ",") + *job;
+    std::ofstream(JobsPath(plan)) << submitted << '\n';
+    return true;
+  };
+  if (!left.empty() && !submit(ArrayCommand(plan, left), {"array_job", "job of the chunks"})) {
+    return document;
+  }
+  (void)submit(MergeCommand(plan, submitted), {"merge_job", "job of the merging"});
   return document;
 }
 

@@ -19,12 +19,14 @@ namespace haptometer::tools {
 struct SlurmWords {
   std::optional<std::int64_t> jobs;  ///< at the same time; empty: no campaign
   double job_s = 1800;               ///< that a job is to last
+  std::string folder;  ///< of the campaign; empty: Work::name with .campaign behind it
 };
 
-/// Declares --slurm and --job-time.
+/// Declares --slurm, --job-time and --campaign.
 void DeclareSlurm(cli::Options& options, SlurmWords& words);
 
-/// `words` without options and flags: "-o x", "-o=x" of those with a value.
+/// `words` without a lone "--", options with a value ("--output x", "--output=x", of a short one
+/// "-ox" too), and flags.
 [[nodiscard]] std::vector<std::string> WithoutOptions(
     const std::vector<std::string>& words, std::initializer_list<std::string_view> with_value,
     std::initializer_list<std::string_view> flags);
@@ -36,7 +38,7 @@ void DeclareSlurm(cli::Options& options, SlurmWords& words);
 
 /// A work of a verb that is to become a campaign.
 struct Work {
-  std::string name;                ///< of the campaign's folder, NAME.campaign
+  std::string name;                ///< that the campaign's folder has where nothing is said
   std::vector<std::string> run;    ///< the verb's words for a chunk, from the verb on
   std::vector<std::string> merge;  ///< and for the merging
   std::string ending;              ///< of a chunk's file
@@ -52,10 +54,11 @@ struct Work {
 /// Writes array.sh and merge.sh, which sbatch takes. Errors: Cause::kFailed.
 [[nodiscard]] Result<void> WriteScripts(const CampaignPlan& plan);
 
-/// Hands the chunks that are left to Slurm as an array of jobs, with the merging behind it. Where
-/// there is no sbatch, or it refuses the jobs (a refusal in the document), both commands are
-/// stated, and those that do the same here.
-[[nodiscard]] document::Document SubmitCampaign(const CampaignPlan& plan,
+/// Hands the chunks that are left to Slurm as an array of jobs, with the merging behind it, unless
+/// jobs that were submitted before are not over. Where there is no sbatch, or it refuses a job (a
+/// refusal in the document of `verb`), what remains to be submitted is stated, and what does the
+/// same here.
+[[nodiscard]] document::Document SubmitCampaign(std::string_view verb, const CampaignPlan& plan,
                                                 const std::vector<std::uint64_t>& left);
 
 }  // namespace haptometer::tools

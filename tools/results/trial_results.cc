@@ -538,14 +538,19 @@ Result<document::Document> BeginTrialCampaign(
     const SlurmWords& words, std::string_view source, std::span<const char* const> argv,
     std::initializer_list<std::string_view> answer_options, std::optional<std::int64_t> threads,
     std::size_t trials, const std::function<void(std::uint64_t)>& analyze) {
-  const std::vector<std::string> merge = WithoutOptions(
-      {argv.begin(), argv.end()}, {"--slurm", "--job-time", "--threads"}, {"--no-cache"});
+  const std::vector<std::string> merge =
+      WithoutOptions({argv.begin(), argv.end()},
+                     {"--slurm", "--job-time", "--campaign", "--threads"}, {"--no-cache"});
   std::vector<std::string> run =
       WithoutOptions(merge, answer_options, {"--all", "--json", "--overwrite"});
   // a job has one thread where nothing is said
   const auto job_threads = static_cast<std::uint64_t>(threads.value_or(1));
   run.insert(run.end(), {"--threads", std::to_string(job_threads)});
-  return BeginCampaign(words, {.name = fs::path(source).lexically_normal().filename().string(),
+  // of "trials/" and "." too
+  std::error_code failure;
+  fs::path name = fs::absolute(source, failure).lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();
+  return BeginCampaign(words, {.name = name.filename().string(),
                                .run = std::move(run),
                                .merge = merge,
                                .ending = "results",

@@ -114,6 +114,7 @@ std::vector<std::string> MergeWords(const SweepWords& words) {
   std::vector<std::string> merge{std::string(kVerb), "-o", words.output, "--best", words.best};
   if (!words.plot.empty()) merge.insert(merge.end(), {"--plot", words.plot});
   if (words.overwrite) merge.emplace_back("--overwrite");
+  if (words.is_mixed_allowed) merge.emplace_back("--allow-mixed");
   if (words.outputs.json) merge.emplace_back("--json");
   if (words.outputs.all) merge.emplace_back("--all");
   return merge;
@@ -126,8 +127,9 @@ Result<document::Document> Plan(const SweepWords& words) {
   HAPTOMETER_TRY(cli::CheckOutput(words.output, cli::kSweepTableOutput, words.overwrite));
   // a job has one thread where nothing is said
   std::vector<std::string> run = WithoutOptions(
-      words.command, {"--slurm", "--job-time", "-o", "--output", "--best", "--plot", "--threads"},
-      {"--overwrite", "--resume", "--json", "--all"});
+      words.command,
+      {"--slurm", "--job-time", "--campaign", "-o", "--output", "--best", "--plot", "--threads"},
+      {"--overwrite", "--json", "--all"});
   run.erase(run.begin());
   const auto threads = static_cast<std::uint64_t>(words.threads.value_or(1));
   run.insert(run.end(), {"--threads", std::to_string(threads)});
