@@ -115,7 +115,7 @@ class Cluster:
 
     def lose(self, node):
         """The node and all that runs on it are gone from one moment to the next."""
-        steps = [pid for pid in self.steps() if self.is_on(pid, node)]
+        steps = self.steps_on(node)
         self.stop(f"slurmd.{node}", signal.SIGKILL)
         for pid in steps:
             kill_all(pid)
@@ -125,6 +125,9 @@ class Cluster:
         """Processes that watch over the jobs of this cluster."""
         listed = subprocess.run(["pgrep", "-f", "^slurmstepd: "], capture_output=True, text=True).stdout.split()
         return [int(pid) for pid in listed if f"SLURM_CONF={self.folder}/".encode() in environment_of(pid)]
+
+    def steps_on(self, node):
+        return [pid for pid in self.steps() if self.is_on(pid, node)]
 
     def is_on(self, pid, node):
         """Whether a step is of that node: its job knows the name."""

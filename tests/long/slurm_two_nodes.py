@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Campaigns on a Slurm of two nodes on this machine's loopback, disturbed: tests/long/slurm_two_nodes.py build/release/bin
+"""Campaigns on a Slurm of two nodes on this machine's loopback, disturbed.
+
+    tests/long/slurm_two_nodes.py build/release/bin [--only cost|sweep|study|coverage ...] [--seed N]
 
 A sweep of a scene with stops, a study of 2000 trials and a coverage run (calibration_budget.py), each in chunks. While
 they run a node is lost and comes back, the controller is killed and started again, jobs are killed and started again
@@ -9,6 +11,7 @@ the damaged ones was computed again. Also: what N chunks cost against one run, a
 
 Needs root and the packages slurm-wlm and munge (tools/packages.txt, group oracles).
 """
+import argparse
 import json
 import os
 import pathlib
@@ -43,7 +46,7 @@ def table(path):
 
 def done_chunks(folder):
     """The time at which each finished chunk was written, by its number."""
-    return {path.name.partition("of")[0]: path.stat().st_mtime_ns for path in pathlib.Path(folder, "chunks").glob("*-*")}
+    return {path.name.partition("of")[0]: path.stat().st_mtime_ns for path in pathlib.Path(folder, "chunks").glob("[0-9]*-*")}
 
 
 class Disturbances:
@@ -59,6 +62,7 @@ class Disturbances:
         self.kept.update(done_chunks(self.folder))
 
     def lose_node(self):
+        self.cluster.wait(lambda: self.cluster.steps_on("n2"), "a job is on the node")
         lost = self.cluster.lose("n2")
         check(lost > 0, "no job was on the node that is lost")
         self.lost += lost
@@ -80,7 +84,7 @@ class Disturbances:
 
     def damage(self):
         """A file that is cut, and one with a flipped digit."""
-        files = sorted(pathlib.Path(self.folder, "chunks").glob("*-*"))
+        files = sorted(pathlib.Path(self.folder, "chunks").glob("[0-9]*-*"))
         cut, flipped = self.draw.sample(files, 2)
         cut.write_bytes(cut.read_bytes()[:self.draw.randrange(1, cut.stat().st_size)])
         data = bytearray(flipped.read_bytes())
@@ -178,15 +182,21 @@ def cost_of_chunks():
 
 
 def main():
-    os.environ["HAPTOMETER_PROGRAMS"] = os.path.abspath(sys.argv[1])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("programs")
+    parser.add_argument("--only", nargs="+", default=["cost", "sweep", "study", "coverage"])
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    os.environ["HAPTOMETER_PROGRAMS"] = os.path.abspath(given.programs)
     check(slurm_cluster.is_possible(), "slurm-wlm and munge are needed, and root")
-    draw = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    draw = random.Random(given.seed)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         # a Slurm whose controller is not there
         os.environ["SLURM_CONF"] = str(pathlib.Path(folder, "none.conf"))
-        print(f"median throughput of chunks against one run: {cost_of_chunks():.3f}", flush=True)
-        for work in (sweep, study, coverage):
+        if "cost" in given.only:
+            print(f"median throughput of chunks against one run: {cost_of_chunks():.3f}", flush=True)
+        for work in (one for one in (sweep, study, coverage) if one.__name__ in given.only):
             begun = time.monotonic()
             with slurm_cluster.Cluster(pathlib.Path(folder, work.__name__ + ".slurm"), nodes=2) as cluster:
                 chunks = work(cluster, draw)
