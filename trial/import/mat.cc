@@ -78,6 +78,7 @@ std::unexpected<Error> WhichOf(const std::vector<MatVariable>& variables, const 
                                const std::string& wanted) {
   constexpr std::size_t kShown = 8;
   std::vector<std::string> names;
+  names.reserve(variables.size());
   for (const MatVariable& variable : variables) names.push_back(Printable(variable.name));
   const std::string list = fmt::format(
       "{}{}",

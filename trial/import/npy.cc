@@ -7,11 +7,13 @@
 #include <charconv>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/text.h"
 #include "trial/block.h"
 #include "trial/export/object_names.h"
@@ -79,10 +81,10 @@ class Words {
   std::optional<std::size_t> Count() {
     SkipBlanks();
     std::size_t number = 0;
-    const char* end = text_.data() + text_.size();
-    const auto parsed = std::from_chars(text_.data(), end, number);
+    const char* const begin = std::to_address(text_.begin());
+    const auto parsed = std::from_chars(begin, begin + text_.size(), number);
     if (parsed.ec != std::errc()) return std::nullopt;
-    text_.remove_prefix(static_cast<std::size_t>(parsed.ptr - text_.data()));
+    text_.remove_prefix(static_cast<std::size_t>(parsed.ptr - begin));
     return number;
   }
 
@@ -246,6 +248,7 @@ Result<Array> TakeArray(std::string_view* bytes, const std::string& name) {
 
 // one number of a row
 double NumberAt(const char* row, const Field& field) {
+  HAPTOMETER_CHECK(field.bytes >= 1 && field.bytes <= 8, "{} bytes", field.bytes);
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < field.bytes; ++i) {
     const std::size_t at = field.is_big_endian ? i : field.bytes - 1 - i;
