@@ -303,7 +303,8 @@ Result<int> BeginCampaignOf(const Wanted& wanted, int argc, const char* const* a
           wanted.results.slurm, wanted.study.source, {argv, static_cast<std::size_t>(argc)},
           {"--table", "--wide", "--methods", "--plot", "--report"}, wanted.study.threads,
           task.files.size(), [&](std::uint64_t place) {
-            (void)AnalyzeTrial(task.files[place], task.study.question, task.import, none);
+            [[maybe_unused]] const auto timed =
+                AnalyzeTrial(task.files[place], task.study.question, task.import, none);
           }));
   return document::Present(std::move(planned), wanted.outputs, argc, argv);
 }
