@@ -30,7 +30,7 @@ import slurm_cluster  # noqa: E402
 from programs import check, run  # noqa: E402
 
 JOBS_S = 1200
-STUDY_TRIALS, RIGS = 2000, 40
+STUDY_TRIALS, RIGS = 2000, 160
 SWEEP = ["sweep", str(ROOT / "fixtures/lra_stops.toml"), "--vary", "drive.frequency_hz=100Hz:400Hz:6001"]
 
 
@@ -74,7 +74,11 @@ class Disturbances:
         self.cluster.start_controller()
 
     def kill_jobs(self, count):
-        running = [line.split()[0] for line in self.cluster.queue() if line.endswith("RUNNING") and "_" in line]
+        def running_jobs():
+            return [line.split()[0] for line in self.cluster.queue() if line.endswith("RUNNING") and "_" in line]
+
+        self.cluster.wait(lambda: running_jobs() or not self.cluster.queue(), "a job is running")
+        running = running_jobs()
         for job in self.draw.sample(running, min(count, len(running))):
             self.cluster.run("scontrol", "requeue", job)
             self.killed += 1
@@ -120,7 +124,7 @@ def disturb(cluster, folder, draw, chunks):
         if left == 0:
             break
     check(left == 0, f"{left} chunks are left after five resumes")
-    check(events.killed > 1, "no job was killed")
+    check(events.killed > 0, "no job was killed")
     print(f"{events.lost} jobs lost with their node, {events.killed} killed", flush=True)
     events.check_waste()
 
