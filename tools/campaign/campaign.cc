@@ -72,7 +72,7 @@ constexpr cli::VerbText kPlanText{
         "Plan a campaign of any program that has --shard I/N -o FILE --resume and --merge "
         "FILES; sweep, study and analyze plan theirs by --slurm.",
     .examples = {"haptometer campaign plan coverage --chunks 100 --jobs 20 --ending json -- "
-                 "tests/long/interval_coverage.py --trials 100000",
+                 "tests/long/calibration_budget.py build/release/bin 10000",
                  "haptometer campaign resume coverage", "haptometer campaign status coverage"}};
 
 int RunPlan(int argc, const char* const* argv) {
@@ -177,7 +177,7 @@ int RunStatus(int argc, const char* const* argv) {
   bool verify = false;
   document::Outputs outputs;
   options.Positional("folder", &folder, kFolderHelp);
-  options.Flag("--verify", &verify, "Compare every chunk with its checksum, not its size alone");
+  options.Flag("--verify", &verify, "Compare every chunk with its SHA-256; else one that is not empty counts");
   return document::RunVerb(kStatusText.name, options, outputs, argc, argv, [&]() -> Result<int> {
     HAPTOMETER_LET(const auto plan, ReadPlan(folder));
     return document::Present(StatusOf(kStatusText.name, plan, verify), outputs, argc, argv);
@@ -207,7 +207,7 @@ int RunResume(int argc, const char* const* argv) {
 
 constexpr auto kWords = std::to_array<cli::VerbWord>(
     {{"plan", RunPlan, "Plan a campaign of a program of your own.",
-      "haptometer campaign plan coverage --chunks 100 -- tests/long/interval_coverage.py"},
+      "haptometer campaign plan coverage -- tests/long/calibration_budget.py build/release/bin"},
      {"run", RunRun, "Compute one chunk.", "haptometer campaign run f.csv.campaign 17"},
      {"merge", RunMerge, "Merge the chunks.", "haptometer campaign merge f.csv.campaign"},
      {"status", RunStatus, "Show how many chunks are done, and the time left.",

@@ -1,6 +1,5 @@
 #include "tools/campaign/campaign_plan.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
 #include <spawn.h>
