@@ -177,7 +177,8 @@ int RunStatus(int argc, const char* const* argv) {
   bool verify = false;
   document::Outputs outputs;
   options.Positional("folder", &folder, kFolderHelp);
-  options.Flag("--verify", &verify, "Compare every chunk with its SHA-256; else one that is not empty counts");
+  options.Flag("--verify", &verify,
+               "Compare every chunk with its SHA-256; else one that is not empty counts");
   return document::RunVerb(kStatusText.name, options, outputs, argc, argv, [&]() -> Result<int> {
     HAPTOMETER_LET(const auto plan, ReadPlan(folder));
     return document::Present(StatusOf(kStatusText.name, plan, verify), outputs, argc, argv);
