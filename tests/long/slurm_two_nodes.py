@@ -30,7 +30,7 @@ import slurm_cluster  # noqa: E402
 from programs import check, run  # noqa: E402
 
 JOBS_S = 1200
-STUDY_TRIALS, RIGS = 2000, 160
+STUDY_TRIALS, RIGS = 2000, 1000
 SWEEP = ["sweep", str(ROOT / "fixtures/lra_stops.toml"), "--vary", "drive.frequency_hz=100Hz:400Hz:6001"]
 
 
@@ -77,7 +77,7 @@ class Disturbances:
         def running_jobs():
             return [line.split()[0] for line in self.cluster.queue() if line.endswith("RUNNING") and "_" in line]
 
-        self.cluster.wait(lambda: running_jobs() or not self.cluster.queue(), "a job is running")
+        self.cluster.wait(lambda: running_jobs() or not self.cluster.queue(), "a job is running", JOBS_S)
         running = running_jobs()
         for job in self.draw.sample(running, min(count, len(running))):
             self.cluster.run("scontrol", "requeue", job)
