@@ -6,8 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "fuzz/exported_seed.h"
-#include "fuzz/record_promises.h"
+#include "fuzz/recordings.h"
 #include "fuzz/seeds.h"
 #include "trial/export/export.h"
 #include "trial/import/readers.h"
@@ -15,17 +14,6 @@
 namespace {
 
 using namespace haptometer;
-
-std::string Exported() {
-  std::string bytes;
-  const auto done =
-      trial::WriteWav(fuzz::SeedRecording(false), [&](std::string_view piece) -> Result<void> {
-        bytes += piece;
-        return {};
-      });
-  fuzz::Require(done.has_value());
-  return bytes;
-}
 
 // two tracks of 16 bits at 8 kHz
 std::string Sound() {
@@ -38,7 +26,10 @@ std::string Sound() {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t max_size, unsigned random) {
-  static const std::string exported = Exported();
+  static const std::string exported =
+      fuzz::Exported([](const trial::Recording& recording,
+                        const trial::PieceSink& sink) { return trial::WriteWav(recording, sink); },
+                     false);
   static const std::string sound = Sound();
   const std::array<std::string_view, 2> seeds{exported, sound};
   return fuzz::MutateFromSeeds(seeds, 1, {data, max_size}, size, random);
@@ -50,11 +41,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[0] % 2 == 1) options.columns = {"displacement_mm", "-"};
   if (data[0] % 4 >= 2) options.rate_hz = 8000;
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const auto read = trial::ParseWav(bytes, "fuzz", options);
-  if (read) {
-    fuzz::RequireSound(read->record);
-  } else {
-    fuzz::Require(!read.error().Text().empty());
-  }
+  fuzz::RequireSound(trial::ParseWav(bytes, "fuzz", options));
   return 0;
 }

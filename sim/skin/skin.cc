@@ -18,8 +18,8 @@ Skin SkinUnderArea(double contact_area_m2, SkinRange range) {
   const double Kmax = range == SkinRange::kText ? 2000 : 1200;
   const double Bmin = 0.75;
   const double Bmax = 2.38;
-  const double lower = Cbrt(kSkinAreaMinM2);
-  const double part = (Cbrt(contact_area_m2) - lower) / (Cbrt(kSkinAreaMaxM2) - lower);
+  static const double lower = Cbrt(kSkinAreaMinM2), upper = Cbrt(kSkinAreaMaxM2);
+  const double part = (Cbrt(contact_area_m2) - lower) / (upper - lower);
   return {.stiffness_n_per_m = Kmin + (Kmax - Kmin) * part,
           .damping_n_s_per_m = Bmin + (Bmax - Bmin) * part};
 }

@@ -266,7 +266,9 @@ LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
       source_(source),
       receptors_(receptors),
       hardest_(hardest),
-      upper_(UpperEndOf(problem)) {}
+      upper_(UpperEndOf(problem)),
+      first_(SkinOf(problem, problem.bounds.contact_area_m2.lower)),
+      last_(SkinOf(problem, problem.bounds.contact_area_m2.upper)) {}
 
 // ln Nr^2 at a part of the area's range
 double LimitedClimb::LogWeight(double part) const {
@@ -289,8 +291,6 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
 LimitedView LimitedClimb::ViewOf(const CubePlace& place, int side) const {
   const AdapterBounds& bounds = problem_.bounds;
   const double w = source_.omega_rad_per_s;
-  const Skin first = SkinOf(problem_, bounds.contact_area_m2.lower);
-  const Skin last = SkinOf(problem_, bounds.contact_area_m2.upper);
   const double stiffer = 1 + side * problem_.skin_variation;
   const double damped = 1 + std::abs(side) * problem_.skin_variation;
   // p = Re D1, D1, ka, b = w Bs and D2 (docs/explanation/notation.md), N/m, with their slopes
@@ -300,8 +300,8 @@ LimitedView LimitedClimb::ViewOf(const CubePlace& place, int side) const {
   const CubePhasor ka{ScaledOn(bounds.stiffness_n_per_m, place, 1),
                       ScaledOn(bounds.damping_n_s_per_m, place, 2) * w};
   const CubeNumber b =
-      On({first.damping_n_s_per_m, last.damping_n_s_per_m}, place, 3) * (w * damped);
-  const CubePhasor D2{On({first.stiffness_n_per_m, last.stiffness_n_per_m}, place, 3) * stiffer +
+      On({first_.damping_n_s_per_m, last_.damping_n_s_per_m}, place, 3) * (w * damped);
+  const CubePhasor D2{On({first_.stiffness_n_per_m, last_.stiffness_n_per_m}, place, 3) * stiffer +
                           On(bounds.skin_side_mass_kg, place, 4) * (-w * w),
                       b};
 

@@ -95,6 +95,7 @@ class LimitedClimb {
   ReceptorField receptors_;
   int hardest_;
   CubePlace upper_;
+  Skin first_, last_;  // at the ends of the contact's area
 };
 
 /// The best adapter whose mover keeps to the problem's mover_limit_m.

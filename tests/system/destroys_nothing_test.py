@@ -24,23 +24,23 @@ from programs import DEADLINE_S, check, program, run
 HAPTOMETER = program("haptometer")
 FIXTURES = os.path.abspath("fixtures")
 
-# options that name a file or folder to read; emulate --link and session pack, which replaces nothing
+# options that name a file or folder to read; emulate --link, --campaign and session pack, which replaces nothing
 # (session_pack_test.py), are tested apart
 READS = {
     "acquire": {"--sensor", "--port", "--calibration", "--profile", "--daemon", "--status"},
-    "analyze": {"--floor", "--calibration", "--merge"},
+    "analyze": {"--floor", "--calibration", "--merge", "--campaign"},
     "calibrate": {"--reference", "--check"},
     "fit-adapter": {"--calibration"},
     "trial info": {"--calibration"},
     "trial plot": {"--calibration"},
     "trial export": {"--calibration"},
-    "study": {"--floor", "--verify", "--calibration", "--merge"},
+    "study": {"--floor", "--verify", "--calibration", "--merge", "--campaign"},
     "fit-lra": {"--open", "--load", "--actuator"},
     "fit-impedance": {"--actuator"},
     "plan-drop-test": {"--actuator"},
     "cost": {"--actuator", "--scene"},
     "fit-skin": {"--actuator"},
-    "sweep": {"--merge"},
+    "sweep": {"--merge", "--campaign"},
     "session pack": {"-o", "--output"},
     "emulate": {"--scene", "--trial", "--profile", "--link", "--analog", "--calibration"},
 }
@@ -405,6 +405,23 @@ def check_sessions():
         attempt(["session", word, "trials"], 3, f"session {word} in a folder that is none")
 
 
+def check_campaigns():
+    """A campaign makes a new folder, and writes over nothing."""
+    os.symlink("no_such_campaign", "dangling")
+    os.mkdir("an_empty_folder")
+    commands = [[*verb.split(), *words, "--slurm", "2", "--campaign"] for verb, words, _ in (ANALYZE, STUDY, SWEEP)]
+    # a sweep names its table, which is made by the merging
+    commands[-1][-3:-3] = ["-o", "table.csv"]
+    commands.append(["campaign", "plan"])
+    for command in commands:
+        for name in ("trials", "an_empty_folder", "t.bin", "note.txt", "dangling", "none/campaign"):
+            words = [*command, name] + (["--", "true"] if command[0] == "campaign" else [])
+            _, new = attempt(words, (1, 2), f"{command[0]} in {name}")
+            check(not new, f"a campaign in {name} makes {new}")
+    clear("dangling")
+    os.rmdir("an_empty_folder")
+
+
 def check_standard_output():
     """All verbs print; a full device is an error, a reader that goes away is none."""
     printing = [["--help"], ["--version"], ["analyze", "t.bin"], ["analyze", "t.bin", "--json"], ["tune", "--version"],
@@ -487,6 +504,7 @@ def main():
         check_two_of_one_name()
         check_links()
         check_sessions()
+        check_campaigns()
         check_standard_output()
         check_reproduce()
         os.mkdir("disk")

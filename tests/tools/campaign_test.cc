@@ -29,17 +29,5 @@ TEST(WithoutOptions, RemovesOptionsWithTheirValues) {
             (std::vector<std::string>{"--job", "x"}));
 }
 
-TEST(SecondsPerItem, TriesTheFirstTheMiddleAndTheLast) {
-  std::vector<std::uint64_t> tried;
-  const double seconds =
-      SecondsPerItem(10, 111, [&](std::uint64_t item) { tried.push_back(item); });
-  EXPECT_EQ(tried, (std::vector<std::uint64_t>{10, 60, 110}));
-  EXPECT_GE(seconds, 0);
-  EXPECT_EQ(SecondsPerItem(3, 3, [&](std::uint64_t) { ADD_FAILURE() << "there is none"; }), 0);
-  tried.clear();
-  (void)SecondsPerItem(0, 2, [&](std::uint64_t item) { tried.push_back(item); });
-  EXPECT_EQ(tried, (std::vector<std::uint64_t>{0, 1}));
-}
-
 }  // namespace
 }  // namespace haptometer::tools

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
 namespace haptometer::cli {
 namespace {
 
@@ -17,6 +20,18 @@ TEST(ProgressBar, SaysNothingOfTheRestBeforeAnythingIsDone) {
 TEST(ProgressBar, IsFullOnlyWhenAllIsDone) {
   EXPECT_EQ(ProgressBar("a", 0.9999, 1), "a  [###################-]  99 %, 0 s left");
   EXPECT_EQ(ProgressBar("a", 2, 1), "a  [####################] 100 %, 0 s left");
+}
+
+TEST(SecondsPerItem, TriesTheFirstTheMiddleAndTheLast) {
+  std::vector<std::uint64_t> tried;
+  const double seconds =
+      SecondsPerItem(10, 111, [&](std::uint64_t item) { tried.push_back(item); });
+  EXPECT_EQ(tried, (std::vector<std::uint64_t>{10, 60, 110}));
+  EXPECT_GE(seconds, 0);
+  EXPECT_EQ(SecondsPerItem(3, 3, [&](std::uint64_t) { ADD_FAILURE() << "there is none"; }), 0);
+  tried.clear();
+  (void)SecondsPerItem(0, 2, [&](std::uint64_t item) { tried.push_back(item); });
+  EXPECT_EQ(tried, (std::vector<std::uint64_t>{0, 1}));
 }
 
 TEST(WorkLine, SaysWhatIsDoneForHowLongAndHowToEndIt) {

@@ -29,7 +29,7 @@ document::Document StatusOf(std::string_view verb, const CampaignPlan& plan, boo
   std::vector<std::uint64_t> damaged;
   std::uint64_t done = 0;
   double seconds = 0;
-  const std::vector<Chunk> chunks = LookAtChunks(plan, verify);
+  const std::vector<Chunk> chunks = FindChunks(plan, verify);
   for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
     const Chunk& chunk = chunks[number - 1];
     if (chunk.state == ChunkState::kDamaged) damaged.push_back(number);

@@ -166,7 +166,7 @@ std::uintmax_t SizeOf(const fs::path& path) {
 
 }  // namespace
 
-std::vector<Chunk> LookAtChunks(const CampaignPlan& plan, bool verify) {
+std::vector<Chunk> FindChunks(const CampaignPlan& plan, bool verify) {
   std::vector<Chunk> chunks(plan.chunks);
   for (const fs::path& path : FilesIn(plan.folder + "/chunks")) {
     const auto finished = FinishedOf(path.filename().string(), plan);
@@ -184,7 +184,7 @@ std::vector<Chunk> LookAtChunks(const CampaignPlan& plan, bool verify) {
 }
 
 std::vector<std::uint64_t> ChunksLeft(const CampaignPlan& plan, bool verify) {
-  const std::vector<Chunk> chunks = LookAtChunks(plan, verify);
+  const std::vector<Chunk> chunks = FindChunks(plan, verify);
   std::vector<std::uint64_t> left;
   for (std::uint64_t number = 1; number <= plan.chunks; ++number) {
     if (chunks[number - 1].state != ChunkState::kDone) left.push_back(number);
@@ -339,7 +339,7 @@ Result<int> RunChunk(const CampaignPlan& plan, std::uint64_t number) {
 }
 
 Result<int> MergeChunks(const CampaignPlan& plan, bool overwrite) {
-  const std::vector<Chunk> chunks = LookAtChunks(plan, true);
+  const std::vector<Chunk> chunks = FindChunks(plan, true);
   std::vector<std::uint64_t> left;
   std::vector<std::string> words = plan.merge;
   if (overwrite) words.emplace_back("--overwrite");

@@ -53,7 +53,7 @@ struct Chunk {
 
 /// All chunks by the files that are there; with `verify` each is compared with its SHA-256 (some
 /// 0.5 s a GB), else one that is not empty counts.
-[[nodiscard]] std::vector<Chunk> LookAtChunks(const CampaignPlan& plan, bool verify);
+[[nodiscard]] std::vector<Chunk> FindChunks(const CampaignPlan& plan, bool verify);
 
 /// The numbers, from 1, of the chunks in a state other than kDone.
 [[nodiscard]] std::vector<std::uint64_t> ChunksLeft(const CampaignPlan& plan, bool verify);

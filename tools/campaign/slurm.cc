@@ -13,7 +13,6 @@
 #include <regex>
 #include <system_error>
 
-#include "base/clock.h"
 #include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
@@ -160,23 +159,6 @@ std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
     if (!has_value) kept.push_back(word);
   }
   return kept;
-}
-
-double SecondsPerItem(std::uint64_t first, std::uint64_t items,
-                      const std::function<void(std::uint64_t)>& make) {
-  constexpr std::uint64_t kTimed = 3;
-  constexpr double kEnoughS = 1;
-  const std::uint64_t count = std::min(kTimed, items - first);
-  SystemClock clock;
-  const MonotonicNs begun_ns = clock.Now();
-  double taken_s = 0;
-  std::uint64_t timed = 0;
-  while (timed < count && taken_s < kEnoughS && !cli::Interrupted()) {
-    make(first + (items - first - 1) * timed / std::max<std::uint64_t>(1, count - 1));
-    taken_s = SecondsFromNs(clock.Now() - begun_ns);
-    ++timed;
-  }
-  return timed == 0 ? 0 : taken_s / static_cast<double>(timed);
 }
 
 Result<document::Document> BeginCampaign(const SlurmWords& words, const Work& work) {

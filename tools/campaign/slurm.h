@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -30,11 +29,6 @@ void DeclareSlurm(cli::Options& options, SlurmWords& words);
 [[nodiscard]] std::vector<std::string> WithoutOptions(
     const std::vector<std::string>& words, std::initializer_list<std::string_view> with_value,
     std::initializer_list<std::string_view> flags);
-
-/// Seconds that an item takes, by a first, a middle and a last one of those from `first` to
-/// `items`, or fewer where these take long. `make` computes an item and forgets it.
-[[nodiscard]] double SecondsPerItem(std::uint64_t first, std::uint64_t items,
-                                    const std::function<void(std::uint64_t)>& make);
 
 /// A work of a verb that is to become a campaign.
 struct Work {

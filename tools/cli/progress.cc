@@ -71,6 +71,23 @@ std::string ProgressBar(std::string_view what, double share, double elapsed_s) {
   return bar;
 }
 
+double SecondsPerItem(std::uint64_t first, std::uint64_t items,
+                      const std::function<void(std::uint64_t)>& make) {
+  constexpr std::uint64_t kTimed = 3;
+  constexpr double kEnoughS = 1;
+  const std::uint64_t count = std::min(kTimed, items - first);
+  SystemClock clock;
+  const MonotonicNs begun_ns = clock.Now();
+  double taken_s = 0;
+  std::uint64_t timed = 0;
+  while (timed < count && taken_s < kEnoughS && !Interrupted()) {
+    make(first + (items - first - 1) * timed / std::max<std::uint64_t>(1, count - 1));
+    taken_s = SecondsFromNs(clock.Now() - begun_ns);
+    ++timed;
+  }
+  return timed == 0 ? 0 : taken_s / static_cast<double>(timed);
+}
+
 WorkProgress::WorkProgress(std::string_view verb, std::string advice)
     : verb_(verb),
       advice_(std::move(advice)),

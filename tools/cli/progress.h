@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -39,6 +40,12 @@ class Progress {
 
 /// "trial.bin  [##########----------]  50 %, 12 s left": `elapsed_s` tells what is left.
 [[nodiscard]] std::string ProgressBar(std::string_view what, double share, double elapsed_s);
+
+/// Seconds that an item of long work takes, by a first, a middle and a last one of those from
+/// `first` to `items`, or fewer where these take a second together; 0 of none. `make` computes an
+/// item and forgets it.
+[[nodiscard]] double SecondsPerItem(std::uint64_t first, std::uint64_t items,
+                                    const std::function<void(std::uint64_t)>& make);
 
 /// What long work says on stderr, from two seconds after its begin on: what is being done, how much
 /// of the most work that is tried is done, for how long it has gone on and will, how to end it. On

@@ -23,6 +23,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "tools/cli/output_file.h"
+#include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
 #include "tools/document/provenance.h"
@@ -555,7 +556,7 @@ Result<document::Document> BeginTrialCampaign(
                                .merge = merge,
                                .ending = "results",
                                .items = trials,
-                               .seconds_per_item = SecondsPerItem(0, trials, analyze),
+                               .seconds_per_item = cli::SecondsPerItem(0, trials, analyze),
                                .threads = job_threads});
 }
 

@@ -48,7 +48,7 @@ void SayExpectedTime(const SweepQuestion& question, std::uint64_t first, std::ui
   constexpr std::uint64_t kFew = 3;
   if (rows < first + kFew) return;
   const std::uint64_t left = rows - first;
-  const double row_s = SecondsPerItem(
+  const double row_s = cli::SecondsPerItem(
       first, rows, [&](std::uint64_t row) { (void)RowOf(question, question.shard.PointOf(row)); });
   // threads beyond the processors take turns
   const int workers =
@@ -140,7 +140,7 @@ Result<document::Document> Plan(const SweepWords& words) {
                         .merge = MergeWords(words),
                         .ending = "csv",
                         .items = points,
-                        .seconds_per_item = SecondsPerItem(
+                        .seconds_per_item = cli::SecondsPerItem(
                             0, points, [&](std::uint64_t point) { (void)RowOf(question, point); }),
                         .threads = threads});
 }
