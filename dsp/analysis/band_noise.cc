@@ -51,18 +51,21 @@ double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper
 BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double upper_hz) {
   HAPTOMETER_CHECK(samples.size() >= 2 && rate_hz > 0, "{} samples at {} Hz", samples.size(),
                    rate_hz);
-  const auto n = static_cast<double>(samples.size());
+  const std::span<const double> seen = samples.first(FastTransformSize(samples.size()));
+  const auto n = static_cast<double>(seen.size());
   BandNoise noise;
   noise.bin_hz = rate_hz / n;
   const double rms = Rms(samples);
   noise.power.mean_square = rms * rms;
-  const auto spectrum = RealSpectrum(samples);
+  const auto spectrum = RealSpectrum(seen);
   const auto wanted = static_cast<std::size_t>(std::min(upper_hz / noise.bin_hz + 1, n / 2));
   noise.bins.resize(std::min(spectrum.size(), wanted + 1));
   for (std::size_t k = 1; k < noise.bins.size(); ++k) {
     noise.bins[k] = 2 * std::norm(spectrum[k]) / (n * n);
     noise.power.variance += 0.5 * noise.bins[k] * noise.bins[k];
   }
+  // of the mean square of all samples
+  noise.power.variance *= n / static_cast<double>(samples.size());
   return noise;
 }
 

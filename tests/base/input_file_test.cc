@@ -40,6 +40,7 @@ TEST_F(InputFile, MissingDirectoryAndEmptyAreTold) {
 }
 
 TEST_F(InputFile, AFileThatTheCommandWroteIsForgotten) {
+  ForgetInputs();  // those that other tests of this process read
   const std::string read = Write("read", "1"), written = Write("written", "2");
   for (const std::string& path : {read, written}) NoteInput(path);
   ForgetInput(written);
