@@ -1,7 +1,7 @@
 #include "dsp/readings/digitisation.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -25,6 +25,8 @@ constexpr int kHighestHarmonic = 3;
 constexpr Eigen::Index kDriftTerms = 5;
 // harmonics are taken where what is left without them is twice as large (in a deviation)
 constexpr double kHarmonicsNeeded = 2;
+// reciprocal condition of the normal equations below which phases are not told apart
+constexpr double kToldApart = 1e-10;
 // steps of rounding that the fit lies beyond the rail, on average
 constexpr double kLeastSteps = 2;
 // of what the samples span: rounding of a fit
@@ -88,15 +90,34 @@ struct Rest {
 class Fitter {
  public:
   Fitter(std::span<const double> samples, const Rails& rails, double rate_hz, double tone_hz)
-      : samples_(samples), rails_(rails), rate_hz_(rate_hz), tone_hz_(tone_hz) {}
+      : samples_(samples),
+        rails_(rails),
+        size_(std::max(kLeastBlock,
+                       static_cast<std::size_t>(std::max(1.0, std::round(kBlockS * rate_hz))))) {
+    while (highest_ > 1 && 2 * highest_ * tone_hz >= rate_hz) --highest_;
+    // drift, tone, harmonics below half the rate: the same in each block
+    terms_.resize(static_cast<Eigen::Index>(size_), TermsOf(highest_));
+    for (Eigen::Index k = 0; k < terms_.rows(); ++k) {
+      const double place = 2 * static_cast<double>(k) / static_cast<double>(size_) - 1;
+      terms_(k, 0) = 1;
+      for (Eigen::Index d = 1; d < kDriftTerms; ++d) terms_(k, d) = terms_(k, d - 1) * place;
+      for (int h = 1; h <= highest_; ++h) {
+        const double angle = 2 * std::numbers::pi * h * tone_hz * static_cast<double>(k) / rate_hz;
+        terms_(k, TermsOf(h) - 2) = std::cos(angle);
+        terms_(k, TermsOf(h) - 1) = std::sin(angle);
+      }
+    }
+  }
 
-  // fits a tone with harmonics up to `highest`, block by block
-  [[nodiscard]] Rest Fit(int highest, bool with_rails) const {
-    const auto wanted = static_cast<std::size_t>(std::max(1.0, std::round(kBlockS * rate_hz_)));
-    const std::size_t size = std::max(kLeastBlock, wanted);
+  // fits a tone with harmonics up to `highest`, block by block, until the deviation of all blocks
+  // is known to exceed `enough`
+  [[nodiscard]] Rest Fit(int highest, bool with_rails,
+                         double enough = std::numeric_limits<double>::infinity()) const {
+    const double most = enough * enough * static_cast<double>(samples_.size());
     Rest rest;
-    for (std::size_t begin = 0; begin + size <= samples_.size(); begin += size) {
-      FitBlock(begin, size, highest, with_rails, rest);
+    for (std::size_t begin = 0; begin + size_ <= samples_.size() && rest.square_sum <= most;
+         begin += size_) {
+      FitBlock(begin, TermsOf(std::min(highest, highest_)), with_rails, rest);
     }
     return rest;
   }
@@ -107,68 +128,56 @@ class Fitter {
     return kDriftTerms + 2 * highest;
   }
 
-  // tone, harmonics below half the rate, drift
-  [[nodiscard]] Eigen::VectorXd Terms(std::size_t k, std::size_t size, int highest) const {
-    Eigen::VectorXd terms(TermsOf(highest));
-    const double place = 2 * static_cast<double>(k) / static_cast<double>(size) - 1;
-    terms[0] = 1;
-    for (Eigen::Index d = 1; d < kDriftTerms; ++d) terms[d] = terms[d - 1] * place;
-    for (int h = 1; h <= highest; ++h) {
-      const double angle = 2 * std::numbers::pi * h * tone_hz_ * static_cast<double>(k) / rate_hz_;
-      terms[TermsOf(h) - 2] = std::cos(angle);
-      terms[TermsOf(h) - 1] = std::sin(angle);
-    }
-    return terms;
-  }
-
-  void FitBlock(std::size_t begin, std::size_t size, int highest, bool with_rails,
-                Rest& rest) const {
-    while (highest > 1 && 2 * highest * tone_hz_ >= rate_hz_) --highest;
-    const Eigen::Index columns = TermsOf(highest);
-    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(size), columns);
+  void FitBlock(std::size_t begin, Eigen::Index columns, bool with_rails, Rest& rest) const {
+    Eigen::MatrixXd matrix(terms_.rows(), columns);
     Eigen::VectorXd right(matrix.rows());
     std::vector<std::size_t> railed;
     Eigen::Index rows = 0;
-    for (std::size_t k = 0; k < size; ++k) {
+    for (std::size_t k = 0; k < size_; ++k) {
       const Place place = rails_.places[begin + k];
       if (place == Place::kMissing) continue;
       if (place != Place::kFree && !with_rails) {
         railed.push_back(k);
         continue;
       }
-      matrix.row(rows) = Terms(k, size, highest);
+      matrix.row(rows) = terms_.row(static_cast<Eigen::Index>(k)).head(columns);
       right[rows++] = samples_[begin + k] - rails_.low;
     }
     // fewer samples than terms, or terms that the sampled phases do not tell apart
     if (rows <= columns) return void(rest.is_determined = rest.is_determined && railed.empty());
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(matrix.topRows(rows));
-    factors.setThreshold(1e-7);
-    if (factors.rank() < columns) return void(rest.is_determined = false);
-    const Eigen::VectorXd fit = factors.solve(right.head(rows));
-    rest.square_sum += (right.head(rows) - matrix.topRows(rows) * fit).squaredNorm();
+    const auto used = matrix.topRows(rows);
+    // normal equations of columns of one length, of the residual once more against their rounding
+    const Eigen::VectorXd scale = used.colwise().norm().cwiseInverse();
+    const Eigen::LDLT<Eigen::MatrixXd> normal(scale.asDiagonal() * (used.transpose() * used) *
+                                              scale.asDiagonal());
+    if (!scale.allFinite() || !(normal.rcond() > kToldApart)) {
+      return void(rest.is_determined = false);
+    }
+    Eigen::VectorXd fit = Eigen::VectorXd::Zero(columns);
+    for (int step = 0; step < 2; ++step) {
+      const Eigen::VectorXd left = used.transpose() * (right.head(rows) - used * fit);
+      fit += scale.cwiseProduct(normal.solve(scale.cwiseProduct(left)));
+    }
+    rest.square_sum += (right.head(rows) - used * fit).squaredNorm();
     rest.freedom += static_cast<double>(rows - columns);
     rest.blocks += railed.empty() ? 0 : 1;
     for (const std::size_t k : railed) {
-      const Eigen::VectorXd terms = Terms(k, size, highest);
+      const Eigen::VectorXd terms = terms_.row(static_cast<Eigen::Index>(k)).head(columns);
       const double value = rails_.low + terms.dot(fit);
       const bool is_high = rails_.places[begin + k] == Place::kHigh;
       rest.beyond += is_high ? value - rails_.high : rails_.low - value;
-      // t' (A'A)^-1 t = |R^-T P' t|^2
-      Eigen::VectorXd permuted = factors.colsPermutation().transpose() * terms;
-      factors.matrixR()
-          .topLeftCorner(columns, columns)
-          .triangularView<Eigen::Upper>()
-          .transpose()
-          .solveInPlace(permuted);
-      rest.variance += permuted.squaredNorm();
+      // t' (A'A)^-1 t
+      const Eigen::VectorXd scaled = scale.cwiseProduct(terms);
+      rest.variance += scaled.dot(normal.solve(scaled));
       ++rest.railed;
     }
   }
 
   std::span<const double> samples_;
   const Rails& rails_;
-  double rate_hz_;
-  double tone_hz_;
+  std::size_t size_;  // of a block
+  int highest_ = kHighestHarmonic;
+  Eigen::MatrixXd terms_;  // a row a sample of a block
 };
 
 // whether the fit lies beyond the rails at the samples that are there
@@ -205,7 +214,7 @@ std::size_t MostEqual(std::span<const double> samples, const Rails& rails) {
 
 ClippingVerdict Judge(const Fitter& fitter, double span, double step) {
   const double floor = kRounding * span;
-  const Rest all = fitter.Fit(1, true);
+  const Rest all = fitter.Fit(1, true, floor);
   // one sine for all samples: no rail changed any
   if (all.is_determined && all.Deviation() <= floor) return ClippingVerdict::kNone;
   const Rest tone = fitter.Fit(1, false);
