@@ -20,7 +20,7 @@ constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
 // rate over the band's lower corner, and fewest samples, that decimation leaves of these
 constexpr double kSearchedRatePerLower = 16;
-constexpr std::size_t kLeastSearched = std::size_t{1} << 12U;
+constexpr std::size_t kLeastSearched = std::size_t{1} << 16U;
 
 Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
   std::vector<double> values(samples.size());

@@ -218,14 +218,12 @@ std::optional<Vector> NewtonStep(const Normal& normal) {
   return newton ? newton : Step(normal.matrix, normal.right);
 }
 
-// the linear coefficients at a fixed frequency: one step solves it, a second removes its rounding
-bool SolveLinear(const Signal& signal, Coefficients& c) {
-  for (int step = 0; step < 2; ++step) {
-    const Normal normal = Linearise(signal, c, false);
-    const auto change = Step(normal.matrix, normal.right);
-    if (!change) return false;
-    c.linear += *change;
-  }
+// one step to the linear coefficients at a fixed frequency
+bool StepLinear(const Signal& signal, Coefficients& c) {
+  const Normal normal = Linearise(signal, c, false);
+  const auto change = Step(normal.matrix, normal.right);
+  if (!change) return false;
+  c.linear += *change;
   return true;
 }
 
@@ -333,7 +331,10 @@ Coefficients StartAt(double rad_per_unit, int drift_degree) {
 
 SineFit FitLinear(const Signal& signal, const SineFitOptions& options, double frequency_hz) {
   Coefficients c = StartAt(kTwoPi * frequency_hz / signal.units_per_s, options.drift_degree);
-  if (!SolveLinear(signal, c)) return NotConverged(frequency_hz);
+  // the second step removes the first one's rounding
+  for (int step = 0; step < 2; ++step) {
+    if (!StepLinear(signal, c)) return NotConverged(frequency_hz);
+  }
   SineFit fit = Describe(signal, options, c, false);
   fit.frequency_hz = frequency_hz;
   return fit;
@@ -408,7 +409,7 @@ SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, d
   const double start = kTwoPi * start_hz / options.rate_hz;
   Coefficients c = StartAt(start, options.drift_degree);
   // start values of the linear coefficients at the start frequency
-  if (!SolveLinear(even, c)) return NotConverged(start_hz);
+  if (!StepLinear(even, c)) return NotConverged(start_hz);
 
   // until the frequency converges; every pass through the loop is one step of Newton's method
   const double freedom = IndependentSamples(even, options) - parameters;
@@ -417,7 +418,7 @@ SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, d
     const auto change = Improve(even, c, normal);
     // |w - start| <= 2 pi / half in rad per sample, that is 2 / T in Hz with T = 2 half samples
     if (!change || !(std::abs(c.rad_per_unit - start) <= kTwoPi / even.half)) break;
-    if (AtRest(normal, *change, freedom) && SolveLinear(even, c)) {
+    if (AtRest(normal, *change, freedom) && StepLinear(even, c)) {
       return Describe(even, options, c, true);
     }
   }
