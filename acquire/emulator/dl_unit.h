@@ -10,6 +10,7 @@
 
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
+#include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/keyence/dl_line.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
@@ -162,7 +163,7 @@ class DlRs1aUnit final : public DlUnit {
 struct DlEn1Setup {
   std::vector<MovingHead> heads{};  ///< of the amplifiers 01, 02, ...; at least one
   MonotonicNs processing_ns = 1'000'000;
-  MonotonicNs refresh_ns = 7'800'000;  ///< the maker's for one amplifier (dl_en1::RefreshNs)
+  MonotonicNs refresh_ns = dl_en1::kRefreshNs;  ///< the maker's for one amplifier
   bool is_writable = false;
   FaultPlan faults{};
 };

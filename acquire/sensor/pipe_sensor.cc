@@ -9,7 +9,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "base/text.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -25,7 +25,7 @@ struct PipeChannels {
 };
 
 /// Reads `NAME:UNIT,NAME:UNIT...`, e.g. `displacement:um,voltage:V,trigger`, by the rule for the
-/// columns of a CSV (trial/import/csv_header.h: `displacement:um` is its displacement_um).
+/// columns of a CSV (trial/import/table/csv_header.h: `displacement:um` is its displacement_um).
 ///
 /// `calibration_path`: a calibration file (trial/calibration.h), or empty. A channel that it names
 /// comes in volts or amperes, as the file says; its UNIT, if given, is theirs (`displacement:mV`).

@@ -53,10 +53,8 @@ BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double u
                    rate_hz);
   const std::span<const double> seen = samples.first(FastTransformSize(samples.size()));
   const auto n = static_cast<double>(seen.size());
-  BandNoise noise;
-  noise.bin_hz = rate_hz / n;
   const double rms = Rms(samples);
-  noise.power.mean_square = rms * rms;
+  BandNoise noise{.power = {rms * rms, 0}, .bin_hz = rate_hz / n, .bins = {}};
   const auto spectrum = RealSpectrum(seen);
   const auto wanted = static_cast<std::size_t>(std::min(upper_hz / noise.bin_hz + 1, n / 2));
   noise.bins.resize(std::min(spectrum.size(), wanted + 1));
@@ -64,8 +62,7 @@ BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double u
     noise.bins[k] = 2 * std::norm(spectrum[k]) / (n * n);
     noise.power.variance += 0.5 * noise.bins[k] * noise.bins[k];
   }
-  // of the mean square of all samples
-  noise.power.variance *= n / static_cast<double>(samples.size());
+  noise.power.variance *= n / static_cast<double>(samples.size());  // of all samples
   return noise;
 }
 

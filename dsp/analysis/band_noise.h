@@ -40,9 +40,8 @@ struct BandNoise {
 /// corner the default filter leaves 2e-4 of its power in both passes.
 [[nodiscard]] constexpr double NoiseReachHz(const BandPass& band) { return 1.5 * band.upper_hz; }
 
-/// Measures `samples` (2 at least) taken at `rate_hz`. Cost: one transform; memory three times the
-/// samples. The bins are those of the samples that transform fast (FastTransformSize): of 6105 it
-/// is 0.3 for 6.5 ms. Frequencies above `upper_hz` are left out of bins, not of the mean square.
+/// Measures `samples` (2 at least) taken at `rate_hz`; the bins, up to `upper_hz`, are those of
+/// the samples that transform fast. Cost: one transform; memory three times the samples.
 [[nodiscard]] BandNoise MeasureNoise(std::span<const double> samples, double rate_hz,
                                      double upper_hz);
 

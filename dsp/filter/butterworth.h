@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/usual_band.h"
 
 namespace haptometer::dsp {
 
@@ -41,9 +42,9 @@ enum class Corners : std::uint8_t { kEach, kWhole };
 
 /// A Butterworth band-pass as it is asked for. `order` N gives 2 N poles: N sections.
 struct BandPass {
-  int order = 6;          ///< 1 to 8
-  double lower_hz = 20;   ///< > 0
-  double upper_hz = 500;  ///< > lower_hz, < rate / 2
+  int order = 6;                    ///< 1 to 8
+  double lower_hz = kUsualLowerHz;  ///< > 0
+  double upper_hz = kUsualUpperHz;  ///< > lower_hz, < rate / 2
   Corners corners = Corners::kWhole;
 };
 

@@ -59,7 +59,6 @@ LITERALS = {
     "rms_estimate.cc": {"0.04", "0.025", "0.05"},  # tails of 95 %
     "sensor_gain.cc": {"1e+06"},
     "sweep_analysis.cc": {"60", "8"},  # bisection, samples
-    "sweep_analysis.h": {"20", "500"},  # the default band
     "window_choice.cc": {"1e-300"},
     "window_numbers.cc": {"1e-300", "10.5"},  # the tenth harmonic
 }

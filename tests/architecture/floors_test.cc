@@ -66,6 +66,27 @@ TEST_P(Floors, ARoomIncludesOnlyWhatStandsBelowIt) {
   }
 }
 
+// a folder that is read in one go; a header or source of its own where more than one file needs it
+TEST(Folders, HoldAtMostThirtySourcesAndFewSmallOnes) {
+  constexpr int kMostInFolder = 30, kShort = 40, kMostShort = 60;
+  std::map<fs::path, int> sources;
+  int few_lines = 0;
+  for (const auto& [room, below] : kFloors) {
+    for (const auto& entry : fs::recursive_directory_iterator(kSource / room)) {
+      const auto ending = entry.path().extension();
+      if (ending != ".h" && ending != ".cc") continue;
+      ++sources[fs::relative(entry.path().parent_path(), kSource)];
+      std::ifstream file(entry.path());
+      int lines = 0;
+      for (std::string line; std::getline(file, line);) ++lines;
+      few_lines += lines < kShort ? 1 : 0;
+    }
+  }
+  EXPECT_GT(sources.size(), 20U) << "the search is blind";
+  for (const auto& [folder, count] : sources) EXPECT_LE(count, kMostInFolder) << folder;
+  EXPECT_LE(few_lines, kMostShort);
+}
+
 INSTANTIATE_TEST_SUITE_P(Rooms, Floors,
                          ::testing::Values("base", "trial", "acquire", "dsp", "sim", "fit",
                                            "tools"),

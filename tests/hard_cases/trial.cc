@@ -21,7 +21,7 @@
 #include "trial/calibration.h"
 #include "trial/export/export.h"
 #include "trial/import/readers.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/sensor_head.h"
 #include "trial/time_base.h"
 #include "trial/trial_rows.h"

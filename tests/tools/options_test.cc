@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "base/usual_band.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
+#include "tools/cli/shared_options.h"
 
 namespace haptometer::cli {
 namespace {
@@ -191,6 +193,13 @@ TEST(Options, DescribeWordsWithoutDashesAndWhatAllVerbsHave) {
   ASSERT_EQ(json.at("common").size(), 4U);
   EXPECT_EQ(json.at("common").at(0).at("name"), "-h,--help");
   EXPECT_EQ(json.at("common").at(0).at("text"), "Show this help");
+}
+
+TEST(UsualBand, ItsTextHasItsNumbers) {
+  const auto band = ParseBand(std::string(kUsualBand));
+  ASSERT_TRUE(band) << band.error().Text();
+  EXPECT_EQ(band->lower_hz, kUsualLowerHz);
+  EXPECT_EQ(band->upper_hz, kUsualUpperHz);
 }
 
 }  // namespace

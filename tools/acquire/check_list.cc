@@ -12,7 +12,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/check.h"
 #include "tools/document/findings_dsp.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::tools {

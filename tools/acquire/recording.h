@@ -12,6 +12,7 @@
 #include "acquire/sensor/sensor.h"
 #include "base/error.h"
 #include "base/quantity.h"
+#include "base/usual_band.h"
 #include "dsp/filter/butterworth.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/acquire/sensor_options.h"
@@ -122,7 +123,7 @@ struct AcquireOptions {
   RecordingOptions recording;
   bool live = false;
   bool check = false;
-  std::string band = "20-500Hz";
+  std::string band{kUsualBand};
   std::optional<Quantity> smallest_rms_m;
   bool list_ports = false;
   bool list_sensors = false;

@@ -10,7 +10,7 @@
 #include "acquire/sensor/stream_sensor.h"
 #include "base/input_file.h"
 #include "tools/cli/shared_options.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::tools {

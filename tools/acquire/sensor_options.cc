@@ -12,7 +12,7 @@
 #include "acquire/sensor/keyence/il_settings.h"
 #include "acquire/sensor/modbus_profile.h"
 #include "base/mapped.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::tools {
 namespace {

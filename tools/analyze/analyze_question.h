@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "base/usual_band.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"
@@ -49,7 +50,7 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words);
 /// The command line of `analyze`, as it was typed.
 struct AnalyzeWords {
   std::vector<std::string> files;
-  cli::BandWords band{.band = "20-500Hz", .order = {}, .corner = "whole"};
+  cli::BandWords band{.band = std::string(kUsualBand), .order = {}, .corner = "whole"};
   std::string window = "auto";
   std::string floor;
   std::string hum = "subtract";

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::tools {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "base/jobs.h"
 #include "base/mapped.h"
+#include "base/usual_band.h"
 #include "sim/scene/scene_file.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/cli/options.h"
@@ -23,7 +24,6 @@ namespace {
 
 constexpr std::string_view kVerb = "cost";
 constexpr std::string_view kUsualScene = "the thesis's adapter scene";
-constexpr std::string_view kUsualBand = "20-500Hz";
 constexpr double kUsualSimulated = 1e-6;
 constexpr double kUsualMeasured = 0.01;
 constexpr double kLargestMeasured = 0.25;

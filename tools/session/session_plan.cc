@@ -18,7 +18,7 @@
 #include "tools/analyze/expectation.h"
 #include "tools/session/watched_folder.h"
 #include "tools/study/alike_names.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::tools {
 namespace {

@@ -22,7 +22,7 @@
 #include "tools/cli/output_file.h"
 #include "tools/document/keys.h"
 #include "trial/export/export.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 #include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 

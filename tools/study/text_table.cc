@@ -12,7 +12,7 @@
 #include "base/quantity.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::tools {
 namespace {

@@ -21,7 +21,8 @@ struct TextTable {
 };
 
 /// At most 16 MiB and 4096 columns, separated by commas, semicolons or tabs as in the first line
-/// (trial/import/table_cells.h), with CR LF and any of the encodings there. Lines that begin with
+/// (trial/import/table/table_cells.h), with CR LF and any of the encodings there. Lines that begin
+/// with
 /// '#' and empty ones are passed over; cells may stand in double quotes (RFC 4180, without line
 /// ends within them). Errors (Cause::kCannotAnswer): the file's, larger, a line with another number
 /// of cells, a name twice, no row, a `required` column that is not there, with the nearest.

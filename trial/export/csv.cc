@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "trial/export/export.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

@@ -48,11 +48,11 @@ using FindingSayer = std::function<std::string(const Finding&)>;
 ///
 /// Fields: `time_s` (f8, the clean time base), `arrival_s` where raw times stand beside it, then
 /// for each channel its column (f8, SI, NaN where there is no measurement) and `COLUMN_status` (u1,
-/// the number of its SampleStatus). Columns are named as in a CSV (trial/import/csv_header.h).
-/// Values, statuses and times keep their bits. A second array behind the first, one text of bytes,
-/// holds the rest (trial/export/description.h): `numpy.load` of a path passes over it. Form: NumPy
-/// format 1.0, or 2.0 where the head of fields needs it. Errors: those of `sink`;
-/// Cause::kCannotAnswer where the record holds no channel. Cost: one pass.
+/// the number of its SampleStatus). Columns are named as in a CSV
+/// (trial/import/table/csv_header.h). Values, statuses and times keep their bits. A second array
+/// behind the first, one text of bytes, holds the rest (trial/export/description.h): `numpy.load`
+/// of a path passes over it. Form: NumPy format 1.0, or 2.0 where the head of fields needs it.
+/// Errors: those of `sink`; Cause::kCannotAnswer where the record holds no channel. Cost: one pass.
 [[nodiscard]] Result<void> WriteNpy(const Recording& recording, const PieceSink& sink,
                                     const FindingSayer& say = {});
 

@@ -12,7 +12,7 @@
 #include "trial/export/description.h"
 #include "trial/export/export.h"
 #include "trial/export/object_names.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::trial {

@@ -8,7 +8,7 @@
 #include "trial/export/description.h"
 #include "trial/export/export.h"
 #include "trial/export/object_names.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

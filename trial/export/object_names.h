@@ -5,7 +5,7 @@
 
 /// The objects of one exported trial, by the names that they have in HDF5, MAT and NPY;
 /// docs/reference/formats.md says what they hold. Beside them stand one column a channel, named as
-/// in a CSV (trial/import/csv_header.h), and one with its statuses.
+/// in a CSV (trial/import/table/csv_header.h), and one with its statuses.
 namespace haptometer::trial::objects {
 
 inline constexpr const char* kTimes = "time_s";

@@ -10,7 +10,7 @@
 #include "trial/block.h"
 #include "trial/export/description.h"
 #include "trial/export/export.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "trial/export/object_names.h"
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::trial {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "trial/import/exported_trial.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "base/error.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "trial/import/csv_header.h"
-#include "trial/import/csv_rows.h"
-#include "trial/import/foreign_table.h"
-#include "trial/import/named_columns.h"
-#include "trial/import/printed_times.h"
 #include "trial/import/readers.h"
-#include "trial/import/row_times.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/csv_rows.h"
+#include "trial/import/table/foreign_table.h"
+#include "trial/import/table/named_columns.h"
+#include "trial/import/table/printed_times.h"
+#include "trial/import/table/row_times.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -20,7 +20,7 @@
 #include "trial/import/exported_trial.h"
 #include "trial/import/number_table.h"
 #include "trial/import/readers.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "trial/calibration.h"
 #include "trial/export/object_names.h"
-#include "trial/import/csv_header.h"
-#include "trial/import/csv_rows.h"
-#include "trial/import/foreign_table.h"
-#include "trial/import/named_columns.h"
-#include "trial/import/row_times.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/csv_rows.h"
+#include "trial/import/table/foreign_table.h"
+#include "trial/import/table/named_columns.h"
+#include "trial/import/table/row_times.h"
 
 namespace haptometer::trial {
 namespace {

@@ -35,9 +35,9 @@ struct NumberTable {
     std::vector<double> numbers, std::size_t rows, std::size_t columns, bool is_by_row,
     const std::string& label, const std::string& name, const ImportOptions& options);
 
-/// A table as a recording, by the rules of a CSV (trial/import/csv_header.h, row_times.h): column
-/// names carry role and unit; `COLUMN_status` holds the statuses of COLUMN as numbers of a byte;
-/// times lie on the grid that explains them, else they are the readings' own.
+/// A table as a recording, by the rules of a CSV (trial/import/table/csv_header.h, row_times.h):
+/// column names carry role and unit; `COLUMN_status` holds the statuses of COLUMN as numbers of a
+/// byte; times lie on the grid that explains them, else they are the readings' own.
 ///
 /// `options`: columns names the columns from the left; rate, scale, channel and calibration as for
 /// a CSV; a layout is passed over with a finding. `kind`: of the file.

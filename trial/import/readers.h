@@ -18,19 +18,19 @@ namespace haptometer::trial {
 /// converted to SI; other names become ChannelRole::kOther. `status` applies to all channels,
 /// `status_2` to the second. Separator comma, semicolon, tab or blanks (with the latter three a
 /// decimal comma is understood); a byte-order mark and CRLF are tolerated.
-/// trial/import/csv_header.h has the rules.
+/// trial/import/table/csv_header.h has the rules.
 ///
 /// `# key = value`: keys with a place in Metadata go there (`label.NAME` to the labels), all others
 /// to metadata.fields as text, as do those of impulse.csv. An empty cell, `nan` or `inf` is
 /// kInvalid; a number beside a status that is no measurement is dropped.
 ///
 /// Times that differ from a grid by no more than their printed digits explain become clocked
-/// stretches (trial/import/printed_times.cc); other times are kept in raw_times_s beside their mean
-/// line. The
+/// stretches (trial/import/table/printed_times.cc); other times are kept in raw_times_s beside
+/// their mean line. The
 /// `# stretch` lines of an export count where they still describe the rows.
 ///
-/// A table of another program (oscilloscope, DAQ) is read as trial/import/foreign_table.h says;
-/// `options` help where its own words do not suffice. Without a time column it needs
+/// A table of another program (oscilloscope, DAQ) is read as trial/import/table/foreign_table.h
+/// says; `options` help where its own words do not suffice. Without a time column it needs
 /// options.rate_hz. Errors name `name`; what was assumed goes to `findings`, which may be nullptr.
 ///
 /// Errors (Cause::kCannotAnswer): text instead of numbers, no time column, times that do not grow

@@ -14,11 +14,11 @@
 
 #include "trial/block.h"
 #include "trial/export/object_names.h"
-#include "trial/import/csv_header.h"
 #include "trial/import/exported_trial.h"
 #include "trial/import/number_table.h"
 #include "trial/import/readers.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::trial {

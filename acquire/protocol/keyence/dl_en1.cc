@@ -20,9 +20,9 @@ constexpr std::int32_t kMostCounts = 999'999'999;
 
 constexpr std::array kCommands = {Command::kM0, Command::kMs, Command::kSr, Command::kSw,
                                   Command::kFr};
-// 7.8 ms with one amplifier to 27.8 ms with eight
+// of one to eight amplifiers
 constexpr std::array<MonotonicNs, 8> kRefreshes_ns = {
-    7'800'000, 9'800'000, 13'800'000, 15'800'000, 19'800'000, 21'800'000, 25'800'000, 27'800'000};
+    kRefreshNs, 9'800'000, 13'800'000, 15'800'000, 19'800'000, 21'800'000, 25'800'000, 27'800'000};
 
 // the counts that stand for no measurement: `most` is the display's largest number
 SampleStatus StatusOf(std::int32_t counts, std::int32_t most) {

@@ -24,6 +24,8 @@ inline constexpr int kPort = 64000;
 inline constexpr int kFirstUnit = 1;
 /// Characters of the longest legal line: MS of 15 amplifiers.
 inline constexpr std::size_t kLongestLine = 2 + dl::kMostUnits * 14;
+/// How often the unit has fresh values with one amplifier.
+inline constexpr MonotonicNs kRefreshNs = 7'800'000;
 
 /// Error numbers of `ER`.
 inline constexpr int kOutOfRange = 9;

@@ -8,7 +8,7 @@
 #include "tests/residual.h"
 #include "trial/export/export.h"
 #include "trial/import/readers.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

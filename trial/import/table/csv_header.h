@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {

@@ -10,10 +10,10 @@
 
 #include "base/error.h"
 #include "trial/findings.h"
-#include "trial/import/csv_header.h"
 #include "trial/import/import_options.h"
-#include "trial/import/stated_clock.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/stated_clock.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 

@@ -1,4 +1,4 @@
-#include "trial/import/named_columns.h"
+#include "trial/import/table/named_columns.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,4 +1,4 @@
-#include "trial/import/stated_clock.h"
+#include "trial/import/table/stated_clock.h"
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,4 +1,4 @@
-#include "trial/import/csv_header.h"
+#include "trial/import/table/csv_header.h"
 
 #include <fmt/core.h>
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "trial/import/csv_header.h"
-#include "trial/import/printed_times.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/printed_times.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {

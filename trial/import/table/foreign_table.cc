@@ -1,12 +1,12 @@
-#include "trial/import/foreign_table.h"
+#include "trial/import/table/foreign_table.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "trial/import/instrument_layouts.h"
-#include "trial/import/named_columns.h"
+#include "trial/import/table/instrument_layouts.h"
+#include "trial/import/table/named_columns.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,4 +1,4 @@
-#include "trial/import/printed_times.h"
+#include "trial/import/table/printed_times.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/mapped.h"
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/time_base.h"
 
 namespace haptometer::trial {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "trial/import/foreign_table.h"
+#include "trial/import/table/foreign_table.h"
 
 namespace haptometer::trial {
 

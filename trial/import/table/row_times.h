@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "trial/findings.h"
-#include "trial/import/csv_rows.h"
 #include "trial/import/import_options.h"
-#include "trial/import/stated_clock.h"
+#include "trial/import/table/csv_rows.h"
+#include "trial/import/table/stated_clock.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {

@@ -1,4 +1,4 @@
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 #include <fmt/core.h>
 

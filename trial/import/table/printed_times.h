@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "trial/import/stated_clock.h"
+#include "trial/import/table/stated_clock.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -52,11 +52,11 @@ class PrintedTimes {
   ///
   /// `timing`: kUniform for times that a clock made, others for times as they came. `stated`: the
   /// stretches that the file itself gives, used where they still describe the rows. Otherwise a
-  /// grid where their resolution explains the times (trial/import/printed_times.cc), else the mean
-  /// line beside the times as they stand. Of times that repeat without a grid that explains it, at
-  /// most one row in a hundred is left out: a row that was written twice, or two readings with one
-  /// time. Nothing, and `record` is not to be used: more of them do, or times lie closer than a
-  /// rate can say.
+  /// grid where their resolution explains the times (trial/import/table/printed_times.cc), else the
+  /// mean line beside the times as they stand. Of times that repeat without a grid that explains
+  /// it, at most one row in a hundred is left out: a row that was written twice, or two readings
+  /// with one time. Nothing, and `record` is not to be used: more of them do, or times lie closer
+  /// than a rate can say.
   [[nodiscard]] std::optional<std::vector<std::size_t>> Complete(Timing timing,
                                                                  std::vector<Stretch> stated,
                                                                  Record* record) &&;

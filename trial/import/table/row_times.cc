@@ -1,4 +1,4 @@
-#include "trial/import/row_times.h"
+#include "trial/import/table/row_times.h"
 
 #include <fmt/core.h>
 

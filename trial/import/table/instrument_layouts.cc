@@ -1,4 +1,4 @@
-#include "trial/import/instrument_layouts.h"
+#include "trial/import/table/instrument_layouts.h"
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

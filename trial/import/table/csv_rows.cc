@@ -1,4 +1,4 @@
-#include "trial/import/csv_rows.h"
+#include "trial/import/table/csv_rows.h"
 
 #include <fmt/core.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "trial/import/table_cells.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

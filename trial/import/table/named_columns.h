@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 #include "trial/findings.h"
-#include "trial/import/csv_header.h"
-#include "trial/import/foreign_table.h"
 #include "trial/import/import_options.h"
-#include "trial/import/stated_clock.h"
+#include "trial/import/table/csv_header.h"
+#include "trial/import/table/foreign_table.h"
+#include "trial/import/table/stated_clock.h"
 
 namespace haptometer::trial {
 
