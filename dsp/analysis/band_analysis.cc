@@ -295,10 +295,9 @@ Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnaly
   HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
   // as in AnalyzeBand: known times are put on the same grid first
   if (!source.head().times_are_known) return ReadFrom(source, analysis, most);
-  const auto grid = OnRegularGrid(source, analysis.band.upper_hz);
-  if (!grid) return std::unexpected(grid.error());
-  HAPTOMETER_CHECK(!grid->refusal, "an analysis of times without a grid");
-  return ReadFrom(trial::RecordRows(grid->record), analysis, most);
+  HAPTOMETER_LET(const auto grid, OnRegularGrid(source, analysis.band.upper_hz));
+  HAPTOMETER_CHECK(!grid.refusal, "an analysis of times without a grid");
+  return ReadFrom(trial::RecordRows(grid.record), analysis, most);
 }
 
 }  // namespace haptometer::dsp

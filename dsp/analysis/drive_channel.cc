@@ -164,17 +164,16 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
                                     const BandSignal& signal, const BandPass& band,
                                     double tone_hz) {
   const std::size_t cells = signal.cells().size();
-  const auto drive = PowerOf(source, channel, signal);
-  if (!drive) return std::unexpected(drive.error());
+  HAPTOMETER_LET(const auto drive, PowerOf(source, channel, signal));
   const PowerCells shape{.start_s = signal.start_s(),
                          .cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz(),
                          .window_s = 1 / band.lower_hz,
                          .bandwidth_hz = band.upper_hz - band.lower_hz};
-  const std::vector<PowerEdge> edges = PowerEdges(drive->mean_square, shape);
+  const std::vector<PowerEdge> edges = PowerEdges(drive.mean_square, shape);
   ChannelCourse course;
   // on from each rise to the next fall; without edges on throughout, if there is any power
   const double end_s = shape.start_s + static_cast<double>(cells) * shape.cell_s;
-  const double power = std::accumulate(drive->mean_square.begin(), drive->mean_square.end(), 0.0);
+  const double power = std::accumulate(drive.mean_square.begin(), drive.mean_square.end(), 0.0);
   if (power > 0 && (edges.empty() || !edges.front().rises)) {
     course.on.push_back({shape.start_s, end_s});
   }
@@ -186,7 +185,7 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
   const std::vector<PowerEdge> of_motion = PowerEdges(motion, shape);
   // of a channel of two levels only the displacement says whether it is a drive or flickers
   const bool flickers = edges.size() > 2 * of_motion.size();
-  if (drive->is_coarse && (flickers || Differences(edges, of_motion).empty())) {
+  if (drive.is_coarse && (flickers || Differences(edges, of_motion).empty())) {
     course.on = {{shape.start_s, end_s}};
     return course;
   }
@@ -199,7 +198,7 @@ Result<ChannelCourse> FollowChannel(const trial::RowSource& source, std::size_t 
   const double unknown_s =
       filtered ? of_phase_s : 1 / (4 * std::pow(std::numbers::pi, 2) * apart_hz);
   const auto of_drive =
-      RefinedEdges(filtered ? *filtered : drive->mean_square, shape, unknown_s, edges);
+      RefinedEdges(filtered ? *filtered : drive.mean_square, shape, unknown_s, edges);
   const auto differences =
       Differences(of_drive, RefinedEdges(motion, shape, of_phase_s, of_motion));
   if (!differences.empty()) course.delay = DelayOf(differences);

@@ -107,9 +107,8 @@ Result<Samples> ReadBlocks(const BandSignal& signal, const BandPass& band, std::
                   .begin = signal.settled_begin()};
   // kept samples are multiples of the stride
   if (!signal.is_kept()) samples.begin = (samples.begin + stride - 1) / stride * stride;
-  auto values = ReadForStates(signal, band, lines, samples.begin, signal.settled_end());
-  if (!values) return std::unexpected(values.error());
-  samples.values = *std::move(values);
+  HAPTOMETER_LET(samples.values,
+                 ReadForStates(signal, band, lines, samples.begin, signal.settled_end()));
   samples.block = samples.period = std::min(block, samples.values.size());
   samples.frame = std::min(2 * samples.block, samples.values.size());
   samples.blocks = samples.values.size() / samples.block;

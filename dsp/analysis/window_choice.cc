@@ -37,9 +37,7 @@ Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
     Course& course = courses.emplace_back();
     course.signal = &signal;
     if (question.keep_hum) continue;
-    auto hum = FindHum(signal, question.band, question.drive_frequency_hz);
-    if (!hum) return std::unexpected(hum.error());
-    course.hum = *std::move(hum);
+    HAPTOMETER_LET(course.hum, FindHum(signal, question.band, question.drive_frequency_hz));
   }
   return courses;
 }
@@ -56,9 +54,7 @@ Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Cours
     course.blocks.blocks.clear();
     if (duration_s < kLeastWindowPeriods / band.lower_hz) continue;
     if (length > 1 && duration_s < kFewest * block_s) continue;
-    auto blocks = MeasureBlocks(*course.signal, band, block_s, course.hum);
-    if (!blocks) return std::unexpected(blocks.error());
-    course.blocks = *std::move(blocks);
+    HAPTOMETER_LET(course.blocks, MeasureBlocks(*course.signal, band, block_s, course.hum));
     course.states = FindStates(course.blocks, band.lower_hz);
   }
   return {};
@@ -350,15 +346,23 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   return chosen;
 }
 
-// Whether a tone that is not seen in the shortest blocks is at a multiple of the mains, and never
-// pauses: hum, unless the drive is said to be there.
-bool MayBeHum(const ChosenPart& found, const BandQuestion& question) {
-  const double frequency_hz = 0.5 * (found.part.state.from_hz + found.part.state.to_hz);
+// Whether a tone at a multiple of the mains never pauses as far as can be seen (it is not seen in
+// the shortest blocks; at 50 or 60 Hz no state has less power): hum, unless stated as the drive.
+bool MayBeHum(const ChosenPart& found, const std::vector<StateInterval>& states, bool is_shortest,
+              const BandQuestion& question) {
+  const StateInterval& on = found.part.state;
+  const double frequency_hz = 0.5 * (on.from_hz + on.to_hz);
   const auto stated_hz = question.drive_frequency_hz;
+  const double least_m = (1 - kNoticeable) * on.rms_m;
+  const auto falls = [&](const StateInterval& state) { return state.rms_m < least_m; };
+  const bool pauses =
+      found.part.why.kind == FindingKind::kOneState
+          ? is_shortest
+          : frequency_hz > kMainsHz.back() + kMainsWithinHz || std::ranges::any_of(states, falls);
   // what the mains may be off, and a tenth of a bin
   const double tolerance_hz =
-      kMainsPart * frequency_hz + 1 / (2 * kReachBins * found.part.state.time.duration_s());
-  return found.part.why.kind == FindingKind::kOneState && IsOfMains(frequency_hz, tolerance_hz) &&
+      kMainsPart * frequency_hz + 1 / (2 * kReachBins * on.time.duration_s());
+  return !pauses && IsOfMains(frequency_hz, tolerance_hz) &&
          !(stated_hz && std::abs(*stated_hz - frequency_hz) < kMainsWithinHz);
 }
 
@@ -381,16 +385,16 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
     auto best = LongestSteady(courses, question.band.lower_hz);
     const bool is_shortest = length == kBlockLengths.front();
     if (best || is_shortest) KeepStates(courses, analysis);
-    if (best && !is_shortest && MayBeHum(*best, question)) return WithoutDrive(*best);
-    if (best) return *std::move(best);
+    if (!best) continue;
+    const bool is_hum = MayBeHum(*best, analysis->states, is_shortest, question);
+    return is_hum ? WithoutDrive(*best) : *std::move(best);
   }
   if (std::ranges::none_of(analysis->states, [](const StateInterval& state) {
         return state.state == DriveState::kOn;
       })) {
-    auto faint = FaintTone(courses, question.band, analysis);
-    if (!faint) return std::unexpected(faint.error());
-    if (*faint && MayBeHum(**faint, question)) return WithoutDrive(**faint);
-    if (*faint) return **std::move(faint);
+    HAPTOMETER_LET(auto faint, FaintTone(courses, question.band, analysis));
+    if (faint && MayBeHum(*faint, {}, false, question)) return WithoutDrive(*faint);
+    if (faint) return *std::move(faint);
   }
   ChosenPart none = AllSettled(LongestSettled(all));
   none.refusal = WhyNoDrive(courses, *analysis);
@@ -484,11 +488,10 @@ Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
                                              const BandQuestion& question, BandAnalysis* analysis) {
   HAPTOMETER_LET(auto courses, FindHumOf(all, question));
   if (question.choice == WindowChoice::kAuto) {
-    auto chosen = ChooseDriven(courses, all, question, analysis);
-    if (!chosen) return std::unexpected(chosen.error());
-    RemarkUnsteady(chosen->part, analysis);
-    RemarkBumps(*chosen, analysis);
-    return *std::move(chosen);
+    HAPTOMETER_LET(auto chosen, ChooseDriven(courses, all, question, analysis));
+    RemarkUnsteady(chosen.part, analysis);
+    RemarkBumps(chosen, analysis);
+    return chosen;
   }
   auto chosen = question.choice == WindowChoice::kGiven ? ChooseGiven(all, question, analysis)
                                                         : AllSettled(LongestSettled(all));

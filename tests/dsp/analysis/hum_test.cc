@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "dsp/analysis/band_analysis.h"
 #include "dsp/readings/segments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
@@ -150,6 +151,28 @@ TEST(FindHum, BurstsAtTheMainsFrequencyAreNoHum) {
     }
     EXPECT_TRUE(HumIn(values).empty()) << on_s;
   }
+}
+
+// A bump of 0.1 mm hides hum for a third of a second, and turns its phase over the record: hum is
+// not found, and its two states on either side of the bump are no drive, for no state has less
+// power.
+TEST(HumBesideABump, IsNoDriveUnlessStated) {
+  std::vector<double> values =
+      Displacement({{1.4e-6, 49.99, 0.4}, {0.1e-6, 99.98, 1}}, Drive::kNone, 225, 8);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double since_s = static_cast<double>(k) / kRateHz - 2.2;
+    if (since_s < 0) continue;
+    values[k] += 100e-6 * std::exp(-since_s / 0.05) * std::sin(2 * std::numbers::pi * 30 * since_s);
+  }
+  const trial::Record record = RecordOf(values, kRateHz);
+  const auto unstated = AnalyzeBand(record, {});
+  ASSERT_TRUE(unstated);
+  EXPECT_FALSE(unstated->answered);
+  BandQuestion question;
+  question.drive_frequency_hz = 50;
+  const auto stated = AnalyzeBand(record, question);
+  ASSERT_TRUE(stated);
+  EXPECT_TRUE(stated->answered);
 }
 
 TEST(FindHum, NothingIsSoughtBelowOneSecond) {
