@@ -1,13 +1,15 @@
 """Seeds faults one at a time in the numerical code and asks whether the tests find them.
 
-    mutate.py [--seed N] [--count N] [--rooms sim,fit] [--results FILE.jsonl] [--work FOLDER] [--own] [--again]
+    mutate.py [--seed N] [--count N] [--rooms sim,fit] [--part I/N] [--results FILE.jsonl] [--work FOLDER]
+              [--own] [--again]
     mutate.py --report [--results FILE.jsonl]
 
 Each fault is put into a copy of the tree (in FOLDER), which is built on its own; the tree itself is never
 changed. The test program of the fault's room runs first: the test file that mirrors the source, then all of
 them. What it does not find, the next room's test program may (not with --own). A line of JSON per fault goes to
 the results: caught, survived, same-program (the fault changes no program), does-not-compile, timeout. A run
-begun again with the same options goes on behind what is there; --again tries survivors once more.
+begun again with the same options goes on behind what is there; --again tries survivors once more. With
+--part 1/2 and 2/2, in a FOLDER each, two commands share the faults and the results.
 tests/long/mutants.toml says of each survivor why it is none, or which test was added. --report ends with
 status 1 while a survivor stands without a word there, or less than 92 % are caught.
 """
@@ -303,7 +305,10 @@ def run(options):
     copy.configure()
     trial = Trial(copy)
     done = read_results(options.results)
-    for _, fault in zip(range(options.count), choice(copy.tree, options.rooms, options.seed)):
+    part, parts = options.part
+    for number, fault in zip(range(options.count), choice(copy.tree, options.rooms, options.seed)):
+        if number % parts != part - 1:
+            continue
         source = (copy.tree / fault.file).read_text(encoding="utf-8")
         row = fault.row(source)
         known = done.get(key(row) + (row["line"], row["column"]))
@@ -340,6 +345,7 @@ def main():
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--count", type=int, default=200)
     words.add_argument("--rooms", type=lambda text: tuple(text.split(",")), default=ROOMS)
+    words.add_argument("--part", type=lambda text: tuple(map(int, text.split("/"))), default=(1, 1), metavar="I/N")
     words.add_argument("--results", type=pathlib.Path, default=ROOT / "build/mutants/results.jsonl")
     words.add_argument("--work", type=pathlib.Path, default=ROOT / "build/mutants")
     words.add_argument("--own", action="store_true", help="only the test program of the fault's own room")
@@ -348,6 +354,8 @@ def main():
     options = words.parse_args()
     if not set(options.rooms) <= set(ROOMS):
         words.error(f"rooms are {', '.join(ROOMS)}")
+    if len(options.part) != 2 or not 1 <= options.part[0] <= options.part[1]:
+        words.error("--part is I/N, as 1/2")
     if options.report:
         return report(options)
     options.results.parent.mkdir(parents=True, exist_ok=True)
