@@ -346,15 +346,15 @@ Result<std::optional<ChosenPart>> FaintTone(const std::vector<Course>& courses,
   return chosen;
 }
 
-// Whether a tone at a multiple of the mains never pauses as far as can be seen (it is not seen in
-// the shortest blocks; at 50 or 60 Hz no state has less power): hum, unless stated as the drive.
+// Whether a tone at a multiple of the mains may be hum, unless stated as the drive: the shortest
+// blocks do not show it, or at 50 or 60 Hz no state falls to half its power, as in a pause.
 bool MayBeHum(const ChosenPart& found, const std::vector<StateInterval>& states, bool is_shortest,
               const BandQuestion& question) {
   const StateInterval& on = found.part.state;
   const double frequency_hz = 0.5 * (on.from_hz + on.to_hz);
   const auto stated_hz = question.drive_frequency_hz;
-  const double least_m = (1 - kNoticeable) * on.rms_m;
-  const auto falls = [&](const StateInterval& state) { return state.rms_m < least_m; };
+  const double half = kSteadyWithin * on.rms_m * on.rms_m;
+  const auto falls = [&](const StateInterval& one) { return one.rms_m * one.rms_m < half; };
   const bool pauses =
       found.part.why.kind == FindingKind::kOneState
           ? is_shortest

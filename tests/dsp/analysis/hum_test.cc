@@ -1,6 +1,7 @@
 // FindHum against records with known hum, drives that look like hum, and noise.
 #include "dsp/analysis/hum.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +14,7 @@
 
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/readings/segments.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
@@ -153,21 +155,22 @@ TEST(FindHum, BurstsAtTheMainsFrequencyAreNoHum) {
   }
 }
 
-// A bump of 0.1 mm hides hum for a third of a second, and turns its phase over the record: hum is
-// not found, and its two states on either side of the bump are no drive, for no state has less
-// power.
+// A bump of 0.5 mm hides hum for half a second, and turns its phase over the record: hum is not
+// found, and its two states on either side of the bump are no drive, for no state has less than
+// half the power.
 TEST(HumBesideABump, IsNoDriveUnlessStated) {
   std::vector<double> values =
       Displacement({{1.4e-6, 49.99, 0.4}, {0.1e-6, 99.98, 1}}, Drive::kNone, 225, 8);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const double since_s = static_cast<double>(k) / kRateHz - 2.2;
     if (since_s < 0) continue;
-    values[k] += 100e-6 * std::exp(-since_s / 0.05) * std::sin(2 * std::numbers::pi * 30 * since_s);
+    values[k] += 500e-6 * std::exp(-since_s / 0.1) * std::sin(2 * std::numbers::pi * 15 * since_s);
   }
   const trial::Record record = RecordOf(values, kRateHz);
   const auto unstated = AnalyzeBand(record, {});
   ASSERT_TRUE(unstated);
   EXPECT_FALSE(unstated->answered);
+  EXPECT_THAT(RefusalsIn(unstated->findings), ::testing::ElementsAre(FindingKind::kMainsFrequency));
   BandQuestion question;
   question.drive_frequency_hz = 50;
   const auto stated = AnalyzeBand(record, question);

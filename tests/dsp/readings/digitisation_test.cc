@@ -47,6 +47,17 @@ TEST(Clipping, FewSamplesAPeriodAreEnough) {
   }
 }
 
+// In steps of 2 um the rail is not ten times as frequent as another value: the fit decides, by how
+// far it lies beyond the rail and how well the other samples determine it there.
+TEST(Clipping, OfRoundedSamplesIsFoundByTheFit) {
+  for (const double tone_hz : {331.0, 287.3, 175.7, 90.1, 440.3}) {
+    std::vector<double> values = Tone(2000, tone_hz, 2e-7, 1);
+    Clip(values, 4.6e-5);
+    for (double& x : values) x = std::round(x / 2e-6) * 2e-6;
+    EXPECT_EQ(FindClipping(values, 2000, tone_hz).verdict, kClipped) << tone_hz;
+  }
+}
+
 // clean tones, commensurate with the rate or not: none of 60 is called clipped
 TEST(Clipping, CleanTonesAreNot) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
