@@ -14,8 +14,8 @@
 #include <numbers>
 #include <utility>
 
+#include "base/median.h"
 #include "dsp/spectrum/fft.h"
-#include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "sim/ring_down.h"
 #include "tests/fit/unprepared_drops.h"
@@ -26,7 +26,7 @@ namespace {
 
 // what follows the largest voltage, about the record's median
 std::vector<double> BehindThePeak(const ImpulseRecord& record) {
-  const double middle_v = dsp::Median(record.voltage_v);
+  const double middle_v = Median(record.voltage_v);
   const auto peak = std::ranges::max_element(
       record.voltage_v, {}, [middle_v](double v) { return std::abs(v - middle_v); });
   std::vector<double> values(peak, record.voltage_v.end());

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/median.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/statistics/repeated_measures.h"
 
@@ -132,10 +133,8 @@ ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t p
   look.serial_correlation = product / square * std::sqrt(static_cast<double>(residuals.size()));
   look.farthest = farthest % points;
   const double largest = magnitudes[farthest];
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  constexpr double kGaussian = 1.4826;  // a standard deviation over the median magnitude
-  look.farthest_spread = *middle > 0 ? largest / (kGaussian * *middle) : 0;
+  const double median = UpperMedian(std::move(magnitudes));
+  look.farthest_spread = median > 0 ? largest / (kDeviationsPerMedian * median) : 0;
   return look;
 }
 
@@ -155,8 +154,6 @@ void DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz,
 
 namespace {
 
-constexpr double kMedianOfNormal = 0.674489750196082;  // of |t|
-
 // Huber's weight min(1, c/abs(t))
 double Weight(double t) {
   const double size = std::abs(t);
@@ -168,7 +165,7 @@ double Weight(double t) {
 double RobustScale(std::span<const double> residuals) {
   std::vector<double> sizes(residuals.size());
   std::ranges::transform(residuals, sizes.begin(), [](double r) { return std::abs(r); });
-  return dsp::Median(std::move(sizes)) / kMedianOfNormal;
+  return kDeviationsPerMedian * Median(std::move(sizes));
 }
 
 std::vector<double> HuberRootWeights(std::span<const double> residuals, double scale) {

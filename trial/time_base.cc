@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/mapped.h"
+#include "base/median.h"
 
 /// What the fits of arrival times and of polled times share. All times are nanoseconds since the
 /// first row, as doubles: exact below 2^53 ns = 104 days.
@@ -32,14 +33,6 @@ struct Line {
 };
 
 double AsDouble(std::size_t n) { return static_cast<double>(n); }
-
-// the upper one of two middle values; 0 of none
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // values[k] - values[k - lag]
 std::vector<double> Differences(const std::vector<double>& values, std::size_t lag) {
@@ -105,7 +98,6 @@ constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
 constexpr double kCatchingUp = 0.75;  // of the time that the rows took at the source
 // a rise exceeds this many standard deviations of the window minima
 constexpr double kScatters = 3;
-constexpr double kSigmaPerMad = 1.4826;    // of a normal distribution
 constexpr double kSigmaOfMedian = 1.2533;  // sqrt(pi / 2), against that of the mean
 
 // Rows with their places on the source's grid: the row's number and the losses known before it.
@@ -132,7 +124,7 @@ struct Window {
 
 // median of the intervals between neighbouring rows, ns
 double MedianInterval(const Rows& rows) {
-  return Median(Differences(std::vector<double>(rows.times.begin(), rows.times.end()), 1));
+  return UpperMedian(Differences(std::vector<double>(rows.times.begin(), rows.times.end()), 1));
 }
 
 // A period from how many rows came in each window of time, to some percent. A stall leaves windows
@@ -157,7 +149,7 @@ std::optional<double> PeriodByCounts(const Rows& rows) {
   }
   if (usual.size() < kLeastCounts) return std::nullopt;
   // period = window length / median count
-  return window_ns / Median(std::move(usual));
+  return window_ns / UpperMedian(std::move(usual));
 }
 
 // rows in a window: enough to last 0.1 s at the source, so that each spans several bursts
@@ -226,14 +218,14 @@ std::vector<double> Slopes(const Rows& rows, const std::vector<Window>& windows,
 double RisePerPlace(const Rows& rows, const std::vector<Window>& windows, std::size_t lag,
                     double period_ns, std::size_t window_rows) {
   // first estimate: the median slope over `lag` windows; second: between neighbouring windows
-  const double over_lag = Median(Slopes(rows, windows, lag));
+  const double over_lag = UpperMedian(Slopes(rows, windows, lag));
   std::vector<double> steps = Slopes(rows, windows, 1);
   if (steps.empty()) return over_lag;
-  const double step = Median(steps);
+  const double step = UpperMedian(steps);
   // standard uncertainty of the median step: 1.2533 * 1.4826 * MAD / sqrt(n)
   for (double& deviation : steps) deviation = std::abs(deviation - step);
-  const double uncertainty =
-      kSigmaOfMedian * kSigmaPerMad * Median(steps) / std::sqrt(AsDouble(steps.size()));
+  const double uncertainty = kSigmaOfMedian * kDeviationsPerMedian * UpperMedian(steps) /
+                             std::sqrt(AsDouble(steps.size()));
   // losses explain a difference above half a period over the lag and above 5 uncertainties
   const bool holds_losses = (over_lag - step) * AsDouble(lag * window_rows) > 0.5 * period_ns &&
                             over_lag - step > 5 * uncertainty;
@@ -255,7 +247,7 @@ double RobustPeriod(const Rows& rows, double period_ns, std::size_t window_rows)
                       (rows.places[end] - rows.places[window.first]));
   }
   // a pause in one of few windows would otherwise be treated as the source's period
-  if (periods.size() >= kLeastCounts || period_ns <= 0) period_ns = Median(std::move(periods));
+  if (periods.size() >= kLeastCounts || period_ns <= 0) period_ns = UpperMedian(std::move(periods));
   // correction by the slope of the minima over one window, then over three
   for (const std::size_t count : {1U, 3U, 3U, 3U}) {
     const auto windows = RunningLeast(WindowsOf(rows, period_ns, window_rows), count);
@@ -332,7 +324,7 @@ std::vector<std::size_t> Rises(const Rows& rows, double period_ns, std::size_t w
   for (std::size_t k = 1; k < windows.size(); ++k) {
     sizes.push_back(std::abs(windows[k].level_ns - windows[k - 1].level_ns));
   }
-  const double scatter_ns = kSigmaPerMad * Median(std::move(sizes));
+  const double scatter_ns = kDeviationsPerMedian * UpperMedian(std::move(sizes));
   // a rise exceeds half a period and three times the scatter
   const double least_rise_ns = std::max(0.5 * period_ns, kScatters * scatter_ns);
   // the level behind window k: it stays up only if all of the next ten windows do
@@ -469,9 +461,9 @@ double Scatter(const Rows& part, const Line& line, std::size_t window_rows) {
   const std::size_t count = part.size() < 2 * window_rows ? part.size() : window_rows;
   auto levels = Mapped<double>(WindowsOf(part, line.period_ns, count), &Window::level_ns);
   // 1.4826 * MAD about the median
-  const double middle = Median(levels);
+  const double middle = UpperMedian(levels);
   for (double& level : levels) level = std::abs(level - middle);
-  return kSigmaPerMad * Median(std::move(levels));
+  return kDeviationsPerMedian * UpperMedian(std::move(levels));
 }
 
 // each row's place: its number, and what is known to be missing before it
@@ -574,7 +566,7 @@ std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
   }
   // a pause between two polls begins a segment, as a break does
   const std::vector<double> intervals = Differences(middles, 1);
-  const double median_ns = Median(intervals);
+  const double median_ns = UpperMedian(intervals);
   std::vector<std::size_t> starts(breaks.begin(), breaks.end());
   for (std::size_t j = 0; j < intervals.size(); ++j) {
     if (intervals[j] > 8 * median_ns) starts.push_back(j + 1);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
+#include "base/median.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -56,10 +57,7 @@ MonotonicNs ResponseDeadline::EarliestNs() const {
 MonotonicNs ResponseDeadline::UsualNs() const {
   if (noted_ < exchanges_ns_.size()) return wire_ns_;
   // 1.5 times the median: the right reply follows one that came too soon within this time
-  auto sorted_ns = exchanges_ns_;
-  const auto middle = sorted_ns.begin() + sorted_ns.size() / 2;
-  std::ranges::nth_element(sorted_ns, middle);
-  return std::max(EarliestNs(), *middle * 3 / 2);
+  return std::max(EarliestNs(), UpperMedian(exchanges_ns_) * 3 / 2);
 }
 
 Findings DoubtfulReplies(const ReplyCounts& replies, MonotonicNs wire_ns) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/median.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/spectrum/sine_fit.h"
@@ -128,11 +129,10 @@ double MedianDensity(const std::vector<Bin>& of) {
   std::vector<double> bins;
   bins.reserve(of.size());
   for (const Bin& bin : of) bins.push_back(bin.density / bin.gain);
-  const auto middle = bins.begin() + static_cast<std::ptrdiff_t>(bins.size() / 2);
-  std::ranges::nth_element(bins, middle);
   const double upper = bins.size() % 2 == 0 ? 1 : 0;
-  return *middle /
-         (std::numbers::ln2 + (0.5 * kCorrelatedBins + upper) / static_cast<double>(bins.size()));
+  const double mean =
+      std::numbers::ln2 + (0.5 * kCorrelatedBins + upper) / static_cast<double>(bins.size());
+  return UpperMedian(std::move(bins)) / mean;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/mapped.h"
+#include "base/median.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/readings/row_block.h"
@@ -18,7 +19,6 @@
 #include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/power_edges.h"
 #include "dsp/statistics/distributions.h"
-#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 

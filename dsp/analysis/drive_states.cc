@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "base/median.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/spectrum/changing_sine.h"
 #include "dsp/spectrum/ridge.h"
@@ -140,9 +141,7 @@ double FrequencyOfStrong(const std::vector<DriveBlock>& blocks) {
   for (const DriveBlock& block : blocks) {
     if (block.level_m() >= kMajority * top) frequencies.push_back(block.frequency_hz);
   }
-  std::ranges::nth_element(
-      frequencies, frequencies.begin() + static_cast<std::ptrdiff_t>(frequencies.size() / 2));
-  return frequencies[frequencies.size() / 2];
+  return UpperMedian(std::move(frequencies));
 }
 
 // mean square of samples [begin, end) by the cells that lie in them as a whole
@@ -193,9 +192,7 @@ void TakeCells(const BandSignal& signal, const Samples& samples, std::span<const
 // fitted part.
 bool IsUniform(const BlockCourse& course) {
   const auto of_blocks = course.blocks | std::views::transform(&DriveBlock::level_m);
-  std::vector<double> levels(of_blocks.begin(), of_blocks.end());
-  std::ranges::nth_element(levels, levels.begin() + std::ssize(levels) / 2);
-  const double median = levels[levels.size() / 2];
+  const double median = UpperMedian(std::vector<double>(of_blocks.begin(), of_blocks.end()));
   const auto others = std::ranges::count_if(course.blocks, [&](const DriveBlock& block) {
     const auto k = static_cast<std::size_t>(&block - course.blocks.data());
     const double noise = course.following[k].residual;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/median.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
 #include "dsp/spectrum/sine_fit.h"
@@ -17,8 +18,6 @@ namespace {
 
 // blocks of a period of the lower corner, then longer ones for tones below the noise
 constexpr std::array<double, 3> kBlockLengths{1, kLongerBlocks, kLongerBlocks* kLongerBlocks};
-// quartile of the normal distribution
-constexpr double kQuartile = 0.6745;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 // one signal, its hum, its blocks and their states
@@ -95,8 +94,7 @@ double LogOfPauses(const Course& course, double level_m) {
     }
   }
   if (logs.size() < kFewest) return kUnknown;
-  std::ranges::nth_element(logs, logs.begin() + std::ssize(logs) / 2);
-  return logs[logs.size() / 2];
+  return UpperMedian(std::move(logs));
 }
 
 // blocks that are bumps by logarithms of a mean square, against their median, or that of a pause
@@ -107,7 +105,8 @@ SampleRanges BumpBlocks(const std::vector<double>& logs, double expected, double
   std::ranges::sort(sorted);
   const double median = std::min(of_pause, sorted[sorted.size() / 2]);
   // scatter by the lower quartile, which bumps do not reach
-  const double scatter = std::max((median - sorted[sorted.size() / 4]) / kQuartile, expected);
+  const double scatter =
+      std::max(kDeviationsPerMedian * (median - sorted[sorted.size() / 4]), expected);
   const double limit = median + std::max(kBumpLeast, kFalseAlarmDeviations * scatter);
   SampleRanges bumps;
   for (std::size_t k = 0; k < logs.size(); ++k) {

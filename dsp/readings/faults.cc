@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/median.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -19,9 +20,8 @@ constexpr std::size_t kMedianStride = 8;
 // data, such a row changes an RMS over 100 rows by 1e-5
 constexpr double kKinkDeviations = 3;
 constexpr double kKinkShare = 0.05;
-// 8 robust standard deviations; a median absolute deviation times 1.4826 is one of a normal
+// robust standard deviations
 constexpr double kDeviations = 8;
-constexpr double kMadToDeviation = 1.4826;
 // a spike or step exceeds 4 steps of the converter, the edges of a held or clipped run 2.5
 constexpr double kLeastSteps = 4;
 constexpr double kSteepSteps = 2.5;
@@ -53,13 +53,6 @@ double LargestError(const RowBlock& block, std::size_t begin, std::size_t end) {
   if (!block.AllOkWithin(begin - 2, end + 2)) return std::numeric_limits<double>::infinity();
   return WidestRowKernel().largest_error(block.held_values.data() + (begin - block.held_first),
                                          end - begin);
-}
-
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // shapes are tried on rows center - kShapeReach .. center + kShapeReach
@@ -132,8 +125,7 @@ bool IsEdgeOfMotion(std::span<const double> values, std::size_t center, double h
       all[k] = std::abs(values[first + k + 1] - values[first + k]);
     }
     const double most = std::ranges::max(all);
-    std::ranges::nth_element(all, all.begin() + all.size() / 2);
-    return std::pair(all[all.size() / 2], most);
+    return std::pair(UpperMedian(all), most);
   };
   const auto before = changes(center - kNear - kReach + 1);
   const auto after = changes(center + kNear);
@@ -387,7 +379,7 @@ double FaultScanner::BlockMedian(std::size_t begin, std::size_t end) const {
     const double off = off_[row - window_first_];
     if (!std::isnan(off)) sample.push_back(off);
   }
-  return MedianOf(sample);
+  return UpperMedian(std::move(sample));
 }
 
 // median of |e| over 64 rows about `row`
@@ -399,7 +391,7 @@ double FaultScanner::LocalMedian(std::size_t row) const {
   for (std::size_t k = first; k < std::min(center + kLocalReach, off_.size()); ++k) {
     if (!std::isnan(off_[k])) near.push_back(off_[k]);
   }
-  return MedianOf(near);
+  return UpperMedian(std::move(near));
 }
 
 // what 64 rows about `row` span
@@ -424,7 +416,7 @@ std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
     if (off_[k - window_first_] > off_[center - window_first_]) center = k;
   }
   // the local median raises the limit within strong motion
-  const double local = kDeviations * kMadToDeviation * LocalMedian(center);
+  const double local = kDeviations * kDeviationsPerMedian * LocalMedian(center);
   if (!(off_[center - window_first_] > std::max(limit, local))) return row + 1;
   // errors about the centre; rows that are not held or not measured count as zero
   CubicErrors error{};
@@ -436,7 +428,7 @@ std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   auto [fault, rest] = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
   // a kink of a motion without noise, where a bump begins, is no spike: small, and of another shape
-  const double noise = kKinkDeviations * kMadToDeviation * LocalMedian(center);
+  const double noise = kKinkDeviations * kDeviationsPerMedian * LocalMedian(center);
   const bool is_kink = fault.kind == FaultKind::kSpike &&
                        rest > static_cast<double>(kShapeRows) * noise * noise &&
                        std::abs(fault.size) < kKinkShare * LocalSpan(center);
@@ -463,8 +455,8 @@ void FaultScanner::Hold(const RowBlock& block, std::size_t end) {
 // judges rows [scanned_, end)
 void FaultScanner::Judge(const RowBlock& block, std::size_t end) {
   Hold(block, end);
-  const double limit =
-      std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
+  const double limit = std::max(kDeviations * kDeviationsPerMedian * BlockMedian(scanned_, end),
+                                kLeastSteps * Step());
   while (scanned_ < end) {
     scanned_ = off_[scanned_ - window_first_] > limit ? JudgeRow(scanned_, limit) : scanned_ + 1;
   }

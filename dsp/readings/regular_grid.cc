@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/median.h"
 #include "dsp/readings/row_block.h"
 
 namespace haptometer::dsp {
@@ -39,9 +40,7 @@ double MedianInterval(std::span<const double> times_s) {
   std::vector<double> intervals;
   intervals.reserve(times_s.size());
   for (std::size_t j = 1; j < times_s.size(); ++j) intervals.push_back(times_s[j] - times_s[j - 1]);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::ranges::nth_element(intervals, middle);
-  return *middle;
+  return UpperMedian(std::move(intervals));
 }
 
 // the least-squares line of the times over their places

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "base/mapped.h"
+#include "base/median.h"
 #include "dsp/spectrum/envelope.h"
-#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/median.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
@@ -84,9 +85,8 @@ NoiseLevel LevelOf(const std::vector<double>& power, std::size_t begin, std::siz
   if (end < begin + kLeastNeighbours) return {};
   std::vector<double> side(power.begin() + static_cast<std::ptrdiff_t>(begin),
                            power.begin() + static_cast<std::ptrdiff_t>(end));
-  const auto middle = side.begin() + static_cast<std::ptrdiff_t>(side.size() / 2);
-  std::ranges::nth_element(side, middle);
-  return {*middle / std::numbers::ln2, static_cast<double>(side.size()) / kNeighboursPerValue};
+  const double values = static_cast<double>(side.size()) / kNeighboursPerValue;
+  return {UpperMedian(std::move(side)) / std::numbers::ln2, values};
 }
 
 // the noisier of the two sides of bin `k`, its main lobe excluded; bin 0, without mean, is not used

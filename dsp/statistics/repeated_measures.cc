@@ -128,14 +128,4 @@ std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> ce
 
 double VariationOfLogs(double sd) { return std::sqrt(std::expm1(sd * sd)); }
 
-double Median(std::vector<double> values) {
-  HAPTOMETER_CHECK(!values.empty(), "no values");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  // even number: the mean of the middle two, without overflow of their sum
-  if (values.size() % 2 == 1) return *middle;
-  const double below = *std::max_element(values.begin(), middle);
-  return below + (*middle - below) / 2;
-}
-
 }  // namespace haptometer::dsp

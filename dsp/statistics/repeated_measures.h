@@ -93,7 +93,4 @@ struct Reliability {
 /// value, sd / mean): sqrt(exp(sd^2) - 1).
 [[nodiscard]] double VariationOfLogs(double sd);
 
-/// The middle value, or the mean of the middle two. At least 1 value.
-[[nodiscard]] double Median(std::vector<double> values);
-
 }  // namespace haptometer::dsp

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "dsp/statistics/repeated_measures.h"
+#include "base/median.h"
 
 namespace haptometer::fit {
 namespace {
@@ -230,7 +230,7 @@ std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record) {
       std::ranges::count_if(record.voltage_v, [](double v) { return std::isfinite(v); });
   if (static_cast<std::size_t>(measured) < kLeastSplitSamples) return {record};
   const std::vector<double> values = Filled(record.voltage_v);
-  const double middle_v = dsp::Median(values);
+  const double middle_v = Median(values);
   const auto period = PeriodOf(values, middle_v, record.step_s);
   if (!period || kLeastPeriods * *period > static_cast<double>(values.size())) return {record};
   const auto amplitudes = FollowingAmplitude(values, middle_v, *period);

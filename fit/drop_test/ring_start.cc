@@ -11,7 +11,7 @@
 #include <numbers>
 #include <string>
 
-#include "dsp/statistics/repeated_measures.h"
+#include "base/median.h"
 #include "fit/drop_test/ring_fit.h"
 #include "fit/drop_test/ringing_model.h"
 #include "sim/ring_down.h"
@@ -277,7 +277,7 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
 
 Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& values) {
   Blow blow;
-  blow.middle_v = dsp::Median(values);
+  blow.middle_v = Median(values);
   // a rough begin, good enough for the frequency of the strongest oscillation
   const auto rough = FindLargeSample(values, blow.middle_v);
   const auto frequency_hz = StrongestFrequency(From(values, rough, blow.middle_v), record.step_s);

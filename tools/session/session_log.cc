@@ -9,9 +9,9 @@
 #include <span>
 #include <utility>
 
+#include "base/median.h"
 #include "base/names.h"
 #include "base/text.h"
-#include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/csv_cell.h"
 #include "trial/byte_io.h"
 
@@ -134,7 +134,7 @@ std::optional<double> SessionState::RepeatsRms(const SessionCell& cell) const {
     }
   }
   if (rms_m.size() < 2) return std::nullopt;
-  return dsp::Median(std::move(rms_m));
+  return Median(std::move(rms_m));
 }
 
 bool SessionState::IsSkipped(const SessionCell& cell) const {

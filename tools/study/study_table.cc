@@ -17,6 +17,7 @@
 #include "base/input_file.h"
 #include "base/jobs.h"
 #include "base/mapped.h"
+#include "base/median.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/window_remarks.h"
@@ -374,7 +375,7 @@ double RelativeUncertainty(const StudyTrial& trial) {
 
 // of a mean: the median of its trials, which a single poor trial does not change
 double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
-  return dsp::Median(
+  return Median(
       Mapped(cell.trials, [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); }));
 }
 
@@ -478,7 +479,7 @@ StudyFindings FindOtherFrequencies(const StudyTable& table) {
   for (const auto& [name, trials] : conditions) {
     if (trials.size() < 3) continue;
     const double median_hz =
-        dsp::Median(Mapped(trials, [](const StudyTrial* trial) { return *trial->tone_hz; }));
+        Median(Mapped(trials, [](const StudyTrial* trial) { return *trial->tone_hz; }));
     const auto is_other = [&](const StudyTrial* trial) {
       return std::abs(*trial->tone_hz / median_hz - 1) > kOtherFrequencyShare;
     };

@@ -164,15 +164,17 @@ TEST(SceneFile, ReadsSmoothEffectsAndTremor) {
   EXPECT_EQ(other.effects[Effect::kTremor], Wish::kOff);
 }
 
-TEST(SceneFile, TakesACoilWithoutInductance) {
-  const auto with = [](const std::string& inductance) {
+TEST(SceneFile, TakesAnActuatorWithoutInductanceOrDamping) {
+  const auto with = [](const std::string& damping, const std::string& inductance) {
     return "[actuator]\nmoving_mass_kg = '1.4g'\ncase_mass_kg = '0.6g'\nstiffness_n_per_m = 2800\n"
-           "damping_n_s_per_m = 0.0322\nforce_constant_n_per_a = 1\nresistance_ohm = 27\n"
-           "inductance_h = " +
-           inductance + "\n" + kSkin + kDrive;
+           "damping_n_s_per_m = " +
+           damping +
+           "\nforce_constant_n_per_a = 1\nresistance_ohm = 27\ninductance_h = " + inductance +
+           "\n" + kSkin + kDrive;
   };
-  EXPECT_EQ(Read(with("0")).actuator.inductance_h, 0);
-  EXPECT_EQ(ErrorOf(with("-1e-6")),
+  EXPECT_EQ(Read(with("0.0322", "0")).actuator.inductance_h, 0);
+  EXPECT_EQ(Read(with("0", "130e-6")).actuator.damping_n_s_per_m, 0);
+  EXPECT_EQ(ErrorOf(with("0.0322", "-1e-6")),
             "scene.toml:8: [actuator]: inductance_h: must not be negative; check its sign");
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/mapped.h"
+#include "base/median.h"
 #include "trial/import/table/table_cells.h"
 #include "trial/time_base.h"
 
@@ -36,9 +37,7 @@ double MedianPeriod(std::span<const double> times_s) {
   for (std::size_t i = lag; i < times_s.size(); i += step) {
     spans.push_back(times_s[i] - times_s[i - lag]);
   }
-  const auto middle = spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2);
-  std::ranges::nth_element(spans, middle);
-  return *middle / AsDouble(lag);
+  return UpperMedian(std::move(spans)) / AsDouble(lag);
 }
 
 // runs of rows without an interval that is half a period too long; rounding may add to it, but
