@@ -109,24 +109,28 @@ def check_restored(copy):
 
 
 def check_report(folder):
-    """Status 1 while a survivor has no verdict or less than 92 % are caught; the last row of a fault counts."""
+    """Status 1 while a survivor has no verdict or less than 92 % are caught; the last row of a fault counts.
+
+    What is equivalent is not counted.
+    """
     row = {"file": "sim/a.cc", "line": 1, "column": 1, "kind": "sign", "after": "", "test": "", "seconds": 1}
     results = folder / "results.jsonl"
     verdicts = folder / "mutants.toml"
     mutate.VERDICTS = verdicts
 
-    def status(survivors, explained):
+    def status(survivors, explained, verdict):
         rows = [row | {"before": f"a{i};", "verdict": "survived" if i < survivors else "caught"} for i in range(25)]
         first = row | {"before": "a24;", "verdict": "survived"}
         results.write_text("".join(json.dumps(each) + "\n" for each in [first, *rows]) + '{"cut', encoding="utf-8")
         verdicts.write_text("".join(
-            f'[[fault]]\nfile = "sim/a.cc"\nkind = "sign"\nbefore = "a{i};"\nafter = ""\nverdict = "equivalent"\n'
+            f'[[fault]]\nfile = "sim/a.cc"\nkind = "sign"\nbefore = "a{i};"\nafter = ""\nverdict = "{verdict}"\n'
             for i in range(explained)), encoding="utf-8")
         with contextlib.redirect_stdout(io.StringIO()):
             return mutate.report(types.SimpleNamespace(results=results))
 
-    found = [status(survivors, explained) for survivors, explained in ((0, 0), (1, 0), (1, 1), (2, 2), (3, 3))]
-    check(found == [0, 1, 0, 0, 1], f"the report's status: {found}")
+    tested = [status(count, explained, "A.B") for count, explained in ((0, 0), (1, 0), (1, 1), (2, 2), (3, 3))]
+    check(tested == [0, 1, 0, 0, 1], f"the report's status: {tested}")
+    check(status(3, 3, "equivalent because") == 0, "what is equivalent counts")
 
 
 def check_first_failure():
