@@ -29,6 +29,7 @@
 #include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/row_blocks.h"
+#include "tests/dsp/signals.h"
 #include "tests/hard_cases/hard_case.h"
 
 namespace haptometer::hard_cases {
@@ -104,6 +105,29 @@ TEST(HardCasesDsp, LowestQuantileOfChiSquare) {
   Check({"dsp", "chi-square quantile of 1e-12, 2 degrees", "1 - p rounds", "-2 log(1 - p)", 1e-11},
         {-2 * std::log1p(-static_cast<long double>(p)), dsp::ChiSquareQuantile(p, 2),
          -2 * std::log(1 - p)});
+}
+
+// Found by random search: a band of order 1 that ends near half the rate has real poles
+// z = (1 + s)/(1 - s) of which one is below 0; s by the quadratic formula.
+TEST(HardCasesDsp, DecayOfAPoleBelowZero) {
+  const double rate_hz = 796'200, lower_hz = 205'200, upper_hz = 390'138;
+  const auto corner = [&](double hz) {
+    return std::tan(std::numbers::pi_v<long double> * static_cast<long double>(hz / rate_hz));
+  };
+  const long double width = corner(upper_hz) - corner(lower_hz);
+  const long double square = corner(upper_hz) * corner(lower_hz);
+  const long double far = -(width + std::sqrt(width * width - 4 * square)) / 2;
+  const auto decay = [&](long double s) {
+    return -rate_hz * std::log(std::abs((1 + s) / (1 - s)));
+  };
+  const auto design = dsp::DesignBandPass(
+      {.order = 1, .lower_hz = lower_hz, .upper_hz = upper_hz, .corners = dsp::Corners::kEach},
+      rate_hz);
+  ASSERT_TRUE(design.has_value());
+  const auto slowest = dsp::SlowestDecayPerS(*design);
+  Check({"dsp", "slowest decay of 205.2-390.1 kHz at 796.2 kHz", "a pole lies near -1",
+         "the pole nearest to 1", 1e-13},
+        {decay(far), slowest, static_cast<double>(decay(square / far))});
 }
 
 /// |H| from the direct form's coefficients, by Horner's rule at z^-1.
@@ -605,6 +629,54 @@ TEST(HardCasesDsp, HumThroughoutARecord) {
   CheckRecord({"dsp", "RMS of a drive of 20 um beside hum of 10 um",
                "hum is no vibration of the drive", "band RMS where the drive is on", 1e-3},
               values, 2e-5L * kHalfRoot, BandRms(driven));
+}
+
+// Found by random search: the ranges about the drive and its harmonics, 41 Hz to either side, leave
+// no bin for the noise.
+TEST(HardCasesDsp, NoiseBesideADriveOfTenPeriods) {
+  constexpr double kNoiseM = 0.72e-8, kDriveHz = 82.97, kFastHz = 7456;
+  double square = 0;  // of the errors over their stated uncertainties
+  int answered = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    dsp::Noise noise(seed);
+    std::vector<double> values;
+    for (int k = 0; k < 4808; ++k) {
+      values.push_back(1e-6 + 1e-8 * Turned(kDriveHz * k / kFastHz) + kNoiseM * noise());
+    }
+    const auto analysis = dsp::AnalyzeBand(dsp::RecordOf(values, kFastHz), {});
+    ASSERT_TRUE(analysis.has_value());
+    if (!analysis->answered) continue;
+    ++answered;
+    const dsp::RmsEstimate& rms = analysis->numbers->rms;
+    const double off_m = rms.rms_m - 1e-8 / std::numbers::sqrt2;
+    square += std::pow(off_m / rms.standard_uncertainty_m, 2);
+  }
+  ASSERT_GE(answered, 36);
+  // the bar: 40 of them have a scatter known to 11 %, here 2.7 times that
+  Check({"dsp", "errors of the RMS of a drive of ten periods over their stated uncertainties",
+         "the ranges of its harmonics cover the band", "noise of the bins outside of them", 0.3},
+        {1, std::sqrt(square / answered), std::numeric_limits<double>::infinity()});
+}
+
+// half a step of rounding holds a part of the drive's period throughout
+TEST(HardCasesDsp, RoundingWithoutNoise) {
+  std::vector<double> values;
+  for (int k = 0; k < 30'000; ++k) {
+    values.push_back(1e-6 * std::round(3 * Turned(173.3 * k / 1e4) + 0.5));
+  }
+  const double truth_m = 3e-6 / std::numbers::sqrt2;
+  const dsp::BandAnalysis analysis = dsp::Answer(dsp::RecordOf(values, 1e4));
+  ASSERT_TRUE(analysis.numbers.has_value());
+  const dsp::RmsEstimate& rms = analysis.numbers->rms;
+  const bool holds = rms.lower_m <= truth_m && truth_m <= rms.upper_m;
+  // the root mean square and 1.96 times what white residuals of a sine fit would do to it
+  const auto tone = dsp::StrongestTone(values, {.rate_hz = 1e4, .lower_hz = 20, .upper_hz = 500});
+  ASSERT_TRUE(tone.has_value());
+  const double naive_m = tone->amplitude / std::numbers::sqrt2;
+  const double off_m = 1.96 * tone->residual_rms / std::sqrt(30'000);
+  Check({"dsp", "173.3 Hz of three steps without noise: 1 where the interval holds the RMS",
+         "rounding follows the motion", "interval by white residuals of a sine", 0},
+        {1, holds ? 1.0 : 0.0, std::abs(naive_m - truth_m) <= off_m ? 1.0 : 0.0});
 }
 
 TEST(HardCasesDsp, StrongTremorInOneSecond) {

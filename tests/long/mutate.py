@@ -17,6 +17,7 @@ than 92 % of the others are caught.
 import argparse
 import hashlib
 import json
+import os
 import pathlib
 import random
 import re
@@ -223,9 +224,13 @@ class Copy:
         """(what came out, the first test that fails)."""
         command = [f"bin/{program}", f"--gtest_filter={filter_}", "--gtest_fail_fast"]
         limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+        # other tests run beside these
+        folder = self.tree.parent / "tmp"
+        folder.mkdir(exist_ok=True)
+        own = {**os.environ, "TMPDIR": str(folder), "TEST_TMPDIR": str(folder)}
         try:
             done = subprocess.run(command, cwd=self.tree / BUILD, capture_output=True, timeout=deadline_s,
-                                  preexec_fn=limit)
+                                  preexec_fn=limit, env=own)
         except subprocess.TimeoutExpired:
             return "timeout", ""
         if done.returncode == 0:
