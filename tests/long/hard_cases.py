@@ -36,11 +36,11 @@ SETS = {"sse2": "sse2", "avx2": "avx2", "avx512": "avx512dq"}
 EMULATED = "aarch64 under qemu"
 HEAD = """# Hard cases
 
-Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states what
-that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build; `exact`:
-no error at all. `g++ -O2` is the release program; sse2, avx2 and avx512 are its kernels with these instruction sets.
-Contracted: products and sums in one rounding. What ordinary tests hold of hard cases is listed in
-[hard_case_tests.md](hard_case_tests.md).
+Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states
+what that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build;
+`exact`: no error at all; `not run`: not since the case was added. `g++ -O2` is the release program; sse2, avx2 and
+avx512 are its kernels with these instruction sets. Contracted: products and sums in one rounding. What ordinary tests
+hold of hard cases is listed in [hard_case_tests.md](hard_case_tests.md).
 """
 
 
@@ -156,10 +156,14 @@ def with_column(text, build, shown):
 
 
 def write(rows_by_build):
-    """Writes the page; the column of AArch64 remains as it was."""
-    emulated = column(PAGE.read_text(encoding="utf-8"), EMULATED)
+    """Writes the page; the columns of builds that did not run now remain as they were."""
+    before = PAGE.read_text(encoding="utf-8")
     text = page(rows_by_build)
-    PAGE.write_text(with_column(text, EMULATED, emulated) if emulated else text, encoding="utf-8")
+    for build in [*BUILDS, EMULATED]:
+        shown = column(before, build)
+        if shown and build not in rows_by_build:
+            text = with_column(text, build, shown)
+    PAGE.write_text(text, encoding="utf-8")
 
 
 def write_emulated(rows):
