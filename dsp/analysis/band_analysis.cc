@@ -67,7 +67,7 @@ Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis* anal
   analysis->filtered_m.assign(analysis->record.rows, std::numeric_limits<double>::quiet_NaN());
   for (const BandSignal& signal : all) {
     const std::span rows = std::span(analysis->filtered_m).subspan(signal.first_row());
-    if (auto read = signal.Read(0, rows.first(signal.size())); !read) return read;
+    HAPTOMETER_TRY(signal.Read(0, rows.first(signal.size())));
   }
   return {};
 }
@@ -80,16 +80,14 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   HAPTOMETER_LET(auto chosen, ChoosePart(all, question, analysis));
   if (chosen) {
     const bool may_cut = question.choice == WindowChoice::kAuto;
-    const auto followed = FollowDrive(displacement.source, may_cut, *chosen, analysis);
-    if (!followed) return followed;
+    HAPTOMETER_TRY(FollowDrive(displacement.source, may_cut, *chosen, analysis));
     // readings that rarely change are no measurement of vibration
     HAPTOMETER_LET(const auto stuck, WhyStuck(displacement, *chosen, *analysis));
     if (stuck) {
       analysis->findings.Add(*stuck);
       return {};
     }
-    const auto measured = MeasureWindow(displacement, all, *chosen, question, analysis);
-    if (!measured) return measured;
+    HAPTOMETER_TRY(MeasureWindow(displacement, all, *chosen, question, analysis));
     RemarkImplausibleRms(
         analysis->numbers->rms.as_measured_m,
         std::max(std::abs(analysis->record.offset_m), analysis->record.peak_to_peak_m),

@@ -33,19 +33,18 @@ Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
 Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& design,
                              const BandPass& band, int threads) {
   const KeptFrames frames = FramesToKeep(samples.size(), samples.rate_hz(), band);
-  auto plain = BandSignal::Filter(samples, design, threads, frames);
-  if (!plain) return plain;
+  HAPTOMETER_LET(auto plain, BandSignal::Filter(samples, design, threads, frames));
   const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
-  if (SettledSeconds(*plain) >= kMajority * duration_s || duration_s > kLongestModelledS ||
+  if (SettledSeconds(plain) >= kMajority * duration_s || duration_s > kLongestModelledS ||
       samples.size() > kMostModelled) {
     return plain;
   }
   HAPTOMETER_LET(const auto values, ReadAll(samples));
   auto model = BelowBandModel::Fit(values, samples.rate_hz(), band.lower_hz, band.upper_hz);
   if (!model) return plain;
-  auto beside = BandSignal::Filter(samples, design, threads, frames, std::move(model));
-  if (!beside) return beside;
-  return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
+  HAPTOMETER_LET(auto beside,
+                 BandSignal::Filter(samples, design, threads, frames, std::move(model)));
+  return SettledSeconds(beside) > SettledSeconds(plain) ? std::move(beside) : std::move(plain);
 }
 
 // whether a window fits into it: a record of thousands of short segments is refused at once

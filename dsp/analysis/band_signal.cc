@@ -121,7 +121,7 @@ Result<void> BandSignal::FilterAll(int threads) {
 // samples before the filter, less the model of the motion below the band
 ReadSamples BandSignal::reading() const {
   return [this](std::size_t first, std::span<double> out) -> Result<void> {
-    if (auto read = samples_.Read(first, out); !read) return read;
+    HAPTOMETER_TRY(samples_.Read(first, out));
     if (model_) model_->Subtract(first, out);
     return {};
   };
@@ -213,8 +213,7 @@ Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
     const std::size_t piece = first / ZeroPhaseBlocks::kPieceSamples;
     const SampleRange range = blocks_.PieceRange(piece);
     filtered.resize(range.count);
-    const auto done = blocks_.FilterPiece(piece, states_[piece], reading(), filtered, scratch);
-    if (!done) return done;
+    HAPTOMETER_TRY(blocks_.FilterPiece(piece, states_[piece], reading(), filtered, scratch));
     if (model_) model_->AddFiltered(design_, range.first, filtered);
     const auto wanted = std::span(filtered).subspan(first - range.first);
     const std::size_t count = std::min(wanted.size(), out.size());
@@ -242,7 +241,7 @@ Result<void> BandSignal::ReadThinned(std::size_t first, std::size_t stride,
   while (!out.empty()) {
     const auto part = out.first(std::min(at_once, out.size()));
     raw.resize((part.size() - 1) * stride + 1);
-    if (auto read = Read(first, raw); !read) return read;
+    HAPTOMETER_TRY(Read(first, raw));
     for (std::size_t n = 0; n < part.size(); ++n) part[n] = raw[n * stride];
     first += part.size() * stride;
     out = out.subspan(part.size());

@@ -269,9 +269,7 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   const std::size_t rows = std::min(head.rows, kMostFitted);
   std::vector<double> values(rows);
   std::vector<trial::SampleStatus> statuses(rows);
-  if (auto read = displacement.source.Read(displacement.channel, 0, values, statuses); !read) {
-    return read;
-  }
+  HAPTOMETER_TRY(displacement.source.Read(displacement.channel, 0, values, statuses));
   // a repeated reading is no new one
   std::vector<double> times_s;
   times_s.reserve(rows);

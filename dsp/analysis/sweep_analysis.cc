@@ -57,7 +57,7 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
                       SweepPiece& piece, Findings& findings) {
   std::vector<double> values(piece.displacement_m.size());
   std::vector<trial::SampleStatus> statuses(values.size());
-  if (auto read = source.Read(channel, first_row, values, statuses); !read) return read;
+  HAPTOMETER_TRY(source.Read(channel, first_row, values, statuses));
   const auto [first, last] = LongestRun(values, statuses);
   const trial::Channel& drive = source.head().channels[channel];
   // a constant channel is no excitation: the sweep is then analysed without it

@@ -358,7 +358,7 @@ Result<void> JudgeClipping(Window& window) {
   if (window.numbers.tone) {
     std::vector<double> samples(FittedOf(window.rows));
     const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
-    if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+    HAPTOMETER_TRY(window.signal().samples().Read(first, samples));
     const Clipping clipping =
         FindClipping(samples, window.rate_hz(), window.numbers.tone->fit.frequency_hz);
     if (clipping.verdict == ClippingVerdict::kUndecided) {
@@ -392,7 +392,7 @@ Result<void> BoundSteps(Window& window) {
   if (!window.chosen.part.from_drive) return {};
   std::vector<double> samples(std::min(window.rows, kMostForSteps));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
-  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  HAPTOMETER_TRY(window.signal().samples().Read(first, samples));
   const double step = std::max(StepOf(samples), window.step_m);
   // noise before the rounding, over all frequencies: what is above the rounding's own
   const double density = window.beside.DensityAt(window.band().upper_hz);
@@ -528,7 +528,7 @@ Result<void> DescribeHarmonics(Window& window) {
   if (2 * frequency_hz > upper_hz) return {};
   std::vector<double> samples(FittedOf(window.rows));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
-  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  HAPTOMETER_TRY(window.signal().samples().Read(first, samples));
   if (window.numbers.below_band && window.samples.duration_s() <= kLongestModelledS) {
     const auto model = BelowBandModel::Fit(samples, window.rate_hz(), window.band().lower_hz,
                                            window.band().upper_hz);
@@ -608,16 +608,16 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
     return {};
   };
   const int threads = displacement.threads;
-  if (auto done = RunBeside(threads, {describe_window, describe_below}); !done) return done;
+  HAPTOMETER_TRY(RunBeside(threads, {describe_window, describe_below}));
   window.numbers.whole_rms_m = WholeRms(all);
   // squared errors of interpolation, as RMS over the window
   window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
                                            static_cast<double>(window.rows));
   DescribeSensor(window);
   // floor and clipping are required by the estimate of the RMS, the estimate by the tone's share
-  if (auto taken = TakeFloor(window); !taken) return taken;
-  if (auto bounded = BoundSteps(window); !bounded) return bounded;
-  if (auto judged = JudgeClipping(window); !judged) return judged;
+  HAPTOMETER_TRY(TakeFloor(window));
+  HAPTOMETER_TRY(BoundSteps(window));
+  HAPTOMETER_TRY(JudgeClipping(window));
   HAPTOMETER_LET(const auto edges, EdgeBound(window));
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, edges));
   const bool has_tone = window.numbers.tone.has_value();

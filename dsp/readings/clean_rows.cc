@@ -230,9 +230,7 @@ class Window {
     const std::size_t held = first - std::min(first, kMarginRows);
     values_.resize(end + std::min(rows - end, kMarginRows) - held);
     statuses_.resize(values_.size());
-    if (auto read = source.Read(channel, held, values_, statuses_); !read) {
-      return std::unexpected(read.error());
-    }
+    HAPTOMETER_TRY(source.Read(channel, held, values_, statuses_));
     return RowBlock{
         first, end, rows, held, values_, statuses_, AllOk(statuses_) && AllFinite(values_)};
   }
@@ -332,7 +330,7 @@ bool CleanRows::IsAbsent(std::size_t row) const {
 Result<void> CleanRows::Read(std::size_t channel, std::size_t first, std::span<double> values,
                              std::span<SampleStatus> statuses) const {
   if (!AnyAbsent()) {
-    if (auto read = source_.Read(channel, first, values, statuses); !read) return read;
+    HAPTOMETER_TRY(source_.Read(channel, first, values, statuses));
   } else {
     std::ranges::fill(values, kNaN);
     std::ranges::fill(statuses, SampleStatus::kLate);
@@ -343,12 +341,9 @@ Result<void> CleanRows::Read(std::size_t channel, std::size_t first, std::span<d
       const std::size_t begin = std::max(first, part->first_row);
       const std::size_t part_end = std::min(end, part->first_row + part->rows);
       if (begin >= part_end) continue;
-      if (auto read = source_.Read(channel, part->source_row + (begin - part->first_row),
-                                   values.subspan(begin - first, part_end - begin),
-                                   statuses.subspan(begin - first, part_end - begin));
-          !read) {
-        return read;
-      }
+      HAPTOMETER_TRY(source_.Read(channel, part->source_row + (begin - part->first_row),
+                                  values.subspan(begin - first, part_end - begin),
+                                  statuses.subspan(begin - first, part_end - begin)));
     }
   }
   if (channel == channel_) Exclude(first, values, statuses);

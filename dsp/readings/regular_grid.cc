@@ -279,9 +279,8 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
 }
 
 Result<RegularGrid> OnRegularGrid(const trial::RowSource& source, double upper_hz) {
-  const auto record = trial::ReadAllRows(source);
-  if (!record) return std::unexpected(record.error());
-  return OnRegularGrid(*record, upper_hz);
+  HAPTOMETER_LET(const auto record, trial::ReadAllRows(source));
+  return OnRegularGrid(record, upper_hz);
 }
 
 }  // namespace haptometer::dsp

@@ -47,7 +47,7 @@ class Splitter {
              holes[last].end - holes[k].begin <= kGroupRows) {
         ++last;
       }
-      if (auto filled = Fill(holes.subspan(k, last - k)); !filled) return filled;
+      HAPTOMETER_TRY(Fill(holes.subspan(k, last - k)));
       k = last;
     }
     Finish(end_, end_);
@@ -68,7 +68,7 @@ class Splitter {
     // the neighbourhood, with what was interpolated before in its place
     std::vector<double> values(end - begin);
     std::vector<trial::SampleStatus> statuses(values.size());
-    if (auto read = source_.Read(channel_, begin, values, statuses); !read) return read;
+    HAPTOMETER_TRY(source_.Read(channel_, begin, values, statuses));
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (!IsMeasured(values[k], statuses[k])) values[k] = std::numeric_limits<double>::quiet_NaN();
     }
@@ -162,9 +162,7 @@ Result<Segments> SplitAtHoles(const trial::RowSource& source, std::size_t channe
     for (std::size_t k = next; k < holes.size() && holes[k].begin < all.end; ++k) {
       within.push_back({std::max(holes[k].begin, all.begin), std::min(holes[k].end, all.end)});
     }
-    if (auto taken = Splitter(source, channel, stretch, segments).Take(within); !taken) {
-      return std::unexpected(taken.error());
-    }
+    HAPTOMETER_TRY(Splitter(source, channel, stretch, segments).Take(within));
   }
   return segments;
 }
@@ -178,11 +176,8 @@ Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) cons
   const auto statuses = std::make_unique_for_overwrite<trial::SampleStatus[]>(most);
   for (std::size_t at = 0; at < out.size(); at += kPiece) {
     const std::span<double> piece = out.subspan(at, std::min(kPiece, out.size() - at));
-    if (auto read = source_->Read(channel_, segment_->first_row + first + at, piece,
-                                  std::span(statuses.get(), piece.size()));
-        !read) {
-      return read;
-    }
+    HAPTOMETER_TRY(source_->Read(channel_, segment_->first_row + first + at, piece,
+                                 std::span(statuses.get(), piece.size())));
   }
   // interpolated samples replace the unmeasured ones
   auto bridge = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);

@@ -281,11 +281,8 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& source,
             .times_s = TimesOf(head),
             .values = std::vector<double>(head.rows),
             .statuses = std::vector<trial::SampleStatus>(head.rows)};
-  const auto channel = dsp::AnalyzedChannel(head);
-  if (!channel) return std::unexpected(channel.error());
-  if (auto read = source.Read(*channel, 0, rows.values, rows.statuses); !read) {
-    return std::unexpected(read.error());
-  }
+  HAPTOMETER_LET(const auto channel, dsp::AnalyzedChannel(head));
+  HAPTOMETER_TRY(source.Read(channel, 0, rows.values, rows.statuses));
   FindRange(rows);
   std::vector<plot::Panel> panels{DistancePanel(rows)};
   if (!analysis.states.empty()) panels.push_back(StatesPanel(rows));

@@ -65,14 +65,12 @@ Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, con
   const bool is_shown = job.outputs.HasFigures();
   // without numbers there is no window whose spectrum could be taken
   if (!analysis.numbers || !(is_written || is_shown)) return std::nullopt;
-  const auto window = dsp::ReadWindow(rows, analysis, kMostInSpectrum);
-  if (!window) return std::unexpected(window.error());
+  HAPTOMETER_LET(const auto window, dsp::ReadWindow(rows, analysis, kMostInSpectrum));
   if (is_written) {
-    auto written = WriteSpectra(*window, job.spectrum, CommentOf(job.provenance(), "# "));
-    if (!written) return std::unexpected(written.error());
+    HAPTOMETER_TRY(WriteSpectra(window, job.spectrum, CommentOf(job.provenance(), "# ")));
   }
   if (!is_shown) return std::nullopt;
-  auto panel = SpectrumPanel(*window, job.spectrum, analysis);
+  auto panel = SpectrumPanel(window, job.spectrum, analysis);
   if (!panel) return std::unexpected(panel.error());
   // a spectrum of zeros has no place on a logarithmic axis
   const std::vector<double>& levels = panel->series.front().y;
@@ -165,20 +163,17 @@ Result<Job> JobOf(const AnalyzeWords& words) {
 
 // the response of one sweep, with its points written to --response
 Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job) {
-  const auto opened = trial::OpenRows(path, job.import, job.threads);
-  if (!opened) return std::unexpected(opened.error());
+  HAPTOMETER_LET(const auto opened, trial::OpenRows(path, job.import, job.threads));
   // the band is the range in which a sweep is searched; its resolution is that of the spectra
   dsp::SweepQuestion question{job.question.band.lower_hz, job.question.band.upper_hz, {}};
   question.resolution_hz = job.spectrum.resolution_hz;
-  const auto answer = dsp::AnalyzeSweep(*opened->rows, question);
-  if (!answer) return std::unexpected(answer.error());
+  HAPTOMETER_LET(const auto answer, dsp::AnalyzeSweep(*opened.rows, question));
   if (!words.response.empty()) {
-    auto written = cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
-                                    SweepCsv(*answer, job.provenance()));
-    if (!written) return std::unexpected(written.error());
+    HAPTOMETER_TRY(cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
+                                    SweepCsv(answer, job.provenance())));
   }
-  Section section = SweepSection(path, *answer, words.files.size() == 1);
-  section.sources = trial::SourcesOf(opened->rows->head().metadata, opened->report);
+  Section section = SweepSection(path, answer, words.files.size() == 1);
+  section.sources = trial::SourcesOf(opened.rows->head().metadata, opened.report);
   if (section.sources.empty()) section.Add(document::kDataSources, {});
   return section;
 }
@@ -208,9 +203,8 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
       files.push_back(word);
       continue;
     }
-    const auto found = cli::RecordingsIn(word);
-    if (!found) return std::unexpected(found.error());
-    for (const cli::RecordingFile& file : *found) {
+    HAPTOMETER_LET(const auto found, cli::RecordingsIn(word));
+    for (const cli::RecordingFile& file : found) {
       if (!file.is_table) files.push_back(file.path);
     }
   }

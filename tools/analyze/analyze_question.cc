@@ -25,20 +25,20 @@ Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
     return Usage("--window", fmt::format("'{}' is not a window", text),
                  "give auto, all, or two times as 1s:3s");
   }
-  const auto begin_s = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
-  if (!begin_s) return std::unexpected(begin_s.error());
-  const auto end_s = ParseQuantity(text.substr(colon + 1), Dimension::kTime, "--window");
-  if (!end_s) return std::unexpected(end_s.error());
-  if (!(end_s->value > begin_s->value)) {
+  HAPTOMETER_LET(const auto begin_s,
+                 ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window"));
+  HAPTOMETER_LET(const auto end_s,
+                 ParseQuantity(text.substr(colon + 1), Dimension::kTime, "--window"));
+  if (!(end_s.value > begin_s.value)) {
     return Usage("--window", fmt::format("'{}' ends before it begins", text),
                  "give the earlier time first");
   }
-  return dsp::TimeWindow{begin_s->value, end_s->value};
+  return dsp::TimeWindow{begin_s.value, end_s.value};
 }
 
 // outputs before any analysis: a wrong path must not cost a computed result
 Result<void> CheckPictures(const AnalyzeWords& words) {
-  if (auto good = document::CheckOutputs(words.outputs); !good) return good;
+  HAPTOMETER_TRY(document::CheckOutputs(words.outputs));
   if (!words.outputs.plot.empty() && words.files.size() > 1) {
     return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
                  "give one file, or --report FILE.html for several");
@@ -65,18 +65,16 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
                  "give --response for its points");
   }
   if (!words.table.empty()) {
-    auto writable =
-        cli::CheckOutput(words.table, cli::kTrialsTableOutput, words.spectrum.overwrite);
-    if (!writable) return writable;
+    HAPTOMETER_TRY(
+        cli::CheckOutput(words.table, cli::kTrialsTableOutput, words.spectrum.overwrite));
   }
   if (!words.sweep && !words.response.empty()) {
     return Usage("--response", "applies to a sweep only", "give --sweep too");
   }
   // the response exists for a sweep only, so its place is checked last
   if (!words.response.empty()) {
-    auto writable =
-        cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
-    if (!writable) return writable;
+    HAPTOMETER_TRY(
+        cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite));
   }
   // --resolution needs a spectrum or a sweep on which it has an effect
   const bool has_spectrum =
@@ -162,25 +160,21 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
 }
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
-  if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
+  HAPTOMETER_TRY(CheckPictures(words));
   // an empty band means the default in other verbs
   if (words.band.band.empty()) return Usage("--band", "is empty", "write it as 20-500Hz");
-  auto asked = cli::BandQuestionOf(words.band);
-  if (!asked) return std::unexpected(asked.error());
-  dsp::BandQuestion question = std::move(*asked);
+  HAPTOMETER_LET(auto asked, cli::BandQuestionOf(words.band));
+  dsp::BandQuestion question = std::move(asked);
   // the filtered record is kept in memory only where it is drawn
   question.keep_filtered = words.outputs.HasFigures();
   question.keep_hum = words.hum == "keep";
   if (!words.calibration_uncertainty.empty()) {
-    const auto relative =
-        trial::ParseGainUncertainty(words.calibration_uncertainty, "--calibration-uncertainty");
-    if (!relative) return std::unexpected(relative.error());
-    question.gain_uncertainty = *relative;
+    HAPTOMETER_LET(const auto relative, trial::ParseGainUncertainty(words.calibration_uncertainty,
+                                                                    "--calibration-uncertainty"));
+    question.gain_uncertainty = relative;
   }
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
-  if (auto window = TakeWindow(words.window, question); !window) {
-    return std::unexpected(window.error());
-  }
+  HAPTOMETER_TRY(TakeWindow(words.window, question));
   return question;
 }
 
@@ -240,8 +234,7 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
 Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {
   for (const auto& [path, table] : {std::pair(words.spectrum, cli::kSpectrumOutput),
                                     std::pair(words.spectrogram, cli::kSpectrogramOutput)}) {
-    auto writable = CheckPlace(path, table, words.overwrite);
-    if (!writable) return std::unexpected(writable.error());
+    HAPTOMETER_TRY(CheckPlace(path, table, words.overwrite));
   }
   SpectrumQuestion question{words.spectrum, words.spectrogram, {}, {}, 0.5, false, words.overwrite};
   if (words.resolution_hz) {

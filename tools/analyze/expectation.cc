@@ -83,10 +83,9 @@ std::unexpected<Error> Wrong(std::string_view part, std::string_view what) {
 Result<void> TakeQuantity(std::string_view part, std::string_view text, Dimension dimension,
                           std::optional<Quantity>& into) {
   if (into) return Wrong(part, "stands in it twice");
-  const auto quantity = ParseQuantity(text, dimension, kOption);
-  if (!quantity) return std::unexpected(quantity.error());
-  if (quantity->exact()) return Wrong(part, "states no tolerance");
-  into = *quantity;
+  HAPTOMETER_LET(const auto quantity, ParseQuantity(text, dimension, kOption));
+  if (quantity.exact()) return Wrong(part, "states no tolerance");
+  into = quantity;
   return {};
 }
 
@@ -94,10 +93,10 @@ Result<void> TakeQuantity(std::string_view part, std::string_view text, Dimensio
 Result<void> TakeShare(std::string_view part, std::string_view text, std::optional<double>& into) {
   if (into) return Wrong(part, "stands in it twice");
   if (!text.ends_with('%')) return Wrong(part, "is not in percent");
-  const auto percent = ParseQuantity(text.substr(0, text.size() - 1), Dimension::kNone, kOption);
-  if (!percent) return std::unexpected(percent.error());
-  if (!(percent->value > 0)) return Wrong(part, "is not above 0");
-  into = percent->value / 100;
+  HAPTOMETER_LET(const auto percent,
+                 ParseQuantity(text.substr(0, text.size() - 1), Dimension::kNone, kOption));
+  if (!(percent.value > 0)) return Wrong(part, "is not above 0");
+  into = percent.value / 100;
   return {};
 }
 
@@ -157,9 +156,7 @@ Result<Expectation> ParseExpectation(const std::string& text) {
   // parts between commas, each read once
   while (true) {
     const std::size_t comma = rest.find(',');
-    if (auto taken = TakePart(trial::Trimmed(rest.substr(0, comma)), expected); !taken) {
-      return std::unexpected(taken.error());
-    }
+    HAPTOMETER_TRY(TakePart(trial::Trimmed(rest.substr(0, comma)), expected));
     if (comma == std::string_view::npos) return expected;
     rest.remove_prefix(comma + 1);
   }

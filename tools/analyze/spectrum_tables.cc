@@ -194,29 +194,25 @@ void MarkSpectrum(const dsp::BandAnalysis& analysis, const SpectrumQuestion& que
 Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                            const std::string& comment) {
   // Welch's average over the window, which is not filtered
-  const auto options = OptionsOf(window, question);
-  if (!options) return std::unexpected(options.error());
-  const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
-  if (!spectrum) return std::unexpected(spectrum.error());
+  HAPTOMETER_LET(const auto options, OptionsOf(window, question));
+  HAPTOMETER_LET(const auto spectrum, dsp::WelchSpectrum(window.values_m, options));
   if (!IsCsv(question.spectrum)) {
-    return plot::DrawPanels(question.spectrum, {PanelOf(*spectrum, question)});
+    return plot::DrawPanels(question.spectrum, {PanelOf(spectrum, question)});
   }
   return cli::WriteOutput(question.spectrum, cli::kSpectrumOutput, question.overwrite,
-                          comment + SpectrumCsv(*spectrum, question));
+                          comment + SpectrumCsv(spectrum, question));
 }
 
 // the same segments as those of the spectrum, not averaged: one column for each
 Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                               const std::string& comment) {
-  const auto options = OptionsOf(window, question);
-  if (!options) return std::unexpected(options.error());
-  const auto spectrogram = dsp::MakeSpectrogram(window.values_m, *options);
-  if (!spectrogram) return std::unexpected(spectrogram.error());
+  HAPTOMETER_LET(const auto options, OptionsOf(window, question));
+  HAPTOMETER_LET(const auto spectrogram, dsp::MakeSpectrogram(window.values_m, options));
   if (!IsCsv(question.spectrogram)) {
-    return plot::DrawMap(question.spectrogram, SpectrogramMap(*spectrogram, window.start_s));
+    return plot::DrawMap(question.spectrogram, SpectrogramMap(spectrogram, window.start_s));
   }
   return cli::WriteOutput(question.spectrogram, cli::kSpectrogramOutput, question.overwrite,
-                          comment + SpectrogramCsv(*spectrogram, question, window.start_s));
+                          comment + SpectrogramCsv(spectrogram, question, window.start_s));
 }
 
 }  // namespace
@@ -224,7 +220,7 @@ Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQu
 Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuestion& question,
                           const std::string& comment) {
   if (!question.spectrum.empty()) {
-    if (auto written = WriteSpectrum(window, question, comment); !written) return written;
+    HAPTOMETER_TRY(WriteSpectrum(window, question, comment));
   }
   return question.spectrogram.empty() ? Result<void>{}
                                       : WriteSpectrogram(window, question, comment);
@@ -233,11 +229,9 @@ Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuesti
 Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,
                                   const SpectrumQuestion& question,
                                   const dsp::BandAnalysis& analysis) {
-  const auto options = OptionsOf(window, question);
-  if (!options) return std::unexpected(options.error());
-  const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
-  if (!spectrum) return std::unexpected(spectrum.error());
-  plot::Panel panel = PanelOf(*spectrum, question);
+  HAPTOMETER_LET(const auto options, OptionsOf(window, question));
+  HAPTOMETER_LET(const auto spectrum, dsp::WelchSpectrum(window.values_m, options));
+  plot::Panel panel = PanelOf(spectrum, question);
   MarkSpectrum(analysis, question, panel);
   return panel;
 }

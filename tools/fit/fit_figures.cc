@@ -188,14 +188,14 @@ plot::Series InCells(std::string title, plot::Colour colour, const dsp::PowerSpe
 // mean periodogram over segments of at most kMostInSegment samples
 Result<plot::Series> Density(std::string title, plot::Colour colour,
                              const std::vector<double>& values, double step_s) {
-  const auto spectrum =
+  HAPTOMETER_LET(
+      const auto spectrum,
       dsp::WelchSpectrum(values, {.rate_hz = 1 / step_s,
                                   .segment_size = std::min(values.size(), kMostInSegment),
                                   .window = dsp::WindowShape::kRectangular,
                                   .overlap = 0,
-                                  .detrend = dsp::Detrend::kNothing});
-  if (!spectrum) return std::unexpected(spectrum.error());
-  return InCells(std::move(title), colour, *spectrum);
+                                  .detrend = dsp::Detrend::kNothing}));
+  return InCells(std::move(title), colour, spectrum);
 }
 
 // the fitted part's samples less the offset, the model where one is missing; and the residuals

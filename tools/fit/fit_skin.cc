@@ -128,10 +128,9 @@ Result<Columns> ReadColumns(const TextTable& table) {
   constexpr KnownColumn kPhase[]{{"phase_deg", 1}};
   constexpr KnownColumn kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
   Columns columns;
-  auto frequency =
-      Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
-  if (!frequency) return std::unexpected(frequency.error());
-  columns.frequencies_hz = std::move(*frequency);
+  HAPTOMETER_LET(auto frequency, Required(table, kFrequency, "frequency",
+                                          "its header needs the column frequency_hz"));
+  columns.frequencies_hz = std::move(frequency);
   // a response table has its drive and phase in its own columns
   HAPTOMETER_LET(const auto is_response, ReadResponse(table, &columns));
   if (is_response) return columns;

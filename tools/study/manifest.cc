@@ -162,9 +162,8 @@ std::optional<std::map<std::string, std::string>> LabelsOf(const std::string& pa
 
 Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
                                              const std::string& pattern) {
-  const auto found = cli::RecordingsIn(folder);
-  if (!found) return std::unexpected(found.error());
-  return Mapped(*found, [&](const cli::RecordingFile& file) {
+  HAPTOMETER_LET(const auto found, cli::RecordingsIn(folder));
+  return Mapped(found, [&](const cli::RecordingFile& file) {
     return file.is_table ? TrialFile{.path = file.path, .is_table = true}
                          : Labelled(file.path, pattern);
   });

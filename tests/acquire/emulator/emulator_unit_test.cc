@@ -92,6 +92,19 @@ INSTANTIATE_TEST_SUITE_P(
                       Exchange{"SR,06,101\r\n", "ER,SR,65\r\n"},  // as in the FD-S edition, p. 10
                       Exchange{"\r\n", ""}, Exchange{"M0", ""}, Exchange{"M0\n", ""}));
 
+TEST(IlAmplifier, TakesTheCodesOfItsSettings) {
+  // data numbers and highest codes of the communication unit's manual: bank, sampling cycle,
+  // averaging, hold, memory of the zero shift, cutoff of the high-pass filter
+  for (const auto& [number, highest] :
+       {std::pair(98, 3), {132, 4}, {133, 14}, {136, 5}, {152, 1}, {159, 9}}) {
+    IlAmplifier amplifier(Still(0).head, true);
+    EXPECT_EQ(amplifier.Write(number, highest, 0), IlWriteOutcome::kDone) << number;
+    EXPECT_EQ(amplifier.Read(number, {})->number, highest) << number;
+    EXPECT_EQ(amplifier.Write(number, highest + 1, 0), IlWriteOutcome::kOutOfRange) << number;
+    EXPECT_EQ(amplifier.Write(number, -1, 0), IlWriteOutcome::kOutOfRange) << number;
+  }
+}
+
 TEST(DlRs1aUnit, RefusesALineTooLongAndUnderstandsTheNext) {
   ManualClock clock;
   DlRs1aUnit unit(Still(0));

@@ -277,6 +277,24 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
             "remove one of the two");
 }
 
+// the thesis's actuator hangs under the skin with its 1.4 g and 0.6 g: 19.6 mN; a preload of the
+// mover takes its place
+TEST(SceneFile, RefusesContactThatDoesNotCarryTheBodies) {
+  const std::string hanging = kActuator + "preload_n = %\n" + kDrive + kSkin +
+                              "contact = 'unilateral'\npreload_n = 0.01\n[effects]\n"
+                              "gravity = true\n[gravity]\nacceleration_m_per_s2 = -9.80665\n";
+  const auto error_with = [&](const std::string& preload) {
+    std::string text = hanging;
+    return WithoutLine(ErrorOf(text.replace(text.find('%'), 1, preload)));
+  };
+  EXPECT_EQ(error_with("0"),
+            "scene.toml: [skin]: preload_n: does not carry the bodies' 0.0196 N of weight; they "
+            "would fall off the skin");
+  EXPECT_EQ(error_with("-0.005"),
+            "scene.toml: [skin]: preload_n: does not carry the 0.0246 N that pull the bodies; they "
+            "would fall off the skin");
+}
+
 TEST(SceneFile, TellsTheLineOfAFault) {
   EXPECT_EQ(ErrorOf("[actuator]\nmodel = 'thesis-c10-100'\n\n[drive]\nkind = 'sine'\n"
                     "amplitude_v = 5\nfrequency_hz = -3\n" +
