@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/usual_band.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
@@ -494,6 +495,7 @@ PYBIND11_MODULE(_native, module) {
     }
   });
 
+  module.attr("USUAL_BAND") = py::make_tuple(kUsualLowerHz, kUsualUpperHz);
   py::class_<Answer>(module, "Answer")
       .def_readonly("status", &Answer::status)
       .def_readonly("json", &Answer::json)

@@ -3,6 +3,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+USUAL_BAND: tuple[float, float]
+
 class NativeError(Exception): ...
 
 class Answer:
