@@ -25,7 +25,7 @@ MATHEMATICS = {
     "rms_estimate.cc": {"kNormal95", "kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge
-    "window_choice.cc": {"kQuartile", "kBlockLengths", "kUnknown"},
+    "window_choice.cc": {"kBlockLengths", "kUnknown"},
     "window_numbers.cc": {"kTwoPi", "kCoverage"},
 }
 # memory, speed, and what is left out because it is below the accuracy that is stated beside it
