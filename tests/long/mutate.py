@@ -6,10 +6,11 @@
 
 Each fault is put into a copy of the tree (in FOLDER), which is built on its own; the tree itself is never
 changed. The test program of the fault's room runs first: the test file that mirrors the source, then all of
-them. What it does not find, the hard cases may (not with --own). A line of JSON per fault goes to
-the results: caught, survived, same-program (the fault changes no program), does-not-compile, timeout. A run
-begun again with the same options goes on behind what is there; --again tries survivors once more. With
---part 1/2 and 2/2, in a FOLDER each, two commands share the faults and the results.
+them. What it does not find, the hard cases and the pinned numbers of every verb (tests/golden) may (not with --own).
+A line of JSON per fault goes to the results: caught, survived, same-program (the fault changes no program),
+does-not-compile, timeout. A run begun again with the same options goes on behind what is there; --again tries
+survivors that have no word in mutants.toml once more. With --part 1/2 and 2/2, in a FOLDER each, two commands share
+the faults and the results.
 tests/long/mutants.toml says of each survivor why it is none ("equivalent because ..."), or which test was added.
 --report leaves out what is equivalent, and ends with status 1 while a survivor stands without a word there, or less
 than 92 % of the others are caught.
@@ -36,6 +37,7 @@ ROOMS = ("base", "trial", "acquire", "dsp", "sim", "fit")
 PROGRAMS = {"base": ("base_test", "trial_test"), "trial": ("trial_test", "hard_cases_test"),
             "acquire": ("acquire_test", "hard_cases_test"), "dsp": ("dsp_analysis_test", "hard_cases_test"),
             "sim": ("sim_test", "hard_cases_test"), "fit": ("fit_test", "hard_cases_test")}
+VERBS = "haptometer"  # tests/golden runs it
 BUILD = "build/release"  # of the copy
 LEAST_CAUGHT = 0.92
 MEMORY_BYTES = 6 << 30  # of a test program: a fault may ask for all there is
@@ -223,11 +225,14 @@ class Copy:
     def test(self, program, filter_, deadline_s):
         """(what came out, the first test that fails)."""
         command = [f"bin/{program}", f"--gtest_filter={filter_}", "--gtest_fail_fast"]
+        if program == VERBS:
+            command = ["/usr/bin/python3", str(self.tree / "tests/golden/golden.py"), "--check"]
         limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
         # other tests run beside these; the cache as under ctest
         folder = self.tree.parent / "tmp"
         folder.mkdir(exist_ok=True)
-        own = {**os.environ, "TMPDIR": str(folder), "TEST_TMPDIR": str(folder), "HAPTOMETER_CACHE": "off"}
+        own = {**os.environ, "TMPDIR": str(folder), "TEST_TMPDIR": str(folder), "HAPTOMETER_CACHE": "off",
+               "HAPTOMETER_PROGRAMS": str(self.tree / BUILD / "bin")}
         try:
             done = subprocess.run(command, cwd=self.tree / BUILD, capture_output=True, timeout=deadline_s,
                                   preexec_fn=limit, env=own)
@@ -235,7 +240,8 @@ class Copy:
             return "timeout", ""
         if done.returncode == 0:
             return "survived", ""
-        return "caught", first_failure(done.stdout.decode(errors="replace"))
+        output = done.stdout.decode(errors="replace")
+        return "caught", output.split(":")[0] if program == VERBS else first_failure(output)
 
 
 def first_failure(output):
@@ -248,7 +254,7 @@ def first_failure(output):
 def programs_of(file, own):
     room, folder = file.split("/")[:2]
     first = [f"dsp_{folder}_test"] if room == "dsp" and (ROOT / f"tests/dsp/{folder}").is_dir() else []
-    programs = list(dict.fromkeys([*first, *PROGRAMS[room]]))
+    programs = list(dict.fromkeys([*first, *PROGRAMS[room], VERBS]))
     return programs[:1] if own else programs
 
 
@@ -290,7 +296,7 @@ class Trial:
                 return "does-not-compile", ""
             if built == same:
                 continue
-            for filter_ in filter(None, (mirrored(fault.file), "*")):
+            for filter_ in ("*",) if program == VERBS else filter(None, (mirrored(fault.file), "*")):
                 verdict, test = self.copy.test(program, filter_, deadline_s)
                 if verdict in FOUND:
                     return verdict, test
@@ -309,12 +315,19 @@ def read_results(path):
     return {key(row) + (row["line"], row["column"]): row for row in rows}
 
 
+def verdicts():
+    """What mutants.toml says of survivors."""
+    with VERDICTS.open("rb") as file:
+        return {key(fault): fault["verdict"] for fault in tomllib.load(file).get("fault", [])}
+
+
 def run(options):
     copy = Copy(options.work, options.rooms)
     copy.restore()
     copy.configure()
     trial = Trial(copy)
     done = read_results(options.results)
+    explained = verdicts()
     part, parts = options.part
     for number, fault in zip(range(options.count), choice(copy.tree, options.rooms, options.seed)):
         if number % parts != part - 1:
@@ -322,7 +335,8 @@ def run(options):
         source = (copy.tree / fault.file).read_text(encoding="utf-8")
         row = fault.row(source)
         known = done.get(key(row) + (row["line"], row["column"]))
-        if known and not (options.again and known["verdict"] == "survived"):
+        is_open = known and known["verdict"] == "survived" and key(known) not in explained
+        if known and not (options.again and is_open):
             continue
         begin = time.monotonic()
         row["verdict"], row["test"] = trial.judge(fault, source, options.own)
@@ -335,8 +349,7 @@ def run(options):
 
 def report(options):
     rows = list(read_results(options.results).values())
-    with VERDICTS.open("rb") as file:
-        explained = {key(fault): fault["verdict"] for fault in tomllib.load(file).get("fault", [])}
+    explained = verdicts()
     count = {name: sum(row["verdict"] == name for row in rows)
              for name in ("caught", "timeout", "survived", "same-program", "does-not-compile")}
     survivors = [row for row in rows if row["verdict"] == "survived"]
