@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -16,6 +18,7 @@
 #include "tests/dsp/signals.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
+#include "trial/row_source.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::dsp {
@@ -342,6 +345,35 @@ TEST(BandAnalysis, RecordsThatCannotBeReadAreErrors) {
       "range");
   record.channels.clear();
   EXPECT_EQ(error(record).Text(), "holds no displacement channel; name one displacement_m");
+}
+
+// the samples that the window is of, and of a limited number those about its middle
+TEST(ReadWindow, GivesTheSamplesOfTheWindow) {
+  std::vector<double> values(30'000);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    // on from 1 s to 2 s, and each reading its own: 1 pm a row
+    const double on = k >= 10'000 && k < 20'000 ? 1 : 0;
+    values[k] =
+        1e-12 * static_cast<double>(k) + on * 20e-6 * std::sin(0.14 * static_cast<double>(k));
+  }
+  const trial::Record record = RecordOf(values, kRateHz);
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  const TimeWindow& window = analysis.numbers->part.window;
+  const auto first = static_cast<std::size_t>(std::lround(window.begin_s * kRateHz));
+  const auto rows = static_cast<std::size_t>(std::lround(window.duration_s() * kRateHz));
+  ASSERT_LT(first + rows, 20'000U) << "the record goes on behind the window";
+  for (const std::size_t most : {std::size_t{1} << 20U, std::size_t{1000}}) {
+    const auto samples = ReadWindow(trial::RecordRows(record), analysis, most);
+    ASSERT_TRUE(samples.has_value());
+    const std::size_t count = std::min(rows, most);
+    const std::size_t begin = first + (rows - count) / 2;
+    EXPECT_EQ(samples->values_m,
+              std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                  values.begin() + static_cast<std::ptrdiff_t>(begin + count)));
+    EXPECT_REL(samples->start_s, static_cast<double>(begin) / kRateHz, 1e-12, "rounding");
+    EXPECT_EQ(samples->rate_hz, kRateHz);
+  }
 }
 
 }  // namespace
