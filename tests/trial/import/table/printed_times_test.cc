@@ -151,6 +151,19 @@ TEST_P(Decimals, JitterOfAHundredthOfAnIntervalIsKept) {
              "uniform jitter of 20 000 rows");
 }
 
+// 500 us of a clock of 1 MHz, printed as 1.23456e-04: the last place is 1 ns, and not 10 us
+TEST(PrintedTimes, AnExponentMovesTheLastPrintedPlace) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> jitter(-0.2e-6, 0.2e-6);
+  const auto text = [&](double size) {
+    return Table(500, [&](auto i) {
+      return fmt::format("{:.5e}", At(i, 1e-4, 1e-6) + size * jitter(random));
+    });
+  };
+  EXPECT_EQ(Parsed(text(1)).raw_times_s.size(), 500);
+  EXPECT_TRUE(Parsed(text(0)).raw_times_s.empty());
+}
+
 TEST(PrintedTimes, JitterOfDoublesIsFoundToTheirLastDigit) {
   // far beyond what floats could hold: 400 000 rows, a fortieth of an interval is 2^-24 of the span
   std::mt19937 random(6);
