@@ -157,5 +157,24 @@ TEST(Huber, SpikesHardlyMoveTheFitAndAreCovered) {
   }
 }
 
+TEST(LookAtResiduals, FindsThePointThatLiesFarFromTheOthers) {
+  std::vector<double> residuals(40);
+  for (std::size_t n = 0; n < residuals.size(); ++n) residuals[n] = n % 2 == 0 ? 1 : -1;
+  residuals[27] = -20;
+  // the second of two kinds: point 7 of 20
+  const ResidualLook look = LookAtResiduals(residuals, 20);
+  EXPECT_EQ(look.farthest, 7U);
+  EXPECT_REL(look.farthest_spread, 20 / 1.4826022185056018, 1e-15, "rounding");
+  // every neighbour has the other sign; the pair that changes the kind is none
+  const double square = 39 + 400, product = -(36 + 2 * 20);
+  EXPECT_REL(look.serial_correlation, product / square * std::sqrt(40.0), 1e-14, "rounding");
+}
+
+TEST(LookAtResiduals, SaysNothingOfZeros) {
+  const ResidualLook look = LookAtResiduals({0, 0, 0, 0}, 4);
+  EXPECT_EQ(look.farthest_spread, 0);
+  EXPECT_EQ(look.serial_correlation, 0);
+}
+
 }  // namespace
 }  // namespace haptometer::fit
