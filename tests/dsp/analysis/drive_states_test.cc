@@ -330,6 +330,7 @@ TEST(DriveStates, OfAGatedDriveLieWithinABlockOfTheTruth) {
       on.push_back(state.time);
       EXPECT_TRUE(state.is_steady) << state.time.begin_s;
       EXPECT_REL(state.level_m, 1e-6, 0.05, "a block at each end");
+      EXPECT_REL(state.rms_m, 1e-6 / std::numbers::sqrt2, 0.05, "the same");
     }
     ASSERT_EQ(on.size(), 2U) << noise_m;
     const double block_s = course.block_s * 1.5;

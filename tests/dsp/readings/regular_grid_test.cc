@@ -144,6 +144,24 @@ TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {
             OnRegularGrid(record, kUpperHz).record.channels[0].values);
 }
 
+// each channel by itself: of two with the same readings twice as many are left out, and none is
+// refused
+TEST(RegularGrid, ASecondChannelIsNotChargedWithTheFirstOnesReadings) {
+  const trial::Record one = Jittered(Counted(2000), 0.05);
+  double upper_hz = 2000;
+  std::size_t left_out = 0;
+  for (; left_out < 700; upper_hz += 25) {
+    const auto grid = OnRegularGrid(one, upper_hz);
+    ASSERT_FALSE(grid.refusal) << upper_hz;
+    left_out = grid.left_out;
+  }
+  trial::Record two = one;
+  two.channels.push_back(one.channels[0]);
+  const auto grid = OnRegularGrid(two, upper_hz - 25);
+  EXPECT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.left_out, 2 * left_out);
+}
+
 TEST(RegularGrid, TooFewReadingsForTheBandAreRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.05), 4500);
   ASSERT_TRUE(grid.refusal);

@@ -42,6 +42,15 @@ TEST(SineFit, FindsTheFrequencyToo) {
   }
 }
 
+TEST(SineFit, GoesToHalfTheRate) {
+  const double frequency_hz = 0.49 * kRateHz;
+  const std::vector<double> signal = Samples(kRateHz, 2345, 0, {{2e-6, frequency_hz, 1}});
+  const SineFit fit = FitSine(signal, {kRateHz, 0}, frequency_hz);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_REL(fit.amplitude, 2e-6, 1e-12, "rounding, of a cosine that is nearly of one sign");
+  EXPECT_FALSE(FitSine(signal, {kRateHz, 0}, 0.5 * kRateHz).converged);
+}
+
 TEST(SineFit, SaysWhenItHasNotConverged) {
   const std::vector<double> signal = Samples(kRateHz, 20'000, 0, {{2e-6, 225, 0}});
   const SineFit far = FitSine(signal, {kRateHz, 0}, 240);
