@@ -25,7 +25,7 @@ Section MethodSection(const CostedMethod& method) {
       row.Add({document::kRecording.name, "recording", document::kSecond}, method.recording_s), 2);
   ShowDigits(row.Add({"predicted_s", "computing", document::kSecond}, method.predicted_s), 2);
   ShowDigits(row.Add({"measured_s", "measured", document::kSecond}, method.measured_s), 2);
-  ShowDigits(row.Add({"predicted_error", "error, at most"}, method.predicted_error), 2);
+  ShowDigits(row.Add({"predicted_error", "relative error, at most"}, method.predicted_error), 2);
   ShowDigits(row.Add({"measured_error", "stated error"}, method.measured_error), 2);
   row.Add({document::kLimitedBy.name, "limited by"}, document::TextOrNotKnown(method.limited_by));
   row.Add({"is_peer"}, method.is_peer);
@@ -169,7 +169,9 @@ document::Document ChainDocument(const CostChain& chain) {
     machine.Add({NameOf(static_cast<SceneClass>(k))}, chain.ratios[k]);
   }
   root.sections.push_back(std::move(machine));
-  const auto [least, most] = std::ranges::minmax(chain.ratios);
+  // a probe does not know more than two decimals
+  const auto ends = std::ranges::minmax(chain.ratios);
+  const double least = std::round(100 * ends.min) / 100, most = std::round(100 * ends.max) / 100;
   if (!chain.measured.empty()) {
     Section& section = root.sections.emplace_back(
         document::ListOf(Section{.name = document::kMeasured.name, .heading = "measured here"},
