@@ -4,8 +4,9 @@
     tests/long/coverage.py [--lines FILE] [--without-build]
 
 Builds the rooms and their tests by clang++ with its counters in build/coverage, runs each test program
-whole, and prints for each room the share of its lines that were run, and for all. --lines writes the
-lines that were not: file, line, text. Needs llvm-cov-19 and llvm-profdata-19.
+whole, the pinned numbers of every verb and the number tables of other programs, and prints for each room
+the share of its lines that were run, and for all. --lines writes the lines that were not: file, line, text.
+Needs llvm-cov-19 and llvm-profdata-19.
 """
 import argparse
 import collections
@@ -20,6 +21,8 @@ BUILD = ROOT / "build" / "coverage"
 ROOMS = ["base", "trial", "acquire", "dsp", "sim", "fit"]
 LEAST = 0.92
 TEST_S = 3000
+VERBS = "bin/haptometer"
+SCRIPTS = [["tests/golden/golden.py", "--check"], ["tests/trial/number_tables_test.py"]]
 
 
 def build():
@@ -34,17 +37,19 @@ def build():
     names = [line.split(":")[0] for line in listed.splitlines()]
     programs = sorted({name for name in names if name.startswith("bin/") and name.endswith("_test")
                        and name[4:].split("_")[0] in [*ROOMS, "hard"]})
-    subprocess.run(["ninja", "-C", BUILD, *programs, "bin/haptometer"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["ninja", "-C", BUILD, *programs, VERBS], check=True, stdout=subprocess.DEVNULL)
     return programs
 
 
 def run(programs):
     """Runs each program once; the merged counters."""
-    for program in programs:
-        counts = {**os.environ, "LLVM_PROFILE_FILE": str(BUILD / "counts" / (program[4:] + "-%4m.profraw"))}
-        done = subprocess.run([BUILD / program, "--gtest_brief=1"], env=counts, cwd=ROOT, capture_output=True,
-                              text=True, timeout=TEST_S)
-        print(f"{program[4:]}: status {done.returncode}", flush=True)
+    commands = [[BUILD / program, "--gtest_brief=1"] for program in programs]
+    commands += [["/usr/bin/python3", *script] for script in SCRIPTS]
+    for command in commands:
+        counts = {**os.environ, "LLVM_PROFILE_FILE": str(BUILD / "counts" / "%8m.profraw"), "HAPTOMETER_CACHE": "off",
+                  "HAPTOMETER_PROGRAMS": str(BUILD / "bin")}
+        done = subprocess.run(command, env=counts, cwd=ROOT, capture_output=True, text=True, timeout=TEST_S)
+        print(f"{' '.join(map(str, command))}: status {done.returncode}", flush=True)
     merged = BUILD / "counts.profdata"
     raw = sorted((BUILD / "counts").glob("*.profraw"))
     subprocess.run(["llvm-profdata-19", "merge", "-o", merged, *raw], check=True)
@@ -53,7 +58,8 @@ def run(programs):
 
 def lines_of(programs, merged):
     """How often each line of the rooms was run, by file: lines without code are not among them."""
-    objects = [word for program in programs for word in ("-object", str(BUILD / program))]
+    first, *others = (str(BUILD / program) for program in [*programs, VERBS])
+    objects = [first, *(word for program in others for word in ("-object", program))]
     exported = subprocess.run(["llvm-cov-19", "export", "-format=lcov", f"-instr-profile={merged}", *objects,
                                *(str(ROOT / room) for room in ROOMS)], check=True, capture_output=True, text=True).stdout
     counts = collections.defaultdict(dict)

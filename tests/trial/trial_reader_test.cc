@@ -333,6 +333,7 @@ TEST(ReadRecording, TellsTrialAndCsvApartAndRefusesTheRest) {
   EXPECT_THAT(message("Dear Sir,\nthe vibration was strong.\n"),
               HasSubstr("no time column is named in its first line"));
   EXPECT_THAT(message("\xff\xfetime"), HasSubstr("no time column"));
+  EXPECT_THAT(message("\x01"), HasSubstr("is not a trial"));
   EXPECT_THAT(message(""), HasSubstr("is empty"));
   EXPECT_THAT(ReadRecording(directory.File("")).error().Text(), HasSubstr("is a directory"));
   EXPECT_THAT(ReadRecording(directory.File("none")).error().Text(), HasSubstr("no such file"));

@@ -57,8 +57,27 @@ TEST(SlowRecord, AGatedDriveIsFittedWhereItIsOn) {
   const SineFit& fit = analysis.known_tone->fit;
   EXPECT_ABS(fit.amplitude, 1e-5, 3 * fit.amplitude_uncertainty, "noise; 5 um over all of it");
   const Finding pauses = FirstOf(analysis.findings, FindingKind::kKnownTonePauses);
-  EXPECT_ABS(NumberOf(pauses, "from_s"), 0.75, 0.1, "blocks of 18 readings");
-  EXPECT_ABS(NumberOf(pauses, "to_s"), 2.25, 0.1, "blocks of 18 readings");
+  // readings 306 to 899 lie in blocks of 18 that are on; their first and last are left out
+  EXPECT_ABS(NumberOf(pauses, "from_s"), 18 * 18 / 400.0, 1e-12, "rounding");
+  EXPECT_ABS(NumberOf(pauses, "to_s"), (49 * 18 - 1) / 400.0, 1e-12, "rounding");
+}
+
+// on from the record's begin: nothing is left out there
+TEST(SlowRecord, ADriveThatEndsIsFittedFromTheFirstReadingOn) {
+  trial::Record record = Slow();
+  Noise noise(3);
+  for (std::size_t k = 900; k < record.rows; ++k) {
+    record.channels[0].values[k] = 0.03 + 2e-7 * noise();
+  }
+  const BandAnalysis analysis = Answer(record);
+  const Finding pauses = FirstOf(analysis.findings, FindingKind::kKnownTonePauses);
+  EXPECT_EQ(NumberOf(pauses, "from_s"), 0);
+  EXPECT_ABS(NumberOf(pauses, "to_s"), (49 * 18 - 1) / 400.0, 1e-12, "rounding");
+  // a first block that is off is a pause, too
+  for (std::size_t k = 0; k < 18; ++k) record.channels[0].values[k] = 0.03 + 2e-7 * noise();
+  const BandAnalysis later = Answer(record);
+  EXPECT_ABS(NumberOf(FirstOf(later.findings, FindingKind::kKnownTonePauses), "from_s"),
+             2 * 18 / 400.0, 1e-12, "rounding");
 }
 
 TEST(SlowRecord, TheQuestionsDriveComesBeforeTheFiles) {
