@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 """Lines of base, trial, acquire, dsp, sim and fit that their own tests run.
 
-    tests/long/coverage.py [--lines FILE] [--without-build]
+    tests/long/coverage.py [--lines FILE] [--page] [--without-build]
 
 Builds the rooms and their tests by clang++ with its counters in build/coverage, runs each test program
 whole, the pinned numbers of every verb and the number tables of other programs, and prints for each room
-the share of its lines that were run, and for all. --lines writes the lines that were not: file, line, text.
-Needs llvm-cov-19 and llvm-profdata-19.
+the share of its lines that were run, and for all. --lines writes the lines that were not: file, line, text;
+--page writes docs/developer/coverage.md, which says why. Needs llvm-cov-19 and llvm-profdata-19.
 """
 import argparse
 import collections
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -22,6 +23,27 @@ ROOMS = ["base", "trial", "acquire", "dsp", "sim", "fit"]
 LEAST = 0.92
 TEST_S = 3000
 VERBS = "bin/haptometer"
+PAGE = ROOT / "docs" / "developer" / "coverage.md"
+# why lines are not run: the first whose words stand in a stretch of them
+REASONS = {
+    "what the system or a library fails at (disk, memory, descriptors), which a test cannot bring about":
+        r"errno|strerror|Reason\(|NotWritten|sp_last_error|gai_strerror|Broken\(|could not be|too many files|NoTerminal"
+        r"|cannot be (locked|listed|opened|replaced|read:|set)",
+    "programming errors: checks that no caller fails, values of a switch that do not occur":
+        r"HAPTOMETER_CHECK|CheckFailed|BelowRoot|default:|noexcept"
+        r"|^return (0|\{\}|nullptr|text\.size\(\)|model\.skin\(\)|kWords\.front\(\));$",
+    "kernels of instruction sets that this processor does not need": r"InstructionSet",
+    "what only a real port, a USB adapter or a lost connection does; tests/system does a part of it in whole programs":
+        r"LatencyTimer|LowLatency|LOW_LATENCY|connection was lost|interrupted before|vendor|IsHardware|recv\("
+        r"|modbus_get_socket|SleepUntil|CommandPipe|PlainPort|posix_spawn|[Ii]dentity|is_emulated_|ReadAnalog"
+        r"|kAnalogError",
+    "refusals of files and of stated values that no test states; each is a message and a return":
+        r"CannotAnswer|Usage\(|Wrong\(|Refuse\(|^return \"|Unfit\(|NoNumber|std::unexpected|no_ring_down =|error\.what"
+        r"|return std::nullopt",
+    "findings that no test's record has; each is its numbers":
+        r"\b(Note|Doubt|Add|note)\(|FindingKind::|NoRun\(|Refused\(|Reject\(",
+}
+REST = "rare branches: dialects of tables, shapes of records and scenes that nothing of these runs meets"
 SCRIPTS = [["tests/golden/golden.py", "--check"], ["tests/trial/number_tables_test.py"]]
 
 
@@ -72,9 +94,47 @@ def lines_of(programs, merged):
     return counts
 
 
+def why(texts):
+    """The reason of a stretch of lines that were not run."""
+    text = "\n".join(texts)
+    return next((reason for reason, words in REASONS.items() if re.search(words, text, re.MULTILINE)), REST)
+
+
+def not_run(counts):
+    """Lines that were not run, by reason and file; successive ones have one reason."""
+    found = {reason: collections.Counter() for reason in [*REASONS, REST]}
+    for path, lines in sorted(counts.items()):
+        text = (ROOT / path).read_text(encoding="utf-8").splitlines()
+        stretch = []
+        for place in [*sorted(place for place, count in lines.items() if count == 0), None]:
+            if stretch and place != stretch[-1] + 1:
+                found[why([text[at - 1].strip() for at in stretch])][str(path)] += len(stretch)
+                stretch = []
+            stretch.append(place)
+    return found
+
+
+def write_page(counts, total):
+    """Writes the page; rows of a table for the rooms, a list for each reason."""
+    lines = ["# Lines that tests run", "",
+             "Made by `tests/long/coverage.py --page`: the test programs of base to fit, the hard cases, the pinned numbers",
+             "of every verb and the number tables of other programs, with clang's counters. Lines without code are not",
+             "counted.", "",
+             "| room | lines | run |", "|---|---|---|"]
+    for room in [*ROOMS, "all"]:
+        share = total[room, "run"] / total[room, "lines"]
+        lines.append(f"| {room} | {total[room, 'lines']} | {share:.1%} |")
+    lines += ["", "What is not run, and why (lines in brackets):", ""]
+    for reason, files in not_run(counts).items():
+        lines.append(f"- {sum(files.values())} lines: {reason}.")
+        lines += [f"  - `{path}` ({count})" for path, count in files.most_common()]
+    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--lines", type=pathlib.Path)
+    parser.add_argument("--page", action="store_true", help=f"write {PAGE.relative_to(ROOT)}")
     parser.add_argument("--without-build", action="store_true", help="of the counters that are there")
     options = parser.parse_args()
     names = BUILD / "programs.json"
@@ -95,6 +155,8 @@ def main():
             for path, lines in sorted(counts.items()):
                 text = (ROOT / path).read_text(encoding="utf-8").splitlines()
                 file.writelines(f"{path}:{place}: {text[place - 1]}\n" for place, count in sorted(lines.items()) if count == 0)
+    if options.page:
+        write_page(counts, total)
     return 0 if total["all", "run"] >= LEAST * total["all", "lines"] else 1
 
 
