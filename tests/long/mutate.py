@@ -11,9 +11,9 @@ A line of JSON per fault goes to the results: caught, survived, same-program (th
 does-not-compile, timeout. A run begun again with the same options goes on behind what is there; --again tries
 survivors that have no word in mutants.toml once more. With --part 1/2 and 2/2, in a FOLDER each, two commands share
 the faults and the results.
-tests/long/mutants.toml says of each survivor why it is none ("equivalent because ..."), or which test was added.
---report leaves out what is equivalent, and ends with status 1 while a survivor stands without a word there, or less
-than 92 % of the others are caught.
+tests/long/mutants.toml says of each survivor why it is none ("equivalent: ..."), which other test found it ("found by
+..."), or which test was added since. --report leaves out the first and counts the second as caught; it ends with
+status 1 while a survivor stands without a word there, or less than 92 % of the others are caught.
 """
 import argparse
 import hashlib
@@ -353,11 +353,12 @@ def report(options):
     count = {name: sum(row["verdict"] == name for row in rows)
              for name in ("caught", "timeout", "survived", "same-program", "does-not-compile")}
     survivors = [row for row in rows if row["verdict"] == "survived"]
-    equivalent = sum(explained.get(key(row), "").startswith("equivalent") for row in survivors)
-    found = sum(count[name] for name in FOUND)
-    share = found / max(1, found + len(survivors) - equivalent)
+    equivalent, elsewhere = (sum(explained.get(key(row), "").startswith(word) for row in survivors)
+                             for word in ("equivalent", "found by"))
+    found = sum(count[name] for name in FOUND) + elsewhere
+    share = found / max(1, sum(count[name] for name in FOUND) + len(survivors) - equivalent)
     print(f"{len(rows)} faults:", ", ".join(f"{number} {name}" for name, number in count.items()),
-          f"({equivalent} equivalent)")
+          f"({equivalent} equivalent, {elsewhere} found by other tests)")
     print(f"{100 * share:.1f} % of those that change an answer are caught (bar {100 * LEAST_CAUGHT:.0f} %), "
           f"{sum(row['seconds'] for row in rows) / max(1, len(rows)):.0f} s a fault")
     unexplained = [row for row in survivors if key(row) not in explained]
