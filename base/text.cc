@@ -1,6 +1,7 @@
 #include "base/text.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -28,6 +29,14 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// whether a name begins or ends with a word of its own
+bool IsPartOf(std::string_view part, std::string_view name) {
+  constexpr std::string_view kBetween = "-_";
+  if (name.size() <= part.size()) return false;
+  return (name.starts_with(part) && kBetween.contains(name[part.size()])) ||
+         (name.ends_with(part) && kBetween.contains(name[name.size() - part.size() - 1]));
+}
+
 }  // namespace
 
 std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
@@ -41,7 +50,14 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
       nearest = candidate;
     }
   }
-  return nearest;
+  if (!nearest.empty() && least <= 1) return nearest;
+  // "mass" for --moving-mass, "load" for load_ohm: many letters apart, but a part of the name
+  const std::string_view part = word.substr(std::min(word.find_first_not_of('-'), word.size()));
+  std::vector<std::string_view> wholes;
+  for (const std::string& candidate : candidates) {
+    if (!part.empty() && IsPartOf(part, candidate)) wholes.emplace_back(candidate);
+  }
+  return wholes.empty() ? nearest : fmt::format("{}", fmt::join(wholes, " or "));
 }
 
 namespace {

@@ -172,16 +172,7 @@ Result<toml::table> Parsed(std::string_view text, std::string_view where) {
 // remedy for a key that no reader requests
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
   const std::string nearest = Nearest(key, {known.begin(), known.end()});
-  if (!nearest.empty()) return fmt::format("did you mean {}?", nearest);
-  // "load" for load_ohm, "mass_kg" for moving_mass_kg: no few letters apart, but a part of the name
-  std::vector<std::string_view> wholes;
-  for (const std::string& whole : known) {
-    const bool is_part =
-        whole.starts_with(fmt::format("{}_", key)) || whole.ends_with(fmt::format("_{}", key));
-    if (is_part) wholes.emplace_back(whole);
-  }
-  if (wholes.empty()) return "remove it";
-  return fmt::format("did you mean {}?", fmt::join(wholes, " or "));
+  return nearest.empty() ? "remove it" : fmt::format("did you mean {}?", nearest);
 }
 
 std::string Joined(const std::vector<std::string>& choices) {

@@ -20,6 +20,15 @@ TEST(Nearest, KnowsTheDistanceOfTheTextbook) {
   EXPECT_EQ(Nearest("kitten", {"mutton's"}), "");
 }
 
+TEST(Nearest, NamesThoseOfWhichTheWordIsAPart) {
+  const std::vector<std::string> options{"--all", "--moving-mass", "--case-mass", "--massive"};
+  EXPECT_EQ(Nearest("--mass", options), "--moving-mass or --case-mass");
+  EXPECT_EQ(Nearest("load", {"load_ohm", "reload"}), "load_ohm");
+  EXPECT_EQ(Nearest("m", {"rms_m"}), "rms_m");
+  // a letter of difference comes first
+  EXPECT_EQ(Nearest("--al", {"--al-foil", "--all"}), "--all");
+}
+
 TEST(Nearest, SaysNothingWhereNothingIsNear) {
   EXPECT_EQ(Nearest("xyz", {"stiffness", "damping"}), "");
   EXPECT_EQ(Nearest("xyz", {}), "");
