@@ -104,7 +104,7 @@ TEST_F(ImpossibleInputs, DeepTomlThroughEveryVerbThatReadsIt) {
   const std::string file = File("deep.toml", "# deep\n" + deep + "k = 1\n");
   const std::string said = "deep.toml:2: names a key of more than 16 parts";
   Refused(RunSimulate, "simulate", {file}, said);
-  Refused(RunSweep, "sweep", {file, "--vary", "a=1:2:3", "-o", directory_ / "t.csv"}, said);
+  Refused(RunSweep, "sweep", {file, "--vary", "a.b=1:2:3", "-o", directory_ / "t.csv"}, said);
   Refused(RunStudy, "study", {file}, said);
   Refused(RunFitLra, "fit-lra", {file}, said);
   Refused(RunFitLra, "fit-lra", {"--plan", "--want", "Km 2%", "--actuator", file}, said);

@@ -270,6 +270,8 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{}, "has no scene"},
       {{kCone}, "--vary: is missing"},
       {{kCone, kAdapter, "--vary", "drive.frequency_hz=1,2"}, "is a second scene"},
+      {{kCone, "--vary", "frequency_hz=1,2"},
+       "--vary frequency_hz: is no key of a scene; name its table too, as drive.frequency_hz"},
       {{kCone, "--vary", "drive.frequency_hz"}, "'drive.frequency_hz' is not KEY=VALUES"},
       {{kCone, "--vary", "drive.frequency_hz="}, "is not KEY=VALUES"},
       {{kCone, "--vary", "drive.frequenzy_hz=1,2"}, "did you mean frequency_hz?"},

@@ -338,6 +338,10 @@ Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
   }
   sim::SweepAxis axis{.key = word.substr(0, equals), .values = {}};
   const std::string where = fmt::format("--vary {}", axis.key);
+  // every number of a scene stands in a table
+  if (!axis.key.contains('.')) {
+    return Usage(where, "is no key of a scene", "name its table too, as drive.frequency_hz");
+  }
   const std::string text = word.substr(equals + 1);
   const Dimension dimension = DimensionOfKey(axis.key);
   if (IsRange(text)) {
