@@ -57,7 +57,10 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
   for (const std::string& candidate : candidates) {
     if (!part.empty() && IsPartOf(part, candidate)) wholes.emplace_back(candidate);
   }
-  return wholes.empty() ? nearest : fmt::format("{}", fmt::join(wholes, " or "));
+  // of many none was meant in particular
+  constexpr std::size_t kFew = 3;
+  const bool is_few = !wholes.empty() && wholes.size() <= kFew;
+  return is_few ? fmt::format("{}", fmt::join(wholes, " or ")) : nearest;
 }
 
 namespace {

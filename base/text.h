@@ -12,8 +12,8 @@
 namespace haptometer {
 
 /// What `word` was meant to be, for "did you mean": the candidate that one letter of difference
-/// makes of it, else those that begin or end with it as a word of their own ("--moving-mass or
-/// --case-mass" for --mass), else the one with the smallest edit distance (Levenshtein); empty
+/// makes of it, else up to three that begin or end with it as a word of their own ("--moving-mass
+/// or --case-mass" for --mass), else the one with the smallest edit distance (Levenshtein); empty
 /// when all are further away than half of the word.
 [[nodiscard]] std::string Nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);

@@ -25,6 +25,7 @@ TEST(Nearest, NamesThoseOfWhichTheWordIsAPart) {
   EXPECT_EQ(Nearest("--mass", options), "--moving-mass or --case-mass");
   EXPECT_EQ(Nearest("load", {"load_ohm", "reload"}), "load_ohm");
   EXPECT_EQ(Nearest("m", {"rms_m"}), "rms_m");
+  EXPECT_EQ(Nearest("x", {"x_um", "x_mm", "x_m", "x_nm"}), "") << "too many";
   // a letter of difference comes first
   EXPECT_EQ(Nearest("--al", {"--al-foil", "--all"}), "--all");
 }
