@@ -16,6 +16,7 @@ inline constexpr double kDeviationsPerMedian = 1.4826022185056018;
 /// The middle one of the values, or the upper one of the middle two: one that occurs among them, as
 /// a reading does. 0 of none. Cost: O(n).
 template <std::ranges::random_access_range Values>
+  requires(!std::ranges::view<Values>)
 [[nodiscard]] std::ranges::range_value_t<Values> UpperMedian(Values values) {
   if (std::ranges::empty(values)) return {};
   const auto middle = std::ranges::begin(values) + std::ranges::ssize(values) / 2;

@@ -29,6 +29,10 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+std::string_view WithoutDashes(std::string_view name) {
+  return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
+
 // whether a name begins or ends with a word of its own
 bool IsPartOf(std::string_view part, std::string_view name) {
   constexpr std::string_view kBetween = "-_";
@@ -52,10 +56,10 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
   }
   if (!nearest.empty() && least <= 1) return nearest;
   // "mass" for --moving-mass, "load" for load_ohm: many letters apart, but a part of the name
-  const std::string_view part = word.substr(std::min(word.find_first_not_of('-'), word.size()));
+  const std::string_view part = WithoutDashes(word);
   std::vector<std::string_view> wholes;
   for (const std::string& candidate : candidates) {
-    if (!part.empty() && IsPartOf(part, candidate)) wholes.emplace_back(candidate);
+    if (!part.empty() && IsPartOf(part, WithoutDashes(candidate))) wholes.emplace_back(candidate);
   }
   // of many none was meant in particular
   constexpr std::size_t kFew = 3;

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <numbers>
 
+#include "base/median.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "sim/ring_down.h"
 #include "tests/fit/bound.h"
@@ -17,12 +18,6 @@ namespace haptometer::fit {
 namespace {
 
 using tests::SyntheticDrop;
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-  return values[values.size() / 2];
-}
 
 std::string Text(double value) { return value > 0 ? fmt::format("{:.4g}", value) : ""; }
 
@@ -82,8 +77,8 @@ void FitTally::Take(std::size_t k, double error) {
 
 void FitTally::Print(const Errors& bounds, const Errors& planned) const {
   std::string line = fmt::format("{},{},{},{:.3g},{:.3g},{},{},{}", row_.ladder, row_.what,
-                                 row_.setting, MedianOf(times_), MedianOf(solver_times_), seeds_,
-                                 failures_, seeds_ - counts_[2]);
+                                 row_.setting, UpperMedian(times_), UpperMedian(solver_times_),
+                                 seeds_, failures_, seeds_ - counts_[2]);
   for (std::size_t k = 0; k < counts_.size(); ++k) {
     line += "," + Text(counts_[k] > 0 ? std::sqrt(squares_[k] / counts_[k]) : 0);
   }

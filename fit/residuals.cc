@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/median.h"
 #include "dsp/spectrum/fft.h"
-#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::fit {
 namespace {

@@ -23,6 +23,7 @@ TEST(Nearest, KnowsTheDistanceOfTheTextbook) {
 TEST(Nearest, NamesThoseOfWhichTheWordIsAPart) {
   const std::vector<std::string> options{"--all", "--moving-mass", "--case-mass", "--massive"};
   EXPECT_EQ(Nearest("--mass", options), "--moving-mass or --case-mass");
+  EXPECT_EQ(Nearest("--moving", options), "--moving-mass");
   EXPECT_EQ(Nearest("load", {"load_ohm", "reload"}), "load_ohm");
   EXPECT_EQ(Nearest("m", {"rms_m"}), "rms_m");
   EXPECT_EQ(Nearest("x", {"x_um", "x_mm", "x_m", "x_nm"}), "") << "too many";

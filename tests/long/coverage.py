@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lines of base, trial, acquire, dsp, sim and fit that their own tests run.
+"""Lines of base, trial, acquire, dsp, sim and fit that tests run.
 
     tests/long/coverage.py [--lines FILE] [--page] [--without-build]
 
@@ -26,20 +26,20 @@ VERBS = "bin/haptometer"
 PAGE = ROOT / "docs" / "developer" / "coverage.md"
 # why lines are not run: the first whose words stand in a stretch of them
 REASONS = {
-    "what the system or a library fails at (disk, memory, descriptors), which a test cannot bring about":
-        r"errno|strerror|Reason\(|NotWritten|sp_last_error|gai_strerror|Broken\(|could not be|too many files|NoTerminal"
-        r"|cannot be (locked|listed|opened|replaced|read:|set)",
-    "programming errors: checks that no caller fails, values of a switch that do not occur":
-        r"HAPTOMETER_CHECK|CheckFailed|BelowRoot|default:|noexcept"
-        r"|^return (0|\{\}|nullptr|text\.size\(\)|model\.skin\(\)|kWords\.front\(\));$",
-    "kernels of instruction sets that this processor does not need": r"InstructionSet",
-    "what only a real port, a USB adapter or a lost connection does; tests/system does a part of it in whole programs":
+    "what only a real port, a USB adapter, another program or a lost connection does; tests/system does a part of it in "
+    "whole programs":
         r"LatencyTimer|LowLatency|LOW_LATENCY|connection was lost|interrupted before|vendor|IsHardware|recv\("
         r"|modbus_get_socket|SleepUntil|CommandPipe|PlainPort|posix_spawn|[Ii]dentity|is_emulated_|ReadAnalog"
         r"|kAnalogError",
+    "what the system or a library fails at (disk, memory, descriptors), which no test brings about":
+        r"errno|strerror|Reason\(|NotWritten|sp_last_error|gai_strerror|Broken\(|could not be|too many files|NoTerminal"
+        r"|cannot be (locked|listed|opened|replaced|set)",
     "refusals of files and of stated values that no test states; each is a message and a return":
-        r"CannotAnswer|Usage\(|Wrong\(|Refuse\(|^return \"|Unfit\(|NoNumber|std::unexpected|no_ring_down =|error\.what"
-        r"|return std::nullopt",
+        r"CannotAnswer|Usage\(|Wrong\(|Refuse\(|->Fail\(|^return \"|Unfit\(|NoNumber|std::unexpected|no_ring_down ="
+        r"|error\.what|return std::nullopt",
+    "programming errors: checks that no caller fails, values of a switch that do not occur":
+        r"HAPTOMETER_CHECK|CheckFailed|BelowRoot|default:|^return (text\.size\(\)|model\.skin\(\)|kWords\.front\(\));$",
+    "kernels of instruction sets that this processor does not need": r"InstructionSet",
     "findings that no test's record has; each is its numbers":
         r"\b(Note|Doubt|Add|note)\(|FindingKind::|NoRun\(|Refused\(|Reject\(",
 }

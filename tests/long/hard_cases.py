@@ -38,7 +38,8 @@ HEAD = """# Hard cases
 
 Made by `tests/long/hard_cases.py` from what `hard_cases_test` prints: each case runs a naive method too, and states
 what that answers. Errors are relative, absolute where the truth is 0. Digits are -log10 of the error in each build;
-`exact`: no error at all; `not run`: not since the case was added. `g++ -O2` is the release program; sse2, avx2 and
+`exact`: no error at all. A column is of the last run of its build, which may be of earlier sources; `not run`: not since
+the case was added. `g++ -O2` is the release program; sse2, avx2 and
 avx512 are its kernels with these instruction sets. Contracted: products and sums in one rounding. What ordinary tests
 hold of hard cases is listed in [hard_case_tests.md](hard_case_tests.md).
 """
@@ -158,10 +159,11 @@ def with_column(text, build, shown):
 def write(rows_by_build):
     """Writes the page; the columns of builds that did not run now remain as they were."""
     before = PAGE.read_text(encoding="utf-8")
-    text = page(rows_by_build)
-    for build in [*BUILDS, EMULATED]:
-        shown = column(before, build)
-        if shown and build not in rows_by_build:
+    text = page({first: rows for first, rows in list(rows_by_build.items())[:1]})
+    for build in [*SETS, *BUILDS, EMULATED]:
+        rows = rows_by_build.get(build)
+        shown = column(before, build) if rows is None else {(row["room"], row["name"]): digits(row) for row in rows}
+        if shown:
             text = with_column(text, build, shown)
     PAGE.write_text(text, encoding="utf-8")
 

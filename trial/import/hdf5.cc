@@ -194,7 +194,7 @@ std::vector<std::string> LinksIn(const Hdf5Id& group, hsize_t most) {
   H5G_info_t info{};
   if (H5Gget_info(group.id(), &info) < 0) return names;
   for (hsize_t i = 0; i < std::min(info.nlinks, most); ++i) {
-    // longer names are ignored: no trial's group has one
+    // longer names are ignored: neither a trial's group nor a column is called so
     std::array<char, 1024> name{};
     const auto length = H5Lget_name_by_idx(group.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i,
                                            name.data(), name.size(), H5P_DEFAULT);

@@ -27,6 +27,17 @@ TEST(FitLine, IsThatOfAnscombe) {
   EXPECT_EQ(FitLine(std::vector{1.0, 2.0, 3.0}, std::vector{2.0, 4.0, 6.0})->r_squared, 1);
 }
 
+// x beside 1e9, y = 0.3 + 0.1 k rounded, whose deviations from their mean add up to some 1e-16
+TEST(FitLine, AnOffsetOfXCostsNoDigits) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int k = 0; k < 10; ++k) {
+    x.push_back(1e9 + k);
+    y.push_back(0.3 + 0.1 * k);
+  }
+  EXPECT_REL(FitLine(x, y)->slope, 0.1, 1e-14, "rounding of y over 9");
+}
+
 TEST(SlopeWithinGroups, IsThatOfEachAboutItsOwnLevel) {
   // slopes of 2 and 4 over x that spread by 2 and 8 in squares: (2 * 2 + 4 * 8) / 10
   const std::vector<Points> groups{{{1, 3}, {100, 104}}, {{10, 14}, {-5, 11}}, {{7}, {1e6}}};
