@@ -56,6 +56,21 @@ inline double SpeedVoltage(const SyntheticDrop& drop) {
   return drop.force_constant_n_per_a * ImpactSpeed(drop);
 }
 
+/// Of so many periods at 40 Hz with so many samples each; the quality factor is 3.25.
+inline SyntheticDrop HeavilyDampedDrop(double periods, double samples_a_period) {
+  SyntheticDrop drop;
+  const double own_rad_per_s = 2 * M_PI * 40;
+  drop.stiffness_n_per_m = drop.moving_mass_kg * own_rad_per_s * own_rad_per_s;
+  drop.damping_n_s_per_m = drop.moving_mass_kg * own_rad_per_s / 3.25;
+  drop.step_s = 1 / (40 * samples_a_period);
+  drop.quiet_s = 40 * drop.step_s;
+  drop.impact_s = 0.1 * drop.step_s;
+  drop.length_s = periods / 40;
+  drop.noise_v = 1e-5 * SpeedVoltage(drop);
+  drop.offset_v = 0;
+  return drop;
+}
+
 /// What follows the instant of the blow or release at `t` seconds, first negative.
 inline double RingingOf(const SyntheticDrop& drop, const sim::RingDown<double>& circuit, double t) {
   if (drop.displacement_share > 0) {

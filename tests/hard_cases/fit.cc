@@ -394,22 +394,6 @@ TEST(HardCasesFit, DampingBesideOutliers) {
         {Long(kBv), robust->damping.value, squares->damping.value});
 }
 
-// Found by random search: of little more than one period with Q 3.25, a wrong oscillation with a
-// drift leaves 9 % of the amplitude. `periods` at 40 Hz of `samples` each.
-tests::SyntheticDrop ShortDrop(double periods, double samples) {
-  tests::SyntheticDrop drop;
-  const double w = 2 * std::numbers::pi * 40;
-  drop.stiffness_n_per_m = drop.moving_mass_kg * w * w;
-  drop.damping_n_s_per_m = drop.moving_mass_kg * w / 3.25;
-  drop.step_s = 1 / (40 * samples);
-  drop.quiet_s = 40 * drop.step_s;
-  drop.impact_s = 0.1 * drop.step_s;
-  drop.length_s = periods / 40;
-  drop.noise_v = 1e-5 * tests::SpeedVoltage(drop);
-  drop.offset_v = 0;
-  return drop;
-}
-
 // mass times (pi / half a period)^2, half a period between the first two changes of sign
 double StiffnessOfZeros(const fit::ImpulseRecord& record, const tests::SyntheticDrop& drop) {
   std::vector<double> zeros;
@@ -422,11 +406,13 @@ double StiffnessOfZeros(const fit::ImpulseRecord& record, const tests::Synthetic
   return drop.moving_mass_kg * w * w;
 }
 
+// Found by random search: of little more than one period with Q 3.25, a wrong oscillation with a
+// drift leaves 9 % of the amplitude.
 TEST(HardCasesFit, DropsOfLittleMoreThanOnePeriod) {
   int answered = 0, wrong = 0, naive_wrong = 0;
   for (const double samples : {30.0, 39.88, 56.51}) {
     for (int k = 0; k < 21; ++k) {
-      const tests::SyntheticDrop drop = ShortDrop(0.95 + 0.1 * k, samples);
+      const tests::SyntheticDrop drop = tests::HeavilyDampedDrop(0.95 + 0.1 * k, samples);
       const fit::ImpulseRecord record = tests::MakeRecord(drop);
       const double truth = drop.stiffness_n_per_m;
       naive_wrong += std::abs(StiffnessOfZeros(record, drop) - truth) > 0.02 * truth ? 1 : 0;

@@ -152,16 +152,7 @@ TEST(PrepareRecord, OneRingingPeriodIsRefusedOrRight) {
   std::size_t refused = 0;
   for (const double samples_a_period : {30.0, 39.88, 56.51}) {
     for (double periods = 0.95; periods < 3; periods += 0.1) {
-      SyntheticDrop drop;
-      const double own_rad_per_s = 2 * M_PI * 40;
-      drop.stiffness_n_per_m = drop.moving_mass_kg * own_rad_per_s * own_rad_per_s;
-      drop.damping_n_s_per_m = drop.moving_mass_kg * own_rad_per_s / 3.25;
-      drop.step_s = 1 / (40 * samples_a_period);
-      drop.quiet_s = 40 * drop.step_s;
-      drop.impact_s = 0.1 * drop.step_s;
-      drop.length_s = periods / 40;
-      drop.noise_v = 1e-5 * tests::SpeedVoltage(drop);
-      drop.offset_v = 0;
+      const SyntheticDrop drop = tests::HeavilyDampedDrop(periods, samples_a_period);
       const auto fit = FitDropTest({MakeRecord(drop)}, tests::ThesisKnowns());
       if (!fit || fit->findings.Refused()) {
         ++refused;
