@@ -61,7 +61,8 @@ std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noi
 SolverLadder::SolverLadder(double scene_tolerance)
     : asked_(scene_tolerance),
       settings_{.tolerance = std::clamp(kPart * scene_tolerance, kLeastSolverTolerance,
-                                        kMostSolverTolerance)},
+                                        kMostSolverTolerance),
+                .longest_step_periods = 1},
       before_(settings_) {
   before_.tolerance *= kFiner;
   before_.longest_step_periods *= 2;
@@ -147,7 +148,7 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
   // no guard counts as risen yet: the one just left is zero to within its error
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
-  watched_until_s_ = 0;
+  watched_until_s_ = output_tau_s_ = 0;
   Arm();
 }
 
@@ -216,17 +217,21 @@ void SmoothMotion::Next() {
 }
 
 void SmoothMotion::TakeOutput(double tau_s) {
-  Watch(tau_s);
+  output_tau_s_ = tau_s;
   const Eigen::VectorXd y = Run().solver.At(tau_s);
   const Eigen::Index n = system_.linear.modes[mode_].a.rows();
   x_ = y.head(n);
-  if (!system_.heating) return;
-  temperature_rise_k_ = y(n);
-  if (!ranges_.empty()) temperature_peak_k_.Include(temperature_rise_k_);
+  if (system_.heating) temperature_rise_k_ = y(n);
+}
+
+const std::vector<ValueRange>& SmoothMotion::Ranges() {
+  Watch(output_tau_s_);
+  return ranges_;
 }
 
 void SmoothMotion::ForgetRanges() {
   const Mode& mode = system_.linear.modes[mode_];
+  watched_until_s_ = output_tau_s_;
   ranges_.assign(mode.watched.size(), {});
   for (std::size_t k = 0; k < ranges_.size(); ++k) {
     ranges_[k].Include(Run().problem.Value(mode.watched[k], TauOfOutput(), x_));
@@ -253,6 +258,7 @@ void SmoothMotion::Watch(double tau_s) {
     ExtendRange(polynomial, from, to, ranges_[k]);
   }
   if (system_.heating) {
+    temperature_peak_k_.Include(solver.At(tau_s).tail(1).value());
     ExtendRange(solver.StepTerms().bottomRows(1).transpose(), from, to, temperature_peak_k_);
   }
   watched_until_s_ = tau_s;

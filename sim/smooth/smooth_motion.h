@@ -30,11 +30,11 @@ struct SmoothSettings {
 };
 
 /// The settings that a scene with smooth effects is computed with, one after the other: with a
-/// tolerance of a tenth of scene.tolerance (4e-12 to 1e-5), and ever 2048 times less with half the
-/// longest step where the answer is not good enough, down to 4e-12, where the rounding of a run
-/// exceeds what its steps leave out. before() is one such step coarser than the first, the run that
-/// the first is compared with. As a halved step leaves out 2^-11 of what the whole one does, two of
-/// them take the same steps only near that least tolerance.
+/// tolerance of a tenth of scene.tolerance (4e-12 to 1e-5) in steps of at most a period, and ever
+/// 2048 times less with half the longest step where the answer is not good enough, down to 4e-12,
+/// where the rounding of a run exceeds what its steps leave out. before() is one such step coarser
+/// than the first, the run that the first is compared with. As a halved step leaves out 2^-11 of
+/// what the whole one does, two of them take the same steps only near that least tolerance.
 class SolverLadder {
  public:
   explicit SolverLadder(double scene_tolerance);
@@ -99,7 +99,7 @@ class SmoothMotion {
   /// at t = 0 and no energies.
   void Restart(PiecewiseStart start, double temperature_rise_k);
 
-  /// Goes on to the next output. Cost: some 10 us a step of the solver, of which there are 8 to 30
+  /// Goes on to the next output. Cost: some 10 us a step of the solver, of which there are 2 to 30
   /// in a period and 5 to 10 after an event. Nothing happens after a stall.
   void Next();
 
@@ -123,9 +123,10 @@ class SmoothMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
-  /// As PiecewiseMotion's, of the steps' polynomials.
-  [[nodiscard]] const std::vector<ValueRange>& Ranges() const { return ranges_; }
-  /// The coil's largest rise since then; 0 where nothing is watched.
+  /// As PiecewiseMotion's, of the steps' polynomials, each looked at once: the step that goes on
+  /// beyond the output when asked.
+  [[nodiscard]] const std::vector<ValueRange>& Ranges();
+  /// The coil's largest rise since then, as of the last Ranges(); 0 where nothing is watched.
   [[nodiscard]] double temperature_peak_k() const { return temperature_peak_k_.largest; }
   void ForgetRanges();
   /// Integral since t = 0 of the current's square in A^2 s; needs `with_energy`.
@@ -202,7 +203,8 @@ class SmoothMotion {
   std::optional<Fall> fall_;  // in the step that was taken last
   std::vector<ValueRange> ranges_;
   ValueRange temperature_peak_k_{.least = 0, .largest = 0};
-  double watched_until_s_ = 0;  // from where the mode was entered
+  // from where the mode was entered: how far the ranges go, the last output
+  double watched_until_s_ = 0, output_tau_s_ = 0;
   std::vector<Event> events_;
   int crowded_events_ = 0;
   std::int64_t steps_ = 0;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "sim/linear/linear_model.h"
@@ -186,6 +187,52 @@ TEST(SmoothMotion, WhatIsNeverReachedAndHowOftenOneLooksLeaveNoTrace) {
     RunTo(often, 8 * i);
     EXPECT_EQ(bare.x(), guarded.x());
     EXPECT_EQ(bare.x(), often.x());
+  }
+}
+
+// of spring, heat and stops, looked at every output, in outputs of an eighth, or at the ends alone
+TEST(SmoothMotion, RangesDoNotDependOnHowOftenTheyAreAskedFor) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const PiecewiseEffects effects{.stops = Rigid(0.3e-3, 0.5)};
+  SmoothSystem system = AssembleSmooth(
+      scene, effects, {.spring = StiffeningSpring{3e9}, .heating = CoilHeating{1e-3, 100}});
+  WatchTravelAndForce(scene, effects, system.linear);
+  const auto motion_at = [&](double rate_hz) {
+    return SmoothMotion(system, scene.drive, PiecewiseStartOf(scene), rate_hz, {.tolerance = 1e-6});
+  };
+  SmoothMotion seldom = motion_at(1e4), always = motion_at(1e4), often = motion_at(8e4);
+  ValueRange outputs;
+  const auto go_to = [&](std::uint64_t end) {
+    while (always.index() < end) {
+      always.Next();
+      std::ignore = always.Ranges();
+      outputs.Include(Travel(always));
+    }
+    RunTo(seldom, end);
+    RunTo(often, 8 * end);
+  };
+  const auto expect_equal = [&] {
+    for (SmoothMotion* motion : {&seldom, &often}) {
+      for (std::size_t k = 0; k < always.Ranges().size(); ++k) {
+        const ValueRange &expected = always.Ranges()[k], &found = motion->Ranges()[k];
+        EXPECT_REL(found.largest, expected.largest, 1e-12, "rounding of the steps' polynomials");
+        EXPECT_REL(found.least, expected.least, 1e-12, "rounding of the steps' polynomials");
+      }
+      EXPECT_REL(motion->temperature_peak_k(), always.temperature_peak_k(), 1e-14, "rounding");
+    }
+    const double largest_m = always.Ranges()[kWatchedTravel].largest;
+    EXPECT_GE(largest_m, outputs.largest - 1e-15) << "rounding, m";
+    EXPECT_LE(largest_m, 0.3e-3 * (1 + 1e-6)) << "the stop";
+  };
+  go_to(95);
+  expect_equal();
+  // forgotten in the midst of steps that two of them were not looked at; then two outputs alone
+  for (std::uint64_t begin = 100; begin < 200; begin += 7) {
+    go_to(begin);
+    for (SmoothMotion* motion : {&seldom, &always, &often}) motion->ForgetRanges();
+    outputs = {};
+    go_to(begin + 2);
+    expect_equal();
   }
 }
 
