@@ -232,23 +232,25 @@ void PrintedTimes::Add(std::string_view printed, double time_s, double factor) {
   factor_ = factor;
 }
 
-PrintedTimes::LastPlace PrintedTimes::LastDecimal() const {
-  return {.below = std::pow(10.0, most_.significant - most_.decimals),
-          .half_s = is_count_ ? 0 : 0.5 * std::pow(10.0, -most_.decimals) * factor_};
-}
-
 void PrintedTimes::AddCount(double time_s) {
   if (!times_s_.empty() && time_s == times_s_.back()) repeated_.push_back(times_s_.size());
   times_s_.push_back(time_s);
   is_count_ = true;
 }
 
-// half a unit of the last printed place of a time: of the last decimal of the column, or of the
-// last significant digit where the time is so large that it is the higher place
-double PrintedTimes::HalfDigit(double time_s, const LastPlace& last_decimal) const {
+// half a unit of the last printed place of one time after the other; those of a decade share it
+double PrintedTimes::HalfDigit(double time_s, Decade* decade) const {
+  if (is_count_) return 0;
   const double printed = std::abs(time_s / factor_);
-  if (is_count_ || printed < last_decimal.below) return last_decimal.half_s;
-  return 0.5 * std::pow(10.0, std::floor(std::log10(printed)) + 1 - most_.significant) * factor_;
+  if (printed >= decade->from && printed < decade->below) return decade->half_s;
+  // power of ten of the leading digit
+  const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most_.decimals;
+  // last place: by the most decimals or by the most significant digits of the column
+  const double place = std::max<double>(-most_.decimals, magnitude + 1 - most_.significant);
+  *decade = {.from = std::pow(10.0, magnitude),
+             .below = std::pow(10.0, magnitude + 1),
+             .half_s = 0.5 * std::pow(10.0, place) * factor_};
+  return decade->half_s;
 }
 
 // whether the digits of every row may be those of a 32-bit float, of the time since `origin_s` in
@@ -256,12 +258,12 @@ double PrintedTimes::HalfDigit(double time_s, const LastPlace& last_decimal) con
 bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
   // 9 digits are enough to distinguish any two 32-bit floats
   const bool may_be_shortest = most_.significant <= 9 && scale == 1 && origin_s == 0;
-  const LastPlace last_decimal = LastDecimal();
+  Decade decade;
   // the origin has an uncertainty of its own digits
-  const double origin_half_s = origin_s == 0 ? 0 : HalfDigit(origin_s, last_decimal);
+  const double origin_half_s = origin_s == 0 ? 0 : HalfDigit(origin_s, &decade);
   return std::ranges::all_of(times_s_, [&](double time_s) {
     const double number = (time_s - origin_s) / factor_ * scale;
-    const double half = (HalfDigit(time_s, last_decimal) + origin_half_s) / factor_ * scale;
+    const double half = (HalfDigit(time_s, &decade) + origin_half_s) / factor_ * scale;
     const auto rounded = static_cast<float>(number);
     // rounding of the double arithmetic on the time
     const double arithmetic = 4 * 0x1p-53 * std::abs(time_s / factor_ * scale);
@@ -291,10 +293,9 @@ double PrintedTimes::FloatRounding() const {
 // how far each time may lie from the meant one, s: half its last digit and a float's rounding
 std::vector<double> PrintedTimes::Resolutions() const {
   const double rounding_s = is_count_ ? 0 : FloatRounding();
-  const LastPlace last_decimal = LastDecimal();
-  return Mapped<double>(times_s_, [&](const double time_s) {
-    return HalfDigit(time_s, last_decimal) + rounding_s;
-  });
+  Decade decade;
+  return Mapped<double>(
+      times_s_, [&](const double time_s) { return HalfDigit(time_s, &decade) + rounding_s; });
 }
 
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {

@@ -71,13 +71,12 @@ class PrintedTimes {
   [[nodiscard]] bool Describe(std::span<const Stretch> stretches, Timing timing) const;
   [[nodiscard]] std::vector<Stretch> MeanLines(const Record& record) const;
   [[nodiscard]] bool HasFewRepeated() const;
-  // half a unit of the column's last decimal, which times below a number have in their digits
-  struct LastPlace {
-    double below = 0;
+  // the printed times of one magnitude, and half a unit of their last place
+  struct Decade {
+    double from = 0, below = 0;
     double half_s = 0;
   };
-  [[nodiscard]] LastPlace LastDecimal() const;
-  [[nodiscard]] double HalfDigit(double time_s, const LastPlace& last_decimal) const;
+  [[nodiscard]] double HalfDigit(double time_s, Decade* decade) const;
   [[nodiscard]] bool MayBeFloats(double scale, double origin_s) const;
   [[nodiscard]] double FloatRounding() const;
   [[nodiscard]] std::vector<double> Resolutions() const;
