@@ -31,13 +31,15 @@ enum class FindingKind : std::uint8_t {
   kSegmentEnds,       ///< first_s, last_s, segment_s: what has not settled of one
   kAveragingUnknown,  ///< of the sensor: amplitudes are not verified
   // rate and times
-  kTooFewReadings,        ///< new_readings_per_s, observable_hz, lower_hz, upper_hz, needed_per_s
-  kTimesUncertain,        ///< time_uncertainty_s, upper_hz, limit_s
-  kFewUnevenTimes,        ///< rows: too few for a regular grid
-  kTimesTooUneven,        ///< jitter_s, grid_s, largest_jitter_s: no regular grid
-  kReadingsTooFarApart,   ///< upper_hz, readings_per_s, at uneven times
-  kRegularGrid,           ///< jitter_s, largest_jitter_s, readings_per_s, readings, missing,
-                          ///< excluded, error: of a tone, at most
+  kSourceIsSlower,       ///< share: of the readings that repeat the one before, new_readings_per_s,
+                         ///< frequency_hz, loss: of the tone's amplitude
+  kTooFewReadings,       ///< new_readings_per_s, observable_hz, lower_hz, upper_hz, needed_per_s
+  kTimesUncertain,       ///< time_uncertainty_s, upper_hz, limit_s
+  kFewUnevenTimes,       ///< rows: too few for a regular grid
+  kTimesTooUneven,       ///< jitter_s, grid_s, largest_jitter_s: no regular grid
+  kReadingsTooFarApart,  ///< upper_hz, readings_per_s, at uneven times
+  kRegularGrid,          ///< jitter_s, largest_jitter_s, readings_per_s, readings, missing,
+                         ///< excluded, error: of a tone, at most
   kSamplingContradicted,  ///< sampling_s, samples_per_s, new_readings_per_s
   kTimesInOtherUnit,      ///< column, readings_per_s, duration_s
   kPolledTimes,           ///< readings of unknown age: no tone is fitted

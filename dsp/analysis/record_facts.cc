@@ -83,8 +83,7 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
   }
 }
 
-void CheckObservable(const trial::Record& head, const Segments& segments, const BandPass& band,
-                     BandAnalysis* analysis) {
+void CheckNewReadings(const BandPass& band, BandAnalysis* analysis) {
   const RecordFacts& facts = analysis->record;
   const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
   if (facts.fresh_rate_hz < needed_hz) {
@@ -95,6 +94,11 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
                                {"upper_hz", band.upper_hz},
                                {"needed_per_s", needed_hz}});
   }
+}
+
+void CheckObservable(const trial::Record& head, const Segments& segments, const BandPass& band,
+                     BandAnalysis* analysis) {
+  CheckNewReadings(band, analysis);
   // a reading that was asked for is of unknown age; a free-running source has a clock of its own,
   // however its arrivals scatter
   if (head.timing != trial::Timing::kPolled) return;

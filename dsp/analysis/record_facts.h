@@ -25,8 +25,12 @@ namespace haptometer::dsp {
 void DescribeRecord(const trial::Record& head, const Segments& segments, const RawSummary& summary,
                     BandAnalysis* analysis);
 
+/// Refuses a record whose new readings are fewer than 2.56 a period of the upper corner.
+void CheckNewReadings(const BandPass& band, BandAnalysis* analysis);
+
 /// Adds to `analysis.reasons` what speaks against the band before any filtering: too few new
 /// readings, or times of unknown age.
+
 void CheckObservable(const trial::Record& head, const Segments& segments, const BandPass& band,
                      BandAnalysis* analysis);
 

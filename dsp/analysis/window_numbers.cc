@@ -13,6 +13,7 @@
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_channel.h"
+#include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/window_remarks.h"
 #include "dsp/filter/transient.h"
 #include "dsp/readings/digitisation.h"
@@ -349,6 +350,26 @@ double StepShare(const Window& window) {
          window.numbers.power.mean_square;
 }
 
+// readings that the record repeats because its source is slower: held for k rows on average, they
+// reduce a tone to sin(pi f k T) / (k sin(pi f T)), and show less of the band
+void JudgeRepeats(Window& window, std::span<const double> samples) {
+  const double share = RepeatedShare(samples);
+  if (share == 0) return;
+  RecordFacts& record = window.analysis.record;
+  const double held = 1 / (1 - share);
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double angle = std::numbers::pi * frequency_hz / window.rate_hz();
+  const double gain = std::abs(std::sin(held * angle) / (held * std::sin(angle)));
+  record.fresh_rate_hz = std::min(record.fresh_rate_hz, window.rate_hz() / held);
+  record.observable_upper_hz = record.fresh_rate_hz / kLeastRatePerUpperCorner;
+  window.analysis.findings.Doubt(FindingKind::kSourceIsSlower,
+                                 {{"share", share},
+                                  {"new_readings_per_s", record.fresh_rate_hz},
+                                  {"frequency_hz", frequency_hz},
+                                  {"loss", 1 - gain}});
+  CheckNewReadings(window.band(), &window.analysis);
+}
+
 // clipped values reduce the RMS: the answer is refused, its value a lower limit; of the middle of a
 // long window
 Result<void> JudgeClipping(Window& window) {
@@ -358,7 +379,8 @@ Result<void> JudgeClipping(Window& window) {
   if (window.numbers.tone) {
     std::vector<double> samples(FittedOf(window.rows));
     const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
-    HAPTOMETER_TRY(window.signal().samples().Read(first, samples));
+    HAPTOMETER_TRY(window.signal().samples().ReadMeasured(first, samples));
+    JudgeRepeats(window, samples);
     const Clipping clipping =
         FindClipping(samples, window.rate_hz(), window.numbers.tone->fit.frequency_hz);
     if (clipping.verdict == ClippingVerdict::kUndecided) {

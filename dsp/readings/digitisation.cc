@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -29,8 +30,9 @@ constexpr double kHarmonicsNeeded = 2;
 constexpr double kToldApart = 1e-10;
 // steps of rounding that the fit lies beyond the rail, on average
 constexpr double kLeastSteps = 2;
-// of what the samples span: rounding of a fit
+// of what the samples span: rounding of a fit, and how far beyond the rail it lies at least
 constexpr double kRounding = 1e-9;
+constexpr double kLeastBeyond = 5e-6;
 
 enum class Place : std::uint8_t { kMissing, kFree, kLow, kHigh };
 
@@ -181,9 +183,9 @@ class Fitter {
 };
 
 // whether the fit lies beyond the rails at the samples that are there
-bool IsBeyond(const Rest& rest, double floor, double step) {
+bool IsBeyond(const Rest& rest, double span, double step) {
   if (!rest.is_determined || rest.railed == 0) return false;
-  const double deviation = std::max(rest.Deviation(), floor);
+  const double deviation = std::max(rest.Deviation(), kRounding * span);
   // of the mean: the samples' noise, and that of each block's fit; rounding repeats from block to
   // block where no noise hides the steps
   const double leverage = std::sqrt(rest.variance / rest.railed);
@@ -191,7 +193,7 @@ bool IsBeyond(const Rest& rest, double floor, double step) {
   const double of_samples = deviation / std::sqrt(rest.railed);
   const double of_fits = deviation * leverage / std::sqrt(blocks);
   const double mean = rest.beyond / rest.railed;
-  return mean > kLeastSteps * step * (1 + leverage) &&
+  return mean > kLeastSteps * step * (1 + leverage) && mean > kLeastBeyond * span &&
          mean > kDeviations * std::hypot(of_samples, of_fits);
 }
 
@@ -221,12 +223,12 @@ ClippingVerdict Judge(const Fitter& fitter, double span, double step) {
   if (!tone.is_determined) return ClippingVerdict::kUndecided;
   const Rest harmonics = fitter.Fit(kHighestHarmonic, false);
   if (!harmonics.is_determined) {
-    return IsBeyond(tone, floor, step) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
+    return IsBeyond(tone, span, step) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
   }
   const bool needs_harmonics =
       tone.Deviation() > kHarmonicsNeeded * std::max(harmonics.Deviation(), floor);
-  return IsBeyond(needs_harmonics ? harmonics : tone, floor, step) ? ClippingVerdict::kClipped
-                                                                   : ClippingVerdict::kNone;
+  return IsBeyond(needs_harmonics ? harmonics : tone, span, step) ? ClippingVerdict::kClipped
+                                                                  : ClippingVerdict::kNone;
 }
 
 }  // namespace
@@ -250,7 +252,13 @@ Clipping FindClipping(std::span<const double> samples, double rate_hz, double to
 namespace {
 
 constexpr double kMultiple = 0.01;     // of a step, that a change may lie off a multiple of it
+constexpr double kMostMultiples = 10;  // and so many times that off a large one, not more
 constexpr double kMostLeastSteps = 8;  // that the least change may be
+// a change larger than so many steps is no rounding
+constexpr double kSteepSteps = 2.5;
+// share of repeated samples, and how many a change of few steps
+constexpr double kLeastRepeated = 0.02;
+constexpr std::size_t kOverChance = 2;
 constexpr int kMostTerms = 200;
 constexpr int kMostHarmonics = 20;
 constexpr double kNegligible = 1e-6;
@@ -258,25 +266,64 @@ constexpr double kNegligible = 1e-6;
 }  // namespace
 
 double StepOf(std::span<const double> samples) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < samples.size(); ++k) {
-    const double change = std::abs(samples[k] - samples[k - 1]);
-    if (change > 0) least = std::min(least, change);
+  std::vector<double> values;
+  std::ranges::copy_if(samples, std::back_inserter(values),
+                       [](double x) { return !std::isnan(x); });
+  std::ranges::sort(values);
+  if (values.empty()) return 0;
+  // differences of neighbouring values; those that are rounding are none
+  const double equal = kRounding * (values.back() - values.front());
+  std::vector<double> gaps;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (values[k] - values[k - 1] > equal) gaps.push_back(values[k] - values[k - 1]);
   }
-  if (!std::isfinite(least)) return 0;
+  if (gaps.empty()) return 0;
   // the greatest common divisor, by Euclid's algorithm
+  const double least = std::ranges::min(gaps);
   double step = least;
-  for (std::size_t k = 1; k < samples.size(); ++k) {
-    double change = std::abs(samples[k] - samples[k - 1]);
-    while (change > kMultiple * step) {
-      const double steps = std::round(change / step);
-      const double rest = std::abs(change - steps * step);
-      if (rest <= kMultiple * step * std::max(1.0, steps)) break;
-      change = std::exchange(step, rest);
+  for (double gap : gaps) {
+    while (gap > kMultiple * step) {
+      const double steps = std::round(gap / step);
+      const double rest = std::abs(gap - steps * step);
+      if (rest <= kMultiple * step * std::clamp(steps, 1.0, kMostMultiples)) break;
+      gap = std::exchange(step, rest);
     }
     if (step < least / kMostLeastSteps) return 0;
   }
   return step;
+}
+
+double RepeatedShare(std::span<const double> samples) {
+  // most records have too few equal neighbours to be looked at
+  std::size_t measured = 0, equal = 0;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    measured += std::isnan(samples[k]) ? 0 : 1;
+    equal += samples[k] == samples[k - 1] ? 1 : 0;
+  }
+  const double least = kLeastRepeated * static_cast<double>(measured);
+  if (equal == 0 || static_cast<double>(equal) < least) return 0;
+  const double small = kSteepSteps * StepOf(samples);
+  std::size_t repeated = 0, small_changes = 0;
+  // the run of equal samples at hand: how many repeat its first, and the change that led to it
+  std::size_t run = 0;
+  double before = 0;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    const double change = samples[k] - samples[k - 1];
+    if (change == 0) {
+      ++run;
+      continue;
+    }
+    // both changes large and in one direction; a missing sample is NaN: no comparison holds
+    if (change * before > 0 && std::min(std::abs(change), std::abs(before)) > small) {
+      repeated += run;
+    }
+    if (std::abs(change) <= small) ++small_changes;
+    run = 0;
+    before = change;
+  }
+  const bool over_chance = repeated > kOverChance * small_changes;
+  if (!over_chance || static_cast<double>(repeated) < least) return 0;
+  return static_cast<double>(equal) / static_cast<double>(measured);
 }
 
 double QuantisationBound(double step, double amplitude, double noise_rms, int harmonics) {

@@ -4,7 +4,8 @@
 #include <optional>
 #include <span>
 
-/// What the end of a converter's range and its steps do to readings: clipping and rounding.
+/// What converters do to readings: clipping at the ends of their range, rounding to their steps,
+/// and readings that are repeated where a converter samples faster than its source gives them.
 namespace haptometer::dsp {
 
 /// What samples at their extreme say of a limit of the sensor or its converter.
@@ -30,7 +31,8 @@ struct Clipping {
 /// neither rounding nor few phases give. Else the tone, its harmonics up to the third where they
 /// explain the samples better, and a quartic drift are fitted to the samples off the rails, in
 /// blocks of 0.1 s. Clipped: at the railed samples they lie beyond the rail, on average, by more
-/// than two steps (StepOf) and four standard deviations of that mean. Undecided: the sampled phases
+/// than two steps (StepOf), four standard deviations of that mean and 1e-5 of the amplitude, which
+/// is the rounding of numbers with six digits. Undecided: the sampled phases
 /// (as where rate and tone are commensurate) do not determine the harmonics, so that what flattens
 /// the tone may be its own. None also where one sine fits all samples, and where less than 0.1 %
 /// are at a rail.
@@ -41,9 +43,19 @@ struct Clipping {
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 
-/// The step that all changes from sample to sample are multiples of (to 1 %), an eighth of the
-/// least one at least; 0 otherwise.
+/// The step that all differences between the values (NaN left out) are multiples of (to 1 %), an
+/// eighth of the least one at least; 0 otherwise. Cost: one sort.
 [[nodiscard]] double StepOf(std::span<const double> samples);
+
+/// The share of the samples (NaN where there is no measurement) that equal the one before, where a
+/// source that is slower than the record's rate explains it; 0 where chance, rounding or a tone's
+/// symmetry does.
+///
+/// Proof are equal samples within motion, which goes on in the same direction before and behind
+/// them by more than 2.5 steps (StepOf) each: 2 % of all samples, and twice as many as changes of
+/// at most 2.5 steps, of which chance gives a quarter. Not found: repeats where the signal moves by
+/// less than its steps. Cost: two looks and a sort at most.
+[[nodiscard]] double RepeatedShare(std::span<const double> samples);
 
 /// Half width of the error of the RMS of a sine of `amplitude`, rounded to `step`, with Gaussian
 /// noise of `noise_rms` before the rounding.

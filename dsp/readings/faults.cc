@@ -335,20 +335,30 @@ void FaultScanner::TakeExtreme(const Fault& run, double value, bool highest) {
 }
 
 void FaultScanner::FinishExtremes() {
+  const double least = std::max(static_cast<double>(kLeastAtExtreme), LengthOfRepeats());
   for (Extreme& extreme : extremes_) {
     // at an end of the range they are listed already; else two steep runs at least are clipping
     if (extreme.value <= scale_.range_min || extreme.value >= scale_.range_max) continue;
-    std::erase_if(extreme.runs, [&](const Fault& run) { return !IsSteep(run); });
+    std::erase_if(extreme.runs, [&](const Fault& run) {
+      return !IsSteep(run) || static_cast<double>(run.rows) < least;
+    });
     if (extreme.runs.size() < kLeastExtremeRuns) continue;
     for (const Fault& run : extreme.runs) Add({FaultKind::kClipped, run.first_row, run.rows, 0});
   }
+}
+
+// longer than the runs of a source that is slower than the record's rate: twice their mean; 0 where
+// most runs are of one row
+double FaultScanner::LengthOfRepeats() const {
+  if (2 * longer_runs_ <= runs_) return 0;
+  return 2 * static_cast<double>(fed_) / static_cast<double>(runs_);
 }
 
 void FaultScanner::FinishHeld() {
   if (runs_ == 0) return;
   // length L of a run by chance: rows p^(L - 1) = 0.01, p the share of runs longer than one row
   const double p = static_cast<double>(longer_runs_) / static_cast<double>(runs_);
-  double length = static_cast<double>(kLeastHeld);
+  double length = std::max(static_cast<double>(kLeastHeld), LengthOfRepeats());
   if (p > 0 && p < 1) {
     length = std::max(length, 1 + std::log(kFalseHolds / static_cast<double>(fed_)) / std::log(p));
   }

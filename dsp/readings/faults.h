@@ -103,7 +103,9 @@ struct FaultLook {
 /// coarse steps stays on a step too, but leaves it by one step: that tells the two apart (a hold
 /// during which the signal moves by less than that is not seen). Noise repeats a value by chance:
 /// with p the part of runs that are longer than one row, L >= 4 is such that rows x p^(L - 1) is
-/// below 0.01. Rows that the source itself calls repeated count neither way.
+/// below 0.01. Rows that the source itself calls repeated count neither way. Where most runs are
+/// longer than one row, as of a source that is slower than the record's rate, a held or clipped run
+/// is twice as long as the mean one.
 ///
 /// Spikes and steps: e[n] = x[n] - (-x[n-2] + 4 x[n-1] + 4 x[n+1] - x[n+2]) / 6 is what a cubic
 /// through the neighbours leaves. Larger than 8 deviations, by the median of |e| over a block of
@@ -154,6 +156,7 @@ class FaultScanner {
   void EndRun(double jump_after);
   void TakeExtreme(const Fault& run, double value, bool highest);
   void FeedClipped(std::size_t row, bool clipped);
+  [[nodiscard]] double LengthOfRepeats() const;
   void FinishExtremes();
   void FinishHeld();
   void Judge(const RowBlock& block, std::size_t end);

@@ -180,11 +180,24 @@ Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) cons
                                  std::span(statuses.get(), piece.size())));
   }
   // interpolated samples replace the unmeasured ones
-  auto bridge = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);
-  for (; bridge != segment_->bridges.end() && bridge->sample - first < out.size(); ++bridge) {
-    out[bridge->sample - first] = bridge->value;
+  for (const Bridge& bridge : BridgesWithin(first, out.size())) {
+    out[bridge.sample - first] = bridge.value;
   }
   return {};
+}
+
+Result<void> SegmentSamples::ReadMeasured(std::size_t first, std::span<double> out) const {
+  HAPTOMETER_TRY(Read(first, out));
+  for (const Bridge& bridge : BridgesWithin(first, out.size())) {
+    out[bridge.sample - first] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return {};
+}
+
+std::span<const Bridge> SegmentSamples::BridgesWithin(std::size_t first, std::size_t size) const {
+  const auto begin = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);
+  const auto end = std::ranges::lower_bound(segment_->bridges, first + size, {}, &Bridge::sample);
+  return {begin, end};
 }
 
 }  // namespace haptometer::dsp

@@ -71,8 +71,12 @@ class SegmentSamples {
 
   /// Samples [first, first + out.size()), within size(). Errors: as RowSource::Read.
   [[nodiscard]] Result<void> Read(std::size_t first, std::span<double> out) const;
+  /// The same with NaN in place of the interpolated samples.
+  [[nodiscard]] Result<void> ReadMeasured(std::size_t first, std::span<double> out) const;
 
  private:
+  [[nodiscard]] std::span<const Bridge> BridgesWithin(std::size_t first, std::size_t size) const;
+
   const trial::RowSource* source_;
   std::size_t channel_;
   const Segment* segment_;

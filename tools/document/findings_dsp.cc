@@ -62,6 +62,10 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes one of any "
        "trial)"},
       // rate and times
+      {kSourceIsSlower, "source-is-slower",
+       "{share %} of the readings repeat the one before: the source gives {new_readings_per_s SI} "
+       "new readings/s, fewer than the record's rate, and holds them, which reduces a tone at "
+       "{frequency_hz} by {loss %}; not corrected: record at the source's own rate"},
       {kTooFewReadings, "too-few-readings",
        "{new_readings_per_s SI} new readings/s show vibration up to {observable_hz}; {lower_hz} to "
        "{upper_hz} need {needed_per_s SI} readings/s: use a free-running output, or the analog "

@@ -191,5 +191,16 @@ TEST(WindowClipped, IsALowerLimit) {
   }
 }
 
+// With 13 samples a period the flat tops look like spikes beside noise: what stands in for these
+// must not hide the rail.
+TEST(WindowClipped, IsFoundBetweenSpikes) {
+  std::vector<double> values = Samples(2000, 4000, 0, {{20e-6, 150.3}});
+  Noise noise(5);
+  for (double& value : values) value = std::min(value + 2e-8 * noise(), 18e-6);
+  const BandAnalysis analysis = Answer(RecordOf(std::move(values), 2000));
+  ASSERT_TRUE(analysis.findings.Has(FindingKind::kSpikes));
+  EXPECT_THAT(RefusalsIn(analysis.findings), ::testing::ElementsAre(FindingKind::kWindowClipped));
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

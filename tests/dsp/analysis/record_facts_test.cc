@@ -44,6 +44,28 @@ TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {
   EXPECT_TRUE(analysis.answered);
 }
 
+// A converter three and four times as fast as the sensor: what its held readings cost is stated, by
+// the closed form of a hold; 1250 new readings a second are too few for 500 Hz.
+TEST(RecordDoubts, ASourceSlowerThanTheRecordIsTold) {
+  for (const std::size_t times : {1U, 3U, 4U}) {
+    std::vector<double> fresh =
+        Samples(kRateHz / static_cast<double>(times), kRows, 0, {{20e-6, 300.3}});
+    Noise noise(1);
+    for (double& x : fresh) x += 2e-8 * noise();
+    std::vector<double> values(3 * kRows);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = fresh[k / times];
+    const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+    EXPECT_EQ(analysis.answered, times < 4) << times;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kSourceIsSlower), times > 1);
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kTooFewReadings), times == 4);
+    EXPECT_REL(analysis.record.fresh_rate_hz, kRateHz / static_cast<double>(times), 1e-3,
+               "the ends of the window");
+    if (times != 3) continue;
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kSourceIsSlower, "loss"),
+               1 - analysis.numbers->tone->fit.amplitude / 20e-6, 1e-3, "noise");
+  }
+}
+
 TEST(RecordDoubts, SamplesBeyondTheCalibratedRangeAreCounted) {
   // 0 to 10 mm in 10 000 rows, calibrated from 1 to 9 mm: beyond by 1 mm, 1 % of the width allowed
   std::vector<double> values = Samples(kRateHz, kRows, 0, {{20e-6, 225}});

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -17,6 +19,7 @@ namespace haptometer::dsp {
 namespace {
 
 using enum ClippingVerdict;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> Tone(double rate_hz, double tone_hz, double noise_m, std::uint64_t seed,
                          double second_m = 0) {
@@ -70,6 +73,23 @@ TEST(Clipping, CleanTonesAreNot) {
         }
         EXPECT_NE(FindClipping(values, 2000, tone_hz).verdict, kClipped) << tone_hz << " " << seed;
       }
+    }
+  }
+}
+
+// 10 to 20 phases that repeat from period to period, and with them what rounding does to each: in
+// steps of 0.1 um, and as numbers of seven digits are printed
+TEST(Clipping, CommensurateRoundedTonesAreNot) {
+  for (const double tone_hz : {250.0, 500.0, 312.5}) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      std::vector<double> values =
+          Samples(5000, 12'500, 0, {{20e-6, tone_hz, 0.3 * static_cast<double>(seed)}});
+      Noise noise(seed);
+      for (double& x : values) x = std::round((x + 1e-8 * noise()) / 1e-7) * 1e-7;
+      EXPECT_EQ(FindClipping(values, 5000, tone_hz).verdict, kNone) << tone_hz << " " << seed;
+      values = Samples(5000, 12'500, 0, {{20e-6, tone_hz, 0.3 * static_cast<double>(seed)}});
+      for (double& x : values) x = static_cast<float>(x);
+      EXPECT_EQ(FindClipping(values, 5000, tone_hz).verdict, kNone) << tone_hz << " " << seed;
     }
   }
 }
@@ -162,11 +182,66 @@ TEST(StepOf, IsNothingOfOtherSamples) {
   EXPECT_EQ(StepOf(std::vector<double>(9, 0.5)), 0);
   EXPECT_EQ(StepOf(std::vector<double>{0, 2, 5, 7}), 1);  // changes of 2 and of 3
   EXPECT_EQ(StepOf(std::vector<double>{0, 1, 2.05, 3.05}), 0);
+  // the values of few phases: changes of 3 to 7, differences of 1 and 2
+  EXPECT_EQ(StepOf(std::vector<double>{0, 7, 3, kNaN, 9, 2, 7}), 1);
   EXPECT_EQ(StepOf(Samples(10e3, 1000, 0, {{1e-6, 225}})), 0);
   std::vector<double> values(1000);
   Noise noise(1);
   for (double& value : values) value = noise();
   EXPECT_EQ(StepOf(values), 0);
+}
+
+// the rows of a record that asks its source every 1/`ratio` of a new reading
+std::vector<double> Repeated(const std::vector<double>& fresh, double ratio) {
+  std::vector<double> rows;
+  for (std::size_t k = 0; static_cast<double>(k) / ratio < static_cast<double>(fresh.size()); ++k) {
+    rows.push_back(fresh[static_cast<std::size_t>(static_cast<double>(k) / ratio)]);
+  }
+  return rows;
+}
+
+TEST(RepeatedShare, IsThatOfASlowerSource) {
+  for (const double tone_hz : {80.0, 175.3, 300.3, 440.3}) {
+    for (const double step : {0.0, 1e-7}) {
+      std::vector<double> fresh = Samples(2000, 4000, 0, {{20e-6, tone_hz}});
+      Noise noise(3);
+      for (double& x : fresh) {
+        x += 2e-8 * noise();
+        if (step > 0) x = std::round(x / step) * step;
+      }
+      EXPECT_ABS(RepeatedShare(fresh), 0, 0, "new readings only");
+      for (const double ratio : {1.3, 2.0, 2.5, 3.0, 4.0, 10.0}) {
+        // equal readings by chance add 1 % at most where a step is as small as a change
+        EXPECT_ABS(RepeatedShare(Repeated(fresh, ratio)), 1 - 1 / ratio, step > 0 ? 0.02 : 1e-3,
+                   "one in `ratio` is new");
+      }
+      // without a measurement in every seventh row
+      std::vector<double> missing = Repeated(fresh, 3);
+      for (std::size_t k = 0; k < missing.size(); k += 7) missing[k] = kNaN;
+      EXPECT_GT(RepeatedShare(missing), 0.4);
+    }
+  }
+}
+
+// rounding to steps as large as the motion, a tone whose phases lie on either side of its extremes,
+// rails and pauses
+TEST(RepeatedShare, IsNoneOfOtherEqualSamples) {
+  for (const double step : {1e-7, 1e-6, 1e-5}) {
+    for (const double noise_m : {0.0, 1e-7, 1e-6}) {
+      for (const double tone_hz : {20.0, 80.0, 175.3, 440.3}) {
+        std::vector<double> values = Tone(5000, tone_hz, noise_m, 1);
+        for (double& x : values) x = std::round(x / step) * step;
+        EXPECT_EQ(RepeatedShare(values), 0) << step << ' ' << noise_m << ' ' << tone_hz;
+      }
+    }
+  }
+  EXPECT_EQ(RepeatedShare(Samples(5000, 5000, 0, {{20e-6, 250, std::numbers::pi / 20}})), 0);
+  std::vector<double> values = Tone(5000, 175.3, 2e-8, 1);
+  Clip(values, 2e-5);
+  EXPECT_EQ(RepeatedShare(values), 0);
+  std::fill(values.begin(), values.begin() + 5000, 0.0);
+  EXPECT_EQ(RepeatedShare(values), 0);
+  EXPECT_EQ(RepeatedShare({}), 0);
 }
 
 // Over 18 amplitudes, 6 levels of noise, 32 offsets; `harmonics` 1 is the tone alone.

@@ -175,6 +175,22 @@ TEST(Faults, RowsThatTheSourceCallsRepeatedAreNoHold) {
   EXPECT_EQ(Scan(values, {}, kFaultBlockRows, statuses).Count(FaultKind::kHeld), 0U);
 }
 
+// each reading of a source stands there `times` times: no hold, and none clipped at the extremes,
+// which steps of 0.1 um make equal
+TEST(Faults, RowsThatRepeatAllAlongAreNeitherHeldNorClipped) {
+  for (const std::size_t times : {2U, 3U, 4U, 7U}) {
+    std::vector<double> values(30'000);
+    const std::vector<double> fresh = Samples(1666, values.size() / times + 1, 0, {{2e-5, 300.3}});
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] = std::round(fresh[k / times] / 1e-7) * 1e-7;
+    }
+    const Faults faults = Scan(values, {});
+    EXPECT_EQ(faults.Count(FaultKind::kHeld), 0U) << times;
+    EXPECT_EQ(faults.Count(FaultKind::kClipped), 0U) << times;
+    EXPECT_EQ(faults.Count(FaultKind::kSpike), 0U) << times;
+  }
+}
+
 TEST(Faults, ClippedAtTheRangeAtAStatusOrAtARepeatedExtreme) {
   const std::vector<double> truth = Samples(kRateHz, 20'000, 0, {{1e-3, 50}});
   std::vector<double> values = truth;

@@ -45,6 +45,12 @@ const std::vector<Case> kCases{
      "may-be-clipped",
      "25 % of the window is at its highest or lowest value: clipped, or flattened by harmonics of "
      "the tone, which this sampling rate cannot distinguish"},
+    {kSourceIsSlower,
+     {{"share", 0.6667}, {"new_readings_per_s", 1666.7}, {"frequency_hz", 440.3}, {"loss", 0.0995}},
+     "source-is-slower",
+     "66.67 % of the readings repeat the one before: the source gives 1666.7 new readings/s, fewer "
+     "than the record's rate, and holds them, which reduces a tone at 440.3 Hz by 9.95 %; not "
+     "corrected: record at the source's own rate"},
     {kHeld,
      {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}, {"size_m", 1.2e-05}},
      "held",
