@@ -195,10 +195,10 @@ bool CanRest(const EffectiveScene& scene) {
 
 namespace {
 
-// amplitudes of travel and skin force around their constant parts, in both directions
+// the amplitude of the travel around its constant part, in both directions, and the least force
 struct Reach {
   double travel_m = 0, mean_travel_m = 0;
-  double skin_force_n = 0, mean_skin_force_n = 0;
+  double skin_force_least_n = 0;
 };
 
 bool IsFree(const EffectiveScene& scene, const Reach& reach, double error) {
@@ -208,9 +208,8 @@ bool IsFree(const EffectiveScene& scene, const Reach& reach, double error) {
   const double up_m = reach.travel_m + reach.mean_travel_m;
   const double down_m = reach.travel_m - reach.mean_travel_m;
   const bool clear = !stops || (up_m < room * stops->gap_up_m && down_m < room * stops->gap_down_m);
-  // contact holds while F0 + mean - amplitude > 0
-  const bool touches =
-      !loss || reach.skin_force_n - reach.mean_skin_force_n < room * loss->preload_n;
+  // contact holds while the preload exceeds what pulls
+  const bool touches = !loss || -reach.skin_force_least_n < room * loss->preload_n;
   return scene.IsLinear() && clear && touches;
 }
 
@@ -219,8 +218,7 @@ template <typename Steady>
 Reach ReachOf(const Steady& steady) {
   return {.travel_m = steady.mover_peak_m - std::abs(steady.mean_travel_m),
           .mean_travel_m = steady.mean_travel_m,
-          .skin_force_n = steady.skin_force_peak_n - std::abs(steady.mean_skin_force_n),
-          .mean_skin_force_n = steady.mean_skin_force_n};
+          .skin_force_least_n = steady.skin_force_least_n};
 }
 
 }  // namespace

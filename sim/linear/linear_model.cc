@@ -72,17 +72,18 @@ void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
   rows.a.row(3).head(4) << Kv / Mc1, Bv / Mc1, -Kv / Mc1, -Bv / Mc1;
 }
 
+// 1/s, of a case that is held: it decays sooner than movers do, and does not depend on the spring,
+// whose place sim/smooth/smooth_system.cc reads off two stiffnesses
+constexpr double kHeldPace = 2000;
+
 // what holds the case: the grip, and the skin itself or the adapter between
 template <typename Scalar>
 void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
              Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
   if (bodies.grip.holds) {
-    // the case stays at 0 for any value here; this one keeps the matrix regular and is no slower
-    // than the mover
-    const double pace =
-        std::sqrt(bodies.actuator.stiffness_n_per_m / bodies.actuator.moving_mass_kg);
-    rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-pace);
+    // the case stays at 0 for any value here, which keeps the matrix regular
+    rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-kHeldPace);
     return;
   }
   // a grip acts between the case and the ground

@@ -182,10 +182,11 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   steady.power_w = drive.offset_v * steady.mean_current_a +
                    (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
   steady.phase_rad = drive.amplitude_v < 0 ? Arg(-steady.current_a) : Arg(steady.current_a);
-  steady.skin_force_peak_n =
-      // Ks xs + Bs vs = (Ks + j w Bs) Xs
-      std::abs(steady.mean_skin_force_n) +
+  // Ks xs + Bs vs = (Ks + j w Bs) Xs about its constant part
+  const double force_n =
       Abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
+  steady.skin_force_peak_n = std::abs(steady.mean_skin_force_n) + force_n;
+  steady.skin_force_least_n = steady.mean_skin_force_n - force_n;
 }
 
 }  // namespace
@@ -272,13 +273,6 @@ struct TonePart {
   Complex amplitude;  // Im(amplitude exp(j w t))
 };
 
-// bound of the sum of sines: the sum of the amplitudes
-double SumOf(const std::vector<TonePart>& parts, double mean) {
-  double sum = std::abs(mean);
-  for (const TonePart& part : parts) sum += Abs(part.amplitude);
-  return sum;
-}
-
 // x, v and a of a sum of sines at a time
 MotionJet JetAt(const std::vector<TonePart>& parts, double mean, long double t_s) {
   MotionJet jet{.x = mean};
@@ -293,22 +287,27 @@ MotionJet JetAt(const std::vector<TonePart>& parts, double mean, long double t_s
   return jet;
 }
 
-// the largest magnitude over one period, a constant part included
-double PeakOf(const std::vector<TonePart>& parts, double mean, double period_s, double highest_hz) {
-  // without a common period the bound stands for the peak
-  if (period_s == 0) return SumOf(parts, mean);
+// what a sum of sines comes to over one period, a constant part included
+ValueRange RangeOf(const std::vector<TonePart>& parts, double mean, double period_s,
+                   double highest_hz) {
+  // without a common period the sum of the amplitudes, which bounds it
+  if (period_s == 0) {
+    double sum = 0;
+    for (const TonePart& part : parts) sum += Abs(part.amplitude);
+    return {.least = mean - sum, .largest = mean + sum};
+  }
   const auto count =
       static_cast<std::int64_t>(std::ceil(kOutputsPerPeriod * highest_hz * period_s));
   const long double step_s = static_cast<long double>(period_s) / static_cast<long double>(count);
-  double peak = 0;
-  // the largest value of a quintic between each two outputs
+  ValueRange range;
+  // that of a quintic between each two outputs
   MotionJet before = JetAt(parts, mean, 0);
   for (std::int64_t k = 1; k <= count; ++k) {
     const MotionJet now = JetAt(parts, mean, step_s * static_cast<long double>(k));
-    peak = std::max(peak, HermiteQuintic(before, now, static_cast<double>(step_s)).Peak());
+    range.Include(HermiteQuintic(before, now, static_cast<double>(step_s)).Range());
     before = now;
   }
-  return peak;
+  return range;
 }
 
 // of all frequencies, which are the keys, in s; 0 where it has more than kMostPlayed outputs
@@ -381,9 +380,13 @@ class SumOfTones {
     steady_.current_rms_a = std::sqrt(current_square_);
     // no steady motion: no peaks
     if (!(steady_.error_estimate < 1)) return steady_;
-    steady_.mover_peak_m = PeakOf(travel_, steady_.mean_travel_m, steady_.period_s, highest_hz_);
-    steady_.skin_force_peak_n =
-        PeakOf(force_, steady_.mean_skin_force_n, steady_.period_s, highest_hz_);
+    const ValueRange travel_m =
+        RangeOf(travel_, steady_.mean_travel_m, steady_.period_s, highest_hz_);
+    const ValueRange force_n =
+        RangeOf(force_, steady_.mean_skin_force_n, steady_.period_s, highest_hz_);
+    steady_.mover_peak_m = travel_m.LargestMagnitude();
+    steady_.skin_force_peak_n = force_n.LargestMagnitude();
+    steady_.skin_force_least_n = force_n.least;
     return steady_;
   }
 

@@ -22,9 +22,10 @@ struct SteadyState {
   /// Mean electrical power taken from the source: what is dissipated, which loses no digits where
   /// the current is all but a quarter of a period from the voltage.
   double power_w = 0;
-  double phase_rad = 0;  ///< of the current relative to the voltage; negative: it lags
-  /// Largest Ks xs + Bs vs either way. Without an offset a static preload below it lifts off.
-  double skin_force_peak_n = 0;
+  double phase_rad = 0;          ///< of the current relative to the voltage; negative: it lags
+  double skin_force_peak_n = 0;  ///< largest Ks xs + Bs vs either way
+  double skin_force_least_n =
+      0;  ///< its least value: a preload that is smaller than -this lifts off
   double mean_current_a = 0;
   double mean_travel_m = 0;      ///< of mover_peak_m, with its sign
   double mean_skin_force_n = 0;  ///< of skin_force_peak_n, with its sign
@@ -73,12 +74,13 @@ struct SteadyTones {
   double skin_rms_m = 0;
   double case_rms_m = 0;
   double current_rms_a = 0;
-  double power_w = 0;            ///< mean of v i, and of what the finger puts in
-  double skin_power_w = 0;       ///< of it what the skin's damper takes
-  double mover_peak_m = 0;       ///< largest |xv - xa|
-  double skin_force_peak_n = 0;  ///< largest |Ks (xs - xg) + Bs (vs - vg)|
-  double mean_travel_m = 0;      ///< of mover_peak_m what an offset holds, with its sign
-  double mean_skin_force_n = 0;  ///< the same of the force
+  double power_w = 0;             ///< mean of v i, and of what the finger puts in
+  double skin_power_w = 0;        ///< of it what the skin's damper takes
+  double mover_peak_m = 0;        ///< largest |xv - xa|
+  double skin_force_peak_n = 0;   ///< largest |Ks (xs - xg) + Bs (vs - vg)|
+  double skin_force_least_n = 0;  ///< its least value, with its sign
+  double mean_travel_m = 0;       ///< of mover_peak_m what an offset holds, with its sign
+  double mean_skin_force_n = 0;   ///< the same of the force
   /// After how long all repeats itself; 0: after more than 2^20 outputs, 64 in the shortest period,
   /// or never, or not looked for. The two peaks are then the sums of the tones' amplitudes: never
   /// more than that, and nearly that now and then where the frequencies have nothing in common.

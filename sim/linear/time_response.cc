@@ -31,18 +31,21 @@ double HermiteQuintic::Slope(double u) const {
   return c_[1] + u * (2 * c_[2] + u * (3 * c_[3] + u * (4 * c_[4] + u * 5 * c_[5])));
 }
 
-double HermiteQuintic::Peak() const {
-  constexpr int kHalvings = 40;  // the peak is flat: 2^-26 would do
-  const double ends = std::max(std::abs(At(0)), std::abs(At(1)));
+ValueRange HermiteQuintic::Range() const {
+  constexpr int kHalvings = 40;  // an extreme is flat: 2^-26 would do
+  ValueRange range;
+  range.Include(At(0));
+  range.Include(At(1));
   const bool rises = Slope(0) > 0;
-  // a slope of one sign: the peak is at an end
-  if ((Slope(1) > 0) == rises) return ends;
+  // a slope of one sign: the extremes are at the ends
+  if ((Slope(1) > 0) == rises) return range;
   double low = 0, high = 1;
   for (int halving = 0; halving < kHalvings; ++halving) {
     const double middle = 0.5 * (low + high);
     ((Slope(middle) > 0) == rises ? low : high) = middle;
   }
-  return std::max(ends, std::abs(At(low)));
+  range.Include(At(low));
+  return range;
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "sim/linear/driven_step.h"
 #include "sim/linear/linear_model.h"
+#include "sim/linear/mode.h"
 #include "sim/scene/scene.h"
 
 namespace haptometer::sim {
@@ -27,8 +28,8 @@ class HermiteQuintic {
   HermiteQuintic(const MotionJet& begin, const MotionJet& end, double h_s);
   /// At begin + u h, 0 <= u <= 1.
   [[nodiscard]] double At(double u) const;
-  /// Its largest absolute value where its rate has one zero at most.
-  [[nodiscard]] double Peak() const;
+  /// What it comes to where its rate has one zero at most.
+  [[nodiscard]] ValueRange Range() const;
 
  private:
   [[nodiscard]] double Slope(double u) const;

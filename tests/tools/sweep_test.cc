@@ -92,7 +92,7 @@ TEST_F(SweepVerb, AnswersScenesWithEffects) {
       RowsOf(Table({scene, "--vary", "travel_stops.gap_m=0.3mm,2mm"}, "t.csv"));
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].at("skin_rms_m"), "");
-  EXPECT_THAT(rows[0].at("remark"), HasSubstr("stops or lost contact limit the motion"));
+  EXPECT_THAT(rows[0].at("remark"), HasSubstr("no linear steady motion holds"));
   EXPECT_EQ(rows[1].at("remark"), "");
   EXPECT_NE(rows[1].at("skin_rms_m"), "");
   EXPECT_EQ(rows[1].at("run_events"), "0");

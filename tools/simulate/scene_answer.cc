@@ -170,15 +170,10 @@ std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms
   }
   if (played != nullptr) return played->force_least_n;
   if (answer.scene.duration_s) return std::nullopt;
-  // of a linear steady state: static force minus the peak
+  // of a linear steady state: static force plus the least dynamic force
   const double resting_n = sim::RestingForceN(EffectiveOf(answer));
-  // an offset shifts the centre of the oscillation
-  const auto least_n = [&](const auto& steady) {
-    return resting_n - steady.skin_force_peak_n + std::abs(steady.mean_skin_force_n) +
-           steady.mean_skin_force_n;
-  };
-  if (answer.steady) return least_n(*answer.steady);
-  if (answer.tones) return least_n(*answer.tones);
+  if (answer.steady) return resting_n + answer.steady->skin_force_least_n;
+  if (answer.tones) return resting_n + answer.tones->skin_force_least_n;
   return std::nullopt;
 }
 
@@ -350,7 +345,12 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
   if (scene.drive.kind != sim::DriveKind::kSine) return AnswerRun(std::move(answer), where);
   // X = (j w I - A)^-1 B V, refused where the bound of its error is 1 or more
   const sim::SteadyState linear = sim::SolveSteadyState(scene);
-  if (!(linear.error_estimate < 1)) return std::unexpected(NoSteadyState(scene, where));
+  if (!(linear.error_estimate < 1)) {
+    // a run from rest needs none
+    const bool runs = scene.duration_s && sim::StartOf(scene) == sim::Start::kRest;
+    if (runs && !scene.effects.Asked()) return AnswerRun(std::move(answer), where);
+    return std::unexpected(NoSteadyState(scene, where));
+  }
   answer.steady = linear;
   // effects: the scene with those that act is solved again, and the limits are checked
   if (scene.effects.Asked()) {

@@ -52,7 +52,7 @@ std::string AnswerRemark(const SceneAnswer& answer) {
   if (answer.scene.drive.kind != sim::DriveKind::kSine)
     return "the drive is not a sine: its numbers are those of run_";
   if (!answer.steady && SettledRun(answer) == nullptr)
-    return "stops or lost contact limit the motion: its numbers are those of run_";
+    return "no linear steady motion holds: its numbers are those of run_";
   const bool is_short = answer.scene.duration_s && !answer.window;
   return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
 }
@@ -85,11 +85,8 @@ std::optional<double> WindowRms(const SceneAnswer& answer) {
   return answer.window ? std::optional(answer.window->skin_rms_m) : std::nullopt;
 }
 
-// error estimate of the steady motion alone
-std::optional<double> SteadyError(const SceneAnswer& answer) {
-  if (answer.tones) return answer.tones->error_estimate;
-  return answer.steady ? std::optional(answer.steady->error_estimate) : std::nullopt;
-}
+// of the steady motion and the run, what effects = "auto" leaves out included
+std::optional<double> LargestError(const SceneAnswer& answer) { return ErrorOfAll(answer); }
 
 // order of the columns: steady motion, window, error, run
 std::vector<AnswerColumn> MakeColumns() {
@@ -99,7 +96,7 @@ std::vector<AnswerColumn> MakeColumns() {
   };
   for (const AnswerNumber& number : SteadyNumbers()) add("", number);
   add("", {kWindowRms, WindowRms});
-  add("", {kErrorEstimate, SteadyError});
+  add("", {kErrorEstimate, LargestError});
   // names of the run's columns begin with run_, because both have an RMS
   for (const AnswerNumber& number : RunNumbers()) add("run_", number);
   add("run_", {document::kEvents, Events});

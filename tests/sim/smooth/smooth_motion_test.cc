@@ -265,6 +265,31 @@ TEST(SmoothMotion, AnUndampedDuffingSpringFollowsTheEllipticCosine) {
   }
 }
 
+// a case that is held stays where it is, and the mover swings as against the ground
+TEST(SmoothMotion, AgainstAHeldCaseTheMoverSwingsAlone) {
+  Scene scene = Alone();
+  scene.grip.holds = true;
+  const double Kv = scene.actuator.stiffness_n_per_m, mass_kg = scene.actuator.moving_mass_kg;
+  constexpr double A = 0.8e-3;
+  for (const double K3 : {0.0, 1e8, 3e9, 1e12}) {
+    const double stiffness = Kv + K3 * A * A;
+    const double W = std::sqrt(stiffness / mass_kg);
+    const double k = std::sqrt(K3 * A * A / (2 * stiffness));
+    PiecewiseStart start{.x = Eigen::VectorXd::Zero(5)};
+    start.x(LinearModel::kMover) = A;
+    SmoothMotion motion(AssembleSmooth(scene, {}, {.spring = StiffeningSpring{K3}}), scene.drive,
+                        start, 1e4, {.tolerance = 1e-10});
+    double worst = 0;
+    for (std::uint64_t i = 1; i <= 400; ++i) {
+      RunTo(motion, i);
+      EXPECT_EQ(motion.Positions()(LinearModel::kCase), 0);
+      const double t_s = static_cast<double>(i) * 1e-4;
+      worst = std::max(worst, std::abs(Travel(motion) / A - boost::math::jacobi_cn(k, W * t_s)));
+    }
+    EXPECT_ABS(worst, 0, 5e-9, "up to 40 periods at 1e-10: the phase's error grows with each");
+  }
+}
+
 TEST(SmoothMotion, TheSagShiftsTheSwing) {
   // about s the spring is another one: Kv + 3 K3 s^2, 3 K3 s d^2 besides the cube; energy is kept,
   // and the far turning point is where U equals its value at the near one
