@@ -67,7 +67,9 @@ enum class FindingKind : std::uint8_t {
   kFrequenciesScatter,  ///< birge_ratio
   kDecaysScatter,       ///< birge_ratio
   kResidualsCorrelated,
-  kOutlyingPoint,  ///< frequency_hz, spread
+  kOutlyingPoint,    ///< frequency_hz, spread
+  kFollowsOnePoint,  ///< frequency_hz; without it stiffness_ratio, damping_ratio,
+                     ///< force_constant_ratio times what was fitted
   // what is unlike an actuator, an adapter or skin; usually a unit
   kUnusualFrequency,      ///< natural_frequency_hz
   kUnusualQuality,        ///< quality_factor

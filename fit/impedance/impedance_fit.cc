@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -40,6 +41,10 @@ constexpr double kLeastGain = 30;
 constexpr double kMostResistanceShare = 0.05;
 // see Blur (fit/identifiability.h)
 constexpr double kMostBlur = 1e-3;
+// points nearest to the resonance that are left out one at a time, and by how many standard
+// uncertainties of the rest a constant may move then (Student's with few degrees of freedom)
+constexpr std::size_t kLeftOut = 6;
+constexpr double kMostMoved = 5;
 
 // a stated number that the fit uses
 struct Input {
@@ -56,6 +61,7 @@ struct Solved {
   std::vector<bool> is_free;
   GroupedSolution solution;
   std::vector<Input> inputs;
+  bool follows_one_point = false;
 };
 
 // finite points by frequency; equal frequencies in an order that does not depend on the table's
@@ -166,6 +172,61 @@ void Solve(Solved* solved) {
                   solved->is_free, kLogarithms, &solved->parameters);
 }
 
+// the same without point n, from a start of its own
+std::optional<Solved> Without(std::size_t n, const Solved& solved) {
+  Solved rest = solved;
+  rest.points.erase(rest.points.begin() + static_cast<std::ptrdiff_t>(n));
+  const auto start = StartImpedance(rest.points);
+  if (!start) return {};
+  rest.parameters = start->parameters;
+  for (std::size_t k = 0; k < kImpedanceParameters; ++k) {
+    if (!rest.is_free[k]) rest.parameters[k] = solved.parameters[k];
+  }
+  Solve(&rest);
+  return rest;
+}
+
+// by how many of the rest's standard uncertainties the resonance moves without a point, at most
+double MovedBy(const Solved& solved, const Solved& rest) {
+  const double degrees = rest.solution.degrees[0] + rest.solution.degrees[1];
+  const double student = dsp::StudentCritical(std::max(degrees, 1.0)) / kCoverage95;
+  double most = 0;
+  for (const P parameter : {P::kAngular, P::kDamping, P::kCoupling}) {
+    const double moved =
+        std::abs(rest.parameters[Index(parameter)] - solved.parameters[Index(parameter)]);
+    most = std::max(most, moved / (student * Deviation(rest, parameter)));
+  }
+  return most;
+}
+
+// Whether the constants follow one point near the resonance, which the others contradict: a point
+// that is far off may pull the fit so close to itself that its own residual is small.
+std::optional<Finding> FollowsOnePoint(const Solved& solved) {
+  if (solved.points.size() <= kLeastPoints) return {};
+  // by the distance from the resonance
+  const double f0 = std::exp(solved.parameters[Index(P::kAngular)]) / (2 * std::numbers::pi);
+  std::vector<std::size_t> places(solved.points.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::ranges::sort(places, {}, [&](std::size_t n) {
+    return std::abs(std::log(solved.points[n].frequency_hz / f0));
+  });
+  places.resize(std::min(places.size(), kLeftOut));
+  for (const std::size_t n : places) {
+    const auto rest = Without(n, solved);
+    if (!rest || !(MovedBy(solved, *rest) > kMostMoved)) continue;
+    const auto ratio = [&](P parameter) {
+      return std::exp(rest->parameters[Index(parameter)] - solved.parameters[Index(parameter)]);
+    };
+    return Finding{.severity = Severity::kDoubt,
+                   .kind = FindingKind::kFollowsOnePoint,
+                   .numbers = {{"frequency_hz", solved.points[n].frequency_hz},
+                               {"stiffness_ratio", std::pow(ratio(P::kAngular), 2)},
+                               {"damping_ratio", ratio(P::kDamping)},
+                               {"force_constant_ratio", std::sqrt(ratio(P::kCoupling))}}};
+  }
+  return {};
+}
+
 // of a held parameter: its own column is the residuals' change per unit of it
 void AddHeldInput(P parameter, std::string name, std::string unit, const Quantity& stated,
                   double per_share, Solved* solved) {
@@ -238,6 +299,7 @@ FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
   FittedValue value = FromLogarithm(logarithm, Variance(solved.solution.seen, product.weights),
                                     input_variance, product.unit);
   value.determined = value.determined && solved.solution.solver.converged &&
+                     !solved.follows_one_point &&
                      Blur(solved.solution.seen, product.weights) < kMostBlur;
   return value;
 }
@@ -386,6 +448,10 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
     AddHeldInput(P::kInductance, "inductance", "H", *knowns.inductance_h,
                  knowns.inductance_h->value, &solved);
   }
+  if (const auto found = FollowsOnePoint(solved)) {
+    solved.follows_one_point = true;
+    fit.findings.Add(*found);
+  }
   const auto mass_kg = TakeMass(knowns, condition, &solved);
   Conclude(solved, mass_kg, &fit);
   Describe(solved, &fit);
@@ -418,7 +484,7 @@ void ExplainSweep(ImpedanceFit& fit) {
   for (const auto& [name, value] : kValues) {
     if (!value->determined) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
   }
-  if (names.empty()) return;
+  if (names.empty() || fit.findings.Has(FindingKind::kFollowsOnePoint)) return;
   fit.findings.Note(FindingKind::kSweepTooCoarse,
                     {{"constants", names},
                      {"near", fit.points_near_resonance},

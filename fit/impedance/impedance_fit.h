@@ -61,11 +61,15 @@ struct ImpedanceFit {
 /// resistance is compared. Type A: covariance with the estimated noises. Type B: masses, and what
 /// was taken as stated.
 ///
+/// The six points nearest to the resonance are left out one at a time: where that moves a constant
+/// by more than five of the rest's standard uncertainties, the fit follows that point alone, and
+/// nothing is determined.
+///
 /// Points without a number (NaN) are left out, in any order; repeated frequencies are welcome.
 ///
 /// Errors (Cause::kCannotAnswer): fewer than 6 points, no three different frequencies, a point with
 /// a frequency or a magnitude that is not positive, no resonance in the sweep, or phases that fit
-/// well only as radians or with the other sign. Cost: about 0.1 s.
+/// well only as radians or with the other sign. Cost: about 0.7 s.
 [[nodiscard]] Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
                                                 const ActuatorKnowns& knowns,
                                                 CaseCondition condition, const std::string& name);

@@ -156,6 +156,10 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kOutlyingPoint, "outlying-point",
        "the point at {frequency_hz} differs from the model by {spread} times the others' "
        "spread: is it an error? It biases all constants"},
+      {kFollowsOnePoint, "follows-one-point",
+       "the constants follow the point at {frequency_hz} alone: without it Kv is {stiffness_ratio} "
+       "times, Bv {damping_ratio} times and Km {force_constant_ratio} times as large: measure it "
+       "again, with more points beside it, or leave it out"},
       // values outside the usual range, mostly an error of unit
       {kUnusualFrequency, "unusual-frequency",
        "a resonance of {natural_frequency_hz} is unusual: are the times in ms or us, or the "
