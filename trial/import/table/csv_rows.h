@@ -32,6 +32,8 @@ class CsvRows {
     std::size_t line = 0;         ///< of its first row
     std::size_t repeat_line = 0;  ///< of its first row with the time of the row before
     PrintedTimes times{};
+    std::size_t copies = 0;      ///< rows that were written twice (MarkRowsWrittenTwice)
+    std::size_t first_copy = 0;  ///< the first of them, counted as times count
   };
 
   explicit CsvRows(std::string name) : name_(std::move(name)) {}
