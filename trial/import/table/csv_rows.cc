@@ -185,8 +185,8 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
   const auto number = cell.empty() ? std::nullopt : CellNumber(cell);
   auto status = SampleStatus::kInvalid;
   if (!cell.empty() && (!number || !std::isfinite(*number))) {
-    // foreign tables mark missing values by words such as OVER or ----
-    const auto word = layout_.is_foreign ? ReadNoNumber(cell) : std::nullopt;
+    // missing values may be words such as OVER or ----
+    const auto word = ReadNoNumber(cell);
     if (!word && !number) {
       return CannotAnswer(
           Here(),

@@ -20,8 +20,8 @@ class CsvRows {
   struct Layout {
     char separator = ',';
     std::vector<CsvColumn> columns{};
-    /// A table of another program: rows may be padded with empty cells, values may be words such
-    /// as OVER (ReadNoNumber), and times that fall begin a new segment.
+    /// A table of another program: rows may be padded with empty cells, and times that fall begin a
+    /// new segment.
     bool is_foreign = false;
   };
 

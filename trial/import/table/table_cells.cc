@@ -153,17 +153,20 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   if (!word.empty() && word.find_first_not_of('*') == std::string::npos) {
     return SampleStatus::kClipped;
   }
-  // empty, or dashes alone: no reading
-  if (word.find_first_not_of('-') == std::string::npos) return SampleStatus::kInvalid;
-  constexpr std::array<std::string_view, 8> kNone{"nan",     "-nan", "x",   "#num!",
-                                                  "#value!", "#n/a", "n/a", "invalid"};
+  // empty, or dashes in place of digits: no reading
+  const bool has_dash = word.empty() || word.contains('-');
+  if (has_dash && word.find_first_not_of("-.,") == std::string::npos) return SampleStatus::kInvalid;
+  // the last four: a NaN of Microsoft's C library, with a sign or without
+  constexpr std::array<std::string_view, 15> kNone{
+      "nan",  "-nan", "x",  "#num!",   "#value!",  "#n/a",   "n/a",    "invalid",
+      "null", "none", "na", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"};
   if (std::ranges::find(kNone, word) != kNone.end()) return SampleStatus::kInvalid;
   if (word == "under" || word == "underflow") return SampleStatus::kUnder;
   const bool is_negative = word.starts_with('-');
   // the sign of an overflow distinguishes over from under
   if (is_negative || word.starts_with('+')) word.erase(0, 1);
-  constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf", "infinity",
-                                                  "over",         "ol",  "overflow"};
+  constexpr std::array<std::string_view, 8> kOver{
+      "\xe2\x88\x9e", "inf", "infinity", "over", "ol", "overflow", "1.#inf", "fffffff"};
   if (std::ranges::find(kOver, word) == kOver.end()) return std::nullopt;
   return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
 }
