@@ -156,6 +156,12 @@ class Head {
     return from <= Width();
   }
 
+  // whether the rows begin with a date, and the time of day behind it
+  [[nodiscard]] bool HasDates() const {
+    return Width() > 1 && IsDate(beginning_.rows[0].cells[0]) &&
+           ReadClock(beginning_.rows[0].cells[1]);
+  }
+
   [[nodiscard]] bool IsEmptyBelow(std::size_t column) const {
     return beginning_.rows[0].cells[column].empty() && beginning_.rows[1].cells[column].empty();
   }
@@ -275,12 +281,16 @@ class Head {
     if (IsOneOf(printed, {"hz", "khz", "db", "dbv"})) is_spectrum_ = true;
     // a first column of row numbers is no channel
     const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
+    // a date beside the time of day: midnights show in the latter
+    if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     if ((cell.empty() && unit_text.empty()) || is_spectrum_ || is_number) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
     // a first column in a unit of time is the time, regardless of its name
-    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed));
+    // so are times of day behind their dates
+    const bool is_clock = number == 1 && HasDates();
+    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed)) || is_clock;
     if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
     CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell),
                      .printed = std::string(cell)};

@@ -86,11 +86,28 @@ std::string FromWindows1252(std::string_view raw) {
 
 }  // namespace
 
+std::optional<ByteOrder> Utf16WithoutMark(std::string_view text) {
+  constexpr std::size_t kLooked = 64;
+  constexpr std::size_t kFewest = 8;
+  text = text.substr(0, kLooked);
+  if (text.size() < kFewest) return std::nullopt;
+  // NUL bytes at even and at odd places
+  std::array<std::size_t, 2> nuls{};
+  for (std::size_t i = 0; i < text.size(); ++i) nuls[i % 2] += text[i] == '\0' ? 1 : 0;
+  const std::size_t most = text.size() * 3 / 8;
+  if (nuls[0] == 0 && nuls[1] >= most) return ByteOrder::kLittleEndian;
+  if (nuls[1] == 0 && nuls[0] >= most) return ByteOrder::kBigEndian;
+  return std::nullopt;
+}
+
 std::string_view Utf8Text(std::string_view raw, std::string* storage) {
   std::string_view text = raw;
   // byte order marks: UTF-16 little endian, UTF-16 big endian, UTF-8
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     *storage = FromUtf16(text.substr(2), text.starts_with("\xfe\xff"));
+    text = *storage;
+  } else if (const auto order = Utf16WithoutMark(text)) {
+    *storage = FromUtf16(text, *order == ByteOrder::kBigEndian);
     text = *storage;
   } else if (text.starts_with("\xef\xbb\xbf")) {
     text.remove_prefix(3);
@@ -191,6 +208,23 @@ std::optional<double> ReadClock(std::string_view text) {
     text = part == 2 ? "" : text.substr(colon + 1);
   }
   return seconds;
+}
+
+bool IsDate(std::string_view text) {
+  // three numbers between two equal signs
+  const std::size_t first = text.find_first_of("-./");
+  if (first == std::string_view::npos) return false;
+  const std::size_t second = text.find(text[first], first + 1);
+  if (second == std::string_view::npos) return false;
+  const std::array<std::string_view, 3> parts{
+      text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
+  const auto is_part = [](std::string_view part, std::size_t digits) {
+    return !part.empty() && part.size() <= digits &&
+           part.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  // the year is the first or the last of them
+  return is_part(parts[0], 4) && is_part(parts[1], 2) && is_part(parts[2], 4) &&
+         parts[0].size() + parts[2].size() <= 6;
 }
 
 namespace {
@@ -387,8 +421,11 @@ std::string_view NameOfSeparator(char separator) {
 bool IsNumbers(const std::vector<std::string_view>& cells) {
   bool has_number = false;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool is_number = ReadNumberWithComma(cells[i]) || (i == 0 && ReadClock(cells[i]));
-    if (!is_number && !ReadNoNumber(cells[i])) return false;
+    // a time of day is the first cell, or the one behind its date
+    const bool is_clock = (i == 0 || (i == 1 && IsDate(cells[0]))) && ReadClock(cells[i]);
+    const bool is_date = i == 0 && cells.size() > 1 && IsDate(cells[0]) && ReadClock(cells[1]);
+    const bool is_number = ReadNumberWithComma(cells[i]) || is_clock;
+    if (!is_number && !is_date && !ReadNoNumber(cells[i])) return false;
     has_number = has_number || is_number;
   }
   return has_number;
