@@ -51,8 +51,10 @@ class CsvRows {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::vector<Channel>& channels() { return channels_; }
   [[nodiscard]] std::vector<Segment>& segments() { return segments_; }
-  /// Whether commas are decimal ones all along. Errors (Cause::kCannotAnswer): one may group
-  /// thousands.
+  /// Whether a number has a comma, which CheckCommas finds to be a decimal one.
+  [[nodiscard]] bool has_commas() const { return !commas_.first.empty(); }
+  /// Whether commas, and points beside them, are decimal ones all along. Errors
+  /// (Cause::kCannotAnswer): they may group thousands.
   [[nodiscard]] Result<void> CheckCommas() const;
 
  private:
@@ -81,8 +83,17 @@ class CsvRows {
   std::vector<Segment> segments_;
   std::optional<double> first_clock_s_;
   double days_s_ = 0;
-  std::string comma_;  // the first number whose comma may group thousands, and where
-  std::string point_;  // the first number with a point
+  // what numbers show of a comma or a point in them
+  struct Sign {
+    char sign = ',';
+    std::string first{};      // number with it
+    std::string may_group{};  // the first number whose thousands it may group, and where
+    bool is_decimal = false;  // it cannot group thousands in one of them
+  };
+  void Note(std::string_view number, Sign* sign) const;
+
+  Sign commas_{.sign = ','};
+  Sign points_{.sign = '.'};
 };
 
 }  // namespace haptometer::trial

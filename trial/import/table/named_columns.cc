@@ -127,7 +127,7 @@ class Head {
     while (!names.empty() && names.size() < Width() && IsEmptyBelow(names.size())) {
       names.emplace_back();
     }
-    if (names.size() != Width() || AreKeys(names)) return WithoutNames();
+    if (names.size() != Width() || AreKeys(names) || IsKeyOfTraces()) return WithoutNames();
     units.resize(Width());
     // lines above the rows that are header and become no notes
     named_.lines_used = is_in_comment ? 0 : units[0].empty() ? 1 : 2;
@@ -181,6 +181,11 @@ class Head {
       return cell.ends_with(':') || ReadNumberWithComma(cell);
     };
     return std::ranges::any_of(cells, is_of_key) && !IsTimeName(cells[0]);
+  }
+
+  // whether rows begin with an empty cell below the keys of a file that names its channels in one
+  [[nodiscard]] bool IsKeyOfTraces() const {
+    return IsEmptyBelow(0) && !ValuesOf(beginning_.keys, "TraceName").empty();
   }
 
   // twice as many cells as names: each may be half of a number with a decimal comma
@@ -321,10 +326,19 @@ class Head {
     }
     // a stated rate or sample interval determines the unit from the step of the times
     if (!unit && options_.rate_hz) unit = UnitByRate(Step(number), *options_.rate_hz);
-    if (!unit && clock_) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
+    const bool is_clear = clock_ && !MayGroupThousands(*clock_, HasCommas());
+    if (!unit && is_clear) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
     if (!unit || unit->si_unit != "s") return TimeError(cell, number);
     column.factor = unit->factor;
     return column;
+  }
+
+  // whether a cell of the first rows has a comma
+  [[nodiscard]] bool HasCommas() const {
+    return std::ranges::any_of(beginning_.rows, [](const TableCells& row) {
+      return std::ranges::any_of(row.cells,
+                                 [](std::string_view cell) { return cell.contains(','); });
+    });
   }
 
   // the unit in which the rows have the stated rate, to 1 %; nothing where none has

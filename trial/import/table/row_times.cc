@@ -297,6 +297,13 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
   }
   // no time column: the rate or the stated clock alone
   if (!rows->has_times()) {
+    if (!options.rate_hz && MayGroupThousands(*words.clock, rows->has_commas())) {
+      return CannotAnswer(name,
+                          fmt::format("states {} by '{}', which may have a decimal sign or group "
+                                      "thousands",
+                                      words.clock->printed, words.clock->from),
+                          "give the rows per second (<rate>)");
+    }
     record->stretches = {UniformTimes(words, options, record->rows, findings)};
     return {};
   }

@@ -161,6 +161,21 @@ std::optional<double> ReadNumberWithComma(std::string_view text) {
   return ReadNumber(with_point);
 }
 
+bool MayGroupThousands(std::string_view text, char sign) {
+  if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+  // one to three digits, the first no 0
+  const std::size_t head = std::min(text.find(sign), text.size());
+  if (head < 1 || head > 3 || head == text.size() || text[0] == '0') return false;
+  // groups of the sign and three digits behind them
+  constexpr std::size_t kGroup = 4;
+  const std::size_t behind = text.size() - head;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_sign = i >= head && (i - head) % kGroup == 0;
+    if (is_sign ? text[i] != sign : text[i] < '0' || text[i] > '9') return false;
+  }
+  return behind % kGroup == 0;
+}
+
 std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   // longer cells are text, not a mark for a missing value
   constexpr std::size_t kLongest = 12;

@@ -37,9 +37,15 @@ enum class ByteOrder : std::uint8_t { kLittleEndian, kBigEndian };
 /// The same with a decimal comma or point.
 [[nodiscard]] std::optional<double> ReadNumberWithComma(std::string_view text);
 
-/// What an instrument prints where it has no number: "∞", "inf", "OVER", "OL" are kOver, with a
-/// minus (or "UNDER") kUnder; "****" is kClipped, because it says nothing of the sign; "", "nan",
-/// "---", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
+/// Whether `sign` may group the thousands of `text`: "1,234", "-12,345,678"; not "0,123", "12,5" or
+/// "1,234e3".
+[[nodiscard]] bool MayGroupThousands(std::string_view text, char sign);
+
+/// What an instrument or a program prints where it has no number: "∞", "inf", "1.#INF", "OVER",
+/// "OL", Keyence's "FFFFFFF" are kOver, with a minus (or "UNDER") kUnder; "****" is kClipped,
+/// because it says nothing of the sign; "", "nan", "1.#QNAN", "1.#IND", "null", "None", "NA",
+/// "---",
+/// "--.--", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
 [[nodiscard]] std::optional<SampleStatus> ReadNoNumber(std::string_view cell);
 
 /// Seconds since midnight of a time on the clock, "12:00:47.056435" or with a decimal comma; a date
