@@ -123,7 +123,8 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
 //
 // Times that repeat, because their digits are coarser than the period, are one segment on the
 // least-squares line, each time weighted by its resolution, if that gives every time back within
-// twice that; rows that are missing cannot be detected there.
+// twice that and its period is not above a unit of their last digits; rows that are missing cannot
+// be detected there.
 //
 // `times_s`: at least two, not falling; `resolutions_s`: how far each may lie from what was
 // meant (PrintedTimes). Cost: O(rows).

@@ -168,6 +168,16 @@ TEST(RowsWrittenTwice, ReadingsThatHardlyVaryAreNoSuchRows) {
   }
 }
 
+// an interval is two units of the last digit, so that no rounding makes times equal
+TEST(RowsWrittenTwice, AreFoundByTheirTimesAloneWhereTheDigitsAreFiner) {
+  const auto rest = [](std::size_t) { return 10.0; };
+  EXPECT_THAT(ErrorOf(WithRowsTwice(5000, 4, 51, rest)),
+              HasSubstr("294 of 15294 rows have the time of the row before"));
+  const Record record = Parsed(WithRowsTwice(5000, 4, 10'000, rest));
+  EXPECT_EQ(record.rows, 15'000);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-9, "printed times");
+}
+
 // readings that rest where the digits become coarser than an interval do so by themselves
 TEST(RowsWrittenTwice, AreJudgedByTheReadingsBesideThem) {
   std::string text = "Time (s),Laser (mm)\n";
