@@ -137,8 +137,24 @@ def check_wav(at):
     open(at("cut.wav"), "wb").write(whole[:-400])
     said = run("trial", "export", at("cut.wav"), "--columns", "displacement_mm,-").stderr
     check("1000" in said and "900" in said, "wav: a cut is told: " + said)
+    # a program that writes to a pipe states no length, or the largest one
+    head, samples = whole[:40], whole[44:]
+    for length in (b"\0\0\0\0", b"\xff\xff\xff\xff"):
+        open(at("piped.wav"), "wb").write(head + length + samples)
+        check(table(at("piped.wav"), "--columns", "displacement_mm,-") == read, "wav: from a pipe")
+    open(at("empty.wav"), "wb").write(head + b"\0\0\0\0" + b"LIST\4\0\0\0INFO")
+    refuse(at("empty.wav"), words="holds 0 rows")
     open(at("odd.wav"), "wb").write(whole.replace(b"fmt \x10\0\0\0\x01", b"fmt \x10\0\0\0\x55", 1))
     refuse(at("odd.wav"), words="neither PCM")
+
+
+def check_text(at):
+    """UTF-16 without a byte-order mark, with characters of another script."""
+    text = "Time (s),Laser (\u03bcm)\n" + "".join(f"{t:.6f},{m * 1e6:.6f}\n" for t, m in zip(TIME, MOTION))
+    for encoding in ("utf-16-le", "utf-16-be", "utf-16", "utf-8"):
+        open(at("text.csv"), "wb").write(text.encode(encoding))
+        read = numbers(table(at("text.csv"))["displacement_m"])
+        check(np.allclose(read, MOTION, rtol=0, atol=1e-12), f"{encoding}: values")
 
 
 def check_mat(at):
@@ -203,7 +219,7 @@ def check_own(at):
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for part in (check_npy, check_wav, check_mat, check_hdf5, check_own):
+        for part in (check_npy, check_wav, check_mat, check_hdf5, check_own, check_text):
             part(lambda name: os.path.join(folder, name))
 
 

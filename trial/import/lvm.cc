@@ -17,6 +17,7 @@
 #include "trial/import/table/printed_times.h"
 #include "trial/import/table/row_times.h"
 #include "trial/import/table/table_cells.h"
+#include "trial/import/table/written_twice.h"
 
 namespace haptometer::trial {
 namespace {
@@ -409,6 +410,7 @@ class Parser {
       part.stretches = {UniformTimes(words, options_, part.rows, &findings_)};
       return Append(part);
     }
+    MarkRowsWrittenTwice(record_.channels, &segment_.rows);
     HAPTOMETER_LET(auto read, ReadSegmentTimes(name_, words, options_, std::move(segment_.rows),
                                                &left_out_, &findings_));
     return Append(read);

@@ -14,6 +14,7 @@
 #include "trial/import/table/foreign_table.h"
 #include "trial/import/table/named_columns.h"
 #include "trial/import/table/row_times.h"
+#include "trial/import/table/written_twice.h"
 
 namespace haptometer::trial {
 namespace {
@@ -216,6 +217,7 @@ class Reader {
     }
     const auto column = static_cast<std::size_t>(time - columns_.begin());
     HAPTOMETER_LET(auto segment, TimesOf(*time, table_.columns[column]));
+    MarkRowsWrittenTwice(record_.channels, &segment);
     std::vector<std::size_t> left_out;
     HAPTOMETER_LET(auto part, ReadSegmentTimes(name_, words, options_, std::move(segment),
                                                &left_out, &findings_));

@@ -14,22 +14,27 @@
 #include "trial/block.h"
 #include "trial/calibration.h"
 #include "trial/import/readers.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/trial_format.h"
 #include "trial/trial_rows.h"
 
 namespace haptometer::trial {
 namespace {
 
-// whether these first bytes can be text: no control characters but tabs and line ends. UTF-16
-// counts as text, because the CSV reader has a message for it.
+// whether these first bytes can be text, UTF-16 included: no control characters but tabs and line
+// ends
 bool IsText(std::span<const std::byte> start) {
   const auto first = std::to_integer<unsigned>(start[0]);
   // byte order marks ff fe and fe ff
   if (start.size() >= 2 && (first == 0xff || first == 0xfe)) {
     return first + std::to_integer<unsigned>(start[1]) == 0xff + 0xfe;
   }
-  return std::ranges::none_of(start, [](std::byte b) {
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  const bool is_utf16 = Utf16WithoutMark(text).has_value();
+  return std::ranges::none_of(start, [&](std::byte b) {
     const auto c = std::to_integer<unsigned>(b);
+    // the upper bytes of characters of other scripts may be any
+    if (is_utf16 && c < 0x20) return false;
     return (c < 0x20 && c != '\t' && c != '\r' && c != '\n') || c == 0x7f;
   });
 }

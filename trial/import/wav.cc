@@ -57,9 +57,22 @@ struct Chunk {
   std::string_view content{};
   std::size_t stated_bytes = 0;
 };
+// whether `bytes` begin with a chunk that is a whole one
+bool IsChunk(std::string_view bytes) {
+  if (bytes.size() < kTagBytes) return false;
+  const bool is_name = std::ranges::all_of(bytes.substr(0, 4), [](char c) {
+    return c == ' ' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+  });
+  return is_name && At<std::uint32_t>(bytes, 4) <= bytes.size() - kTagBytes;
+}
+
 Chunk TakeChunk(std::string_view* bytes) {
   Chunk chunk{.name = bytes->substr(0, 4), .stated_bytes = At<std::uint32_t>(*bytes, 4)};
   bytes->remove_prefix(kTagBytes);
+  // samples that went to a pipe: their number was not known ahead of them
+  if (chunk.name == "data" && chunk.stated_bytes == 0 && !IsChunk(*bytes)) {
+    chunk.stated_bytes = bytes->size();
+  }
   chunk.content = bytes->substr(0, chunk.stated_bytes);
   // an odd length is padded
   bytes->remove_prefix(std::min(chunk.stated_bytes + chunk.stated_bytes % 2, bytes->size()));

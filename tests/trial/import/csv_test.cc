@@ -95,7 +95,7 @@ TEST(Csv, EmptyCellsAndNanAreInvalidAndStatusesAreRead) {
   EXPECT_TRUE(std::isnan(displacement.values[2]));
   EXPECT_EQ(displacement.values[3], 4);
   EXPECT_EQ(record.channels[1].statuses,
-            (std::vector<SampleStatus>{kInvalid, kOk, kInvalid, kOk, kOk}));
+            (std::vector<SampleStatus>{kInvalid, kOk, kOver, kOk, kOk}));
   const Record all = Parsed("time_s,displacement_m,voltage_v,status\n0,1,1,under\n1,1,1,ok\n");
   EXPECT_EQ(all.channels[1].statuses[0], kUnder);
   EXPECT_EQ(all.channels[0].statuses[0], kUnder);
@@ -106,6 +106,30 @@ std::string Printed(double rate_hz, int rows, const char* format) {
   std::string text = "time_s,voltage_v\n";
   for (int i = 0; i < rows; ++i) text += fmt::format(fmt::runtime(format), i / rate_hz) + ",0\n";
   return text;
+}
+
+TEST(Csv, WordsInPlaceOfANumberAreStatuses) {
+  std::string text = "time_s,displacement_mm\n0,1\n";
+  std::vector<SampleStatus> statuses{SampleStatus::kOk};
+  const auto add = [&](std::initializer_list<const char*> words, SampleStatus status) {
+    for (const char* word : words) {
+      text += fmt::format("{},{}\n", statuses.size(), word);
+      statuses.push_back(status);
+    }
+  };
+  add({"OVER", "ol", "inf", "1.#INF", "+FFFFFFF"}, SampleStatus::kOver);
+  add({"-OVER", "-inf", "-1.#INF", "-FFFFFFF"}, SampleStatus::kUnder);
+  add({"", "NaN", "nan", "-nan", "1.#QNAN", "-1.#IND", "null", "None", "NA", "----", "--.--"},
+      SampleStatus::kInvalid);
+  // the same in a table of another program
+  for (const char* head : {"time_s,displacement_mm", "Time (s),Laser (mm)"}) {
+    const Record record = Parsed(std::string(head) + text.substr(text.find('\n')) + "100,2\n");
+    EXPECT_EQ(record.channels.at(0).values.back(), 2e-3);
+    auto read = record.channels[0].statuses;
+    read.pop_back();
+    EXPECT_EQ(read, statuses) << head;
+  }
+  EXPECT_THAT(ErrorOf("time_s,displacement_mm\n0,1\n1,.\n"), HasSubstr("'.' is not a number"));
 }
 
 TEST(Csv, GridsAreRebuiltWhereThePrintedDigitsExplainTheTimes) {

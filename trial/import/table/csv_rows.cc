@@ -70,6 +70,11 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
     Result<void> done;
+    // of what is left out only a decimal comma counts, as it is the file's
+    if (column.kind == CsvColumnKind::kLeftOut && !MayGroupThousands(cells_[i], ',') &&
+        cells_[i].find(',') != std::string_view::npos) {
+      (void)CellNumber(cells_[i]);
+    }
     if (column.kind == CsvColumnKind::kTime) done = TakeTime(cells_[i], column);
     if (column.kind == CsvColumnKind::kValue) {
       done = TakeValue(cells_[i], column, &channels_[channel++]);
@@ -110,19 +115,24 @@ Result<void> CsvRows::CheckEmptyRow() {
                       "write its values, or remove it where no row is missing");
 }
 
-// a comma is a decimal comma where it does not separate cells; with points in other cells and three
-// digits behind it, it may group thousands
-std::optional<double> CsvRows::CellNumber(std::string_view cell) {
-  const std::size_t comma = cell.find(',');
-  if (comma == std::string_view::npos) {
-    if (point_.empty() && cell.find('.') != std::string_view::npos) point_ = cell;
-    return ReadNumber(cell);
+// what a number shows of the meaning of a comma or point: of "1,234" it may be either
+void CsvRows::Note(std::string_view number, Sign* sign) const {
+  if (sign->is_decimal || number.find(sign->sign) == std::string_view::npos) return;
+  if (sign->first.empty()) sign->first = number;
+  if (!MayGroupThousands(number, sign->sign)) {
+    sign->is_decimal = true;
+  } else if (sign->may_group.empty()) {
+    sign->may_group = fmt::format("line {}: '{}'", line_number_, number);
   }
-  const std::size_t end = std::min(cell.find_first_not_of("0123456789", comma + 1), cell.size());
-  // "1,234" may be 1234; "0,234" and "1,23" may not
-  const bool may_group = end - comma == 4 && cell.find_first_of("123456789") < comma;
-  if (comma_.empty() && may_group) comma_ = fmt::format("line {}: '{}'", line_number_, cell);
-  return ReadNumberWithComma(cell);
+}
+
+// a comma is a decimal comma where it does not separate cells, unless CheckCommas finds otherwise
+std::optional<double> CsvRows::CellNumber(std::string_view cell) {
+  const auto number = ReadNumberWithComma(cell);
+  if (!number) return std::nullopt;
+  Note(cell, &commas_);
+  Note(cell, &points_);
+  return number;
 }
 
 // seconds since the first row's time of day, plus whole days for the midnights between them
@@ -140,6 +150,11 @@ double CsvRows::OnOneDay(double clock_s) {
 
 Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
   const auto printed = column.is_clock ? ReadClock(cell) : CellNumber(cell);
+  // seconds of a time of day are never grouped
+  if (column.is_clock && printed && cell.find(',', cell.rfind(':')) != std::string_view::npos) {
+    commas_.is_decimal = true;
+    if (commas_.first.empty()) commas_.first = cell;
+  }
   // time in s = printed * factor + offset
   const double time_s = !printed          ? kNan
                         : column.is_clock ? OnOneDay(*printed)
@@ -185,8 +200,8 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
   const auto number = cell.empty() ? std::nullopt : CellNumber(cell);
   auto status = SampleStatus::kInvalid;
   if (!cell.empty() && (!number || !std::isfinite(*number))) {
-    // foreign tables mark missing values by words such as OVER or ----
-    const auto word = layout_.is_foreign ? ReadNoNumber(cell) : std::nullopt;
+    // missing values may be words such as OVER or ----
+    const auto word = ReadNoNumber(cell);
     if (!word && !number) {
       return CannotAnswer(
           Here(),
@@ -223,14 +238,25 @@ Result<void> CsvRows::TakeStatuses() {
   return {};
 }
 
-// a file with both signs is ambiguous by a factor of 1000
+// Meanings that differ by a factor of 1000. A comma that may group thousands is ambiguous beside
+// points, and where no number shows that it is a decimal one; a point only beside commas.
 Result<void> CsvRows::CheckCommas() const {
-  if (comma_.empty() || point_.empty()) return {};
-  return CannotAnswer(
-      name_,
-      fmt::format("{} may be a decimal comma or group thousands, as '{}' has a point", comma_,
-                  point_),
-      "write all numbers with points and without grouping");
+  const auto refuse = [&](const Sign& sign, std::string_view name, const std::string& why) {
+    return CannotAnswer(
+        name_,
+        fmt::format("{} may be a decimal {} or group thousands, {}", sign.may_group, name, why),
+        "write all numbers with points and without grouping");
+  };
+  if (!commas_.may_group.empty() && !points_.first.empty()) {
+    return refuse(commas_, "comma", fmt::format("as '{}' has a point", points_.first));
+  }
+  if (!commas_.may_group.empty() && !commas_.is_decimal) {
+    return refuse(commas_, "comma", "and no other number shows which");
+  }
+  if (!points_.may_group.empty() && !points_.is_decimal && has_commas()) {
+    return refuse(points_, "point", fmt::format("as '{}' has a comma", commas_.first));
+  }
+  return {};
 }
 
 }  // namespace haptometer::trial

@@ -20,8 +20,8 @@ class CsvRows {
   struct Layout {
     char separator = ',';
     std::vector<CsvColumn> columns{};
-    /// A table of another program: rows may be padded with empty cells, values may be words such
-    /// as OVER (ReadNoNumber), and times that fall begin a new segment.
+    /// A table of another program: rows may be padded with empty cells, and times that fall begin a
+    /// new segment.
     bool is_foreign = false;
   };
 
@@ -32,6 +32,8 @@ class CsvRows {
     std::size_t line = 0;         ///< of its first row
     std::size_t repeat_line = 0;  ///< of its first row with the time of the row before
     PrintedTimes times{};
+    std::size_t copies = 0;      ///< rows that were written twice (MarkRowsWrittenTwice)
+    std::size_t first_copy = 0;  ///< the first of them, counted as times count
   };
 
   explicit CsvRows(std::string name) : name_(std::move(name)) {}
@@ -49,8 +51,10 @@ class CsvRows {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::vector<Channel>& channels() { return channels_; }
   [[nodiscard]] std::vector<Segment>& segments() { return segments_; }
-  /// Whether commas are decimal ones all along. Errors (Cause::kCannotAnswer): one may group
-  /// thousands.
+  /// Whether a number has a comma, which CheckCommas finds to be a decimal one.
+  [[nodiscard]] bool has_commas() const { return !commas_.first.empty(); }
+  /// Whether commas, and points beside them, are decimal ones all along. Errors
+  /// (Cause::kCannotAnswer): they may group thousands.
   [[nodiscard]] Result<void> CheckCommas() const;
 
  private:
@@ -79,8 +83,17 @@ class CsvRows {
   std::vector<Segment> segments_;
   std::optional<double> first_clock_s_;
   double days_s_ = 0;
-  std::string comma_;  // the first number whose comma may group thousands, and where
-  std::string point_;  // the first number with a point
+  // what numbers show of a comma or a point in them
+  struct Sign {
+    char sign = ',';
+    std::string first{};      // number with it
+    std::string may_group{};  // the first number whose thousands it may group, and where
+    bool is_decimal = false;  // it cannot group thousands in one of them
+  };
+  void Note(std::string_view number, Sign* sign) const;
+
+  Sign commas_{.sign = ','};
+  Sign points_{.sign = '.'};
 };
 
 }  // namespace haptometer::trial

@@ -127,7 +127,7 @@ class Head {
     while (!names.empty() && names.size() < Width() && IsEmptyBelow(names.size())) {
       names.emplace_back();
     }
-    if (names.size() != Width() || AreKeys(names)) return WithoutNames();
+    if (names.size() != Width() || AreKeys(names) || IsKeyOfTraces()) return WithoutNames();
     units.resize(Width());
     // lines above the rows that are header and become no notes
     named_.lines_used = is_in_comment ? 0 : units[0].empty() ? 1 : 2;
@@ -156,6 +156,12 @@ class Head {
     return from <= Width();
   }
 
+  // whether the rows begin with a date, and the time of day behind it
+  [[nodiscard]] bool HasDates() const {
+    return Width() > 1 && IsDate(beginning_.rows[0].cells[0]) &&
+           ReadClock(beginning_.rows[0].cells[1]);
+  }
+
   [[nodiscard]] bool IsEmptyBelow(std::size_t column) const {
     return beginning_.rows[0].cells[column].empty() && beginning_.rows[1].cells[column].empty();
   }
@@ -175,6 +181,11 @@ class Head {
       return cell.ends_with(':') || ReadNumberWithComma(cell);
     };
     return std::ranges::any_of(cells, is_of_key) && !IsTimeName(cells[0]);
+  }
+
+  // whether rows begin with an empty cell below the keys of a file that names its channels in one
+  [[nodiscard]] bool IsKeyOfTraces() const {
+    return IsEmptyBelow(0) && !ValuesOf(beginning_.keys, "TraceName").empty();
   }
 
   // twice as many cells as names: each may be half of a number with a decimal comma
@@ -275,12 +286,16 @@ class Head {
     if (IsOneOf(printed, {"hz", "khz", "db", "dbv"})) is_spectrum_ = true;
     // a first column of row numbers is no channel
     const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
+    // a date beside the time of day: midnights show in the latter
+    if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     if ((cell.empty() && unit_text.empty()) || is_spectrum_ || is_number) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
     // a first column in a unit of time is the time, regardless of its name
-    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed));
+    // so are times of day behind their dates
+    const bool is_clock = number == 1 && HasDates();
+    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed)) || is_clock;
     if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
     CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell),
                      .printed = std::string(cell)};
@@ -311,10 +326,19 @@ class Head {
     }
     // a stated rate or sample interval determines the unit from the step of the times
     if (!unit && options_.rate_hz) unit = UnitByRate(Step(number), *options_.rate_hz);
-    if (!unit && clock_) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
+    const bool is_clear = clock_ && !MayGroupThousands(*clock_, HasCommas());
+    if (!unit && is_clear) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
     if (!unit || unit->si_unit != "s") return TimeError(cell, number);
     column.factor = unit->factor;
     return column;
+  }
+
+  // whether a cell of the first rows has a comma
+  [[nodiscard]] bool HasCommas() const {
+    return std::ranges::any_of(beginning_.rows, [](const TableCells& row) {
+      return std::ranges::any_of(row.cells,
+                                 [](std::string_view cell) { return cell.contains(','); });
+    });
   }
 
   // the unit in which the rows have the stated rate, to 1 %; nothing where none has

@@ -106,6 +106,9 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
     // twice, as some printers cut digits off where others round
     const double bound_s = 2 * resolutions_s[i] + 1e-6 * period_s;
     if (!(std::abs(times_s[i] - start_s - AsDouble(i) * period_s) <= bound_s)) return std::nullopt;
+    // rounding makes two times equal only where they are closer than a unit of the last digit
+    const bool is_repeated = i > 0 && times_s[i] == times_s[i - 1];
+    if (is_repeated && period_s > bound_s) return std::nullopt;
   }
   return Stretch{.rows = times_s.size(), .start_s = start_s, .rate_hz = 1 / period_s};
 }
@@ -120,7 +123,8 @@ std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
 //
 // Times that repeat, because their digits are coarser than the period, are one segment on the
 // least-squares line, each time weighted by its resolution, if that gives every time back within
-// twice that; rows that are missing cannot be detected there.
+// twice that and its period is not above a unit of their last digits; rows that are missing cannot
+// be detected there.
 //
 // `times_s`: at least two, not falling; `resolutions_s`: how far each may lie from what was
 // meant (PrintedTimes). Cost: O(rows).
@@ -371,7 +375,7 @@ bool PrintedTimes::HasFewRepeated() const {
 
 std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
                                                                std::vector<Stretch> stated,
-                                                               Record* record) && {
+                                                               bool has_copies, Record* record) && {
   const bool times_are_raw = timing != Timing::kUniform;
   record->timing = timing;
   record->rows = times_s_.size();
@@ -383,7 +387,7 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
     return left_out;
   }
   if (!times_are_raw) {
-    auto grid = PrintedGrid(times_s_, Resolutions());
+    auto grid = has_copies ? std::nullopt : PrintedGrid(times_s_, Resolutions());
     // a few repeated times may mask a grid: those rows are excluded
     if (!grid && !repeated_.empty()) {
       if (!HasFewRepeated()) return std::nullopt;

@@ -55,10 +55,12 @@ class PrintedTimes {
   /// grid where their resolution explains the times (trial/import/table/printed_times.cc), else the
   /// mean line beside the times as they stand. Of times that repeat without a grid that explains
   /// it, at most one row in a hundred is left out: a row that was written twice, or two readings
-  /// with one time. Nothing, and `record` is not to be used: more of them do, or times lie closer
-  /// than a rate can say.
+  /// with one time. `has_copies`: times repeat because rows were written twice, so that a grid
+  /// through them explains nothing. Nothing, and `record` is not to be used: more of them do, or
+  /// times lie closer than a rate can say.
   [[nodiscard]] std::optional<std::vector<std::size_t>> Complete(Timing timing,
                                                                  std::vector<Stretch> stated,
+                                                                 bool has_copies,
                                                                  Record* record) &&;
 
  private:

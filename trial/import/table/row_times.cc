@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "trial/import/table/written_twice.h"
+
 namespace haptometer::trial {
 namespace {
 
@@ -21,9 +23,29 @@ double RateOf(const Record& part) {
   return std::ranges::max_element(part.stretches, {}, &Stretch::rows)->rate_hz;
 }
 
+// what NoTimes tells of a segment, whose times are used up by then
+struct Repeats {
+  explicit Repeats(const Segment& segment)
+      : rows(segment.rows),
+        repeated(segment.times.repeated().size()),
+        line(segment.repeat_line),
+        copies(segment.copies),
+        first_copy(segment.first_copy + 1) {}
+
+  std::size_t rows, repeated, line, copies, first_copy;
+};
+
 // the error for times that determine no rate
-std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::size_t repeated,
-                               std::size_t repeat_line) {
+std::unexpected<Error> NoTimes(const std::string& name, const Repeats& repeats) {
+  const auto& [rows, repeated, line, copies, first_copy] = repeats;
+  if (copies > 0) {
+    return CannotAnswer(
+        name,
+        fmt::format("{} of {} rows repeat the time and the values of the row before "
+                    "(first row {}), as if they were written twice",
+                    copies, rows, first_copy),
+        "remove these rows");
+  }
   if (repeated == 0) {
     return CannotAnswer(name, "has times that lie too close for a rate to be stated",
                         "check the unit of its time column");
@@ -31,7 +53,7 @@ std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::s
   return CannotAnswer(name,
                       fmt::format("{} of {} rows {} the time of the row before (first in line {}), "
                                   "and no uniform grid explains it",
-                                  repeated, rows, repeated == 1 ? "has" : "have", repeat_line),
+                                  repeated, rows, repeated == 1 ? "has" : "have", line),
                       "print the times with more digits, or remove these rows; only where no row "
                       "is missing, leave the times out (<columns>) and give <rate>");
 }
@@ -87,9 +109,9 @@ class TimeSetter {
       return CannotAnswer(fmt::format("{}: line {}", name_, segment.line),
                           "is a segment of one row, which has no rate", "remove the line");
     }
-    const std::size_t repeated = segment.times.repeated().size();
+    const Repeats repeats(segment);
     // the stated clock overrides the printed times where their digits explain the difference
-    if (words_.clock) {
+    if (words_.clock && segment.copies == 0) {
       if (const auto stretch = segment.times.By(*words_.clock)) {
         part.stretches = {*stretch};
         return part;
@@ -97,15 +119,17 @@ class TimeSetter {
     }
     const double first_s = segment.times.times_s().front();
     // else the printed times: as grid where one agrees with them, or as they are
-    const auto left_out = std::move(segment.times).Complete(Timing::kUniform, {}, &part);
-    if (!left_out) return NoTimes(name_, segment.rows, repeated, segment.repeat_line);
+    const auto left_out =
+        std::move(segment.times).Complete(Timing::kUniform, {}, segment.copies > 0, &part);
+    if (!left_out) return NoTimes(name_, repeats);
     // rows of the segment become rows of the record
     for (const std::size_t row : *left_out) left_out_.push_back(segment.first_row + row);
     if (!left_out->empty()) {
       NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, findings_);
-    } else if (repeated > 0) {
+    } else if (repeats.repeated > 0) {
       // repeated times that a grid explains are replaced by it
-      findings_.Note(FindingKind::kTimesRebuilt, {{"repeated", repeated}, {"rows", segment.rows}});
+      findings_.Note(FindingKind::kTimesRebuilt,
+                     {{"repeated", repeats.repeated}, {"rows", segment.rows}});
     }
     return Agree(std::move(part), first_s);
   }
@@ -236,9 +260,11 @@ Result<void> CheckRate(const std::string& name, const ImportOptions& options,
 Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Stretch> stretches,
                          CsvRows* rows, Record* record, Findings* findings) {
   Segment segment = std::move(rows->segments()[0]);
-  const std::size_t repeated = segment.times.repeated().size();
-  const auto left_out = std::move(segment.times).Complete(timing, std::move(stretches), record);
-  if (!left_out) return NoTimes(name, segment.rows, repeated, segment.repeat_line);
+  MarkRowsWrittenTwice(record->channels, &segment);
+  const Repeats repeats(segment);
+  const auto left_out =
+      std::move(segment.times).Complete(timing, std::move(stretches), segment.copies > 0, record);
+  if (!left_out) return NoTimes(name, repeats);
   record->rows = segment.rows;
   LeaveOutRows(*left_out, record);
   if (!left_out->empty()) {
@@ -252,6 +278,7 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                              Findings* findings) {
   // one segment by number, or all of them
   std::vector<Segment> segments = std::move(rows->segments());
+  for (Segment& segment : segments) MarkRowsWrittenTwice(record->channels, &segment);
   TimeSetter setter(name, words, options, findings);
   if (options.segment) {
     if (*options.segment < 1 || *options.segment > segments.size()) {
@@ -270,6 +297,13 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
   }
   // no time column: the rate or the stated clock alone
   if (!rows->has_times()) {
+    if (!options.rate_hz && MayGroupThousands(*words.clock, rows->has_commas())) {
+      return CannotAnswer(name,
+                          fmt::format("states {} by '{}', which may have a decimal sign or group "
+                                      "thousands",
+                                      words.clock->printed, words.clock->from),
+                          "give the rows per second (<rate>)");
+    }
     record->stretches = {UniformTimes(words, options, record->rows, findings)};
     return {};
   }

@@ -53,10 +53,10 @@ void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
 /// keeps one (then `record`'s channels are cut to its rows); `rows.segments()` are used up.
 ///
 /// A stated clock beats the printed times where their digits explain how they differ from it, and
-/// is the only word where there are none. What was assumed goes to `findings`.
-/// Errors (Cause::kCannotAnswer), naming `name`: times that contradict the stated clock by more
-/// than 0.1 % (both are named; options.rate_hz decides), times that repeat without a grid that
-/// explains it, several segments of which nothing tells when they were, a segment that is not
+/// is the only word where there are none, if its number has one meaning. What was assumed goes to
+/// `findings`. Errors (Cause::kCannotAnswer), naming `name`: times that contradict the stated clock
+/// by more than 0.1 % (both are named; options.rate_hz decides), times that repeat without a grid
+/// that explains it, several segments of which nothing tells when they were, a segment that is not
 /// there or has one row.
 [[nodiscard]] Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                                            const ImportOptions& options, CsvRows* rows,

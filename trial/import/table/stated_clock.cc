@@ -30,6 +30,12 @@ std::string_view WithoutChannel(std::string_view value) {
   return Trimmed(value.substr(colon + 1));
 }
 
+// the beginning of a text up to its last digit or point
+std::string_view NumberIn(std::string_view text) {
+  const std::size_t last = text.find_last_of("0123456789.");
+  return last == std::string_view::npos ? "" : Trimmed(text.substr(0, last + 1));
+}
+
 // a number with the unit behind it, as printed: "20.0uS", "1 MSa/s"
 struct Measured {
   double number = 0;
@@ -37,12 +43,11 @@ struct Measured {
 };
 
 std::optional<Measured> ReadMeasured(std::string_view text) {
-  // the number ends at its last digit or point
-  const std::size_t end = std::min(text.find_last_of("0123456789."), text.size() - 1);
-  if (text.empty() || end == std::string_view::npos) return std::nullopt;
-  const auto number = ReadNumberWithComma(Trimmed(text.substr(0, end + 1)));
+  text = Trimmed(text);
+  const std::string_view printed = NumberIn(text);
+  const auto number = ReadNumberWithComma(printed);
   if (!number || !std::isfinite(*number)) return std::nullopt;
-  return Measured{*number, Trimmed(text.substr(end + 1))};
+  return Measured{*number, Trimmed(text.substr(printed.size()))};
 }
 
 // the interval in s of a text with a unit of time, by default s
@@ -98,11 +103,20 @@ constexpr std::array kIntervalKeys{IntervalKey{"sampleinterval", IntervalOf},
 // equal within 1e-6: the same number printed twice
 bool Agree(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); }
 
+// the value of "HUnit" in s, by default 1; nothing where it is no time
+std::optional<double> HorizontalUnit(const std::vector<TableKey>& keys) {
+  const auto values = ValuesOf(keys, "HUnit");
+  const auto unit = FindUnit(values.empty() ? "s" : values[0]);
+  if (!unit || unit->si_unit != "s") return std::nullopt;
+  return unit->factor;
+}
+
 // time of the first row in s: from the index of the trigger, or as printed
 std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval_s) {
   const auto number = [&](std::string_view name) -> std::optional<double> {
     const auto values = ValuesOf(keys, name);
-    if (values.empty()) return std::nullopt;
+    // a start of two meanings is none
+    if (values.empty() || MayGroupThousands(values[0], ',')) return std::nullopt;
     const auto read = ReadNumberWithComma(values[0]);
     return read && std::isfinite(*read) ? read : std::nullopt;
   };
@@ -111,7 +125,37 @@ std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval
     if (const auto index = number(key)) return -*index * interval_s;
   }
   const auto start_s = number("XOrg");
-  return start_s ? start_s : number("HOffset");
+  if (start_s) return start_s;
+  const auto offset = number("HOffset");
+  const auto unit_s = HorizontalUnit(keys);
+  return offset && unit_s ? std::optional(*offset * *unit_s) : std::nullopt;
+}
+
+// one statement of an interval or rate; nothing where `value` is none. Errors: its unit is no time
+Result<std::optional<StatedClock>> ReadClockKey(const IntervalKey& known, const TableKey& key,
+                                                std::string_view value,
+                                                const std::vector<TableKey>& keys,
+                                                const std::string& name) {
+  const auto interval_s = known.read(value);
+  if (!interval_s) return std::nullopt;
+  StatedClock clock{.interval_s = *interval_s,
+                    .from = std::string(key.key),
+                    .printed = std::string(NumberIn(value))};
+  if (known.name == "hresolution") {
+    const auto unit_s = HorizontalUnit(keys);
+    if (!unit_s) {
+      return CannotAnswer(
+          name, fmt::format("has 'HUnit' {}, which is no time", ValuesOf(keys, "HUnit")[0]),
+          "save the channels as waveforms over the time");
+    }
+    clock.interval_s *= *unit_s;
+  }
+  if (!(clock.interval_s > 0) || !std::isfinite(1 / clock.interval_s)) return std::nullopt;
+  return clock;
+}
+
+bool HasTwoMeanings(std::string_view printed) {
+  return MayGroupThousands(printed, ',') || MayGroupThousands(printed, '.');
 }
 
 }  // namespace
@@ -153,20 +197,29 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
     const auto known = std::ranges::find(kIntervalKeys, Bare(key.key), &IntervalKey::name);
     if (known == kIntervalKeys.end()) continue;
     for (const std::string_view value : key.values) {
-      const auto interval_s = known->read(value);
-      if (!interval_s || !(*interval_s > 0) || !std::isfinite(1 / *interval_s)) continue;
-      if (clock && !Agree(clock->interval_s, *interval_s)) {
+      HAPTOMETER_LET(auto stated, ReadClockKey(*known, key, value, keys, name));
+      // "Sample Rate,100,000 Hz": the comma within the number separates its parts
+      if (!stated && clock && value.starts_with("000")) clock->printed += ",000";
+      if (!stated) continue;
+      if (clock && !Agree(clock->interval_s, stated->interval_s)) {
         return CannotAnswer(
             name,
             fmt::format("states two sample intervals: {:.6g} s by '{}' and {:.6g} s by '{}'",
-                        clock->interval_s, clock->from, *interval_s, key.key),
+                        clock->interval_s, clock->from, stated->interval_s, key.key),
             "remove the wrong line, or give <rate> and leave the times out with <columns>");
       }
-      if (!clock) clock = StatedClock{.interval_s = *interval_s, .from = std::string(key.key)};
+      // what one statement leaves open the other may show
+      if (!clock) clock = stated;
+      if (!HasTwoMeanings(stated->printed)) clock->printed = stated->printed;
     }
   }
   if (clock) clock->start_s = StartOf(keys, clock->interval_s);
   return clock;
+}
+
+bool MayGroupThousands(const StatedClock& clock, bool has_decimal_commas) {
+  return MayGroupThousands(clock.printed, ',') ||
+         (has_decimal_commas && MayGroupThousands(clock.printed, '.'));
 }
 
 // the number of rows that the header states, for a comparison with the rows that are read

@@ -31,15 +31,20 @@ struct StatedClock {
   double interval_s = 0;
   std::optional<double> start_s{};  ///< time of the first row
   std::string from{};               ///< the key: "Sample Interval"
+  std::string printed{};            ///< the number: "1,000"
 };
 
+/// Whether the number of `clock` may group thousands, so that the clock may be another by a factor
+/// of 1000: by a comma, or by a point where the numbers below have decimal commas.
+[[nodiscard]] bool MayGroupThousands(const StatedClock& clock, bool has_decimal_commas);
+
 /// The sample interval that `keys` state: "Sample Interval", "delta t", "XInc", "Increment",
-/// "CLOCK", Yokogawa's "HResolution" and the like as a time, or "Sample Rate", "Sampling Frequency
-/// (Hz)" as a rate, each with a unit or in SI; and the start: "XOrg", "HOffset", or minus "Trigger
-/// Point" or "Zero Index" intervals (which may be fractional).
+/// "CLOCK", Yokogawa's "HResolution" (in "HUnit") and the like as a time, or "Sample Rate",
+/// "Sampling Frequency (Hz)" as a rate, each with a unit or in SI; and the start: "XOrg",
+/// "HOffset", or minus "Trigger Point" or "Zero Index" intervals (which may be fractional).
 ///
 /// Nothing where none is stated. Errors (Cause::kCannotAnswer), naming `name`: values of one line
-/// or of two lines that contradict each other.
+/// or of two lines that contradict each other, an "HUnit" that is no time.
 [[nodiscard]] Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& keys,
                                                                  const std::string& name);
 

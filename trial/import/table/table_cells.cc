@@ -86,11 +86,28 @@ std::string FromWindows1252(std::string_view raw) {
 
 }  // namespace
 
+std::optional<ByteOrder> Utf16WithoutMark(std::string_view text) {
+  constexpr std::size_t kLooked = 64;
+  constexpr std::size_t kFewest = 8;
+  text = text.substr(0, kLooked);
+  if (text.size() < kFewest) return std::nullopt;
+  // NUL bytes at even and at odd places
+  std::array<std::size_t, 2> nuls{};
+  for (std::size_t i = 0; i < text.size(); ++i) nuls[i % 2] += text[i] == '\0' ? 1 : 0;
+  const std::size_t most = text.size() * 3 / 8;
+  if (nuls[0] == 0 && nuls[1] >= most) return ByteOrder::kLittleEndian;
+  if (nuls[1] == 0 && nuls[0] >= most) return ByteOrder::kBigEndian;
+  return std::nullopt;
+}
+
 std::string_view Utf8Text(std::string_view raw, std::string* storage) {
   std::string_view text = raw;
   // byte order marks: UTF-16 little endian, UTF-16 big endian, UTF-8
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     *storage = FromUtf16(text.substr(2), text.starts_with("\xfe\xff"));
+    text = *storage;
+  } else if (const auto order = Utf16WithoutMark(text)) {
+    *storage = FromUtf16(text, *order == ByteOrder::kBigEndian);
     text = *storage;
   } else if (text.starts_with("\xef\xbb\xbf")) {
     text.remove_prefix(3);
@@ -144,6 +161,21 @@ std::optional<double> ReadNumberWithComma(std::string_view text) {
   return ReadNumber(with_point);
 }
 
+bool MayGroupThousands(std::string_view text, char sign) {
+  if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+  // one to three digits, the first no 0
+  const std::size_t head = std::min(text.find(sign), text.size());
+  if (head < 1 || head > 3 || head == text.size() || text[0] == '0') return false;
+  // groups of the sign and three digits behind them
+  constexpr std::size_t kGroup = 4;
+  const std::size_t behind = text.size() - head;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_sign = i >= head && (i - head) % kGroup == 0;
+    if (is_sign ? text[i] != sign : text[i] < '0' || text[i] > '9') return false;
+  }
+  return behind % kGroup == 0;
+}
+
 std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   // longer cells are text, not a mark for a missing value
   constexpr std::size_t kLongest = 12;
@@ -153,17 +185,20 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   if (!word.empty() && word.find_first_not_of('*') == std::string::npos) {
     return SampleStatus::kClipped;
   }
-  // empty, or dashes alone: no reading
-  if (word.find_first_not_of('-') == std::string::npos) return SampleStatus::kInvalid;
-  constexpr std::array<std::string_view, 8> kNone{"nan",     "-nan", "x",   "#num!",
-                                                  "#value!", "#n/a", "n/a", "invalid"};
+  // empty, or dashes in place of digits: no reading
+  const bool has_dash = word.empty() || word.contains('-');
+  if (has_dash && word.find_first_not_of("-.,") == std::string::npos) return SampleStatus::kInvalid;
+  // the last four: a NaN of Microsoft's C library, with a sign or without
+  constexpr std::array<std::string_view, 15> kNone{
+      "nan",  "-nan", "x",  "#num!",   "#value!",  "#n/a",   "n/a",    "invalid",
+      "null", "none", "na", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"};
   if (std::ranges::find(kNone, word) != kNone.end()) return SampleStatus::kInvalid;
   if (word == "under" || word == "underflow") return SampleStatus::kUnder;
   const bool is_negative = word.starts_with('-');
   // the sign of an overflow distinguishes over from under
   if (is_negative || word.starts_with('+')) word.erase(0, 1);
-  constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf", "infinity",
-                                                  "over",         "ol",  "overflow"};
+  constexpr std::array<std::string_view, 8> kOver{
+      "\xe2\x88\x9e", "inf", "infinity", "over", "ol", "overflow", "1.#inf", "fffffff"};
   if (std::ranges::find(kOver, word) == kOver.end()) return std::nullopt;
   return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
 }
@@ -188,6 +223,23 @@ std::optional<double> ReadClock(std::string_view text) {
     text = part == 2 ? "" : text.substr(colon + 1);
   }
   return seconds;
+}
+
+bool IsDate(std::string_view text) {
+  // three numbers between two equal signs
+  const std::size_t first = text.find_first_of("-./");
+  if (first == std::string_view::npos) return false;
+  const std::size_t second = text.find(text[first], first + 1);
+  if (second == std::string_view::npos) return false;
+  const std::array<std::string_view, 3> parts{
+      text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
+  const auto is_part = [](std::string_view part, std::size_t digits) {
+    return !part.empty() && part.size() <= digits &&
+           part.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  // the year is the first or the last of them
+  return is_part(parts[0], 4) && is_part(parts[1], 2) && is_part(parts[2], 4) &&
+         parts[0].size() + parts[2].size() <= 6;
 }
 
 namespace {
@@ -384,8 +436,11 @@ std::string_view NameOfSeparator(char separator) {
 bool IsNumbers(const std::vector<std::string_view>& cells) {
   bool has_number = false;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool is_number = ReadNumberWithComma(cells[i]) || (i == 0 && ReadClock(cells[i]));
-    if (!is_number && !ReadNoNumber(cells[i])) return false;
+    // a time of day is the first cell, or the one behind its date
+    const bool is_clock = (i == 0 || (i == 1 && IsDate(cells[0]))) && ReadClock(cells[i]);
+    const bool is_date = i == 0 && cells.size() > 1 && IsDate(cells[0]) && ReadClock(cells[1]);
+    const bool is_number = ReadNumberWithComma(cells[i]) || is_clock;
+    if (!is_number && !is_date && !ReadNoNumber(cells[i])) return false;
     has_number = has_number || is_number;
   }
   return has_number;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,11 +14,16 @@ namespace haptometer::trial {
 
 /// The text of a file as UTF-8 with lines that end in LF (or CR LF).
 ///
-/// A byte-order mark is taken off; UTF-16 (told by its mark) is converted; text that is not valid
-/// UTF-8 is read as Windows-1252, as oscilloscopes and spreadsheets write "µs"; NUL bytes are
-/// dropped; lines that end in CR alone end in LF. Returns a view of `raw` where nothing needs
-/// changing, else of `storage`. Cost: one pass over the bytes.
+/// A byte-order mark is taken off; UTF-16 (told by its mark, or Utf16WithoutMark) is converted;
+/// text that is not valid UTF-8 is read as Windows-1252, as oscilloscopes and spreadsheets write
+/// "µs"; NUL bytes are dropped; lines that end in CR alone end in LF. Returns a view of `raw` where
+/// nothing needs changing, else of `storage`. Cost: one pass over the bytes.
 [[nodiscard]] std::string_view Utf8Text(std::string_view raw, std::string* storage);
+
+/// The order of bytes of UTF-16 that has no mark, where most of the first characters of `text` are
+/// Latin ones, with a NUL as the upper byte and none as the lower; nothing for other text.
+enum class ByteOrder : std::uint8_t { kLittleEndian, kBigEndian };
+[[nodiscard]] std::optional<ByteOrder> Utf16WithoutMark(std::string_view text);
 
 /// `text` without blanks at its ends.
 [[nodiscard]] std::string_view Trimmed(std::string_view text);
@@ -31,15 +37,24 @@ namespace haptometer::trial {
 /// The same with a decimal comma or point.
 [[nodiscard]] std::optional<double> ReadNumberWithComma(std::string_view text);
 
-/// What an instrument prints where it has no number: "∞", "inf", "OVER", "OL" are kOver, with a
-/// minus (or "UNDER") kUnder; "****" is kClipped, because it says nothing of the sign; "", "nan",
-/// "---", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
+/// Whether `sign` may group the thousands of `text`: "1,234", "-12,345,678"; not "0,123", "12,5" or
+/// "1,234e3".
+[[nodiscard]] bool MayGroupThousands(std::string_view text, char sign);
+
+/// What an instrument or a program prints where it has no number: "∞", "inf", "1.#INF", "OVER",
+/// "OL", Keyence's "FFFFFFF" are kOver, with a minus (or "UNDER") kUnder; "****" is kClipped,
+/// because it says nothing of the sign; "", "nan", "1.#QNAN", "1.#IND", "null", "None", "NA",
+/// "---",
+/// "--.--", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
 [[nodiscard]] std::optional<SampleStatus> ReadNoNumber(std::string_view cell);
 
 /// Seconds since midnight of a time on the clock, "12:00:47.056435" or with a decimal comma; a date
 /// before it ("5/7/2021  12:00:47.056435", "2021-07-05T12:00:47Z") is passed over. Nothing where
 /// `text` is none.
 [[nodiscard]] std::optional<double> ReadClock(std::string_view text);
+
+/// Whether `text` is a date alone: "2024-05-06", "6.5.2024", "5/7/21".
+[[nodiscard]] bool IsDate(std::string_view text);
 
 /// A unit as tables print it.
 struct PrintedUnit {
@@ -90,8 +105,9 @@ void SplitCells(std::string_view line, char separator, std::vector<std::string_v
 /// "commas", "semicolons", "tabs" or "blanks".
 [[nodiscard]] std::string_view NameOfSeparator(char separator);
 
-/// Whether a row of a table of numbers can look so: numbers, a time on the clock as the first, and
-/// cells that say why there is no number (ReadNoNumber); at least one is a number.
+/// Whether a row of a table of numbers can look so: numbers, a time on the clock as the first
+/// or behind a date as the first, and cells that say why there is no number (ReadNoNumber); at
+/// least one is a number.
 [[nodiscard]] bool IsNumbers(const std::vector<std::string_view>& cells);
 
 }  // namespace haptometer::trial

@@ -97,6 +97,114 @@ TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
               HasSubstr("its times give 1 rows per second and <rate> gives 1000 Hz"));
 }
 
+TEST(ForeignTable, ACommaThatMayGroupThousandsIsRefusedUntilANumberShowsWhatItIs) {
+  EXPECT_EQ(
+      ErrorOf("Time (us);Laser (um)\n0;999\n100;30,123\n200;-1,500\n"),
+      "f.csv: line 3: '30,123' may be a decimal comma or group thousands, and no other number "
+      "shows which; write all numbers with points and without grouping");
+  EXPECT_THAT(ErrorOf("time_us\tdisplacement_nm\n0\t30,123\n100\t+30,124\n"),
+              HasSubstr("line 2: '30,123' may be a decimal comma"));
+  EXPECT_THAT(ErrorOf("Time (s),Laser (um)\n0,\"1,234\"\n1,\"1,235\"\n"),
+              HasSubstr("line 2: '1,234' may be a decimal comma"));
+  for (const char* shown : {"0,123", "-0,123", "12,5", "1,2345", "1,234e0", "1234,567"}) {
+    const Record record = Parsed(fmt::format("Time (us);Laser (um)\n0;{}\n100;30,123\n", shown));
+    EXPECT_REL(record.channels.at(0).values.at(1), 30.123e-6, 1e-15, "one product") << shown;
+  }
+  // a time, a time of day or a column that is left out shows it as well
+  EXPECT_EQ(Parsed("Time (ms);Coil (V)\n0,0;1,234\n0,1;1,235\n").channels.at(0).values.at(0),
+            1.234);
+  EXPECT_EQ(
+      Parsed("Time;Coil (V)\n12:00:00,0;1,234\n12:00:00,5;1,235\n").channels.at(0).values.at(0),
+      1.234);
+  EXPECT_EQ(Parsed("0;1,234;0,5\n1;1,235;0,5\n", {.columns = {"time_s", "voltage_v", "-"}})
+                .channels.at(0)
+                .values.at(0),
+            1.234);
+}
+
+TEST(ForeignTable, APointThatMayGroupThousandsBesideDecimalCommasIsRefused) {
+  EXPECT_EQ(
+      ErrorOf("Time (s);Laser (um)\n0,1;1.234\n0,2;2.345\n"),
+      "f.csv: line 2: '1.234' may be a decimal point or group thousands, as '0,1' has a comma; "
+      "write all numbers with points and without grouping");
+  EXPECT_EQ(Parsed("Time (s);Coil (V)\n0,1;1.234\n0,2;0.345\n").channels.at(0).values.at(0), 1.234);
+  EXPECT_EQ(Parsed("Time (s);Coil (V)\n1;1.234\n2;2.345\n").channels.at(0).values.at(0), 1.234);
+}
+
+TEST(ForeignTable, AStatedRateThatMayGroupThousandsIsNoClock) {
+  for (const char* text : {"Sample Rate,\"100,000 Hz\"\nCH1 (V),CH2 (V)\n0.5,1\n1.5,2\n",
+                           "Sample Rate,100,000 Hz\nCH1 (V),CH2 (V)\n0.5,1\n1.5,2\n",
+                           "Sample Rate:\t100,000 Hz\nCH1 (V)\tCH2 (V)\n0.5\t1\n1.5\t2\n"}) {
+    EXPECT_EQ(ErrorOf(text),
+              "f.csv: states 100,000 by 'Sample Rate', which may have a decimal sign or group "
+              "thousands; give the rows per second (<rate>)");
+    EXPECT_EQ(Parsed(text, {.rate_hz = 1e5}).stretches.at(0).rate_hz, 1e5);
+  }
+  const std::string points = "Sampling Rate;5.000 Hz\nCH1 (V);CH2 (V)\n";
+  EXPECT_THAT(ErrorOf(points + "0;1\n1,5;2\n"), HasSubstr("states 5.000 by 'Sampling Rate'"));
+  EXPECT_EQ(Parsed(points + "0.5;1\n1.5;2\n").stretches.at(0).rate_hz, 5);
+}
+
+TEST(ForeignTable, AStatedRateOfOneMeaningIsAClockWhateverItsSign) {
+  for (const char* rate : {"0,500 Hz", "0,5 Hz", "5,000e-1 Hz"}) {
+    const Record record =
+        Parsed(fmt::format("Sample Rate:\t{}\nCH1 (V)\tCH2 (V)\n0\t1\n1,5\t2\n", rate));
+    EXPECT_EQ(record.stretches.at(0).rate_hz, 0.5) << rate;
+  }
+  // a second statement shows the meaning of the first
+  EXPECT_EQ(Parsed("Sample Rate:\t5,000 Hz\nSample Interval:\t0.2\nCH1 (V)\tCH2 (V)\n0\t1\n1\t2\n")
+                .stretches.at(0)
+                .rate_hz,
+            5);
+}
+
+TEST(ForeignTable, AStatedRateThatMayGroupThousandsGivesNoUnitOfTheTimes) {
+  const std::string rows = "Time\tCH1 (V)\n0\t1\n0.1\t2\n0.2\t3\n";
+  EXPECT_THAT(ErrorOf("Sample Rate:\t10,000 Hz\n" + rows),
+              HasSubstr("column 'Time' does not state its unit"));
+  EXPECT_REL(Parsed("Sample Rate:\t10000 Hz\n" + rows).stretches.at(0).rate_hz, 10'000, 1e-9,
+             "printed times");
+}
+
+constexpr const char* kTraces =
+    "\"TraceName\",\"CH1   \",\"CH2   \"\n\"VUnit\",\"mV\",\"V\"\n"
+    "\"HResolution\",2.0e-01,2.0e-01\n\"HOffset\",-10,-10\n";
+
+TEST(ForeignTable, TheIntervalOfTracesIsInTheirUnit) {
+  const Record record = Parsed(std::string(kTraces) + "\"HUnit\",\"ms\",\"ms\"\n\n1,2\n3,4\n5,6\n");
+  EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-12, "one product");
+  EXPECT_REL(record.stretches.at(0).start_s, -10e-3, 1e-12, "one product");
+  EXPECT_EQ(
+      ErrorOf(std::string(kTraces) + "\"HUnit\",\"Hz\",\"Hz\"\n\n1,2\n3,4\n"),
+      "f.csv: has 'HUnit' Hz, which is no time; save the channels as waveforms over the time");
+}
+
+TEST(ForeignTable, TheLastKeyOfTracesIsNoLineOfNames) {
+  const Record record =
+      Parsed(std::string(kTraces) + "\"HUnit\",\"ms\",\"ms\"\n\n,1,2,\n,3,4,\n,5,6,\n");
+  ASSERT_EQ(record.channels.size(), 2);
+  EXPECT_EQ(record.channels[0].name, "CH1");
+  EXPECT_REL(record.channels[0].values[0], 1e-3, 1e-15, "one product");
+  EXPECT_EQ(record.channels[1].name, "CH2");
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kVoltage);
+}
+
+TEST(ForeignTable, ADateAndATimeOfDay) {
+  for (const char* date : {"2024-05-06", "06.05.2024", "5/6/24"}) {
+    const Record record =
+        Parsed(fmt::format("Date,Time,Coil (V)\n{0},12:00:00.0000,1\n{0},12:00:00.0002,2\n"
+                           "{0},12:00:00.0004,3\n",
+                           date));
+    ASSERT_EQ(record.channels.size(), 1) << date;
+    EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-6, "printed times");
+    EXPECT_EQ(record.channels[0].values, (std::vector<double>{1, 2, 3}));
+  }
+  const Record midnight = Parsed(
+      "Datum;Uhrzeit;Coil (V)\n06.05.2024;23:59:59,5;1\n07.05.2024;00:00:00,0;2\n"
+      "07.05.2024;00:00:00,5;3\n");
+  EXPECT_REL(midnight.stretches.at(0).rate_hz, 2, 1e-9, "printed times");
+}
+
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"),
               HasSubstr("no column is a time and no line above states the sample interval"));

@@ -109,6 +109,87 @@ TEST(PrintedTimes, FloatsAgreeWithAStatedClock) {
   EXPECT_DOUBLE_EQ(record.stretches[0].rate_hz, 50'000) << "the stated clock";
 }
 
+// --- rows that were written twice ---------------------------------------------------------------
+
+// readings that all differ
+double Reading(std::size_t i) { return 10 + std::sin(0.2 * static_cast<double>(i)); }
+
+// 15000 rows at `rate_hz` with times of `decimals`, every `twice`th of them written twice
+std::string WithRowsTwice(double rate_hz, int decimals, std::size_t twice,
+                          const std::function<double(std::size_t)>& reading) {
+  std::string text = "Time (s),Laser (mm)\n";
+  for (std::size_t i = 0; i < 15'000; ++i) {
+    const std::string row =
+        fmt::format("{:.{}f},{:.6f}\n", static_cast<double>(i) / rate_hz, decimals, reading(i));
+    text += row;
+    if (i % twice == twice - 1) text += row;
+  }
+  return text;
+}
+
+std::string ErrorOf(const std::string& text) {
+  const auto record = ParseCsv(text, "f.csv", {});
+  return record ? "was read" : record.error().Text();
+}
+
+TEST(RowsWrittenTwice, AreNoTimesOfTooFewDigits) {
+  // digits finer than an interval, as fine, and coarser
+  for (const auto& [rate_hz, decimals] : {std::pair{5000.0, 4}, {10'000.0, 4}, {5000.0, 3}}) {
+    EXPECT_EQ(
+        ErrorOf(WithRowsTwice(rate_hz, decimals, 51, Reading)),
+        "f.csv: 294 of 15294 rows repeat the time and the values of the row before (first row "
+        "52), as if they were written twice; remove these rows")
+        << rate_hz << " Hz, " << decimals << " decimals";
+  }
+}
+
+TEST(RowsWrittenTwice, AreLeftOutWhereTheyAreFew) {
+  const Record record = Parsed(WithRowsTwice(10'000, 4, 200, Reading));
+  EXPECT_EQ(record.rows, 15'000);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 10'000, 1e-9, "printed times");
+  EXPECT_REL(record.channels.at(0).values.back(), 1e-3 * Reading(14'999), 1e-6, "printed digits");
+}
+
+TEST(RowsWrittenTwice, InATableOfOurOwn) {
+  std::string text = WithRowsTwice(5000, 4, 51, Reading);
+  text.replace(0, text.find('\n'), "time_s,displacement_mm");
+  EXPECT_THAT(ErrorOf(text), HasSubstr("294 of 15294 rows repeat the time and the values"));
+}
+
+TEST(RowsWrittenTwice, ReadingsThatHardlyVaryAreNoSuchRows) {
+  const auto rest = [](std::size_t) { return 10.0; };
+  // two of three neighbours are equal
+  const auto slow = [](std::size_t i) { return 10 + 0.01 * static_cast<double>(i / 3 % 2); };
+  for (const std::function<double(std::size_t)>& reading :
+       {std::function<double(std::size_t)>(rest), {slow}}) {
+    const Record record = Parsed(WithRowsTwice(5000, 3, 1'000'000, reading));
+    EXPECT_EQ(record.rows, 15'000);
+    EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-5, "the last digit of 3 s");
+  }
+}
+
+// an interval is two units of the last digit, so that no rounding makes times equal
+TEST(RowsWrittenTwice, AreFoundByTheirTimesAloneWhereTheDigitsAreFiner) {
+  const auto rest = [](std::size_t) { return 10.0; };
+  EXPECT_THAT(ErrorOf(WithRowsTwice(5000, 4, 51, rest)),
+              HasSubstr("294 of 15294 rows have the time of the row before"));
+  const Record record = Parsed(WithRowsTwice(5000, 4, 10'000, rest));
+  EXPECT_EQ(record.rows, 15'000);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-9, "printed times");
+}
+
+// readings that rest where the digits become coarser than an interval do so by themselves
+TEST(RowsWrittenTwice, AreJudgedByTheReadingsBesideThem) {
+  std::string text = "Time (s),Laser (mm)\n";
+  for (std::size_t i = 0; i < 15'000; ++i) {
+    text +=
+        fmt::format("{:.4g},{:.6f}\n", static_cast<double>(i) / 5000, i < 5000 ? Reading(i) : 10.0);
+  }
+  const Record record = Parsed(text);
+  EXPECT_EQ(record.rows, 15'000);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-4, "the last digit of 3 s");
+}
+
 // --- what no grid explains is found -------------------------------------------------------------
 
 class Decimals : public ::testing::TestWithParam<int> {};
