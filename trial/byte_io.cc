@@ -132,6 +132,20 @@ constexpr int kAppendFlags = O_WRONLY | O_APPEND | O_CLOEXEC;
 
 }  // namespace
 
+Result<int> OpenForAppending(const std::string& path, const std::string& name) {
+  const int descriptor = open(path.c_str(), kAppendFlags | O_NOCTTY | O_NONBLOCK);
+  if (descriptor < 0 && errno == ENXIO) {
+    return Usage(name, "is a pipe that no program reads", "start its reader first, or name a file");
+  }
+  if (descriptor < 0) {
+    return Failed(name, std::string("cannot be written: ") + std::strerror(errno),
+                  "is there room, and may you write there?");
+  }
+  // its writes wait for the reader
+  static_cast<void>(fcntl(descriptor, F_SETFL, O_APPEND));
+  return descriptor;
+}
+
 Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path, IfExists if_exists) {
   // made exclusively first, so that no file appears between a check and the opening
   const int made = open(path.c_str(), kAppendFlags | O_CREAT | O_EXCL, 0666);
@@ -143,16 +157,12 @@ Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path, IfExis
   if (if_exists == IfExists::kRefuse) {
     return Usage(path, "already exists", "name another file, or give <overwrite>");
   }
-  const int opened = open(path.c_str(), kAppendFlags);
-  if (opened < 0) {
-    return Failed(path, std::string("cannot be replaced: ") + std::strerror(errno),
-                  "name another file");
-  }
+  HAPTOMETER_LET(const int opened, OpenForAppending(path, path));
   return Locked(opened, path, true);
 }
 
 Result<std::unique_ptr<ByteSink>> OpenFileSinkAtEnd(const std::string& path) {
-  const int descriptor = open(path.c_str(), kAppendFlags);
+  const int descriptor = open(path.c_str(), kAppendFlags | O_NONBLOCK);
   if (descriptor >= 0) return Locked(descriptor, path);
   return CannotAnswer(path, std::string("cannot be opened for writing: ") + std::strerror(errno),
                       "check the path and its permissions");

@@ -33,14 +33,20 @@ class ByteSink {
 /// Whether an existing file is an error or loses its content.
 enum class IfExists { kRefuse, kReplace };
 
+/// Opens what is at `path` for appending; `name` stands for it in messages. A pipe that no program
+/// reads is refused, where open() would wait for its reader.
+///
+/// Errors: Cause::kUsage for such a pipe, Cause::kFailed where it cannot be opened.
+[[nodiscard]] Result<int> OpenForAppending(const std::string& path, const std::string& name);
+
 /// What WriteSome() and Sync() of a file on disk also refuse (Cause::kFailed): a file that another
 /// program has cut or deleted since. Nothing is appended behind a cut, where no reader would find
 /// its beginning.
 
 /// A new file at `path`, locked (flock) against a second writer as long as the sink lives.
 ///
-/// Errors: Cause::kUsage when it exists and may not be replaced; Cause::kFailed when it cannot be
-/// made, or is being written by another program.
+/// Errors: Cause::kUsage when it exists and may not be replaced, or is a pipe that no program
+/// reads; Cause::kFailed when it cannot be made, or is being written by another program.
 [[nodiscard]] Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path,
                                                                IfExists if_exists);
 

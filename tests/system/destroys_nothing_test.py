@@ -8,6 +8,7 @@ RLIMIT_FSIZE and /dev/full always.
 Usage: destroys_nothing_test.py [--only TEXT], of the options whose verb and name hold TEXT. It calls itself with
 --disks DIRECTORY inside the namespace.
 """
+import fcntl
 import hashlib
 import math
 import os
@@ -343,6 +344,10 @@ def check_failing_writes(option, out, ending):
     by_library = ending in (".h5", ".mat") or (option.verb, option.name) == ("sweep", "--output")
     attempt(option.command("full" + ending), 2 if by_library else 1, f"{option} to /dev/full")
     clear("full" + ending)
+    os.mkfifo("pipe" + ending)
+    stderr, _ = attempt(option.command("pipe" + ending), 2, f"{option} to a pipe without a reader")
+    check("is a pipe that no program reads; start its reader first" in stderr, f"{option} to a pipe: {stderr}")
+    clear("pipe" + ending)
     if not option.makes == "recording":
         attempt(option.command("/proc/out" + ending), 1, f"{option} where no file can be made")
 
@@ -377,6 +382,22 @@ def check_reproduce():
 def check_two_of_one_name():
     stderr, _ = attempt(["analyze", "t.bin", "--plot", "both.svg", "--spectrum", "./both.svg"], 2, "one file for two")
     check("--plot" in stderr and "--spectrum" in stderr, stderr)
+
+
+def check_pipes():
+    """A pipe that is read gets the file's bytes; none continues a table."""
+    for command in (["trial", "export", "t.bin", "-o"], [*WRITES[0].verb.split(), *WRITES[0].words, "-o"]):
+        os.mkfifo("pipe.csv")
+        reader = os.open("pipe.csv", os.O_RDONLY | os.O_NONBLOCK)
+        fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, 1 << 20)  # room for the whole file
+        attempt([*command, "pipe.csv"], 0, "to a pipe")
+        check(len(os.read(reader, 1 << 20)) > 5000, f"{command} into a pipe")
+        os.close(reader)
+        clear("pipe.csv")
+    os.mkfifo("pipe.csv")
+    stderr, _ = attempt([SWEEP[0], *SWEEP[1], "-o", "pipe.csv", "--resume"], 2, "a table in a pipe")
+    check("pipe.csv: exists and is not a file" in stderr, stderr)
+    clear("pipe.csv")
 
 
 def check_links():
@@ -502,6 +523,7 @@ def main():
         if only:
             return
         check_two_of_one_name()
+        check_pipes()
         check_links()
         check_sessions()
         check_campaigns()

@@ -262,6 +262,8 @@ TEST_F(OutputFileTest, AFileThatAppearsMeanwhileStays) {
 
 TEST_F(OutputFileTest, PipesAndDevicesAreWrittenAsTheyAre) {
   ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
+  EXPECT_THAT(Wrong(WriteOutput(Path("pipe"), kRowsOutput, false, "time_s,x\n")),
+              HasSubstr("pipe: is a pipe that no program reads"));
   const int reader = open(Path("pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   EXPECT_EQ(Wrong(WriteOutput(Path("pipe"), kRowsOutput, false, "time_s,x\n")), "");
   char bytes[16] = {};

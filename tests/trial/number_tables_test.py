@@ -202,6 +202,57 @@ def check_hdf5(at):
     expect(at("root.h5"))
 
 
+def check_hdf5_of_several_files(at):
+    """What lies in another file is refused before that is opened: a pipe, which an opening would wait for."""
+    os.mkfifo(at("pipe"))
+    np.save(at("own.npy"), np.column_stack([TIME, MOTION]))
+    run("trial", "export", at("own.npy"), "--columns", "time_s,displacement_m", "-o", at("all.h5"))
+    with h5py.File(at("all.h5"), "a") as file:
+        for name in ("out", "own/out"):
+            file[name] = h5py.ExternalLink(at("pipe"), "/x")
+        file["soft"], file["near"] = h5py.SoftLink("/out"), h5py.SoftLink("/own/displacement_m")
+        for name in ("raw", "group/raw"):
+            file.create_dataset(name, shape=(4,), dtype="u1", external=[(at("pipe"), 0, h5py.h5f.UNLIMITED)])
+        for name, most in (("virtual", (4,)), ("unlimited", (None,))):
+            layout = h5py.VirtualLayout(shape=(4,), dtype="f8", maxshape=most)
+            source = h5py.VirtualSource(at("pipe"), "x", shape=(4,), maxshape=most)
+            rows = slice(0, 4 if most == (4,) else h5py.h5s.UNLIMITED)
+            layout[rows] = source[rows]
+            file.create_virtual_dataset(name, layout)
+    for name in ("out", "out/x", "own/out", "soft", "soft/x", "raw", "virtual", "unlimited"):
+        refuse(at("all.h5") + "/" + name, *AT_RATE, words=f"/{name}: lies in another file")
+    refuse(at("all.h5") + "/group", *AT_RATE, words="all.h5/group/raw: lies in another file")
+    refuse(at("all.h5") + "/none", words="holds no trial 'none', but own")
+    # what lies in the file itself is read beside them
+    expect(at("all.h5"))
+    expect(at("all.h5") + "/near", *AT_RATE, "--columns", "displacement_m")
+    for name in ("displacement_m", "header_json"):
+        with h5py.File(at("all.h5"), "a") as file:
+            del file["own/" + name]
+            file["own/" + name] = h5py.ExternalLink(at("pipe"), "/x")
+        refuse(at("all.h5"), words=f"all.h5/own/{name}: lies in another file")
+
+
+def check_hdf5_of_few_bytes(at):
+    """Numbers that a file states and does not hold are refused before memory is allocated for them."""
+    with h5py.File(at("sparse.h5"), "w") as file:
+        for name in ("a", "b", "c"):
+            file.create_dataset("unwritten/" + name, shape=(2**27,), dtype="f8", chunks=(2**20,))
+            file.create_dataset("few/" + name, shape=(2**27,), dtype="f8", chunks=(2**6,))[0] = 1
+            file.create_dataset("begun/" + name, shape=(2**27,), dtype="f8", chunks=(2**10,))[0] = 1
+        file.create_dataset("fixed", shape=(ROWS,), dtype="f8")
+    for name, words in (("unwritten", "/unwritten/a: states 134217728 numbers and holds 0 bytes of them"),
+                        ("few", "/few/a: states 134217728 numbers and holds 512 bytes of them"),
+                        ("begun", "/begun/c: has more numbers than are read of one file"),
+                        ("fixed", "/fixed: states 1000 numbers and holds 0 bytes of them")):
+        refuse(at("sparse.h5") + "/" + name, *AT_RATE, words=words)
+    # a constant that is compressed
+    with h5py.File(at("constant.h5"), "w") as file:
+        file.create_dataset("gzip", data=np.zeros(10**7, dtype="u1"), compression=9, chunks=(10**7,))
+    said = run("trial", "info", at("constant.h5") + "/gzip", *AT_RATE, "--columns", "displacement_m").stdout
+    check("rows          10000000" in said, "a constant: " + said)
+
+
 def check_own(at):
     """An export states its columns: options of tables are refused."""
     np.save(at("own.npy"), np.column_stack([TIME, MOTION]))
@@ -219,7 +270,8 @@ def check_own(at):
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for part in (check_npy, check_wav, check_mat, check_hdf5, check_own, check_text):
+        for part in (check_npy, check_wav, check_mat, check_hdf5, check_hdf5_of_several_files, check_hdf5_of_few_bytes,
+                     check_own, check_text):
             part(lambda name: os.path.join(folder, name))
 
 

@@ -302,10 +302,12 @@ Result<OutputFile> OutputFile::Begin(const std::string& path, const OutputKind& 
   // buffered output was printed earlier and must precede these bytes
   std::fflush(nullptr);
   // descriptors, pipes and devices: written directly, without truncation
-  file.descriptor_ = place.descriptor
-                         ? fcntl(*place.descriptor, F_DUPFD_CLOEXEC, 0)
-                         : open(place.target.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
-  if (file.descriptor_ < 0) return file.NotWritten(errno);
+  if (place.descriptor) {
+    file.descriptor_ = fcntl(*place.descriptor, F_DUPFD_CLOEXEC, 0);
+    if (file.descriptor_ < 0) return file.NotWritten(errno);
+    return file;
+  }
+  HAPTOMETER_LET(file.descriptor_, trial::OpenForAppending(place.target, path));
   return file;
 }
 

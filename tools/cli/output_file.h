@@ -72,7 +72,8 @@ inline constexpr OutputKind kMatOutput{.name = "a MATLAB file written by haptome
 /// 3. A link to an existing file stands for that file. A link to nothing, a directory, a disk and a
 ///    socket are refused.
 /// 4. Pipes, terminals and devices (/dev/null) are written as they are, and /dev/stdout,
-///    /dev/stderr, /dev/fd/N as the open files that they name.
+///    /dev/stderr, /dev/fd/N as the open files that they name. A pipe that no program reads is
+///    refused when it is opened.
 ///
 /// Errors: Cause::kUsage where the rule forbids it or the directory does not exist; Cause::kFailed
 /// where the system does not permit writing there. Reads an existing file that is a picture or page
@@ -91,7 +92,8 @@ inline constexpr OutputKind kMatOutput{.name = "a MATLAB file written by haptome
 /// where the system permits. Where rule 4 of CheckOutput holds, the bytes go straight there.
 class OutputFile {
  public:
-  /// Errors: as CheckOutput; Cause::kFailed where no part can be made.
+  /// Errors: as CheckOutput, and Cause::kUsage for a pipe that no program reads; Cause::kFailed
+  /// where no part can be made.
   [[nodiscard]] static Result<OutputFile> Begin(const std::string& path, const OutputKind& kind,
                                                 bool overwrite);
 

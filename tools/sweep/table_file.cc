@@ -26,6 +26,9 @@ constexpr MonotonicNs kSyncNs = kNsPerS;
 // whether the file ends within its header, of any command line: then no row was computed
 bool IsBegunOnly(const std::string& path, TableHeader header) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  // a pipe would be waited for
+  std::error_code none;
+  if (std::filesystem::is_other(path, none)) return false;
   // provenance differs from run to run and is ignored in the comparison
   header.provenance.clear();
   const std::string whole = header.Text();
@@ -231,7 +234,8 @@ TableFile::~TableFile() {
 }
 
 Result<TableFile> TableFile::Open(const std::string& path) {
-  TableFile file(path, open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  // O_RDWR: a pipe without a reader is not waited for
+  TableFile file(path, open(path.c_str(), O_RDWR | O_CLOEXEC));
   if (file.descriptor_ < 0) {
     return Usage(path, std::string("cannot be written: ") + std::strerror(errno), "name another");
   }

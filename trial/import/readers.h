@@ -48,7 +48,8 @@ namespace haptometer::trial {
 /// holds one trial, or columns at its root. A table is a dataset of one dimension (a column called
 /// as the dataset), of two (trial/import/number_table.h), a compound one whose fields are its
 /// columns, or a group's datasets of one dimension that have the greatest length. Objects of other
-/// kinds are passed over. libhdf5 is not made for hostile files, so an HDF5 file is trusted not to
+/// kinds are passed over. What lies in other files, and how much is read, trial/import/hdf5_file.h
+/// states. libhdf5 is not made for hostile files, so an HDF5 file is trusted not to
 /// be one; types, shapes and sizes are checked all the same.
 /// Errors (Cause::kCannotAnswer): no HDF5 file, nothing of these in it, several trials and no name
 /// (they are named), as ReadExportedTrial and ReadNumberTable. Memory: the record.
