@@ -314,6 +314,21 @@ TEST(ImpedanceFit, ASlipIsNamed) {
             220);
 }
 
+// 30 % off at the peak of a sweep with few points there: the fit runs through it, and its own
+// residual is small
+TEST(ImpedanceFit, AFitThatFollowsOnePointIsNotDetermined) {
+  std::vector<double> hertz;
+  for (int k = 0; k < 23; ++k) hertz.push_back(80 * std::pow(8, k / 22.0));
+  auto points = Points({hertz, 1e-3, 1e-3});
+  EXPECT_THAT(tests::DoubtsOf(Fit(points).findings), IsEmpty());
+  points[11].ohm *= 1.3;
+  const auto fit = Fit(points);
+  EXPECT_EQ(tests::NumberOf(fit.findings, FindingKind::kFollowsOnePoint, "frequency_hz"),
+            hertz[11]);
+  EXPECT_FALSE(fit.stiffness.determined);
+  EXPECT_FALSE(fit.damping_over_mass.determined);
+}
+
 TEST(ImpedanceFit, BadTablesAreRefusedOrThinned) {
   const auto refused = [](std::vector<ImpedancePoint> points) {
     return !FitImpedance(points, Masses(), CaseCondition::kHeld, "z.csv");
