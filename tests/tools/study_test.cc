@@ -172,8 +172,8 @@ TEST_F(StudyVerb, ATrialAtAnotherFrequencyIsADoubt) {
   static_cast<void>(Trial("s4_a.csv", 10, "", 255));
   const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
   EXPECT_THAT(outcome.out,
-              HasSubstr("s4_a.csv: the tone is at 255 Hz, and that of the other trials of the "
-                        "condition at 250 Hz"));
+              HasSubstr("s4_a.csv: the tone is at 255 Hz, and the median of the condition's "
+                        "trials is 250 Hz"));
   EXPECT_EQ(outcome.out.find("the tone is at"), outcome.out.rfind("the tone is at"));
 }
 

@@ -16,8 +16,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "the drive's frequency moves, so the RMS is that of a sweep[, {trials} of {of_trials} "
        "trials]"},
       {kOtherFrequency, "other-frequency",
-       "the tone is at {frequency_hz}, and that of the other trials of the condition at "
-       "{median_hz}: check the generator"},
+       "the tone is at {frequency_hz}, and the median of the condition's trials is {median_hz}: "
+       "check the generator"},
       {kDoubtful, "doubtful",
        "the analysis states a doubt ({doubt})[, {trials} of {of_trials} trials]; haptometer "
        "analyze prints it in full"},

@@ -50,6 +50,7 @@ struct StudyTrial {
   bool is_doubtful = false;             ///< its analysis or its file gives rise to a doubt
   bool below_band_removed = false;      ///< motion below the band was modelled and subtracted
   bool gain_corrected = false;          ///< the sensor's gain at the tone was divided out
+  std::optional<dsp::NoiseSource> noise_from;  ///< of the noise that was subtracted
 };
 
 /// Reads and analyses one file, as the verb analyze does. Nothing else of the study depends on what

@@ -36,7 +36,7 @@ std::vector<Case> Cases() {
       {kOtherFrequency,
        {{"frequency_hz", 230.0}, {"median_hz", 225.0}},
        "other-frequency",
-       "the tone is at 230 Hz, and that of the other trials of the condition at 225 Hz: check the "
+       "the tone is at 230 Hz, and the median of the condition's trials is 225 Hz: check the "
        "generator"},
       {kDoubtful,
        {{"doubt", std::string("drive-unsteady")}, {"trials", 2}, {"of_trials", 9}},
