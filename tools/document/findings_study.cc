@@ -54,6 +54,9 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "planned, and not possible yet: one of its conditions has no trial that is included"},
       {kSessionLogDamaged, "session-log-damaged",
        "{what}: a decision may be missing, as a rejection; restore log.csv from a copy"},
+      {kSessionTrialMissing, "session-trial-missing",
+       "its file is not there, and the session's log counts it: restore it from a copy, or record "
+       "the cell again by session redo --file"},
       {kAllExcluded, "all-excluded", "all {trials} trial{trials s} are excluded"},
       {kTooFewSubjects, "too-few-subjects",
        "not tested: {subjects} subject{subjects s}, 2 are needed"},

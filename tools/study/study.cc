@@ -162,6 +162,7 @@ Result<void> TakeSession(const StudyWords& wanted, Task& task) {
   // its own log is no table that somebody left there
   std::erase(task.study.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
   task.study.session_damage = session.DamageInWords();
+  task.study.session_missing = session.MissingTrials();
   task.study.scene = SceneOf(session.plan());
   const fs::path trials = fs::path(session.trials()).lexically_normal().parent_path();
   // each floor is read once, in the band of the trials

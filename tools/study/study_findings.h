@@ -33,6 +33,7 @@ enum class StudyFinding : std::uint8_t {
   kContrastNotYet,         ///< a condition of it has no trial yet
   kAllExcluded,            ///< trials
   kSessionLogDamaged,      ///< what: so the session may have forgotten attempts and decisions
+  kSessionTrialMissing,    ///< a trial that counts by the session's log is not there
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects

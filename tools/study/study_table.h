@@ -215,12 +215,13 @@ struct StudyResult {
   std::string source;  ///< folder or manifest
   dsp::BandQuestion question;
   StudyTable table;
-  std::vector<Error> changed{};          ///< TrialResults::ChangeErrors()
-  std::vector<std::string> ignored;      ///< tables of results that lie among the trials
-  std::string session_damage{};          ///< what of a session's log is damaged, in words
-  std::string scene{};                   ///< that the session's source plays; empty: none
-  bool planned = false;                  ///< the contrasts were asked for
-  std::vector<PlannedContrast> not_yet;  ///< of a condition of the plan that has no trial yet
+  std::vector<Error> changed{};                ///< TrialResults::ChangeErrors()
+  std::vector<std::string> ignored;            ///< tables of results that lie among the trials
+  std::string session_damage{};                ///< what of a session's log is damaged, in words
+  std::vector<std::string> session_missing{};  ///< trials that its log counts, and are not there
+  std::string scene{};                         ///< that the session's source plays; empty: none
+  bool planned = false;                        ///< the contrasts were asked for
+  std::vector<PlannedContrast> not_yet;        ///< of a condition of the plan that has no trial yet
   std::vector<Contrast> contrasts;
   std::vector<MissingTrials> missing;
   std::vector<Outlying> outlying;

@@ -104,6 +104,11 @@ std::vector<Case> Cases() {
        "session-log-damaged",
        "2 lines of log.csv cannot be read: a decision may be missing, as a rejection; restore "
        "log.csv from a copy"},
+      {kSessionTrialMissing,
+       {},
+       "session-trial-missing",
+       "its file is not there, and the session's log counts it: restore it from a copy, or record "
+       "the cell again by session redo --file"},
       {kAllExcluded, {{"trials", 3}}, "all-excluded", "all 3 trials are excluded"},
       {kTooFewSubjects,
        {{"subjects", 1}},
