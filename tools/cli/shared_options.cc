@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_reader.h"
+#include "trial/import/table/table_cells.h"
 
 namespace haptometer::cli {
 
@@ -201,11 +202,13 @@ Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::
   for (const std::string& word : words) {
     // the first '=' separates: a value may hold further ones
     const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0) {
+    const std::string_view key = trial::Trimmed(std::string_view(word).substr(0, equals));
+    if (equals == std::string::npos || key.empty()) {
       return Usage(std::string(option), fmt::format("'{}' is not KEY=VALUE", word),
                    fmt::format("write e.g. {}", example));
     }
-    const auto [place, is_new] = values.emplace(word.substr(0, equals), word.substr(equals + 1));
+    const auto [place, is_new] =
+        values.emplace(key, trial::Trimmed(std::string_view(word).substr(equals + 1)));
     if (!is_new) {
       return Usage(std::string(option), fmt::format("{} is given twice", place->first),
                    "give it once");
