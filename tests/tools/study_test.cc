@@ -436,6 +436,14 @@ TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
   EXPECT_TRUE(line["slope_m_per_v"].is_null());
 }
 
+TEST_F(StudyVerb, LinearitySaysWhichColumnIsInAnotherUnit) {
+  const Outcome outcome = Study({"linearity", Write("l.csv", "drive_v,rms_um\n1,2\n2,4\n3,6\n")});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("has no column rms_m; convert its column rms_um to the unit of "
+                        "rms_m, and call it that"));
+}
+
 TEST_F(StudyVerb, MatchingSaysWhichColumnIsMissing) {
   const Outcome outcome = Study(
       {"matching", Write("m.csv", "reference_v,condition,subject,matched,started\n1,a,b,1,low\n")});
