@@ -221,6 +221,12 @@ Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::
                fmt::format("write it like {}", row.example));
 }
 
+// "0,02": `rest` stands behind the 0, and the comma is the only one
+bool HasDecimalComma(std::string_view text, std::string_view rest) {
+  return rest.size() > 1 && rest[0] == ',' && rest[1] >= '0' && rest[1] <= '9' &&
+         std::ranges::count(text, ',') == 1;
+}
+
 }  // namespace
 
 PossibleMagnitudes PossibleMagnitudesOf(Dimension dimension) { return RowOf(dimension).possible; }
@@ -241,6 +247,12 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
   const auto number = LeadingNumber(text);
   if (!number) return NotANumber(raw, row, where);
   std::string_view rest = std::string_view(text).substr(number->length);
+  if (HasDecimalComma(text, rest)) {
+    std::string with_point = text;
+    with_point[with_point.find(',')] = '.';
+    return Usage(std::string(where), fmt::format("'{}' has a decimal comma", raw),
+                 fmt::format("write a point: {}", with_point));
+  }
   double uncertainty = 0;
 
   // 1.40(3)g: the bracket counts in units of the last digit

@@ -40,9 +40,9 @@ enum class FindingKind : std::uint8_t {
   kContactUnseen,     ///< share: of 0.5 ms
   kContactAtMost,     ///< longest_s, share
   kContactCorrected,  ///< shortest_s, longest_s, share
-  kKmByLoads,         ///< other_n_per_a, half_interval_n_per_a: by the height
-  kKmByHeight,        ///< other_n_per_a, half_interval_n_per_a: by the loads
-  kRobustLoss,        ///< bend
+  kKmByLoads,   ///< other_n_per_a, half_interval_n_per_a: by the height; normalized_error (above 1)
+  kKmByHeight,  ///< other_n_per_a, half_interval_n_per_a: by the loads; normalized_error (above 1)
+  kRobustLoss,  ///< bend
   // what is not determined
   kMassMissing,
   kMassesMissing,

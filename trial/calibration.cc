@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -226,6 +227,22 @@ ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
   return calibration;
 }
 
+// why a file calibrates none of the channels: an actuator's, or one of another channel
+Result<void> CheckKind(const TomlTable& table, const std::string& names) {
+  if (table.Has("moving_mass_kg")) {
+    return Usage(table.where(), "is an actuator, and no calibration",
+                 "give it in a scene, or as the actuator of a fit");
+  }
+  for (const ChannelRole role :
+       {ChannelRole::kDisplacement, ChannelRole::kVoltage, ChannelRole::kCurrent}) {
+    if (!table.Has(Name(role))) continue;
+    return Usage(table.where(),
+                 fmt::format("calibrates {}, which is none of the channels {}", Name(role), names),
+                 fmt::format("call the channel that it is for {}", Name(role)));
+  }
+  return {};
+}
+
 // only tables of the channels are read; Finish refuses all other keys
 Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelFormat> channels) {
   Calibration calibration;
@@ -241,6 +258,7 @@ Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelForm
     if (of_channel == nullptr) continue;
     calibration.channels[channel.name] = ReadChannel(*of_channel, channel.role);
   }
+  if (calibration.channels.empty()) HAPTOMETER_TRY(CheckKind(table, names));
   HAPTOMETER_TRY(table.Finish());
   if (calibration.channels.empty()) {
     return Usage(table.where(), "calibrates none of the channels " + names,
@@ -432,6 +450,13 @@ std::optional<ValueRange> CalibratedRangeOf(const Metadata& metadata, const std:
 Result<double> ParseGainUncertainty(std::string_view text, std::string_view where) {
   const bool is_percent = text.ends_with('%');
   if (is_percent) text.remove_suffix(1);
+  const auto is = [](int (*kind)(int), char c) { return kind(static_cast<unsigned char>(c)) != 0; };
+  // "2um": a number, and letters behind it
+  if (!text.empty() && is(std::isdigit, text.front()) && is(std::isalpha, text.back())) {
+    return Usage(std::string(where),
+                 fmt::format("'{}' has a unit, and is a share of the gain", text),
+                 "write a share, as 0.5% or 0.005");
+  }
   HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, where));
   const double relative = is_percent ? number.value / 100 : number.value;
   // a bare 0.5 is a forgotten %

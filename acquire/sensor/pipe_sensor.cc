@@ -52,15 +52,11 @@ Result<std::vector<Word>> ReadWords(std::string_view text) {
   }
 }
 
-// what a CSV's column of that name and unit is
-Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& unit) {
-  // the unit is read as from a CSV heading, "displacement_mm"; its first column is a time
-  const std::string cell = unit.empty() ? name : fmt::format("{}_{}", name, unit);
-  const auto columns = trial::ReadCsvColumns({"time_s", cell}, std::string(kOption));
-  if (columns && columns->back().kind == trial::CsvColumnKind::kValue) return columns->back();
-  const std::string said = unit.empty() ? name : fmt::format("{}:{}", name, unit);
-  return Usage(std::string(kOption), fmt::format("{} does not state its unit", said),
-               std::string(kExample));
+// SI unit of the role; "" where it has none
+std::string UnitOf(ChannelRole role) {
+  if (role == ChannelRole::kDisplacement) return "m";
+  if (role == ChannelRole::kVoltage) return "V";
+  return role == ChannelRole::kCurrent ? "A" : "";
 }
 
 // the role by which the name begins, for any unit
@@ -73,11 +69,40 @@ ChannelRole RoleOf(const std::string& name) {
   return ChannelRole::kOther;
 }
 
-// SI unit of the role; "" where it has none
-std::string UnitOf(ChannelRole role) {
-  if (role == ChannelRole::kDisplacement) return "m";
-  if (role == ChannelRole::kVoltage) return "V";
-  return role == ChannelRole::kCurrent ? "A" : "";
+// the quantity whose unit that is; nothing of none
+std::optional<ChannelRole> QuantityIn(const std::string& unit) {
+  for (const ChannelRole role :
+       {ChannelRole::kDisplacement, ChannelRole::kVoltage, ChannelRole::kCurrent}) {
+    const std::string cell = fmt::format("{}_{}", Name(role), unit);
+    if (trial::ReadCsvColumns({"time_s", cell}, std::string(kOption))) return role;
+  }
+  return std::nullopt;
+}
+
+// the error of a channel in the unit of another quantity, as of displacement:V
+std::unexpected<Error> InUnitOf(ChannelRole role, const std::string& name,
+                                const std::string& unit) {
+  const std::string_view of_unit = Name(role);
+  return Usage(std::string(kOption),
+               fmt::format("{} cannot be in {}, which is a unit of {}", name, unit, of_unit),
+               RoleOf(name) == ChannelRole::kDisplacement
+                   ? fmt::format("give its <calibration>; without one name it {}:{}, or {}:m where "
+                                 "it comes in metres",
+                                 of_unit, unit, name)
+                   : fmt::format("name it {}:{}", of_unit, unit));
+}
+
+// what a CSV's column of that name and unit is
+Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& unit) {
+  // the unit is read as from a CSV heading, "displacement_mm"; its first column is a time
+  const std::string cell = unit.empty() ? name : fmt::format("{}_{}", name, unit);
+  const auto columns = trial::ReadCsvColumns({"time_s", cell}, std::string(kOption));
+  if (columns && columns->back().kind == trial::CsvColumnKind::kValue) return columns->back();
+  if (const auto other = QuantityIn(unit); other && !unit.empty())
+    return InUnitOf(*other, name, unit);
+  const std::string said = unit.empty() ? name : fmt::format("{}:{}", name, unit);
+  return Usage(std::string(kOption), fmt::format("{} does not state its unit", said),
+               std::string(kExample));
 }
 
 bool IsQuantity(ChannelRole role) { return !UnitOf(role).empty(); }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "fit/calibration/calibration_fit.h"
 #include "fit/drop_test/drop_test_model.h"
 #include "fit/drop_test/drop_test_solution.h"
 
@@ -24,10 +25,19 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   const bool prefer_loads =
       loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
                                                       heights.combined_standard_uncertainty);
-  const auto note = [&findings](FindingKind kind, const FittedValue& other) {
-    findings.Note(kind,
-                  {{"other_n_per_a", other.value},
-                   {"half_interval_n_per_a", kCoverage95 * other.combined_standard_uncertainty}});
+  // two determined values that differ by more than both uncertainties explain contradict each other
+  const auto normalized_error =
+      heights.determined && loads.determined
+          ? NormalizedError(heights.value, heights.combined_standard_uncertainty, loads.value,
+                            loads.combined_standard_uncertainty)
+          : std::nullopt;
+  const bool is_contradicted = normalized_error && std::abs(*normalized_error) > 1;
+  const auto note = [&](FindingKind kind, const FittedValue& other) {
+    std::vector<FindingNumber> numbers{
+        {"other_n_per_a", other.value},
+        {"half_interval_n_per_a", kCoverage95 * other.combined_standard_uncertainty}};
+    if (is_contradicted) numbers.emplace_back("normalized_error", std::abs(*normalized_error));
+    findings.Add({is_contradicted ? Severity::kDoubt : Severity::kNote, kind, std::move(numbers)});
   };
   if (prefer_loads) {
     note(FindingKind::kKmByLoads, heights);

@@ -317,6 +317,10 @@ void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& sce
 
 Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   HAPTOMETER_LET(auto root, TomlTable::ParseText(text, where));
+  if (root.Has("moving_mass_kg")) {
+    return Usage(where, "is an actuator, and no scene",
+                 fmt::format("name it in a scene, in its table [actuator]: file = \"{}\"", where));
+  }
   TomlTable* actuator_table = root.Table("actuator");
   TomlTable* skin_table = root.Table("skin");
   TomlTable* drive_table = root.Table("drive");

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -192,6 +193,28 @@ def full_disk(folder, directory):
     check(set(os.listdir(directory)) == before, os.listdir(directory))
 
 
+def lost(folder, directory):
+    """A trial that is missing, or of which a part is damaged: named everywhere, and no longer counted."""
+    for kind, spoil in (("trial-missing", os.remove), ("trial-damaged", lambda path: os.truncate(path, 20_000)),
+                        ("trial-missing", lambda path: os.truncate(path, 50))):
+        copy, archive = f"{directory}/spoilt/day1", f"{directory}/spoilt/{kind}.zip"
+        shutil.copytree(folder, copy, symlinks=True)
+        before = json.loads(run("session", "status", copy, "--json").stdout)
+        name = next(one["file"] for one in before["attempts"] if one["verdict"] == "GOOD")
+        spoil(f"{copy}/trials/{name}")
+        after = json.loads(run("session", "status", copy, "--json").stdout)
+        check(after["good"] == before["good"] - 1 and after["done"] == before["done"] - 1, after)
+        check(after["trials_lost"] == 1, after)
+        said = run("session", "pack", copy, "-o", archive, "--json", status=3)
+        found = [(one["kind"], one["subject"]) for one in json.loads(said.stdout)["findings"] if one["severity"] == "doubt"]
+        check(found == [(kind, name)], found)
+        with zipfile.ZipFile(archive) as file:
+            check(name in file.read("study/report.html").decode(), "the packed report names it")
+        os.remove(archive)
+        check(f"doubt: {name}: " in run("session", "pack", copy, "-o", archive, status=3).stdout, "in the text too")
+        shutil.rmtree(f"{directory}/spoilt")
+
+
 def recording(directory):
     """A session in which a recording runs is refused."""
     folder = f"{directory}/day2"
@@ -224,6 +247,7 @@ def main():
         flipped(archive, directory)
         hostile(archive, names, directory)
         another_value(archive, directory)
+        lost(f"{directory}/moved", directory)
         full_disk(f"{directory}/moved", directory)
         recording(directory)
 

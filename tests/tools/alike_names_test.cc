@@ -30,5 +30,20 @@ TEST(LikenessOf, IsOfCaseBlanksAndOneLetter) {
   EXPECT_EQ(alike[1].likeness, kCaseOrBlanks);
 }
 
+TEST(StudyLabelLike, IsTheLabelThatWasMeant) {
+  for (const char* label : {"subjct", "Subject", "subjects", " subject"}) {
+    EXPECT_EQ(StudyLabelLike(label), "subject") << label;
+  }
+  EXPECT_EQ(StudyLabelLike("conditon"), "condition");
+  for (const char* label : {"subject", "condition", "repeat", "rig", "position", "object"}) {
+    EXPECT_EQ(StudyLabelLike(label), "") << label;
+  }
+  ::testing::internal::CaptureStderr();
+  RemarkOnLabels("acquire", {{"rig", "2"}, {"subjct", "3"}});
+  EXPECT_EQ(
+      ::testing::internal::GetCapturedStderr(),
+      "acquire: doubt: the label subjct is kept, and no study reads it: was subject meant?\n");
+}
+
 }  // namespace
 }  // namespace haptometer::tools

@@ -189,6 +189,27 @@ TEST_F(AnalyzeMistakes, ATrialNamesTheCalibrationThatItHolds) {
   EXPECT_THAT(outcome.err, HasSubstr("record again by acquire --calibration"));
 }
 
+TEST_F(AnalyzeMistakes, ATrialOfVoltsIsCalibratedAsATable) {
+  const std::string calibration = (directory_ / "c.toml").string();
+  std::ofstream(calibration) << "[displacement]\nscale_m_per_v = 1e-5\n";
+  std::ofstream samples(directory_ / "v.txt");
+  for (int k = 0; k < 8000; ++k) samples << fmt::format("{:.6f}\n", Sine(225, k / 4000.));
+  samples.close();
+  const std::string trial = (directory_ / "t.bin").string();
+  ASSERT_EQ(Captured(RunAcquire, "acquire",
+                     {"--sensor", "pipe", "--port", (directory_ / "v.txt").string(), "--format",
+                      "text", "--rate", "4kHz", "--channels", "voltage:V", "-o", trial})
+                .status,
+            0);
+  const Outcome refused = Analyze({trial, "--calibration", calibration});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("t.bin -o t.csv, and give t.csv with it"));
+  const std::string table = (directory_ / "t.csv").string();
+  ASSERT_EQ(Captured(RunTrial, "trial", {"export", trial, "-o", table}).status, 0);
+  EXPECT_THAT(Analyze({table, "--calibration", calibration, "--window", "all"}).out,
+              HasSubstr("amplitude of the tone  10 um"));
+}
+
 TEST_F(AnalyzeMistakes, AColumnNamedSensorKeepsTheUnitOfTheFile) {
   const std::string calibration = (directory_ / "c.toml").string();
   std::ofstream(calibration) << "[displacement]\nscale_m_per_v = 1e-3\ncalibrated_min_v = -5\n"

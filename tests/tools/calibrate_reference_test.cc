@@ -167,6 +167,34 @@ TEST(CalibrateReference, ATargetThatMovesIsNotAccepted) {
   }
 }
 
+TEST(CalibrateReference, AProgramThatEndedIsTold) {
+  ReferencePoints without;
+  without.input_ended = true;
+  const auto points = PointsOf(without, {}, 7);
+  ASSERT_FALSE(points);
+  EXPECT_THAT(points.error().Text(), HasSubstr("--input: its program ended after 0 of 7 points"));
+  // samples that end at once
+  struct Ended final : acquire::Transport {
+    acquire::ReadOutcome Read(std::span<char>, MonotonicNs) override {
+      return {acquire::ReadState::kGone, 0};
+    }
+    Result<void> Write(std::string_view, MonotonicNs) override { return {}; }
+    std::string Source() const override { return "none"; }
+    const std::string& name() const override { return name_; }
+    std::string name_ = "none";
+  } none;
+  ManualClock clock;
+  emulator::DlRs1aUnit unit(
+      {.baud = 38400, .head = {.head = trial::Il030(), .displacement = Stairs}});
+  acquire::KeyenceIl amplifier(std::make_unique<tests::DeviceTransport>(unit, clock),
+                               {.baud = 38400}, clock);
+  const std::atomic<bool> stop = false;
+  const auto found =
+      CollectPoints(amplifier, none, clock, stop, {}, [](WindowState, const ReferencePoints&) {});
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->input_ended);
+}
+
 TEST(CalibrateReference, TheErrorLevelIsNamedAndIsNoReading) {
   // beyond the measuring range of 10 mm
   const auto run = Measure([](double /*t_s*/) { return 11e-3; }, 3, {.timeout_s = 20});

@@ -120,6 +120,14 @@ void ExpectContradiction(const std::vector<std::string>& words, const std::strin
   const Outcome outcome = FitLra(with);
   EXPECT_EQ(outcome.status, 3) << outcome.out;
   EXPECT_THAT(outcome.out, ContainsRegex("not answered: .*" + what));
+  // above the constants too, and nothing is saved
+  EXPECT_THAT(outcome.out, ContainsRegex("^Constants of an actuator .*: not answered"));
+  const std::string saved = std::filesystem::path(words[1]).parent_path() / "refused.toml";
+  with.insert(with.end(), {"--save", saved});
+  const Outcome unsaved = FitLra(with);
+  EXPECT_EQ(unsaved.status, 3);
+  EXPECT_THAT(unsaved.err, HasSubstr("refused.toml: is not written"));
+  EXPECT_FALSE(std::filesystem::exists(saved));
 }
 
 TEST_F(FitLraRecords, ExchangedFilesAreNoticed) {

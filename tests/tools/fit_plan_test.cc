@@ -162,6 +162,8 @@ TEST(FitPlan, MistakesAreNamed) {
   refused(UsualPlan({kOpenFile}), kOpenFile);
   refused(UsualPlan({"--free"}), "--free");
   refused(UsualPlan({"--want", "km 2%"}), "km is none of Kv, Bv, Km");
+  refused(UsualPlan({"--want", "Km 2%, Kv 1%"}), "repeat the option: --want \"Km 2%\"");
+  refused(UsualPlan({"--want", "Km 2,5%"}), "has a decimal comma; write a point: 2.5");
   refused(UsualPlan({"--want", "Km 2"}), "Km 2 is not a percentage");
   refused(UsualPlan({"--want", "Km 0%"}), "not above 0 %");
   refused(UsualPlan({"--guess", "R 27"}), "R is none of Q, Bv, Km");

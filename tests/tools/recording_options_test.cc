@@ -153,7 +153,7 @@ Result<RecordingPlan> Plan(const RecordingOptions& wanted, const std::string& se
 }
 
 TEST(RecordingPlan, HoldsWhatWasAsked) {
-  const auto plan = Plan({.labels = {"subject=3", "note=a=b", "empty="},
+  const auto plan = Plan({.labels = {" subject = 3 ", "note=a=b", "empty="},
                           .samples = 500,
                           .duration_s = Quantity{.value = 1.5},
                           .trigger = "rising 0.1mm",
@@ -219,6 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         WrongPlan{{.labels = {"subject"}}, "stream", "'subject' is not KEY=VALUE"},
         WrongPlan{{.labels = {"=3"}}, "stream", "'=3' is not KEY=VALUE"},
+        WrongPlan{{.labels = {" = 3"}}, "stream", "' = 3' is not KEY=VALUE"},
         WrongPlan{{.duration_s = Quantity{.value = 0}}, "stream", "--duration: must be above 0"},
         WrongPlan{{.duration_s = Quantity{.value = -1}}, "stream", "--duration: must be above 0"},
         WrongPlan{{.duration_s = Quantity{.value = 1e10}}, "stream", "beyond 30 years"},

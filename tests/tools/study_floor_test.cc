@@ -58,6 +58,19 @@ class StudyFloor : public ::testing::Test {
     return path;
   }
 
+  // one second with the drive off, and two with it on
+  static void WriteWithSilence(const fs::path& path) {
+    std::ofstream file(path);
+    file.precision(12);
+    file << "# sampling_s = 0.0002\n# averages = 1\ntime_s,displacement_m\n";
+    for (int k = 0; k < 15'000; ++k) {
+      const double t_s = k / 5e3;
+      const double drive_m = t_s < 1 ? 0 : kTreatedM;
+      file << t_s << ',' << 1e-3 + 1e-8 * (k * 7919 % 101) + drive_m * std::sin(2 * kPi * 225 * t_s)
+           << '\n';
+    }
+  }
+
   [[nodiscard]] std::vector<std::string> Words(const std::vector<std::string>& more) const {
     std::vector<std::string> words{trials_, "--pattern", "s{subject}_{condition}"};
     words.insert(words.end(), more.begin(), more.end());
@@ -96,8 +109,29 @@ TEST_F(StudyFloor, IsSaidInTextAndMethodsWithWhatIsDoubtful) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("not corrected for noise")));
   std::ifstream file(methods);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_THAT(text, HasSubstr("The noise of a drive-off trial (0.707 um RMS in the band"));
+  EXPECT_THAT(text, HasSubstr("was the noise of a drive-off trial (0.707 um RMS in the band"));
   EXPECT_THAT(text, HasSubstr("Uncertainties exclude the sensor's calibration and linearity"));
+}
+
+TEST_F(StudyFloor, OfEachTrialIsNamedByItsSource) {
+  const fs::path methods = directory_ / "methods.md";
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--methods", methods, "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = Study(Words(words));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::ifstream file(methods);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  // the drive is on throughout: no trial has a quiet part
+  EXPECT_THAT(said({}), HasSubstr("Subtracted in mean square was the noise in the spectrum beside "
+                                  "the drive in 4 trials. "));
+  // one with a second of silence
+  WriteWithSilence(trials_ / "s2_b.csv");
+  EXPECT_THAT(said({}), HasSubstr("was the noise of the trial's own quiet part in 1 trial, and the "
+                                  "noise in the spectrum beside the drive in 3 trials. "));
+  const std::string floor = Write(directory_ / "off.csv", 1e-6, 0);
+  EXPECT_THAT(said({"--floor", floor}), HasSubstr(floor + ") in 4 trials. "));
 }
 
 TEST_F(StudyFloor, MayStandInTheManifestAndTheOptionBeatsIt) {

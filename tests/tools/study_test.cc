@@ -172,8 +172,8 @@ TEST_F(StudyVerb, ATrialAtAnotherFrequencyIsADoubt) {
   static_cast<void>(Trial("s4_a.csv", 10, "", 255));
   const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
   EXPECT_THAT(outcome.out,
-              HasSubstr("s4_a.csv: the tone is at 255 Hz, and that of the other trials of the "
-                        "condition at 250 Hz"));
+              HasSubstr("s4_a.csv: the tone is at 255 Hz, and the median of the condition's "
+                        "trials is 250 Hz"));
   EXPECT_EQ(outcome.out.find("the tone is at"), outcome.out.rfind("the tone is at"));
 }
 
@@ -434,6 +434,14 @@ TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
   const Json line = Json::parse(trials.out)["lines"].at(0);
   EXPECT_EQ(line["readings"], 1);
   EXPECT_TRUE(line["slope_m_per_v"].is_null());
+}
+
+TEST_F(StudyVerb, LinearitySaysWhichColumnIsInAnotherUnit) {
+  const Outcome outcome = Study({"linearity", Write("l.csv", "drive_v,rms_um\n1,2\n2,4\n3,6\n")});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("has no column rms_m; convert its column rms_um to the unit of "
+                        "rms_m, and call it that"));
 }
 
 TEST_F(StudyVerb, MatchingSaysWhichColumnIsMissing) {

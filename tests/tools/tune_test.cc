@@ -322,7 +322,7 @@ TEST(TuneVerb, NamesTheSceneThatItRead) {
 TEST(TuneVerb, SaysWhatItFindsInSentences) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{}, "note: springs and dampers are linear at any travel"},
-      {{}, "it is lost where less than 0.3478 N presses"},
+      {{}, "a preload of at least 0.3478 N"},
       {{}, "note: the skin follows the thesis's cube root of the contact's area"},
       {{kFixtures + "/lra_adapter.toml", "--skin", "scene"}, "note: the skin is the scene's"},
       {{"--latency", "25ms"}, "without the limit keeps to it, so that the upper bound is"},

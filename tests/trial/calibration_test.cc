@@ -63,6 +63,10 @@ TEST(ParseGainUncertainty, IsAShareOrPercent) {
   for (const char* text : {"", "%", "0", "-1%", "100%", "2", "nan", "0.5um"}) {
     EXPECT_FALSE(ParseGainUncertainty(text, "here")) << text;
   }
+  EXPECT_EQ(ParseGainUncertainty("2um", "here").error().Text(),
+            "here: '2um' has a unit, and is a share of the gain; write a share, as 0.5% or 0.005");
+  EXPECT_EQ(ParseGainUncertainty("0,02%", "here").error().Text(),
+            "here: '0,02' has a decimal comma; write a point: 0.02");
 }
 
 TEST(CalibrationFile, EveryKeyArrives) {
@@ -128,6 +132,8 @@ TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(ErrorOf("[displacment]\nscale_m_per_v = 1\n"),
               HasSubstr("key displacment is not known; did you mean displacement?"));
   EXPECT_THAT(ErrorOf("name = 'x'\n"), HasSubstr("calibrates none of the channels"));
+  EXPECT_THAT(ErrorOf("moving_mass_kg = 1.4e-3\n"),
+              HasSubstr("is an actuator, and no calibration"));
 }
 
 TEST(CalibrationFile, ATriggerHasNothingToBeCalibrated) {

@@ -28,6 +28,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/daemon/daemon.h"
 #include "tools/document/present.h"
+#include "tools/study/alike_names.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -267,6 +268,7 @@ Result<int> Answer(const AcquireOptions& wanted, int argc, const char* const* ar
   HAPTOMETER_TRY(CheckAcquire(wanted));
   HAPTOMETER_LET(const auto plan,
                  PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr)));
+  RemarkOnLabels(kVerb, plan.labels);
   HAPTOMETER_LET(const auto band, BandOf(wanted));
   // from here on Ctrl-C ends the recording, not the program: the trial is closed properly
   cli::CatchInterrupts();

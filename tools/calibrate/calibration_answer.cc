@@ -181,6 +181,13 @@ std::vector<fit::LinePoint> LineOf(const std::vector<StillPoint>& points,
 Result<CalibrationPoints> PointsOf(ReferencePoints found, const trial::Metadata& reference,
                                    std::size_t wanted) {
   constexpr std::size_t kLeastPoints = 3;
+  if (found.points.size() < kLeastPoints && found.input_ended) {
+    return CannotAnswer(
+        "--input",
+        fmt::format("its program ended after {} of {} points", found.points.size(), wanted),
+        "check that it can be started as written, and writes a line of volts for each sample until "
+        "it is stopped");
+  }
   if (found.points.size() < kLeastPoints) {
     const char* why = found.error_level > 0 ? "the output stood at +5.5 V, the amplifier's error "
                                               "level, which is no reading"

@@ -200,6 +200,7 @@ Result<ReferencePoints> CollectPoints(
     }
     tell(state, found);
   }
+  found.input_ended = input.has_ended() && found.points.size() < question.points && !stop.load();
   return found;
 }
 

@@ -59,6 +59,7 @@ struct ReferencePoints {
   std::size_t moving = 0;       ///< windows
   std::size_t error_level = 0;  ///< windows
   std::size_t at_rail = 0;      ///< windows
+  bool input_ended = false;     ///< before there were as many points as asked for
 };
 
 /// Collects points until there are as many as asked for, `stop` is set, the time is over or the

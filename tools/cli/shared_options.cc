@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <thread>
 
 #include "base/input_file.h"
 #include "base/mapped.h"
 #include "base/text.h"
 #include "trial/import/read_recording.h"
+#include "trial/import/table/table_cells.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::cli {
@@ -124,13 +126,28 @@ std::string OptionOfTables(const ImportWords& words) {
   return words.segment ? "--segment" : "";
 }
 
+// how a calibration can be used of a trial: where it has no displacement, of its voltage
+std::string CalibrationRemedy(const trial::TrialHeader& header, const std::string& file) {
+  const auto has = [&header](trial::ChannelRole role) {
+    return std::ranges::count(header.channels, role, &trial::ChannelFormat::role) > 0;
+  };
+  if (has(trial::ChannelRole::kDisplacement) || !has(trial::ChannelRole::kVoltage)) {
+    return "leave it out, or record again by acquire --calibration";
+  }
+  const std::string table = std::filesystem::path(file).replace_extension(".csv").filename();
+  return fmt::format("export its voltage by haptometer trial export {} -o {}, and give {} with it",
+                     Printable(file), Printable(table), Printable(table));
+}
+
 // refuses what no file would take
 Result<void> CheckTable(const ImportWords& words, std::span<const std::string> files) {
   const std::string option = OptionOfTables(words);
   if (option.empty() || files.empty() || std::ranges::any_of(files, trial::IsTable)) return {};
   // what the first one states in place of it
   std::string states = "its columns and units";
+  std::string remedy = "leave it out, or give its table (haptometer trial export)";
   if (const auto reader = trial::TrialReader::Open(files.front())) {
+    if (option == "--calibration") remedy = CalibrationRemedy(reader->header(), files.front());
     const auto& fields = reader->header().metadata.fields;
     if (const auto name = fields.find("calibration"); name != fields.end()) {
       states += fmt::format(", by the calibration {}", Printable(name->second));
@@ -141,9 +158,7 @@ Result<void> CheckTable(const ImportWords& words, std::span<const std::string> f
   return Usage(option,
                fmt::format("is for tables, and {} is a recording that states {}",
                            Printable(files.front()), states),
-               option == "--calibration"
-                   ? "leave it out, or record again by acquire --calibration"
-                   : "leave it out, or give its table (haptometer trial export)");
+               remedy);
 }
 
 }  // namespace
@@ -201,11 +216,13 @@ Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::
   for (const std::string& word : words) {
     // the first '=' separates: a value may hold further ones
     const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0) {
+    const std::string_view key = trial::Trimmed(std::string_view(word).substr(0, equals));
+    if (equals == std::string::npos || key.empty()) {
       return Usage(std::string(option), fmt::format("'{}' is not KEY=VALUE", word),
                    fmt::format("write e.g. {}", example));
     }
-    const auto [place, is_new] = values.emplace(word.substr(0, equals), word.substr(equals + 1));
+    const auto [place, is_new] =
+        values.emplace(key, trial::Trimmed(std::string_view(word).substr(equals + 1)));
     if (!is_new) {
       return Usage(std::string(option), fmt::format("{} is given twice", place->first),
                    "give it once");

@@ -39,9 +39,10 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "steps coarser than the motion; check its hold, its target and its range, and record again"},
       {kNoMeasurement, "no-measurement", "none of its readings is a measurement"},
       {kFarReadings, "far-readings",
-       "readings reach {farthest_m}, farther than any displacement sensor: is the column in mm, um "
-       "or V? Name it (--columns time_s,displacement_mm) or state what one printed unit is "
-       "(--scale 1mm)"},
+       "read as it is named, the column reaches {farthest_m}, farther than any displacement "
+       "sensor: "
+       "is it in mm, um or V? Name the unit that it is in (--columns), or state the length of one "
+       "printed unit (--scale)"},
       {kBeyondCalibrated, "beyond-calibrated",
        "{samples} of {readings} samples lie beyond the calibrated range, {least_m} to {most_m}, by "
        "{beyond_m} at most[, {widths} times its width: is the input in mV?], where the line was "
@@ -92,7 +93,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "computed from the first"},
       {kTimesInOtherUnit, "times-in-other-unit",
        "as {column}, the times would give {readings_per_s SI} readings/s over {duration_s}; if "
-       "that is right, name the column: --columns {column},displacement_m"},
+       "that is right, name the column of the times {column} (--columns), and the others as they "
+       "are named now"},
       {kPolledTimes, "polled-times",
        "the age of its readings is unknown, so that no tone of known frequency is fitted either"},
       {kTimesUnfitForTone, "times-unfit-for-tone",
@@ -211,8 +213,10 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kBelowFloor, "below-floor", "below the noise floor of {floor_m}: at most {at_most_m}"},
       // the numbers
       {kRmsTooLarge, "rms-too-large",
-       "{rms_m} RMS is more than any tactile actuator moves: is the column in another unit than it "
-       "states? Name it (--columns time_s,displacement_um) or give --scale 1um"},
+       "read as it is named, the column gives {rms_m} RMS, more than any tactile actuator moves: "
+       "is "
+       "it in another unit? Name the unit that it is in (--columns), or state the length of one "
+       "printed unit (--scale)"},
       {kRmsTooSmall, "rms-too-small",
        "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
        "than it states?"},

@@ -76,10 +76,14 @@ document::Sentence SentenceOf(FindingKind kind) {
       // which of the two evaluations of Km is used
       {kKmByLoads, "km-by-loads",
        "Km is determined from the loads' damping; from the drop height it would be "
-       "{other_n_per_a} +- {half_interval_n_per_a} (95 %)"},
+       "{other_n_per_a} +- {half_interval_n_per_a} (95 %)[, |E_n| = {normalized_error}: the two "
+       "contradict each "
+       "other; check the drop height, the rebound, the loads and the masses]"},
       {kKmByHeight, "km-by-height",
        "Km is determined from the drop height and the loads; from the loads alone it is "
-       "{other_n_per_a} +- {half_interval_n_per_a} (95 %)"},
+       "{other_n_per_a} +- {half_interval_n_per_a} (95 %)[, |E_n| = {normalized_error}: the two "
+       "contradict each "
+       "other; check the drop height, the rebound, the loads and the masses]"},
       {kRobustLoss, "robust-loss",
        "robust fit (Huber loss): beyond {bend} times the residuals' scale a sample has a "
        "constant influence"},

@@ -81,8 +81,8 @@ Sentence SentenceOf(sim::FindingKind kind) {
       {kLinearSprings, "linear",
        "springs and dampers are linear at any travel: compare the mover's travel with its stops"},
       {kContactKept, "contact-kept",
-       "contact is kept for any force: it is lost where less than {least_force_n} presses "
-       "actuator and skin together"},
+       "contact is assumed to be kept, as if actuator and skin were glued: a preload of at least "
+       "{least_force_n}, weight included, would keep it"},
       // --- the rise of the skin ---
       {kDriveVaries, "drive-varies",
        "rise and latency are not known: under {drive} no amplitude is steady"},

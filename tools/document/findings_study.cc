@@ -16,8 +16,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "the drive's frequency moves, so the RMS is that of a sweep[, {trials} of {of_trials} "
        "trials]"},
       {kOtherFrequency, "other-frequency",
-       "the tone is at {frequency_hz}, and that of the other trials of the condition at "
-       "{median_hz}: check the generator"},
+       "the tone is at {frequency_hz}, and the median of the condition's trials is {median_hz}: "
+       "check the generator"},
       {kDoubtful, "doubtful",
        "the analysis states a doubt ({doubt})[, {trials} of {of_trials} trials]; haptometer "
        "analyze prints it in full"},
@@ -54,6 +54,9 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "planned, and not possible yet: one of its conditions has no trial that is included"},
       {kSessionLogDamaged, "session-log-damaged",
        "{what}: a decision may be missing, as a rejection; restore log.csv from a copy"},
+      {kSessionTrialMissing, "session-trial-missing",
+       "its file is not there, and the session's log counts it: restore it from a copy, or record "
+       "the cell again by session redo --file"},
       {kAllExcluded, "all-excluded", "all {trials} trial{trials s} are excluded"},
       {kTooFewSubjects, "too-few-subjects",
        "not tested: {subjects} subject{subjects s}, 2 are needed"},

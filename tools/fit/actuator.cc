@@ -9,6 +9,7 @@
 
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
+#include "tools/fit/fit_document.h"
 
 namespace haptometer::tools {
 
@@ -266,6 +267,13 @@ void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figur
 Result<void> CheckFiles(const FitFiles& files) {
   if (files.save.empty()) return {};
   return cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite);
+}
+
+Result<StatedActuator> UnlessRefused(const document::Document& answer, const FitFiles& files,
+                                     Result<StatedActuator> actuator) {
+  if (!IsRefused(answer)) return actuator;
+  return CannotAnswer(files.save, "is not written, as these constants are not to be used",
+                      "correct what is not answered, and save then");
 }
 
 int SaveActuator(const FitFiles& files, const Result<StatedActuator>& actuator,

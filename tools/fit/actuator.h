@@ -89,6 +89,12 @@ void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figur
 [[nodiscard]] Result<sim::StatedActuator> FittedActuator(const fit::ImpedanceFit& fit,
                                                          const fit::ActuatorKnowns& knowns);
 
+/// `actuator`, or the error that stands in its place where a refusal is among the findings of
+/// `answer`: constants that are not to be used are not saved.
+[[nodiscard]] Result<sim::StatedActuator> UnlessRefused(const document::Document& answer,
+                                                        const FitFiles& files,
+                                                        Result<sim::StatedActuator> actuator);
+
 /// Writes it to `files.save`, where that is not empty, as a file for scenes, `simulate` and
 /// --actuator (sim/scene/actuator.h), behind a comment with the provenance; `argv` is the verb's.
 /// Returns the exit status, after an error is reported: those of `actuator`; as cli::OutputFile.

@@ -154,6 +154,15 @@ int PresentWithout(const std::vector<Error>& left_out, document::Document docume
   return cli::WorseStatus(status, document::Present(std::move(document), outputs, argc, argv));
 }
 
+bool IsRefused(const document::Document& document) {
+  return std::ranges::count(document.root.findings, Severity::kRefusal,
+                            &document::Finding::severity) > 0;
+}
+
+void MarkIfRefused(document::Document& document) {
+  if (IsRefused(document)) document.title += ": not answered, for the reasons at the end";
+}
+
 void NoteReading(const trial::Recording& recording, const std::string& path,
                  trial::Findings& findings, std::vector<DataSource>& sources) {
   // each kind of source once for all files

@@ -102,6 +102,12 @@ void RefuseUndetermined(document::Section& section, const ActuatorFit& fit,
       fmt::format("the natural frequency or the quality factor is not determined{}", remedy));
 }
 
+/// Whether a refusal is among the findings of the whole.
+[[nodiscard]] bool IsRefused(const document::Document& document);
+
+/// Adds ": not answered" to the title of a refused answer, above the constants that it still shows.
+void MarkIfRefused(document::Document& document);
+
 /// Adds where a recording's data come from to `sources`, each once, and what is lost of it or was
 /// assumed in reading it to `findings`, with the file as subject.
 void NoteReading(const trial::Recording& recording, const std::string& path,

@@ -146,6 +146,7 @@ Result<document::Document> Answer(const std::string& path, const ActuatorWords& 
   HAPTOMETER_LET(*fit, fit::FitImpedance(points, knowns, condition, path));
   document::Document document = ImpedanceDocument(path, *fit);
   RefuseUndetermined(document.root, *fit, words.required);
+  MarkIfRefused(document);
   if (!words.held && !words.is_free) {
     document.root.Find(
         Severity::kNote, "held-assumed",
@@ -182,10 +183,10 @@ int RunFitImpedance(int argc, const char* const* argv) {
       return PresentWithout({document.error()}, ImpedanceDocument(path, {}), false, outputs, argc,
                             argv);
     }
+    const auto actuator = UnlessRefused(*document, files, FittedActuator(fit, knowns));
     const int status = document::Present(*std::move(document), outputs, argc, argv);
     // the file last: the answer is shown even where it cannot be saved
-    return cli::WorseStatus(status,
-                            SaveActuator(files, FittedActuator(fit, knowns), kVerb, argc, argv));
+    return cli::WorseStatus(status, SaveActuator(files, actuator, kVerb, argc, argv));
   });
 }
 

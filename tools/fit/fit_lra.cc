@@ -334,6 +334,7 @@ document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures) 
   const auto& replaced = input.replaced.findings;
   root.findings.insert(root.findings.end(), replaced.begin(), replaced.end());
   document::AddFindings(root, input.reading);
+  if (answer.fit) MarkIfRefused(document);
   return document;
 }
 
@@ -445,13 +446,13 @@ int RunFitLra(int argc, const char* const* argv) {
     HAPTOMETER_TRY(CheckFiles(files));
     HAPTOMETER_LET(auto input, GatherFitLraInput(wanted));
     const FitLraAnswer answer = Answer(std::move(input), wanted);
-    const int status =
-        PresentWithout(answer.input.left_out, FitLraDocument(answer, outputs.HasFigures()),
-                       answer.fit.has_value(), outputs, argc, argv);
+    const document::Document document = FitLraDocument(answer, outputs.HasFigures());
+    const int status = PresentWithout(answer.input.left_out, document, answer.fit.has_value(),
+                                      outputs, argc, argv);
     if (!answer.fit) return status;
-    return cli::WorseStatus(
-        status,
-        SaveActuator(files, FittedActuator(*answer.fit, answer.input.knowns), kVerb, argc, argv));
+    auto actuator =
+        UnlessRefused(document, files, FittedActuator(*answer.fit, answer.input.knowns));
+    return cli::WorseStatus(status, SaveActuator(files, actuator, kVerb, argc, argv));
   });
 }
 

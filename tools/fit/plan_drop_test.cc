@@ -356,6 +356,10 @@ std::string_view SymbolOf(fit::Constant constant) {
 Result<fit::AccuracyWish> ParseWish(const std::string& word) {
   // a half width of 95 % is a relative standard uncertainty times the coverage factor
   const std::string example = "write --want \"Km 2%\"";
+  if (std::ranges::count(word, '%') > 1) {
+    return Usage("--want", fmt::format("'{}' states several at once", word),
+                 "repeat the option: --want \"Km 2%\" --want \"Kv 1%\"");
+  }
   auto [symbol, percent] = Split(word);
   while (percent.ends_with('%') || percent.ends_with(' ')) percent.pop_back();
   for (const auto constant :

@@ -186,7 +186,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StudyTrial, subject, condition, repeat, utc_s
                                    drive_v, sources, excluded, error, answered, reasons, findings,
                                    rms_m, rms_with_floor_m, rms_uncertainty_m, gain_uncertainty,
                                    tone_hz, numbers, is_of_drive, has_no_drive, is_doubtful,
-                                   below_band_removed, gain_corrected)
+                                   below_band_removed, gain_corrected, noise_from)
 
 namespace {
 
@@ -293,6 +293,7 @@ bool IsKnown(const std::optional<Error>& error) {
 
 bool IsKnown(const StudyTrial& trial) {
   return AreKnown(trial.sources) && IsKnown(trial.error) &&
+         trial.noise_from.value_or(dsp::NoiseSource::kFile) <= dsp::NoiseSource::kBeside &&
          std::ranges::all_of(trial.findings.list(), [](const FindingOf<StudyFinding>& found) {
            return found.kind <= StudyFinding::kCurvatureNotDetermined &&
                   found.severity <= Severity::kNote;

@@ -221,15 +221,14 @@ void DeclareRedo(cli::Options& options, Asked& asked) {
 }
 
 Result<Answer> ShowStatus(const Call& call) {
-  Answer answer{StatusDocument(call.verb, call.session)};
-  // counted apart: the log does not know what was done to a trial by hand
   const auto found = call.session.CompareWithLog();
+  Answer answer{StatusDocument(call.verb, call.session, found)};
+  // counted apart: the log does not know what was done to a trial by hand
   const auto excluded = std::ranges::count(found.list(), FolderFinding::kExcludedByUser,
                                            &FindingOf<FolderFinding>::kind);
   document::Section& root = answer.document.root;
   root.Add({"excluded_by_user", excluded > 0 ? "excluded by trial exclude" : ""},
            static_cast<std::size_t>(excluded));
-  document::AddFindings(root, found);
   return answer;
 }
 

@@ -101,8 +101,9 @@ Section RemarksSection(const Key& key, std::string_view text_name,
 
 }  // namespace
 
-document::Document StatusDocument(std::string_view verb, const SessionFolder& session) {
-  const SessionCounts counts = session.Counts();
+document::Document StatusDocument(std::string_view verb, const SessionFolder& session,
+                                  const Findings<FolderFinding>& found) {
+  const SessionCounts counts = session.CountsWithout(found);
   document::Document document{.verb = std::string(verb), .title = session.folder()};
   Section& root = document.root;
   root.Add({"", "done"}, fmt::format("{} of {} trials", counts.done, counts.planned));
@@ -124,6 +125,10 @@ document::Document StatusDocument(std::string_view verb, const SessionFolder& se
   add_if({"attempts_not_ended"}, "attempts that did not end", counts.interrupted - running);
   add_if({"attempts_outside_plan"}, "attempts outside the plan", counts.outside);
   add_if({"damaged_lines"}, "lines of the log that are damaged", session.state().damaged_lines);
+  const auto lost = static_cast<std::size_t>(
+      std::ranges::count_if(found.list(), IsOfLostTrial, &FindingOf<FolderFinding>::kind));
+  add_if({"trials_lost"}, "trials missing or damaged", lost);
+  document::AddFindings(root, found);
   root.sections.push_back(FloorsSection(counts));
   root.sections.push_back(AttemptsSection(session));
   root.sections.push_back(

@@ -12,9 +12,10 @@
 /// What the words of `session` answer with (docs/reference/session.md).
 namespace haptometer::tools {
 
-/// What is done, what comes next, and all attempts.
-[[nodiscard]] document::Document StatusDocument(std::string_view verb,
-                                                const SessionFolder& session);
+/// What is done, what comes next, and all attempts. `found`: of CompareWithLog(), where it was
+/// asked; trials that are missing or damaged do not count.
+[[nodiscard]] document::Document StatusDocument(std::string_view verb, const SessionFolder& session,
+                                                const Findings<FolderFinding>& found = {});
 
 /// The verdict on an attempt, and what comes next.
 [[nodiscard]] document::Document AttemptDocument(std::string_view verb,

@@ -169,11 +169,15 @@ Result<void> SessionFolder::Append(SessionLogLine line) {
   return ReadState();
 }
 
+bool SessionFolder::IsCounting(const SessionAttempt& attempt) const {
+  const SessionAttempt* latest = state_.Latest(attempt.cell);
+  return latest != nullptr && latest->file == attempt.file;
+}
+
 std::string SessionFolder::ExclusionOf(const SessionAttempt& attempt) const {
   if (attempt.cell.is_floor()) return std::string(kFloorReason);
   if (!attempt.verdict) return std::string(kInterruptedReason);
-  const SessionAttempt* latest = state_.Latest(attempt.cell);
-  const bool counts = latest != nullptr && latest->file == attempt.file;
+  const bool counts = IsCounting(attempt);
   const std::string later = counts ? "" : "a later attempt counts";
   if (*attempt.verdict != SessionVerdict::kBad) {
     return counts ? "" : std::string(kSessionReason) + later;
@@ -192,11 +196,16 @@ bool IsByHand(const std::string& exclusion) {
   return !exclusion.empty() && !exclusion.starts_with(kSessionReason);
 }
 
+// a trial for one question: no input
+Result<trial::OpenedRows> OpenTrial(const std::string& path) {
+  auto opened = trial::OpenRows(path);
+  ForgetInput(path);
+  return opened;
+}
+
 // what is written in a trial; nothing where it cannot be read
 std::optional<trial::Metadata> MetadataIn(const std::string& path) {
-  const auto opened = trial::OpenRows(path);
-  // for this question alone: no input
-  ForgetInput(path);
+  const auto opened = OpenTrial(path);
   if (!opened) return std::nullopt;
   return opened->rows->head().metadata;
 }
@@ -285,7 +294,11 @@ document::Sentence SentenceOf(FolderFinding kind) {
       {kOtherLabels, "labels-by-hand",
        "its {label} is '{in_trial}', and '{in_log}' in the log, which counts: set it back by trial "
        "label, or change both by session relabel"},
-      {kFileMissing, "trial-missing", "its file is not there, or cannot be read"},
+      {kFileMissing, "trial-missing",
+       "its file is not there, or cannot be read: restore it from a copy, or record the cell again "
+       "by session redo --file"},
+      {kFileDamaged, "trial-damaged",
+       "{what}: restore the file from a copy, or record the cell again by session redo --file"},
       {kUnknownFile, "file-unknown", "it is in the folder trials, and not in the log"},
       {kUnfinishedHeader, "header-unfinished",
        "what is left of an attempt that was killed before its header was written"},
@@ -296,13 +309,20 @@ document::Sentence SentenceOf(FolderFinding kind) {
 void SessionFolder::CompareTrial(const SessionAttempt& attempt,
                                  Findings<FolderFinding>& findings) const {
   using enum FolderFinding;
-  const auto metadata = MetadataIn(trials() + attempt.file);
-  if (!metadata) {
+  const auto opened = OpenTrial(trials() + attempt.file);
+  // what a later attempt has replaced is in no study
+  const Severity severity = IsCounting(attempt) ? Severity::kDoubt : Severity::kNote;
+  if (!opened) {
     if (attempt.reason.ends_with(kNoTrial)) return;
-    findings.Add({Severity::kDoubt, kFileMissing, {}, attempt.file});
+    findings.Add({severity, kFileMissing, {}, attempt.file});
     return;
   }
-  const std::string present = trial::ExclusionOf(*metadata).value_or("");
+  if (const auto& losses = opened->report.losses; !losses.empty()) {
+    const std::string what = document::WordsOf(trial::FindingOfLoss(losses.front()));
+    findings.Add({severity, kFileDamaged, {{"what", what}}, attempt.file});
+  }
+  const trial::Metadata& metadata = opened->rows->head().metadata;
+  const std::string present = trial::ExclusionOf(metadata).value_or("");
   const std::string wanted = ExclusionOf(attempt);
   const auto words = [](bool is_excluded) { return is_excluded ? "excluded" : "not excluded"; };
   if (IsByHand(present)) {
@@ -314,8 +334,8 @@ void SessionFolder::CompareTrial(const SessionAttempt& attempt,
                    {"in_log", std::string(words(!wanted.empty()))}},
                   attempt.file});
   }
-  for (const auto& [label, in_log] : WantedLabels(attempt.cell, *metadata)) {
-    const std::string in_trial = LabelIn(*metadata, label);
+  for (const auto& [label, in_log] : WantedLabels(attempt.cell, metadata)) {
+    const std::string in_trial = LabelIn(metadata, label);
     if (in_trial == in_log) continue;
     findings.Add({Severity::kDoubt,
                   kOtherLabels,
@@ -368,6 +388,35 @@ Findings<FolderFinding> SessionFolder::CompareWithLog() const {
   }
   FindStrangers(findings);
   return findings;
+}
+
+SessionCounts SessionFolder::CountsWithout(const Findings<FolderFinding>& found) const {
+  SessionCounts counts = Counts();
+  for (const FindingOf<FolderFinding>& finding : found.list()) {
+    const SessionAttempt* attempt = state_.Find(finding.subject);
+    const bool is_of_plan = attempt != nullptr && std::ranges::count(cells_, attempt->cell) > 0;
+    if (!IsOfLostTrial(finding.kind) || !is_of_plan || !IsCounting(*attempt)) continue;
+    const bool is_good = attempt->verdict == SessionVerdict::kGood;
+    if (attempt->cell.is_floor()) {
+      counts.floors_done -= static_cast<std::size_t>(is_good);
+      continue;
+    }
+    // a trial that is BAD is none of those that are done
+    if (attempt->verdict == SessionVerdict::kBad) continue;
+    --(is_good ? counts.good : counts.check);
+    --counts.done;
+  }
+  return counts;
+}
+
+std::vector<std::string> SessionFolder::MissingTrials() const {
+  std::vector<std::string> missing;
+  std::error_code error;
+  for (const SessionAttempt& attempt : state_.attempts) {
+    if (!ExclusionOf(attempt).empty() || fs::exists(trials() + attempt.file, error)) continue;
+    missing.push_back(attempt.file);
+  }
+  return missing;
 }
 
 }  // namespace haptometer::tools

@@ -23,12 +23,18 @@ enum class FolderFinding : std::uint8_t {
   kOtherExclusion,    ///< in_trial, in_log: whether it is excluded, in words
   kOtherLabels,       ///< label, in_trial, in_log: by `trial label`
   kFileMissing,       ///< a finished attempt has no file, or none that can be read
+  kFileDamaged,       ///< what: of the file of a finished attempt is lost
   kUnknownFile,       ///< in the folder trials, and not in the log
   kUnfinishedHeader,  ///< NAME.new: its attempt was killed before its header was written
 };
 
 /// The words of a kind.
 [[nodiscard]] document::Sentence SentenceOf(FolderFinding kind);
+
+/// Whether a trial is not there as it was recorded: kFileMissing and kFileDamaged.
+[[nodiscard]] inline bool IsOfLostTrial(FolderFinding kind) {
+  return kind == FolderFinding::kFileMissing || kind == FolderFinding::kFileDamaged;
+}
 
 /// The files of a session: session.toml (the plan), log.csv (the state) and the folder trials.
 ///
@@ -78,10 +84,18 @@ class SessionFolder {
   /// What is wrong with log.csv, in words; empty where nothing is.
   [[nodiscard]] std::string DamageInWords() const;
 
-  /// Where the folder differs from the log, in the order of the attempts. Cost: reads the trials.
+  /// Where the folder differs from the log, in the order of the attempts. A file that is missing or
+  /// damaged is a doubt where the attempt counts for its cell, else a note. Cost: reads the trials.
   [[nodiscard]] Findings<FolderFinding> CompareWithLog() const;
 
+  /// Counts() without the trials that `found`, of CompareWithLog(), names missing or damaged.
+  [[nodiscard]] SessionCounts CountsWithout(const Findings<FolderFinding>& found) const;
+
+  /// The trials that the log counts, GOOD or CHECK, and that are not in the folder.
+  [[nodiscard]] std::vector<std::string> MissingTrials() const;
+
  private:
+  [[nodiscard]] bool IsCounting(const SessionAttempt& attempt) const;
   [[nodiscard]] Result<void> SettleTrial(const SessionAttempt& attempt) const;
   void CompareTrial(const SessionAttempt& attempt, Findings<FolderFinding>& findings) const;
   void FindStrangers(Findings<FolderFinding>& findings) const;

@@ -17,6 +17,7 @@
 #include "base/clock.h"
 #include "base/input_file.h"
 #include "tools/cli/output_file.h"
+#include "tools/cli/terminal.h"
 #include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/document/render.h"
@@ -107,6 +108,17 @@ Result<std::vector<Packed>> FilesOf(const fs::path& folder, Section& root) {
   return files;
 }
 
+// trials that are not there as they were recorded; whether all are that count
+bool FindLost(const SessionFolder& session, Section& root) {
+  Findings<FolderFinding> lost;
+  for (const FindingOf<FolderFinding>& found : session.CompareWithLog().list()) {
+    if (IsOfLostTrial(found.kind)) lost.Add(found);
+  }
+  document::AddFindings(root, lost);
+  return std::ranges::count(lost.list(), Severity::kDoubt, &FindingOf<FolderFinding>::severity) ==
+         0;
+}
+
 // size and hashes of each; the log is locked by this process
 Result<void> HashAll(const fs::path& folder, std::vector<Packed>& files) {
   for (Packed& packed : files) {
@@ -194,8 +206,8 @@ Result<void> CheckTarget(const std::string& out, const fs::path& folder) {
   return cli::CheckOutput(out, kArchiveOutput, false);
 }
 
-Result<document::Document> Pack(const std::string& name, const std::string& out, int argc,
-                                const char* const* argv) {
+Result<int> Pack(const std::string& name, const std::string& out, const document::Outputs& outputs,
+                 int argc, const char* const* argv) {
   std::error_code error;
   const fs::path folder = fs::canonical(name, error);
   HAPTOMETER_TRY(CheckTarget(out, folder));
@@ -209,6 +221,7 @@ Result<document::Document> Pack(const std::string& name, const std::string& out,
     return Usage(folder, "has a name that an archive cannot hold on every system", "rename it");
   }
   root.Add(kSession, list.session);
+  const bool is_whole = FindLost(session, root);
   HAPTOMETER_LET(auto files, FilesOf(folder, root));
   HAPTOMETER_TRY(AddStudy(folder, argc, argv, files, root));
   HAPTOMETER_TRY(HashAll(folder, files));
@@ -225,7 +238,8 @@ Result<document::Document> Pack(const std::string& name, const std::string& out,
   // the inputs were read under names of another working folder
   ForgetInputs();
   NoteInput(session.plan_path());
-  return document;
+  const int status = document::Present(std::move(document), outputs, argc, argv);
+  return is_whole ? status : cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
 }
 
 // --- session verify ---
@@ -377,10 +391,7 @@ int RunSessionPack(int argc, const char* const* argv) {
   options.Positional("folder", &folder, "Folder of the session");
   options.Output("-o,--output", &out, "FILE.zip", "The new archive, beside the folder");
   return document::RunVerb(kSessionPackText.name, options, outputs, argc, argv,
-                           [&]() -> Result<int> {
-                             HAPTOMETER_LET(auto document, Pack(folder, out, argc, argv));
-                             return document::Present(std::move(document), outputs, argc, argv);
-                           });
+                           [&]() { return Pack(folder, out, outputs, argc, argv); });
 }
 
 int RunSessionVerify(int argc, const char* const* argv) {

@@ -43,7 +43,7 @@ void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
   // without the effect contact cannot break: the peak force is the least preload that keeps it
   if (!IsNamed(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
     const double peak_n =
-        solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n;
+        -(solved.steady ? solved.steady->skin_force_least_n : solved.tones->skin_force_least_n);
     of_sim.Note(sim::FindingKind::kContactKept, {{"least_force_n", peak_n}});
   }
   const double preload_n = solved.scene.mover_preload_n;
@@ -174,14 +174,20 @@ Section SteadySection(const SceneAnswer& solved) {
   return steady;
 }
 
-// preload and weight act on the contact; a least force below 0 N means that contact is lost
+// preload and weight act on the contact; a least force below 0 N means that contact is lost, where
+// it is not assumed to be kept
 Section ContactSection(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
   Section contact;
   Item& least = contact.Add({"contact_force_least_n", "least force on the skin", document::kNewton},
                             answer.numbers.contact_force_least_n);
-  least.note = "preload and weight included";
-  if (answer.numbers.contact_force_least_n.value_or(0) < 0) least.note += ": contact is lost";
+  const bool pulls = answer.numbers.contact_force_least_n.value_or(0) < 0;
+  if (IsNamed(solved, sim::Effect::kContactLoss)) {
+    least.note = "preload and weight included";
+    if (pulls) least.note += ": contact is lost";
+  } else {
+    least.note = pulls ? "pulled, as contact is assumed to be kept" : "weight included";
+  }
   contact.Add({"efficiency", "part of the power into the skin", document::kShare},
               answer.numbers.efficiency);
   const auto& tones = solved.tones;

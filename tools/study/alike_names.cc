@@ -1,8 +1,14 @@
 #include "tools/study/alike_names.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstddef>
+
+#include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::tools {
 namespace {
@@ -54,6 +60,25 @@ Likeness LikenessOf(std::string_view one, std::string_view other) {
   const bool is_longer = one.size() >= other.size();
   return DifferByOneLetter(is_longer ? one : other, is_longer ? other : one) ? Likeness::kOneLetter
                                                                              : Likeness::kNone;
+}
+
+std::string_view StudyLabelLike(std::string_view label) {
+  static constexpr std::array<std::string_view, 3> kLabels{"subject", "condition", "repeat"};
+  if (std::ranges::count(kLabels, label) > 0) return {};
+  const auto like = std::ranges::find_if(kLabels, [label](std::string_view known) {
+    return LikenessOf(label, known) != Likeness::kNone;
+  });
+  return like == kLabels.end() ? std::string_view() : *like;
+}
+
+void RemarkOnLabels(std::string_view verb, const std::map<std::string, std::string>& labels) {
+  for (const auto& [label, value] : labels) {
+    const std::string_view meant = StudyLabelLike(label);
+    if (meant.empty()) continue;
+    cli::Remark(verb,
+                fmt::format("doubt: the label {} is kept, and no study reads it: was {} meant?",
+                            Printable(label), meant));
+  }
 }
 
 std::vector<AlikeNames> NamesAlike(const std::vector<std::string>& names) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,14 @@ enum class Likeness : std::uint8_t {
 /// kOneLetter is of names of 3 characters at least, without regard to case. A digit is
 /// no letter ("s1", "s11"), nor is one that stands alone: "rig a", "rig b"; "padA", "padB".
 [[nodiscard]] Likeness LikenessOf(std::string_view one, std::string_view other);
+
+/// "subject" for "subjct" and "Subject": the label that a study sorts trials by (subject,
+/// condition, repeat) and that `label` may be meant for; empty where it is one of them, or like
+/// none.
+[[nodiscard]] std::string_view StudyLabelLike(std::string_view label);
+
+/// Remarks on each of `labels` that a study would not find, by what it is like.
+void RemarkOnLabels(std::string_view verb, const std::map<std::string, std::string>& labels);
 
 struct AlikeNames {
   std::string one;

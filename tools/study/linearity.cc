@@ -28,10 +28,13 @@ using document::Section;
 using document::TextOrNotKnown;
 using document::Value;
 
-// a CSV with drive and RMS, recognised by its header
+// a CSV with drives and without times, recognised by its header
 bool IsSweepTable(const std::string& path) {
   if (std::filesystem::path(path).extension() != ".csv") return false;
-  return ReadTextTable(path, {"drive_v", "rms_m"}).has_value();
+  const auto table = ReadTextTable(path, {"drive_v"});
+  return table && std::ranges::none_of(table->columns, [](const auto& column) {
+           return column.first.starts_with("time");
+         });
 }
 
 Result<void> TakeTable(const std::string& path, DriveReadings& taken) {

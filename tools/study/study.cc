@@ -134,7 +134,7 @@ Result<void> FindFiles(const StudyWords& wanted, Task& task) {
   return {};
 }
 
-// path of the drive-off trial; empty: each trial's own quiet part is its floor
+// path of the drive-off trial; empty: each trial has its own floor
 std::string FloorPath(const StudyWords& wanted, const Manifest& manifest) {
   if (!wanted.floor.empty()) return wanted.floor;
   if (manifest.floor.empty()) return {};
@@ -162,6 +162,7 @@ Result<void> TakeSession(const StudyWords& wanted, Task& task) {
   // its own log is no table that somebody left there
   std::erase(task.study.ignored, Printable((fs::path(wanted.source) / "log.csv").string()));
   task.study.session_damage = session.DamageInWords();
+  task.study.session_missing = session.MissingTrials();
   task.study.scene = SceneOf(session.plan());
   const fs::path trials = fs::path(session.trials()).lexically_normal().parent_path();
   // each floor is read once, in the band of the trials
@@ -418,7 +419,8 @@ void DeclareStudy(cli::Options& options, StudyWords& words) {
   options
       .Text("--floor", &words.floor, "FILE.bin|csv|h5|lvm",
             "Drive-off trial whose noise in the band is subtracted (mean square)")
-      .Default("the manifest's, else each trial's own quiet part");
+      .Default(
+          "the manifest's, else each trial's own quiet part, else its spectrum beside the drive");
   cli::DeclareImport(&options, &words.import);
 }
 

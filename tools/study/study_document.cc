@@ -62,6 +62,9 @@ StudyFindings FindingsOf(const StudyResult& study) {
   if (!study.session_damage.empty()) {
     findings.Doubt(StudyFinding::kSessionLogDamaged, {{"what", study.session_damage}});
   }
+  for (const std::string& file : study.session_missing) {
+    findings.Add({Severity::kDoubt, StudyFinding::kSessionTrialMissing, {}, file});
+  }
   // contrasts chosen by the program weaken the tests: every condition against the first
   if (!study.planned && !study.contrasts.empty()) {
     findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});

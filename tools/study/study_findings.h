@@ -15,7 +15,7 @@ enum class StudyFinding : std::uint8_t {
   kBelowNoise,         ///< noise_m, at_most_m
   kOrderLowered,       ///< order
   kFrequencyMoves,     ///< its RMS is that of a sweep
-  kOtherFrequency,     ///< frequency_hz, median_hz: of the other trials of its condition
+  kOtherFrequency,     ///< frequency_hz, median_hz: of the trials of its condition
   kDoubtful,           ///< doubt: name of a doubt of its analysis
   kNoNoiseCorrection,  ///< neither a floor nor a quiet part
   kFloorDoubtful,      ///< doubt
@@ -33,6 +33,7 @@ enum class StudyFinding : std::uint8_t {
   kContrastNotYet,         ///< a condition of it has no trial yet
   kAllExcluded,            ///< trials
   kSessionLogDamaged,      ///< what: so the session may have forgotten attempts and decisions
+  kSessionTrialMissing,    ///< a trial that counts by the session's log is not there
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects

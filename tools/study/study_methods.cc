@@ -69,23 +69,35 @@ std::string WindowText(const StudyResult& study, std::size_t all) {
       window);
 }
 
+// the drive-off trial of the whole study, or those of the subjects
+std::string FloorText(const std::optional<dsp::NoiseFloor>& floor) {
+  if (!floor) return "the noise of a drive-off trial of the subject";
+  return fmt::format("the noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, {})",
+                     std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->file);
+}
+
+// which noise was subtracted, each source with its number of trials
+std::string NoiseText(const StudyResult& study) {
+  using enum dsp::NoiseSource;
+  std::vector<std::string> sources;
+  for (const auto& [from, noise] : {std::pair(kFile, FloorText(study.question.floor)),
+                                    {kQuiet, "the noise of the trial's own quiet part"},
+                                    {kBeside, "the noise in the spectrum beside the drive"}}) {
+    const std::size_t trials =
+        study.CountAnswered([from](const StudyTrial& trial) { return trial.noise_from == from; });
+    if (trials == 0) continue;
+    sources.push_back(fmt::format("{} in {}", noise, Counted(trials, "trial")));
+  }
+  if (sources.empty()) return "No noise was subtracted. ";
+  return fmt::format("Subtracted in mean square was {}. ", fmt::join(sources, ", and "));
+}
+
 // subtraction of the noise, gain of the sensor, and what uncertainties exclude
 std::string CorrectionsText(const StudyResult& study) {
-  const auto& floor = study.question.floor;
-  const std::size_t noise = study.CountAnswered([](const StudyTrial& trial) {
-    return !trial.findings.Has(StudyFinding::kNoNoiseCorrection);
-  });
   return fmt::format(
-      "{} was subtracted in mean square in {}. The sensor's gain at the tone was corrected for in "
-      "{}. Uncertainties{} exclude the sensor's calibration and linearity. ",
-      floor
-          ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
-                        "{})",
-                        std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->file)
-      : study.CountAnswered([](const StudyTrial& trial) { return trial.floor != nullptr; }) > 0
-          ? "The noise of a drive-off trial of the subject, or else of the trial's own quiet part,"
-          : "The noise of the trial's own quiet part",
-      Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"),
+      "{}The sensor's gain at the tone was corrected for in {}. Uncertainties{} exclude the "
+      "sensor's calibration and linearity. ",
+      NoiseText(study), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"),
       study.CountAnswered(
           [](const StudyTrial& trial) { return trial.gain_uncertainty.has_value(); }) > 0
           ? " of means, differences and ratios"

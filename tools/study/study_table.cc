@@ -239,6 +239,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   trial.is_of_drive = numbers.part.from_drive;
   trial.below_band_removed = numbers.below_band && numbers.below_band->modelled;
   trial.gain_corrected = numbers.sensor.divided_out;
+  if (numbers.floor) trial.noise_from = numbers.floor->from;
   FindDeviations(analysis, question, trial.findings);
 }
 

@@ -50,6 +50,7 @@ struct StudyTrial {
   bool is_doubtful = false;             ///< its analysis or its file gives rise to a doubt
   bool below_band_removed = false;      ///< motion below the band was modelled and subtracted
   bool gain_corrected = false;          ///< the sensor's gain at the tone was divided out
+  std::optional<dsp::NoiseSource> noise_from;  ///< of the noise that was subtracted
 };
 
 /// Reads and analyses one file, as the verb analyze does. Nothing else of the study depends on what
@@ -214,12 +215,13 @@ struct StudyResult {
   std::string source;  ///< folder or manifest
   dsp::BandQuestion question;
   StudyTable table;
-  std::vector<Error> changed{};          ///< TrialResults::ChangeErrors()
-  std::vector<std::string> ignored;      ///< tables of results that lie among the trials
-  std::string session_damage{};          ///< what of a session's log is damaged, in words
-  std::string scene{};                   ///< that the session's source plays; empty: none
-  bool planned = false;                  ///< the contrasts were asked for
-  std::vector<PlannedContrast> not_yet;  ///< of a condition of the plan that has no trial yet
+  std::vector<Error> changed{};                ///< TrialResults::ChangeErrors()
+  std::vector<std::string> ignored;            ///< tables of results that lie among the trials
+  std::string session_damage{};                ///< what of a session's log is damaged, in words
+  std::vector<std::string> session_missing{};  ///< trials that its log counts, and are not there
+  std::string scene{};                         ///< that the session's source plays; empty: none
+  bool planned = false;                        ///< the contrasts were asked for
+  std::vector<PlannedContrast> not_yet;        ///< of a condition of the plan that has no trial yet
   std::vector<Contrast> contrasts;
   std::vector<MissingTrials> missing;
   std::vector<Outlying> outlying;

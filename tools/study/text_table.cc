@@ -61,6 +61,13 @@ Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>
   for (const std::string& column : required) {
     if (table.columns.contains(column)) continue;
     const std::string nearest = Nearest(column, names);
+    // the same quantity: rms_um for rms_m
+    if (nearest.contains('_') &&
+        nearest.substr(0, nearest.rfind('_')) == column.substr(0, column.rfind('_'))) {
+      return CannotAnswer(table.name, fmt::format("has no column {}", column),
+                          fmt::format("convert its column {} to the unit of {}, and call it that",
+                                      nearest, column));
+    }
     return CannotAnswer(table.name, fmt::format("has no column {}", column),
                         nearest.empty()
                             ? fmt::format("its header needs {}", fmt::join(required, ","))

@@ -13,6 +13,7 @@
 #include "tools/cli/verb_words.h"
 #include "tools/document/present.h"
 #include "tools/session/session_folder.h"
+#include "tools/study/alike_names.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_writer.h"
@@ -93,6 +94,7 @@ Result<void> Label(const std::string& path, const std::vector<std::string>& word
     return Usage("labels", "are missing", "write them behind the file, for example subject=3");
   }
   HAPTOMETER_LET(auto labels, cli::ReadKeyValues(words, "label", "subject=3"));
+  RemarkOnLabels(kLabelText.name, labels);
   const trial::Event event{
       .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(labels)};
   return Append(path, event,

@@ -77,13 +77,24 @@ TEST(PipeChannels, AreNamedLikeTheColumnsOfACsv) {
 
 TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
   EXPECT_THAT(ErrorOf("displacement"), HasSubstr("displacement does not state its unit"));
-  EXPECT_THAT(ErrorOf("displacement:V"), HasSubstr("displacement:V does not state its unit"));
+  EXPECT_THAT(ErrorOf("displacement:V"),
+              HasSubstr("displacement cannot be in V, which is a unit of voltage; give its "
+                        "<calibration>; without one name it voltage:V, or displacement:m where"));
+  EXPECT_THAT(ErrorOf("voltage:um"), HasSubstr("name it displacement:um"));
+  EXPECT_THAT(ErrorOf("displacement:furlong"), HasSubstr("furlong does not state its unit"));
   EXPECT_THAT(ErrorOf("time:s,voltage:V"), HasSubstr("time:s"));
   EXPECT_THAT(ErrorOf("status,voltage:V"), HasSubstr("status"));
   EXPECT_THAT(ErrorOf("voltage:V,voltage:V"), HasSubstr("call the second one voltage_2"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("names no channel"));
   EXPECT_THAT(ErrorOf("voltage:V,"), HasSubstr("names no channel"));
   EXPECT_THAT(ErrorOf("voltage:"), HasSubstr("names no channel"));
+}
+
+TEST(PipeChannels, AChannelThatTheCalibrationDoesNotKnowIsTheOneThatIsMisspelt) {
+  const CalibrationFile file("[displacement]\nscale_m_per_v = 1e-3\n");
+  EXPECT_THAT(ErrorOf("dispalcement:V", SampleFormat::kF64, file.path()),
+              HasSubstr("calibrates displacement, which is none of the channels dispalcement; call "
+                        "the channel that it is for displacement"));
 }
 
 TEST(PipeChannels, TheCalibrationStatesTheAveraging) {

@@ -49,7 +49,7 @@ TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {
 TEST(RecordDoubts, ASourceSlowerThanTheRecordIsTold) {
   for (const std::size_t times : {1U, 3U, 4U}) {
     std::vector<double> fresh =
-        Samples(kRateHz / static_cast<double>(times), kRows, 0, {{20e-6, 300.3}});
+        Samples(kRateHz / static_cast<double>(times), 3 * kRows, 0, {{20e-6, 300.3}});
     Noise noise(1);
     for (double& x : fresh) x += 2e-8 * noise();
     std::vector<double> values(3 * kRows);

@@ -215,6 +215,22 @@ TEST(DropTestFit, AnUnstatedReboundIsCarriedAsUncertainty) {
   EXPECT_TRUE(pair.findings.Has(FindingKind::kKmByLoads));
 }
 
+TEST(DropTestFit, TwoValuesOfKmThatContradictEachOtherAreADoubt) {
+  const SyntheticDrop drop = WithoutQuiet();
+  const auto severity_at = [&](double height_m) {
+    auto record = MakeRecordWithHeight(drop);
+    record.drop_height_m = Quantity{height_m, 0.05 * height_m};
+    const auto fit = Fit({record, MakeRecord(Loaded(33))});
+    const auto& list = fit.findings.list();
+    const auto found = std::ranges::find(list, FindingKind::kKmByLoads, &Finding::kind);
+    EXPECT_NE(found, list.end());
+    return found->severity;
+  };
+  EXPECT_EQ(severity_at(0.0102), Severity::kNote);
+  // ten times the height: Km by it is sqrt(10) times too small
+  EXPECT_EQ(severity_at(0.1), Severity::kDoubt);
+}
+
 TEST(DropTestFit, InputsPropagateLikeTheClosedForms) {
   auto knowns = ThesisKnowns();
   knowns.moving_mass_kg = Quantity{1.4e-3, 0.05e-3 / std::sqrt(3.0)};

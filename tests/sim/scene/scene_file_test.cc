@@ -47,6 +47,13 @@ TEST(SceneFixtures, GiveTheThreeBars) {
   EXPECT_EQ(rms_m("lra_direct.toml"), SolveSteadyState(tests::DirectScene()).skin_rms_m);
 }
 
+TEST(SceneFile, AnActuatorIsNamedAsWhatItIs) {
+  EXPECT_EQ(
+      ErrorOf("moving_mass_kg = '1.4 g'\ncase_mass_kg = '0.6 g'\n"),
+      "scene.toml: is an actuator, and no scene; name it in a scene, in its table [actuator]: "
+      "file = \"scene.toml\"");
+}
+
 TEST(SceneFile, TakesNumbersAndTextsWithUnits) {
   const Scene scene =
       Read(kActuator + "[skin]\nstiffness_n_per_m = '0.6 N/mm'\n" + "damping_n_s_per_m = 0.75\n" +

@@ -83,8 +83,9 @@ const std::vector<Case> kCases{
     {kFarReadings,
      {{"farthest_m", 30.0}},
      "far-readings",
-     "readings reach 30 m, farther than any displacement sensor: is the column in mm, um or V? "
-     "Name it (--columns time_s,displacement_mm) or state what one printed unit is (--scale 1mm)"},
+     "read as it is named, the column reaches 30 m, farther than any displacement sensor: is it in "
+     "mm, um or V? Name the unit that it is in (--columns), or state the length of one printed "
+     "unit (--scale)"},
     {kBeyondCalibrated,
      {{"samples", 12},
       {"readings", 400},
@@ -166,7 +167,7 @@ const std::vector<Case> kCases{
      {{"column", "time_ms"s}, {"readings_per_s", 10000.0}, {"duration_s", 2.0}},
      "times-in-other-unit",
      "as time_ms, the times would give 10000 readings/s over 2 s; if that is right, name the "
-     "column: --columns time_ms,displacement_m"},
+     "column of the times time_ms (--columns), and the others as they are named now"},
     {kPolledTimes,
      {},
      "polled-times",
@@ -356,8 +357,9 @@ const std::vector<Case> kCases{
     {kRmsTooLarge,
      {{"rms_m", 0.014}},
      "rms-too-large",
-     "14 mm RMS is more than any tactile actuator moves: is the column in another unit than it "
-     "states? Name it (--columns time_s,displacement_um) or give --scale 1um"},
+     "read as it is named, the column gives 14 mm RMS, more than any tactile actuator moves: is it "
+     "in another unit? Name the unit that it is in (--columns), or state the length of one printed "
+     "unit (--scale)"},
     {kRmsTooSmall,
      {{"rms_m", 1.4e-11}},
      "rms-too-small",

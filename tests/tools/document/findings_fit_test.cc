@@ -383,6 +383,15 @@ TEST(FitFindings, EachKindHasItsNameAndItsSentence) {
   EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kManyImpacts) + 1) << "all kinds";
 }
 
+TEST(FitFindings, ValuesOfKmThatContradictEachOtherStateByHowMuch) {
+  const std::vector<FindingNumber> numbers{
+      {"other_n_per_a", 0.25}, {"half_interval_n_per_a", 0.01}, {"normalized_error", 3.5}};
+  for (const FindingKind kind : {kKmByLoads, kKmByHeight}) {
+    EXPECT_THAT(Said({kind, "", numbers, ""}),
+                HasSubstr("(95 %), |E_n| = 3.5: the two contradict each other; check the drop"));
+  }
+}
+
 TEST(FitFindings, NumbersStandInTheUnitsThatPeopleSay) {
   EXPECT_THAT(Said({kKmTimesSpeedOnly, "", {{"product_v", 0.442}}, ""}),
               HasSubstr("Km x impact speed = 442 mV"));

@@ -142,8 +142,8 @@ std::vector<Said> Sentences() {
       {kContactKept,
        {{"least_force_n", 0.34489}},
        "contact-kept",
-       "contact is kept for any force: it is lost where less than 0.3449 N presses actuator and "
-       "skin together"},
+       "contact is assumed to be kept, as if actuator and skin were glued: a preload of at least "
+       "0.3449 N, weight included, would keep it"},
       {kDriveVaries,
        {{"drive", std::string("a chirp")}},
        "drive-varies",

@@ -36,7 +36,7 @@ std::vector<Case> Cases() {
       {kOtherFrequency,
        {{"frequency_hz", 230.0}, {"median_hz", 225.0}},
        "other-frequency",
-       "the tone is at 230 Hz, and that of the other trials of the condition at 225 Hz: check the "
+       "the tone is at 230 Hz, and the median of the condition's trials is 225 Hz: check the "
        "generator"},
       {kDoubtful,
        {{"doubt", std::string("drive-unsteady")}, {"trials", 2}, {"of_trials", 9}},
@@ -104,6 +104,11 @@ std::vector<Case> Cases() {
        "session-log-damaged",
        "2 lines of log.csv cannot be read: a decision may be missing, as a rejection; restore "
        "log.csv from a copy"},
+      {kSessionTrialMissing,
+       {},
+       "session-trial-missing",
+       "its file is not there, and the session's log counts it: restore it from a copy, or record "
+       "the cell again by session redo --file"},
       {kAllExcluded, {{"trials", 3}}, "all-excluded", "all 3 trials are excluded"},
       {kTooFewSubjects,
        {{"subjects", 1}},

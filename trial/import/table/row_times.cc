@@ -138,6 +138,17 @@ class TimeSetter {
 
  private:
   std::unexpected<Error> WhichSegment(const std::vector<Segment>& segments) const {
+    // no oscilloscope writes segments of so few rows
+    constexpr std::size_t kFewRows = 10;
+    if (segments.size() > kFewRows &&
+        segments.back().first_row + segments.back().rows < kFewRows * segments.size()) {
+      return CannotAnswer(
+          name_,
+          fmt::format("its times go back in {} places, the first in line {}: the column is no "
+                      "time, or the rows are out of order",
+                      segments.size() - 1, segments[1].line),
+          "name the columns in the order of the file (<columns>): are two exchanged?");
+    }
     return CannotAnswer(
         name_,
         fmt::format("its times begin again at line {}: either {} segments, whose times are not "

@@ -290,6 +290,14 @@ TEST(ForeignTable, ARateThatIsSaidReplacesTheHeadersWhereThereAreNoTimes) {
             "rate_hz=500 stated_hz=1000 stated_by=Sample Interval");
 }
 
+TEST(ForeignTable, TimesThatGoBackEverywhereAreNone) {
+  std::string text;
+  for (int k = 0; k < 100; ++k) text += fmt::format("{},{}\n", k * 7 % 10, k);
+  EXPECT_THAT(ErrorOf(text, {.columns = {"time_s", "displacement_mm"}}),
+              HasSubstr("the column is no time, or the rows are out of order; name "
+                        "the columns in the order of the file (<columns>)"));
+}
+
 TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
   const std::string text = "Time (s),CH1 (V)\n0,1\n1,2\n2,3\n0,4\n1,5\n2,6\n";
   EXPECT_EQ(ErrorOf(text),
