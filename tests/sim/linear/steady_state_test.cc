@@ -263,7 +263,7 @@ TEST(SteadyTones, AreWhatIsPlayed) {
     EXPECT_REL(tones.mover_peak_m, run.mover_peak_of_run_m, 1e-9, "quintics of either");
     EXPECT_REL(tones.skin_force_least_n, run.skin_force_least_n, 1e-9, "quintics of either");
     Scene turned = scene;
-    for (Tone& tone : turned.drive.tones) tone.amplitude_v *= -1;
+    for (Tone& tone : turned.drive.tones) tone.amplitude *= -1;
     const double most_n = -SolveSteadyTones(turned).skin_force_least_n;
     EXPECT_REL(std::max(most_n, -tones.skin_force_least_n), tones.skin_force_peak_n, 1e-13,
                "rounding");
