@@ -88,7 +88,7 @@ TEST(Clipping, CommensurateRoundedTonesAreNot) {
       for (double& x : values) x = std::round((x + 1e-8 * noise()) / 1e-7) * 1e-7;
       EXPECT_EQ(FindClipping(values, 5000, tone_hz).verdict, kNone) << tone_hz << " " << seed;
       values = Samples(5000, 12'500, 0, {{20e-6, tone_hz, 0.3 * static_cast<double>(seed)}});
-      for (double& x : values) x = static_cast<float>(x);
+      for (double& x : values) x = static_cast<double>(static_cast<float>(x));
       EXPECT_EQ(FindClipping(values, 5000, tone_hz).verdict, kNone) << tone_hz << " " << seed;
     }
   }
