@@ -186,12 +186,27 @@ std::optional<Solved> Without(std::size_t n, const Solved& solved) {
   return rest;
 }
 
+// what one point may decide
+constexpr std::array kResonance{P::kAngular, P::kDamping, P::kCoupling};
+// relative standard uncertainty of a resonance that is known at all
+constexpr double kMostUncertain = 0.25;
+
+// whether the sweep determines its resonance
+bool TellsResonance(const Solved& solved) {
+  return std::ranges::all_of(kResonance, [&](P parameter) {
+    Weights alone(kImpedanceParameters, 0.0);
+    alone[Index(parameter)] = 1;
+    return Deviation(solved, parameter) < kMostUncertain &&
+           Blur(solved.solution.seen, alone) < kMostBlur;
+  });
+}
+
 // by how many of the rest's standard uncertainties the resonance moves without a point, at most
 double MovedBy(const Solved& solved, const Solved& rest) {
   const double degrees = rest.solution.degrees[0] + rest.solution.degrees[1];
   const double student = dsp::StudentCritical(std::max(degrees, 1.0)) / kCoverage95;
   double most = 0;
-  for (const P parameter : {P::kAngular, P::kDamping, P::kCoupling}) {
+  for (const P parameter : kResonance) {
     const double moved =
         std::abs(rest.parameters[Index(parameter)] - solved.parameters[Index(parameter)]);
     most = std::max(most, moved / (student * Deviation(rest, parameter)));
@@ -202,7 +217,7 @@ double MovedBy(const Solved& solved, const Solved& rest) {
 // Whether the constants follow one point near the resonance, which the others contradict: a point
 // that is far off may pull the fit so close to itself that its own residual is small.
 std::optional<Finding> FollowsOnePoint(const Solved& solved) {
-  if (solved.points.size() <= kLeastPoints) return {};
+  if (solved.points.size() <= kLeastPoints || !TellsResonance(solved)) return {};
   // by the distance from the resonance
   const double f0 = std::exp(solved.parameters[Index(P::kAngular)]) / (2 * std::numbers::pi);
   std::vector<std::size_t> places(solved.points.size());
@@ -213,7 +228,7 @@ std::optional<Finding> FollowsOnePoint(const Solved& solved) {
   places.resize(std::min(places.size(), kLeftOut));
   for (const std::size_t n : places) {
     const auto rest = Without(n, solved);
-    if (!rest || !(MovedBy(solved, *rest) > kMostMoved)) continue;
+    if (!rest || !TellsResonance(*rest) || !(MovedBy(solved, *rest) > kMostMoved)) continue;
     const auto ratio = [&](P parameter) {
       return std::exp(rest->parameters[Index(parameter)] - solved.parameters[Index(parameter)]);
     };
