@@ -186,6 +186,13 @@ std::optional<Solved> Without(std::size_t n, const Solved& solved) {
   return rest;
 }
 
+// the weights of one parameter's power in a product
+Weights Power(P parameter, double power) {
+  Weights weights(kImpedanceParameters, 0.0);
+  weights[Index(parameter)] = power;
+  return weights;
+}
+
 // what one point may decide
 constexpr std::array kResonance{P::kAngular, P::kDamping, P::kCoupling};
 // relative standard uncertainty of a resonance that is known at all
@@ -194,10 +201,8 @@ constexpr double kMostUncertain = 0.25;
 // whether the sweep determines its resonance
 bool TellsResonance(const Solved& solved) {
   return std::ranges::all_of(kResonance, [&](P parameter) {
-    Weights alone(kImpedanceParameters, 0.0);
-    alone[Index(parameter)] = 1;
     return Deviation(solved, parameter) < kMostUncertain &&
-           Blur(solved.solution.seen, alone) < kMostBlur;
+           Blur(solved.solution.seen, Power(parameter, 1)) < kMostBlur;
   });
 }
 
@@ -317,12 +322,6 @@ FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
                      !solved.follows_one_point &&
                      Blur(solved.solution.seen, product.weights) < kMostBlur;
   return value;
-}
-
-Weights Power(P parameter, double power) {
-  Weights weights(kImpedanceParameters, 0.0);
-  weights[Index(parameter)] = power;
-  return weights;
 }
 
 // Kv = M w0^2, Bv = M g, Km = sqrt(M Km^2/M)

@@ -24,8 +24,8 @@ struct SteadyState {
   double power_w = 0;
   double phase_rad = 0;          ///< of the current relative to the voltage; negative: it lags
   double skin_force_peak_n = 0;  ///< largest Ks xs + Bs vs either way
-  double skin_force_least_n =
-      0;  ///< its least value: a preload that is smaller than -this lifts off
+  /// Its least value, with its sign: a preload below its negative lifts off.
+  double skin_force_least_n = 0;
   double mean_current_a = 0;
   double mean_travel_m = 0;      ///< of mover_peak_m, with its sign
   double mean_skin_force_n = 0;  ///< of skin_force_peak_n, with its sign

@@ -40,9 +40,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kNoMeasurement, "no-measurement", "none of its readings is a measurement"},
       {kFarReadings, "far-readings",
        "read as it is named, the column reaches {farthest_m}, farther than any displacement "
-       "sensor: "
-       "is it in mm, um or V? Name the unit that it is in (--columns), or state the length of one "
-       "printed unit (--scale)"},
+       "sensor: is it in mm, um or V? Name the unit that it is in (--columns), or state the length "
+       "of one printed unit (--scale)"},
       {kBeyondCalibrated, "beyond-calibrated",
        "{samples} of {readings} samples lie beyond the calibrated range, {least_m} to {most_m}, by "
        "{beyond_m} at most[, {widths} times its width: is the input in mV?], where the line was "
@@ -214,8 +213,7 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       // the numbers
       {kRmsTooLarge, "rms-too-large",
        "read as it is named, the column gives {rms_m} RMS, more than any tactile actuator moves: "
-       "is "
-       "it in another unit? Name the unit that it is in (--columns), or state the length of one "
+       "is it in another unit? Name the unit that it is in (--columns), or state the length of one "
        "printed unit (--scale)"},
       {kRmsTooSmall, "rms-too-small",
        "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
