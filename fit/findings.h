@@ -77,6 +77,7 @@ enum class FindingKind : std::uint8_t {
   kUnusualMovingMass,     ///< moving_mass_kg
   kUnusualCaseMass,       ///< case_mass_kg
   kUnusualAdapterMass,    ///< mass_kg
+  kNoDisplacement,        ///< unit: of a tap
   kUnusualResistance,     ///< resistance_ohm
   kUnusualVoltage,        ///< peak_v
   kUnusualHeight,         ///< drop_height_m

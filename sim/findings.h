@@ -45,6 +45,8 @@ enum class FindingKind : std::uint8_t {
   kSkinUndamped,
   kAreaOutside,
 
+  kUnusualNumber,  ///< key, value, least, most: of a scene, mostly an error of unit
+
   // what the numbers of every scene rest on
   kLinearSprings,  ///< springs and dampers, at any travel
   kContactKept,    ///< least_force_n

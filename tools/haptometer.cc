@@ -198,7 +198,11 @@ int main(int argc, char** argv) {
     return StatusWithOutput(haptometer::tools::Run(argc, argv));
   } catch (const std::exception& error) {
     const auto* const failed = dynamic_cast<const std::system_error*>(&error);
-    if (std::ferror(stdout) != 0) return StatusWithOutput(0, failed ? failed->code().value() : 0);
+    if (std::ferror(stdout) != 0) {
+      // a closed terminal has ended the run before its output fails
+      return StatusWithOutput(haptometer::cli::InterruptedStatus(0),
+                              failed ? failed->code().value() : 0);
+    }
     haptometer::cli::Remark("haptometer", fmt::format("stopped: {}", error.what()));
     return 1;
   }

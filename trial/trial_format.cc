@@ -262,6 +262,7 @@ Event EventFrom(const Json& json) {
   Event event;
   event.row = Get<std::uint64_t>(json, "row", 0);
   event.time_ns = GetOptional<std::int64_t>(json, "time_ns");
+  event.utc = Text(json, "utc");
   event.text = Text(json, "text");
   event.labels = Texts(json, "labels");
   if (json.contains("stretch")) event.stretch = StretchFrom(json.at("stretch"));
@@ -323,6 +324,7 @@ std::optional<TrialHeader> HeaderFromJson(std::string_view json) {
 std::string EventToJson(const Event& event) {
   Json json{
       {"event", Name(event.kind)}, {"row", event.row}, {"time_ns", ValueOrNull(event.time_ns)}};
+  if (!event.utc.empty()) json["utc"] = Printable(event.utc);
   if (!event.text.empty()) json["text"] = Printable(event.text);
   if (event.kind == EventKind::kLabels) json["labels"] = event.labels;
   if (event.stretch) json["stretch"] = ToJson(*event.stretch);

@@ -115,6 +115,7 @@ struct Event {
   EventKind kind = EventKind::kRemark;
   std::uint64_t row = 0;                        ///< rows written before it; the writer fills it in
   std::optional<std::int64_t> time_ns{};        ///< since the trial's start; empty where unknown
+  std::string utc{};                            ///< of what is given later: when; else empty
   std::string text{};                           ///< in words; may be empty
   std::map<std::string, std::string> labels{};  ///< kLabels
   std::optional<Stretch> stretch{};             ///< kTimeBase

@@ -498,6 +498,7 @@ Result<Recording> Gather(TrialReader* reader) {
   }
   // the report is complete only behind the last block
   recording.report = reader->report();
+  recording.report.first_labels = header.metadata.labels;
   SetTimes(header, std::move(gathered), recording.report, &record);
   record.metadata = MetadataOf(header, recording.report);
   return recording;

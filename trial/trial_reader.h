@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,7 +62,9 @@ struct ReadReport {
   std::uint64_t file_bytes = 0;
   std::vector<Loss> losses{};   ///< in the order of the file; empty: every byte accounted for
   std::vector<Event> events{};  ///< in the order of the file
-  Findings findings{};          ///< what was assumed while a foreign file was read
+  /// Of a trial.bin: as its header has them, before the events.
+  std::map<std::string, std::string> first_labels{};
+  Findings findings{};  ///< what was assumed while a foreign file was read
 
   std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
   std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
 #include "trial/block.h"
 #include "trial/trial_reader.h"
 
@@ -241,6 +242,7 @@ Result<void> AppendEvent(const std::string& path, Event event) {
   }
   const ReadReport& report = reader.report();
   event.row = report.next_row;
+  event.utc = UtcNow();
   // its own kind, because its first row is the count that this reader had
   const BlockHead head{.kind = BlockKind::kLaterEvent,
                        .sequence = report.next_sequence,

@@ -45,6 +45,7 @@ struct NoiseFloor {
   double rate_hz = 0;
   std::optional<double> tone_hz{};  ///< its strongest tone
   double tone_amplitude_m = 0;
+  bool has_drive = false;           ///< the drive was on
   std::vector<Finding> refusals{};  ///< what spoke against an answer
 };
 

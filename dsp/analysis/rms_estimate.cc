@@ -128,9 +128,14 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   estimate.upper_m = estimate.rms_m + std::hypot(upper - estimate.rms_m, widening);
   // the upper limit starts from the tone's power at least, if the floor exceeds the rest
   const double least = std::max({0.0, sum.value, power.tone_mean_square / gain_square});
-  estimate.at_most_m =
-      estimate.rms_m + std::hypot(std::sqrt(least + one_sided.above) - estimate.rms_m,
-                                  kNormal90 * std::sqrt(bound_square));
+  double most = least + one_sided.above;
+  // noise only adds: however uncertain a floor is that hides the drive, what was measured is a
+  // limit
+  if (estimate.below_floor) {
+    most = std::min(most, power.tone_mean_square / gain_square + power.rest.mean_square);
+  }
+  estimate.at_most_m = estimate.rms_m + std::hypot(std::sqrt(most) - estimate.rms_m,
+                                                   kNormal90 * std::sqrt(bound_square));
   return estimate;
 }
 

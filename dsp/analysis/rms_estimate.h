@@ -70,7 +70,8 @@ struct RmsEstimate {
   double upper_m = 0;
   /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
   bool below_floor = false;
-  /// One-sided 95 % upper limit; never less than it is for a vibration of nothing, or of the tone.
+  /// One-sided 95 % upper limit; never less than it is for a vibration of nothing, or of the tone;
+  /// below the floor no more than was measured.
   double at_most_m = 0;
   /// The floor is above all that was measured (97.5 %): it is not this record's.
   bool floor_contradicts = false;

@@ -104,8 +104,11 @@ void RemarkFloor(BandAnalysis* analysis) {
     analysis->findings.Add(std::move(doubt));
   }
   const double floor_m = *numbers.rms.floor_m;
-  // floor above the signal: no number; floor not exceeded: an upper limit
-  if (numbers.rms.floor_contradicts) {
+  // floor above the signal, or a drive in it that is more than what it leaves: no number; floor not
+  // exceeded: an upper limit
+  const bool is_drive =
+      numbers.rms.below_floor && numbers.floor->has_drive && floor_m >= numbers.rms.rms_m;
+  if (numbers.rms.floor_contradicts || is_drive) {
     analysis->findings.Add(
         {.severity = Severity::kRefusal,
          .kind = FindingKind::kFloorAboveSignal,
@@ -125,6 +128,7 @@ std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::stri
                    .duration_s = drive_off.numbers->part.window.duration_s(),
                    .file = source};
   floor.rate_hz = drive_off.record.rate_hz;
+  floor.has_drive = drive_off.numbers->part.from_drive;
   std::ranges::copy_if(
       drive_off.findings.list(), std::back_inserter(floor.refusals), [](const Finding& found) {
         return found.severity == Severity::kRefusal && found.kind != FindingKind::kNoDrive;

@@ -226,14 +226,18 @@ void Explain(AdapterFit* fit) {
   if (!fit->damping.determined) {
     findings.Refuse(kBaBelow, {{"at_most_n_s_per_m", *fit->damping.at_most}});
   }
-  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value, 20, 2000,
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value,
+               sim::kUsualResonanceHz, findings);
+  DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, sim::kUsualAdapterMassKg,
                findings);
-  DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, 1e-5, 0.1, findings);
-  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, 1, 2000, findings);
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, {1, 2000}, findings);
   for (const auto& tap : fit->taps) {
     DoubtManyImpacts(tap, findings);
-    if (tap.unit != "m") continue;
-    DoubtUnusual(kUnusualAmplitude, "amplitude_m", tap.amplitude, 1e-8, 0.02, findings, tap.name);
+    if (tap.unit != "m") {
+      findings.Add({Severity::kDoubt, kNoDisplacement, {{"unit", tap.unit}}, tap.name});
+      continue;
+    }
+    DoubtUnusual(kUnusualAmplitude, "amplitude_m", tap.amplitude, {1e-8, 0.02}, findings, tap.name);
   }
 }
 

@@ -348,20 +348,20 @@ Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const Actua
   return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
 }
 
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, double least, double most,
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::UsualRange usual,
                   Findings& findings, const std::string& subject) {
-  if (value >= least && value <= most) return;
+  if (usual.Holds(value)) return;
   findings.Add(About(subject, Severity::kDoubt, kind, {{name, value}}));
 }
 
-void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value, double least,
-                  double most, Findings& findings) {
-  if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
+void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
+                  sim::UsualRange usual, Findings& findings) {
+  if (value.determined) DoubtUnusual(kind, name, value.value, usual, findings);
 }
 
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  double least, double most, Findings& findings, const std::string& subject) {
-  if (value) DoubtUnusual(kind, name, value->value, least, most, findings, subject);
+                  sim::UsualRange usual, Findings& findings, const std::string& subject) {
+  if (value) DoubtUnusual(kind, name, value->value, usual, findings, subject);
 }
 
 Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
@@ -369,19 +369,22 @@ Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& re
   using enum FindingKind;
   // ranges of actuators; values outside of them usually have another unit
   Findings findings;
-  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency, 20, 2000,
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency,
+               sim::kUsualResonanceHz, findings);
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit.quality_factor, {0.05, 1000}, findings);
+  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant,
+               sim::kUsualForceConstantNPerA, findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, sim::kUsualMovingMassKg,
                findings);
-  DoubtUnusual(kUnusualQuality, "quality_factor", fit.quality_factor, 0.05, 1000, findings);
-  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant, 1e-3, 100,
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kUsualCaseMassKg,
                findings);
-  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1, findings);
-  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1, findings);
-  DoubtUnusual(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm, 0.1, 1e4, findings);
+  DoubtUnusual(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm,
+               sim::kUsualResistanceOhm, findings);
   for (const auto& record : fit.records) {
-    DoubtUnusual(kUnusualVoltage, "peak_v", record.peak_v, 1e-5, 100, findings, record.name);
+    DoubtUnusual(kUnusualVoltage, "peak_v", record.peak_v, {1e-5, 100}, findings, record.name);
   }
   for (const auto& record : records) {
-    DoubtUnusual(kUnusualHeight, "drop_height_m", record.drop_height_m, 1e-4, 1, findings,
+    DoubtUnusual(kUnusualHeight, "drop_height_m", record.drop_height_m, {1e-4, 1}, findings,
                  record.name);
   }
   return findings;

@@ -13,6 +13,7 @@
 #include "fit/drop_test/prepared_record.h"
 #include "fit/poles.h"
 #include "fit/residuals.h"
+#include "sim/scene/usual.h"
 
 namespace haptometer::fit {
 
@@ -143,14 +144,14 @@ struct DropTestFit {
 [[nodiscard]] Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
                                   const ActuatorKnowns& knowns);
 
-/// Adds the doubt `kind` where the value is not from `least` to `most`; its number is `name`.
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, double least, double most,
+/// Adds the doubt `kind` where the value is outside of `usual`; its number is `name`.
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::UsualRange usual,
                   Findings& findings, const std::string& subject = {});
 /// The same of a value that is determined.
-void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value, double least,
-                  double most, Findings& findings);
+void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
+                  sim::UsualRange usual, Findings& findings);
 /// The same of a number that is given.
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  double least, double most, Findings& findings, const std::string& subject = {});
+                  sim::UsualRange usual, Findings& findings, const std::string& subject = {});
 
 }  // namespace haptometer::fit

@@ -510,15 +510,18 @@ void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit*
   using enum FindingKind;
   Findings& findings = fit->findings;
   const double f0 = fit->natural_frequency.value;
-  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency, 20, 2000,
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency,
+               sim::kUsualResonanceHz, findings);
+  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, {0.5, 300}, findings);
+  DoubtUnusual(kUnusualResistance, "resistance_ohm", fit->resistance, sim::kUsualResistanceOhm,
                findings);
-  DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, 0.5, 300, findings);
-  DoubtUnusual(kUnusualResistance, "resistance_ohm", fit->resistance, 0.1, 1e4, findings);
-  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant, 1e-3, 100,
+  DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant,
+               sim::kUsualForceConstantNPerA, findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, sim::kUsualMovingMassKg,
                findings);
-  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1, findings);
-  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1, findings);
-  DoubtUnusual(kResonanceOutside, "natural_frequency_hz", f0, fit->lowest_hz, fit->highest_hz,
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kUsualCaseMassKg,
+               findings);
+  DoubtUnusual(kResonanceOutside, "natural_frequency_hz", f0, {fit->lowest_hz, fit->highest_hz},
                findings);
   DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->farthest_hz, findings);
   if (!knowns.resistance_ohm || !fits_resistance) return;

@@ -294,20 +294,22 @@ void ExplainUndetermined(SkinFit* fit) {
 void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
   using enum FindingKind;
   Findings& findings = fit->findings;
-  DoubtUnusual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness, 30, 3e4, findings);
-  DoubtUnusual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, 0.02, 50, findings);
+  DoubtUnusual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness,
+               sim::kUsualSkinStiffnessNPerM, findings);
+  DoubtUnusual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, sim::kUsualSkinDampingNSPerM,
+               findings);
   double largest_m = 0, largest_drive = 0;
   for (const auto& point : problem.points()) {
     largest_m = std::max(largest_m, point.displacement_m);
     largest_drive = std::max(largest_drive, point.drive);
   }
-  DoubtUnusual(kUnusualAmplitude, "amplitude_m", largest_m, 2e-8, 5e-3, findings);
+  DoubtUnusual(kUnusualAmplitude, "amplitude_m", largest_m, {2e-8, 5e-3}, findings);
   const bool is_current = sweep.drive == DriveQuantity::kCurrent;
-  DoubtUnusual(kUnusualDrive, is_current ? "current_a" : "voltage_v", largest_drive, 0,
-               is_current ? 2.0 : 50.0, findings);
+  DoubtUnusual(kUnusualDrive, is_current ? "current_a" : "voltage_v", largest_drive,
+               is_current ? sim::UsualRange{0, 2} : sim::kUsualDriveV, findings);
   const double lowest_hz = problem.points().front().frequency_hz;
   const double highest_hz = problem.points().back().frequency_hz;
-  if (highest_hz < 10 || lowest_hz > 5000) {
+  if (highest_hz < sim::kUsualDriveHz.least || lowest_hz > sim::kUsualDriveHz.most) {
     findings.Doubt(kUnusualFrequencies, {{"lowest_hz", lowest_hz}, {"highest_hz", highest_hz}});
   }
 }
@@ -356,6 +358,7 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   SkinFit fit;
   fit.name = sweep.name;
   fit.area_m2 = sweep.area_m2;
+  fit.is_simulated = sweep.is_simulated;
   SkinProblem problem(actuator, sweep.drive, points);
   // the coil's polarity is free: both signs of the phases are tried
   const auto starts = BestStarts(&problem, &fit.findings);

@@ -65,6 +65,7 @@ struct SkinPoint {
 struct SkinSweep {
   std::string name;
   std::optional<double> area_m2;  ///< of the contact
+  bool is_simulated = false;      ///< by this program, not measured
   DriveQuantity drive = DriveQuantity::kCurrent;
   std::vector<SkinPoint> points;
 };
@@ -82,6 +83,7 @@ struct SkinInfluence {
 struct SkinFit {
   std::string name;
   std::optional<double> area_m2;
+  bool is_simulated = false;
   FittedValue stiffness;  ///< Ks, N/m
   FittedValue damping;    ///< Bs, N s/m
   /// m, kg: the skin's (and a contactor's) mass that moves with the case, besides the case itself.

@@ -119,7 +119,7 @@ class Head:
 class Daemon:
     """`acquire --daemon` on one sensor called `head`; `keys` go into its file."""
 
-    def __init__(self, directory, port, keys, environment=None, sensor='sensor = "stream"'):
+    def __init__(self, directory, port, keys, environment=None, sensor='sensor = "stream"', stdin=None):
         self.directory = directory
         self.trials = os.path.join(directory, "trials")
         os.makedirs(self.trials, exist_ok=True)
@@ -130,7 +130,8 @@ class Daemon:
                        f'[[sensor]]\nname = "head"\n{sensor}\nport = "{port}"\n')
         self.log = open(os.path.join(directory, "log"), "w+")
         self.process = subprocess.Popen([PROGRAM, "acquire", "--daemon", self.config],
-                                        stderr=self.log, stdin=subprocess.DEVNULL,
+                                        stderr=self.log, stdin=subprocess.DEVNULL if stdin is None else stdin,
+                                        stdout=subprocess.DEVNULL,
                                         env={**os.environ, **(environment or {})})
 
     def status(self):

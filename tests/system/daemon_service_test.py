@@ -2,6 +2,7 @@
 status socket, rotation."""
 import ctypes
 import os
+import pty
 import signal
 import socket
 import subprocess
@@ -260,7 +261,26 @@ def hang_up(directory):
     check_chain(daemon.files())
 
 
+def at_a_terminal(directory):
+    """SIGHUP is the closed terminal of a daemon that was started at one: it ends, and frees the port."""
+    head = Head(Terminal(directory))
+    head.plug()
+    master, slave = pty.openpty()
+    daemon = Daemon(directory, head.plug_point.port, "flush_s = 0.1", stdin=slave)
+    try:
+        daemon.wait_for_state("recording")
+        daemon.wait_for_readings(200)
+        daemon.process.send_signal(signal.SIGHUP)
+        status = daemon.process.wait(DEADLINE_S)
+        check(status == 0, f"SIGHUP ends it with {status}: {daemon.said()}")
+    finally:
+        daemon.kill()
+        os.close(master)
+        os.close(slave)
+    check(len(daemon.files()) == 1 and info(daemon.files()[0])["closed"], daemon.files())
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        {part.__name__: part for part in (abstract, default_socket, hang_up, notify, only_daemon, refused,
+        {part.__name__: part for part in (abstract, at_a_terminal, default_socket, hang_up, notify, only_daemon, refused,
                                           rotation, status, watchdog)}[sys.argv[1]](scratch)

@@ -240,6 +240,18 @@ TEST_F(AnalyzeVerb, AFloorIsTakenOffInPower) {
   EXPECT_THAT(missing.err, HasSubstr("none.csv: no such file"));
 }
 
+// the mean of a sine about 0 is what rounding leaves
+TEST_F(AnalyzeVerb, AnOffsetOfNothingIsZero) {
+  std::ofstream file(directory_ / "sine.csv");
+  file.precision(17);
+  file << "time_s,displacement_m\n";
+  for (int k = 0; k < 20'000; ++k) {
+    file << k / 1e4 << ',' << 2e-4 * std::sin(2 * std::numbers::pi * 225 * k / 1e4) << '\n';
+  }
+  file.close();
+  EXPECT_THAT(Analyze({"--all", directory_ / "sine.csv"}).out, ContainsRegex("offset +0 um\n"));
+}
+
 TEST_F(AnalyzeVerb, SpectraSayTheirNoiseBandwidth) {
   const std::string path = Trial("a.csv", 10'000, 2);
   const std::string csv = directory_ / "spectrum.csv";

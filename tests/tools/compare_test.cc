@@ -408,6 +408,51 @@ TEST_F(CompareVerb, DoubtsRepeatsOfDifferentSubjectsOrConditions) {
               Not(Contains("labels-differ")));
 }
 
+// a mean of trials that differ so much agrees with nearly everything
+TEST_F(CompareVerb, DoubtsRepeatsThatAreNone) {
+  json trials = TrialJson();
+  trials["trials"].push_back(trials["trials"][0]);
+  trials["trials"][1]["band_rms_m"] = 5.5e-6;
+  const std::string both = File("both.json", trials.dump());
+  const Outcome doubted = Answer({both, kCone, "--json"});
+  EXPECT_EQ(doubted.status, 3);
+  EXPECT_THAT(KindsOf(json::parse(doubted.out)), Contains("repeats-differ"));
+  EXPECT_TRUE(json::parse(doubted.out).at("agrees").is_null());
+  EXPECT_THAT(Answer({both, kCone}).out,
+              AllOf(HasSubstr("more than twice the smallest, beyond their uncertainties, of skin "
+                              "displacement (RMS)"),
+                    Not(HasSubstr("at most 1)  yes"))));
+  // within their uncertainties, or below twice
+  trials["trials"][1]["band_rms_standard_uncertainty_m"] = 25e-6;
+  EXPECT_THAT(KindsOf(json::parse(Answer({File("u.json", trials.dump()), kCone, "--json"}).out)),
+              Not(Contains("repeats-differ")));
+  trials["trials"][1]["band_rms_standard_uncertainty_m"] = 1e-8;
+  trials["trials"][1]["band_rms_m"] = 24e-6;
+  EXPECT_THAT(KindsOf(json::parse(Answer({File("near.json", trials.dump()), kCone, "--json"}).out)),
+              Not(Contains("repeats-differ")));
+}
+
+TEST_F(CompareVerb, SaysThatAnAdjustedValueIsOutsideItsRange) {
+  json trials = TrialJson();
+  const std::string agreeing = File("agrees.json", trials.dump());
+  trials["trials"][0]["band_rms_m"] = 5e-6;
+  const std::string weak = File("weak.json", trials.dump());
+  const auto answer = [](const std::string& file, const std::string& input) {
+    return Answer({file, kCone, "--input", "skin.stiffness_n_per_m=" + input}).out;
+  };
+  EXPECT_THAT(answer(weak, "1000:3000"),
+              HasSubstr("outside of the range that is stated, by more than its uncertainty: "
+                        "skin.stiffness_n_per_m"));
+  EXPECT_THAT(answer(agreeing, "1200:2500"), Not(HasSubstr("outside of the range")));
+}
+
+TEST_F(CompareVerb, DoubtsUnusualNumbersOfTheScene) {
+  const std::string trial = File("trial.json", TrialJson().dump());
+  EXPECT_THAT(Answer({trial, kCone}).out, Not(HasSubstr("is unusual")));
+  EXPECT_THAT(Answer({trial, kCone, "--input", "skin.stiffness_n_per_m=600000+-1"}).out,
+              HasSubstr("doubt: skin.stiffness_n_per_m = 600000 is unusual"));
+}
+
 TEST_F(CompareVerb, HasTheNumbersThatScriptsRelyOn) {
   const Outcome outcome = Answer(
       {File("r.json", TrialJson().dump()), kCone, "--json", "--uncertainty", "band_rms_m=1%"});

@@ -91,6 +91,16 @@ TEST_F(FitAdapterFiles, MistakesAreNamed) {
               HasSubstr("is the column in mm or um?"));
 }
 
+TEST_F(FitAdapterFiles, AVoltageIsDoubtedAsADisplacement) {
+  std::string text = Content(Tap("tap.csv").substr(directory_.string().size() + 1));
+  text.replace(0, text.find('\n'), "time_s,voltage_v");
+  const Outcome outcome = FitAdapter({File("volt.csv", text), "--mass", "4.6g"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("volt.csv: the channel is in V and no displacement"));
+  EXPECT_THAT(FitAdapter({Tap("tap.csv"), "--mass", "4.6g"}).out,
+              ::testing::Not(HasSubstr("no displacement")));
+}
+
 TEST_F(FitAdapterFiles, FitLraStillAnswersWithTheVerbsDocument) {
   const std::string tap = Tap("tap.csv");
   const json own = json::parse(FitAdapter({tap, "--mass", "4.6g", "--json"}).out);

@@ -89,6 +89,17 @@ TEST_F(FitSkinFiles, OneSweepGivesTheSkinWithinItsIntervals) {
   EXPECT_THAT(SaidIn(document, "note"), HasSubstr("thesis-c10-100"));
 }
 
+// what sweep has written is no measurement
+TEST_F(FitSkinFiles, TheTableOfASweepIsSimulated) {
+  const std::string rows = kHeader + Rows({1200, 1.5}, "", 1);
+  const auto sources = [&](const std::string& name, const std::string& text) {
+    const json document = json::parse(FitSkin(With({File(name, text), "--json"})).out);
+    return document.at("contacts").at(0).at("data_source");
+  };
+  EXPECT_EQ(sources("mine.csv", "# of the lab\n" + rows), json::array({"imported"}));
+  EXPECT_EQ(sources("table.csv", "# haptometer sweep 1\n" + rows), json::array({"simulated"}));
+}
+
 TEST_F(FitSkinFiles, ACubeRootOverAreasIsFound) {
   const auto path = Areas("areas.csv", [](double mm2) {
     return sim::Skin{600 * std::cbrt(mm2), 0.75 * std::cbrt(mm2)};

@@ -54,6 +54,29 @@ class SimulateVerb : public ::testing::Test {
       fs::path(::testing::TempDir()) / ("simulate_test_" + std::to_string(::getpid()));
 };
 
+TEST_F(SimulateVerb, DoubtsNumbersThatAreMostlyAnErrorOfUnit) {
+  std::ifstream base(kFixtures + "/lra_adapter.toml");
+  std::string text{std::istreambuf_iterator<char>(base), {}};
+  const auto replace = [&](const std::string& old, const std::string& with) {
+    const auto at = text.find(old);
+    ASSERT_NE(at, std::string::npos) << old;
+    text.replace(at, old.size(), with);
+  };
+  replace("skin_side_mass_kg = 4.35e-3", "skin_side_mass_kg = 4.35");
+  replace("frequency_hz = 225", "frequency_hz = \"225kHz\"");
+  std::ofstream(Path("units.toml")) << text;
+  const Outcome doubted = Simulate({Path("units.toml")});
+  EXPECT_EQ(doubted.status, 0);
+  EXPECT_THAT(doubted.out,
+              AllOf(HasSubstr("doubt: adapter.skin_side_mass_kg = 4.35 is unusual, usual are "
+                              "1e-05 to 0.1: was another unit meant?"),
+                    HasSubstr("doubt: the drive's frequency in Hz = 225000 is unusual")));
+  for (const char* name : {"adapter", "cone", "direct", "stops", "burst"}) {
+    const json usual = json::parse(Simulate({kFixtures + "/lra_" + name + ".toml", "--json"}).out);
+    EXPECT_EQ(FindingOfKind(usual, "unusual-number"), nullptr) << name;
+  }
+}
+
 TEST_F(SimulateVerb, AnswersTheThreeScenes) {
   const std::vector<std::pair<std::string, double>> bars = {
       {kFixtures + "/lra_adapter.toml", 0.2001762058e-3},

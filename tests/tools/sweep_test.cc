@@ -44,6 +44,20 @@ TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   }
 }
 
+// at either end of what is varied, each key once
+TEST_F(SweepVerb, DoubtsUnusualNumbersOfItsEnds) {
+  const auto said = [&](const std::string& masses) {
+    return Sweep({kAdapter, "--vary", "adapter.skin_side_mass_kg=" + masses}, "m.csv",
+                 {"--overwrite"})
+        .out;
+  };
+  EXPECT_THAT(said("1g:5g:3"), Not(HasSubstr("is unusual")));
+  EXPECT_THAT(said("5g:5kg:3"), HasSubstr("doubt: adapter.skin_side_mass_kg = 5 is unusual"));
+  const std::string both = said("1kg:5kg:3");
+  EXPECT_THAT(both, HasSubstr("doubt: adapter.skin_side_mass_kg = 1 is unusual"));
+  EXPECT_THAT(both, Not(HasSubstr("= 5 is unusual")));
+}
+
 // the accuracy is that of simulate, in both spellings, and a part of the question
 TEST_F(SweepVerb, KeepsTheAccuracyThatIsAsked) {
   std::ifstream adapter(kAdapter);

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -192,11 +194,29 @@ TEST_F(TrialVerb, InfoShowsAThumbnail) {
   EXPECT_THAT(info.out, HasSubstr("+------"));
 }
 
+// the mean of a sine about 0 is what rounding leaves
+TEST_F(TrialVerb, AMeanOfNothingIsZero) {
+  std::ofstream file(Path("sine.csv"));
+  file.precision(17);
+  file << "time_s,displacement_m\n";
+  for (int k = 0; k < 20'000; ++k) {
+    file << k / 1e4 << ',' << 2e-4 * std::sin(2 * std::numbers::pi * 225 * k / 1e4) << '\n';
+  }
+  file.close();
+  EXPECT_THAT(Trial({"info", Path("sine.csv")}).out,
+              HasSubstr("displacement about 0\u00a0\u00b5m"));
+}
+
 TEST_F(TrialVerb, LabelsKeepTheirReasonAndTakeAcquiresWay) {
   EXPECT_EQ(Trial({"label", trial_, "subject=4", "--reason", "wrong one noted"}).status, 0);
   EXPECT_THAT(Trial({"info", trial_}).out,
-              ::testing::ContainsRegex("subject +wrong one noted, before row 100\n"));
-  EXPECT_EQ(Trial({"label", trial_, "--label", "repeat=2"}).status, 0);
+              ::testing::ContainsRegex("label +subject: 3 -> 4 \\(wrong one noted\\), "
+                                       "20[0-9-]*T[0-9:.]*Z\n"));
+  // a correction without a reason, and a label that is new
+  EXPECT_EQ(Trial({"label", trial_, "--label", "repeat=2", "subject=5"}).status, 0);
+  EXPECT_THAT(Trial({"info", trial_}).out,
+              ::testing::ContainsRegex("label +repeat: 2, 20[^ ]*Z\n"
+                                       " +label +subject: 4 -> 5, 20[^ ]*Z\n"));
   const json document = json::parse(Trial({"info", "--json", trial_}).out);
   EXPECT_EQ(document["labels"]["repeat"], "2");
   EXPECT_EQ(document["events"][0]["text"], "wrong one noted");

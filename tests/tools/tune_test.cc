@@ -267,6 +267,21 @@ TEST(TuneVerb, SaysWhichEffectsOfTheSceneItLeavesOut) {
   EXPECT_THAT(Kinds(Json({kFixtures + "/lra_adapter.toml"})), Not(Contains("effects-left-out")));
 }
 
+// the answer is of a skin at 1 mm2, the scene's is that of the bare case
+TEST(TuneVerb, DoubtsASceneWhoseSkinItDoesNotUse) {
+  const std::string scene = kFixtures + "/lra_direct.toml";
+  EXPECT_THAT(Tune({scene}).out,
+              HasSubstr("doubt: the scene's skin of 1861 N/m and 2.219 N s/m is not used: the "
+                        "thesis's law gives 600 N/m and 0.75 N s/m at the answer's area; --skin "
+                        "scene takes the scene's"));
+  EXPECT_THAT(Kinds(Json({scene, "--skin", "scene"})), Not(Contains("scene-skin-unused")));
+  // the law gives the scene's own skin there
+  EXPECT_THAT(Kinds(Json({scene, "--contact-area", "78.5mm2"})),
+              Not(Contains("scene-skin-unused")));
+  EXPECT_THAT(Kinds(Json({kFixtures + "/lra_adapter.toml"})), Not(Contains("scene-skin-unused")));
+  EXPECT_THAT(Kinds(Json({})), Not(Contains("scene-skin-unused")));
+}
+
 TEST(TuneVerb, DrawsTheOptimumAndTheRidge) {
   const std::string path = ::testing::TempDir() + "tune.svg";
   std::remove(path.c_str());

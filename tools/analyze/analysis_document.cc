@@ -32,6 +32,7 @@ constexpr Key kThd{"thd", "THD", document::kShare, Form::kUncertain};
 constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertainty",
                                    document::kMetre};
 
+constexpr double kPartOfMotion = 1e-6;
 constexpr double kPartOfStep = 0.1;  // of the input's step: a mean of many readings resolves it
 // limits of LatencyVerdict(), s
 constexpr double kLatencyCostsS = 0.025;
@@ -313,7 +314,9 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   section.Add(document::kSampleRate, record.rate_hz);
   section.Add(document::kNewReadings, record.fresh_rate_hz);
   section.Add(document::kObservableUpper, record.observable_upper_hz);
-  section.Add(document::kOffsetM, record.offset_m);
+  // what rounding leaves of an offset of 0 is below a millionth of the motion
+  section.Add(document::kOffsetM, record.offset_m).resolution =
+      std::max(kPartOfStep * file.step_m, kPartOfMotion * record.peak_to_peak_m);
   section.Add({"peak_to_peak_m", "peak to peak", document::kMetre}, record.peak_to_peak_m).note =
       "unfiltered";
   AddSlowMotion(analysis.slow_motion, section);

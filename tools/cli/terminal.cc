@@ -9,8 +9,10 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <iterator>
 
 #include "base/text.h"
@@ -21,13 +23,35 @@ namespace {
 // set by a signal handler
 std::atomic<bool> interrupted{false};
 std::atomic<int> which{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
-              "a signal handler may only touch lock-free atomics");
-
 // where what is printed goes; nullptr: standard output and error
 WithinProgram* within = nullptr;
 
+// when the signal `which` came first, in ns of the monotonic clock
+std::atomic<std::int64_t> since_ns{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                  std::atomic<std::int64_t>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
+
+// Of a terminal's Ctrl-C and of a program that signals the group and the process, one signal comes
+// twice within milliseconds; a person needs longer than this for a second one.
+constexpr std::int64_t kAgainNs = 300'000'000;
+
+// clock_gettime may be called by a signal handler (POSIX.1-2008, 2.4.3)
+std::int64_t MonotonicInHandler() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
 extern "C" void OnSignal(int signal) {
+  const std::int64_t now_ns = MonotonicInHandler();
+  const bool is_first = !interrupted.load() || which.load() != signal;
+  if (is_first) since_ns.store(now_ns);
+  // asked for again: at once; a closed terminal asks nothing, kernel and shell both tell of it
+  if (!is_first && signal != SIGHUP && now_ns - since_ns.load() >= kAgainNs) {
+    std::signal(signal, SIG_DFL);
+    static_cast<void>(raise(signal));
+  }
   which.store(signal);
   interrupted.store(true);
 }
@@ -163,6 +187,7 @@ void Remark(std::string_view verb, std::string_view text) {
 
 WithinProgram::WithinProgram() {
   interrupted.store(false);
+  which.store(0);
   within = this;
 }
 
@@ -180,7 +205,6 @@ void CatchInterrupts() {
   if (IsWithinProgram()) return;
   struct sigaction action{};
   action.sa_handler = OnSignal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal ends the program at once
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);  // a closed terminal must not cost a recording its end
@@ -188,7 +212,12 @@ void CatchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is an error like a full disk
 }
 
-void InterruptAsBy(int signal) { OnSignal(signal); }
+void InterruptAsBy(int signal) {
+  // an output that is not read any more follows a closed terminal, whose signal stays
+  int none = 0;
+  which.compare_exchange_strong(none, signal);
+  interrupted.store(true);
+}
 
 const std::atomic<bool>& Interrupted() { return interrupted; }
 

@@ -85,11 +85,13 @@ struct Interruption : std::exception {};
 void LeaveIfInterrupted();
 
 /// From now on SIGINT, SIGTERM and SIGHUP (a closed terminal) only set a flag, so that a verb can
-/// finish its file; a second signal of the same kind ends the program at once. SIGPIPE is ignored.
-/// Nothing of this within another program.
+/// finish its file. A second SIGINT or SIGTERM that comes 0.3 s after the first or later ends the
+/// program at once; a second SIGHUP never does. SIGPIPE is ignored. Nothing of this within another
+/// program.
 void CatchInterrupts();
 
-/// As if `signal` had come and been caught: for an output that nobody reads any more (SIGPIPE).
+/// As if `signal` had come and been caught, where none has: for an output that nobody reads any
+/// more (SIGPIPE).
 void InterruptAsBy(int signal);
 
 /// Set to true by the first signal; a recorder polls it.

@@ -13,6 +13,7 @@
 #include "base/toml.h"
 #include "sim/scene/scene_file.h"
 #include "sim/scene/scene_keys.h"
+#include "sim/scene/usual.h"
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/shared_options.h"
@@ -83,8 +84,6 @@ Result<Eigen::MatrixXd> FactorOf(const Eigen::MatrixXd& correlation, const std::
   const Eigen::MatrixXd lower = ldlt.matrixL();
   return Eigen::MatrixXd(ldlt.transpositionsP().transpose() * lower * root.asDiagonal());
 }
-
-// --- the scene ---
 
 // --- the command line ---
 
@@ -165,6 +164,7 @@ Result<ComparedScene> ComparedScene::Read(const std::string& path,
   ComparedScene scene(*std::move(varied), std::move(inputs));
   scene.target_ = TargetOf(stated);
   HAPTOMETER_LET(const auto at, scene.At(Eigen::VectorXd::Zero(std::ssize(scene.inputs_))));
+  sim::DoubtUnusual(at, scene.unusual_);
   HAPTOMETER_TRY(scene.TakeActuator(at.actuator_covariance, at.actuator));
   return scene;
 }
@@ -259,8 +259,9 @@ int RunCompare(int argc, const char* const* argv) {
     const int status =
         document::Present(CompareDocument(measured, scene, result, words.outputs.HasFigures()),
                           words.outputs, argc, argv);
-    // a difference ends as a question that is not answered does
-    return cli::WorseStatus(status, result.Differs() ? ExitStatus(Cause::kCannotAnswer) : 0);
+    // a difference, and trials without a mean, end as a question that is not answered does
+    const bool is_open = result.Differs() || !measured.scattered.empty();
+    return cli::WorseStatus(status, is_open ? ExitStatus(Cause::kCannotAnswer) : 0);
   };
   return document::RunVerb(kVerb, options, words.outputs, argc, argv, answer);
 }

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "dsp/spectrum/electrical.h"
+#include "sim/findings.h"
 #include "sim/scene/scene.h"
 #include "sim/sweep/varied_scene.h"
 #include "tools/compare/measured.h"
@@ -107,6 +108,8 @@ class ComparedScene {
   [[nodiscard]] Result<sim::Scene> At(const Eigen::VectorXd& steps) const;
   /// The body that the scene's sensor is on; the skin without one.
   [[nodiscard]] sim::SensorTarget target() const { return target_; }
+  /// Unusual numbers of the scene, with its inputs at their values.
+  [[nodiscard]] const sim::Findings& unusual() const { return unusual_; }
 
  private:
   ComparedScene(sim::VariedScene scene, std::vector<ComparedInput> inputs)
@@ -118,6 +121,7 @@ class ComparedScene {
   std::vector<ComparedInput> inputs_;
   Eigen::MatrixXd factor_;
   sim::SensorTarget target_{};
+  sim::Findings unusual_{};
 };
 
 /// What a scene says of the quantities, NaN where it says nothing; the uncertainty is that of the

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <string>
 #include <string_view>
@@ -28,6 +29,12 @@ constexpr double kCoverage = 2;  // k of the intervals
 std::string KeysOf(const ComparedScene& scene, const std::vector<std::size_t>& places) {
   return fmt::format(
       "{}", fmt::join(Mapped(places, [&](std::size_t k) { return scene.inputs()[k].key; }), ", "));
+}
+
+std::vector<std::size_t> Flat(const std::vector<std::vector<std::size_t>>& sets) {
+  std::vector<std::size_t> places;
+  for (const auto& set : sets) places.insert(places.end(), set.begin(), set.end());
+  return places;
 }
 
 std::string LabelsOf(const std::vector<Compared>& quantities, sim::SensorTarget target) {
@@ -174,9 +181,39 @@ void FindLabels(const MeasuredNumbers& measured, Section& root) {
   }
 }
 
+// trials of which no mean is to be had
+void FindScatter(const MeasuredNumbers& measured, sim::SensorTarget target, Section& root) {
+  if (measured.scattered.empty()) return;
+  root.Find(Severity::kDoubt, "repeats-differ",
+            "the trials are no repeats of one measurement, and are not compared as such: the "
+            "largest is more than twice the smallest, beyond their uncertainties, of "
+            "{quantities}; compare them one at a time",
+            {{"quantities", LabelsOf(measured.scattered, target)}});
+}
+
+// inputs whose best value a range excludes
+void FindOutside(const ComparedScene& scene, const ComparisonResult& result, Section& root) {
+  std::vector<std::size_t> outside;
+  for (const std::size_t place : Flat(result.sets)) {
+    if (!scene.inputs()[place].is_range) continue;
+    const auto j = static_cast<Eigen::Index>(place);
+    // in standard uncertainties of the input, of which a range has sqrt(3) to either side
+    const double left = std::sqrt(std::max(0.0, 1 - result.agreement.explained(j)));
+    const double beyond = std::abs(result.agreement.adjustment(j)) - std::numbers::sqrt3;
+    if (beyond > left) outside.push_back(place);
+  }
+  if (outside.empty()) return;
+  root.Find(Severity::kDoubt, "adjusted-outside",
+            "the adjusted value lies outside of the range that is stated, by more than its "
+            "uncertainty: {inputs}; it explains nothing where the range is right",
+            {{"inputs", KeysOf(scene, outside)}});
+}
+
 void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene,
                      const ComparisonResult& result, Section& root) {
   FindLabels(measured, root);
+  FindScatter(measured, result.target, root);
+  FindOutside(scene, result, root);
   for (const std::string& doubt : measured.doubts) {
     root.findings.push_back({.kind = "trial-doubted", .severity = Severity::kDoubt, .text = doubt});
   }
@@ -230,7 +267,9 @@ void FindAssumptions(const MeasuredNumbers& measured, const ComparedScene& scene
 
 void AddComparison(const MeasuredNumbers& measured, const ComparedScene& scene,
                    const ComparisonResult& result, Section& section) {
-  section.Add({document::kAgrees.name, "agree (all |E_n| at most 1)"}, !result.Differs());
+  // of trials that are no repeats neither is known
+  section.Add({document::kAgrees.name, "agree (all |E_n| at most 1)"},
+              measured.scattered.empty() ? document::Value(!result.Differs()) : document::Value());
   section.Add({"chi_squared"}, result.chi_squared);
   section.Add({document::kDegreesOfFreedom.name}, result.quantities.size());
   section.sections.push_back(document::ListOf(
@@ -301,6 +340,7 @@ document::Document CompareDocument(const MeasuredNumbers& measured, const Compar
   root.Add(document::kScene, scene.path());
   root.Add(document::kTrials, measured.files);
   AddComparison(measured, scene, result, root);
+  document::AddFindings(root, scene.unusual());
   if (has_figures) {
     const ComparedGroup group{.name = trials, .results = {result}};
     root.figures = {

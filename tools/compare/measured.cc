@@ -195,6 +195,26 @@ Numbers MeanOf(std::span<const Numbers> repeats) {
   return means;
 }
 
+std::vector<Compared> ScatteredOf(std::span<const Numbers> repeats) {
+  constexpr double kMostRatio = 2;
+  constexpr double kExpanded = 2;
+  std::vector<Compared> scattered;
+  for (std::size_t k = 0; k < kComparedCount; ++k) {
+    const auto quantity = static_cast<Compared>(k);
+    if (quantity == Compared::kPhase) continue;
+    std::optional<dsp::Estimate> least, most;
+    for (const Numbers& one : repeats) {
+      if (!one[k]) continue;
+      if (!least || one[k]->value < least->value) least = one[k];
+      if (!most || one[k]->value > most->value) most = one[k];
+    }
+    if (!least || most->value <= kMostRatio * least->value) continue;
+    const double u = std::hypot(least->uncertainty, most->uncertainty);
+    if (most->value - least->value > kExpanded * u) scattered.push_back(quantity);
+  }
+  return scattered;
+}
+
 Result<MeasuredNumbers> ReadMeasured(std::span<const std::string> paths) {
   MeasuredNumbers measured;
   std::vector<Numbers> repeats;
@@ -203,6 +223,7 @@ Result<MeasuredNumbers> ReadMeasured(std::span<const std::string> paths) {
     HAPTOMETER_TRY(AddDocument(text, path, measured, repeats));
   }
   measured.numbers = MeanOf(repeats);
+  measured.scattered = ScatteredOf(repeats);
   return measured;
 }
 

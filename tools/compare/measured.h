@@ -44,6 +44,13 @@ using OfCompared = std::array<std::optional<T>, kComparedCount>;
 /// out, and what is statistical in u_i counts twice, which is to the safe side.
 [[nodiscard]] OfCompared<dsp::Estimate> MeanOf(std::span<const OfCompared<dsp::Estimate>> repeats);
 
+/// Quantities of which the largest repeat is more than twice the smallest, by more than the
+/// expanded uncertainty of their difference (k = 2). Their mean has u >= a third of itself from two
+/// of them, so that it agrees with nearly everything: such trials are no repeats. Repeats scatter
+/// beyond their own uncertainties, which are of noise alone, as a sensor is put in its place again;
+/// that is no reason. A phase has no ratio.
+[[nodiscard]] std::vector<Compared> ScatteredOf(std::span<const OfCompared<dsp::Estimate>> repeats);
+
 /// What repeats of one measurement say.
 struct MeasuredNumbers {
   OfCompared<dsp::Estimate> numbers{};
@@ -52,6 +59,7 @@ struct MeasuredNumbers {
   std::vector<std::string> doubts{};            ///< of their analyses, in words
   /// Subject, condition and the like of each recording; nothing of documents.
   std::vector<std::map<std::string, std::string>> labels{};
+  std::vector<Compared> scattered{};  ///< as ScatteredOf() the repeats
   /// Narrowest band that the RMS are of.
   double lower_hz = 0, upper_hz = std::numeric_limits<double>::infinity();
   /// How numbers of another band are had.

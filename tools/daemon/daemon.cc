@@ -38,8 +38,10 @@ std::atomic<bool> rotation_asked{false};
 
 extern "C" void OnHangUp(int /*signal*/) { rotation_asked.store(true); }
 
-// SIGHUP begins new files, as of other services, so that closed ones can be moved
+// SIGHUP begins new files, as of other services, so that closed ones can be moved; of a daemon that
+// was started at a terminal it means that the terminal was closed, and ends it
 void CatchHangUp() {
+  if (isatty(STDIN_FILENO) == 1 || isatty(STDOUT_FILENO) == 1) return;
   struct sigaction action{};
   action.sa_handler = OnHangUp;
   sigaction(SIGHUP, &action, nullptr);

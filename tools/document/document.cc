@@ -52,11 +52,12 @@ std::optional<std::string> Replacement(std::string_view place,
   const auto* count = std::get_if<std::int64_t>(&found->value);
   const double number = count ? static_cast<double>(*count) : std::get<double>(found->value);
   if (!std::isfinite(number)) return std::nullopt;
-  // how: "s" plural ending, "SI" plain number, "%" share, "6" six digits; else the unit that the
-  // name ends with
+  // how: "s" plural ending, "SI" plain number, "%" share, "2%" of two digits, "6" six digits; else
+  // the unit that the name ends with
   if (how == "s") return number == 1 ? "" : "s";
   if (how == "SI") return NumberText(number, 0, 0);
   if (count && how.empty()) return fmt::format("{}", *count);
+  if (how == "2%") return QuantityText(number, kShare, 2);
   // four digits, or six, in the unit of the name's ending ("_m", "_hz")
   return QuantityText(number, how == "%" ? kShare : UnitOfName(name), how == "6" ? 6 : 4);
 }

@@ -181,7 +181,7 @@ struct Sentence {
   /// {needed_hz}  the number in the unit that its name ends with, to four digits: "2.5 mm"; a text
   ///              or a count as it is
   /// {drops s}    the plural's ending: nothing where the number is 1, or else "s"
-  /// {leak %}     the number in percent
+  /// {leak %}     the number in percent; {leak 2%} to two digits
   /// {from_s SI}  the number in the SI unit, to six digits and without it: for options
   /// [...]        a part that is left out where a number in it is not there
   ///

@@ -207,8 +207,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "the floor holds a tone, {amplitude_m} at {frequency_hz}, as this trial does: it is "
        "subtracted as noise; was the drive off?"},
       {kFloorAboveSignal, "floor-above-signal",
-       "the floor of {floor_m} is above the {measured_m} that were measured: record a floor with "
-       "the same sensor, settings and rate, drive off"},
+       "the {measured_m} that were measured do not exceed the floor of {floor_m}: record a floor "
+       "with the same sensor, settings and rate, drive off"},
       {kBelowFloor, "below-floor", "below the noise floor of {floor_m}: at most {at_most_m}"},
       // the numbers
       {kRmsTooLarge, "rms-too-large",
@@ -219,8 +219,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
        "than it states?"},
       {kWideInterval, "wide-interval",
-       "the RMS is known to {share %} only: the drive is weak beside the noise; drive harder, "
-       "record longer, or reduce the noise"},
+       "the RMS is known to {share 2%} only (half of its 95 % interval): the drive is weak beside "
+       "the noise; drive harder, record longer, or reduce the noise"},
       {kQuantised, "quantised",
        "steps of {step_m} without noise to smooth them may change the RMS by {share %}: use a "
        "finer resolution, or a smaller range"},

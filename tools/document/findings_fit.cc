@@ -180,6 +180,10 @@ document::Sentence SentenceOf(FindingKind kind) {
        "a case mass of {case_mass_kg} is unusual: was it meant in g or mg?"},
       {kUnusualAdapterMass, "unusual-adapter-mass",
        "a mass of {mass_kg} is unusual for an adapter: was it meant in g or mg?"},
+      {kNoDisplacement, "no-displacement",
+       "the channel is in {unit} and no displacement: of a sensor's output the constants are the "
+       "same, of a coil's voltage they are the actuator's; give a --calibration, or a recording of "
+       "the displacement"},
       {kUnusualResistance, "unusual-resistance",
        "a coil of {resistance_ohm} is unusual: is the magnitude in kohm or mohm?"},
       {kUnusualVoltage, "unusual-voltage",

@@ -77,6 +77,9 @@ Sentence SentenceOf(sim::FindingKind kind) {
       {kTravelNotPositive, "travel-not-positive", "the mover's travel must be above 0"},
       {kSkinUndamped, "skin-undamped", "the skin has no damping"},
       {kAreaOutside, "area-outside", "the area must lie between 1 and 100 mm2"},
+      // --- a number outside of the usual range ---
+      {kUnusualNumber, "unusual-number",
+       "{key} = {value} is unusual, usual are {least} to {most}: was another unit meant?"},
       // --- what the numbers of every scene rest on ---
       {kLinearSprings, "linear",
        "springs and dampers are linear at any travel: compare the mover's travel with its stops"},

@@ -23,6 +23,7 @@
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 #include "tools/study/text_table.h"
+#include "tools/sweep/sweep.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -161,6 +162,12 @@ Result<void> CheckVariedKeys(const TextTable& table) {
   return {};
 }
 
+// whether sweep has written it: as it names itself above the columns
+bool IsOfSweep(const TextTable& table) {
+  return std::ranges::any_of(table.comments,
+                             [](const std::string& line) { return line.starts_with(kTableTitle); });
+}
+
 fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertainty_factor) {
   fit::SkinPoint point{.frequency_hz = columns.frequencies_hz[row],
                        .displacement_m = columns.displacements_m[row],
@@ -195,6 +202,7 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
     }
     fit::SkinSweep& sweep = sweeps[area_mm2];
     sweep.drive = columns.drive;
+    sweep.is_simulated = IsOfSweep(table);
     sweep.name = columns.areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
                                    : Printable(path);
     if (columns.areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
@@ -308,7 +316,9 @@ Section SearchOf(const SkinFit& contact) {
 }
 
 Section ContactSection(const SkinFit& contact) {
-  Section section{.heading = contact.name, .sources = {document::DataSource::kImported}};
+  Section section{.heading = contact.name,
+                  .sources = {contact.is_simulated ? document::DataSource::kSimulated
+                                                   : document::DataSource::kImported}};
   section.Add(document::kName, contact.name);
   section.Add(document::kContactArea, contact.area_m2);
   section.sections = {ParametersOf(contact), SearchOf(contact), InputsOf(contact)};

@@ -13,6 +13,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "sim/linear/linear_model.h"
+#include "sim/scene/usual.h"
 #include "tools/document/keys.h"
 
 namespace haptometer::tools {
@@ -113,6 +114,7 @@ void AddAllFindings(const SimulateAnswer& answer, Section& root) {
   NoteBodies(answer.solved, of_sim, findings);
   NoteSource(answer.solved, findings);
   if (answer.numbers.no_rise) of_sim.Add(*answer.numbers.no_rise);
+  sim::DoubtUnusual(answer.solved.scene, of_sim);
   document::AddFindings(root, findings);
   document::AddFindings(root, of_sim);
 }

@@ -93,6 +93,7 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     rest.remove_prefix(std::min(rest.size(), rest.find('\n')));
     if (!rest.empty()) rest.remove_prefix(1);
     // empty lines and comments count as lines of the file, so that errors name the right one
+    if (line.starts_with('#') && names.empty()) table.comments.push_back(Printable(line));
     if (trial::Trimmed(line).empty() || line.starts_with('#')) continue;
     const auto is_separator = [](char c) { return c == ',' || c == ';' || c == '\t'; };
     if (static_cast<std::size_t>(std::ranges::count_if(line, is_separator)) > kMostNames) {

@@ -17,6 +17,7 @@ struct TextTable {
   char separator = ',';                                     ///< of its cells: , ; or a tab
   std::map<std::string, std::vector<std::string>> columns;  ///< all of `rows` cells
   std::vector<std::size_t> lines;                           ///< (rows) line of each, from 1
+  std::vector<std::string> comments;                        ///< lines with '#' above the names
   [[nodiscard]] std::size_t rows() const { return lines.size(); }
 };
 

@@ -10,6 +10,7 @@
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
+#include "sim/scene/usual.h"
 #include "tools/campaign/slurm.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"
@@ -264,6 +265,18 @@ Section BestSection(const SweepSummary& summary) {
   return best;
 }
 
+// unusual numbers of the scene at the ends of what is varied
+Result<sim::Findings> UnusualOf(const SweepWords& words) {
+  HAPTOMETER_LET(const auto question, ReadQuestion(words));
+  sim::Findings unusual;
+  for (const std::uint64_t point : {std::uint64_t{0}, question.points.size() - 1}) {
+    // a point that is no scene has its reason in its row
+    const auto scene = question.scene.Read(question.points.At(point));
+    if (scene) sim::DoubtUnusual(*scene, unusual);
+  }
+  return unusual;
+}
+
 // the table, then its summary; the exit status
 Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
   // the column of --best is checked before the computation
@@ -280,6 +293,9 @@ Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
   // a map is no panel, so the picture is not a figure of the document
   if (!words.plot.empty()) HAPTOMETER_TRY(DrawSweep(words.plot, words.output, wish.column));
   summary.plot = words.plot;
+  if (words.merge.empty()) {
+    HAPTOMETER_LET(summary.unusual, UnusualOf(words));
+  }
   return document::Present(SweepDocument(summary), words.outputs, argc, argv);
 }
 
@@ -344,6 +360,7 @@ document::Document SweepDocument(const SweepSummary& summary) {
   root.Add(document::kPlot, document::TextOrNotKnown(summary.plot));
   root.sections.push_back(BestSection(summary));
   document::AddFindings(root, FindingsOf(summary));
+  document::AddFindings(root, summary.unusual);
   return document;
 }
 

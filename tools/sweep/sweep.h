@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "sim/findings.h"
 #include "sim/sweep/sweep_points.h"
 #include "sim/sweep/varied_scene.h"
 #include "tools/campaign/slurm.h"
@@ -82,6 +83,9 @@ enum class RangesAre : std::uint8_t { kGrid, kSampled };
 [[nodiscard]] Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges);
 
 // --- the table ---
+
+/// What the first line of a table begins with.
+inline constexpr std::string_view kTableTitle = "# haptometer sweep ";
 
 /// The first column: the point's number, from 1.
 inline constexpr std::string_view kPointColumn = "point";
@@ -285,6 +289,7 @@ struct SweepSummary {
   std::optional<BestRow> best{};  ///< the first of equals; nothing where the column is empty
   std::uint64_t mended = 0;       ///< rows that did not match their checksums
   std::string plot{};             ///< path; empty: none
+  sim::Findings unusual{};        ///< numbers of the first and of the last point
 };
 
 /// Reads the table again, row by row. Errors: as TableReader.

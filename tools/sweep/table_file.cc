@@ -116,7 +116,6 @@ Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& change
   return rows;
 }
 
-constexpr std::string_view kTitle = "# haptometer sweep ";
 constexpr std::string_view kVary = "# vary = ";
 constexpr std::string_view kPoints = "# points = ";
 constexpr std::string_view kShard = "# shard = ";
@@ -356,7 +355,7 @@ Result<void> TableReader::ReadHeader() {
     return CannotAnswer(path_, "is not a table of haptometer sweep", "give one that it wrote");
   };
   auto line = Next();
-  if (!line || !line->starts_with(kTitle)) return unknown();
+  if (!line || !line->starts_with(kTableTitle)) return unknown();
   // comment lines: provenance and shard belong to a run, all others to the question
   for (; line && line->starts_with('#'); line = Next()) {
     if (line->starts_with(kProvenance)) {

@@ -194,10 +194,28 @@ Section StretchesSection(const Record& record) {
   return list;
 }
 
+// "subject: 1 -> 4 (wrong subject noted), 2026-03-01T12:00:00Z"; `labels` are those before
+void AddLabels(const Event& event, std::map<std::string, std::string>& labels, Section& section) {
+  Section given{.name = kLabels.name};
+  for (const auto& [key, value] : event.labels) {
+    given.Add({key}, value);
+    const auto before = labels.find(key);
+    std::string change = before == labels.end() || before->second == value
+                             ? fmt::format("{}: {}", key, value)
+                             : fmt::format("{}: {} -> {}", key, before->second, value);
+    if (!event.text.empty()) change += fmt::format(" ({})", event.text);
+    if (!event.utc.empty()) change += ", " + event.utc;
+    section.Add({"", "label"}, std::move(change));
+    labels[key] = value;
+  }
+  section.sections = {std::move(given)};
+}
+
 // events in the order of the file; the header has the latest value of each label
-Section EventsSection(const std::vector<Event>& events) {
+Section EventsSection(const trial::ReadReport& report) {
   Section list{.name = document::kEvents.name, .shape = Section::Shape::kArray};
-  for (const Event& event : events) {
+  std::map<std::string, std::string> known = report.first_labels;
+  for (const Event& event : report.events) {
     Section& section = list.sections.emplace_back();
     // time of the event in s; not every event has one
     std::optional<double> time_s;
@@ -206,17 +224,14 @@ Section EventsSection(const std::vector<Event>& events) {
     section.Add({kRow.name}, event.row);
     section.Add(document::kTime, time_s);
     Item& text = section.Add(document::kText, event.text);
-    // in the text only events with a text and no time base
-    if (event.kind != EventKind::kTimeBase && !event.text.empty()) {
+    // in the text those with a text; a time base has none, labels have a line each
+    const bool has_line = event.kind != EventKind::kTimeBase && event.kind != EventKind::kLabels;
+    if (has_line && !event.text.empty()) {
       text.label = Name(event.kind);
-      text.note = fmt::format("before row {}", event.row);
+      text.note = event.utc.empty() ? fmt::format("before row {}", event.row) : event.utc;
     }
-    Section labels{.name = kLabels.name};
-    for (const auto& [key, value] : event.labels) {
-      labels.Add({key}, value);
-      if (!text.label.empty()) text.label += " " + key;
-    }
-    section.sections = {std::move(labels)};
+    section.Add({document::kUtc.name}, document::TextOrNotKnown(event.utc));
+    AddLabels(event, known, section);
   }
   return list;
 }
@@ -304,7 +319,7 @@ document::Document TrialDocument(std::string_view verb, const std::string& path,
                    {.detail = Detail::kAll, .sections = {StatusSection(all)}},
                    GapsSection(record),
                    StretchesSection(record),
-                   EventsSection(recording.report.events),
+                   EventsSection(recording.report),
                    LossesSection(recording.report.losses)};
   if (has_figures && record.rows > 0) {
     root.figures = {{.caption = "the recording", .panels = PanelsOf(record)}};

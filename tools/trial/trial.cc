@@ -251,6 +251,7 @@ int RunTrialPlot(int argc, const char* const* argv) {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPartOfMotion = 1e-6;
 
 // a measurement (status ok or repeated) with a finite value
 bool IsGood(const trial::Channel& channel, std::size_t row) {
@@ -272,11 +273,13 @@ double MeanOf(const trial::Channel& channel) {
   return count == 0 ? 0 : first + sum / count;
 }
 
-// "displacement about 30012.3 um", to the resolution of the channel
-std::string Title(const trial::Channel& channel, double mean) {
+// "displacement about 30012.3 um", to the resolution of the channel; what rounding leaves of a mean
+// of 0 is below a millionth of the motion
+std::string Title(const trial::Channel& channel, double mean, double largest) {
   const double factor = channel.unit == "m" ? 1e6 : 1;
+  const double resolution = std::max(channel.resolution * factor, kPartOfMotion * largest);
   return fmt::format("{} about {} {}", channel.name,
-                     document::NumberText(mean * factor, 0, channel.resolution * factor, 6),
+                     document::NumberText(mean * factor, 0, resolution, 6),
                      factor == 1 ? channel.unit : "um");
 }
 
@@ -291,7 +294,7 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
   plot::Series bad{
       .title = "",
       .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2}};
-  double lowest = 0;
+  double lowest = 0, largest = 0;  // of the deviations; in size
   for (const trial::Stretch& stretch : record.stretches) {
     // a point without value interrupts the line between two segments
     if (!line.x.empty()) {
@@ -307,11 +310,12 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
       line.x.push_back(time_s);
       line.y.push_back(y);
       if (is_good) lowest = std::min(lowest, y);
+      if (is_good) largest = std::max(largest, std::abs(y));
       if (!is_good) bad.x.push_back(time_s);
     }
   }
   bad.y.assign(bad.x.size(), lowest);
-  plot::Panel panel{.title = Title(channel, mean),
+  plot::Panel panel{.title = Title(channel, mean, largest),
                     .x_label = "time / s",
                     .y_label = fmt::format("{} / {}", Name(channel.role),
                                            channel.unit == "m" ? "um" : channel.unit),

@@ -140,6 +140,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   question.problem.actuator.resistance_ohm += scene.drive.source_resistance_ohm;
   question.problem.drive = scene.drive;
   NoteEffects(scene.effects, question);
+  question.scene_skin = scene.skin;
   if (words.skin == "scene") question.problem.fixed_skin = scene.skin;
   return {};
 }

@@ -27,6 +27,7 @@ struct TuneQuestion {
   std::vector<double> springs_n_per_m{};    ///< to choose from; empty: any within the bounds
   std::vector<std::string> left_out{};      ///< effects of the scene that tune leaves out
   bool has_stops = false;                   ///< among them travel stops
+  std::optional<sim::Skin> scene_skin{};    ///< of the scene
 };
 
 /// How the adapter was found where its latency is limited.

@@ -63,6 +63,31 @@ sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoin
           .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
 }
 
+// the law of the skin in place of the scene's own: the answer is of another skin than simulate's
+void DoubtSkin(const TuneAnswer& answer, Section& root) {
+  constexpr double kSameSkin = 0.01;  // relative; a hundredth of Ks moves the skin's RMS by less
+  const std::optional<sim::Skin>& stated = answer.question.scene_skin;
+  if (!stated) return;
+  const double area_m2 = answer.optimum.point.contact_area_m2;
+  const sim::Skin used = sim::SkinOf(answer.question.problem, area_m2);
+  const auto is_same = [](double one, double other) {
+    return std::abs(one - other) <= kSameSkin * std::abs(other);
+  };
+  if (is_same(used.stiffness_n_per_m, stated->stiffness_n_per_m) &&
+      is_same(used.damping_n_s_per_m, stated->damping_n_s_per_m)) {
+    return;
+  }
+  root.Find(
+      Severity::kDoubt, "scene-skin-unused",
+      "the scene's skin of {stiffness_n_per_m} and {damping_n_s_per_m} is not used: the "
+      "thesis's law gives {law_stiffness_n_per_m} and {law_damping_n_s_per_m} at the answer's "
+      "area; --skin scene takes the scene's",
+      {{"stiffness_n_per_m", stated->stiffness_n_per_m},
+       {"damping_n_s_per_m", stated->damping_n_s_per_m},
+       {"law_stiffness_n_per_m", used.stiffness_n_per_m},
+       {"law_damping_n_s_per_m", used.damping_n_s_per_m}});
+}
+
 // assumptions of the numbers: skin, latency and omitted effects
 void AddTuneFindings(const TuneAnswer& answer, Section& root) {
   const TuneQuestion& question = answer.question;
@@ -458,6 +483,7 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
                                 "optimised again.",
                      .panels = PanelsOf(answer)}};
   document::AddFindings(root, SimFindingsOf(answer));
+  DoubtSkin(answer, root);
   AddTuneFindings(answer, root);
   return document;
 }

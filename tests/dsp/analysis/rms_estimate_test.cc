@@ -130,6 +130,17 @@ TEST(RmsEstimate, AFloorAboveAllThatWasMeasuredIsNotTheRecords) {
   EXPECT_FALSE(EstimateRms(power, {}).floor_contradicts);
 }
 
+// a tone in the floor: its power scatters as much as it is large
+TEST(RmsEstimate, BelowAnUncertainFloorTheLimitIsWhatWasMeasured) {
+  BandPower power;
+  power.tone_mean_square = 0.5;
+  power.rest = {1, 100};
+  power.floor = NoisePower{40, 1600};
+  const RmsEstimate estimate = EstimateRms(power, {});
+  EXPECT_TRUE(estimate.below_floor);
+  EXPECT_REL(estimate.at_most_m, estimate.as_measured_m, 1e-15, "no more power than that");
+}
+
 TEST(RmsEstimate, TheGainDividesTheToneOnly) {
   BandPower power;
   power.tone_mean_square = 0.25;

@@ -198,5 +198,29 @@ TEST(TrueVibrationOfAPause, ADriveOffTrialGivesTheFloor) {
   EXPECT_EQ(FirstOf(contradicted->findings, FindingKind::kFloorAboveSignal).subject, "on.bin");
 }
 
+// a tone is no noise: its power scatters so much that it contradicts no measurement
+TEST(TrueVibrationOfAPause, ADriveIsNoFloor) {
+  const auto strong = AnalyzeBand(TrialOf(Trial{200e-6, 225, false, false, true}, 3), {});
+  ASSERT_TRUE(strong && strong->answered);
+  BandQuestion question;
+  question.floor = FloorOf(*strong, "strong.bin");
+  const auto weak = AnalyzeBand(TrialOf(Trial{5e-6, 225, false, false, true}, 1), question);
+  ASSERT_TRUE(weak);
+  EXPECT_FALSE(weak->answered);
+  EXPECT_EQ(RefusalsIn(weak->findings).back(), FindingKind::kFloorAboveSignal);
+  EXPECT_LE(weak->numbers->rms.at_most_m, 1.001 * weak->numbers->rms.as_measured_m)
+      << "the filter's gain at the tone";
+  // a trial is not its own floor
+  const auto own = AnalyzeBand(TrialOf(Trial{200e-6, 225, false, false, true}, 3), question);
+  ASSERT_TRUE(own);
+  EXPECT_FALSE(own->answered);
+  // a drive that was not quite off leaves an answer, with doubt
+  question.floor =
+      FloorOf(*AnalyzeBand(TrialOf(Trial{5e-6, 225, false, false, true}, 1), {}), "on");
+  const auto doubted = AnalyzeBand(TrialOf(Trial{200e-6, 225, false, false, true}, 3), question);
+  EXPECT_TRUE(doubted->answered);
+  EXPECT_EQ(FirstOf(doubted->findings, FindingKind::kFloorHasTheTone).subject, "on");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

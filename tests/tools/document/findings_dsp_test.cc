@@ -299,10 +299,10 @@ const std::vector<Case> kCases{
      "quiet-has-drive",
      "where the drive is off, a tone of 0.25 um at 225 Hz remains: it is excluded from the noise"},
     {kWideInterval,
-     {{"share", 0.084}},
+     {{"share", 0.08412}},
      "wide-interval",
-     "the RMS is known to 8.4 % only: the drive is weak beside the noise; drive harder, record "
-     "longer, or reduce the noise"},
+     "the RMS is known to 8.4 % only (half of its 95 % interval): the drive is weak beside the "
+     "noise; drive harder, record longer, or reduce the noise"},
     {kQuantised,
      {{"share", 0.031}, {"step_m", 1e-06}},
      "quantised",
@@ -348,8 +348,8 @@ const std::vector<Case> kCases{
     {kFloorAboveSignal,
      {{"floor_m", 2e-06}, {"measured_m", 1e-06}},
      "floor-above-signal",
-     "the floor of 2 um is above the 1 um that were measured: record a floor with the same sensor, "
-     "settings and rate, drive off"},
+     "the 1 um that were measured do not exceed the floor of 2 um: record a floor with the same "
+     "sensor, settings and rate, drive off"},
     {kBelowFloor,
      {{"floor_m", 2e-06}, {"at_most_m", 3e-06}},
      "below-floor",
