@@ -352,20 +352,29 @@ void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
   }
 }
 
-// ends the part where A e^(-d t) = step: below the converter's step only the offset's code remains
-void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double noise_v,
-                      Disturbances* part) {
+// sample from which A e^(-d t) is below the converter's step, so that only the offset's code
+// remains; the part's end where rounding is random, and where too little would be left
+std::size_t EndAboveStep(const ImpulseRecord& record, const RingStart& start, const RingFit& fit,
+                         const Disturbances& part) {
   const double step_v = ConverterStep(record.voltage_v);
-  // with noise above a quarter of a step, the rounding is random and the tail is kept
-  if (step_v == 0 || noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return;
+  const double noise_v = start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v;
+  // with noise above a quarter of a step, the rounding is random
+  if (step_v == 0 || noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return part.end_sample;
   const double since_s = std::log(fit.Envelope(0) / step_v) / fit.poles.decay_per_s;
-  const std::size_t end = part->first_sample + static_cast<std::size_t>(since_s / record.step_s);
-  const double periods =
-      static_cast<double>(end - part->first_sample) * record.step_s / PeriodOf(fit.poles);
-  if (end >= part->end_sample || periods < kLeastPeriods) return;
+  const double samples = std::min(since_s / record.step_s, static_cast<double>(part.end_sample));
+  const double periods = std::floor(samples) * record.step_s / PeriodOf(fit.poles);
+  if (periods < kLeastPeriods) return part.end_sample;
+  return std::min(part.end_sample, part.first_sample + static_cast<std::size_t>(samples));
+}
+
+// excludes that tail from the fit
+void CutQuantisedTail(const ImpulseRecord& record, const RingStart& start, const RingFit& fit,
+                      Disturbances* part) {
+  const std::size_t end = EndAboveStep(record, start, fit, *part);
+  if (end >= part->end_sample) return;
   part->end_sample = end;
   part->found.Add(About(record.name, Severity::kNote, FindingKind::kQuantisedTail,
-                        {{InUnit(record, "step_v", "step_m"), step_v},
+                        {{InUnit(record, "step_v", "step_m"), ConverterStep(record.voltage_v)},
                          {"from_s", record.start_s + static_cast<double>(end) * record.step_s}}));
 }
 
@@ -566,8 +575,7 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
         1 / PeriodOf(fit.poles));
   }
   // the evidence is of the whole part; the tail is cut only then
-  CutQuantisedTail(record, fit,
-                   start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, part);
+  CutQuantisedTail(record, start, fit, part);
 }
 
 // FindDisturbances(), with later impacts or as if there were none
@@ -579,6 +587,7 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
   part.poles = start.poles;
   bool may_have_friction = true;
   std::size_t cuts = 0;
+  std::size_t above_step_end = 0;  // of the samples by which friction is judged
   // each round accepts the disturbance with the largest gain, until none is left
   for (int round = 0; round < kMostRounds; ++round) {
     // 16 blocks per period, but at least 256 blocks in the part
@@ -586,7 +595,8 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
     const std::size_t length = part.end_sample - part.first_sample;
     const std::size_t block = std::clamp<std::size_t>(static_cast<std::size_t>(wanted), 1,
                                                       std::max<std::size_t>(length / 256, 1));
-    const auto samples = BlocksOf(record, part.first_sample, part.end_sample, block);
+    const std::size_t end = part.background.has_friction ? above_step_end : part.end_sample;
+    const auto samples = BlocksOf(record, part.first_sample, end, block);
     if (samples.values_v.size() < kLeastBlocks) break;
     RingFit fit = FitRing(samples, part.poles, part.background);
     if (fit.converged) part.poles = fit.poles;
@@ -616,12 +626,16 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       part.found.Add(About(record.name, Severity::kNote, FindingKind::kDrift,
                            {{InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
     } else if (worst.kind == Suspect::Kind::kFriction) {
-      // accepted only if the fit with friction as a parameter confirms the first-order trial
+      // accepted only if the fit with friction as a parameter confirms the first-order trial; a
+      // motion whose last swings the converter does not show resembles one that friction stops
+      above_step_end = EndAboveStep(record, start, fit, part);
+      const auto above = BlocksOf(record, part.first_sample, above_step_end, block);
       RingBackground rubbing = part.background;
+      const RingFit without = FitRing(above, part.poles, rubbing);
       rubbing.has_friction = true;
-      const RingFit with = FitRing(samples, part.poles, rubbing);
-      may_have_friction = Holds(fit, with, record.signal);
-      if (!may_have_friction && StopsAtOnce(fit, with, record.signal)) {
+      const RingFit with = FitRing(above, part.poles, rubbing);
+      may_have_friction = Holds(without, with, record.signal);
+      if (!may_have_friction && StopsAtOnce(without, with, record.signal)) {
         part.no_ring_down = "is stopped by dry friction within its first swings";
         return part;
       }

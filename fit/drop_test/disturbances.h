@@ -37,7 +37,9 @@ struct Disturbances {
 /// is not an impact (consistency.h). The one that reduces the residual's power most, by more than
 /// 30 times the mean share of a degree of freedom (one false alarm in 10^5 records of white noise;
 /// dry friction, of one column with a known sign, 12 times: 1 in 4000), is included, and the fit
-/// repeated until none is left:
+/// repeated until none is left. Friction is judged by the swings above the converter's step: below
+/// it a record shows rest, as friction leaves behind.
+///
 ///
 /// - a line or a hum becomes further columns of the fit;
 /// - at a blow the record is cut. The part kept is the one that tells more of the decay, by its
