@@ -80,7 +80,7 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Sta
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
                            Eigen::VectorXd initial)
-    : states_(model.states()), frequency_hz_(drive.frequency_hz), initial_(std::move(initial)) {
+    : states_(model.states()), model_(model), drive_(drive), initial_(std::move(initial)) {
   HAPTOMETER_CHECK(initial_.size() == states_, "{} of {} states", initial_.size(), states_);
   const Mode mode{.name = {},
                   .a = model.a,
@@ -100,9 +100,13 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
 }
 
 Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
+  return StateAt(t_s, initial_, Motion::kDriven);
+}
+
+Eigen::VectorXd TimeResponse::StateAt(double t_s, Eigen::VectorXd initial, Motion motion) const {
   HAPTOMETER_CHECK(t_s >= 0 && t_s < std::ldexp(1.0, kPowers + kSmallestExponent), "t_s = {}", t_s);
-  Eigen::VectorXd z(states_ + 2);
-  z.head(states_) = initial_;
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(states_ + 2);
+  z.head(states_) = std::move(initial);
 
   // largest power first; what has passed is a sum of powers of two, hence exact
   double passed_s = 0;
@@ -110,7 +114,9 @@ Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
     const double step_s = std::ldexp(1.0, k + kSmallestExponent);
     if (t_s - passed_s < step_s) continue;
     passed_s += step_s;
-    z.tail(2) = DriveAt(frequency_hz_, static_cast<long double>(passed_s));
+    if (motion == Motion::kDriven) {
+      z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
+    }
     z.head(states_) = (powers_[static_cast<std::size_t>(k)] * z).eval();
   }
   return z.head(states_);
@@ -121,35 +127,57 @@ Eigen::MatrixXd TimeResponse::Step(double h_s) const {
   return LongDrivenStep(long_generator_, static_cast<long double>(h_s), 2).cast<double>();
 }
 
-Eigen::MatrixXd TimeResponse::Exponential(double h_s) const {
-  if (long_generator_.size() == 0) return MatrixExponential(h_s * generator_);
-  return LongMatrixExponential(long_generator_, static_cast<long double>(h_s)).cast<double>();
+Eigen::MatrixXd TimeResponse::Exponential(double h_s, Motion motion) const {
+  Eigen::MatrixXd e = long_generator_.size() == 0
+                          ? MatrixExponential(h_s * generator_)
+                          : LongMatrixExponential(long_generator_, static_cast<long double>(h_s))
+                                .cast<double>()
+                                .eval();
+  if (motion == Motion::kFree) e.topRightCorner(states_, 2).setZero();
+  return e;
 }
 
-double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
-  HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
+double TimeResponse::OutputRms(const Eigen::VectorXd& output, const Eigen::VectorXd& initial,
+                               Motion motion, double begin_s, double end_s) const {
   const double length_s = end_s - begin_s;
-  const BalancedMatrix balanced = Balance(generator_);
+  Eigen::MatrixXd generator = generator_;
+  if (motion == Motion::kFree) generator.topRightCorner(states_, 2).setZero();
+  const BalancedMatrix balanced = Balance(generator);
 
   // an interval so short that its series converges at once, 2^-doublings of the window
   const double norm = balanced.matrix.cwiseAbs().colwise().sum().maxCoeff() * length_s;
   const int doublings = std::max(0, 2 + std::ilogb(norm) + 1);
   const double short_s = std::ldexp(length_s, -doublings);
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(states_ + 2);
-  c(state) = balanced.scale(state);
-  Eigen::MatrixXd gramian = ShortGramian(balanced.matrix, c, short_s);
+  Eigen::MatrixXd gramian =
+      ShortGramian(balanced.matrix, output.cwiseProduct(balanced.scale), short_s);
 
   // S(2h) = S(h) + exp(G' h) S(h) exp(G h): the first half and the second, from the begin
   for (int k = 0; k < doublings; ++k) {
     const Eigen::MatrixXd e = balanced.scale.cwiseInverse().asDiagonal() *
-                              Exponential(std::ldexp(short_s, k)) * balanced.scale.asDiagonal();
+                              Exponential(std::ldexp(short_s, k), motion) *
+                              balanced.scale.asDiagonal();
     gramian += (e.transpose() * gramian * e).eval();
   }
   Eigen::VectorXd z(states_ + 2);
-  z << StateAt(begin_s), DriveAt(frequency_hz_, static_cast<long double>(begin_s));
+  z << StateAt(begin_s, initial, motion),
+      DriveAt(drive_.frequency_hz, static_cast<long double>(begin_s));
   z = z.cwiseQuotient(balanced.scale);
-  // integral of the state's square = z' S z at the begin of the window
+  // integral of the output's square = z' S z at the begin of the window
   return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
+}
+
+double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
+  HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
+  Eigen::VectorXd output = Eigen::VectorXd::Zero(states_ + 2);
+  output(state) = 1;
+  const double rms = OutputRms(output, initial_, Motion::kDriven, begin_s, end_s);
+  // no steady part, or one that is larger than the motion: a resonance that still builds up
+  constexpr double kKnown = 1e-9;  // relative error of the phasors
+  const SteadyState steady = SolveSteadyState(model_, drive_, Skin{});
+  const bool is_known = steady.error_estimate < kKnown;
+  if (!is_known || std::abs(steady.phasors(state)) > 2 * rms) return rms;
+  output.tail(2) << steady.phasors(state).real(), steady.phasors(state).imag();
+  return OutputRms(output, initial_ - steady.phasors.imag(), Motion::kFree, begin_s, end_s);
 }
 
 }  // namespace haptometer::sim
