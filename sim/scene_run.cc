@@ -443,12 +443,14 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
   }
   // the same tolerance gives the same run: the difference shows nothing of its error
   if (finer <= 1) return coarse.error_estimate;
-  // the largest deviation over quantities, waveform, power and peaks
+  // the largest deviation over quantities, waveform, power, peaks and temperatures
   double largest = 0;
   for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
     largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
   }
-  largest = std::max(largest, LargestDeviation(coarse, run));
+  largest = std::max({largest, LargestDeviation(coarse, run),
+                      Relative(coarse.temperature_rise_k, run.temperature_rise_k),
+                      Relative(coarse.temperature_peak_k, run.temperature_peak_k)});
   const double rounding = kSolverRounding + kStepRounding * static_cast<double>(run.work.steps) +
                           kIterationPart * run.solver_tolerance;
   // an n times smaller tolerance leaves at most kLeftOver / n of the deviation, and moves the run

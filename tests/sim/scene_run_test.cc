@@ -180,6 +180,25 @@ TEST(SceneRun, OfAFilesVoltagesTheStatedErrorHolds) {
   }
 }
 
+// the coil's temperatures are numbers of the run as the others are
+TEST(SceneRun, TheStatedErrorHoldsForTemperatures) {
+  Scene scene = tests::AdapterScene();
+  scene.adapter.reset();
+  scene.start = Start::kRest;
+  scene.drive = {.amplitude_v = 5, .kind = DriveKind::kPulse, .hold_s = 5e-3};
+  scene.effects.coil_heating =
+      CoilHeating{.heat_capacity_j_per_k = 0.01, .thermal_resistance_k_per_w = 10};
+  scene.tolerance = 1e-11;
+  const EffectiveScene heating = WithEffects(scene, Only({Effect::kCoilHeating}));
+  const SceneRun exact = RunScene(heating, 0.05);
+  for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+    scene.tolerance = tolerance;
+    const SceneRun run = RunScene(WithEffects(scene, Only({Effect::kCoilHeating})), 0.05);
+    EXPECT_REL(run.temperature_rise_k, exact.temperature_rise_k, run.error_estimate, "stated");
+    EXPECT_REL(run.temperature_peak_k, exact.temperature_peak_k, run.error_estimate, "stated");
+  }
+}
+
 TEST(SceneRun, GravityStretchesTheStiffeningSpring) {
   Scene scene = WithStops(0.3e-3);
   scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 1e15};
