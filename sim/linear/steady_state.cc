@@ -236,6 +236,11 @@ Eigen::VectorXd StaticState(const LinearModel& model, double voltage_v) {
   const Eigen::PartialPivLU<Eigen::MatrixXd> factors(balanced.matrix);
   Eigen::VectorXd x = factors.solve(push);
   x += factors.solve(push - balanced.matrix * x);
+  // a state below its rounding, |A^-1| |A| |x|, is one that no force holds away from its place
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  const Eigen::VectorXd rounding =
+      kRounding * factors.inverse().cwiseAbs() * (balanced.matrix.cwiseAbs() * x.cwiseAbs());
+  x = (x.array().abs() <= rounding.array()).select(0, x);
   return balanced.scale.cwiseProduct(x);
 }
 

@@ -55,7 +55,7 @@ TEST(Offset, HoldsCurrentAndTravelWhereOhmAndTheSpringPutThem) {
       -scene.actuator.force_constant_n_per_a * current_a / scene.actuator.stiffness_n_per_m;
   EXPECT_REL(both.mean_current_a, current_a, 1e-13, "Ohm's law; rounding");
   EXPECT_REL(both.mean_travel_m, travel_m, 1e-13, "the coil's force over Kv; rounding");
-  EXPECT_ABS(both.mean(4), 0, 1e-18, "the coil's forces cancel outside of the actuator");
+  EXPECT_EQ(both.mean(4), 0) << "the coil's forces cancel outside of the actuator";
   EXPECT_REL(both.mover_peak_m, alone.mover_peak_m + std::abs(travel_m), 1e-13, "rounding");
   EXPECT_REL(both.current_rms_a, std::hypot(alone.current_rms_a, current_a), 1e-13, "rounding");
   EXPECT_REL(both.power_w, alone.power_w + 1.7 * 1.7 / scene.actuator.resistance_ohm, 1e-13,
