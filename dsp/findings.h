@@ -10,26 +10,27 @@ namespace haptometer::dsp {
 /// A channel, a column and the like are texts.
 enum class FindingKind : std::uint8_t {
   // readings
-  kExcluded,          ///< excluded, readings, statuses
-  kRepeated,          ///< repeated, readings: handed out a second time
-  kInterpolated,      ///< interpolated, rms_m: of what it adds at most
-  kClipped,           ///< count, readings, first_s; the next three size_m as well
-  kMayBeClipped,      ///< share: at an extreme, by clipping or by harmonics
-  kHeld,              ///< the same reading again and again, then a jump
-  kNoReadingCodes,    ///< value_m, readings: that hold it or another code
-  kSpikes,            ///< readings far from their neighbours: excluded
-  kSteps,             ///< the level jumps and stays
-  kStuck,             ///< readings: all are the same
-  kStuckInWindow,     ///< window_s, from_s, changes, readings, lower_hz
-  kNoMeasurement,     ///< none of the readings is one
-  kFarReadings,       ///< farthest_m: farther than any displacement sensor
-  kBeyondCalibrated,  ///< samples, readings, beyond_m, least_m, most_m of the calibrated range;
-                      ///< widths: from 100 on, as in another unit
-  kSegments,          ///< segments: gaps split the record
-  kLongestSegment,    ///< segments: the longest is used
-  kSamplesLimited,    ///< samples, used
-  kSegmentEnds,       ///< first_s, last_s, segment_s: what has not settled of one
-  kAveragingUnknown,  ///< of the sensor: amplitudes are not verified
+  kExcluded,            ///< excluded, readings, statuses
+  kRepeated,            ///< repeated, readings: handed out a second time
+  kInterpolated,        ///< interpolated, rms_m: of what it adds at most
+  kClipped,             ///< count, readings, first_s; the next three size_m as well
+  kMayBeClipped,        ///< share: at an extreme, by clipping or by harmonics
+  kHeld,                ///< the same reading again and again, then a jump
+  kNoReadingCodes,      ///< value_m, readings: that hold it or another code
+  kSpikes,              ///< readings far from their neighbours: excluded
+  kSteps,               ///< the level jumps and stays
+  kStuck,               ///< readings: all are the same
+  kStuckInWindow,       ///< window_s, from_s, changes, readings, lower_hz
+  kNoMeasurement,       ///< none of the readings is one
+  kFarReadings,         ///< farthest_m: farther than any displacement sensor
+  kBeyondCalibrated,    ///< samples, readings, beyond_m, least_m, most_m of the calibrated range;
+                        ///< widths: from 100 on, as in another unit
+  kSegments,            ///< segments: gaps split the record
+  kLongestSegment,      ///< segments: the longest is used
+  kSamplesLimited,      ///< samples, used
+  kSegmentEnds,         ///< first_s, last_s, segment_s: what has not settled of one
+  kAveragingUnknown,    ///< of the sensor: amplitudes are not verified
+  kOtherDisplacements,  ///< channel, others: of the record; the first is analysed
   // rate and times
   kSourceIsSlower,       ///< share: of the readings that repeat the one before, new_readings_per_s,
                          ///< frequency_hz, loss: of the tone's amplitude
@@ -54,6 +55,7 @@ enum class FindingKind : std::uint8_t {
   kTooShort,           ///< settled_s, order, needed_s, record_s; lower_hz where a lower order leaks
   kBelowBand,          ///< amplitude_m, frequency_hz, leaked_m
   kBelowBandModelled,  ///< the same, subtracted
+  kAboveBand,          ///< amplitude_m, frequency_hz: stronger than all that is in the band
   // drive and window; the first four say how a window was chosen (UsedPart::why)
   kAllSettled,
   kWindowAsked,  ///< from_s, to_s

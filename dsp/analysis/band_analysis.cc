@@ -181,6 +181,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
   HAPTOMETER_LET(const auto clean, Clean(source, channel, threads));
   const trial::Record& head = clean.rows->head();
   analysis.faults = clean.faults;
+  NoteOtherDisplacements(head, channel, &analysis.findings);
   DescribeRecord(head, clean.segments, clean.summary, &analysis);
   HAPTOMETER_TRY(CheckReadings(head, clean.summary, analysis.record));
   RemarkArtifacts(clean, &analysis);

@@ -148,6 +148,14 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
                    signal.model().has_value()};
 }
 
+Result<std::optional<SineFit>> FindAboveBand(const BandSignal& signal, double upper_hz,
+                                             double most_hz) {
+  if (upper_hz >= most_hz) return std::nullopt;
+  std::vector<double> values(std::min(signal.size(), kMostSearched));
+  HAPTOMETER_TRY(signal.samples().Read((signal.size() - values.size()) / 2, values));
+  return StrongestTone(values, {signal.rate_hz(), upper_hz, most_hz, 0});
+}
+
 Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displacement,
                                                     const Segments& segments,
                                                     const BandQuestion& question,

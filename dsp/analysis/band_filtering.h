@@ -9,6 +9,7 @@
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/readings/segments.h"
+#include "dsp/spectrum/sine_fit.h"
 #include "trial/row_source.h"
 
 /// The filtering step of AnalyzeBand.
@@ -42,5 +43,10 @@ struct Displacement {
 /// leave of it.
 [[nodiscard]] Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal,
                                                              double lower_hz);
+
+/// The strongest tone from the band to `most_hz`, of at most 2^21 samples in the middle, as it was
+/// before the filter.
+[[nodiscard]] Result<std::optional<SineFit>> FindAboveBand(const BandSignal& signal,
+                                                           double upper_hz, double most_hz);
 
 }  // namespace haptometer::dsp

@@ -31,6 +31,18 @@ Result<std::size_t> AnalyzedChannel(const trial::Record& head) {
                       "convert it to metres");
 }
 
+void NoteOtherDisplacements(const trial::Record& head, std::size_t channel, Findings* findings) {
+  std::string others;
+  for (std::size_t c = 0; c < head.channels.size(); ++c) {
+    const trial::Channel& other = head.channels[c];
+    if (c == channel || other.role != trial::ChannelRole::kDisplacement) continue;
+    others += (others.empty() ? "" : ", ") + other.name;
+  }
+  if (others.empty()) return;
+  findings->Note(FindingKind::kOtherDisplacements,
+                 {{"channel", head.channels[channel].name}, {"others", others}});
+}
+
 // numbers of rows by status as text, such as "late 3, over 1"
 std::string Unmeasured(const RecordFacts& facts) {
   std::string text;

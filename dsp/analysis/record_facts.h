@@ -20,6 +20,9 @@ namespace haptometer::dsp {
 /// Errors (Cause::kCannotAnswer): there is none, or none in metres.
 [[nodiscard]] Result<std::size_t> AnalyzedChannel(const trial::Record& head);
 
+/// Adds a note where the record holds further displacements beside `channel`, which is analysed.
+void NoteOtherDisplacements(const trial::Record& head, std::size_t channel, Findings* findings);
+
 /// Fills `analysis.record` and says what was left out or handed out again. `summary` and `segments`
 /// are of the record whose head is given.
 void DescribeRecord(const trial::Record& head, const Segments& segments, const RawSummary& summary,

@@ -597,6 +597,17 @@ Result<void> DescribeMotion(Window& window) {
   return {};
 }
 
+// without a tone in the band: a drive above it may be all that there is
+Result<void> DoubtAboveBand(const Window& window, BandAnalysis* analysis) {
+  HAPTOMETER_LET(const auto above, FindAboveBand(*window.chosen.signal, window.band().upper_hz,
+                                                 analysis->record.observable_upper_hz));
+  if (!above || above->amplitude / std::numbers::sqrt2 < window.numbers.rms.as_measured_m)
+    return {};
+  analysis->findings.Doubt(FindingKind::kAboveBand, {{"amplitude_m", above->amplitude},
+                                                     {"frequency_hz", above->frequency_hz}});
+  return {};
+}
+
 }  // namespace
 
 Result<void> MeasureWindow(const Displacement& displacement, const std::vector<BandSignal>& all,
@@ -644,6 +655,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, edges));
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
+  if (!has_tone) HAPTOMETER_TRY(DoubtAboveBand(window, analysis));
   // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(
       threads,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/circular_functions.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
 #include "sim/linear/steady_state.h"
@@ -175,7 +176,7 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
   constexpr double kKnown = 1e-9;  // relative error of the phasors
   const SteadyState steady = SolveSteadyState(model_, drive_, Skin{});
   const bool is_known = steady.error_estimate < kKnown;
-  if (!is_known || std::abs(steady.phasors(state)) > 2 * rms) return rms;
+  if (!is_known || Abs(steady.phasors(state)) > 2 * rms) return rms;
   output.tail(2) << steady.phasors(state).real(), steady.phasors(state).imag();
   return OutputRms(output, initial_ - steady.phasors.imag(), Motion::kFree, begin_s, end_s);
 }

@@ -216,6 +216,7 @@ TEST_F(OutputFileTest, ALinkStandsForItsFile) {
 
 TEST_F(OutputFileTest, DirectoriesDisksAndMissingPlacesAreRefused) {
   EXPECT_THAT(Wrong(CheckOutput(directory_, kRowsOutput, true)), HasSubstr("is a directory"));
+  EXPECT_THAT(Wrong(CheckOutput("-", kRowsOutput, true)), HasSubstr("standard output"));
   EXPECT_THAT(Wrong(CheckOutput(Path("none/x.csv"), kRowsOutput, true)),
               HasSubstr("lies in a directory that does not exist"));
   const std::string file = File("file", "x");

@@ -63,7 +63,10 @@ Result<std::string> Submit(std::vector<std::string> words) {
   static const std::regex kJob(R"((?:^|\n)(\d+)(?:;\S*)?(?=\n|$))");
   std::smatch job;
   if (status == 0 && std::regex_search(output, job, kJob)) return job[1];
-  return Failed("", Printable(output));
+  // its lines as one
+  std::string lines(output.substr(0, output.find_last_not_of('\n') + 1));
+  for (std::size_t end; (end = lines.find('\n')) != std::string::npos;) lines.replace(end, 1, "; ");
+  return Failed("", Printable(lines));
 }
 
 bool HasSbatch() { return OutputOf({"sh", "-c", "command -v sbatch"}).second == 0; }

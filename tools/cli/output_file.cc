@@ -147,6 +147,10 @@ Result<void> CheckReplaceable(const std::string& path, const std::string& target
 // an input of this command is never an output, under any name (device and inode)
 Result<void> CheckPlace(const std::string& path, const Place& place, const OutputKind& kind,
                         bool overwrite) {
+  if (path == "-") {
+    return Usage(path, "stands for standard output, where nothing is written",
+                 "name a file; ./- is one of that name");
+  }
   if (place.exists && IsNotedInput(place.status)) {
     return Usage(path, "is an input of this command", "name another file to write");
   }

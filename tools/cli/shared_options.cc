@@ -81,8 +81,7 @@ Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, cons
 
 void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has_format) {
   options->Text("--columns", &words->columns, "NAME,NAME,...",
-                "Columns of a foreign table: time_s, displacement_mm, voltage_v, ...; - for none",
-                Shown::kHelpAll);
+                "Columns of a foreign table: time_s, displacement_mm, voltage_v, ...; - for none");
   options
       ->Number(
           "--rate", &words->rate_hz, Dimension::kFrequency, Above(0),

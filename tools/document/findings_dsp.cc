@@ -61,6 +61,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "16' "
        "and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes one of any "
        "trial)"},
+      {kOtherDisplacements, "other-displacements",
+       "the displacement {channel} is analysed, {others} not: --columns chooses, with - for the "
+       "others"},
       // rate and times
       {kSourceIsSlower, "source-is-slower",
        "{share %} of the readings repeat the one before: the source gives {new_readings_per_s SI} "
@@ -179,6 +182,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kCornerLoss, "corner-loss",
        "the tone at {frequency_hz} is near a corner of the band, where the filter passes {gain %} "
        "of its amplitude: without the filter the RMS is {rms_m}; a wider --band avoids this"},
+      {kAboveBand, "above-band",
+       "a tone of {amplitude_m} at {frequency_hz}, above the band, is stronger than all that is in "
+       "it: where it is the drive, give a --band that holds it"},
       // hum of the mains
       {kHumSubtracted, "hum-subtracted",
        "hum of the mains subtracted: {lines} line{lines s}, the strongest {amplitude_m} at "

@@ -9,6 +9,7 @@
 #include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {
@@ -32,6 +33,21 @@ TEST(RecordDoubts, AFewOtherReadingsDoNotMakeAStuckSensorVibrate) {
   EXPECT_FALSE(analysis.answered);
   EXPECT_FALSE(analysis.numbers);
   EXPECT_TRUE(analysis.findings.Has(FindingKind::kStuckInWindow));
+}
+
+TEST(RecordDoubts, OtherDisplacementsAreNamed) {
+  trial::Record record = Tone(1);
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kOtherDisplacements));
+  trial::Channel second = record.channels[0];
+  second.name = "reference";
+  record.channels.push_back(second);
+  second.name = "drive";
+  second.role = trial::ChannelRole::kVoltage;
+  record.channels.push_back(second);
+  const BandAnalysis analysis = Answer(record);
+  EXPECT_EQ(
+      tests::NumberOf<std::string>(analysis.findings, FindingKind::kOtherDisplacements, "others"),
+      "reference");
 }
 
 TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {

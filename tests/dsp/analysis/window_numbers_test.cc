@@ -43,6 +43,23 @@ trial::Record Driven() {
 }
 
 // on for 0.3 s from the first row on: hardly any of it settles, and what is left is its pause
+TEST(AboveBand, AToneThatIsStrongerThanTheBandIsTold) {
+  for (const double frequency_hz : {225.0, 505.0, 600.0, 1500.0, 1700.0}) {
+    auto values = Samples(4000, 12'000, 0.03, {{20e-6, frequency_hz}});
+    Noise noise(1);
+    for (double& x : values) x += 1e-7 * noise();
+    const BandAnalysis analysis = AnalyzeBand(RecordOf(values, 4000), {}).value();
+    // up to 4000/2.56 Hz, above which a tone may be an alias
+    const bool is_told = frequency_hz > 500 && frequency_hz < 4000 / 2.56;
+    ASSERT_EQ(analysis.findings.Has(FindingKind::kAboveBand), is_told) << frequency_hz;
+    if (!is_told) continue;
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kAboveBand, "amplitude_m"), 20e-6, 1e-3,
+               "noise of 1e-7 in 12 000 samples");
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kAboveBand, "frequency_hz"), frequency_hz,
+               1e-6, "noise");
+  }
+}
+
 TEST(WindowNumbers, ADriveThatDidNotSettleHasNoAnswer) {
   std::vector<double> displacement = Samples(kRateHz, 10'000, 0.03, {{1e-5, 200}});
   std::vector<double> voltage = Samples(kRateHz, 10'000, 0, {{2, 200, 1}});

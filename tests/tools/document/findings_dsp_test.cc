@@ -111,6 +111,11 @@ const std::vector<Case> kCases{
      {{"first_s", 1.25}, {"last_s", 0.2}, {"segment_s", 3.0}},
      "segment-ends",
      "filter transients excluded: the first 1.25 s and the last 200 ms of a segment of 3 s"},
+    {kOtherDisplacements,
+     {{"channel", "laser"}, {"others", "laser_2, laser_3"}},
+     "other-displacements",
+     "the displacement laser is analysed, laser_2, laser_3 not: --columns chooses, with - for the "
+     "others"},
     {kAveragingUnknown,
      {},
      "averaging-unknown",
@@ -272,6 +277,11 @@ const std::vector<Case> kCases{
      "other-drive",
      "the tone is at 230 Hz, and the header states a drive of 225 Hz: check the generator, or "
      "correct the header"},
+    {kAboveBand,
+     {{"amplitude_m", 20e-6}, {"frequency_hz", 600.0}},
+     "above-band",
+     "a tone of 20 um at 600 Hz, above the band, is stronger than all that is in it: where it is "
+     "the drive, give a --band that holds it"},
     {kCornerLoss,
      {{"frequency_hz", 490.0}, {"gain", 0.76}, {"rms_m", 9e-06}},
      "corner-loss",
