@@ -247,7 +247,7 @@ SensorAbility AnalogOutput(double sampling_s, int averages) {
 }
 
 std::vector<SensorAbility> KnownSensors() {
-  constexpr double kFastest_s = 0.33e-3;  // data 132, code 1
+  constexpr double kFastest_s = dl_rs1a::kSamplings_s.front();
   std::vector<SensorAbility> sensors{AnalogOutput(kFastest_s, 1), AnalogOutput(kFastest_s, 4),
                                      AnalogOutput(1e-3, 16), DlEn1(), LkG()};
   for (const int baud : dl_rs1a::kBauds) sensors.push_back(DlRs1a(baud));

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -16,8 +17,12 @@ using trial::SampleStatus;
 
 // the data numbers that can be written; each takes the codes from 0 to this
 const std::map<int, int> kHighestCodes{
-    {dl_rs1a::kBank, 3}, {dl_rs1a::kSamplingCycle, 4},   {dl_rs1a::kAveraging, 14},
-    {dl_rs1a::kHold, 5}, {dl_rs1a::kZeroShiftMemory, 1}, {dl_rs1a::kHighPassCutoff, 9}};
+    {dl_rs1a::kBank, 3},
+    {dl_rs1a::kSamplingCycle, static_cast<int>(dl_rs1a::kSamplings_s.size())},
+    {dl_rs1a::kAveraging, 14},
+    {dl_rs1a::kHold, 5},
+    {dl_rs1a::kZeroShiftMemory, 1},
+    {dl_rs1a::kHighPassCutoff, 9}};
 
 // data of the head by its name; IL-030 for heads outside of the IL series
 const dl_rs1a::Head& TypeOf(const std::string& name) {
@@ -48,9 +53,12 @@ double AnalogVolts(const trial::SensorHead& head, double displacement_m) {
 
 Result<void> ValidateIlHead(const trial::SensorHead& head) {
   if (!dl_rs1a::SamplingCode(head.sampling_s)) {
+    std::array<double, dl_rs1a::kSamplings_s.size()> periods_ms{};
+    std::ranges::transform(dl_rs1a::kSamplings_s, periods_ms.begin(),
+                           [](double period_s) { return 1e3 * period_s; });
     return Usage("<sampling>",
                  fmt::format("an IL-1000 does not sample every {:g} ms", 1e3 * head.sampling_s),
-                 "give 0.33ms, 1ms, 2ms or 5ms");
+                 fmt::format("give one of {:g} ms", fmt::join(periods_ms, ", ")));
   }
   if (!dl_rs1a::AveragingCode(head.averages)) {
     return Usage("<averages>", fmt::format("an IL-1000 does not average {}", head.averages),
@@ -147,8 +155,9 @@ IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
   }
   if (code < 0 || code > highest->second) return IlWriteOutcome::kOutOfRange;
   codes_[number] = code;
-  // "default" is 1 ms; the filters average nothing here
-  head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
+  // the filters average nothing here
+  head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle])
+                              .value_or(dl_rs1a::kDefaultSampling_s);
   head_.head.averages = dl_rs1a::Averages(codes_[dl_rs1a::kAveraging]).value_or(1);
   // the moving average starts again after a change of these
   const bool unsettles = number == dl_rs1a::kSamplingCycle || number == dl_rs1a::kAveraging ||

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <tuple>
 
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "base/error.h"
 #include "dsp/analysis/decision_limits.h"
@@ -307,13 +309,13 @@ bool IsBefore(const Route& a, const Route& b) {
 // the averagings that an IL amplifier is set to, as sensors of their own
 std::vector<SensorAbility> Averagings(const SensorAbility& polled) {
   std::vector<SensorAbility> all;
-  for (const auto& [sampling_s, word] : {std::pair(0.33e-3, "0.33ms"), std::pair(1e-3, "1ms")}) {
+  for (const double sampling_s : std::span(acquire::dl_rs1a::kSamplings_s).first(2)) {
     for (const int averages : {1, 2, 4, 8, 16, 32, 64}) {
       SensorAbility sensor = polled;
       sensor.sampling_s = sampling_s;
       sensor.averages = averages;
       sensor.noise_rms_m = trial::Il030().noise_rms_m / std::sqrt(averages);
-      sensor.settings.emplace_back("set", fmt::format("sampling={}", word));
+      sensor.settings.emplace_back("set", fmt::format("sampling={:g}ms", 1e3 * sampling_s));
       sensor.settings.emplace_back("set", fmt::format("averaging={}", averages));
       all.push_back(std::move(sensor));
     }
@@ -345,7 +347,8 @@ std::vector<Route> AdviseRoutes(const RouteQuestion& question) {
   }
   // the analog output in all of the averagings that leave anything of a vibration
   for (const int averages : {1, 2, 4, 8, 16}) {
-    routes.push_back(RouteOf(acquire::AnalogOutput(0.33e-3, averages), question));
+    routes.push_back(
+        RouteOf(acquire::AnalogOutput(acquire::dl_rs1a::kSamplings_s.front(), averages), question));
   }
   routes.push_back(RouteOf(acquire::AnalogOutput(1e-3, 16), question));
   std::ranges::sort(routes, IsBefore);

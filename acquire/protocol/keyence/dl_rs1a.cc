@@ -116,8 +116,6 @@ constexpr std::array<Head, 9> kHeads = {{
 
 constexpr std::array<std::string_view, 6> kHolds = {"sample",       "peak",      "bottom",
                                                     "peak-to-peak", "auto peak", "auto bottom"};
-// codes 1 to 4 of data 132; code 0 is the default
-constexpr std::array<double, 4> kSamplings_s = {0.33e-3, 1e-3, 2e-3, 5e-3};
 constexpr std::array<double, 10> kHighPasses_hz = {0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100};
 // T2 of one to eight amplifiers; kRefreshNs for one
 constexpr std::array<MonotonicNs, 8> kRefreshes_ns = {

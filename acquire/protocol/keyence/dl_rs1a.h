@@ -107,6 +107,11 @@ struct Head {
 /// The head called `name` ("IL-030"), or nullptr.
 [[nodiscard]] const Head* FindHead(std::string_view name);
 
+/// Sampling periods of an IL amplifier in s, by the codes 1 to 4 of data 132, the fastest first.
+inline constexpr std::array<double, 4> kSamplings_s = {0.33e-3, 1e-3, 2e-3, 5e-3};
+/// That of code 0, "default".
+inline constexpr double kDefaultSampling_s = 1e-3;
+
 /// Sampling period in s of data 132 (1..4); nothing for 0, "default", and for other codes.
 [[nodiscard]] std::optional<double> SamplingSeconds(int code);
 /// Averages of data 133 (0..12 -> 1..4096); nothing for the filters 13 and 14 and for other codes.

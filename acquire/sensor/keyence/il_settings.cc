@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 
 #include "acquire/protocol/keyence/dl_line.h"
 
@@ -14,12 +16,13 @@ namespace {
 struct Key {
   std::string_view name;
   int number;
-  int codes;  // 0 to codes - 1
+  std::ptrdiff_t codes;  // 0 to codes - 1
 };
 
 constexpr std::array kKeys = {
-    Key{"sampling", dl_rs1a::kSamplingCycle, 5}, Key{"averaging", dl_rs1a::kAveraging, 15},
-    Key{"hold", dl_rs1a::kHold, 6}, Key{"high-pass", dl_rs1a::kHighPassCutoff, 10}};
+    Key{"sampling", dl_rs1a::kSamplingCycle, 1 + std::ssize(dl_rs1a::kSamplings_s)},
+    Key{"averaging", dl_rs1a::kAveraging, 15}, Key{"hold", dl_rs1a::kHold, 6},
+    Key{"high-pass", dl_rs1a::kHighPassCutoff, 10}};
 constexpr std::string_view kOff = "off";
 
 // the name of a code; "" where there is none

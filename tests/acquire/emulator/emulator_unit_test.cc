@@ -372,7 +372,7 @@ TEST(DlRs1aSetup, IsRefusedWhereTheDeviceHasNoSuchSetting) {
   setup = Still(0);
   setup.head.head.sampling_s = 3e-3;
   EXPECT_EQ(Validate(setup).error().Text(),
-            "<sampling>: an IL-1000 does not sample every 3 ms; give 0.33ms, 1ms, 2ms or 5ms");
+            "<sampling>: an IL-1000 does not sample every 3 ms; give one of 0.33, 1, 2, 5 ms");
   setup = Still(0);
   setup.head.head.averages = 12;
   EXPECT_EQ(Validate(setup).error().Text(),
