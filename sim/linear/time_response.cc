@@ -169,16 +169,19 @@ double TimeResponse::OutputRms(const Eigen::VectorXd& output, const Eigen::Vecto
 
 double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
   HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
+  constexpr double kKnown = 1e-9;  // relative error of the phasors
   Eigen::VectorXd output = Eigen::VectorXd::Zero(states_ + 2);
   output(state) = 1;
-  const double rms = OutputRms(output, initial_, Motion::kDriven, begin_s, end_s);
-  // no steady part, or one that is larger than the motion: a resonance that still builds up
-  constexpr double kKnown = 1e-9;  // relative error of the phasors
   const SteadyState steady = SolveSteadyState(model_, drive_, Skin{});
-  const bool is_known = steady.error_estimate < kKnown;
-  if (!is_known || Abs(steady.phasors(state)) > 2 * rms) return rms;
-  output.tail(2) << steady.phasors(state).real(), steady.phasors(state).imag();
-  return OutputRms(output, initial_ - steady.phasors.imag(), Motion::kFree, begin_s, end_s);
+  if (steady.error_estimate < kKnown) {
+    Eigen::VectorXd parts = output;
+    parts.tail(2) << steady.phasors(state).real(), steady.phasors(state).imag();
+    const double rms =
+        OutputRms(parts, initial_ - steady.phasors.imag(), Motion::kFree, begin_s, end_s);
+    // a steady part that is far larger than the motion: a resonance that still builds up
+    if (Abs(steady.phasors(state)) <= 2 * rms) return rms;
+  }
+  return OutputRms(output, initial_, Motion::kDriven, begin_s, end_s);
 }
 
 }  // namespace haptometer::sim
