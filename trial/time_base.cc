@@ -152,6 +152,41 @@ std::optional<double> PeriodByCounts(const Rows& rows) {
   return window_ns / UpperMedian(std::move(usual));
 }
 
+// The period of a source that was silent for more than half of the time: that of the second halves
+// of what lies between silences of more than 0.25 s, the median by time. Whatever waited during a
+// stall of the host came in the first halves. Nothing of other sources.
+std::optional<double> PeriodBetweenSilences(const Rows& rows) {
+  std::vector<std::size_t> starts;
+  double silent_ns = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double interval_ns = rows.times[i] - rows.times[i - 1];
+    if (interval_ns <= kSurelyAPauseNs) continue;
+    starts.push_back(i);
+    silent_ns += interval_ns;
+  }
+  if (silent_ns <= 0.5 * (rows.times.back() - rows.times.front())) return std::nullopt;
+  // period and length of each second half
+  std::vector<std::pair<double, double>> halves;
+  double length_ns = 0;
+  for (const Piece& piece : PiecesBetween(rows.size(), starts)) {
+    const Times times = rows.Of(piece).times;
+    const auto middle = std::ranges::lower_bound(times, 0.5 * (times.front() + times.back()));
+    // times that run backwards, of a damaged file, have none
+    if (middle == times.end() || !(times.back() > *middle)) continue;
+    const double half_ns = times.back() - *middle;
+    const auto first = piece.first + static_cast<std::size_t>(middle - times.begin());
+    halves.emplace_back(half_ns / (rows.places[piece.end - 1] - rows.places[first]), half_ns);
+    length_ns += half_ns;
+  }
+  std::ranges::sort(halves);
+  double passed_ns = 0;
+  for (const auto& [period_ns, half_ns] : halves) {
+    passed_ns += half_ns;
+    if (passed_ns >= 0.5 * length_ns) return period_ns;
+  }
+  return std::nullopt;
+}
+
 // rows in a window: enough to last 0.1 s at the source, so that each spans several bursts
 std::size_t WindowRows(const Rows& rows, double period_ns) {
   std::size_t count = kLeastWindowRows;
@@ -412,9 +447,11 @@ struct Cut {
 
 Cut CutAtLosses(const Rows& rows, const std::vector<std::size_t>& breaks, bool is_numbered) {
   // rough period by counts per window, then a robust one by medians
-  const double first_ns = PeriodByCounts(rows).value_or(MedianInterval(rows));
+  const std::optional<double> between_ns = PeriodBetweenSilences(rows);
+  const double first_ns =
+      between_ns ? *between_ns : PeriodByCounts(rows).value_or(MedianInterval(rows));
   const std::size_t window_rows = WindowRows(rows, first_ns);
-  double period_ns = RobustPeriod(rows, first_ns, window_rows);
+  double period_ns = between_ns ? first_ns : RobustPeriod(rows, first_ns, window_rows);
   // known losses and pauses cut the recording with certainty
   const auto known = PiecesBetween(rows.size(), breaks);
   std::vector<Piece> pieces = PiecesBetween(

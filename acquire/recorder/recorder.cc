@@ -148,6 +148,9 @@ void Reader::Keep(const Reading& reading) {
     Say(trial::EventKind::kGap,
         fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before),
         std::optional(static_cast<std::uint64_t>(reading.lost_before)));
+  } else if (reading.follows_gap) {
+    Say(trial::EventKind::kGap, "readings may be missing here, as in the recording",
+        std::optional<std::uint64_t>());
   }
   const bool is_in = ring_.Push(reading, origin_ns_);
   HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);

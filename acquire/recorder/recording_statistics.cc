@@ -158,7 +158,7 @@ void Tally::Add(const Reading& reading) {
   const MonotonicNs time_ns = SinceBegin(reading);
   summary_.elapsed_s = SecondsFromNs(time_ns);
   // a gap that the sensor itself counts needs no estimate from the interval
-  if (reading.lost_before > 0) {
+  if (reading.lost_before > 0 || reading.follows_gap) {
     ++known_gaps_;
     Restart();
   }

@@ -87,6 +87,11 @@ Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
   trial::Metadata& metadata = replay->header_.metadata;
   metadata = trial::MetadataOf(replay->header_, report);
   metadata.source = fmt::format("replay of {} ({})", path, metadata.source);
+  // where it begins anew: its fit of times would run across the pauses
+  for (const trial::Event& event : report.events) {
+    if (!event.BeginsStretch() || event.row == 0) continue;
+    replay->missing_[event.row] = event.missing.value_or(std::nullopt);
+  }
   // what the recording itself cannot give
   if (!report.closed) {
     replay->found_.Add(
@@ -121,8 +126,21 @@ Outcome Replay::Next(Reading& reading) {
   for (std::size_t channel = 0; channel < header_.channels.size(); ++channel) {
     reading.samples.push_back(chunk_->At(row_, channel));
   }
+  NoteGap(reading);
   ++row_;
   return Outcome::kReading;
+}
+
+void Replay::NoteGap(Reading& reading) {
+  // the index of a clocked source says what is missing
+  if (header_.timing == trial::Timing::kUniform) return;
+  const std::uint64_t row = chunk_->first_row() + row_;
+  const auto missing = missing_.find(row);
+  const bool is_counted = missing != missing_.end() && missing->second.has_value();
+  reading.lost_before = is_counted ? static_cast<std::int64_t>(*missing->second) : 0;
+  // blocks that are lost in the file leave a jump of the rows
+  reading.follows_gap = (missing != missing_.end() && !is_counted) || row != next_row_;
+  next_row_ = row + 1;
 }
 
 }  // namespace haptometer::acquire

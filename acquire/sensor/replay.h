@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,7 +45,8 @@ class PacedSensor final : public Sensor {
 };
 
 /// A recorded trial played as a sensor, as fast as it can be read: same rows, same times, same
-/// statuses, bit for bit. Its source says that it is a replay, and of what.
+/// statuses, bit for bit, and gaps where the recording has them. Its source says that it is a
+/// replay, and of what.
 class Replay final : public Sensor {
  public:
   /// Reads the file once for what was said after its header (labels) and what is lost.
@@ -62,12 +65,17 @@ class Replay final : public Sensor {
 
  private:
   explicit Replay(trial::TrialReader reader);
+  // what is missing directly before the row at hand
+  void NoteGap(Reading& reading);
 
   trial::TrialReader reader_;
   trial::TrialHeader header_;
   Findings found_;
   const trial::Chunk* chunk_ = nullptr;
   std::size_t row_ = 0;
+  /// Rows of the file before which rows are missing; how many, where that is known.
+  std::map<std::uint64_t, std::optional<std::uint64_t>> missing_;
+  std::uint64_t next_row_ = 0;  // as counted by the writer
 };
 
 }  // namespace haptometer::acquire

@@ -21,6 +21,9 @@ struct Reading {
   /// Readings that the sensor's own counter says were lost directly before this one; 0 where the
   /// index says it (kUniform), or where nothing counts.
   std::int64_t lost_before = 0;
+  /// Whether readings of a number that nobody counted may be missing directly before this one: of a
+  /// replay, between the shots of triggers and around reconnections.
+  bool follows_gap = false;
   std::vector<trial::Sample> samples;  ///< one a channel, in the header's order
 };
 

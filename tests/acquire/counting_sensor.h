@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "acquire/sensor/sensor.h"
@@ -57,6 +58,7 @@ class CountingSensor final : public Sensor {
     const auto status =
         statuses.empty() ? trial::SampleStatus::kOk : statuses[next_ % statuses.size()];
     reading.samples = {{trial::RawValue::Counts(static_cast<std::int32_t>(next_)), status}};
+    reading.follows_gap = next_ == gap_at;
     reading.lost_before = lost_before.empty() ? 0 : lost_before[next_ % lost_before.size()];
     ++next_;
     return Outcome::kReading;
@@ -66,6 +68,8 @@ class CountingSensor final : public Sensor {
 
   std::vector<trial::SampleStatus> statuses;  ///< in turn; empty: all ok
   bool waits_for_us = false;
+  std::optional<std::uint64_t>
+      gap_at{};  ///< row before which rows of an unknown number are missing
   std::vector<std::int64_t> lost_before;  ///< in turn; empty: none
 
  private:

@@ -303,6 +303,21 @@ TEST(ArrivalTimes, APauseInAShortRecordingIsAGap) {
   EXPECT_EQ(stretches[1].start_s, 1.15);
 }
 
+TEST(ArrivalTimes, OfASourceThatIsSilentMostOfTheTimeEveryPauseIsAGap) {
+  // 0.2 s of lines in each 0.5 s; its rate was taken for the mean one, 2000 in a second
+  Source source{.rate_hz = 5000, .duration_s = 5.2, .burst_s = 1e-3, .has_late_lines = false};
+  for (std::size_t k = 0; k < 10; ++k) source.lost.emplace_back(1000 + 2500 * k, 1500);
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    source.seed = seed;
+    const auto stretches = FitArrivalTimes(Arrivals(source), std::nullopt);
+    ASSERT_EQ(stretches.size(), 11) << seed;
+    for (std::size_t k = 0; k < stretches.size(); ++k) {
+      EXPECT_REL(stretches[k].rate_hz, 5000, 2e-3, "bursts of 1 ms in 0.2 s, both ends");
+      EXPECT_ABS(stretches[k].start_s, 0.2 + 0.5 * static_cast<double>(k), 1.5e-3, "a burst");
+    }
+  }
+}
+
 TEST(PolledTimes, HaveTheMeanRateAndTheUncertaintyOfTheWait) {
   // a poll each 20 ms whose reply takes 12 ms
   const auto requests = Regular(100, 20);

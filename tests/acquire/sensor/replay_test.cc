@@ -136,6 +136,36 @@ TEST_F(RecorderTest, AReplayIsTheSameTrialBitForBit) {
   }
 }
 
+TEST_F(RecorderTest, AReplayKeepsTheGapsOfItsTrial) {
+  CountingSensor sensor(clock_, Timing::kArrival, 5000, Outcome::kEnd);
+  sensor.gap_at = 2000;
+  sensor.lost_before.assign(5000, 0);
+  sensor.lost_before[3000] = 7;
+  ASSERT_TRUE(Run(sensor, {}));
+  auto replay = Replay::Open(path_);
+  ASSERT_TRUE(replay) << replay.error().Text();
+  const std::string again = directory_ / "again.bin";
+  auto writer = trial::TrialWriter::Create(again, (*replay)->header(), {}, writer_clock_);
+  ASSERT_TRUE(writer);
+  SingleTrial sink(*writer);
+  ASSERT_TRUE(Record(**replay, sink, clock_, kNeverStop, {}));
+  using Missing = std::optional<std::optional<std::uint64_t>>;
+  for (const std::string& path : {path_, again}) {
+    const auto read = trial::ReadRecord(path);
+    ASSERT_TRUE(read);
+    std::vector<std::pair<std::uint64_t, Missing>> gaps;
+    for (const trial::Event& event : read->report.events) {
+      if (event.BeginsStretch()) gaps.emplace_back(event.row, event.missing);
+    }
+    ASSERT_EQ(gaps.size(), 2) << path;
+    EXPECT_EQ(gaps[0].first, 2000);
+    EXPECT_EQ(gaps[0].second, Missing(std::optional<std::uint64_t>()));
+    EXPECT_EQ(gaps[1].first, 3000);
+    EXPECT_EQ(gaps[1].second, Missing(std::optional<std::uint64_t>(7)));
+    EXPECT_EQ(read->record.stretches.size(), 3);
+  }
+}
+
 TEST_F(RecorderTest, AReplaySaysWhatIsMissingFromItsTrial) {
   CountingSensor sensor(clock_, Timing::kArrival, 50'000, Outcome::kEnd);
   ASSERT_TRUE(Run(sensor, {}));
