@@ -104,10 +104,11 @@ Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
   return StateAt(t_s, initial_, Motion::kDriven);
 }
 
-Eigen::VectorXd TimeResponse::StateAt(double t_s, Eigen::VectorXd initial, Motion motion) const {
+Eigen::VectorXd TimeResponse::StateAt(double t_s, const Eigen::VectorXd& initial,
+                                      Motion motion) const {
   HAPTOMETER_CHECK(t_s >= 0 && t_s < std::ldexp(1.0, kPowers + kSmallestExponent), "t_s = {}", t_s);
   Eigen::VectorXd z = Eigen::VectorXd::Zero(states_ + 2);
-  z.head(states_) = std::move(initial);
+  z.head(states_) = initial;
 
   // largest power first; what has passed is a sum of powers of two, hence exact
   double passed_s = 0;

@@ -120,7 +120,8 @@ class TimeResponse {
 
   [[nodiscard]] Eigen::MatrixXd Step(double h_s) const;                        // DrivenStep
   [[nodiscard]] Eigen::MatrixXd Exponential(double h_s, Motion motion) const;  // of generator_
-  [[nodiscard]] Eigen::VectorXd StateAt(double t_s, Eigen::VectorXd initial, Motion motion) const;
+  [[nodiscard]] Eigen::VectorXd StateAt(double t_s, const Eigen::VectorXd& initial,
+                                        Motion motion) const;
   // of output'z over [begin_s, end_s], z(0) = [initial, drive]
   [[nodiscard]] double OutputRms(const Eigen::VectorXd& output, const Eigen::VectorXd& initial,
                                  Motion motion, double begin_s, double end_s) const;
