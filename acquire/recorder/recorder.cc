@@ -47,7 +47,7 @@ Result<void> WriteRows(RowRing& ring, RowSink& sink) {
 
 // --- the reading thread ---
 
-enum class Ending : std::uint8_t { kDone, kStopped, kConnectionLost, kWriterGaveUp };
+enum class Ending : std::uint8_t { kDone, kStopped, kSourceEnded, kConnectionLost, kWriterGaveUp };
 
 using Missing = std::optional<std::optional<std::uint64_t>>;  // as in trial::Event
 
@@ -222,7 +222,7 @@ std::optional<Ending> Reader::Step() {
       break;
     }
     case Outcome::kEnd:
-      return Ending::kDone;
+      return Ending::kSourceEnded;
     case Outcome::kGone:
       return Ending::kConnectionLost;
     case Outcome::kAway:
@@ -289,6 +289,17 @@ bool HasEnd(const RecordingLimits& limits) {
   return limits.duration_ns || limits.readings || limits.until_ns || limits.trigger;
 }
 
+// whether a program or a file gave less than was asked for; the last row of a duration lies one
+// interval before its end
+bool EndedEarly(const RecordingSummary& summary, const RecordingLimits& limits) {
+  constexpr double kIntervals = 1.5;
+  if (limits.trigger) return summary.triggers < limits.trigger->shots;
+  if (limits.readings && summary.readings < *limits.readings) return true;
+  if (!limits.duration_ns) return false;
+  const double interval_s = summary.rate_hz ? 1 / *summary.rate_hz : 0;
+  return summary.elapsed_s + kIntervals * interval_s < SecondsFromNs(*limits.duration_ns);
+}
+
 }  // namespace
 
 std::uint64_t RecordingSummary::repeated() const {
@@ -317,7 +328,8 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
   // without a stated end, a stop is the regular ending
-  summary.interrupted = ending == Ending::kStopped && HasEnd(limits);
+  summary.interrupted = (ending == Ending::kStopped && HasEnd(limits)) ||
+                        (ending == Ending::kSourceEnded && EndedEarly(summary, limits));
   if (summary.interrupted) {
     ring.PushEvent(
         {.kind = trial::EventKind::kRemark, .text = std::string(trial::kInterruptedText)});

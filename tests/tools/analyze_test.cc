@@ -240,6 +240,14 @@ TEST_F(AnalyzeVerb, AFloorIsTakenOffInPower) {
   EXPECT_THAT(missing.err, HasSubstr("none.csv: no such file"));
 }
 
+TEST_F(AnalyzeVerb, JsonNamesOptionsAsTheTerminalDoes) {
+  std::ofstream(directory_ / "bare.csv") << "0,1\n1,2\n2,3\n";
+  const Outcome bare = Analyze({"--json", directory_ / "bare.csv"});
+  EXPECT_EQ(bare.status, 3);
+  EXPECT_THAT(bare.out, HasSubstr("give --columns time_s,voltage_v"));
+  EXPECT_THAT(bare.out, ::testing::Not(HasSubstr("<columns>")));
+}
+
 // the mean of a sine about 0 is what rounding leaves
 TEST_F(AnalyzeVerb, AnOffsetOfNothingIsZero) {
   std::ofstream file(directory_ / "sine.csv");

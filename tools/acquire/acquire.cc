@@ -147,8 +147,8 @@ Result<acquire::RecordingSummary> RecordShown(const PlannedRecording& made, acqu
 // the reason why a recording is not the requested one; the program's exit status
 int ReportFault(const std::string& file, const acquire::RecordingSummary& summary,
                 const std::string& port, bool reconnects) {
+  const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
   if (summary.connection_lost) {
-    const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
     return cli::ReportError(
         kVerb,
         {Cause::kFailed, port,
@@ -158,6 +158,11 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
   }
   // an interruption (Ctrl-C) is no error: only a recording without any measurement is
   const int status = cli::InterruptedStatus(0);
+  if (status == 0 && summary.interrupted) {
+    return cli::ReportError(
+        kVerb, {Cause::kFailed, port, "ended before the end that was asked for",
+                kept + "examine the messages of the program or the recording that it is of"});
+  }
   if (status != 0 || summary.measured > 0) return status;
   // readings came before the trigger (seen) and none after it
   if (summary.readings == 0 && summary.seen > 0) {

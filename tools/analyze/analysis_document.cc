@@ -10,6 +10,7 @@
 #include "base/mapped.h"
 #include "tools/analyze/analyze.h"
 #include "tools/analyze/halving.h"
+#include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/keys.h"
 #include "tools/document/render.h"
@@ -552,7 +553,7 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
     reasons = document::RefusalsOf(file.analysis->findings);
     document::AddFindings(section, file.analysis->findings);
   } else if (file.error) {
-    reasons.push_back(file.error->Text());
+    reasons.push_back(cli::WithOptions(file.error->Text()));
     section.findings.push_back(
         {.kind = "error", .severity = Severity::kRefusal, .text = reasons.front(), .subject = ""});
   }

@@ -142,10 +142,11 @@ int PresentWithout(const std::vector<Error>& left_out, document::Document docume
                    bool is_answered, document::Outputs outputs, int argc, const char* const* argv) {
   const int status = cli::ReportErrors(document.verb, left_out);
   const auto refusals = Mapped(left_out, [](const Error& error) {
-    return document::Finding{.kind = "left-out",
-                             .severity = Severity::kRefusal,
-                             .text = Error{error.cause, {}, error.what, error.remedy}.Text(),
-                             .subject = error.where};
+    return document::Finding{
+        .kind = "left-out",
+        .severity = Severity::kRefusal,
+        .text = cli::WithOptions(Error{error.cause, {}, error.what, error.remedy}.Text()),
+        .subject = error.where};
   });
   auto& findings = document.root.findings;
   findings.insert(findings.begin(), refusals.begin(), refusals.end());
