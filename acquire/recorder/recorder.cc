@@ -327,9 +327,9 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
+  summary.source_ended = ending == Ending::kSourceEnded && EndedEarly(summary, limits);
   // without a stated end, a stop is the regular ending
-  summary.interrupted = (ending == Ending::kStopped && HasEnd(limits)) ||
-                        (ending == Ending::kSourceEnded && EndedEarly(summary, limits));
+  summary.interrupted = summary.source_ended || (ending == Ending::kStopped && HasEnd(limits));
   if (summary.interrupted) {
     ring.PushEvent(
         {.kind = trial::EventKind::kRemark, .text = std::string(trial::kInterruptedText)});

@@ -144,6 +144,32 @@ bool HasNoSingleTone(const Window& window, const SineFit& tone) {
   return moved_bins > kReachBins && tone.amplitude * tone.amplitude < square;
 }
 
+// subtracts the sine of a fit to all of `samples`
+void Subtract(const SineFit& sine, double rate_hz, std::span<double> samples) {
+  SubtractSine(kTwoPi * sine.frequency_hz / rate_hz, sine.amplitude * std::cos(sine.phase_rad),
+               -sine.amplitude * std::sin(sine.phase_rad), 0, samples);
+}
+
+// The strongest tone of the samples; fitted anew without the strongest one of the others, which
+// moves it as a line below the band does (AddLeakedLine).
+std::optional<SineFit> ToneOf(const Window& window) {
+  const double rate_hz = window.samples.rate_hz;
+  const ToneSearch search{rate_hz, window.band().lower_hz, window.band().upper_hz,
+                          window.bandwidth_hz()};
+  const auto tone = StrongestTone(window.samples.values_m, search);
+  if (!tone) return tone;
+  std::vector<double> others = window.samples.values_m;
+  Subtract(*tone, rate_hz, others);
+  const auto second = StrongestTone(others, search);
+  // nearer ones are the tone's own change
+  const double least_hz = kReachBins / window.samples.duration_s();
+  if (!second || std::abs(second->frequency_hz - tone->frequency_hz) < least_hz) return tone;
+  std::vector<double> without = window.samples.values_m;
+  Subtract(*second, rate_hz, without);
+  const SineFit alone = FitSine(without, {rate_hz, window.bandwidth_hz(), 0}, tone->frequency_hz);
+  return alone.converged ? alone : tone;
+}
+
 // ranges about the drive, and about its harmonics or not, that hold no bins of noise
 std::vector<FrequencyRange> DriveRanges(const Window& window, bool harmonics) {
   const UsedPart& part = window.chosen.part;
@@ -623,9 +649,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   HAPTOMETER_LET(window.samples, SamplesOf(window));
   // two independent steps on two threads: the window itself, and motion below the band
   const auto describe_window = [&]() -> Result<void> {
-    auto tone =
-        StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
-                                                analysis->band.upper_hz, window.bandwidth_hz()});
+    auto tone = ToneOf(window);
     if (tone && HasNoSingleTone(window, *tone)) tone.reset();
     window.rows = WholePeriods(window, tone);
     DescribePart(window);

@@ -75,8 +75,9 @@ class ZeroPhaseBlocks::Continued {
     const std::ptrdiff_t inner_first = std::clamp<std::ptrdiff_t>(first, 0, size_);
     const std::ptrdiff_t inner_end = std::clamp<std::ptrdiff_t>(end, 0, size_);
     const auto part = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      if (to <= from) return std::span<double>();
       return out.subspan(static_cast<std::size_t>(from - first),
-                         static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
+                         static_cast<std::size_t>(to - from));
     };
     // in three parts: ahead of the signal, within it, behind it
     Result<void> done = ReadTurned(part(first, std::min<std::ptrdiff_t>(end, 0)), first, 0);

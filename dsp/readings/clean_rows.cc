@@ -24,7 +24,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // how far the time between two stretches may lie from a whole number of periods: of stretches on
 // clocks of their own one in five passes, and is then late by 6 % of a period at 0.4 of the rate
 constexpr double kWholeRows = 0.1;
-constexpr double kOneRate = 1e-4;  // relative difference of rates on one clock
+constexpr double kRoundingRows = 1e-6;  // of times in doubles, after a day
+constexpr double kOneRate = 1e-4;       // relative difference of rates on one clock
 // rows before and after a block that a visitor may need
 constexpr std::size_t kMarginRows = kFaultMarginRows + 2;
 static_assert(kPassRows % kFaultBlockRows == 0);
@@ -39,13 +40,18 @@ constexpr std::size_t kLeastNines = 4;
 // passes that look for spikes and held readings beside those of the pass before
 constexpr int kMostRounds = 3;
 
-// whole rows between two stretches on one clock, one at least
-std::optional<std::size_t> RowsBetween(const trial::Stretch& before, const trial::Stretch& next) {
+// whole rows between two stretches on one clock, one at least: the stretches of a clocked source,
+// and those of a stream that counts its readings, which lie on one line
+std::optional<std::size_t> RowsBetween(trial::Timing timing, const trial::Stretch& before,
+                                       const trial::Stretch& next) {
+  if (timing == trial::Timing::kPolled) return std::nullopt;
+  const bool is_clocked = timing == trial::Timing::kUniform;
   const double end_s = before.start_s + static_cast<double>(before.rows) / before.rate_hz;
   const double gap = (next.start_s - end_s) * before.rate_hz;
   const double whole = std::round(gap);
-  const bool is_one_clock = std::abs(next.rate_hz / before.rate_hz - 1) <= kOneRate &&
-                            std::abs(gap - whole) <= kWholeRows;
+  const bool is_one_clock =
+      std::abs(next.rate_hz / before.rate_hz - 1) <= (is_clocked ? kOneRate : 0) &&
+      std::abs(gap - whole) <= (is_clocked ? kWholeRows : kRoundingRows);
   if (!is_one_clock || !(whole >= 1 && whole < 0x1p53)) return std::nullopt;
   return static_cast<std::size_t>(whole);
 }
@@ -284,16 +290,15 @@ CleanRows::CleanRows(const trial::RowSource& source, std::size_t channel)
   Join(source.head().stretches);
 }
 
-// stretches of a clocked source whose distance is a whole number of rows become one
+// stretches on one clock whose distance is a whole number of rows become one
 void CleanRows::Join(const std::vector<trial::Stretch>& stretches) {
   head_.stretches.clear();
   head_.rows = 0;
   std::size_t absent = 0;
   for (std::size_t k = 0; k < stretches.size(); ++k) {
     const trial::Stretch& stretch = stretches[k];
-    const auto missing = k > 0 && head_.timing == trial::Timing::kUniform
-                             ? RowsBetween(stretches[k - 1], stretch)
-                             : std::nullopt;
+    const auto missing =
+        k > 0 ? RowsBetween(head_.timing, stretches[k - 1], stretch) : std::nullopt;
     if (missing && *missing <= source_rows_ - absent) {
       absent += *missing;
       trial::Stretch& last = head_.stretches.back();

@@ -28,7 +28,8 @@ struct NoReadingCode {
 /// are no measurement.
 ///
 /// Stretches on one clock, with a whole number of rows between them (to a tenth of one), are one
-/// stretch; absent rows have no value and the status kLate. No more rows are added than there are.
+/// stretch, and so are those of a stream that counts its readings; absent rows have no value and
+/// the status kLate. No more rows are added than there are.
 class CleanRows final : public trial::RowSource {
  public:
   /// `source` must outlive it.

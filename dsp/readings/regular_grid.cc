@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,7 +18,8 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kFarthestPeriods = 0.3;  // beyond this a time may belong to the next place
+constexpr double kFarthestPeriods = 0.45;  // beyond this a time may belong to the next place
+constexpr double kFollowed = 1.0 / 16;     // of each reading's distance, by the grid's start
 // bound, as a part of a tone's amplitude, at which no further points are added
 constexpr double kNegligibleError = 1e-6;
 // numbers of nodes that are tried, from the cheapest
@@ -64,23 +66,36 @@ void FitLine(std::span<const double> times_s, Places& places) {
   places.start_s = times_s[0] + mean_s - mean_place * places.period_s;
 }
 
-// numbers of periods between readings, rounded, then the line through times over them
-Places PlacesOf(std::span<const double> times_s) {
+// Places on a grid that follows the readings: each takes the one nearest to its time, behind that
+// of the reading before. Behind a long gap the grid begins anew.
+Places FollowedPlaces(std::span<const double> times_s) {
   Places places;
   places.place.reserve(times_s.size());
   places.place.push_back(0);
   const double period_s = MedianInterval(times_s);
+  double start_s = times_s[0];
   for (std::size_t j = 1; j < times_s.size(); ++j) {
-    // successive readings are at least one period apart
-    const double periods = std::clamp((times_s[j] - times_s[j - 1]) / period_s, 1.0, 1e15);
+    const double last_s = start_s + static_cast<double>(places.place.back()) * period_s;
+    const double periods = std::clamp((times_s[j] - last_s) / period_s, 1.0, 1e15);
     places.place.push_back(places.place.back() + std::llround(periods));
+    const double at_s = start_s + static_cast<double>(places.place.back()) * period_s;
+    start_s += (periods * kFollowed > 1 ? 1 : kFollowed) * (times_s[j] - at_s);
   }
   FitLine(times_s, places);
   return places;
 }
 
+// the places where no reading was dropped
+Places CountedPlaces(std::span<const double> times_s) {
+  Places places{.place = std::vector<std::int64_t>(times_s.size())};
+  std::iota(places.place.begin(), places.place.end(), 0);
+  FitLine(times_s, places);
+  return places;
+}
+
 // standard deviation and largest distance of the times from the line, and places without a reading
-void DescribeJitter(std::span<const double> times_s, const Places& places, RegularGrid& grid) {
+RegularGrid Described(std::span<const double> times_s, const Places& places) {
+  RegularGrid grid;
   double square_sum = 0;
   for (std::size_t j = 0; j < times_s.size(); ++j) {
     const double jitter_s = times_s[j] - places.TimeOf(places.place[j]);
@@ -91,6 +106,7 @@ void DescribeJitter(std::span<const double> times_s, const Places& places, Regul
   grid.jitter_s = std::sqrt(square_sum / (n - 2));
   grid.rate_hz = 1 / places.period_s;
   grid.dropped = static_cast<std::size_t>(places.place.back()) + 1 - times_s.size();
+  return grid;
 }
 
 // readings that are measured
@@ -245,10 +261,16 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
     return Refused(FindingKind::kFewUnevenTimes, {{"rows", record.rows}});
   }
   const std::span<const double> times_s = record.raw_times_s;
-  const Places places = PlacesOf(times_s);
-  RegularGrid grid;
+  Places places = FollowedPlaces(times_s);
+  RegularGrid grid = Described(times_s, places);
+  // without dropped readings, where that leaves less jitter
+  Places counted = CountedPlaces(times_s);
+  RegularGrid without_drops = Described(times_s, counted);
+  if (without_drops.jitter_s < grid.jitter_s) {
+    places = std::move(counted);
+    grid = std::move(without_drops);
+  }
   // times too far from any grid cannot be assigned to places
-  DescribeJitter(times_s, places, grid);
   if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
     return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
                                                   {"grid_s", 1 / grid.rate_hz},

@@ -32,9 +32,10 @@ struct RegularGrid {
 /// Puts the readings of `record`, whose own times are known (Record::times_are_known) but lie on no
 /// grid, on a regular one, for motion up to `upper_hz`.
 ///
-/// Dropped readings are told from jitter first: each interval is a whole number of median periods,
-/// give or take less than half of one, and the grid is the least-squares line through the times
-/// over those counts. A row is a reading; places without one end a stretch.
+/// Dropped readings are told from jitter first: a grid of the median period follows the readings,
+/// each of which takes its nearest place; where counting them without a gap leaves less jitter,
+/// none was dropped. The grid is the least-squares line through the times over those places. A row
+/// is a reading; places without one end a stretch.
 ///
 /// A value is the polynomial through the nearest `points` measured readings at their own times,
 /// taken at its place on the grid (Neville), which lies beside one of them. For a tone of angular
@@ -45,7 +46,7 @@ struct RegularGrid {
 /// Motion above `upper_hz` has no such bound. Ignored, jitter of s would add 2 pi f s of the tone
 /// as noise.
 ///
-/// Refused: fewer than four rows; a time farther than 0.3 periods from its place, so that dropped
+/// Refused: fewer than four rows; a time farther than 0.45 periods from its place, so that dropped
 /// readings and jitter cannot be told apart; the bound above kLargestInterpolationError in more
 /// than half of the rows. Programmer's error: no known times. Cost: O(rows points^2).
 [[nodiscard]] RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz);

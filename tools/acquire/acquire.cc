@@ -158,7 +158,7 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
   }
   // an interruption (Ctrl-C) is no error: only a recording without any measurement is
   const int status = cli::InterruptedStatus(0);
-  if (status == 0 && summary.interrupted) {
+  if (status == 0 && summary.source_ended) {
     return cli::ReportError(
         kVerb, {Cause::kFailed, port, "ended before the end that was asked for",
                 kept + "examine the messages of the program or the recording that it is of"});

@@ -165,7 +165,9 @@ Result<AttemptOutcome> WriteAndJudge(const AttemptSource& source, const std::str
                                      const SessionAttempt& attempt) {
   HAPTOMETER_LET(const auto summary, source.write(path, header));
   HAPTOMETER_LET(auto outcome, Judge(session, session.state(), attempt));
-  if (!summary.connection_lost && !summary.interrupted) return outcome;
+  // how much a source that ended early gave is judged by its file
+  const bool is_stopped = summary.interrupted && !summary.source_ended;
+  if (!summary.connection_lost && !is_stopped) return outcome;
   outcome.attempt.verdict = SessionVerdict::kBad;
   outcome.reasons.emplace(outcome.reasons.begin(),
                           summary.connection_lost ? kConnectionLost : kStopped);

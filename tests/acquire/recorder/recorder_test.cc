@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -43,6 +44,24 @@ TEST_F(RecorderTest, StopsAtTheDurationByTheRowsTimes) {
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording->record.raw_times_s.front(), 0.0);
   EXPECT_ABS(recording->record.raw_times_s.back(), 0.499, 1e-12, "nanoseconds in seconds");
+}
+
+// 1000 rows, the last at 0.999 s
+TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
+  const auto ends_early = [&](const RecordingLimits& limits) {
+    CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);
+    const auto summary = Run(sensor, limits).value();
+    EXPECT_EQ(summary.interrupted, summary.source_ended);
+    Counts(path_);
+    EXPECT_EQ(!events_.empty(), summary.interrupted) << "the trial holds it too";
+    std::filesystem::remove(path_);
+    return summary.source_ended;
+  };
+  EXPECT_FALSE(ends_early({}));
+  EXPECT_FALSE(ends_early({.readings = 1000}));
+  EXPECT_TRUE(ends_early({.readings = 1001}));
+  EXPECT_FALSE(ends_early({.duration_ns = 1000 * kMs}));
+  EXPECT_TRUE(ends_early({.duration_ns = 1010 * kMs}));
 }
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {

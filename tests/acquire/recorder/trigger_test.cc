@@ -135,6 +135,7 @@ TEST_F(TriggerTest, WithoutATriggerNothingIsRecorded) {
   EXPECT_EQ(summary->readings, 0U);
   EXPECT_EQ(summary->seen, 400U);
   EXPECT_EQ(summary->triggers, 0U);
+  EXPECT_TRUE(summary->source_ended);
 }
 
 TEST_F(TriggerTest, AnInterruptedTrialSaysSo) {

@@ -102,6 +102,24 @@ TEST(CleanRows, StretchesOnOtherClocksStayApart) {
   EXPECT_EQ(clean.segments.parts.size(), 3U);
 }
 
+TEST(CleanRows, ReadingsThatAStreamLostAreMissingValues) {
+  // on one line, as the counts of a stream place them
+  trial::Record stream = WithRows(RecordOf(Vibration(15'000, 1), kRateHz),
+                                  [](std::size_t row) { return row % 500 != 250; });
+  stream.timing = trial::Timing::kArrival;
+  const Cleaned counted(stream);
+  EXPECT_EQ(counted.clean.segments.parts.size(), 1U);
+  EXPECT_EQ(counted.clean.segments.bridged, 30U);
+  // a gap whose length is only known by arrival is no whole number of rows
+  for (std::size_t k = 0; k < stream.stretches.size(); ++k) {
+    stream.stretches[k].start_s += 0.05 * static_cast<double>(k) / kRateHz;
+  }
+  EXPECT_EQ(Cleaned(stream).clean.segments.parts.size(), 31U);
+  // polled readings have times of their own
+  stream.timing = trial::Timing::kPolled;
+  EXPECT_EQ(Cleaned(stream).clean.segments.parts.size(), 31U);
+}
+
 TEST(CleanRows, RowsOfTheSource) {
   const trial::Record whole = RecordOf(Vibration(4000, 3), kRateHz);
   const Cleaned cleaned(WithRows(whole, [](std::size_t row) { return row < 1000 || row > 1004; }));

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/findings.h"
@@ -134,6 +135,31 @@ TEST(RegularGrid, LargeJitterIsRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.25), kUpperHz);
   ASSERT_TRUE(grid.refusal);
   EXPECT_EQ(grid.refusal->kind, FindingKind::kTimesTooUneven);
+}
+
+// intervals then lie between half a period and 1.6: what is late is not dropped
+TEST(RegularGrid, JitterOfAQuarterPeriodDropsNothing) {
+  const std::vector<double> all = Counted(20'000);
+  std::vector<double> some;
+  for (const double k : all) {
+    if (std::fmod(k, 100) != 50) some.push_back(k);
+  }
+  for (const auto& places : {all, some}) {
+    const auto grid = OnRegularGrid(Jittered(places, 0.12), kUpperHz);
+    ASSERT_FALSE(grid.refusal);
+    EXPECT_EQ(grid.dropped, all.size() - places.size());
+    EXPECT_REL(grid.rate_hz, kRateHz, 1e-6, "12 / (sqrt(12) 20 000^1.5) of a period");
+    EXPECT_REL(grid.jitter_s, 0.12 * kPeriodS, 0.03, "of 20 000 clamped values");
+    EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+  }
+}
+
+// what is refused is refused by the numbers that are true
+TEST(RegularGrid, JitterIsStatedAsItIsWhereItIsRefused) {
+  const auto grid = OnRegularGrid(Jittered(Counted(20'000), 0.2), kUpperHz);
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_REL(NumberOf(*grid.refusal, "jitter_s"), 0.2 * kPeriodS, 0.03, "clamped at 2.5");
+  EXPECT_REL(NumberOf(*grid.refusal, "largest_jitter_s"), 0.5 * kPeriodS, 1e-3, "the clamp");
 }
 
 TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {
