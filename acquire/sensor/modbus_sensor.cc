@@ -594,7 +594,10 @@ void ModbusSensor::Describe(trial::Metadata& metadata) const {
 }
 
 Findings ModbusSensor::Found() const {
-  Findings found = FindWireRate(profile_);
+  // of the connection that is used, whichever the profile is written for
+  SensorProfile connected = profile_;
+  connected.transport = is_rtu() ? ModbusFraming::kRtu : ModbusFraming::kTcp;
+  Findings found = FindWireRate(connected);
   if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
     found.Doubt(FindingKind::kTcpProfile, {{"profile", profile_.name}});
   }

@@ -27,6 +27,7 @@ enum class RmsCause : std::uint8_t {
   kQuantisation,  ///< step / sqrt(12), white up to half the rate
   kBridged,       ///< readings: the expanded error of the interpolation
   kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
+  kBeat,          ///< of the tone with the next one: a window holds a part of one
   kDriveEdges,    ///< what a shorter window, or one without all that may be bumps, would change
   kSteps,         ///< their energy within the band
   kFoot,          ///< motion below the band in it: half of what was subtracted, all that was not
@@ -34,7 +35,7 @@ enum class RmsCause : std::uint8_t {
   kDrift,         ///< half the change of the amplitude over the window
   kCalibration,   ///< RMS times the relative standard uncertainty of the sensor's gain
 };
-inline constexpr std::size_t kRmsCauseCount = 12;
+inline constexpr std::size_t kRmsCauseCount = 13;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {

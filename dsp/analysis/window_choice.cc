@@ -41,14 +41,25 @@ Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
   return courses;
 }
 
-// blocks and states of every signal, `length` times as long as the shortest blocks
-Result<void> FindStatesOf(const BandPass& band, double length, std::vector<Course>& courses) {
+// The shortest blocks of a narrow band about a carrier, whose noise swings as slowly as the band is
+// wide: they hold twice as many independent values as their fit has parameters. 0 of wide bands.
+double LeastIndependentS(const BandPass& band) {
+  constexpr double kCarrierRatio = 1.5;
+  constexpr double kIndependent = 6;
+  const bool is_narrow = band.upper_hz < kCarrierRatio * band.lower_hz;
+  return is_narrow ? kIndependent / (2 * (band.upper_hz - band.lower_hz)) : 0;
+}
+
+// blocks and states of every signal, `length` times as long as the shortest blocks, which last
+// `least_s` at least
+Result<void> FindStatesOf(const BandPass& band, double length, double least_s,
+                          std::vector<Course>& courses) {
   for (Course& course : courses) {
     // short segments have shorter blocks
     const double duration_s = SettledSeconds(*course.signal);
-    const double block_s =
-        length *
+    const double usual_s =
         std::max(kShortestBlockS, std::min(1 / band.lower_hz, duration_s / (3.0 * kFewest)));
+    const double block_s = length * std::max(usual_s, least_s);
     course.states.clear();
     course.blocks.blocks.clear();
     if (duration_s < kLeastWindowPeriods / band.lower_hz) continue;
@@ -376,12 +387,25 @@ ChosenPart WithoutDrive(const ChosenPart& may_be_hum) {
   return none;
 }
 
+// The longest steady part by blocks of this length. Where those of a narrow band show a drive that
+// changes, its noise may do that: longer ones decide.
+Result<std::optional<ChosenPart>> SteadiestOf(const BandPass& band, double length,
+                                              std::vector<Course>& courses) {
+  HAPTOMETER_TRY(FindStatesOf(band, length, 0, courses));
+  const double independent_s = LeastIndependentS(band);
+  const bool changes =
+      std::ranges::any_of(courses, [](const Course& course) { return course.states.size() > 1; });
+  if (independent_s > 0 && changes) {
+    HAPTOMETER_TRY(FindStatesOf(band, length, independent_s, courses));
+  }
+  return LongestSteady(courses, band.lower_hz);
+}
+
 // the drive of the longest steady state, else a refusal beside all that is free of transients
 Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
   for (const double length : kBlockLengths) {
-    HAPTOMETER_TRY(FindStatesOf(question.band, length, courses));
-    auto best = LongestSteady(courses, question.band.lower_hz);
+    HAPTOMETER_LET(auto best, SteadiestOf(question.band, length, courses));
     const bool is_shortest = length == kBlockLengths.front();
     if (best || is_shortest) KeepStates(courses, analysis);
     if (!best) continue;
@@ -495,7 +519,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
   auto chosen = question.choice == WindowChoice::kGiven ? ChooseGiven(all, question, analysis)
                                                         : AllSettled(LongestSettled(all));
   if (!chosen) return chosen;
-  HAPTOMETER_TRY(FindStatesOf(question.band, 1, courses));
+  HAPTOMETER_TRY(FindStatesOf(question.band, 1, 0, courses));
   KeepStates(courses, analysis);
   DescribeGiven(courses, question.band.lower_hz, *chosen, analysis);
   RemarkUnsteady(chosen->part, analysis);

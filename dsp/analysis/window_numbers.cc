@@ -45,6 +45,7 @@ struct Window {
   NoiseBeside beside{};             // of these
   double steps_m = 0;               // bound of what the converter's steps hide
   double hum_square = 0;            // mean square that hum adds
+  std::optional<SineFit> second{};  // the strongest tone beside the tone
   double tone_variance = 0;         // of the tone's mean square
   std::optional<double> density{};  // of the noise at the drive, m2/Hz
   std::size_t rows = 0;             // of the window
@@ -152,7 +153,7 @@ void Subtract(const SineFit& sine, double rate_hz, std::span<double> samples) {
 
 // The strongest tone of the samples; fitted anew without the strongest one of the others, which
 // moves it as a line below the band does (AddLeakedLine).
-std::optional<SineFit> ToneOf(const Window& window) {
+std::optional<SineFit> ToneOf(Window& window) {
   const double rate_hz = window.samples.rate_hz;
   const ToneSearch search{rate_hz, window.band().lower_hz, window.band().upper_hz,
                           window.bandwidth_hz()};
@@ -160,14 +161,30 @@ std::optional<SineFit> ToneOf(const Window& window) {
   if (!tone) return tone;
   std::vector<double> others = window.samples.values_m;
   Subtract(*tone, rate_hz, others);
-  const auto second = StrongestTone(others, search);
+  auto second = StrongestTone(others, search);
   // nearer ones are the tone's own change
   const double least_hz = kReachBins / window.samples.duration_s();
   if (!second || std::abs(second->frequency_hz - tone->frequency_hz) < least_hz) return tone;
   std::vector<double> without = window.samples.values_m;
   Subtract(*second, rate_hz, without);
   const SineFit alone = FitSine(without, {rate_hz, window.bandwidth_hz(), 0}, tone->frequency_hz);
+  window.second = std::move(second);
   return alone.converged ? alone : tone;
+}
+
+// Half width of what a part of a beat changes of the RMS: the squares of a1 cos(w1 t) + a2 cos(w2
+// t) hold a1 a2 cos((w1 - w2) t), whose mean over T is a1 a2 / (pi df T) at most. Over whole
+// periods of the tone its harmonics have none.
+double BeatBound(const Window& window, double rms) {
+  if (!window.second) return 0;
+  const SineFit& tone = window.numbers.tone->fit;
+  const SineFit& other = *window.second;
+  const double harmonic_hz = std::round(other.frequency_hz / tone.frequency_hz) * tone.frequency_hz;
+  const double bin_hz = 1 / window.samples.duration_s();
+  if (harmonic_hz > 0 && std::abs(other.frequency_hz - harmonic_hz) < bin_hz) return 0;
+  const double apart_hz = std::abs(other.frequency_hz - tone.frequency_hz);
+  return tone.amplitude * other.amplitude /
+         (2 * rms * std::numbers::pi * apart_hz * window.duration_s());
 }
 
 // ranges about the drive, and about its harmonics or not, that hold no bins of noise
@@ -224,8 +241,13 @@ Result<void> MeasurePower(Window& window) {
     noise = is_alone ? left : std::min(noise, rest);
     // and of samples of the window that were not fitted
     if (is_alone) variance = beyond.variance + variance * std::max(0.0, 1 - longer);
+    // a band that holds no bins beside the drive: all that the tone leaves is noise
+    if (!window.beside.is_known) noise = rest;
+    if (!window.beside.is_known) variance = split.rest.power.variance;
     // beside a tone alone: the density next to it
-    if (split.mean_square > kExplained * mean_square) window.density = split.density;
+    if (split.mean_square > kExplained * mean_square || !window.beside.is_known) {
+      window.density = split.density;
+    }
   }
   if (!window.density && window.chosen.part.from_drive) {
     const double drive_hz = window.chosen.part.state.from_hz;
@@ -480,6 +502,7 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
       std::max(window.steps_m, std::min(steps, steps * steps / (2 * rms))));
   add(RmsCause::kBridged, numbers.bridged_rms_m);
   add(RmsCause::kFilterEnds, kSettledError * rms);
+  if (numbers.tone) add(RmsCause::kBeat, BeatBound(window, rms));
   add(RmsCause::kDriveEdges, edges_m);
   // a share s of the power changes the RMS by s / 2 of it
   add(RmsCause::kSteps, 0.5 * rms * StepShare(window));

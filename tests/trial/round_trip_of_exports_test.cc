@@ -130,6 +130,22 @@ void ExpectRoundTrip(const std::string& path, const Recording& recording) {
 
 class Exports : public ::testing::TestWithParam<const char*> {};
 
+TEST_P(Exports, HoldTheLabelsAsRecordedToo) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File(std::string("t") + GetParam());
+  Recording changed = TwoChannels();
+  changed.report.first_labels = {{"subject", "1"}};
+  changed.report.events = {{.kind = EventKind::kLabels, .labels = {{"subject", "\xc3\xa4"}}}};
+  ASSERT_TRUE(Export(path, changed));
+  const auto back = ReadRecording(path);
+  ASSERT_TRUE(back) << back.error().Text();
+  EXPECT_EQ(back->record.metadata.labels, changed.record.metadata.labels);
+  ASSERT_EQ(back->report.events.size(), 2U);
+  EXPECT_EQ(back->report.events[0].labels, changed.report.first_labels);
+  EXPECT_EQ(back->report.events[0].text, "as recorded");
+  EXPECT_EQ(back->report.events[1].labels, changed.report.events[0].labels);
+}
+
 TEST_P(Exports, AreReadBackBitForBit) {
   const ScratchDirectory directory;
   const std::string path = directory.File(std::string("t") + GetParam());

@@ -29,7 +29,8 @@ Halving HowToHalve(const dsp::BandNumbers& numbers) {
   Parts parts;
   for (const dsp::UncertaintyLine& line : numbers.rms.budget) {
     const double square = std::pow(line.standard_uncertainty_m, 2);
-    if (line.cause == dsp::RmsCause::kNoise) {
+    // a beat falls with the length, faster than noise
+    if (line.cause == dsp::RmsCause::kNoise || line.cause == dsp::RmsCause::kBeat) {
       parts.noise += square;
     } else if (line.cause == dsp::RmsCause::kNoiseFloor) {
       parts.floor += square;

@@ -1,5 +1,6 @@
 #include "trial/export/description.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "trial/trial_format.h"
@@ -25,6 +26,14 @@ Json ListOfLines(const std::string& lines, Item item) {
 
 std::string EventLinesOf(const ReadReport& report) {
   std::string lines;
+  // the header has the labels as last given
+  const auto changed = std::ranges::find(report.events, EventKind::kLabels, &Event::kind);
+  if (changed != report.events.end() && !report.first_labels.empty()) {
+    lines =
+        EventToJson(
+            {.kind = EventKind::kLabels, .text = "as recorded", .labels = report.first_labels}) +
+        "\n";
+  }
   for (const Event& event : report.events) lines += EventToJson(event) + "\n";
   return lines;
 }

@@ -8,7 +8,8 @@
 
 namespace haptometer::trial {
 
-/// A line of JSON for each event of `report`, as docs/reference/formats.md gives their keys.
+/// A line of JSON for each event of `report`, as docs/reference/formats.md gives their keys; where
+/// labels were given later, ahead of them one with those as recorded.
 [[nodiscard]] std::string EventLinesOf(const ReadReport& report);
 
 /// A line by `say` for each loss and finding of `report`; empty where `say` is.

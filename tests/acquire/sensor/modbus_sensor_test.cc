@@ -198,6 +198,10 @@ TEST_F(ModbusSensorTest, FindsWhatTheWireAllows) {
   EXPECT_THAT(rate, ::testing::AllOf(HasSubstr(" rate_hz=202."), HasSubstr(" observable_hz=79.")));
   EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kRegistersTooSlow),
             "rate_hz=285.714 needed_hz=1280");
+  // the same profile over TCP has no RTU wire
+  Started(Plain(), {}, ModbusFraming::kTcp);
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRegistersRate));
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRegistersTooSlow));
 }
 
 }  // namespace
