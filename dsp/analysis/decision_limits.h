@@ -7,6 +7,8 @@
 /// of an estimate whose uncertainty is stated, stand where they are used;
 /// tests/architecture/decision_limits_test.py lists them and counts these.
 ///
+/// When a filter's transients have settled stands in dsp/filter/transient.h.
+///
 /// Each states what it decides, what a wrong decision costs as measured, and the test that measures
 /// it. Classes are those of tests/long/drive_classes.py (docs/developer/hard_case_tests.md has the
 /// rates of all).

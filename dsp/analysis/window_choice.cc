@@ -41,14 +41,9 @@ Result<std::vector<Course>> FindHumOf(const std::vector<BandSignal>& all,
   return courses;
 }
 
-// The shortest blocks of a narrow band about a carrier, whose noise swings as slowly as the band is
-// wide: they hold twice as many independent values as their fit has parameters. 0 of wide bands.
-double LeastIndependentS(const BandPass& band) {
-  constexpr double kCarrierRatio = 1.5;
-  constexpr double kIndependent = 6;
-  const bool is_narrow = band.upper_hz < kCarrierRatio * band.lower_hz;
-  return is_narrow ? kIndependent / (2 * (band.upper_hz - band.lower_hz)) : 0;
-}
+// The shortest blocks whose noise, which swings as slowly as the band is wide, has six independent
+// values: 2 B of them in a second.
+double LeastIndependentS(const BandPass& band) { return 3 / (band.upper_hz - band.lower_hz); }
 
 // blocks and states of every signal, `length` times as long as the shortest blocks, which last
 // `least_s` at least
@@ -392,12 +387,11 @@ ChosenPart WithoutDrive(const ChosenPart& may_be_hum) {
 Result<std::optional<ChosenPart>> SteadiestOf(const BandPass& band, double length,
                                               std::vector<Course>& courses) {
   HAPTOMETER_TRY(FindStatesOf(band, length, 0, courses));
-  const double independent_s = LeastIndependentS(band);
-  const bool changes =
-      std::ranges::any_of(courses, [](const Course& course) { return course.states.size() > 1; });
-  if (independent_s > 0 && changes) {
-    HAPTOMETER_TRY(FindStatesOf(band, length, independent_s, courses));
-  }
+  const double least_s = LeastIndependentS(band);
+  const bool may_be_noise = std::ranges::any_of(courses, [&](const Course& course) {
+    return course.states.size() > 1 && course.blocks.block_s < length * least_s;
+  });
+  if (may_be_noise) HAPTOMETER_TRY(FindStatesOf(band, length, least_s, courses));
   return LongestSteady(courses, band.lower_hz);
 }
 

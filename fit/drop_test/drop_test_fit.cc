@@ -348,19 +348,19 @@ Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const Actua
   return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
 }
 
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::UsualRange usual,
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::PlausibleRange usual,
                   Findings& findings, const std::string& subject) {
   if (usual.Holds(value)) return;
   findings.Add(About(subject, Severity::kDoubt, kind, {{name, value}}));
 }
 
 void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
-                  sim::UsualRange usual, Findings& findings) {
+                  sim::PlausibleRange usual, Findings& findings) {
   if (value.determined) DoubtUnusual(kind, name, value.value, usual, findings);
 }
 
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  sim::UsualRange usual, Findings& findings, const std::string& subject) {
+                  sim::PlausibleRange usual, Findings& findings, const std::string& subject) {
   if (value) DoubtUnusual(kind, name, value->value, usual, findings, subject);
 }
 

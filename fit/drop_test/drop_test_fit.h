@@ -13,7 +13,7 @@
 #include "fit/drop_test/prepared_record.h"
 #include "fit/poles.h"
 #include "fit/residuals.h"
-#include "sim/scene/usual.h"
+#include "sim/scene/plausible_ranges.h"
 
 namespace haptometer::fit {
 
@@ -145,13 +145,13 @@ struct DropTestFit {
                                   const ActuatorKnowns& knowns);
 
 /// Adds the doubt `kind` where the value is outside of `usual`; its number is `name`.
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::UsualRange usual,
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::PlausibleRange usual,
                   Findings& findings, const std::string& subject = {});
 /// The same of a value that is determined.
 void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
-                  sim::UsualRange usual, Findings& findings);
+                  sim::PlausibleRange usual, Findings& findings);
 /// The same of a number that is given.
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  sim::UsualRange usual, Findings& findings, const std::string& subject = {});
+                  sim::PlausibleRange usual, Findings& findings, const std::string& subject = {});
 
 }  // namespace haptometer::fit

@@ -306,7 +306,7 @@ void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit
   DoubtUnusual(kUnusualAmplitude, "amplitude_m", largest_m, {2e-8, 5e-3}, findings);
   const bool is_current = sweep.drive == DriveQuantity::kCurrent;
   DoubtUnusual(kUnusualDrive, is_current ? "current_a" : "voltage_v", largest_drive,
-               is_current ? sim::UsualRange{0, 2} : sim::kUsualDriveV, findings);
+               is_current ? sim::PlausibleRange{0, 2} : sim::kUsualDriveV, findings);
   const double lowest_hz = problem.points().front().frequency_hz;
   const double highest_hz = problem.points().back().frequency_hz;
   if (highest_hz < sim::kUsualDriveHz.least || lowest_hz > sim::kUsualDriveHz.most) {

@@ -439,6 +439,8 @@ TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const std::string limited =
       Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");
   EXPECT_EQ(Simulate({limited, "--accuracy", "2"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--accuracy", "200%"}).status, 2);
+  EXPECT_NE(Simulate({limited, "--accuracy", "5%"}).status, 2);
   EXPECT_EQ(Simulate({limited, "--accuracy", "1e-12"}).status, 2);
   EXPECT_EQ(Simulate({limited, "--digits", "12"}).status, 2);
   EXPECT_EQ(Simulate({limited, "--digits", "6", "--accuracy", "1e-6"}).status, 2);

@@ -123,17 +123,6 @@ std::string ReasonOf(const Route& route) {
   return document::WordsOf(reason);
 }
 
-Result<double> ReadAccuracy(std::string_view text, double most) {
-  const bool is_percent = text.ends_with('%');
-  if (is_percent) text.remove_suffix(1);
-  HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, "--accuracy"));
-  const double relative = is_percent ? number.value / 100 : number.value;
-  if (relative > 0 && relative <= most) return relative;
-  return Usage("--accuracy",
-               fmt::format("{:g} % lies outside 0 to {:g} %", 100 * relative, 100 * most),
-               "write e.g. 1%");
-}
-
 void DeclareAdvise(cli::Options& options, AdviseWords& words) {
   options.Flag("--advise", &words.advise,
                "List the ways to measure --rms at --drive in --band to --accuracy, with the record "
@@ -192,7 +181,7 @@ Result<RouteQuestion> ReadRouteQuestion(const AdviseWords& words, const std::str
                          .drive_hz = drive_hz,
                          .rms_m = words.rms_m->value};
   if (!words.accuracy.empty()) {
-    HAPTOMETER_LET(question.accuracy, ReadAccuracy(words.accuracy, kMostAccuracy));
+    HAPTOMETER_LET(question.accuracy, cli::ReadAccuracy(words.accuracy, 0, kMostAccuracy));
   }
   if (words.noise_rms_m) question.noise_rms_m = words.noise_rms_m->value;
   if (words.daq_rate_hz) question.daq_rate_hz = words.daq_rate_hz->value;

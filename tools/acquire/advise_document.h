@@ -29,8 +29,6 @@ struct AdviseWords {
   std::string calibration_uncertainty;
 };
 
-/// Reads an accuracy, "1%" or "0.01". Errors (Cause::kUsage): not above 0, or above `most`.
-[[nodiscard]] Result<double> ReadAccuracy(std::string_view text, double most);
 
 /// Declares --advise and the options that belong to it.
 void DeclareAdvise(cli::Options& options, AdviseWords& words);

@@ -16,6 +16,18 @@
 
 namespace haptometer::cli {
 
+Result<double> ReadAccuracy(std::string_view text, double least, double most) {
+  const bool is_percent = text.ends_with('%');
+  if (is_percent) text.remove_suffix(1);
+  HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, "--accuracy"));
+  const double relative = is_percent ? number.value / 100 : number.value;
+  if (relative > 0 && relative >= least && relative <= most) return relative;
+  return Usage(
+      "--accuracy",
+      fmt::format("{:g} % lies outside {:g} to {:g} %", 100 * relative, 100 * least, 100 * most),
+      "write e.g. 1%, or 1e-6 of a simulation");
+}
+
 Result<Band> ParseBand(const std::string& text) {
   // from the second character on: a leading '-' is a sign
   const auto dash = text.find('-', 1);

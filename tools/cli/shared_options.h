@@ -16,6 +16,10 @@
 
 namespace haptometer::cli {
 
+/// Reads an accuracy, "1%", "0.01" or "1e-2". Errors (Cause::kUsage), naming --accuracy: not above
+/// 0, below `least`, or above `most`.
+[[nodiscard]] Result<double> ReadAccuracy(std::string_view text, double least, double most);
+
 /// A band of frequencies, as said on the command line.
 struct Band {
   double lower_hz = 0;

@@ -16,6 +16,7 @@
 #include "tools/acquire/advise_document.h"
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/shared_options.h"
 #include "tools/document/present.h"
 #include "tools/verbs.h"
 
@@ -65,7 +66,7 @@ struct Words {
 };
 
 Result<void> TakeAccuracy(const std::string& text, std::optional<double>& accuracy) {
-  HAPTOMETER_LET(accuracy, ReadAccuracy(text, 1));
+  HAPTOMETER_LET(accuracy, cli::ReadAccuracy(text, 0, 1));
   return {};
 }
 

@@ -356,7 +356,7 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"quantisation", "step / sqrt(12), white up to half the rate"},
       {"interpolated readings", "expanded error (k = 2) of what is interpolated"},
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
-      {"beat", "of the tone with the next one, of which the window holds no whole number"},
+      {"beat", "of the tone with the next one: the window ends within a period of it"},
       {"drive's edges",
        "what a window shorter by a period at either end, or without all that may be bumps, "
        "changes"},

@@ -47,9 +47,10 @@ Result<void> CheckNames(const std::vector<std::string>& names, const std::string
     }
   }
   for (const AlikeNames& pair : NamesAlike(names)) {
-    if (pair.likeness != Likeness::kCaseOrBlanks) continue;
+    if (pair.likeness != Likeness::kSpelling) continue;
     return Usage(where,
-                 fmt::format("{} and {} differ by case or blanks only", pair.one, pair.other),
+                 fmt::format("{} and {} differ by case, blanks or zeros in front only", pair.one,
+                             pair.other),
                  "give each a name of its own");
   }
   return {};

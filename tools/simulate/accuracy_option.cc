@@ -3,8 +3,14 @@
 #include <cmath>
 
 #include "sim/scene/scene.h"
+#include "tools/cli/shared_options.h"
 
 namespace haptometer::tools {
+namespace {
+
+constexpr double kMostTolerance = 0.999;  // a tolerance lies below 1
+
+}  // namespace
 
 std::optional<double> AccuracyWords::Asked() const {
   if (digits) return 1 / std::pow(10.0, static_cast<double>(*digits));
@@ -12,9 +18,13 @@ std::optional<double> AccuracyWords::Asked() const {
 }
 
 void DeclareAccuracy(cli::Options& options, AccuracyWords& words) {
-  options.Number(
-      "--accuracy", &words.accuracy, Dimension::kNone,
-      {.least = sim::kLeastTolerance, .most = 1, .is_below = true},
+  options.Parsed(
+      "--accuracy", "1e-6|1%",
+      [&words](const std::string& text) -> Result<void> {
+        HAPTOMETER_LET(words.accuracy,
+                       cli::ReadAccuracy(text, sim::kLeastTolerance, kMostTolerance));
+        return {};
+      },
       "Largest relative error of every number, what effects = \"auto\" neglects included; "
       "overrides [run] tolerance");
   options.Count("--digits", &words.digits, 1, 11, "The same as a number of digits: 6 is 1e-6");

@@ -13,7 +13,7 @@
 #include "base/mapped.h"
 #include "base/text.h"
 #include "sim/linear/linear_model.h"
-#include "sim/scene/usual.h"
+#include "sim/scene/plausible_ranges.h"
 #include "tools/document/keys.h"
 
 namespace haptometer::tools {

@@ -14,13 +14,18 @@ namespace haptometer::tools {
 namespace {
 
 bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 bool IsUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
+// without case, blanks and the zeros in front of numbers
 std::string Folded(std::string_view name) {
   std::string folded;
-  for (const char c : name) {
-    if (c != ' ') folded += Lower(c);
+  for (std::size_t at = 0; at < name.size(); ++at) {
+    const bool follows_digit = !folded.empty() && IsDigit(folded.back());
+    const bool leads = at + 1 < name.size() && IsDigit(name[at + 1]);
+    if (name[at] == ' ' || (name[at] == '0' && leads && !follows_digit)) continue;
+    folded += Lower(name[at]);
   }
   return folded;
 }
@@ -51,12 +56,12 @@ bool DifferByOneLetter(std::string_view longer, std::string_view shorter) {
 
 std::string_view WordsOf(Likeness likeness) {
   if (likeness == Likeness::kNone) return {};
-  return likeness == Likeness::kOneLetter ? "one letter" : "case or blanks";
+  return likeness == Likeness::kOneLetter ? "one letter" : "case, blanks or zeros in front";
 }
 
 Likeness LikenessOf(std::string_view one, std::string_view other) {
   if (one == other) return Likeness::kNone;
-  if (Folded(one) == Folded(other)) return Likeness::kCaseOrBlanks;
+  if (Folded(one) == Folded(other)) return Likeness::kSpelling;
   const bool is_longer = one.size() >= other.size();
   return DifferByOneLetter(is_longer ? one : other, is_longer ? other : one) ? Likeness::kOneLetter
                                                                              : Likeness::kNone;

@@ -11,11 +11,11 @@ namespace haptometer::tools {
 /// How two different names may be one, written in two ways.
 enum class Likeness : std::uint8_t {
   kNone,
-  kCaseOrBlanks,  ///< they differ by case or blanks alone
-  kOneLetter,     ///< one letter is another, is missing or is too much: "cone", "cones"
+  kSpelling,   ///< they differ by case, blanks or zeros in front alone
+  kOneLetter,  ///< one letter is another, is missing or is too much: "cone", "cones"
 };
 
-/// "case or blanks", "one letter"; empty of kNone.
+/// "case, blanks or zeros in front", "one letter"; empty of kNone.
 [[nodiscard]] std::string_view WordsOf(Likeness likeness);
 
 /// kOneLetter is of names of 3 characters at least, without regard to case. A digit is

@@ -10,7 +10,7 @@
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
-#include "sim/scene/usual.h"
+#include "sim/scene/plausible_ranges.h"
 #include "tools/campaign/slurm.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -95,6 +97,14 @@ std::string Ascii(const std::string& json) {
   return nlohmann::ordered_json::parse(json).dump(-1, ' ', true);
 }
 
+// the same of a line of JSON each
+std::string AsciiLines(const std::string& lines) {
+  std::istringstream source(lines);
+  std::string ascii;
+  for (std::string line; std::getline(source, line);) ascii += Ascii(line) + "\n";
+  return ascii;
+}
+
 // each byte of another character as a question mark
 std::string AsciiText(std::string text) {
   std::ranges::replace_if(text, [](char c) { return (c & 0x80) != 0; }, '?');
@@ -121,9 +131,7 @@ void AddTimes(const Record& record, Struct* variable) {
 // header, events, remarks in ASCII, and the flags
 void AddWords(const Recording& recording, const FindingSayer& say, Struct* variable) {
   variable->Text(objects::kHeader, Ascii(HeaderToJson(HeaderOf(recording.record))));
-  std::string events;
-  for (const Event& event : recording.report.events) events += Ascii(EventToJson(event)) + "\n";
-  variable->Text(objects::kEvents, events);
+  variable->Text(objects::kEvents, AsciiLines(EventLinesOf(recording.report)));
   variable->Text(objects::kRemarks, AsciiText(RemarksOf(recording.report, say)));
   variable->Flag(objects::kClosed, recording.report.closed);
   if (recording.record.times_are_known) variable->Flag(objects::kTimesAreKnown, true);

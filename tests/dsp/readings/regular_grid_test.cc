@@ -159,7 +159,8 @@ TEST(RegularGrid, JitterIsStatedAsItIsWhereItIsRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(20'000), 0.2), kUpperHz);
   ASSERT_TRUE(grid.refusal);
   EXPECT_REL(NumberOf(*grid.refusal, "jitter_s"), 0.2 * kPeriodS, 0.03, "clamped at 2.5");
-  EXPECT_REL(NumberOf(*grid.refusal, "largest_jitter_s"), 0.5 * kPeriodS, 1e-3, "the clamp");
+  EXPECT_REL(NumberOf(*grid.refusal, "largest_jitter_s"), 0.5 * kPeriodS, 2e-2,
+             "the clamp; the line is known to 0.003 periods at its ends");
 }
 
 TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {

@@ -145,7 +145,8 @@ TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
   };
   EXPECT_EQ(refused([](SessionPlan&) {}), "");
   EXPECT_EQ(refused([](SessionPlan& plan) { plan.conditions = {"Stock", "stock"}; }),
-            "p: conditions: Stock and stock differ by case or blanks only; give each a name of its "
+            "p: conditions: Stock and stock differ by case, blanks or zeros in front only; give "
+            "each a name of its "
             "own");
   EXPECT_EQ(refused([](SessionPlan& plan) { plan.subjects = {"1", "1"}; }),
             "p: subjects: name 1 twice; give each a name of its own");

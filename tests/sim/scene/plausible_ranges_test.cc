@@ -1,4 +1,4 @@
-#include "sim/scene/usual.h"
+#include "sim/scene/plausible_ranges.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,22 +9,22 @@
 /// and the scenes are doubted by the same.
 namespace haptometer::sim {
 
-struct UsualRange {
+struct PlausibleRange {
   double least = 0;
   double most = 0;
   [[nodiscard]] constexpr bool Holds(double value) const { return value >= least && value <= most; }
 };
 
-inline constexpr UsualRange kUsualMovingMassKg{1e-5, 0.1};
-inline constexpr UsualRange kUsualCaseMassKg{1e-5, 1};
-inline constexpr UsualRange kUsualAdapterMassKg{1e-5, 0.1};
-inline constexpr UsualRange kUsualResonanceHz{20, 2000};
-inline constexpr UsualRange kUsualForceConstantNPerA{1e-3, 100};
-inline constexpr UsualRange kUsualResistanceOhm{0.1, 1e4};
-inline constexpr UsualRange kUsualSkinStiffnessNPerM{30, 3e4};
-inline constexpr UsualRange kUsualSkinDampingNSPerM{0.02, 50};
-inline constexpr UsualRange kUsualDriveHz{10, 5000};
-inline constexpr UsualRange kUsualDriveV{0, 50};
+inline constexpr PlausibleRange kUsualMovingMassKg{1e-5, 0.1};
+inline constexpr PlausibleRange kUsualCaseMassKg{1e-5, 1};
+inline constexpr PlausibleRange kUsualAdapterMassKg{1e-5, 0.1};
+inline constexpr PlausibleRange kUsualResonanceHz{20, 2000};
+inline constexpr PlausibleRange kUsualForceConstantNPerA{1e-3, 100};
+inline constexpr PlausibleRange kUsualResistanceOhm{0.1, 1e4};
+inline constexpr PlausibleRange kUsualSkinStiffnessNPerM{30, 3e4};
+inline constexpr PlausibleRange kUsualSkinDampingNSPerM{0.02, 50};
+inline constexpr PlausibleRange kUsualDriveHz{10, 5000};
+inline constexpr PlausibleRange kUsualDriveV{0, 50};
 
 /// Adds a doubt kUnusualNumber for each number of the scene outside of its range, of which none has
 /// one of the same key yet. What is 0 is left out, not mistaken: a massless side, no skin, no

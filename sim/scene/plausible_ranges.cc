@@ -1,4 +1,4 @@
-#include "sim/scene/usual.h"
+#include "sim/scene/plausible_ranges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ bool IsDoubted(const Findings& findings, const std::string& key) {
   });
 }
 
-void Doubt(std::string_view name, double value, const UsualRange& usual, Findings& findings) {
+void Doubt(std::string_view name, double value, const PlausibleRange& usual, Findings& findings) {
   const std::string key(name);
   if (value == 0 || usual.Holds(value) || IsDoubted(findings, key)) return;
   findings.Doubt(FindingKind::kUnusualNumber,
