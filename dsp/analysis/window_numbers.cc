@@ -161,14 +161,14 @@ std::optional<SineFit> ToneOf(Window& window) {
   if (!tone) return tone;
   std::vector<double> others = window.samples.values_m;
   Subtract(*tone, rate_hz, others);
-  auto second = StrongestTone(others, search);
+  const auto second = StrongestTone(others, search);
   // nearer ones are the tone's own change
   const double least_hz = kReachBins / window.samples.duration_s();
   if (!second || std::abs(second->frequency_hz - tone->frequency_hz) < least_hz) return tone;
   std::vector<double> without = window.samples.values_m;
   Subtract(*second, rate_hz, without);
   const SineFit alone = FitSine(without, {rate_hz, window.bandwidth_hz(), 0}, tone->frequency_hz);
-  window.second = std::move(second);
+  window.second = second;
   return alone.converged ? alone : tone;
 }
 

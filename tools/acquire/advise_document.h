@@ -29,7 +29,6 @@ struct AdviseWords {
   std::string calibration_uncertainty;
 };
 
-
 /// Declares --advise and the options that belong to it.
 void DeclareAdvise(cli::Options& options, AdviseWords& words);
 
