@@ -289,15 +289,17 @@ bool HasEnd(const RecordingLimits& limits) {
   return limits.duration_ns || limits.readings || limits.until_ns || limits.trigger;
 }
 
-// whether a program or a file gave less than was asked for; the last row of a duration lies one
-// interval before its end
+// Whether a program or a file gave less than was asked for. The last row of a duration lies an
+// interval before its end, in bursts some more: 1 % is left to it.
 bool EndedEarly(const RecordingSummary& summary, const RecordingLimits& limits) {
   constexpr double kIntervals = 1.5;
+  constexpr double kShare = 0.99;
   if (limits.trigger) return summary.triggers < limits.trigger->shots;
   if (limits.readings && summary.readings < *limits.readings) return true;
   if (!limits.duration_ns) return false;
   const double interval_s = summary.rate_hz ? 1 / *summary.rate_hz : 0;
-  return summary.elapsed_s + kIntervals * interval_s < SecondsFromNs(*limits.duration_ns);
+  const double wanted_s = kShare * SecondsFromNs(*limits.duration_ns);
+  return summary.elapsed_s + kIntervals * interval_s < wanted_s;
 }
 
 }  // namespace

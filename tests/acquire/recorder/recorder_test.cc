@@ -61,7 +61,9 @@ TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
   EXPECT_FALSE(ends_early({.readings = 1000}));
   EXPECT_TRUE(ends_early({.readings = 1001}));
   EXPECT_FALSE(ends_early({.duration_ns = 1000 * kMs}));
-  EXPECT_TRUE(ends_early({.duration_ns = 1010 * kMs}));
+  // 0.999 s and an interval and a half, of 99 %
+  EXPECT_FALSE(ends_early({.duration_ns = 1010 * kMs}));
+  EXPECT_TRUE(ends_early({.duration_ns = 1011 * kMs}));
 }
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {
