@@ -468,9 +468,14 @@ Result<void> BoundSteps(Window& window) {
   const double density = window.beside.DensityAt(window.band().upper_hz);
   const double noise = std::sqrt(std::max(0.0, density * window.rate_hz() / 2 - step * step / 12));
   const double rms = std::sqrt(window.power.tone_mean_square);
-  const double tone_hz = window.chosen.part.state.from_hz;
-  window.steps_m = QuantisationBound(step, rms * std::numbers::sqrt2, noise,
-                                     static_cast<int>(window.band().upper_hz / tone_hz));
+  const double amplitude = rms * std::numbers::sqrt2;
+  const double tone_hz = window.numbers.tone ? window.numbers.tone->fit.frequency_hz
+                                             : window.chosen.part.state.from_hz;
+  const double all_phases =
+      QuantisationBound(step, amplitude, noise, static_cast<int>(window.band().upper_hz / tone_hz));
+  const double few_phases =
+      CommensurateBound(step, amplitude, noise, tone_hz / window.rate_hz(), window.rows);
+  window.steps_m = std::hypot(all_phases, few_phases);
   if (window.steps_m > kNoticeable * rms) {
     window.analysis.findings.Doubt(FindingKind::kQuantised,
                                    {{"share", window.steps_m / rms}, {"step_m", step}});

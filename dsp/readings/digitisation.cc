@@ -350,4 +350,19 @@ double QuantisationBound(double step, double amplitude, double noise_rms, int ha
   return first / std::numbers::sqrt2 + std::min(std::sqrt(square), square / (2 * rms));
 }
 
+double CommensurateBound(double step, double amplitude, double noise_rms, double cycles_per_sample,
+                         std::size_t samples) {
+  if (!(step > 0) || !(amplitude > 0) || samples == 0) return 0;
+  const auto count = static_cast<double>(samples);
+  const double steps_per_cycle = 2 * std::numbers::pi * amplitude / step;
+  double phases = count;
+  // no more phases than samples, and none fewer than the samples until they come round
+  for (double p = 1; p < phases; ++p) {
+    const double lacking = std::abs(std::remainder(p * cycles_per_sample, 1));
+    phases = std::min(phases, p + count * lacking * steps_per_cycle);
+  }
+  const double left = std::exp(-2 * std::pow(std::numbers::pi * noise_rms / step, 2));
+  return left * step / (2 * std::sqrt(phases));
+}
+
 }  // namespace haptometer::dsp

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -69,5 +70,16 @@ struct Clipping {
 /// series is bounded by |J_n(x)| <= sqrt(2 / (pi x)).
 [[nodiscard]] double QuantisationBound(double step, double amplitude, double noise_rms,
                                        int harmonics);
+
+/// What rounding adds to that where tone and rate are commensurate: half width of the RMS's error
+/// of a sine of `cycles_per_sample` in `samples` samples, which are of P phases alone.
+///
+/// Rounding errors of P phases do not average out further: a = q / (2 sqrt(P)), a rectangle with
+/// the standard deviation q / sqrt(12 P) of the mean of P errors; noise s ahead of the rounding
+/// takes exp(-2 pi^2 s^2 / q^2) of it. P is the least over p of p + N |r| 2 pi A / q, where r is
+/// what p samples lack of whole cycles: phases that drift over the N samples are others as far as
+/// they move the sine by a step q. Cost: O(sqrt(N A / q)).
+[[nodiscard]] double CommensurateBound(double step, double amplitude, double noise_rms,
+                                       double cycles_per_sample, std::size_t samples);
 
 }  // namespace haptometer::dsp
