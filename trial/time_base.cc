@@ -445,6 +445,32 @@ struct Cut {
   std::size_t window_rows = 0;
 };
 
+// The windows that a line is fitted to. Where lines were lost within a burst, the first rows of a
+// piece may come from before the loss, below its line: its first window is left out.
+std::vector<Window> FittedWindows(const Rows& part, const Piece& piece, double period_ns,
+                                  std::size_t window_rows) {
+  auto windows = WindowsOf(part, period_ns, window_rows);
+  if (piece.first > 0 && windows.size() > 2) windows.erase(windows.begin());
+  return windows;
+}
+
+// The period of the lines below all pieces. That of n rows is known to a variance that falls with
+// n^3, as a slope's does, which weights it.
+double CommonSlope(const Rows& rows, const std::vector<Piece>& pieces, double period_ns,
+                   std::size_t window_rows) {
+  double sum = 0;
+  double weights = 0;
+  for (const Piece& piece : pieces) {
+    if (piece.rows() < 2 * window_rows) continue;
+    const Rows part = rows.Of(piece);
+    const auto windows = FittedWindows(part, piece, period_ns, window_rows);
+    const double weight = std::pow(AsDouble(RowsIn(windows)), 3);
+    sum += weight * (LowerLine(part, period_ns, windows).period_ns - period_ns);
+    weights += weight;
+  }
+  return weights > 0 ? period_ns + sum / weights : period_ns;
+}
+
 Cut CutAtLosses(const Rows& rows, const std::vector<std::size_t>& breaks, bool is_numbered) {
   // rough period by counts per window, then a robust one by medians
   const std::optional<double> between_ns = PeriodBetweenSilences(rows);
@@ -464,13 +490,11 @@ Cut CutAtLosses(const Rows& rows, const std::vector<std::size_t>& breaks, bool i
     pieces = PiecesBetween(rows.size(), StartsIn(rows, sure, [&](const Rows& part) {
                              return Rises(part, period_ns, window_rows);
                            }));
-    const Piece& longest = Longest(rows, pieces, period_ns, window_rows);
-    period_ns = RobustPeriod(rows.Of(longest), period_ns, window_rows);
+    period_ns = CommonSlope(rows, pieces, period_ns, window_rows);
   }
-  // final period: the line below the longest piece
   const Piece longest = Longest(rows, pieces, period_ns, window_rows);
   const auto windows = WindowsOf(rows.Of(longest), period_ns, window_rows);
-  period_ns = LowerLine(rows.Of(longest), period_ns, windows).period_ns;
+  period_ns = CommonSlope(rows, pieces, period_ns, window_rows);
   return {std::move(pieces), period_ns, RowsIn(windows), window_rows};
 }
 
@@ -482,8 +506,10 @@ std::optional<double> CommonPeriod(const Cut& cut, std::optional<double> nominal
 }
 
 // the line of one piece; with its own period only where it holds ten windows or more
-Line FitPiece(const Rows& part, const Cut& cut, std::optional<double> common_period_ns) {
-  const auto windows = WindowsOf(part, common_period_ns.value_or(cut.period_ns), cut.window_rows);
+Line FitPiece(const Rows& part, const Piece& piece, const Cut& cut,
+              std::optional<double> common_period_ns) {
+  const auto windows =
+      FittedWindows(part, piece, common_period_ns.value_or(cut.period_ns), cut.window_rows);
   if (RowsIn(windows) < kWindowsForARate * cut.window_rows && common_period_ns) {
     // the period is given, so only the least delay is looked for
     return {LeastOf(windows, 0, windows.size()), *common_period_ns};
@@ -531,7 +557,7 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
   std::vector<Stretch> stretches;
   for (const Piece& piece : cut.pieces) {
     const Rows part = rows.Of(piece);
-    const Line line = FitPiece(part, cut, common_period_ns);
+    const Line line = FitPiece(part, piece, cut, common_period_ns);
     const double uncertainty_s = Scatter(part, line, cut.window_rows) / kNsPerSecond;
     // losses of known number divide segments, but both sides lie on one line
     std::vector<std::size_t> starts;

@@ -33,7 +33,8 @@ struct MissingRows {
 /// however long, after which all that waited arrives, is no gap: lines that come much faster than
 /// the source sends are late and show no rate and no rise, and stalls may hold most of the rows.
 /// Where within a burst the lines are missing cannot be seen; the largest interval before the first
-/// line that is on time again is taken.
+/// line that is on time again is taken, and no line is fitted to the first window behind it. Pieces
+/// too short for a rate of their own take that of all, weighted by the cube of their rows.
 ///
 /// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
 /// promises; used for stretches too short to tell their own rate (fewer than three rows, or arrived

@@ -101,6 +101,20 @@ TEST(ArrivalTimes, ALineLostEveryHalfSecondIsAGapEachTime) {
   }
 }
 
+// One line in 3000 is lost: each is a gap, and the rate is that of the source, not of what arrives.
+TEST(ArrivalTimes, OfASourceThatKeepsLosingLinesHaveItsRate) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Source source{.rate_hz = 4000, .duration_s = 8, .burst_s = 5e-4, .seed = seed};
+    for (std::size_t line = 2000; line < 32'000; line += 3000) source.lost.emplace_back(line, 1);
+    const auto stretches = FitArrivalTimes(Arrivals(source), std::nullopt);
+    // a late line beside a loss may look like one more
+    EXPECT_NEAR(static_cast<double>(stretches.size()), 11, 1) << seed;
+    for (const Stretch& stretch : stretches) {
+      EXPECT_REL(stretch.rate_hz, 4000, 1e-5, "a hundredth of a period in each 0.7 s, averaged");
+    }
+  }
+}
+
 TEST_P(BurstyLines, AStallOfTheHostIsNoGap) {
   for (const double length_s : {0.05, 0.2, 0.4}) {
     const auto arrivals = Arrivals({.stall = {1.5, 1.5 + length_s}, .seed = GetParam()});
