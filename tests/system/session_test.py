@@ -39,7 +39,9 @@ def lines(folder):
 
 def trials(folder):
     """The files with their sizes and the bytes that they begin with."""
-    return {name: open(f"{folder}/trials/{name}", "rb").read() for name in os.listdir(f"{folder}/trials")}
+    # a trial is renamed once it is begun: NAME.new may be gone when it is read
+    names = [name for name in os.listdir(f"{folder}/trials") if not name.endswith(".new")]
+    return {name: open(f"{folder}/trials/{name}", "rb").read() for name in names}
 
 
 def nothing_lost(before, folder):
