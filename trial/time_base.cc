@@ -446,7 +446,8 @@ struct Cut {
 };
 
 // The windows that a line is fitted to. Where lines were lost within a burst, the first rows of a
-// piece may come from before the loss, below its line: its first window is left out.
+// piece may come from before the loss, below its line: its first window is left out, of pieces
+// behind a known break too, where it costs little.
 std::vector<Window> FittedWindows(const Rows& part, const Piece& piece, double period_ns,
                                   std::size_t window_rows) {
   auto windows = WindowsOf(part, period_ns, window_rows);

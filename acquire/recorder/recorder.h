@@ -46,7 +46,7 @@ struct RecordingSummary {
   bool is_away = false;                 ///< the device is gone at the moment
   bool connection_lost = false;         ///< it ended because the device went away
   bool source_ended = false;            ///< a program or a file gave less than was asked for
-  bool interrupted = false;             ///< either, or a stop before the end that was asked for
+  bool interrupted = false;             ///< that, or a stop before the end that was asked for
 
   /// Rows whose status is neither ok nor repeated.
   [[nodiscard]] std::uint64_t bad() const;

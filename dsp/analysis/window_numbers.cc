@@ -151,7 +151,7 @@ void Subtract(const SineFit& sine, double rate_hz, std::span<double> samples) {
                -sine.amplitude * std::sin(sine.phase_rad), 0, samples);
 }
 
-// The strongest tone of the samples; fitted anew without the strongest one of the others, which
+// The strongest tone of the samples; fitted again without the strongest one of the others, which
 // moves it as a line below the band does (AddLeakedLine).
 std::optional<SineFit> ToneOf(Window& window) {
   const double rate_hz = window.samples.rate_hz;
@@ -242,8 +242,10 @@ Result<void> MeasurePower(Window& window) {
     // and of samples of the window that were not fitted
     if (is_alone) variance = beyond.variance + variance * std::max(0.0, 1 - longer);
     // a band that holds no bins beside the drive: all that the tone leaves is noise
-    if (!window.beside.is_known) noise = rest;
-    if (!window.beside.is_known) variance = split.rest.power.variance;
+    if (!window.beside.is_known) {
+      noise = rest;
+      variance = split.rest.power.variance;
+    }
     // beside a tone alone: the density next to it
     if (split.mean_square > kExplained * mean_square || !window.beside.is_known) {
       window.density = split.density;

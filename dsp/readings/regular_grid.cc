@@ -67,7 +67,7 @@ void FitLine(std::span<const double> times_s, Places& places) {
 }
 
 // Places on a grid that follows the readings: each takes the one nearest to its time, behind that
-// of the reading before. Behind a long gap the grid begins anew.
+// of the reading before. Behind a long gap the grid begins again.
 Places FollowedPlaces(std::span<const double> times_s) {
   Places places;
   places.place.reserve(times_s.size());

@@ -42,8 +42,8 @@ trial::Record Driven() {
   return record;
 }
 
-// A band of 10 Hz holds no noise but that about the drive, which swings by 0.1 s: blocks that were
-// shorter took it for a drive that goes on and off, and its noise for nothing.
+// A band of 10 Hz holds no noise but that about the drive, which swings by 0.1 s: shorter blocks
+// showed a drive that comes and goes, and no noise.
 TEST(NarrowBand, TheIntervalHoldsTheRmsAndTheNoiseIsThatOfTheBand) {
   constexpr double kRms = 2e-6, kNoise = 2e-6;
   int held = 0;
