@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acquire/findings.h"
-#include "base/usual_band.h"
+#include "base/default_band.h"
 
 namespace haptometer::acquire {
 
@@ -83,10 +83,10 @@ struct SensorAbility {
 
 /// What is wanted.
 struct CapabilityQuestion {
-  double lower_hz = kUsualLowerHz;  ///< >= 0
-  double upper_hz = kUsualUpperHz;  ///< > lower_hz
-  double resolution_m = 1e-6;       ///< > 0: largest step that is fine enough
-  double record_s = 10;             ///< length of the record, and of one of the noise alone; > 0
+  double lower_hz = kDefaultLowerHz;  ///< >= 0
+  double upper_hz = kDefaultUpperHz;  ///< > lower_hz
+  double resolution_m = 1e-6;         ///< > 0: largest step that is fine enough
+  double record_s = 10;               ///< length of the record, and of one of the noise alone; > 0
 };
 
 /// One sensor's answer.

@@ -26,8 +26,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/default_band.h"
 #include "base/error.h"
-#include "base/usual_band.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
@@ -495,7 +495,7 @@ PYBIND11_MODULE(_native, module) {
     }
   });
 
-  module.attr("USUAL_BAND") = py::make_tuple(kUsualLowerHz, kUsualUpperHz);
+  module.attr("DEFAULT_BAND") = py::make_tuple(kDefaultLowerHz, kDefaultUpperHz);
   py::class_<Answer>(module, "Answer")
       .def_readonly("status", &Answer::status)
       .def_readonly("json", &Answer::json)

@@ -141,7 +141,9 @@ class Bounding {
         base_scene_(WithEffects(scene, WithoutDisturbances(on))),
         base_(base),
         model_(AssembleModel(base_scene_.scene)),
-        length_s_(scene.duration_s.value_or(kUnknown)),
+        // in its steady motion an effect has acted for ever
+        length_s_(StartOf(scene) == Start::kSteady ? kUnknown
+                                                   : scene.duration_s.value_or(kUnknown)),
         modes_(model_, scene, length_s_) {}
 
   EffectBounds Find() {

@@ -268,11 +268,7 @@ class Playing {
                   part(errors_.current.Rms(), run_.current_rms_a), part(power_w, run_.power_w),
                   part(errors_.travel.largest, run_.mover_peak_m),
                   part(errors_.skin.largest, run_.skin_m.cwiseAbs().maxCoeff())});
-    // error of a chirp's cubics, V; 0 for other drives
-    const double amplitude_v = scene_.scene.drive.amplitude_v;
-    const double held_v =
-        Excitation(scene_.scene.drive, scene_.scene.finger.tones).voltage_error_v();
-    return largest + part(held_v, amplitude_v) + kExactRounding;
+    return largest + DriveError(scene_.scene) + kExactRounding;
   }
 
   // a run with too many events ends at the last one
@@ -456,6 +452,11 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
   // an n times smaller tolerance leaves at most kLeftOver / n of the deviation, and moves the run
   // by no more than the deviation
   return std::min(largest * kLeftOver / finer, coarse.error_estimate + largest) + rounding;
+}
+
+double DriveError(const Scene& scene) {
+  const double error_v = Excitation(scene.drive, scene.finger.tones).voltage_error_v();
+  return error_v == 0 ? 0 : error_v / std::abs(scene.drive.amplitude_v);
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {

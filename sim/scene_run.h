@@ -96,6 +96,11 @@ inline constexpr double kLargestPredictedError = 1e-3;
 /// and the other's estimate stays.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 
+/// What the drive is wrong by, over its amplitude: a chirp's cubics (Drive::hold_tolerance); else
+/// 0. Exact runs have it in their error_estimate, runs of the solver as ChooseEffects() answers
+/// them.
+[[nodiscard]] double DriveError(const Scene& scene);
+
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
 ///
 /// Outputs come as sim/effective_scene.h says.

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/clock.h"
-#include "base/usual_band.h"
+#include "base/default_band.h"
 #include "trial/record.h"
 
 namespace haptometer::acquire {
@@ -19,8 +19,8 @@ inline constexpr int kBitsPerCharacter = 10;
 /// A signal of frequency f needs at least 2.56 f readings a second to be told from its alias with
 /// room for an anti-alias filter's slope; this is the customary factor of vibration analysers.
 inline constexpr double kReadingsPerPeriod = 2.56;
-/// New readings a second that the usual band needs.
-inline constexpr double kNeededRateHz = kUsualUpperHz * kReadingsPerPeriod;
+/// New readings a second that the default band needs.
+inline constexpr double kNeededRateHz = kDefaultUpperHz * kReadingsPerPeriod;
 
 /// How long `bytes` characters occupy the wire: bits x bytes / baud, in nanoseconds, rounded down.
 [[nodiscard]] MonotonicNs WireTimeNs(std::size_t bytes, int baud,

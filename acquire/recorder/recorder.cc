@@ -70,6 +70,7 @@ class Reader {
 
   Ending Run();
   [[nodiscard]] RecordingSummary Summary() const { return tally_.Summary(); }
+  [[nodiscard]] bool EndedEarly() const;
 
  private:
   enum class Phase : std::uint8_t { kRecording, kArmed, kHoldOff };
@@ -184,6 +185,22 @@ bool Reader::NextShot() {
   return true;
 }
 
+// Whether a source that ended gave less than was asked for, of each shot. The last row of a
+// duration lies an interval before its end, in bursts some more: 1 % is left to it.
+bool Reader::EndedEarly() const {
+  constexpr double kIntervals = 1.5;
+  constexpr double kShare = 0.99;
+  const RecordingSummary summary = tally_.Summary();
+  if (limits_.trigger && summary.triggers < limits_.trigger->shots) return true;
+  // the last shot was whole
+  if (phase_ != Phase::kRecording) return false;
+  if (limits_.readings && shot_readings_ < *limits_.readings) return true;
+  if (!limits_.duration_ns) return false;
+  const double interval_s = summary.rate_hz ? 1 / *summary.rate_hz : 0;
+  const double shot_s = summary.elapsed_s - SecondsFromNs(shot_start_ns_);
+  return shot_s + kIntervals * interval_s < kShare * SecondsFromNs(*limits_.duration_ns);
+}
+
 // one reading of the sensor; false for the first one behind the end
 bool Reader::Take(MonotonicNs time_ns) {
   tally_.See();
@@ -289,19 +306,6 @@ bool HasEnd(const RecordingLimits& limits) {
   return limits.duration_ns || limits.readings || limits.until_ns || limits.trigger;
 }
 
-// Whether a program or a file gave less than was asked for. The last row of a duration lies an
-// interval before its end, in bursts some more: 1 % is left to it.
-bool EndedEarly(const RecordingSummary& summary, const RecordingLimits& limits) {
-  constexpr double kIntervals = 1.5;
-  constexpr double kShare = 0.99;
-  if (limits.trigger) return summary.triggers < limits.trigger->shots;
-  if (limits.readings && summary.readings < *limits.readings) return true;
-  if (!limits.duration_ns) return false;
-  const double interval_s = summary.rate_hz ? 1 / *summary.rate_hz : 0;
-  const double wanted_s = kShare * SecondsFromNs(*limits.duration_ns);
-  return summary.elapsed_s + kIntervals * interval_s < wanted_s;
-}
-
 }  // namespace
 
 std::uint64_t RecordingSummary::repeated() const {
@@ -329,7 +333,7 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
-  summary.source_ended = ending == Ending::kSourceEnded && EndedEarly(summary, limits);
+  summary.source_ended = ending == Ending::kSourceEnded && reader.EndedEarly();
   // without a stated end, a stop is the regular ending
   summary.interrupted = summary.source_ended || (ending == Ending::kStopped && HasEnd(limits));
   if (summary.interrupted) {

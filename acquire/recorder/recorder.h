@@ -38,8 +38,9 @@ struct RecordingSummary {
   std::uint64_t lost = 0;         ///< readings that came and found the disk too slow
   std::uint64_t reconnects = 0;   ///< times the device went away and came back
   std::uint64_t triggers = 0;     ///< that fired
-  std::optional<double> rate_hz;  ///< mean over the intervals between rows, without pauses that
-                                  ///< triggers, absences and losses made; empty below 2 rows
+  std::optional<double> rate_hz;  ///< mean over the intervals between rows, with those of losses
+                                  ///< that the sensor counts and without pauses of triggers,
+                                  ///< absences and other losses; empty below 2 rows
   std::optional<double> interval_sd_s;  ///< jitter: standard deviation of the intervals
   std::uint64_t discarded_bytes = 0;    ///< bytes that formed no reading
   double elapsed_s = 0;                 ///< from the beginning to the last row

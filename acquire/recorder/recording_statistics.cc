@@ -5,7 +5,7 @@
 
 namespace haptometer::acquire {
 
-void IntervalStatistics::Add(MonotonicNs time_ns) {
+void IntervalStatistics::Add(MonotonicNs time_ns, std::uint64_t missing) {
   // the first reading has no interval
   if (!has_time_) {
     has_time_ = true;
@@ -15,6 +15,8 @@ void IntervalStatistics::Add(MonotonicNs time_ns) {
   const double interval_s = SecondsFromNs(time_ns - last_ns_);
   total_ns_ += time_ns - last_ns_;
   last_ns_ = time_ns;
+  places_ += 1 + missing;
+  if (missing > 0) return;
   ++intervals_;
   // Welford: mean m and sum of squared deviations S of the intervals, in one pass
   const double deviation_s = interval_s - mean_s_;
@@ -22,10 +24,17 @@ void IntervalStatistics::Add(MonotonicNs time_ns) {
   squares_s2_ += deviation_s * (interval_s - mean_s_);
 }
 
+bool IntervalStatistics::Explains(MonotonicNs time_ns, std::uint64_t missing) const {
+  constexpr double kUnexplainedS = 0.25;
+  if (missing == 0 || !has_time_ || intervals_ == 0) return true;
+  const double explained_s = static_cast<double>(1 + missing) * mean_s_;
+  return SecondsFromNs(time_ns - last_ns_) - explained_s <= kUnexplainedS;
+}
+
 // rate = intervals / total time
 std::optional<double> IntervalStatistics::RateHz() const {
   if (total_ns_ <= 0) return std::nullopt;
-  return static_cast<double>(intervals_) / SecondsFromNs(total_ns_);
+  return static_cast<double>(places_) / SecondsFromNs(total_ns_);
 }
 
 // standard deviation of the intervals, s = sqrt(S / (n - 1))
@@ -160,9 +169,12 @@ void Tally::Add(const Reading& reading) {
   // a gap that the sensor itself counts needs no estimate from the interval
   if (reading.lost_before > 0 || reading.follows_gap) {
     ++known_gaps_;
-    Restart();
+    gaps_.Restart();
   }
-  intervals_.Add(time_ns);
+  // how much a gap without a number holds is not known
+  const auto missing = static_cast<std::uint64_t>(reading.lost_before);
+  if (reading.follows_gap || !intervals_.Explains(time_ns, missing)) intervals_.Restart();
+  intervals_.Add(time_ns, missing);
   gaps_.Add(reading);
 }
 

@@ -13,17 +13,25 @@ namespace haptometer::acquire {
 /// which does not cancel where a sum of squares would). O(1) a time.
 class IntervalStatistics {
  public:
-  void Add(MonotonicNs time_ns);
+  /// A row; `missing` are known to have been lost before it. The interval over these counts for the
+  /// rate, as so many more, and for no deviation.
+  void Add(MonotonicNs time_ns, std::uint64_t missing);
   /// The interval up to the next time is none of the source's: it does not count.
   void Restart() { has_time_ = false; }
 
-  /// Intervals per second of their own time; empty where no time has passed.
+  /// Whether `missing` rows explain the interval up to `time_ns` to 0.25 s; a counter that wraps
+  /// does not say how often it has.
+  [[nodiscard]] bool Explains(MonotonicNs time_ns, std::uint64_t missing) const;
+
+  /// Intervals, those of lost rows too, per second of their own time; empty where no time has
+  /// passed.
   [[nodiscard]] std::optional<double> RateHz() const;
   /// Standard deviation of the intervals in s (divided by n - 1); empty below two intervals.
   [[nodiscard]] std::optional<double> DeviationSeconds() const;
 
  private:
-  std::uint64_t intervals_ = 0;
+  std::uint64_t intervals_ = 0;  ///< between neighbours
+  std::uint64_t places_ = 0;     ///< these, and those over lost rows
   bool has_time_ = false;
   MonotonicNs total_ns_ = 0;
   MonotonicNs last_ns_ = 0;

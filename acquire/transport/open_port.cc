@@ -147,6 +147,18 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
   return error_number;
 }
 
+// A device that lost its power ends no connection: without an answer for 10 s it is lost, so that
+// it can be opened again. The system asks on its own where nothing is sent.
+void LoseWhatIsSilent(int descriptor) {
+  const int on = 1, idle_s = 5, interval_s = 1, probes = 5;
+  const unsigned unanswered_ms = 10'000;
+  setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+  setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+  setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
+  setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+  setsockopt(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, &unanswered_ms, sizeof unanswered_ms);
+}
+
 Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::string& service) {
   // for all addresses of the host together
   constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
@@ -175,6 +187,7 @@ Result<std::unique_ptr<Transport>> Connect(const std::string& host, const std::s
     // a request is a few bytes: it is sent at once, without Nagle's delay
     const int on = 1;
     setsockopt(descriptor.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    LoseWhatIsSilent(descriptor.get());
     return std::make_unique<PlainPort>(
         std::move(descriptor), name,
         fmt::format("TCP connection {} (what is behind it is not known)", name));

@@ -37,8 +37,8 @@
 ///                               below_band_model.h where too little settles without
 ///   6. the states of the drive  hum.h, drive_states.h
 ///   7. which rows count         window_choice.h
-///   8. numbers of that window   window_numbers.h, by band_noise.h, sensor_gain.h and
-///                               digitisation.h, put together in rms_estimate.h
+///   8. numbers of that window   window_numbers.h, by the steps of measured_window.h, band_noise.h,
+///                               sensor_gain.h and digitisation.h, put together in rms_estimate.h
 ///   9. what goes with them      drive_channel.h, window_remarks.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/default_band.h"
 #include "base/error.h"
-#include "base/usual_band.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
@@ -17,8 +17,8 @@ namespace haptometer::dsp {
 
 /// What is asked of a record in which the drive's frequency moves.
 struct SweepQuestion {
-  double lower_hz = kUsualLowerHz;
-  double upper_hz = kUsualUpperHz;
+  double lower_hz = kDefaultLowerHz;
+  double upper_hz = kDefaultUpperHz;
   /// One over a segment's length, with a drive channel: a fourth of the record, 4 s at most, where
   /// absent (seven segments that overlap by half). Without one, one over a block's length: two
   /// periods of the lower frequency where absent.

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "base/default_band.h"
 #include "base/error.h"
-#include "base/usual_band.h"
 
 namespace haptometer::dsp {
 
@@ -42,9 +42,9 @@ enum class Corners : std::uint8_t { kEach, kWhole };
 
 /// A Butterworth band-pass as it is asked for. `order` N gives 2 N poles: N sections.
 struct BandPass {
-  int order = 6;                    ///< 1 to 8
-  double lower_hz = kUsualLowerHz;  ///< > 0
-  double upper_hz = kUsualUpperHz;  ///< > lower_hz, < rate / 2
+  int order = 6;                      ///< 1 to 8
+  double lower_hz = kDefaultLowerHz;  ///< > 0
+  double upper_hz = kDefaultUpperHz;  ///< > lower_hz, < rate / 2
   Corners corners = Corners::kWhole;
 };
 

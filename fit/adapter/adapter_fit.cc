@@ -227,8 +227,8 @@ void Explain(AdapterFit* fit) {
     findings.Refuse(kBaBelow, {{"at_most_n_s_per_m", *fit->damping.at_most}});
   }
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value,
-               sim::kUsualResonanceHz, findings);
-  DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, sim::kUsualAdapterMassKg,
+               sim::kPlausibleResonanceHz, findings);
+  DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, sim::kPlausibleAdapterMassKg,
                findings);
   DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, {1, 2000}, findings);
   for (const auto& tap : fit->taps) {

@@ -348,20 +348,20 @@ Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const Actua
   return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
 }
 
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::PlausibleRange usual,
-                  Findings& findings, const std::string& subject) {
-  if (usual.Holds(value)) return;
+void DoubtUnusual(FindingKind kind, std::string_view name, double value,
+                  sim::PlausibleRange plausible, Findings& findings, const std::string& subject) {
+  if (plausible.Holds(value)) return;
   findings.Add(About(subject, Severity::kDoubt, kind, {{name, value}}));
 }
 
 void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
-                  sim::PlausibleRange usual, Findings& findings) {
-  if (value.determined) DoubtUnusual(kind, name, value.value, usual, findings);
+                  sim::PlausibleRange plausible, Findings& findings) {
+  if (value.determined) DoubtUnusual(kind, name, value.value, plausible, findings);
 }
 
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  sim::PlausibleRange usual, Findings& findings, const std::string& subject) {
-  if (value) DoubtUnusual(kind, name, value->value, usual, findings, subject);
+                  sim::PlausibleRange plausible, Findings& findings, const std::string& subject) {
+  if (value) DoubtUnusual(kind, name, value->value, plausible, findings, subject);
 }
 
 Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
@@ -370,16 +370,16 @@ Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& re
   // ranges of actuators; values outside of them usually have another unit
   Findings findings;
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency,
-               sim::kUsualResonanceHz, findings);
+               sim::kPlausibleResonanceHz, findings);
   DoubtUnusual(kUnusualQuality, "quality_factor", fit.quality_factor, {0.05, 1000}, findings);
   DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant,
-               sim::kUsualForceConstantNPerA, findings);
-  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, sim::kUsualMovingMassKg,
-               findings);
-  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kUsualCaseMassKg,
+               sim::kPlausibleForceConstantNPerA, findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg,
+               sim::kPlausibleMovingMassKg, findings);
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kPlausibleCaseMassKg,
                findings);
   DoubtUnusual(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm,
-               sim::kUsualResistanceOhm, findings);
+               sim::kPlausibleResistanceOhm, findings);
   for (const auto& record : fit.records) {
     DoubtUnusual(kUnusualVoltage, "peak_v", record.peak_v, {1e-5, 100}, findings, record.name);
   }

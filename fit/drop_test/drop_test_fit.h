@@ -144,14 +144,16 @@ struct DropTestFit {
 [[nodiscard]] Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
                                   const ActuatorKnowns& knowns);
 
-/// Adds the doubt `kind` where the value is outside of `usual`; its number is `name`.
-void DoubtUnusual(FindingKind kind, std::string_view name, double value, sim::PlausibleRange usual,
-                  Findings& findings, const std::string& subject = {});
+/// Adds the doubt `kind` where the value is outside of `plausible`; its number is `name`.
+void DoubtUnusual(FindingKind kind, std::string_view name, double value,
+                  sim::PlausibleRange plausible, Findings& findings,
+                  const std::string& subject = {});
 /// The same of a value that is determined.
 void DoubtUnusual(FindingKind kind, std::string_view name, const FittedValue& value,
-                  sim::PlausibleRange usual, Findings& findings);
+                  sim::PlausibleRange plausible, Findings& findings);
 /// The same of a number that is given.
 void DoubtUnusual(FindingKind kind, std::string_view name, const std::optional<Quantity>& value,
-                  sim::PlausibleRange usual, Findings& findings, const std::string& subject = {});
+                  sim::PlausibleRange plausible, Findings& findings,
+                  const std::string& subject = {});
 
 }  // namespace haptometer::fit

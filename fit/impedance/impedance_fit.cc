@@ -366,15 +366,21 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
   const double value = solved.parameters[Index(P::kInductance)];
   const bool stated = !solved.is_free[Index(P::kInductance)];
   const double own = stated ? 0 : Deviation(solved, P::kInductance);
-  fit->inductance = {
-      .value = value,
-      .standard_uncertainty = own,
-      .combined_standard_uncertainty = stated ? knowns.inductance_h->standard_uncertainty : own,
-      .at_most = {},
-      .unit = "H",
-      .determined = stated || value > 3 * own};
+  // what is stated of the others moves it, too: R that is held
+  double variance = own * own;
+  for (const auto& input : stated ? std::vector<Input>{} : solved.inputs) {
+    const double share = Share(input, {Power(P::kInductance, 1), 0, 1, "H"});
+    variance += std::pow(share * RelativeUncertainty(input), 2);
+  }
+  const double combined = stated ? knowns.inductance_h->standard_uncertainty : std::sqrt(variance);
+  fit->inductance = {.value = value,
+                     .standard_uncertainty = own,
+                     .combined_standard_uncertainty = combined,
+                     .at_most = {},
+                     .unit = "H",
+                     .determined = stated || value > 3 * combined};
   if (fit->inductance.determined) return;
-  fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * own;
+  fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * combined;
   fit->findings.Note(FindingKind::kInductanceBelow, {{"at_most_h", *fit->inductance.at_most}});
 }
 
@@ -511,15 +517,15 @@ void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit*
   Findings& findings = fit->findings;
   const double f0 = fit->natural_frequency.value;
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency,
-               sim::kUsualResonanceHz, findings);
+               sim::kPlausibleResonanceHz, findings);
   DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor, {0.5, 300}, findings);
-  DoubtUnusual(kUnusualResistance, "resistance_ohm", fit->resistance, sim::kUsualResistanceOhm,
+  DoubtUnusual(kUnusualResistance, "resistance_ohm", fit->resistance, sim::kPlausibleResistanceOhm,
                findings);
   DoubtUnusual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant,
-               sim::kUsualForceConstantNPerA, findings);
-  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, sim::kUsualMovingMassKg,
-               findings);
-  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kUsualCaseMassKg,
+               sim::kPlausibleForceConstantNPerA, findings);
+  DoubtUnusual(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg,
+               sim::kPlausibleMovingMassKg, findings);
+  DoubtUnusual(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, sim::kPlausibleCaseMassKg,
                findings);
   DoubtUnusual(kResonanceOutside, "natural_frequency_hz", f0, {fit->lowest_hz, fit->highest_hz},
                findings);

@@ -96,6 +96,8 @@ ContactValue ContactAt(const sim::Actuator& actuator, DriveQuantity drive,
 
 namespace {
 
+double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * std::numbers::pi); }
+
 using Weights = std::vector<double>;
 
 constexpr std::size_t kLeastPoints = 5;
@@ -189,9 +191,11 @@ Weights ActuatorResponse(const SkinProblem& problem, const std::vector<double>& 
   const auto below =
       problem.ResidualsWith(sim::Scaled(problem.actuator(), place, 1 - kStep), parameters);
   for (std::size_t n = 0; n < change.size(); ++n) {
-    // a difference of phases is taken between -pi and pi
-    const double difference = std::remainder(change[n] - below[n], 2 * std::numbers::pi);
-    change[n] = difference / (2 * kStep) / solution.noise[groups.group_of[n]];
+    // phases stand behind the magnitudes; their difference is taken between -pi and pi
+    const double difference = change[n] - below[n];
+    const bool is_phase = n >= problem.points().size();
+    change[n] = (is_phase ? Wrapped(difference) : difference) / (2 * kStep) /
+                solution.noise[groups.group_of[n]];
   }
   // -(J'J)^+ J' change: per relative change of that number
   return Response(solution.seen, solution.jacobian, change);
@@ -295,9 +299,9 @@ void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit
   using enum FindingKind;
   Findings& findings = fit->findings;
   DoubtUnusual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness,
-               sim::kUsualSkinStiffnessNPerM, findings);
-  DoubtUnusual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, sim::kUsualSkinDampingNSPerM,
-               findings);
+               sim::kPlausibleSkinStiffnessNPerM, findings);
+  DoubtUnusual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping,
+               sim::kPlausibleSkinDampingNSPerM, findings);
   double largest_m = 0, largest_drive = 0;
   for (const auto& point : problem.points()) {
     largest_m = std::max(largest_m, point.displacement_m);
@@ -306,10 +310,10 @@ void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit
   DoubtUnusual(kUnusualAmplitude, "amplitude_m", largest_m, {2e-8, 5e-3}, findings);
   const bool is_current = sweep.drive == DriveQuantity::kCurrent;
   DoubtUnusual(kUnusualDrive, is_current ? "current_a" : "voltage_v", largest_drive,
-               is_current ? sim::PlausibleRange{0, 2} : sim::kUsualDriveV, findings);
+               is_current ? sim::PlausibleRange{0, 2} : sim::kPlausibleDriveV, findings);
   const double lowest_hz = problem.points().front().frequency_hz;
   const double highest_hz = problem.points().back().frequency_hz;
-  if (highest_hz < sim::kUsualDriveHz.least || lowest_hz > sim::kUsualDriveHz.most) {
+  if (highest_hz < sim::kPlausibleDriveHz.least || lowest_hz > sim::kPlausibleDriveHz.most) {
     findings.Doubt(kUnusualFrequencies, {{"lowest_hz", lowest_hz}, {"highest_hz", highest_hz}});
   }
 }
@@ -394,8 +398,6 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
 namespace {
 
 constexpr std::size_t kMostStarts = 4;
-
-double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * std::numbers::pi); }
 
 double Cost(const LeastSquares& problem, const std::vector<double>& at) {
   std::vector<double> residuals(problem.residuals);

@@ -3,7 +3,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-USUAL_BAND: tuple[float, float]
+DEFAULT_BAND: tuple[float, float]
 
 class NativeError(Exception): ...
 

@@ -32,7 +32,7 @@ def _check_band(band: tuple[float, float], rate: float) -> None:
         raise ValueError(f"the band {low!r} to {high!r} Hz is not above 0, in order and below half the rate of {rate!r} Hz")
 
 
-def bandpass(x: ArrayLike, rate: float, band: tuple[float, float] = _native.USUAL_BAND, order: int = 6,
+def bandpass(x: ArrayLike, rate: float, band: tuple[float, float] = _native.DEFAULT_BAND, order: int = 6,
              corner: str = "whole", threads: int | None = None) -> NDArray[numpy.float64]:
     """Zero-phase Butterworth band-pass: forward, then backward.
 
@@ -154,7 +154,7 @@ class SineFit:
     degrees_of_freedom: float
 
 
-def sine_fit(x: ArrayLike, rate: float, frequency: float | None = None, band: tuple[float, float] = _native.USUAL_BAND,
+def sine_fit(x: ArrayLike, rate: float, frequency: float | None = None, band: tuple[float, float] = _native.DEFAULT_BAND,
              noise_bandwidth: float = 0.0) -> SineFit | None:
     """Fits a sine by least squares (IEEE Std 1057).
 

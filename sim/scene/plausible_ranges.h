@@ -15,16 +15,16 @@ struct PlausibleRange {
   [[nodiscard]] constexpr bool Holds(double value) const { return value >= least && value <= most; }
 };
 
-inline constexpr PlausibleRange kUsualMovingMassKg{1e-5, 0.1};
-inline constexpr PlausibleRange kUsualCaseMassKg{1e-5, 1};
-inline constexpr PlausibleRange kUsualAdapterMassKg{1e-5, 0.1};
-inline constexpr PlausibleRange kUsualResonanceHz{20, 2000};
-inline constexpr PlausibleRange kUsualForceConstantNPerA{1e-3, 100};
-inline constexpr PlausibleRange kUsualResistanceOhm{0.1, 1e4};
-inline constexpr PlausibleRange kUsualSkinStiffnessNPerM{30, 3e4};
-inline constexpr PlausibleRange kUsualSkinDampingNSPerM{0.02, 50};
-inline constexpr PlausibleRange kUsualDriveHz{10, 5000};
-inline constexpr PlausibleRange kUsualDriveV{0, 50};
+inline constexpr PlausibleRange kPlausibleMovingMassKg{1e-5, 0.1};
+inline constexpr PlausibleRange kPlausibleCaseMassKg{1e-5, 1};
+inline constexpr PlausibleRange kPlausibleAdapterMassKg{1e-5, 0.1};
+inline constexpr PlausibleRange kPlausibleResonanceHz{20, 2000};
+inline constexpr PlausibleRange kPlausibleForceConstantNPerA{1e-3, 100};
+inline constexpr PlausibleRange kPlausibleResistanceOhm{0.1, 1e4};
+inline constexpr PlausibleRange kPlausibleSkinStiffnessNPerM{30, 3e4};
+inline constexpr PlausibleRange kPlausibleSkinDampingNSPerM{0.02, 50};
+inline constexpr PlausibleRange kPlausibleDriveHz{10, 5000};
+inline constexpr PlausibleRange kPlausibleDriveV{0, 50};
 
 /// Adds a doubt kUnusualNumber for each number of the scene outside of its range, of which none has
 /// one of the same key yet. What is 0 is left out, not mistaken: a massless side, no skin, no

@@ -26,7 +26,7 @@ MATHEMATICS = {
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge
     "window_choice.cc": {"kBlockLengths", "kUnknown"},
-    "window_numbers.cc": {"kTwoPi", "kCoverage"},
+    "window_tone.cc": {"kTwoPi", "kCoverage"},
 }
 # memory, speed, and what is left out because it is below the accuracy that is stated beside it
 SIZES = {
@@ -39,7 +39,8 @@ SIZES = {
     "sensor_gain.cc": {"kGridSteps"},
     "sweep_analysis.cc": {"kMostSamples"},
     "window_choice.h": {"kMostFitted", "kFittedOfLonger"},
-    "window_numbers.cc": {"kMostForSteps", "kBesideRows"},
+    "window_bounds.cc": {"kMostForSteps"},
+    "window_numbers.cc": {"kBesideRows"},
 }
 # sizes of an estimate: what they cost is in its standard uncertainty or its bound
 ESTIMATES = {
@@ -60,7 +61,7 @@ LITERALS = {
     "sensor_gain.cc": {"1e+06"},
     "sweep_analysis.cc": {"60", "8"},  # bisection, samples
     "window_choice.cc": {"1e-300"},
-    "window_numbers.cc": {"1e-300", "10.5"},  # the tenth harmonic
+    "window_tone.cc": {"1e-300", "10.5"},  # the tenth harmonic
 }
 
 CONSTANT = re.compile(r"\b(?:constexpr|const|static)\s+(?:constexpr\s+)?(?:double|float|int|unsigned|bool|std::size_t|"

@@ -1,6 +1,6 @@
 """Reads docs/ and the sources: each test that docs/developer/hard_case_tests.md names exists; no page and no message in a
-source uses a word that the glossary lists as not to be used; links between pages, paths in code and sources that
-comments name lead to what exists."""
+source uses a word that the glossary lists as not to be used; links between pages, paths in code, sources that
+comments name and names in the table of what to change where lead to what exists."""
 import fnmatch
 import os
 import pathlib
@@ -130,6 +130,17 @@ def check_paths():
     check(not lost, "paths that do not exist:\n" + "\n".join(lost))
 
 
+def check_places():
+    """The table of what to change where: a name in brackets behind a file stands in that file, and not in a comment."""
+    text = pathlib.Path("docs/explanation/architecture.md").read_text(encoding="utf-8").split("## To change something")[1]
+    places = [(path, name) for path, names in re.findall(r"`([a-z]\w*/[\w./]+\.(?:h|cc))` \(([^()]*)\)", text)
+              for name in re.findall(r"`([A-Za-z]\w+)`", names)]
+    check(len(places) > 15, f"{len(places)} names")
+    code = lambda path: re.sub(r"//.*", "", pathlib.Path(path).read_text(encoding="utf-8"))
+    lost = [f"{path}: {name}" for path, name in places if not re.search(rf"\b{name}", code(path))]
+    check(not lost, "names that the table of changes does not find:\n" + "\n".join(lost))
+
+
 def check_comments():
     """A source that a comment in C++ names exists; of its path the end is enough."""
     foreign = {"ceres/ceres.h", "hdf5.h"}
@@ -151,5 +162,6 @@ check_messages()
 check_terms()
 check_comments()
 check_paths()
+check_places()
 check_named_tests()
 check_links()

@@ -68,6 +68,14 @@ TEST(Identifiability, AVanishingColumnDoesNotHideOtherDirections) {
   EXPECT_REL(Blur(seen, {0, 0, 1, 0}), 1 / std::sqrt(1.01 + 1e-10), 1e-12, "as without it");
 }
 
+TEST(Identifiability, AVanishingLogarithmLeavesItsNeighbourSeen) {
+  // the first column alone is a logarithm, and unseen; the second has the same direction
+  Jacobian jacobian{.rows = 2, .columns = 2, .values = {1e-9, 1, 1e-9, 1}, .residuals = {0, 0}};
+  const auto seen = FindIdentifiability(jacobian, {true, true}, {true, false});
+  EXPECT_EQ(seen.nullity, 1U);
+  EXPECT_REL(Variance(seen, {0, 1}), 0.5, 1e-13, "1 / (1 + 1)");
+}
+
 TEST(Identifiability, ADirectionLostInTheNoiseIsUnseen) {
   // two nearly equal columns of length 10: their difference is 1e-3 long, known to 1/1e-3 only
   Jacobian jacobian{.rows = 2, .columns = 2, .values = {10, 10, 0, 1e-3}, .residuals = {0, 0}};

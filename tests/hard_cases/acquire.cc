@@ -183,7 +183,7 @@ TEST(HardCasesAcquire, ScatterOfIntervalsLongAfterTheEpoch) {
   std::vector<double> times_s;
   std::int64_t time_ns = 1'700'000'000'000'000'000;
   for (int k = 0; k <= 1000; ++k) {
-    statistics.Add(time_ns);
+    statistics.Add(time_ns, 0);
     times_s.push_back(1e-9 * static_cast<double>(time_ns));
     time_ns += 100'000 + (k % 2 == 0 ? -100 : 100);
   }

@@ -214,6 +214,46 @@ TEST(EffectBound, OfACaseThatIsHeld) {
   EXPECT_TRUE(std::isfinite(bound));
 }
 
+// in its steady motion an effect has acted for ever, however short the run is
+TEST(EffectBound, HoldsForAShortRunOfTheSteadyMotion) {
+  Scene scene = Disturbed();
+  scene.adapter.reset();
+  scene.grip.holds = true;
+  scene.actuator.stiffness_n_per_m = 2800;
+  scene.actuator.damping_n_s_per_m = 1e-3;
+  scene.actuator.force_constant_n_per_a = 0.1;
+  scene.effects.stiffening->cubic_n_per_m3 = 1e9;
+  scene.drive.amplitude_v = 5e-3;
+  scene.drive.frequency_hz = 225.157;
+  scene.start = Start::kSteady;
+  scene.duration_s = 0.1;
+  const EffectSet on = EffectSet(1).set(PlaceOf(Effect::kStiffening));
+  const PlayedScene base = PlayWith(scene, EffectSet(1));
+  const PlayedScene with = PlayWith(scene, on);
+  ASSERT_TRUE(base.answered && with.answered);
+  const double bound = BoundEffects(scene, on, base.run)[PlaceOf(Effect::kStiffening)];
+  EXPECT_LE(Deviation(AskedQuantity::kMoverPeak, base.run, with.run), bound);
+}
+
+// the cubics of a chirp are in the error of both kinds of run
+TEST(EffectChoice, AChirpsCubicsAreInTheStatedError) {
+  Scene scene = Disturbed();
+  scene.drive = {.amplitude_v = 1,
+                 .frequency_hz = 100,
+                 .kind = DriveKind::kChirp,
+                 .end_frequency_hz = 400,
+                 .duration_s = 0.1005,
+                 .hold_tolerance = 1e-4};
+  scene.start = Start::kRest;
+  scene.duration_s = 0.1;
+  scene.tolerance = 1e-6;
+  scene.effects[Effect::kStiffening] = Wish::kOn;
+  const EffectChoice choice = Chosen(scene);
+  EXPECT_GT(choice.run.solver_tolerance, 0);
+  EXPECT_GE(choice.run.error_estimate, DriveError(scene));
+  EXPECT_GT(DriveError(scene), 1e-5) << "a whole number of cubics, of 1e-4 at most";
+}
+
 // without a duration the motion that the scene settles to decides
 TEST(EffectChoice, OfASceneThatSettlesComparesPeriodicMotions) {
   Scene scene = Asking(5e-3, 10);

@@ -172,6 +172,12 @@ def check_plans():
     check(run("campaign", "status", "own").stdout.count("doubt"), "a chunk that is empty")
     for words in (["one", "--ending", "a/b"], [""], ["one", "--job-time", "1e300h"]):
         run("campaign", "plan", *words, "--", "./x", status=1 if words == [""] else 2)
+    # a launcher that ignores the ends of children: a command that fails has failed
+    run("campaign", "plan", "half", "--chunks", "1", "--", "sh", "-c", 'echo half >"$4"; exit 1', "sh")
+    failed = subprocess.run(["env", "--ignore-signal=CHLD", program("haptometer"), "campaign", "run", "half", "1"],
+                            capture_output=True, check=False)
+    check(failed.returncode == 1, f"a failed chunk ends with {failed.returncode}")
+    check(not list(pathlib.Path("half/chunks").glob("*-*s-*")), "half a chunk is not named as whole")
     # a program without words
     pathlib.Path("own.py").write_text(f"#!{sys.executable}\n{COUNTER}")
     os.chmod("own.py", 0o755)

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tests/tools/found.h"
+#include "tools/compare/measured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -161,6 +163,18 @@ TEST(CompareScene, PropagatesTheVoltageExactly) {
 }
 
 // a phase beside +-pi
+TEST(CompareNumbers, AverageAcrossPi) {
+  OfCompared<dsp::Estimate> one{}, other{};
+  const auto phase = static_cast<std::size_t>(Compared::kPhase);
+  one[phase] = dsp::Estimate{3.1, 0.01};
+  other[phase] = dsp::Estimate{-3.1, 0.01};
+  const auto mean = MeanOf(std::array{one, other});
+  ASSERT_TRUE(mean[phase]);
+  EXPECT_ABS(std::remainder(mean[phase]->value - std::numbers::pi, 2 * std::numbers::pi), 0, 1e-12,
+             "halfway between them");
+  EXPECT_LT(mean[phase]->uncertainty, 0.1);
+}
+
 TEST(CompareScene, TakesPhasesWithinPi) {
   EXPECT_ABS(DeviationOf(Compared::kPhase, 3.1, -3.1), 6.2 - 2 * std::numbers::pi, 1e-15,
              "rounding");

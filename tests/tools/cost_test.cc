@@ -108,11 +108,11 @@ TEST(CostOfConstant, IsLimitedByTheScale) {
   // Kv is proportional to the mass: 0.01 g as limits of error of 1.4 g
   const double half = fit::kCoverage95 * 1e-5 / std::numbers::sqrt3 / 1.4e-3;
   const auto within =
-      CostOfConstant(fit::Constant::kStiffness, std::string(kUsualActuator), 1.1 * half);
+      CostOfConstant(fit::Constant::kStiffness, std::string(kDefaultActuator), 1.1 * half);
   ASSERT_TRUE(within) << within.error().Text();
   EXPECT_TRUE(within->methods.front().answers);
   const auto beyond =
-      CostOfConstant(fit::Constant::kStiffness, std::string(kUsualActuator), 0.9 * half);
+      CostOfConstant(fit::Constant::kStiffness, std::string(kDefaultActuator), 0.9 * half);
   ASSERT_TRUE(beyond);
   EXPECT_FALSE(beyond->methods.front().answers);
   EXPECT_EQ(beyond->methods.front().limited_by, "moving mass");

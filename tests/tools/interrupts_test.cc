@@ -40,5 +40,16 @@ TEST(Interrupts, AskedForAgainEndAtOnce) {
               "");
 }
 
+// nohup ignores the signal of a closed terminal
+TEST(Interrupts, ThatWereIgnoredStayIgnored) {
+  const auto end = [] {
+    std::signal(SIGHUP, SIG_IGN);
+    CatchInterrupts();
+    std::raise(SIGHUP);
+    std::_Exit(InterruptedStatus(0));
+  };
+  EXPECT_EXIT(end(), testing::ExitedWithCode(0), "");
+}
+
 }  // namespace
 }  // namespace haptometer::cli

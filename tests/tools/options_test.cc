@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/usual_band.h"
+#include "base/default_band.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/cli/shared_options.h"
@@ -195,11 +195,11 @@ TEST(Options, DescribeWordsWithoutDashesAndWhatAllVerbsHave) {
   EXPECT_EQ(json.at("common").at(0).at("text"), "Show this help");
 }
 
-TEST(UsualBand, ItsTextHasItsNumbers) {
-  const auto band = ParseBand(std::string(kUsualBand));
+TEST(DefaultBand, ItsTextHasItsNumbers) {
+  const auto band = ParseBand(std::string(kDefaultBand));
   ASSERT_TRUE(band) << band.error().Text();
-  EXPECT_EQ(band->lower_hz, kUsualLowerHz);
-  EXPECT_EQ(band->upper_hz, kUsualUpperHz);
+  EXPECT_EQ(band->lower_hz, kDefaultLowerHz);
+  EXPECT_EQ(band->upper_hz, kDefaultUpperHz);
 }
 
 }  // namespace

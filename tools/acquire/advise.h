@@ -9,7 +9,7 @@
 #include "acquire/capability.h"
 #include "acquire/findings.h"
 #include "acquire/reading_noise.h"
-#include "base/usual_band.h"
+#include "base/default_band.h"
 
 namespace haptometer::tools {
 
@@ -18,10 +18,10 @@ inline constexpr double kRouteCoverage = 1.959963984540054;
 
 /// What is to be measured, before anything is wired: the RMS of a drive in a band.
 struct RouteQuestion {
-  double lower_hz = kUsualLowerHz;  ///< > 0
-  double upper_hz = kUsualUpperHz;  ///< > lower_hz
-  double drive_hz = 225;            ///< within the band
-  double rms_m = 10e-6;             ///< expected, > 0
+  double lower_hz = kDefaultLowerHz;  ///< > 0
+  double upper_hz = kDefaultUpperHz;  ///< > lower_hz
+  double drive_hz = 225;              ///< within the band
+  double rms_m = 10e-6;               ///< expected, > 0
   /// Half of the 95 % interval that `analyze` prints, as a part of the RMS; above 0, below 1.
   double accuracy = 0.01;
   /// Relative standard uncertainty of the sensor's gain, >= 0; empty: not counted.

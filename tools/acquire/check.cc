@@ -20,7 +20,7 @@ namespace haptometer::tools {
 namespace {
 
 // duration of a check without --duration
-constexpr MonotonicNs kUsualDurationNs = 10 * kNsPerS;
+constexpr MonotonicNs kDefaultDurationNs = 10 * kNsPerS;
 
 // the command line without the options of this check, for the remedies that build on it
 std::string CommandOf(const std::vector<std::string>& words) {
@@ -213,7 +213,7 @@ Result<int> RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& ba
   acquire::RecordingLimits limits;
   limits.duration_ns = wanted.recording.duration_s
                            ? NsFromSeconds(wanted.recording.duration_s->value)
-                           : kUsualDurationNs;
+                           : kDefaultDurationNs;
   // a trial in memory has the time base of a recording
   HAPTOMETER_LET(const auto trial, RecordInMemory(sensor, clock, cli::Interrupted(), limits));
   CheckQuestion question{

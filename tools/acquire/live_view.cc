@@ -95,7 +95,9 @@ void LiveMeter::Add(const acquire::Reading& reading) {
     last_index_ = reading.index - 1;
   }
   ++figures_.readings;
-  intervals_.Add(time_ns);
+  const auto missing = static_cast<std::uint64_t>(reading.lost_before);
+  if (!intervals_.Explains(time_ns, missing)) intervals_.Restart();
+  intervals_.Add(time_ns, missing);
   if (sample.status == trial::SampleStatus::kRepeated) ++repeated_;
   if (design_rate_hz_ == 0) LearnRate(time_ns);
   // indices that are skipped are lost rows of the uniform grid

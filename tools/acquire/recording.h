@@ -10,9 +10,9 @@
 #include "acquire/recorder/recorder.h"
 #include "acquire/recorder/trigger.h"
 #include "acquire/sensor/sensor.h"
+#include "base/default_band.h"
 #include "base/error.h"
 #include "base/quantity.h"
-#include "base/usual_band.h"
 #include "dsp/filter/butterworth.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/acquire/sensor_options.h"
@@ -123,7 +123,7 @@ struct AcquireOptions {
   RecordingOptions recording;
   bool live = false;
   bool check = false;
-  std::string band{kUsualBand};
+  std::string band{kDefaultBand};
   std::optional<Quantity> smallest_rms_m;
   bool list_ports = false;
   bool list_sensors = false;

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/default_band.h"
 #include "base/error.h"
 #include "base/quantity.h"
-#include "base/usual_band.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"
@@ -50,7 +50,7 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words);
 /// The command line of `analyze`, as it was typed.
 struct AnalyzeWords {
   std::vector<std::string> files;
-  cli::BandWords band{.band = std::string(kUsualBand), .order = {}, .corner = "whole"};
+  cli::BandWords band{.band = std::string(kDefaultBand), .order = {}, .corner = "whole"};
   std::string window = "auto";
   std::string floor;
   std::string hum = "subtract";

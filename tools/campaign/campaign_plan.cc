@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <functional>
@@ -218,16 +219,23 @@ Result<int> RunCommand(const std::vector<std::string>& words, const std::string&
   if (!fs::is_directory(folder, ignored)) {
     return CannotAnswer(folder, "is not there", "the campaign's commands run in it");
   }
+  // where a launcher ignores ended children, the system keeps no status of theirs
+  std::signal(SIGCHLD, SIG_DFL);
   HAPTOMETER_LET(const auto process, Start(words, folder));
   const int descriptor = static_cast<int>(syscall(SYS_pidfd_open, process, 0));
   bool is_passed_on = false;
   int status = 0;
-  while (waitpid(process, &status, WNOHANG) == 0) {
+  pid_t ended_process = 0;
+  while ((ended_process = waitpid(process, &status, WNOHANG)) == 0) {
     pollfd ended{.fd = descriptor, .events = POLLIN, .revents = 0};
     poll(&ended, 1, kLookEveryMs);
     if (cli::Interrupted() && !std::exchange(is_passed_on, true)) kill(process, SIGTERM);
   }
   if (descriptor >= 0) close(descriptor);
+  if (ended_process < 0) {
+    return Failed(words[0], "ended with a status that is not known: " +
+                                std::generic_category().message(errno));
+  }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -275,9 +283,10 @@ class Attempt {
 
   // gives the file the name of a finished chunk
   Result<void> Finish(double seconds) const {
-    const std::string done =
-        fmt::format("{}/chunks/{}-{:.3f}s-{}.{}", plan_.folder, NameOf(plan_, number_), seconds,
-                    document::Sha256Of(path_), plan_.ending);
+    const std::string digest = document::Sha256Of(path_);
+    if (digest.empty() && !IsDone()) return Failed(path_, "cannot be read back", "check the disk");
+    const std::string done = fmt::format("{}/chunks/{}-{:.3f}s-{}.{}", plan_.folder,
+                                         NameOf(plan_, number_), seconds, digest, plan_.ending);
     std::error_code failure;
     fs::rename(path_, done, failure);
     if (failure && !IsDone()) return Failed(path_, "cannot be renamed: " + failure.message());

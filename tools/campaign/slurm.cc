@@ -95,7 +95,9 @@ std::string JobsUnderWay(const CampaignPlan& plan) {
   file >> jobs;
   if (jobs.empty()) return {};
   const auto [output, status] = OutputOf({"timeout", "60", "squeue", "-h", "-o", "%i", "-j", jobs});
-  return status == 0 && !output.empty() ? jobs : "";
+  // a Slurm that does not answer in time may have them
+  constexpr int kTimedOut = 124;
+  return status == kTimedOut || (status == 0 && !output.empty()) ? jobs : "";
 }
 
 std::vector<std::string> ParallelCommand(const CampaignPlan& plan,
@@ -208,8 +210,9 @@ Result<void> WriteScripts(const CampaignPlan& plan) {
   const std::string answer = plan.folder + "/answer.txt";
   return cli::WriteOutput(
       plan.folder + "/merge.sh", kScriptOutput, true,
-      fmt::format("#!/bin/sh\n{}{} >{}\nstatus=$?\nif [ -s {} ]; then mv {} {}; fi\n"
-                  "exit $status\n",
+      // 0 and 3: a whole answer, of a merging that did not fail
+      fmt::format("#!/bin/sh\n{}{} >{}\nstatus=$?\ncase $status in\n"
+                  "0|3) if [ -s {} ]; then mv {} {}; fi ;;\nesac\nexit $status\n",
                   merge, cli::CommandLine({program, "campaign", "merge", plan.folder}),
                   cli::CommandLine({answer + ".new"}), cli::CommandLine({answer + ".new"}),
                   cli::CommandLine({answer + ".new"}), cli::CommandLine({answer})));

@@ -202,6 +202,19 @@ bool NameNew(const std::string& part, const std::string& target) {
   return false;
 }
 
+}  // namespace
+
+Result<void> RenameNew(const std::string& from, const std::string& to) {
+  if (!NameNew(from, to)) {
+    return Failed(to, "cannot be made: " + std::generic_category().message(errno),
+                  "check the disk, and that no other program writes there");
+  }
+  SyncFolder(to);
+  return {};
+}
+
+namespace {
+
 using std::string_view_literals::operator""sv;
 
 // mark at the end of a generated file: kMark and the CRC-32 of all bytes before, in hexadecimal

@@ -129,6 +129,10 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
+/// Gives the file `from` the name `to`, which is synced, where nothing has that name.
+/// Errors (Cause::kFailed): something has come to be there, or the disk fails.
+[[nodiscard]] Result<void> RenameNew(const std::string& from, const std::string& to);
+
 /// Writes `content` as an OutputFile. Errors: as its.
 [[nodiscard]] Result<void> WriteOutput(const std::string& path, const OutputKind& kind,
                                        bool overwrite, std::string_view content);

@@ -1,10 +1,13 @@
 #include "tools/cli/recording_files.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "tools/cli/csv_cell.h"
 #include "tools/document/keys.h"
@@ -18,13 +21,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
 
 bool IsRecording(const fs::path& path) {
-  const std::string ending = path.extension();
+  std::string ending = path.extension();
+  // oscilloscopes write F0001CH1.CSV
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
   return ending == ".bin" || ending == ".csv" || ending == ".lvm";
 }
 
 // whether a CSV is a table of results and not a recording, by the names in its header
 bool IsTableOfResults(const std::string& path) {
-  if (fs::path(path).extension() != ".csv") return false;
+  if (!path.ends_with(".csv") && !path.ends_with(".CSV")) return false;
   std::ifstream file(path, std::ios::binary);
   std::string beginning(kMostHeaderBytes, '\0');
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
@@ -46,12 +51,30 @@ bool IsTableOfResults(const std::string& path) {
 Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder) {
   std::vector<RecordingFile> files;
   std::error_code error;
+  fs::path last = folder;
   for (auto at = fs::recursive_directory_iterator(folder, error);
-       at != fs::recursive_directory_iterator() && !error; at.increment(error)) {
+       !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     std::error_code ignored;
-    if (at->is_regular_file(ignored) && IsRecording(at->path())) files.push_back({at->path()});
+    last = at->path();
+    // what a file manager or a disk keeps for itself is no recording of the study
+    const bool is_hidden = last.filename().string().starts_with('.');
+    if (is_hidden) at.disable_recursion_pending();
+    if (!is_hidden && at->is_regular_file(ignored) && IsRecording(last)) files.push_back({last});
   }
-  // the order of the folder is arbitrary
+  if (error) {
+    return Failed(last, "cannot be listed: " + error.message(),
+                  "make it readable, or name the files");
+  }
+  // the order of the folder is arbitrary; a link to one of the files is no further recording
+  std::ranges::sort(files, {}, [](const RecordingFile& file) {
+    return std::pair(fs::is_symlink(file.path), file.path);
+  });
+  std::set<fs::path> seen;
+  std::erase_if(files, [&](const RecordingFile& file) {
+    std::error_code lost;
+    const fs::path same = fs::canonical(file.path, lost);
+    return !lost && !seen.insert(same).second;
+  });
   std::ranges::sort(files, {}, &RecordingFile::path);
   for (RecordingFile& file : files) file.is_table = IsTableOfResults(file.path);
   if (std::ranges::all_of(files, &RecordingFile::is_table)) {

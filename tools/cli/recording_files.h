@@ -15,8 +15,10 @@ struct RecordingFile {
   bool is_table = false;
 };
 
-/// All recordings (.bin, .csv, .lvm) in a folder and the folders in it, sorted by path.
-/// Errors (Cause::kCannotAnswer): there is no recording.
+/// All recordings (.bin, .csv, .lvm, in capitals too) in a folder and the folders in it, sorted by
+/// path; without files and folders whose name begins with a point.
+/// Errors: kFailed: a folder cannot be listed, so that recordings would be missing;
+/// kCannotAnswer: there is no recording.
 [[nodiscard]] Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder);
 
 }  // namespace haptometer::cli

@@ -205,9 +205,13 @@ void CatchInterrupts() {
   if (IsWithinProgram()) return;
   struct sigaction action{};
   action.sa_handler = OnSignal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);  // a closed terminal must not cost a recording its end
+  // a closed terminal (SIGHUP) must not cost a recording its end
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before{};
+    sigaction(signal, nullptr, &before);
+    // an ignored signal, as by nohup, stays ignored
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+  }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is an error like a full disk
 }

@@ -50,7 +50,8 @@ Result<CostChain> CostOfChain(std::vector<Rung> measured) {
   }
   for (const fit::Constant constant : kConstants) {
     for (const double accuracy : kMeasuredAccuracies) {
-      HAPTOMETER_LET(auto answer, CostOfConstant(constant, std::string(kUsualActuator), accuracy));
+      HAPTOMETER_LET(auto answer,
+                     CostOfConstant(constant, std::string(kDefaultActuator), accuracy));
       chain.constants.push_back(std::move(answer));
     }
   }

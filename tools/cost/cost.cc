@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/default_band.h"
 #include "base/jobs.h"
 #include "base/mapped.h"
-#include "base/usual_band.h"
 #include "sim/scene/scene_file.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/cli/options.h"
@@ -24,9 +24,9 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "cost";
-constexpr std::string_view kUsualScene = "the thesis's adapter scene";
-constexpr double kUsualSimulated = 1e-6;
-constexpr double kUsualMeasured = 0.01;
+constexpr std::string_view kDefaultScene = "the thesis's adapter scene";
+constexpr double kDefaultSimulated = 1e-6;
+constexpr double kDefaultMeasured = 0.01;
 constexpr double kLargestMeasured = 0.25;
 
 constexpr cli::VerbText kText{
@@ -83,10 +83,10 @@ void Declare(cli::Options& options, Words& words) {
           "Largest relative error of a simulation; else half the 95 % interval")
       .Default("1e-6 of a simulation, else 1%");
   options.Text("--scene", &words.scene, "SCENE.toml", "Scene of skin-rms and waveform")
-      .Default(std::string(kUsualScene));
+      .Default(std::string(kDefaultScene));
   options.Text("--actuator", &words.actuator, "NAME|FILE.toml", "Actuator of kv, bv and km")
-      .Default(std::string(kUsualActuator))
-      .Known({std::string(kUsualActuator)});
+      .Default(std::string(kDefaultActuator))
+      .Known({std::string(kDefaultActuator)});
   options.Text("--sensor", &words.sensor, "TEXT", "Of band-rms: routes whose name holds it");
   options.Number("--rms", &words.vibration.rms_m, Dimension::kLength, "Of band-rms: expected RMS")
       .Default("10um");
@@ -95,7 +95,7 @@ void Declare(cli::Options& options, Words& words) {
               "Of band-rms: frequency of the drive")
       .Default("225Hz");
   options.Text("--band", &words.band, "20-500Hz", "Of band-rms: band of the RMS")
-      .Default(std::string(kUsualBand));
+      .Default(std::string(kDefaultBand));
   options.Flag("--measure", &words.measure,
                "Measure here instead of predicting; without a question in 2 to 5 minutes");
   document::DeclareOutputs(options, words.outputs, {});
@@ -138,11 +138,11 @@ Result<void> CheckWords(const Words& words, const QuestionName* question) {
 
 Result<CostAnswer> AnswerSimulation(const Words& words, Simulated what) {
   sim::Scene scene = LadderScene(SceneClass::kLinear).scene;
-  const std::string where = words.scene.empty() ? std::string(kUsualScene) : words.scene;
+  const std::string where = words.scene.empty() ? std::string(kDefaultScene) : words.scene;
   if (!words.scene.empty()) {
     HAPTOMETER_LET(scene, sim::ReadSceneFile(words.scene));
   }
-  scene.tolerance = words.accuracy.value_or(kUsualSimulated);
+  scene.tolerance = words.accuracy.value_or(kDefaultSimulated);
   const bool is_waveform = what == Simulated::kWaveform;
   scene.quantity = is_waveform ? sim::AskedQuantity::kSkinWaveform : sim::AskedQuantity::kSkinRms;
   // a waveform has a length; an RMS is that of the scene, steady where it states none
@@ -157,8 +157,8 @@ Result<CostAnswer> AnswerRecording(const Words& words) {
   const RouteQuestion usual;
   if (!vibration.rms_m) vibration.rms_m = Quantity{usual.rms_m};
   if (!vibration.drive_hz) vibration.drive_hz = Quantity{usual.drive_hz};
-  vibration.accuracy = fmt::format("{:.17g}", words.accuracy.value_or(kUsualMeasured));
-  const std::string band = words.band.empty() ? std::string(kUsualBand) : words.band;
+  vibration.accuracy = fmt::format("{:.17g}", words.accuracy.value_or(kDefaultMeasured));
+  const std::string band = words.band.empty() ? std::string(kDefaultBand) : words.band;
   HAPTOMETER_LET(const auto question, ReadRouteQuestion(vibration, band));
   return CostOfRecording(question, words.sensor);
 }
@@ -167,8 +167,8 @@ Result<CostAnswer> AnswerQuestion(const Words& words, const QuestionName& questi
   if (question.is_recording) return AnswerRecording(words);
   if (question.simulated) return AnswerSimulation(words, *question.simulated);
   return CostOfConstant(*question.constant,
-                        words.actuator.empty() ? std::string(kUsualActuator) : words.actuator,
-                        words.accuracy.value_or(kUsualMeasured));
+                        words.actuator.empty() ? std::string(kDefaultActuator) : words.actuator,
+                        words.accuracy.value_or(kDefaultMeasured));
 }
 
 // rungs that are measured here, where that is asked for

@@ -22,7 +22,7 @@
 namespace haptometer::tools {
 
 /// The actuator where none is named: that of the thesis, its mass and coil as a lab measures them.
-inline constexpr std::string_view kUsualActuator = "thesis-c10-100";
+inline constexpr std::string_view kDefaultActuator = "thesis-c10-100";
 
 /// The question of a vibration's RMS.
 inline constexpr std::string_view kBandRms = "band-rms";

@@ -26,7 +26,7 @@ constexpr double kOhmmeter = 0.005 / std::numbers::sqrt3;
 ActuatorWords WordsOf(const std::string& actuator) {
   ActuatorWords words;
   words.file = actuator;
-  if (actuator != kUsualActuator) return words;
+  if (actuator != kDefaultActuator) return words;
   const sim::Actuator thesis = sim::ThesisC10100();
   words.knowns.moving_mass_kg = Quantity{thesis.moving_mass_kg, kScaleKg};
   words.knowns.resistance_ohm = Quantity{thesis.resistance_ohm, kOhmmeter * thesis.resistance_ohm};

@@ -31,18 +31,18 @@ constexpr cli::VerbText kText{
                  "haptometer plan-drop-test --resistance 27ohm --f0 175Hz --load 22ohm --json"}};
 
 // drops of each kind: enough to show whether they repeat; the most that a requirement may need
-constexpr std::size_t kUsualDrops = 5;
+constexpr std::size_t kDefaultDrops = 5;
 constexpr std::size_t kMostDrops = 50;
 // C10-100 of the thesis; Q lies between 15 (phones' default) and 61 (the thesis)
-constexpr double kUsualMassKg = 1.4e-3;
-constexpr double kUsualMassUncertaintyKg = 1e-5 / std::numbers::sqrt3;  // a scale of 0.01 g
-constexpr double kUsualQuality = 30;
-constexpr double kUsualForceConstant = 1;
-constexpr double kUsualHeightM = 0.01;
-constexpr double kUsualTimeScale = 5e-5;                            // of oscilloscopes
-constexpr double kUsualLoadTolerance = 0.01 / std::numbers::sqrt3;  // of a 1 % resistor
-constexpr std::int64_t kUsualBits = 8;
-constexpr double kUsualNoiseSteps = 0.5;
+constexpr double kAssumedMassKg = 1.4e-3;
+constexpr double kAssumedMassUncertaintyKg = 1e-5 / std::numbers::sqrt3;  // a scale of 0.01 g
+constexpr double kAssumedQuality = 30;
+constexpr double kAssumedForceConstant = 1;
+constexpr double kAssumedHeightM = 0.01;
+constexpr double kAssumedTimeScale = 5e-5;                            // of oscilloscopes
+constexpr double kAssumedLoadTolerance = 0.01 / std::numbers::sqrt3;  // of a 1 % resistor
+constexpr std::int64_t kAssumedBits = 8;
+constexpr double kAssumedNoiseSteps = 0.5;
 constexpr double kSamplesAPeriod = 40;
 constexpr double kDecayTimes = 4;  // behind the impact
 constexpr double kPreTriggerShare = 0.1;
@@ -64,7 +64,7 @@ double RoundUp(double value) {
   return std::ceil(value / place * (1 - 1e-9)) * place;
 }
 
-// fills in a card from what is stated, else from the actuator file, else from what is usual
+// fills in a card from what is stated, else from the actuator file, else from what is assumed
 class CardMaker {
  public:
   explicit CardMaker(const PlanWords& words) : words_(words) {}
@@ -103,11 +103,11 @@ class CardMaker {
     }
     drops.resistance_ohm = *knowns.resistance_ohm;
     const auto& mass = knowns.moving_mass_kg;
-    drops.moving_mass_kg = mass.value_or(Quantity{kUsualMassKg, kUsualMassUncertaintyKg});
+    drops.moving_mass_kg = mass.value_or(Quantity{kAssumedMassKg, kAssumedMassUncertaintyKg});
     NoteIf(!mass, "mass-assumed",
            "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
            "--moving-mass 1.4g+-0.006g",
-           {{"moving_mass_kg", kUsualMassKg}});
+           {{"moving_mass_kg", kAssumedMassKg}});
     NoteIf(drops.moving_mass_kg.exact(), "mass-exact",
            "the uncertainty of the moving mass is neglected: 1 % of it is 1 % of Kv and Bv, and "
            "0.5 % of Km");
@@ -138,10 +138,10 @@ class CardMaker {
       damping = actuator_->damping_n_s_per_m->value;
     }
     drops.quality_factor =
-        guesses.quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
+        guesses.quality_factor.value_or(damping ? critical / *damping : kAssumedQuality);
     NoteIf(!guesses.quality_factor && !damping, "quality-assumed",
            "Q {quality_factor} is assumed: state --guess \"Q 60\"",
-           {{"quality_factor", kUsualQuality}});
+           {{"quality_factor", kAssumedQuality}});
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
                    "a plan needs an actuator that oscillates");
@@ -150,37 +150,37 @@ class CardMaker {
     if (!km && actuator_ && actuator_->force_constant_n_per_a) {
       km = actuator_->force_constant_n_per_a->value;
     }
-    drops.force_constant_n_per_a = km.value_or(kUsualForceConstant);
+    drops.force_constant_n_per_a = km.value_or(kAssumedForceConstant);
     NoteIf(!km, "force-constant-assumed",
            "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\"",
-           {{"force_constant_n_per_a", kUsualForceConstant}});
+           {{"force_constant_n_per_a", kAssumedForceConstant}});
     return {};
   }
 
   void TakeBlow() {
     fit::PlannedDrops& drops = card_.drops;
     const fit::ImpulseRecord& stated = words_.drop;
-    card_.height_m = stated.drop_height_m.value_or(Quantity{kUsualHeightM}).value;
+    card_.height_m = stated.drop_height_m.value_or(Quantity{kAssumedHeightM}).value;
     NoteIf(!stated.drop_height_m, "height-assumed",
            "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm",
-           {{"drop_height_m", kUsualHeightM}});
+           {{"drop_height_m", kAssumedHeightM}});
     const double rebound = stated.rebound.value_or(Quantity{}).value;
     // v0 = (1 + e) sqrt(2 g h)
     drops.speed_m_per_s = (1 + rebound) * std::sqrt(2 * fit::kGravityMPerS2 * card_.height_m);
     drops.time_scale_uncertainty =
-        stated.time_scale.value_or(Quantity{1, kUsualTimeScale}).standard_uncertainty;
+        stated.time_scale.value_or(Quantity{1, kAssumedTimeScale}).standard_uncertainty;
     NoteIf(!stated.time_scale, "time-base-assumed",
            "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale "
            "1+-5e-5");
     drops.open_drops = drops.loaded_drops =
-        words_.taps ? static_cast<std::size_t>(*words_.taps) : kUsualDrops;
+        words_.taps ? static_cast<std::size_t>(*words_.taps) : kDefaultDrops;
   }
 
   // a stated load, or a placeholder with the tolerance of a 1 % resistor
   void TakeLoad() {
     const double resistance = card_.drops.resistance_ohm.value;
     card_.drops.load_ohm =
-        words_.load_ohm.value_or(Quantity{resistance, kUsualLoadTolerance * resistance});
+        words_.load_ohm.value_or(Quantity{resistance, kAssumedLoadTolerance * resistance});
     NoteIf(!words_.load_ohm, "load-assumed",
            "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm");
   }
@@ -210,12 +210,12 @@ class CardMaker {
                                ringing.open_amplitude_v),
                    fmt::format("take {:.2g} V", kRangeOverPeak * ringing.open_amplitude_v));
     }
-    card_.bits = words_.bits.value_or(kUsualBits);
+    card_.bits = words_.bits.value_or(kAssumedBits);
     NoteIf(!words_.bits, "bits-assumed", "{bits} bits over the range are assumed: state --bits 12",
-           {{"bits", kUsualBits}});
+           {{"bits", kAssumedBits}});
     // range/2^bits
     drops.step_v = std::ldexp(card_.range_v, -static_cast<int>(card_.bits));
-    drops.noise_v = words_.noise_v.value_or(kUsualNoiseSteps * drops.step_v);
+    drops.noise_v = words_.noise_v.value_or(kAssumedNoiseSteps * drops.step_v);
     NoteIf(!words_.noise_v, "noise-assumed", "noise of half a step is assumed: state --noise 3mV");
     // below a quarter of a step rounding repeats: the scatter may be up to 1.6 times as large
     NoteIf(drops.noise_v < drops.step_v / 4, "little-noise",

@@ -40,7 +40,7 @@ struct AnsweredWish {
   bool is_reached = false;  ///< by the card's drops
 };
 
-/// What is stated of a test; what is empty is taken from the actuator, else from what is usual.
+/// What is stated of a test; what is empty is taken from the actuator, else from what is assumed.
 struct PlanWords {
   ActuatorWords actuator;
   std::vector<std::string> wishes;   ///< "Km 2%"

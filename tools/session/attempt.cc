@@ -20,6 +20,7 @@
 #include "tools/analyze/analyze.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/analyze/expectation.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_dsp.h"
 #include "tools/document/provenance.h"
@@ -196,10 +197,8 @@ Result<trial::TrialWriter> CreateTrial(const std::string& path, const trial::Tri
                                        Clock& clock) {
   const std::string begun = path + ".new";
   HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(begun, header, {}, clock));
-  // NewPath() has found the name free, and this session is locked
-  std::error_code error;
-  std::filesystem::rename(begun, path, error);
-  if (error) return Failed(path, "cannot be made: " + error.message(), "check the disk");
+  // NewPath() has found the name free, and this session is locked; other programs may write there
+  HAPTOMETER_TRY(cli::RenameNew(begun, path));
   return writer;
 }
 

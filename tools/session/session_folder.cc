@@ -17,6 +17,7 @@
 #include "base/clock.h"
 #include "base/input_file.h"
 #include "base/text.h"
+#include "base/toml.h"
 #include "tools/cli/output_file.h"
 #include "trial/block.h"
 #include "trial/import/read_recording.h"
@@ -95,15 +96,31 @@ Result<void> SessionFolder::Create(const std::string& folder, const SessionPlan&
       (!fs::is_directory(folder, error) || !fs::is_empty(folder, error))) {
     return Usage(folder, "exists and is not an empty folder", "name a new one");
   }
-  fs::create_directories(fs::path(folder) / "trials", error);
-  if (error) return Failed(folder, "cannot be made: " + error.message(), "name another folder");
-  {
-    HAPTOMETER_LET(const auto log,
-                   trial::CreateFileSink(LogPath(folder), trial::IfExists::kRefuse));
-    HAPTOMETER_TRY(WriteDurably(*log, kSessionLogHeader, LogPath(folder)));
+  const std::string text = TomlOf(plan);
+  // what could be written and never read
+  if (text.size() > kMostTomlBytes) {
+    return CannotAnswer(
+        folder,
+        fmt::format("would have a plan of {} bytes, of {} at most", text.size(), kMostTomlBytes),
+        "move files that are not of this session out of the watched folder");
   }
-  // last, because it makes the folder a session
-  return cli::WriteOutput(PlanPath(folder), kPlanOutput, false, TomlOf(plan));
+  const fs::path trials = fs::path(folder) / "trials";
+  fs::create_directories(trials, error);
+  if (error) return Failed(folder, "cannot be made: " + error.message(), "name another folder");
+  const auto written = [&]() -> Result<void> {
+    {
+      HAPTOMETER_LET(const auto log,
+                     trial::CreateFileSink(LogPath(folder), trial::IfExists::kRefuse));
+      HAPTOMETER_TRY(WriteDurably(*log, kSessionLogHeader, LogPath(folder)));
+    }
+    // last, because it makes the folder a session
+    return cli::WriteOutput(PlanPath(folder), kPlanOutput, false, text);
+  }();
+  if (written) return written;
+  // as it was, so that the command can be repeated
+  fs::remove(LogPath(folder), error);
+  fs::remove(trials, error);
+  return written;
 }
 
 Result<void> SessionFolder::ReadState() {
@@ -162,6 +179,11 @@ Result<SessionFolder> SessionFolder::Open(const std::string& folder) {
 
 Result<void> SessionFolder::Append(SessionLogLine line) {
   HAPTOMETER_CHECK(log_ != nullptr, "the session was opened to read");
+  // an editor that keeps a backup has renamed it: lines would go there
+  if (const std::string moved = log_->MovedTo(); !moved.empty()) {
+    return Failed(LogPath(folder_), "was renamed to " + moved + " by another program",
+                  "close that program, and repeat the command");
+  }
   line.utc = UtcNow();
   // behind a line that was torn, a line end first; the torn one stays as it is
   const std::string text = (ends_in_line_ ? "" : "\n") + TextOf(line);

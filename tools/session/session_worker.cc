@@ -19,7 +19,7 @@ namespace {
 
 using Kind = SessionCommand::Kind;
 
-dsp::BandPass UsualBand() {
+dsp::BandPass DefaultBand() {
   const auto band = BandOf(AcquireOptions{});
   HAPTOMETER_CHECK(band, "{}", band.error().Text());
   return *band;
@@ -223,7 +223,7 @@ bool SessionWorker::Open() {
   pause_.Reset();
   // settings of the device and its zero are written once, not at each return
   source_.sensor = WithoutChanges(source_.sensor);
-  meter_ = std::make_shared<LiveMeter>(sensor_->header(), UsualBand());
+  meter_ = std::make_shared<LiveMeter>(sensor_->header(), DefaultBand());
   {
     const std::lock_guard lock(mutex_);
     view_.meter = meter_;

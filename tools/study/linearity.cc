@@ -60,7 +60,9 @@ Result<void> TakeTable(const std::string& path, DriveReadings& taken) {
 // AnalyzeLinearity subtracts the same floor from all readings.
 Result<DriveReading> ReadingOf(const StudyTrial& trial) {
   if (trial.error) return std::unexpected(*trial.error);
-  if (!trial.rms_with_floor_m) {
+  // a trial without a drive is one at 0 V, which states that
+  const bool is_off = trial.has_no_drive && trial.drive_v == 0;
+  if (!trial.rms_with_floor_m || (trial.has_no_drive && !is_off)) {
     const std::vector<std::string> reasons = ReasonsOf(trial);
     return CannotAnswer(trial.file, reasons.empty() ? "has no RMS" : reasons.front(), "");
   }

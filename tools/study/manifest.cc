@@ -180,7 +180,10 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
   for (const TrialGroup& group : manifest.groups) {
     HAPTOMETER_LET(const auto paths, Expand((folder / group.files).string()));
     for (const std::string& found : paths) {
-      if (!seen.insert(found).second) {
+      // however its path is spelled, and whatever links lead to it
+      std::error_code error;
+      const fs::path same = fs::canonical(found, error);
+      if (!seen.insert(error ? found : same.string()).second) {
         return CannotAnswer(found, "is in two groups of trials", "name it once in the manifest");
       }
       files.push_back(Labelled(found, group.pattern.empty() ? manifest.pattern : group.pattern));

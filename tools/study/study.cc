@@ -265,6 +265,9 @@ Result<int> Verify(const std::string& path, const document::Document& document) 
   for (const std::string& difference : compared.differences) {
     cli::Remark(kVerb, fmt::format("{}: {}", path, difference));
   }
+  if (compared.differences.empty() && compared.equal == 0) {
+    return CannotAnswer(path, "holds no number of this study", "give what study --json printed");
+  }
   cli::Remark(kVerb, compared.differences.empty()
                          ? fmt::format("{}: every number is the same again", path)
                          : fmt::format("{}: {} differences", path, compared.differences.size()));

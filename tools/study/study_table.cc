@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <set>
@@ -37,7 +38,7 @@ std::tuple<std::string_view, double, std::string_view> NaturalKey(const std::str
   std::size_t digits = name.size();
   while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1])) != 0) --digits;
   // a name without digits at its end sorts before its numbered forms
-  const double number = digits < name.size() ? std::stod(name.substr(digits)) : -1;
+  const double number = digits < name.size() ? std::strtod(name.c_str() + digits, nullptr) : -1;
   return {std::string_view(name).substr(0, digits), number, name};
 }
 
@@ -218,6 +219,10 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
                   StudyTrial& trial) {
   trial.reasons = document::RefusalsOf(analysis.findings);
   trial.has_no_drive = analysis.findings.Has(dsp::FindingKind::kNoDrive);
+  // what was measured without a drive is the floor of a linearity
+  if (trial.has_no_drive && analysis.numbers) {
+    trial.rms_with_floor_m = analysis.numbers->rms.as_measured_m;
+  }
   if (!analysis.answered || !analysis.numbers) return;
   const dsp::BandNumbers& numbers = *analysis.numbers;
   const dsp::RmsEstimate& rms = numbers.rms;

@@ -196,8 +196,11 @@ void AddAll(const Json& json, ObjectsInMemory* objects) {
   }
   auto& stretches = objects->numbers[objects::kStretches];
   for (const Json& stretch : json.at("stretches")) {
-    const auto numbers = stretch.get<std::vector<double>>();
-    stretches.insert(stretches.end(), numbers.begin(), numbers.end());
+    // JSON has no infinity: the rate of rows that all have one time
+    for (const Json& number : stretch) {
+      stretches.push_back(number.is_null() ? std::numeric_limits<double>::infinity()
+                                           : number.get<double>());
+    }
   }
   for (const char* flag : {objects::kClosed, objects::kTimesAreKnown}) {
     objects->bytes[flag] = {static_cast<std::uint8_t>(json.at(flag).get<bool>() ? 1 : 0)};

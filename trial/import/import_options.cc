@@ -78,6 +78,12 @@ class Signs {
     }
     return false;
   }
+  // a header of which only the time has a unit
+  [[nodiscard]] bool BeginsWithTimeAlone() const {
+    return std::ranges::any_of(lines_, [](std::string_view line) {
+      return line.starts_with("time[s],") && line.find('[') == line.rfind('[');
+    });
+  }
   // metadata beside the numbers, from the first line on
   [[nodiscard]] bool HasSideColumns() const {
     if (lines_.empty() || !lines_[0].starts_with("recordlength,")) return false;
@@ -119,7 +125,7 @@ TableFormat FindOther(const Signs& signs) {
   if (signs.Pair("metadata", "physicalchannel,")) return kNiPxi;
   if (signs.Pair("waveform,", "t0,")) return kNiElvis;
   if (signs.Begins("time,channel") || signs.Begins("zeit,kanal")) return kPicoscope;
-  if (signs.Begins("time[s],")) return kSaleae;
+  if (signs.BeginsWithTimeAlone()) return kSaleae;
   if (signs.Begins("t/s,ch")) return kOpenhantek;
   if (signs.Begins("ins,") || signs.Begins("timeins,")) return kRohdeSchwarz;
   return kPlain;

@@ -120,8 +120,11 @@ Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions
   HAPTOMETER_LET(const auto text, ReadInputFile(path));
   Recording recording;
   // LabVIEW measurement files have a magic line; all other text is a table
-  const bool is_lvm = IsLvm(text);
-  HAPTOMETER_LET(auto record, is_lvm ? ParseLvm(text, path, options, &recording.report.findings)
+  constexpr std::size_t kMagicBytes = 64;
+  std::string begin_utf8, text_utf8;
+  const bool is_lvm = IsLvm(Utf8Text(std::string_view(text).substr(0, kMagicBytes), &begin_utf8));
+  HAPTOMETER_LET(auto record, is_lvm ? ParseLvm(Utf8Text(text, &text_utf8), path, options,
+                                                &recording.report.findings)
                                      : ParseCsv(text, path, options, &recording.report.findings));
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
   // a text file has no closing block: it is complete as it is

@@ -42,6 +42,7 @@ struct Format {
   std::size_t channels = 0;
   std::uint32_t rate_hz = 0;
   std::size_t bytes = 0;  // of one sample
+  std::size_t bits = 0;   // of these, from the highest on, that hold it
 
   [[nodiscard]] std::size_t row_bytes() const { return channels * bytes; }
 };
@@ -116,13 +117,19 @@ std::optional<Format> FormatOf(std::string_view chunk) {
   constexpr std::uint16_t kPcm = 1;
   constexpr std::uint16_t kFloat = 3;
   // the extensible form has the tag at the beginning of a GUID
-  if (tag == kExtensible && chunk.size() >= kSubFormat + 2)
-    tag = At<std::uint16_t>(chunk, kSubFormat);
   const std::size_t bits = At<std::uint16_t>(chunk, 14);
+  std::size_t valid_bits = bits;
+  if (tag == kExtensible && chunk.size() >= kSubFormat + 2) {
+    tag = At<std::uint16_t>(chunk, kSubFormat);
+    // 24 bits in 32, say
+    const std::size_t stated = At<std::uint16_t>(chunk, 18);
+    if (stated > 0 && stated < bits) valid_bits = stated;
+  }
   const Format format{.is_float = tag == kFloat,
                       .channels = At<std::uint16_t>(chunk, 2),
                       .rate_hz = At<std::uint32_t>(chunk, 4),
-                      .bytes = bits / 8};
+                      .bytes = bits / 8,
+                      .bits = valid_bits};
   const bool is_known = (tag == kPcm && (bits == 8 || bits == 16 || bits == 24 || bits == 32)) ||
                         (tag == kFloat && (bits == 32 || bits == 64));
   const bool is_sound = is_known && format.channels > 0 && format.channels <= kMostColumns * 2 &&
@@ -161,7 +168,7 @@ std::vector<NumberColumn> ColumnsOf(const Format& format, std::string_view sampl
 // whole numbers at an end of the converter's range are no measurement
 void MarkClipped(const Format& format, std::vector<NumberColumn>* columns) {
   if (format.is_float) return;
-  const double most = 1 - std::ldexp(1.0, 1 - 8 * static_cast<int>(format.bytes));
+  const double most = 1 - std::ldexp(1.0, 1 - static_cast<int>(format.bits));
   for (NumberColumn& column : *columns) {
     column.statuses.reserve(column.values.size());
     for (const double value : column.values) {

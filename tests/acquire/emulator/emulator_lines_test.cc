@@ -138,6 +138,9 @@ TEST(DlRs1aAmplifiers, ShowNothingUntilAChangeHasSettled) {
   EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,-99.998,-02.500,+003.00\r\n");
   clock.Advance(9 * kNsPerS);
   EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,-02.500,+003.00\r\n");
+  // so does a change of the hold
+  ASSERT_EQ(Ask(unit, clock, "SW,00,136,1\r\n"), "SW,00,136\r\n");
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,-99.998,-02.500,+003.00\r\n");
 }
 
 TEST(DlRs1aAmplifiers, ShiftTheirZeroAtTheEdge) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
@@ -53,7 +54,9 @@ TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
     const auto summary = Run(sensor, limits).value();
     EXPECT_EQ(summary.interrupted, summary.source_ended);
     Counts(path_);
-    EXPECT_EQ(!events_.empty(), summary.interrupted) << "the trial holds it too";
+    const bool is_told = std::ranges::any_of(
+        events_, [](const trial::Event& event) { return event.text == trial::kInterruptedText; });
+    EXPECT_EQ(is_told, summary.interrupted) << "the trial holds it too";
     std::filesystem::remove(path_);
     return summary.source_ended;
   };
@@ -64,6 +67,13 @@ TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
   // 0.999 s and an interval and a half, of 99 %
   EXPECT_FALSE(ends_early({.duration_ns = 1010 * kMs}));
   EXPECT_TRUE(ends_early({.duration_ns = 1011 * kMs}));
+  // with a trigger of each shot: it fires at row 501, and 499 rows are left
+  const TriggerSetup trigger{.threshold = 500e-7};
+  EXPECT_FALSE(ends_early({.readings = 499, .trigger = trigger}));
+  EXPECT_TRUE(ends_early({.readings = 500, .trigger = trigger}));
+  EXPECT_FALSE(ends_early({.duration_ns = 504 * kMs, .trigger = trigger}));
+  EXPECT_TRUE(ends_early({.duration_ns = 506 * kMs, .trigger = trigger}));
+  EXPECT_TRUE(ends_early({.readings = 10, .trigger = TriggerSetup{.threshold = 1}})) << "no shot";
 }
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {

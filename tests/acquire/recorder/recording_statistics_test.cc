@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/residual.h"
@@ -20,7 +21,7 @@ constexpr MonotonicNs kMs = 1'000'000;
 TEST(IntervalStatistics, AgainstTheDefinition) {
   IntervalStatistics statistics;
   const std::vector<MonotonicNs> times_ns{0, 10 * kMs, 22 * kMs, 30 * kMs, 45 * kMs};
-  for (const MonotonicNs time_ns : times_ns) statistics.Add(time_ns);
+  for (const MonotonicNs time_ns : times_ns) statistics.Add(time_ns, 0);
   // intervals 10, 12, 8, 15 ms: mean 11.25, squared deviations 1.5625 + 0.5625 + 10.5625 + 14.0625
   EXPECT_REL(statistics.RateHz().value(), 4 / 0.045, 1e-15, "one division");
   EXPECT_REL(statistics.DeviationSeconds().value(), std::sqrt(26.75 / 3) * 1e-3, 1e-12,
@@ -29,11 +30,29 @@ TEST(IntervalStatistics, AgainstTheDefinition) {
 
 TEST(IntervalStatistics, APauseThatIsMeantToBeDoesNotCount) {
   IntervalStatistics statistics;
-  for (const MonotonicNs time_ns : {0 * kMs, 10 * kMs, 20 * kMs}) statistics.Add(time_ns);
+  for (const MonotonicNs time_ns : {0 * kMs, 10 * kMs, 20 * kMs}) statistics.Add(time_ns, 0);
   statistics.Restart();
-  for (const MonotonicNs time_ns : {5000 * kMs, 5010 * kMs}) statistics.Add(time_ns);
+  for (const MonotonicNs time_ns : {5000 * kMs, 5010 * kMs}) statistics.Add(time_ns, 0);
   EXPECT_REL(statistics.RateHz().value(), 100.0, 1e-15, "one division");
   EXPECT_ABS(statistics.DeviationSeconds().value(), 0.0, 1e-15, "rounding of the running mean");
+}
+
+TEST(IntervalStatistics, KnownLossesCountAsIntervals) {
+  // bursts of four rows every 4 ms, of which the last row of every fifth burst is lost: 1000 a
+  // second, and intervals of 0 and 4 ms whose mean would be 1.05 ms
+  IntervalStatistics statistics;
+  std::uint64_t missing = 0;
+  for (int row = 0; row <= 4000; ++row) {
+    if (row % 20 == 19) {
+      ++missing;
+      continue;
+    }
+    statistics.Add(row / 4 * 4 * kMs, std::exchange(missing, 0));
+  }
+  EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "whole bursts, one division");
+  // 300 rows are not what a second of silence held
+  EXPECT_TRUE(statistics.Explains(4300 * kMs, 299));
+  EXPECT_FALSE(statistics.Explains(5000 * kMs, 299));
 }
 
 TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {
@@ -41,7 +60,7 @@ TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {
   IntervalStatistics statistics;
   MonotonicNs time_ns = 0;
   for (int i = 0; i < 1'000'000; ++i) {
-    statistics.Add(time_ns);
+    statistics.Add(time_ns, 0);
     time_ns += 100'000 + (i % 2 == 0 ? 1 : -1);
   }
   EXPECT_REL(statistics.DeviationSeconds().value(), 1e-9, 1e-5, "1/n, and 1e-16 of 100 us n times");

@@ -100,6 +100,28 @@ TEST_F(ModbusSensorTest, TheRateIsAGridThatDoesNotDrift) {
     EXPECT_EQ(NextRow().time_ns, first_ns + MonotonicNs{20} * row * kMs);
 }
 
+// the next poll is due long after the last reply's timeout
+TEST_F(ModbusSensorTest, ARateBelowTheTimeoutsGivesNoLateRows) {
+  Started(Plain(), 0.5);
+  (void)NextRow();
+  const MonotonicNs first_ns = NextRow().time_ns;
+  for (int row = 1; row < 5; ++row) {
+    const Reading reading = NextRow();
+    EXPECT_EQ(RowStatus(reading), SampleStatus::kOk);
+    EXPECT_EQ(reading.time_ns, first_ns + MonotonicNs{2000} * row * kMs);
+  }
+  EXPECT_EQ(Faults(ModbusFault::kTimeout), 0U);
+}
+
+TEST(ModbusErrors, AreAllInWords) {
+  ModbusErrors errors;
+  for (std::size_t fault = 1; fault < kModbusFaultCount; ++fault) errors.faults[fault] = fault;
+  errors.exceptions[2] = 9;
+  EXPECT_EQ(InWords(errors),
+            "1 timeout, 2 wrong CRC, 3 wrong length, 4 wrong slave, 5 wrong function, "
+            "6 wrong transaction, 9 exception 02 (illegal data address)");
+}
+
 // --- what the registers mean ---
 
 TEST_F(ModbusSensorTest, AScaleRegisterIsReadOnce) {
@@ -173,11 +195,16 @@ TEST_F(ModbusSensorTest, StatusBitsAndTimestampsBecomeStatuses) {
 
 TEST_F(ModbusSensorTest, SilenceAtTheStartSaysWhatToCheck) {
   device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
-  device_->script = [](bool) { return ScriptedModbusDevice::Answer{.is_missing = true}; };
+  int requests = 0;
+  device_->script = [&](bool) {
+    ++requests;
+    return ScriptedModbusDevice::Answer{.is_missing = true};
+  };
   ModbusSensor sensor(device_->Link(), {Plain(), {}}, clock_);
   const auto started = sensor.Start(kNeverStop);
   ASSERT_FALSE(started);
   EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+  EXPECT_EQ(requests, 3) << "each waits for the longest reply";
   EXPECT_THAT(started.error().Text(),
               HasSubstr("nothing answers to slave 1, function 03, 1 registers from 0 at 115200 "
                         "baud, parity even; check that the sensor is on, <slave>"));

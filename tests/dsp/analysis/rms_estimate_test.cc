@@ -157,6 +157,8 @@ TEST(RmsEstimate, BoundsAreRectanglesAndCoverThemselves) {
   EXPECT_REL(estimate.standard_uncertainty_m, 0.01 / std::numbers::sqrt3, 1e-12, "a rectangle");
   EXPECT_LT(estimate.lower_m, 0.99);
   EXPECT_GT(estimate.upper_m, 1.01);
+  EXPECT_REL(estimate.at_most_m - 1, 1.6448536269514722 * 0.01 / std::numbers::sqrt3, 1e-9,
+             "one-sided 95 %; a difference of nearly equal numbers");
   EXPECT_EQ(estimate.budget.back().evaluation, Evaluation::kBound);
 }
 

@@ -86,6 +86,24 @@ trial::Record CaseRecord(const Case& c, std::uint64_t seed) {
   return record;
 }
 
+// a drive that is on for 1.5 s, and after a pause for 4 s
+TEST(SteadyWindow, IsTheLongestWhereverItLies) {
+  constexpr std::size_t kRows = 14 * 5000;
+  std::vector<double> values = Samples(kRateHz, kRows, 0, {{14e-6, 225}});
+  Noise noise(3);
+  for (std::size_t k = 0; k < kRows; ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    const bool is_on = (t_s >= 5 && t_s < 6.5) || (t_s >= 8 && t_s < 12);
+    values[k] = 0.03 + (is_on ? values[k] : 0) + 5e-8 * noise();
+  }
+  const BandAnalysis analysis = Answer(RecordOf(std::move(values), kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  const TimeWindow window = analysis.numbers->part.window;
+  EXPECT_GE(window.begin_s, 8);
+  EXPECT_LE(window.end_s, 12);
+  EXPECT_GT(window.end_s - window.begin_s, 3);
+}
+
 struct Tally {
   int answered = 0;  // with the drive's RMS
   int refused = 0;

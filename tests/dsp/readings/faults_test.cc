@@ -162,6 +162,15 @@ TEST(Faults, HeldReadingsAreToldFromASlowSignalOnSteps) {
   const auto held = std::ranges::find(faults.list, FaultKind::kHeld, &Fault::kind);
   EXPECT_EQ(held->first_row, 8'000U);
   EXPECT_GT(held->size, 2e-6) << "what the motion did meanwhile";
+  // all but the first are excluded, of a hold as long as may be and no longer
+  for (const std::size_t longest : {11U, 12U}) {
+    const Faults judged = Scan(values, {-0.1, 0.1, 1e-7, longest});
+    const bool is_excluded = std::ranges::any_of(judged.excluded, [](const auto& range) {
+      const auto& [first, end] = range;
+      return first <= 8'001 && end >= 8'012;  // with what the kink at its end spoils
+    });
+    EXPECT_EQ(is_excluded, longest == 12) << longest;
+  }
 }
 
 TEST(Faults, RowsThatTheSourceCallsRepeatedAreNoHold) {

@@ -192,5 +192,17 @@ TEST(Resonance, IsNotMadeUp) {
   EXPECT_TRUE(SweptAmplitude(std::vector<double>(100), kRateHz, 80, 480).empty());
 }
 
+// of one point, chance gives a coherence above 1 - 0.05^(1 / (m - 1)) in 5 %, m = 0.94 segments
+TEST(KeepSignificant, OfOnePointIsTheLevelOfFivePercent) {
+  constexpr double kSegments = 10;
+  const double level = 1 - std::pow(0.05, 1 / (0.94 * kSegments - 1));
+  for (const double beside : {-1e-6, 1e-6}) {
+    std::vector<ResponsePoint> points(1);
+    points[0].coherence = level + beside;
+    KeepSignificant(points, kSegments);
+    EXPECT_EQ(points.empty(), beside < 0);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -249,6 +249,14 @@ TEST(AdapterFit, ASpringThatStiffensIsDoubted) {
                                        Contains(FindingKind::kManyImpacts)));
 }
 
+// noise that scatters the later part's damping by several percent is no change of it
+TEST(AdapterFit, NoiseIsNoChangeOfTheDamping) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    const AdapterFit fit = Fit({.noise_m = 3e-6, .seed = seed});
+    EXPECT_FALSE(fit.findings.Has(FindingKind::kDampingChangesLater)) << seed;
+  }
+}
+
 TEST(AdapterFit, WrongUnitsAreDoubted) {
   EXPECT_EQ(tests::NumberOf(Fit({.noise_m = 1e-6}, {4.6, 0}).findings,
                             FindingKind::kUnusualAdapterMass, "mass_kg"),

@@ -257,6 +257,11 @@ TEST(ImpedanceFit, AStatedResistanceServesWhereTheSweepTellsNone) {
              "3 deviations");
   EXPECT_GT(with.force_constant.combined_standard_uncertainty,
             with.force_constant.standard_uncertainty);
+  knowns.inductance_h.reset();
+  const auto fitted = Fit(Points(sweep), knowns);
+  EXPECT_GT(fitted.inductance.combined_standard_uncertainty, fitted.inductance.standard_uncertainty)
+      << "R moves L, too";
+  knowns.inductance_h = Quantity{kL, 0};
   // the response to R against the fit with another R
   auto other = knowns;
   other.resistance_ohm = Quantity{kR * 1.001, 0.27};

@@ -257,6 +257,22 @@ TEST(SkinFit, TheActuatorsConstantsAreTypeB) {
              -influence.stiffness_percent_per_percent, 1e-6, "the response is Km times a shape");
 }
 
+// all weights alike: how small the stated uncertainties are changes no response to the actuator
+TEST(SkinFit, SmallStatedUncertaintiesKeepTheInfluences) {
+  SkinSweep sweep = Measure(
+      {.frequencies_hz = Spaced(40, 500, 40), .magnitude_noise = 2e-5, .states_uncertainty = true});
+  const auto fine = Fit(sweep);
+  for (SkinPoint& point : sweep.points) *point.displacement_standard_uncertainty_m *= 100;
+  const auto coarse = Fit(sweep);
+  ASSERT_EQ(fine.influences.size(), coarse.influences.size());
+  for (std::size_t k = 0; k < fine.influences.size(); ++k) {
+    EXPECT_ABS(fine.influences[k].stiffness_percent_per_percent,
+               coarse.influences[k].stiffness_percent_per_percent, 1e-5,
+               "the solver's end; those of Km and the scale are near 1")
+        << fine.influences[k].input;
+  }
+}
+
 TEST(SkinFit, CorrelationsOfTheActuatorCount) {
   auto actuator = Actuator();
   actuator.moving_mass_kg = Quantity{1.4e-3, 1.4e-5};

@@ -28,6 +28,22 @@ using tests::AdapterScene;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
+// derivatives above 0 rise to their bounds at the piece's end
+TEST(ExcitationPiece, SignalsStayWithinTheirBounds) {
+  const ExcitationPiece piece{
+      .begin_s = 0,
+      .end_s = 0.5,
+      .terms = {
+          {.kind = ExcitationTerm::Kind::kPolynomial, .degree = 3, .derivatives = {1, 2, 3, 4}}}};
+  Eigen::VectorXd at_end;
+  FillSignals(piece, piece.end_s, at_end);
+  const Eigen::VectorXd largest = LargestSignals(piece);
+  ASSERT_EQ(largest.size(), 4);
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    EXPECT_REL(largest[k], at_end[k], 1e-15, "the same sum") << k;
+  }
+}
+
 Scene WithDrive(Scene scene, Drive drive) {
   scene.start = Start::kRest;
   scene.drive = std::move(drive);

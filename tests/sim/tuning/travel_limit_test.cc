@@ -109,6 +109,28 @@ TuningProblem ProblemOf(const tests::LimitedCase& limited) {
   return problem;
 }
 
+// b ((Ka + p)^2 + (e + q)^2) = q (Ka^2 + e^2) + e (p^2 + q^2), solved for Ka: places off the
+// lattice, which itself does not meet it
+TEST(StartPlaces, LieOnTheRidgeWhereItIsWithinTheBounds) {
+  const TuningProblem problem = Limited(0.3e-3);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const double w = source.omega_rad_per_s, q = source.stiffness_n_per_m.imag();
+  std::size_t by_spring = 0;
+  for (const CubePlace& place : StartPlaces(problem, source)) {
+    const auto [adapter, area_m2] = PointOf(problem.bounds, place);
+    const double p = source.stiffness_n_per_m.real() -
+                     (source.case_mass_kg + adapter.motor_side_mass_kg) * w * w;
+    const double Ka = adapter.stiffness_n_per_m, e = adapter.damping_n_s_per_m * w;
+    const double b = SkinOf(problem, area_m2).damping_n_s_per_m * w;
+    const double left = b * ((Ka + p) * (Ka + p) + (e + q) * (e + q));
+    const double right = q * (Ka * Ka + e * e) + e * (p * p + q * q);
+    if (std::abs(left - right) > 1e-9 * right) continue;
+    const double eighths = place[1] * 8;
+    if (std::abs(eighths - std::round(eighths)) > 1e-6) ++by_spring;
+  }
+  EXPECT_GT(by_spring, 50U);
+}
+
 // limits from 0.05 to 1 mm, three objectives, other voltages, frequencies, skins and bounds
 TEST(TravelLimit, OptimumIsThatOfManyStarts) {
   for (const tests::LimitedCase& limited : tests::kLimitedCases) {

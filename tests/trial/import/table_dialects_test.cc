@@ -263,6 +263,45 @@ TEST(TableDialects, SaleaeTellsAnalogFromDigital) {
   EXPECT_TRUE(findings.Has(FindingKind::kTransitionsOnly));
 }
 
+TEST(TableDialects, ATimeInBracketsBesideOtherUnitsIsNoLogicAnalyser) {
+  const Record record =
+      Parsed("Time [s],Laser [mm],Temperature\n0.0,1.5,20\n0.5,1.6,21\n1.0,1.4,22\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kOther);
+}
+
+TEST(TableDialects, ATorqueIsNoDisplacement) {
+  const Record record =
+      Parsed("Time (s),Torque (Nm),Laser (mm)\n0.0,1.5,20\n0.5,1.6,21\n1.0,1.4,22\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kOther);
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
+}
+
+TEST(TableDialects, AFrequencyIsLeftOutAndNoColumnBehindIt) {
+  const Record record = Parsed(
+      "Time (s),Laser (mm),Frequency (Hz),Drive (V)\n0.0,1.5,50,1\n0.5,1.6,50,2\n1.0,1.4,50,1\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kVoltage);
+}
+
+// a month with an e, and a date with points, say nothing of the time's digits
+TEST(TableDialects, AGapShowsBehindAnyDate) {
+  for (const std::string date : {"06-Dec-2024", "06-Jan-2024", "06.05.2024"}) {
+    std::string text = "Time;Laser (mm)\n";
+    for (int i = 0; i < 300; ++i) {
+      if (i >= 150 && i < 160) continue;
+      text += fmt::format("{} 12:00:{:06.3f};{:.3f}\n", date, i * 0.01, 1.5 + 0.1 * (i % 7));
+    }
+    const Record record = Parsed(text);
+    ASSERT_EQ(record.stretches.size(), 2U) << date;
+    EXPECT_EQ(record.stretches[1].first_row, 150U);
+    EXPECT_REL(record.stretches[0].rate_hz, 100, 1e-4, "printed digits");
+  }
+}
+
 TEST(TableDialects, AChannelIsNamedAsTheHeaderPrintsIt) {
   const std::string own = "time_s,displacement_mm,voltage_v,voltage_2_v\n0,1,2,3\n1,4,5,6\n";
   for (const char* name : {"voltage_v", "Voltage_V", "voltage"}) {

@@ -282,13 +282,13 @@ class Head {
     }
     auto [title, bracket] = SplitUnit(cell);
     const std::string_view printed = unit_text.empty() ? bracket : unit_text;
-    // frequency and level columns of a spectrum, and all columns behind them, are omitted
-    if (IsOneOf(printed, {"hz", "khz", "db", "dbv"})) is_spectrum_ = true;
+    // frequency and level columns of a spectrum are omitted
+    const bool is_spectrum = IsOneOf(printed, {"hz", "khz", "db", "dbv"});
     // a first column of row numbers is no channel
     const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
     // a date beside the time of day: midnights show in the latter
     if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kLeftOut};
-    if ((cell.empty() && unit_text.empty()) || is_spectrum_ || is_number) {
+    if ((cell.empty() && unit_text.empty()) || is_spectrum || is_number) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
@@ -394,7 +394,6 @@ class Head {
   const std::string& name_;
   const ImportOptions& options_;
   NamedColumns named_;
-  bool is_spectrum_ = false;
 };
 
 }  // namespace

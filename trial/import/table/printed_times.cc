@@ -13,6 +13,7 @@
 #include "base/median.h"
 #include "trial/import/table/table_cells.h"
 #include "trial/time_base.h"
+#include "trial/time_lines.h"
 
 namespace haptometer::trial {
 namespace {
@@ -22,8 +23,6 @@ struct Run {
   std::size_t first = 0;
   std::size_t rows = 0;
 };
-
-double AsDouble(std::size_t n) { return static_cast<double>(n); }
 
 // the median over differences of eight rows: rounding matters an eighth as much as in single
 // intervals
@@ -209,6 +208,11 @@ std::optional<Stretch> MeanLine(std::span<const double> times_s) {
 
 // decimals may be negative: 1e3 has -3; zeros before the first digit are not significant
 PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
+  // of a date and a time of day, those of the time: what lies before it has its own points and e's
+  if (const std::size_t colon = text.find(':'); colon != std::string_view::npos) {
+    const std::size_t date_end = text.substr(0, colon).find_last_of(" T");
+    if (date_end != std::string_view::npos) text.remove_prefix(date_end + 1);
+  }
   Digits digits;
   bool is_behind_point = false;
   for (const char c : text) {

@@ -277,7 +277,8 @@ constexpr std::array kUnits{
 std::optional<PrintedUnit> FindUnit(std::string_view text) {
   // a unit is compared in lower case, so that "MV" would be read as millivolts
   const bool is_mega = text.size() > 1 && text[0] == 'M' && text.size() < 3;
-  if (is_mega) return std::nullopt;
+  // nor are newton metres nanometres
+  if (is_mega || text == "Nm") return std::nullopt;
   if (text.contains(' ')) return std::nullopt;
   const std::string word = " " + LowerCase(text) + " ";
   const auto found = std::ranges::find_if(
