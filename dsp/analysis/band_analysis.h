@@ -36,10 +36,10 @@
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
 ///   6. the states of the drive  hum.h, drive_states.h
-///   7. which rows count         window_choice.h
-///   8. numbers of that window   window_numbers.h, by the steps of measured_window.h, band_noise.h,
-///                               sensor_gain.h and digitisation.h, put together in rms_estimate.h
-///   9. what goes with them      drive_channel.h, window_remarks.h
+///   7. which rows count         window/window_choice.h
+///   8. numbers of that window   window/window_numbers.h, by the steps of window/measured_window.h,
+///                               with band_noise.h, sensor_gain.h, digitisation.h, rms_estimate.h
+///   9. what goes with them      drive_channel.h, window/window_remarks.h
 ///
 /// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
 /// a road of its own, sweep_analysis.h.
@@ -204,7 +204,7 @@ struct BandAnalysis {
 /// (dsp/readings/regular_grid.h), and a note states rate, scatter and bound; where that cannot be
 /// done, it is refused. All rows in the answer count the record's readings.
 ///
-/// The window is the longest steady state of the drive (dsp/analysis/window_choice.h), whole
+/// The window is the longest steady state of the drive (dsp/analysis/window/window_choice.h), whole
 /// periods of its tone; without a state that is on nothing is answered, and the numbers are an
 /// estimate of all that is free of transients. Of more than 2^21 samples the tone is sought in the
 /// middle 2^19.

@@ -22,7 +22,7 @@ struct TimeWindow {
 
 /// Which part of a record the numbers are of.
 enum class WindowChoice : std::uint8_t {
-  kAuto,   ///< the steady part of the drive (dsp/analysis/window_choice.h)
+  kAuto,   ///< the steady part of the drive (dsp/analysis/window/window_choice.h)
   kAll,    ///< all that has settled
   kGiven,  ///< a window that was asked for, as far as it has settled
 };

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 #include "dsp/findings.h"
 #include "dsp/spectrum/electrical.h"
 #include "trial/row_source.h"

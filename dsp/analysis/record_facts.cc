@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "dsp/analysis/decision_limits.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
 

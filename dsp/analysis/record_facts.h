@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 #include "dsp/readings/clean_rows.h"
 #include "dsp/readings/raw_summary.h"
 #include "dsp/readings/segments.h"

@@ -108,7 +108,7 @@ def check_search():
 
 
 def check_room():
-    sources = {path: path.read_text(encoding="utf-8") for path in sorted(ROOM.iterdir()) if path != LIMITS}
+    sources = {path: path.read_text(encoding="utf-8") for path in sorted(ROOM.rglob("*.*")) if path != LIMITS}
     check(len(sources) > 20, f"{len(sources)} sources")
     wrong = []
     for path, source in sources.items():

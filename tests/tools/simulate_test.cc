@@ -435,6 +435,35 @@ TEST_F(SimulateVerb, RecordsAMotionWithImpacts) {
   EXPECT_THAT(reader->header().metadata.source, HasSubstr("scene with effects"));
 }
 
+// a skin without stiffness, which a constant voltage moves away: no steady state
+TEST_F(SimulateVerb, ARunFromRestWithEffectsNeedsNoSteadyState) {
+  std::ofstream(Path("drifts.toml"))
+      << "[actuator]\nmoving_mass_kg = 1.4e-3\ncase_mass_kg = 0.6e-3\nstiffness_n_per_m = 2800\n"
+         "damping_n_s_per_m = 0.0322\nforce_constant_n_per_a = 1\nresistance_ohm = 27\n"
+         "inductance_h = 130e-6\n[skin]\nstiffness_n_per_m = 0\ndamping_n_s_per_m = 0.75\n"
+         "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 225\noffset_v = 0.1\n"
+         "[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '5mm'\nrestitution = 0\n"
+         "[run]\nduration_s = 0.1\nstart = 'rest'\n";
+  const Outcome outcome = Simulate({Path("drifts.toml"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
+// an error that is not within what was asked for is a doubt, whatever makes it
+TEST_F(SimulateVerb, DoubtsAnAnswerThatIsNotKnownAsAsked) {
+  std::ifstream base(kFixtures + "/lra_cone.toml");
+  std::string text{std::istreambuf_iterator<char>(base), {}};
+  const std::size_t at = text.find("frequency_hz = 225");
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(Path("slow.toml")) << text.replace(at, 18, "frequency_hz = 0.01");
+  const auto doubt = [&](const char* accuracy) {
+    const Outcome outcome = Simulate({Path("slow.toml"), "--accuracy", accuracy, "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return FindingOfKind(json::parse(outcome.out), "error-above-asked");
+  };
+  EXPECT_FALSE(doubt("1e-10").is_null()) << "4e-7 of a motion of 1e-13 m";
+  EXPECT_TRUE(doubt("1e-4").is_null());
+}
+
 TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const std::string limited =
       Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");

@@ -18,7 +18,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/sweep_analysis.h"
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/window_remarks.h"
 #include "tools/analyze/analyze_question.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/recording_files.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/window_remarks.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"

@@ -26,9 +26,6 @@
 namespace haptometer::tools {
 namespace {
 
-// ten periods of the drive: the window of window_rms_m
-constexpr double kWindowPeriods = 10;
-
 // RMS over the last ten periods of the run, where it is as long
 std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   if (!scene.duration_s) return std::nullopt;
@@ -348,7 +345,7 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
   if (!(linear.error_estimate < 1)) {
     // a run from rest needs none
     const bool runs = scene.duration_s && sim::StartOf(scene) == sim::Start::kRest;
-    if (runs && !scene.effects.Asked()) return AnswerRun(std::move(answer), where);
+    if (runs) return AnswerRun(std::move(answer), where);
     return std::unexpected(NoSteadyState(scene, where));
   }
   answer.steady = linear;

@@ -18,6 +18,9 @@
 
 namespace haptometer::tools {
 
+/// Periods of the drive that the window of window_rms_m holds.
+inline constexpr double kWindowPeriods = 10;
+
 /// RMS of the skin over the last ten periods of a run.
 struct WindowAnswer {
   double begin_s = 0;

@@ -76,11 +76,12 @@ void NoteSource(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
 void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) {
   // a sine with a duration and no steady state: stops, lost contact or a smooth effect limit it
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
-  if (is_sine && solved.scene.duration_s && !solved.steady) {
+  if (is_sine && solved.scene.duration_s && !solved.steady && solved.effects) {
     findings.Note(SimulateFinding::kSteadyNotLinear);
   }
   if (solved.tones && !(solved.tones->period_s > 0)) findings.Note(SimulateFinding::kPeaksAreSums);
-  if (is_sine && solved.scene.duration_s && !solved.window) {
+  if (is_sine && solved.scene.duration_s && !solved.window &&
+      *solved.scene.duration_s * solved.scene.drive.frequency_hz < kWindowPeriods) {
     findings.Note(SimulateFinding::kNoWindow, {{"run_s", *solved.scene.duration_s}});
   }
   // the run is valid until its error exceeds the tolerance
@@ -88,6 +89,21 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
   if (run != nullptr && run->known_until_s) {
     findings.Doubt(SimulateFinding::kKnownUntil,
                    {{"tolerance", solved.scene.tolerance}, {"known_until_s", *run->known_until_s}});
+  }
+  // what nothing but the arithmetic or the drive's cubics limits; averages of a chaotic motion have
+  // an uncertainty of their own
+  const bool is_chaotic = solved.effects && solved.effects->chaotic;
+  const double error = ErrorOfAll(solved);
+  const bool is_told = run != nullptr && run->known_until_s;
+  if (!is_chaotic && !is_told && error > solved.scene.tolerance) {
+    FindingOf<SimulateFinding> above{
+        Severity::kDoubt,
+        SimulateFinding::kErrorAboveAsked,
+        {{"relative_error", error}, {"tolerance", solved.scene.tolerance}}};
+    if (sim::DriveError(solved.scene) > 0) {
+      above.numbers.emplace_back("hold_tolerance", solved.scene.drive.hold_tolerance);
+    }
+    findings.Add(std::move(above));
   }
   if (!solved.effects) return;
   // chaos: growth is the largest Lyapunov exponent per drive period, with its uncertainty
@@ -509,6 +525,9 @@ document::Sentence SentenceOf(SimulateFinding kind) {
        "uncertainty of its window is"},
       {kKnownUntil, "known-until",
        "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"},
+      {kErrorAboveAsked, "error-above-asked",
+       "the numbers are known to {relative_error} of themselves, above the required {tolerance}"
+       "[; lower the drive's hold_tolerance of {hold_tolerance}]"},
       {kDurationOfDrive, "duration-of-drive",
        "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
        "{ring_down_s} in which the slowest motion falls to a thousandth"},

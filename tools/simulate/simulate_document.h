@@ -26,6 +26,7 @@ enum class SimulateFinding : std::uint8_t {
   kEndVaries,         ///< relative_uncertainty of the window's RMS
   kEndNotKnown,       ///< the run is too short for that
   kKnownUntil,        ///< tolerance, known_until_s
+  kErrorAboveAsked,   ///< relative_error, tolerance; of a chirp hold_tolerance
   kDurationOfDrive,   ///< duration_s, drive_s, ring_down_s
   kDurationAssumed,   ///< duration_s: of a trial or of waveforms
   kIdealSensor,       ///< rate_hz

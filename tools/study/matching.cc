@@ -253,6 +253,9 @@ namespace {
 // tests that are not possible, missing settings, and the assumption behind the power
 StudyFindings FindingsOf(const MatchingResult& result) {
   StudyFindings findings;
+  AddLabelsAlike("subject", result.subjects, findings);
+  AddLabelsAlike("condition", Mapped<std::string>(result.conditions, &MatchedCondition::name),
+                 findings);
   for (const MatchedCondition& condition : result.conditions) {
     RefuseUntested(condition.name, condition.overall.log_ratio, findings);
   }

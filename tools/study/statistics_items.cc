@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "dsp/statistics/distributions.h"
+#include "tools/study/alike_names.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {
@@ -45,6 +46,16 @@ double StandardUncertaintyOf(const dsp::Interval& interval, double df) {
 double ResolutionBy(std::optional<double> standard_uncertainty) {
   const double known = standard_uncertainty.value_or(0);
   return known > 0 ? std::pow(10, std::floor(std::log10(known)) - 1) : 0;
+}
+
+void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
+                    StudyFindings& findings) {
+  for (const AlikeNames& pair : NamesAlike(names)) {
+    findings.Doubt(StudyFinding::kLabelsAlike, {{"label", label},
+                                                {"one", pair.one},
+                                                {"other", pair.other},
+                                                {"how", std::string(WordsOf(pair.likeness))}});
+  }
 }
 
 void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "tools/document/render.h"
-#include "tools/study/alike_names.h"
 
 namespace haptometer::tools {
 namespace {
@@ -392,17 +391,6 @@ Section TrialsSection(const StudyResult& study) {
   // errors of files were reported when the files were read
   document::AddFindings(section, RefusalsOf(study, true));
   return section;
-}
-
-// names that may be one, written in two ways
-void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
-                    StudyFindings& findings) {
-  for (const AlikeNames& pair : NamesAlike(names)) {
-    findings.Doubt(StudyFinding::kLabelsAlike, {{"label", label},
-                                                {"one", pair.one},
-                                                {"other", pair.other},
-                                                {"how", std::string(WordsOf(pair.likeness))}});
-  }
 }
 
 // --- what a page has and a text does not ---

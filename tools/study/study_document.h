@@ -89,6 +89,10 @@ inline constexpr document::Key kContrasts{"contrasts"};
 /// the second digit. 0 (no limit) where it is not known.
 [[nodiscard]] double ResolutionBy(std::optional<double> standard_uncertainty);
 
+/// Adds a doubt for each pair of names that may be one, written in two ways (alike_names.h).
+void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
+                    StudyFindings& findings);
+
 /// Refuses a test that `sample` has not, as it is of too few subjects or without spread.
 void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
                     StudyFindings& findings);

@@ -21,7 +21,7 @@
 #include "base/median.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/window_remarks.h"
 #include "dsp/statistics/outliers.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"

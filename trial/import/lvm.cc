@@ -185,7 +185,12 @@ class Parser {
       // with one X for each channel X_Value is repeated; Comment is the last column
       if (lower == "x_value") continue;
       if (lower == "comment") break;
-      if (!cells[i].empty()) segment_.names.emplace_back(cells[i]);
+      segment_.names.emplace_back(cells[i]);
+    }
+    // separators at the end are no channels; one without a name keeps its place
+    while (!segment_.names.empty() && segment_.names.back().empty()) segment_.names.pop_back();
+    for (std::size_t c = 0; c < segment_.names.size(); ++c) {
+      if (segment_.names[c].empty()) segment_.names[c] = fmt::format("channel_{}", c + 1);
     }
     if (segment_.names.empty() || segment_.names.size() > 1024) {
       return Wrong("names no channel, or too many");

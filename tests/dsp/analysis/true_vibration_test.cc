@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/window_remarks.h"
 #include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"

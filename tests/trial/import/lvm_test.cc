@@ -72,6 +72,17 @@ TEST(Lvm, OneXColumnUnitsNamesAndComments) {
   EXPECT_EQ(record.metadata.fields.at("lvm.Date"), "2024/05/06");
 }
 
+TEST(Lvm, AChannelWithoutANameKeepsItsPlace) {
+  const Record record = ParsedLvm(
+      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n",
+          Changed(kSegment, "Laser", "") + "0.000\t1.5\t2\n0.001\t2.5\t3\n0.002\t-1\t4\n"));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "channel_1");
+  EXPECT_EQ(record.channels[0].values[1], 2.5);
+  EXPECT_EQ(record.channels[1].name, "Ref");
+  EXPECT_REL(record.channels[1].values[2], 4e-3, 1e-15, "one product");
+}
+
 TEST(Lvm, DecimalCommasAndCommasBetweenCells) {
   const Record comma = ParsedLvm(Replaced(
       Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),

@@ -271,6 +271,20 @@ TEST(TableDialects, ATimeInBracketsBesideOtherUnitsIsNoLogicAnalyser) {
   EXPECT_EQ(record.channels[1].role, ChannelRole::kOther);
 }
 
+// pandas without names
+TEST(TableDialects, NumbersOfColumnsAreNoReading) {
+  const Record indexed = Parsed(",0,1\n0,0.0001,30.1\n1,0.0002,30.2\n2,0.0003,30.1\n",
+                                {.columns = {"-", "time_s", "displacement_mm"}});
+  ASSERT_EQ(indexed.rows, 3U);
+  EXPECT_REL(indexed.channels[0].values[0], 30.1e-3, 1e-12, "rounding");
+  const Record single =
+      Parsed("0\n30.1\n30.2\n30.1\n", {.columns = {"displacement_mm"}, .rate_hz = 1e4});
+  EXPECT_EQ(single.rows, 3U);
+  // whole numbers, and values about 0, may be readings
+  EXPECT_EQ(Parsed("0,1\n1,3\n2,5\n", {.columns = {"time_s", "displacement_mm"}}).rows, 3U);
+  EXPECT_EQ(Parsed("0\n0.1\n0.2\n", {.columns = {"displacement_mm"}, .rate_hz = 1e4}).rows, 3U);
+}
+
 TEST(TableDialects, ATorqueIsNoDisplacement) {
   const Record record =
       Parsed("Time (s),Torque (Nm),Laser (mm)\n0.0,1.5,20\n0.5,1.6,21\n1.0,1.4,22\n");

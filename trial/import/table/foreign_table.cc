@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "trial/import/table/instrument_layouts.h"
@@ -95,6 +97,20 @@ std::vector<std::string_view> TableBeginning::LastComment() const {
 }
 
 // a table begins at two lines of numbers with the same separator and the same number of cells
+// Whether a line is a header of column numbers, as pandas writes them where no names are given:
+// 0, 1, 2, ... behind a cell for the index or not, above a row of numbers that are not whole. A
+// single 0 is one only where the numbers are not about 0.
+bool AreColumnNumbers(const TableCells& line, const TableCells& row) {
+  const std::size_t first = line.cells[0].empty() ? 1 : 0;
+  const std::size_t columns = line.cells.size() - first;
+  for (std::size_t i = first; i < line.cells.size(); ++i) {
+    const bool is_whole = row.cells[i].find_first_not_of("+-0123456789") == std::string_view::npos;
+    if (line.cells[i] != std::to_string(i - first) || is_whole) return false;
+  }
+  if (columns != 1 || first == 1) return columns > 0;
+  return std::abs(ReadNumberWithComma(row.cells[0]).value_or(0)) >= 1;
+}
+
 std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
   TableBeginning found;
   std::optional<TableLine> last;  // a line of numbers whose like has not come yet
@@ -108,7 +124,8 @@ std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
       continue;
     }
     if (last && found.rows[0].separator == cells.separator &&
-        found.rows[0].cells.size() == cells.cells.size()) {
+        found.rows[0].cells.size() == cells.cells.size() &&
+        !AreColumnNumbers(found.rows[0], cells)) {
       found.rows[1] = std::move(cells);
       found.offset = last->offset;
       found.line = last->number;

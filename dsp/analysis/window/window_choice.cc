@@ -1,4 +1,4 @@
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 
 #include <algorithm>
 #include <array>

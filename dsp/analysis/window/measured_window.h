@@ -9,12 +9,12 @@
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/rms_estimate.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
 
-/// A window while MeasureWindow (dsp/analysis/window_numbers.h) measures it, and the steps of that.
-/// Errors of all: as RowSource::Read.
+/// A window while MeasureWindow (dsp/analysis/window/window_numbers.h) measures it, and the steps
+/// of that. Errors of all: as RowSource::Read.
 namespace haptometer::dsp {
 
 /// What is being measured. The steps fill it in this order, each by what those before it left:
@@ -66,7 +66,7 @@ void DescribePart(MeasuredWindow& window);
 /// Filtered samples of the longest part kept, thinned; sets `window.hum_square`.
 [[nodiscard]] Result<ThinnedSamples> SamplesOf(MeasuredWindow& window);
 
-// tone: dsp/analysis/window_tone.cc
+// tone: dsp/analysis/window/window_tone.cc
 
 /// The strongest tone of the samples; nothing where there is none, or where a drive that is clear
 /// in every block moves by so many bins that no sine holds half of it. Fitted again without the
@@ -82,7 +82,7 @@ void FinishTone(MeasuredWindow& window);
 /// band that one model explains is subtracted first, because it would cover them.
 [[nodiscard]] Result<void> DescribeHarmonics(MeasuredWindow& window);
 
-// noise: dsp/analysis/window_noise.cc
+// noise: dsp/analysis/window/window_noise.cc
 
 /// The window's mean square, what its tone leaves of it, and the noise beside the drive.
 [[nodiscard]] Result<void> MeasurePower(MeasuredWindow& window);
@@ -92,7 +92,7 @@ void FinishTone(MeasuredWindow& window);
 /// noise.
 [[nodiscard]] Result<void> TakeFloor(MeasuredWindow& window);
 
-// errors beyond scatter: dsp/analysis/window_bounds.cc
+// errors beyond scatter: dsp/analysis/window/window_bounds.cc
 
 /// What rounding to steps may change of the drive's RMS, as a half width in m: `window.steps_m`.
 [[nodiscard]] Result<void> BoundSteps(MeasuredWindow& window);

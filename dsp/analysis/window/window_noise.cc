@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "dsp/analysis/decision_limits.h"
-#include "dsp/analysis/measured_window.h"
+#include "dsp/analysis/window/measured_window.h"
 #include "dsp/readings/faults.h"
 #include "dsp/spectrum/sine_fit.h"
 

@@ -1,4 +1,4 @@
-#include "dsp/analysis/measured_window.h"
+#include "dsp/analysis/window/measured_window.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 
 /// The step of AnalyzeBand that measures the window that was chosen.
 namespace haptometer::dsp {

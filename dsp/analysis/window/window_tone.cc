@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dsp/analysis/decision_limits.h"
-#include "dsp/analysis/measured_window.h"
+#include "dsp/analysis/window/measured_window.h"
 #include "dsp/spectrum/below_band_model.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"

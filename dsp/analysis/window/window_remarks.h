@@ -6,7 +6,7 @@
 
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/window_choice.h"
+#include "dsp/analysis/window/window_choice.h"
 #include "dsp/findings.h"
 
 /// The step of AnalyzeBand that says what there is to say about a window's numbers, and the noise

@@ -1,5 +1,5 @@
 // Kinematics and electrical state through AnalyzeBand; the oracle is the closed form.
-#include "dsp/analysis/window_numbers.h"
+#include "dsp/analysis/window/window_numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

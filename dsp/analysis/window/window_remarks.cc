@@ -1,4 +1,4 @@
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/window_remarks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "dsp/analysis/decision_limits.h"
-#include "dsp/analysis/measured_window.h"
+#include "dsp/analysis/window/measured_window.h"
 #include "dsp/filter/transient.h"
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"

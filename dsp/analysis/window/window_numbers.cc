@@ -1,4 +1,4 @@
-#include "dsp/analysis/window_numbers.h"
+#include "dsp/analysis/window/window_numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include "base/jobs.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_channel.h"
-#include "dsp/analysis/measured_window.h"
 #include "dsp/analysis/record_facts.h"
-#include "dsp/analysis/window_remarks.h"
+#include "dsp/analysis/window/measured_window.h"
+#include "dsp/analysis/window/window_remarks.h"
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"
 #include "dsp/spectrum/kinematics.h"
