@@ -40,6 +40,8 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
     header.metadata.fields["part_start_s"] = fmt::format("{:.9f}", SecondsFromNs(start_ns_));
     header.metadata.fields["continues"] = file_;
     header.metadata.utc_start = UtcNow();
+    // notes are on what was before the recording
+    header.metadata.notes.clear();
   }
   rows_ = 0;
   const std::string file = name_(part_);

@@ -15,6 +15,11 @@ bool SendsTheSame(const trial::TrialHeader& a, const trial::TrialHeader& b) {
                             });
 }
 
+// whether both average alike: a trial states one gain for all of its rows
+bool AveragesTheSame(const trial::Metadata& a, const trial::Metadata& b) {
+  return a.averages == b.averages && a.sampling_s == b.sampling_s && a.head == b.head;
+}
+
 }  // namespace
 
 ReconnectingSensor::ReconnectingSensor(Open open, std::optional<MonotonicNs> longest_away_ns,
@@ -67,6 +72,11 @@ Outcome ReconnectingSensor::TryAgain() {
   // another device at the port would give rows with another meaning
   if (started && !SendsTheSame((*opened)->header(), header_)) {
     started = CannotAnswer("", "what came back sends other channels", "plug in the same device");
+  }
+  // the same device with other settings: its rows belong into another trial
+  if (started && !AveragesTheSame((*opened)->header().metadata, header_.metadata)) {
+    last_refusal_ = "what came back has another averaging, sampling period or head";
+    return Outcome::kGone;
   }
   if (!started) {
     last_refusal_ = started.error().Text();

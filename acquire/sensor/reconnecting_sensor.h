@@ -37,7 +37,8 @@ class RetryPause {
 ///
 /// The port is let go at once, so that a replugged adapter gets its old name back; then it is tried
 /// again and again (RetryPause). What comes back must send the same channels; anything
-/// else is not taken, and tried again.
+/// else is not taken, and tried again. Where it has another averaging, sampling period or head, the
+/// recording ends (Outcome::kGone): its header would not hold for the rows behind it.
 ///
 /// Next() waits longer than other sensors' while the device that has come back is started.
 class ReconnectingSensor final : public Sensor {

@@ -6,7 +6,8 @@
 
 Each fault is put into a copy of the tree (in FOLDER), which is built on its own; the tree itself is never
 changed. The test program of the fault's room runs first: the test file that mirrors the source, then all of
-them. What it does not find, the hard cases and the pinned numbers of every verb (tests/golden) may (not with --own).
+them. What it does not find, the hard cases, the tests of the verbs and their pinned numbers (tests/golden) may (not
+with --own).
 A line of JSON per fault goes to the results: caught, survived, same-program (the fault changes no program),
 does-not-compile, timeout. A run begun again with the same options goes on behind what is there; --again tries
 survivors that have no word in mutants.toml once more. With --part 1/2 and 2/2, in a FOLDER each, two commands share
@@ -34,9 +35,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 VERDICTS = ROOT / "tests/long/mutants.toml"
 ROOMS = ("base", "trial", "acquire", "dsp", "sim", "fit")
 # the test programs that a fault in a room must pass, in this order; dsp has one of its own for each folder
-PROGRAMS = {"base": ("base_test", "trial_test"), "trial": ("trial_test", "hard_cases_test"),
-            "acquire": ("acquire_test", "hard_cases_test"), "dsp": ("dsp_analysis_test", "hard_cases_test"),
-            "sim": ("sim_test", "hard_cases_test"), "fit": ("fit_test", "hard_cases_test")}
+PROGRAMS = {"base": ("base_test", "trial_test"), "trial": ("trial_test", "hard_cases_test", "tools_test"),
+            "acquire": ("acquire_test", "hard_cases_test", "tools_test"),
+            "dsp": ("dsp_analysis_test", "hard_cases_test", "tools_test"),
+            "sim": ("sim_test", "hard_cases_test", "tools_test"), "fit": ("fit_test", "hard_cases_test", "tools_test")}
 VERBS = "haptometer"  # tests/golden runs it
 BUILD = "build/release"  # of the copy
 LEAST_CAUGHT = 0.92

@@ -163,6 +163,22 @@ TEST(CompareScene, PropagatesTheVoltageExactly) {
 }
 
 // a phase beside +-pi
+// a measurement at the tone holds nothing of it
+TEST(CompareScene, LeavesOutWhatAnOffsetAdds) {
+  const ComparedScene scene = SceneOf(kCone, {"drive.amplitude_v=5+-0.1"});
+  const auto plain = scene.At(Eigen::VectorXd::Zero(1));
+  ASSERT_TRUE(plain);
+  sim::Scene offset = *plain;
+  offset.drive.offset_v = 1;
+  const auto without = SimulatedOf(*plain, "cone", false);
+  const auto with = SimulatedOf(offset, "cone", false);
+  ASSERT_TRUE(without && with);
+  for (const Compared quantity : {Compared::kRms, Compared::kCurrent, Compared::kPower}) {
+    const auto k = static_cast<std::size_t>(quantity);
+    EXPECT_REL((*with)[k].value, (*without)[k].value, 1e-12, "a difference of like numbers");
+  }
+}
+
 TEST(CompareNumbers, AverageAcrossPi) {
   OfCompared<dsp::Estimate> one{}, other{};
   const auto phase = static_cast<std::size_t>(Compared::kPhase);

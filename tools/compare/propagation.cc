@@ -38,6 +38,17 @@ double RmsOf(const SceneAnswer& answer, sim::SensorTarget target) {
   return answer.scene.drive.offset_v != 0 ? kNan : NumberOf(answer, KeyOf(Compared::kRms, target));
 }
 
+// current, power and phase at the tone: without what an offset of the drive adds
+double AtTheTone(const SceneAnswer& answer, Compared quantity, sim::SensorTarget target) {
+  const double whole = NumberOf(answer, KeyOf(quantity, target));
+  const double offset_v = answer.scene.drive.offset_v;
+  if (offset_v == 0 || quantity == Compared::kPhase) return whole;
+  if (!answer.steady) return kNan;
+  if (quantity == Compared::kCurrent)
+    return std::abs(answer.steady->current_a) / std::numbers::sqrt2;
+  return whole - offset_v * answer.steady->mean_current_a;
+}
+
 // of the skin, which is the body whose rise is known
 dsp::Estimate RiseOf(const SceneAnswer& answer) {
   const auto played = PlayedMotion(answer);
@@ -151,7 +162,7 @@ Result<SimulatedNumbers> SimulatedOf(const sim::Scene& scene, const std::string&
   const bool has_rise = with_rise && target == sim::SensorTarget::kSkin;
   set(Compared::kRise, has_rise ? RiseOf(answer) : dsp::Estimate{kNan, 0});
   for (const Compared quantity : {Compared::kCurrent, Compared::kPower, Compared::kPhase}) {
-    set(quantity, {NumberOf(answer, KeyOf(quantity, target)), 0});
+    set(quantity, {AtTheTone(answer, quantity, target), 0});
   }
   return numbers;
 }

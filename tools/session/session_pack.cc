@@ -378,7 +378,7 @@ Result<int> Verify(const std::string& path, const document::Outputs& outputs, in
   ForgetInputs();
   NoteInput(path);
   const int status = document::Present(std::move(document), outputs, argc, argv);
-  return status != 0 || (is_intact && is_same) ? status : ExitStatus(Cause::kCannotAnswer);
+  return is_intact && is_same ? status : cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
 }
 
 }  // namespace

@@ -68,9 +68,12 @@ TEST_F(RotationTest, APartBeginsWhenItIsAskedFor) {
 TEST_F(RotationTest, EachPartCountsItsOwnTimeAndNamesTheOneBefore) {
   clock_.Advance(77 * kMs);
   CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);
+  sensor.metadata().notes = {"the disk had no room before"};
   ASSERT_TRUE(RunParts(sensor, {.duration_ns = 300 * kMs}));
+  EXPECT_EQ(trial::ReadRecord(Part(1))->record.metadata.notes, sensor.metadata().notes);
   const auto recording = trial::ReadRecord(Part(2));
   ASSERT_TRUE(recording);
+  EXPECT_TRUE(recording->record.metadata.notes.empty()) << "it was not before this part";
   EXPECT_EQ(recording->record.raw_times_s.front(), 0.0);
   const auto& fields = recording->record.metadata.fields;
   EXPECT_EQ(fields.at("part"), "2");

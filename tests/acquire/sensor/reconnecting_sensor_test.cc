@@ -25,12 +25,15 @@ class Plug {
       if (clock_.Now() < absent_until_ns)
         return CannotAnswer("./port", "is not there", "plug it in");
       absent_until_ns = clock_.Now() + away_ns;
-      return std::make_unique<CountingSensor>(clock_, timing, rows, Outcome::kGone);
+      auto sensor = std::make_unique<CountingSensor>(clock_, timing, rows, Outcome::kGone);
+      sensor->metadata().averages = averages;
+      return sensor;
     };
   }
   MonotonicNs away_ns = 0;  ///< how long it is absent after each opening
   std::uint64_t rows = 10;
   Timing timing = Timing::kPolled;
+  int averages = 1;
   std::vector<MonotonicNs> tries_ns;
   MonotonicNs absent_until_ns = 0;
 
@@ -130,6 +133,18 @@ TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 10U);
   EXPECT_THAT(sensor.last_refusal(), HasSubstr("what came back sends other channels"));
+}
+
+// the rows behind it have another gain than the trial's header states
+TEST_F(ReconnectingTest, OtherAveragingEndsTheRecording) {
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  plug_.averages = 64;
+  const auto summary = Run(sensor, {});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->readings, 10U);
+  EXPECT_TRUE(summary->connection_lost);
+  EXPECT_THAT(sensor.last_refusal(), HasSubstr("another averaging"));
 }
 
 TEST_F(ReconnectingTest, WhatIsNotThereAtTheBeginningIsAnError) {

@@ -152,6 +152,19 @@ TEST(Csv, OtherTimesAreKeptBesideTheirMeanLine) {
   EXPECT_REL(record.stretches[0].time_uncertainty_s, 0.82e-4, 0.02, "sqrt(2/3) of 0.1 ms");
 }
 
+// the host stalls for 1.5 s of 4: what waited arrives at once, and lies on the line that is stated
+TEST(Csv, AStallOfTheHostKeepsTheStatedLines) {
+  std::string text = "# times = arrived\n# stretch = 0 400 0 100 1e-6\ntime_s,displacement_m\n";
+  for (int row = 0; row < 400; ++row) {
+    const double time_s = row >= 100 && row < 250 ? 2.5 : row * 0.01;
+    text += fmt::format("{:.3f},{}\n", time_s, row % 7);
+  }
+  const Record record = Parsed(text);
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].rate_hz, 100);
+  EXPECT_EQ(record.stretches[0].time_uncertainty_s, 1e-6) << "as stated, not fitted";
+}
+
 TEST(Csv, LinesOfOneBurstShareTheirArrivalTime) {
   const std::string rows = "time_s,displacement_m\n0,1\n0,2\n0.002,3\n0.002,4\n0.004,5\n";
   const Record record = Parsed("# times = arrived\n# stretch = 0 5 0 1000 1e-6\n" + rows);
