@@ -137,10 +137,10 @@ TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {
 
 // the rows behind it have another gain than the trial's header states
 TEST_F(ReconnectingTest, OtherAveragingEndsTheRecording) {
-  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  ReconnectingSensor sensor(plug_.Opener(), 2000 * kMs, clock_);
   ASSERT_TRUE(sensor.Start(kNeverStop));
   plug_.averages = 64;
-  const auto summary = Run(sensor, {});
+  const auto summary = Run(sensor, {.readings = 25});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 10U);
   EXPECT_TRUE(summary->connection_lost);

@@ -32,7 +32,7 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 TEST(ExcitationPiece, SignalsStayWithinTheirBounds) {
   const ExcitationPiece piece{
       .begin_s = 0,
-      .end_s = 0.5,
+      .end_s = 0.5L,
       .terms = {
           {.kind = ExcitationTerm::Kind::kPolynomial, .degree = 3, .derivatives = {1, 2, 3, 4}}}};
   Eigen::VectorXd at_end;

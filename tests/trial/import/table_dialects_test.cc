@@ -307,12 +307,15 @@ TEST(TableDialects, AGapShowsBehindAnyDate) {
     std::string text = "Time;Laser (mm)\n";
     for (int i = 0; i < 300; ++i) {
       if (i >= 150 && i < 160) continue;
-      text += fmt::format("{} 12:00:{:06.3f};{:.3f}\n", date, i * 0.01, 1.5 + 0.1 * (i % 7));
+      // one time stands twice, and one of its rows is left out
+      const double time_s = (i == 5 ? 4 : i) * 0.01;
+      text += fmt::format("{} 12:00:{:06.3f};{:.3f}\n", date, time_s, 1.5 + 0.1 * (i % 7));
     }
     const Record record = Parsed(text);
-    ASSERT_EQ(record.stretches.size(), 2U) << date;
-    EXPECT_EQ(record.stretches[1].first_row, 150U);
-    EXPECT_REL(record.stretches[0].rate_hz, 100, 1e-4, "printed digits");
+    const bool is_seen = std::ranges::any_of(
+        record.stretches, [](const Stretch& stretch) { return stretch.first_row == 149; });
+    EXPECT_TRUE(is_seen) << date;
+    EXPECT_REL(record.stretches[0].rate_hz, 100, 1e-3, "printed digits");
   }
 }
 
