@@ -35,6 +35,7 @@ enum class FindingKind : std::uint8_t {
   kHold,              ///< hold
   kAmplifierError,    ///< flags
   kSettingsNotRead,   ///< sampling, averaging and filters
+  kOtherSettings,     ///< of a device that came back: averaging, sampling period or head
   kTcpProfile,        ///< profile: on a serial port
   kNoCheckRequest,    ///< profile, longest_reply_s
   kIdealSensor,       ///< rate_hz: the scene has no sensor

@@ -210,7 +210,8 @@ class Bounding {
     return changes;
   }
 
-  // of a scene without a duration: what leads from its start to the steady motion of the base
+  // of a scene that settles, without a duration or in its steady motion: what leads from its start
+  // to the steady motion of the base
   Changes TransientOfBase() const {
     if (std::isfinite(length_s_)) return {};
     Scene from = base_scene_.scene;

@@ -25,10 +25,13 @@ void IntervalStatistics::Add(MonotonicNs time_ns, std::uint64_t missing) {
 }
 
 bool IntervalStatistics::Explains(MonotonicNs time_ns, std::uint64_t missing) const {
-  constexpr double kUnexplainedS = 0.25;
-  if (missing == 0 || !has_time_ || intervals_ == 0) return true;
+  constexpr double kLongerS = 0.25;
+  constexpr double kShorterS = 0.05;  // rows come in bursts
+  if (missing == 0 || !has_time_) return true;
+  if (intervals_ == 0) return false;
   const double explained_s = static_cast<double>(1 + missing) * mean_s_;
-  return SecondsFromNs(time_ns - last_ns_) - explained_s <= kUnexplainedS;
+  const double interval_s = SecondsFromNs(time_ns - last_ns_);
+  return interval_s <= explained_s + kLongerS && interval_s >= explained_s - kShorterS;
 }
 
 // rate = intervals / total time

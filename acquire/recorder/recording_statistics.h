@@ -19,8 +19,9 @@ class IntervalStatistics {
   /// The interval up to the next time is none of the source's: it does not count.
   void Restart() { has_time_ = false; }
 
-  /// Whether `missing` rows explain the interval up to `time_ns` to 0.25 s; a counter that wraps
-  /// does not say how often it has.
+  /// Whether `missing` rows explain the interval up to `time_ns`, which may be 0.25 s longer and
+  /// 0.05 s shorter: a counter that wraps does not say how often it has, and a damaged one counts
+  /// what was never lost.
   [[nodiscard]] bool Explains(MonotonicNs time_ns, std::uint64_t missing) const;
 
   /// Intervals, those of lost rows too, per second of their own time; empty where no time has

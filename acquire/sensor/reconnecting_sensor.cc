@@ -15,9 +15,14 @@ bool SendsTheSame(const trial::TrialHeader& a, const trial::TrialHeader& b) {
                             });
 }
 
-// whether both average alike: a trial states one gain for all of its rows
+// whether both average alike, as far as both are known: a trial states one gain for all of its rows
 bool AveragesTheSame(const trial::Metadata& a, const trial::Metadata& b) {
-  return a.averages == b.averages && a.sampling_s == b.sampling_s && a.head == b.head;
+  const auto is_other = [](const auto& one, const auto& other) {
+    return one && other && *one != *other;
+  };
+  const bool is_other_head = !a.head.empty() && !b.head.empty() && a.head != b.head;
+  return !is_other(a.averages, b.averages) && !is_other(a.sampling_s, b.sampling_s) &&
+         !is_other_head;
 }
 
 }  // namespace
@@ -76,6 +81,7 @@ Outcome ReconnectingSensor::TryAgain() {
   // the same device with other settings: its rows belong into another trial
   if (started && !AveragesTheSame((*opened)->header().metadata, header_.metadata)) {
     last_refusal_ = "what came back has another averaging, sampling period or head";
+    last_found_.Doubt(FindingKind::kOtherSettings);
     return Outcome::kGone;
   }
   if (!started) {

@@ -147,11 +147,11 @@ int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline)
   return error_number;
 }
 
-// A device that lost its power ends no connection: without an answer for 10 s it is lost, so that
-// it can be opened again. The system asks on its own where nothing is sent.
+// A device that lost its power ends no connection: without an answer for a minute it is lost. The
+// system asks on its own where nothing is sent, so a silent device that is there stays.
 void LoseWhatIsSilent(int descriptor) {
-  const int on = 1, idle_s = 5, interval_s = 1, probes = 5;
-  const unsigned unanswered_ms = 10'000;
+  const int on = 1, idle_s = 20, interval_s = 8, probes = 5;
+  const unsigned unanswered_ms = 60'000;
   setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
   setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
   setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);

@@ -446,6 +446,7 @@ TEST_F(SimulateVerb, ARunFromRestWithEffectsNeedsNoSteadyState) {
          "[run]\nduration_s = 0.1\nstart = 'rest'\n";
   const Outcome outcome = Simulate({Path("drifts.toml"), "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(json::parse(outcome.out).at("window_rms_m").is_number()) << "22 periods";
 }
 
 // an error that is not within what was asked for is a doubt, whatever makes it

@@ -152,7 +152,8 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
     return cli::ReportError(
         kVerb,
         {Cause::kFailed, port,
-         reconnects ? "the device did not come back in time" : "the connection was lost",
+         reconnects ? "the device did not come back in time, or with other settings"
+                    : "the connection was lost",
          kept + (reconnects ? "check cable and power, or give --reconnect longer"
                             : "check cable and power, or let --reconnect TIME wait for it")});
   }

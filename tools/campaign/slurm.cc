@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -41,6 +42,8 @@ std::string ScriptOf(std::string_view options, const std::vector<std::string>& w
 
 // what a command prints, and its exit status
 std::pair<std::string, int> OutputOf(const std::vector<std::string>& words) {
+  // where a launcher ignores ended children, the system keeps no status of theirs
+  std::signal(SIGCHLD, SIG_DFL);
   FILE* pipe = popen((cli::CommandLine(words) + " 2>&1").c_str(), "re");
   if (pipe == nullptr) return {"", -1};
   std::string output;

@@ -7,7 +7,6 @@
 #include <set>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "tools/cli/csv_cell.h"
 #include "tools/document/keys.h"
@@ -20,16 +19,21 @@ namespace fs = std::filesystem;
 // enough for the header of a CSV, without the whole file
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
 
-bool IsRecording(const fs::path& path) {
+// in lower case: oscilloscopes write F0001CH1.CSV
+std::string EndingOf(const fs::path& path) {
   std::string ending = path.extension();
-  // oscilloscopes write F0001CH1.CSV
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+bool IsRecording(const fs::path& path) {
+  const std::string ending = EndingOf(path);
   return ending == ".bin" || ending == ".csv" || ending == ".lvm";
 }
 
 // whether a CSV is a table of results and not a recording, by the names in its header
 bool IsTableOfResults(const std::string& path) {
-  if (!path.ends_with(".csv") && !path.ends_with(".CSV")) return false;
+  if (EndingOf(path) != ".csv") return false;
   std::ifstream file(path, std::ios::binary);
   std::string beginning(kMostHeaderBytes, '\0');
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
@@ -57,7 +61,8 @@ Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder) {
     std::error_code ignored;
     last = at->path();
     // what a file manager or a disk keeps for itself is no recording of the study
-    const bool is_hidden = last.filename().string().starts_with('.');
+    const std::string name = last.filename();
+    const bool is_hidden = name.starts_with('.') || name == "lost+found";
     if (is_hidden) at.disable_recursion_pending();
     if (!is_hidden && at->is_regular_file(ignored) && IsRecording(last)) files.push_back({last});
   }
@@ -66,16 +71,22 @@ Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder) {
                   "make it readable, or name the files");
   }
   // the order of the folder is arbitrary; a link to one of the files is no further recording
-  std::ranges::sort(files, {}, [](const RecordingFile& file) {
-    return std::pair(fs::is_symlink(file.path), file.path);
-  });
-  std::set<fs::path> seen;
-  std::erase_if(files, [&](const RecordingFile& file) {
-    std::error_code lost;
-    const fs::path same = fs::canonical(file.path, lost);
-    return !lost && !seen.insert(same).second;
-  });
   std::ranges::sort(files, {}, &RecordingFile::path);
+  const auto is_link = [](const RecordingFile& file) {
+    std::error_code lost;
+    return fs::is_symlink(file.path, lost);
+  };
+  const auto behind_links = [](const RecordingFile& file) {
+    std::error_code lost;
+    return fs::canonical(file.path, lost);
+  };
+  std::set<fs::path> own;
+  for (const RecordingFile& file : files) {
+    if (!is_link(file)) own.insert(behind_links(file));
+  }
+  std::erase_if(files, [&](const RecordingFile& file) {
+    return is_link(file) && own.contains(behind_links(file));
+  });
   for (RecordingFile& file : files) file.is_table = IsTableOfResults(file.path);
   if (std::ranges::all_of(files, &RecordingFile::is_table)) {
     return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");

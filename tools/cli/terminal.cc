@@ -209,8 +209,10 @@ void CatchInterrupts() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before{};
     sigaction(signal, nullptr, &before);
-    // an ignored signal, as by nohup, stays ignored
-    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+    // nohup ignores SIGHUP, which stays ignored; shells ignore SIGINT of what they start behind
+    // them
+    const bool is_kept = signal == SIGHUP && before.sa_handler == SIG_IGN;
+    if (!is_kept) sigaction(signal, &action, nullptr);
   }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is an error like a full disk

@@ -68,6 +68,9 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"amplifier-error", "the amplifier reports an error (flags {flags})"},
     {"settings-not-read",
      "the controller's sampling, averaging and filters are not read: note them with --label"},
+    {"other-settings",
+     "the device came back with another averaging, sampling period or head, which this recording's "
+     "header does not hold for: begin a new recording"},
     {"tcp-profile", "the profile {profile} is for TCP, and the port is a serial one"},
     {"no-check-request",
      "{profile} does not answer the check request of its profile with registers: replies later "

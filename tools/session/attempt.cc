@@ -198,7 +198,11 @@ Result<trial::TrialWriter> CreateTrial(const std::string& path, const trial::Tri
   const std::string begun = path + ".new";
   HAPTOMETER_LET(auto writer, trial::TrialWriter::Create(begun, header, {}, clock));
   // NewPath() has found the name free, and this session is locked; other programs may write there
-  HAPTOMETER_TRY(cli::RenameNew(begun, path));
+  if (auto named = cli::RenameNew(begun, path); !named) {
+    std::error_code ignored;
+    std::filesystem::remove(begun, ignored);
+    return std::unexpected(named.error());
+  }
   return writer;
 }
 

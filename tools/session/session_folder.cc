@@ -105,12 +105,14 @@ Result<void> SessionFolder::Create(const std::string& folder, const SessionPlan&
         "move files that are not of this session out of the watched folder");
   }
   const fs::path trials = fs::path(folder) / "trials";
-  fs::create_directories(trials, error);
+  const bool is_new = fs::create_directories(trials, error);
   if (error) return Failed(folder, "cannot be made: " + error.message(), "name another folder");
+  bool has_log = false;
   const auto written = [&]() -> Result<void> {
     {
       HAPTOMETER_LET(const auto log,
                      trial::CreateFileSink(LogPath(folder), trial::IfExists::kRefuse));
+      has_log = true;
       HAPTOMETER_TRY(WriteDurably(*log, kSessionLogHeader, LogPath(folder)));
     }
     // last, because it makes the folder a session
@@ -118,8 +120,8 @@ Result<void> SessionFolder::Create(const std::string& folder, const SessionPlan&
   }();
   if (written) return written;
   // as it was, so that the command can be repeated
-  fs::remove(LogPath(folder), error);
-  fs::remove(trials, error);
+  if (has_log) fs::remove(LogPath(folder), error);
+  if (is_new) fs::remove(trials, error);
   return written;
 }
 

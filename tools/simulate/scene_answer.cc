@@ -127,6 +127,7 @@ Result<SceneAnswer> AnswerRun(SceneAnswer answer, const std::string& where) {
   // effects need a run: it decides which of them act
   if (asks) {
     HAPTOMETER_LET(answer.effects, DecideEffects(scene, where));
+    if (scene.drive.kind == sim::DriveKind::kSine) answer.window = WindowOf(answer);
     return answer;
   }
   HAPTOMETER_TRY(CheckRun(scene, where));

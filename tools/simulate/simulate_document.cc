@@ -94,13 +94,17 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
   // an uncertainty of their own
   const bool is_chaotic = solved.effects && solved.effects->chaotic;
   const double error = ErrorOfAll(solved);
+  // a chirp has a tolerance of its own, which is enough where none is required
+  const double drive_error = sim::DriveError(solved.scene);
+  const bool is_required = solved.scene.tolerance != sim::Scene{}.tolerance;
+  const double beyond = is_required ? error : error - drive_error;
   const bool is_told = run != nullptr && run->known_until_s;
-  if (!is_chaotic && !is_told && error > solved.scene.tolerance) {
+  if (!is_chaotic && !is_told && beyond > solved.scene.tolerance) {
     FindingOf<SimulateFinding> above{
         Severity::kDoubt,
         SimulateFinding::kErrorAboveAsked,
         {{"relative_error", error}, {"tolerance", solved.scene.tolerance}}};
-    if (sim::DriveError(solved.scene) > 0) {
+    if (drive_error > 0) {
       above.numbers.emplace_back("hold_tolerance", solved.scene.drive.hold_tolerance);
     }
     findings.Add(std::move(above));

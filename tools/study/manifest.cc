@@ -176,14 +176,17 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
     return FilesInFolder(folder.empty() ? "." : folder.string(), manifest.pattern);
   }
   std::vector<TrialFile> files;
-  std::set<std::string> seen;
+  std::set<std::string> of_others;
   for (const TrialGroup& group : manifest.groups) {
     HAPTOMETER_LET(const auto paths, Expand((folder / group.files).string()));
+    std::set<std::string> seen;
     for (const std::string& found : paths) {
       // however its path is spelled, and whatever links lead to it
       std::error_code error;
       const fs::path same = fs::canonical(found, error);
-      if (!seen.insert(error ? found : same.string()).second) {
+      const std::string file = error ? found : same.string();
+      if (!seen.insert(file).second) continue;
+      if (of_others.contains(file)) {
         return CannotAnswer(found, "is in two groups of trials", "name it once in the manifest");
       }
       files.push_back(Labelled(found, group.pattern.empty() ? manifest.pattern : group.pattern));
@@ -193,6 +196,7 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
       if (!group.condition.empty()) labels["condition"] = group.condition;
       if (!group.repeat.empty()) labels["repeat"] = group.repeat;
     }
+    of_others.merge(seen);
   }
   return files;
 }

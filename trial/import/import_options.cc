@@ -80,8 +80,16 @@ class Signs {
   }
   // a header of which only the time has a unit
   [[nodiscard]] bool BeginsWithTimeAlone() const {
-    return std::ranges::any_of(lines_, [](std::string_view line) {
-      return line.starts_with("time[s],") && line.find('[') == line.rfind('[');
+    constexpr std::string_view kTime = "time[s],";
+    const auto has_unit = [](std::string_view cell) {
+      const std::size_t open = cell.find_first_of("[(");
+      const std::size_t close = cell.find_last_of("])");
+      return open != std::string_view::npos && close != std::string_view::npos && close > open &&
+             FindUnit(cell.substr(open + 1, close - open - 1));
+    };
+    return std::ranges::any_of(lines_, [&](std::string_view line) {
+      return line.starts_with(kTime) &&
+             std::ranges::none_of(SplitCells(line.substr(kTime.size()), ','), has_unit);
     });
   }
   // metadata beside the numbers, from the first line on

@@ -188,7 +188,10 @@ class Parser {
       segment_.names.emplace_back(cells[i]);
     }
     // separators at the end are no channels; one without a name keeps its place
-    while (!segment_.names.empty() && segment_.names.back().empty()) segment_.names.pop_back();
+    const bool has_comments = LowerCase(cells.back()) == "comment";
+    while (!has_comments && !segment_.names.empty() && segment_.names.back().empty()) {
+      segment_.names.pop_back();
+    }
     for (std::size_t c = 0; c < segment_.names.size(); ++c) {
       if (segment_.names[c].empty()) segment_.names[c] = fmt::format("channel_{}", c + 1);
     }

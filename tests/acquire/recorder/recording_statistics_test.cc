@@ -53,6 +53,7 @@ TEST(IntervalStatistics, KnownLossesCountAsIntervals) {
   // 300 rows are not what a second of silence held
   EXPECT_TRUE(statistics.Explains(4300 * kMs, 299));
   EXPECT_FALSE(statistics.Explains(5000 * kMs, 299));
+  EXPECT_FALSE(statistics.Explains(4001 * kMs, 299)) << "a damaged number";
 }
 
 TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {

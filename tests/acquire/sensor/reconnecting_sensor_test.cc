@@ -145,6 +145,7 @@ TEST_F(ReconnectingTest, OtherAveragingEndsTheRecording) {
   EXPECT_EQ(summary->readings, 10U);
   EXPECT_TRUE(summary->connection_lost);
   EXPECT_THAT(sensor.last_refusal(), HasSubstr("another averaging"));
+  EXPECT_TRUE(sensor.Found().Has(FindingKind::kOtherSettings)) << "the trial says why";
 }
 
 TEST_F(ReconnectingTest, WhatIsNotThereAtTheBeginningIsAnError) {

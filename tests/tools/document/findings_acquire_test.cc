@@ -95,6 +95,10 @@ const std::vector<Case> kCases{
     {kSettingsNotRead,
      {},
      "the controller's sampling, averaging and filters are not read: note them with --label"},
+    {kOtherSettings,
+     {},
+     "the device came back with another averaging, sampling period or head, which this recording's "
+     "header does not hold for: begin a new recording"},
     {kTcpProfile,
      {{"profile", "om70"}},
      "the profile om70 is for TCP, and the port is a serial one"},

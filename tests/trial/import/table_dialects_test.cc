@@ -269,6 +269,14 @@ TEST(TableDialects, ATimeInBracketsBesideOtherUnitsIsNoLogicAnalyser) {
   ASSERT_EQ(record.channels.size(), 2U);
   EXPECT_EQ(record.channels[0].role, ChannelRole::kDisplacement);
   EXPECT_EQ(record.channels[1].role, ChannelRole::kOther);
+  // in brackets of the other kind, and a name with an index
+  EXPECT_EQ(Parsed("Time [s],Laser (mm),Temperature\n0.0,1.5,20\n0.5,1.6,21\n1.0,1.4,22\n")
+                .channels.at(1)
+                .role,
+            ChannelRole::kOther);
+  EXPECT_EQ(
+      Parsed("Time [s],CS[0],CS[1]\n0.0,1.5,2.5\n0.5,1.6,2.4\n1.0,1.4,2.5\n").channels.at(1).role,
+      ChannelRole::kVoltage);
 }
 
 // pandas without names
@@ -280,7 +288,11 @@ TEST(TableDialects, NumbersOfColumnsAreNoReading) {
   const Record single =
       Parsed("0\n30.1\n30.2\n30.1\n", {.columns = {"displacement_mm"}, .rate_hz = 1e4});
   EXPECT_EQ(single.rows, 3U);
-  // whole numbers, and values about 0, may be readings
+  // whole numbers, and values beside those of the line, may be readings
+  EXPECT_EQ(
+      Parsed("0,1\n0.0001,0.9999\n0.0002,0.9996\n", {.columns = {"time_s", "displacement_mm"}})
+          .rows,
+      3U);
   EXPECT_EQ(Parsed("0,1\n1,3\n2,5\n", {.columns = {"time_s", "displacement_mm"}}).rows, 3U);
   EXPECT_EQ(Parsed("0\n0.1\n0.2\n", {.columns = {"displacement_mm"}, .rate_hz = 1e4}).rows, 3U);
 }

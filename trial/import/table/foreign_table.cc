@@ -96,21 +96,26 @@ std::vector<std::string_view> TableBeginning::LastComment() const {
                                          : CellsOfWords(comments.back().substr(first));
 }
 
-// a table begins at two lines of numbers with the same separator and the same number of cells
+namespace {
+
 // Whether a line is a header of column numbers, as pandas writes them where no names are given:
-// 0, 1, 2, ... behind a cell for the index or not, above a row of numbers that are not whole. A
-// single 0 is one only where the numbers are not about 0.
+// 0, 1, 2, ... above a row of numbers that are not whole. Without a cell for the index before them
+// they may be a reading, which some number of the row lies by 1 or more away from.
 bool AreColumnNumbers(const TableCells& line, const TableCells& row) {
   const std::size_t first = line.cells[0].empty() ? 1 : 0;
-  const std::size_t columns = line.cells.size() - first;
+  bool is_apart = first == 1 && line.cells.size() > 1;
   for (std::size_t i = first; i < line.cells.size(); ++i) {
     const bool is_whole = row.cells[i].find_first_not_of("+-0123456789") == std::string_view::npos;
     if (line.cells[i] != std::to_string(i - first) || is_whole) return false;
+    const double number = static_cast<double>(i - first);
+    is_apart |= std::abs(ReadNumberWithComma(row.cells[i]).value_or(number) - number) >= 1;
   }
-  if (columns != 1 || first == 1) return columns > 0;
-  return std::abs(ReadNumberWithComma(row.cells[0]).value_or(0)) >= 1;
+  return is_apart;
 }
 
+}  // namespace
+
+// a table begins at two lines of numbers with the same separator and the same number of cells
 std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
   TableBeginning found;
   std::optional<TableLine> last;  // a line of numbers whose like has not come yet

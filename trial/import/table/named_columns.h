@@ -40,7 +40,7 @@ struct TableWords {
 /// what the format is known for, which is remarked upon. Names may stand in the # line right above
 /// the numbers, if they name a time there, and in Yokogawa's key "TraceName". A time without a unit
 /// has the one in which the rows come at options.rate_hz or at the stated clock. A column of a unit
-/// of time is the time; a spectrum beside the table (Hz and what follows) and a row number ("nr",
+/// of time is the time; columns of a spectrum beside the table (Hz, dB) and a row number ("nr",
 /// "sample") are left out; a unit of length makes a displacement, one of voltage or current a
 /// voltage or current. options.columns replaces all this.
 ///
