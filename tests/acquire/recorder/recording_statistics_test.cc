@@ -47,7 +47,7 @@ TEST(IntervalStatistics, KnownLossesCountAsIntervals) {
       ++missing;
       continue;
     }
-    statistics.Add(row / 4 * 4 * kMs, std::exchange(missing, 0));
+    statistics.Add(MonotonicNs{row} / 4 * 4 * kMs, std::exchange(missing, 0));
   }
   EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "whole bursts, one division");
   // 300 rows are not what a second of silence held
