@@ -16,7 +16,7 @@ struct RecordingFile {
 };
 
 /// All recordings (.bin, .csv, .lvm, in capitals too) in a folder and the folders in it, sorted by
-/// path; without files and folders whose name begins with a point.
+/// path; without links to another of them, names that begin with a point, and lost+found.
 /// Errors: kFailed: a folder cannot be listed, so that recordings would be missing;
 /// kCannotAnswer: there is no recording.
 [[nodiscard]] Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder);

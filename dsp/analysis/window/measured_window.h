@@ -31,12 +31,12 @@ struct MeasuredWindow {
   ThinnedSamples samples{};         ///< filtered, of the chosen part, or of its middle
   NoiseBeside beside{};             ///< of these
   double steps_m = 0;               ///< bound of what the converter's steps hide
-  double hum_square = 0;            ///< mean square that hum adds
+  double hum_square = 0;            ///< mean square that hum adds, m2
   std::optional<SineFit> second{};  ///< the strongest tone beside the tone
-  double tone_variance = 0;         ///< of the tone's mean square
+  double tone_variance = 0;         ///< of the tone's mean square, m4
   std::optional<double> density{};  ///< of the noise at the drive, m2/Hz
   std::size_t rows = 0;             ///< of the window
-  BandPower power{};
+  BandPower power{};                ///< what the RMS is estimated from (rms_estimate.h)
 
   [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
   [[nodiscard]] double rate_hz() const { return signal().rate_hz(); }
@@ -52,13 +52,13 @@ struct MeasuredWindow {
 /// States which rows are the window's, what of them is excluded, and the hum.
 void DescribePart(MeasuredWindow& window);
 
-/// Mean square over the samples kept, `inset` away from each end of what is kept, from the sums of
-/// their cells; 0 where none are.
+/// Mean square in m2 over the samples kept, `inset` away from each end of what is kept, from the
+/// sums of their cells; 0 where none are.
 [[nodiscard]] Result<double> MeanSquareKept(const MeasuredWindow& window,
                                             const SampleRanges& excluded, std::size_t inset);
 
-/// Filtered samples of [begin, end), or of their middle, without hum; the hum's part of their mean
-/// square goes to `hum_square`.
+/// Filtered samples of [begin, end) in m, or of their middle, without hum; the hum's part of their
+/// mean square, m2, goes to `hum_square`.
 [[nodiscard]] Result<std::vector<double>> WithoutHum(const MeasuredWindow& window,
                                                      std::size_t begin, std::size_t end,
                                                      double* hum_square);

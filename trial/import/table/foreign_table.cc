@@ -100,7 +100,7 @@ namespace {
 
 // Whether a line is a header of column numbers, as pandas writes them where no names are given:
 // 0, 1, 2, ... above a row of numbers that are not whole. Without a cell for the index before them
-// they may be a reading, which some number of the row lies by 1 or more away from.
+// they may be a reading: then they are a header only where a number below differs by 1 or more.
 bool AreColumnNumbers(const TableCells& line, const TableCells& row) {
   const std::size_t first = line.cells[0].empty() ? 1 : 0;
   bool is_apart = first == 1 && line.cells.size() > 1;
