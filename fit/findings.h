@@ -64,8 +64,8 @@ enum class FindingKind : std::uint8_t {
   kSpringSoftens,       ///< share, deviations
   kFrictionSlows,       ///< share, deviations
   kDampingGrows,        ///< share, deviations
-  kFrequenciesScatter,  ///< birge_ratio
-  kDecaysScatter,       ///< birge_ratio
+  kFrequenciesScatter,  ///< birge_ratio, degrees_of_freedom
+  kDecaysScatter,       ///< birge_ratio, degrees_of_freedom
   kResidualsCorrelated,
   kOutlyingPoint,    ///< frequency_hz, spread
   kFollowsOnePoint,  ///< frequency_hz; without it stiffness_ratio, damping_ratio,

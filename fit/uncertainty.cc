@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "dsp/statistics/distributions.h"
+
 namespace haptometer::fit {
 
 FittedValue FromLogarithm(double logarithm, double statistical_variance, double input_variance,
@@ -20,6 +22,13 @@ FittedValue FromLogarithm(double logarithm, double statistical_variance, double 
                       statistical_variance < kMostShare * kMostShare;
   SetIntervals(kCoverage95, {&fitted});
   return fitted;
+}
+
+double ScatterCoverage(double variance, double scatter_variance, double degrees) {
+  // beyond so many degrees of freedom the factor is a normal distribution's to 2e-6
+  constexpr double kMany = 1e6;
+  const double effective = degrees * std::pow(variance / scatter_variance, 2);
+  return effective < kMany ? dsp::StudentCritical(effective) : kCoverage95;
 }
 
 void SetIntervals(double coverage, std::initializer_list<FittedValue*> values) {

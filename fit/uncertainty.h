@@ -22,6 +22,18 @@ namespace haptometer::fit {
 [[nodiscard]] FittedValue FromLogarithm(double logarithm, double statistical_variance,
                                         double input_variance, std::string unit);
 
+/// The 95 % coverage factor of a result whose variance V, all causes, holds a part S that was
+/// found from the scatter of few values, n - 1 of them free (GUM, G.4.1: Welch and Satterthwaite):
+///
+///     t(v),   v = (n - 1) (V / S)^2,
+///
+/// t Student's factor: 1.96 without scatter, t(n - 1) where there is nothing else.
+///
+/// @param variance V, >= S
+/// @param scatter_variance S >= 0
+/// @param degrees n - 1, >= 1
+[[nodiscard]] double ScatterCoverage(double variance, double scatter_variance, double degrees);
+
 /// Sets the 95 % intervals to `coverage` combined standard uncertainties on both sides.
 void SetIntervals(double coverage, std::initializer_list<FittedValue*> values);
 

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;   // two-sided
 constexpr double kNormal90 = 1.6448536269514722;  // two-sided; one-sided 95 %
 // of a density that is the mean of 48 bins
 constexpr double kToneDegrees = 96;
@@ -26,7 +26,7 @@ struct Reach {
 };
 
 // quantile of the normal distribution for the two tails in use, 0.025 and 0.05
-double NormalOf(double probability) { return probability < 0.04 ? kNormal95 : kNormal90; }
+double NormalOf(double probability) { return probability < 0.04 ? kNormalCritical : kNormal90; }
 
 // No periodogram has fewer degrees of freedom than its one line would (band_noise.h). Where mean
 // square and variance give fewer, the mean square is a difference of larger numbers, and the
@@ -90,7 +90,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   estimate.as_measured_m = RootOf(power.tone_mean_square + power.rest.mean_square);
   if (power.floor) estimate.floor_m = std::sqrt(floor);
   estimate.rms_m = RootOf(sum.value);
-  const Reach reach = ReachOf(power, gain_square, kNormal95, 0.025);
+  const Reach reach = ReachOf(power, gain_square, kNormalCritical, 0.025);
   const Reach one_sided = ReachOf(power, gain_square, kNormal90, 0.05);
   // one-sided 95 %: the floor is not exceeded; two-sided: it exceeds the signal
   estimate.below_floor = power.floor && sum.value <= one_sided.below;
@@ -101,7 +101,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   // u(rms) = u(rms^2) / (2 rms); where the RMS does not differ from 0, from the interval's width
   const bool known = sum.value > reach.below && estimate.rms_m > 0;
   const double random =
-      known ? sum.deviation() / (2 * estimate.rms_m) : (upper - lower) / (2 * kNormal95);
+      known ? sum.deviation() / (2 * estimate.rms_m) : (upper - lower) / (2 * kNormalCritical);
   const double total = sum.deviation();
   // shares of the budget in proportion to the standard deviations
   const auto share = [&](double variance) {
@@ -123,7 +123,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   }
   estimate.standard_uncertainty_m = std::hypot(random, std::sqrt(bound_square));
   // bounds widen the interval in squares, by 1.96 of their standard uncertainty
-  const double widening = kNormal95 * std::sqrt(bound_square);
+  const double widening = kNormalCritical * std::sqrt(bound_square);
   estimate.lower_m = std::max(0.0, estimate.rms_m - std::hypot(estimate.rms_m - lower, widening));
   estimate.upper_m = estimate.rms_m + std::hypot(upper - estimate.rms_m, widening);
   // the upper limit starts from the tone's power at least, if the floor exceeds the rest
@@ -140,7 +140,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
 }
 
 Interval WithGain(double value, const Interval& limits, double relative) {
-  const double reach = kNormal95 * relative;
+  const double reach = kNormalCritical * relative;
   return {value - std::hypot(value - limits.lower, reach * value),
           value + std::hypot(limits.upper - value, reach * limits.upper)};
 }

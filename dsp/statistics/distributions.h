@@ -12,6 +12,8 @@ struct Interval {
 };
 
 inline constexpr double kConfidence = 0.95;
+/// The z with P(|Z| <= z) = `kConfidence` of a normal distribution.
+inline constexpr double kNormalCritical = 1.959963984540054;
 
 // Boost.Math behind plain functions, so that its headers stay in distributions.cc. Degrees of
 // freedom are above 0 and need not be whole. Measured against SciPy, R and mpmath over the ranges

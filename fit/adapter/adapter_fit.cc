@@ -155,6 +155,7 @@ Error OfTap(const Error& error) {
 struct Mean {
   double value = 0;
   double variance = 0;
+  double scatter_variance = 0;  // the part of it that the taps' scatter added
   double birge_ratio = 0;
 };
 
@@ -176,7 +177,8 @@ Mean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
     square += off * off / std::max(tap.variances[which], 1e-30);
   }
   mean.birge_ratio = std::sqrt(square / static_cast<double>(taps.size() - 1));
-  mean.variance *= std::max(1.0, mean.birge_ratio * mean.birge_ratio);
+  mean.scatter_variance = mean.variance * std::max(0.0, mean.birge_ratio * mean.birge_ratio - 1);
+  mean.variance += mean.scatter_variance;
   return mean;
 }
 
@@ -186,24 +188,37 @@ void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
   const double ln_mass = std::log(fit->mass_kg.value);
   const double share = fit->mass_kg.standard_uncertainty / fit->mass_kg.value;
   const double ln_two = std::numbers::ln2;
+  const auto degrees = static_cast<double>(std::max<std::size_t>(taps.size(), 2) - 1);
+  // exp of a logarithm that goes with the powers of q and d; the two are uncorrelated but for
+  // rounding
+  const auto constant = [&](double logarithm, double power_of_q, double power_of_d, double given,
+                            const char* unit) {
+    const double q = power_of_q * power_of_q;
+    const double d = power_of_d * power_of_d;
+    const double variance = q * stiffness.variance + d * decay.variance;
+    const double scatter = std::hypot(q * stiffness.scatter_variance, d * decay.scatter_variance);
+    FittedValue value = FromLogarithm(logarithm, variance, given, unit);
+    SetIntervals(ScatterCoverage(variance + given, scatter, degrees), {&value});
+    return value;
+  };
   // Ka = M q, Ba = 2 M d; type B: the mass
-  fit->stiffness =
-      FromLogarithm(ln_mass + stiffness.value, stiffness.variance, share * share, "N/m");
-  fit->damping =
-      FromLogarithm(ln_mass + ln_two + decay.value, decay.variance, share * share, "N s/m");
-  fit->stiffness_over_mass = FromLogarithm(stiffness.value, stiffness.variance, 0, "1/s^2");
-  fit->damping_over_mass = FromLogarithm(ln_two + decay.value, decay.variance, 0, "1/s");
-  fit->natural_frequency = FromLogarithm(stiffness.value / 2 - std::log(2 * std::numbers::pi),
-                                         stiffness.variance / 4, 0, "Hz");
-  // sqrt(q) / 2d; the two are uncorrelated but for rounding
-  fit->quality_factor = FromLogarithm(stiffness.value / 2 - ln_two - decay.value,
-                                      stiffness.variance / 4 + decay.variance, 0, "");
+  fit->stiffness = constant(ln_mass + stiffness.value, 1, 0, share * share, "N/m");
+  fit->damping = constant(ln_mass + ln_two + decay.value, 0, 1, share * share, "N s/m");
+  fit->stiffness_over_mass = constant(stiffness.value, 1, 0, 0, "1/s^2");
+  fit->damping_over_mass = constant(ln_two + decay.value, 0, 1, 0, "1/s");
+  // sqrt(q) / (2 pi), sqrt(q) / 2d
+  fit->natural_frequency =
+      constant(stiffness.value / 2 - std::log(2 * std::numbers::pi), 0.5, 0, 0, "Hz");
+  fit->quality_factor = constant(stiffness.value / 2 - ln_two - decay.value, 0.5, -1, 0, "");
   fit->stiffness_birge_ratio = stiffness.birge_ratio;
   fit->damping_birge_ratio = decay.birge_ratio;
   // upper limit of 95 % of a damping that is not determined
   const double damping = 2 * fit->mass_kg.value * std::exp(decay.value);
-  const double combined = std::sqrt(decay.variance + share * share);
-  if (!fit->damping.determined) fit->damping.at_most = damping * (1 + kCoverage95 * combined);
+  const double variance = decay.variance + share * share;
+  const double coverage = ScatterCoverage(variance, decay.scatter_variance, degrees);
+  if (!fit->damping.determined) {
+    fit->damping.at_most = damping * (1 + coverage * std::sqrt(variance));
+  }
 }
 
 // A pair of poles cannot follow a frequency that falls with the amplitude; the residual resembles a
@@ -265,6 +280,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
   tap.step_s = 1 / record.stretches[0].rate_hz;
   tap.voltage_v = meant[0]->values;
   tap.unit = meant[0]->unit;
+  if (tap.unit == "m") tap.signal = RecordedSignal::kDisplacement;
   // samples whose status is no measurement are missing
   for (std::size_t n = 0; n < meant[0]->statuses.size(); ++n) {
     if (!trial::IsMeasurement(meant[0]->statuses[n])) tap.voltage_v[n] = std::nan("");

@@ -11,7 +11,6 @@
 namespace haptometer::fit {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;
 // a probability of 1 % to take noise for a curve
 constexpr double kByChance = 0.01;
 // hysteresis is reported as such beyond so many standard uncertainties
@@ -135,8 +134,8 @@ Result<CalibrationFit> FitCalibration(std::span<const LinePoint> points, Scatter
   fit.hysteresis = HysteresisOf(fit.line.residuals, fit.directions);
   fit.outliers = OutliersOffTheLine(points, scatter, fit.line);
   AddCurvature(points, fit);
-  const double of_slope =
-      fit.line.coverage_95 * fit.line.slope_uncertainty / (kNormal95 * std::abs(fit.line.slope));
+  const double of_slope = fit.line.coverage_95 * fit.line.slope_uncertainty /
+                          (dsp::kNormalCritical * std::abs(fit.line.slope));
   fit.relative_uncertainty = std::hypot(of_slope, fit.local_slope_uncertainty);
   return fit;
 }

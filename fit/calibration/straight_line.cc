@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kMostIterations = 200;
 constexpr double kConverged = 1e-15;
-constexpr double kNormal95 = 1.959963984540054;
 // a probability of 1 % to widen uncertainties that were stated rightly
 constexpr double kBeyondStated = 0.99;
 
@@ -153,7 +152,8 @@ Result<StraightLine> FitStraightLine(std::span<const LinePoint> points, Scatter 
   line.intercept_uncertainty =
       std::sqrt(factor / step.weights + step.adjusted_x * step.adjusted_x * slope_variance);
   line.covariance = -step.adjusted_x * slope_variance;
-  line.coverage_95 = is_scaled ? dsp::StudentCritical(line.degrees_of_freedom) : kNormal95;
+  line.coverage_95 =
+      is_scaled ? dsp::StudentCritical(line.degrees_of_freedom) : dsp::kNormalCritical;
   return line;
 }
 

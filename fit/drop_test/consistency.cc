@@ -104,8 +104,8 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
 }
 
 // R_B = sqrt(chi^2/(n - 1)) where chi^2 exceeds its 99 % quantile, else 1
-double BirgeRatio(const std::vector<Estimate>& estimates) {
-  if (estimates.size() < 2) return 1;
+DropScatter ScatterOf(const std::vector<Estimate>& estimates) {
+  if (estimates.size() < 2) return {};
   // weighted mean, then chi^2 about it
   double weight = 0;
   double sum = 0;
@@ -119,7 +119,7 @@ double BirgeRatio(const std::vector<Estimate>& estimates) {
   }
   const auto degrees = static_cast<double>(estimates.size() - 1);
   const double limit = dsp::ChiSquareQuantile(1 - kSignificance, degrees);
-  return chi_square > limit ? std::sqrt(chi_square / degrees) : 1;
+  return chi_square > limit ? DropScatter{std::sqrt(chi_square / degrees), degrees} : DropScatter{};
 }
 
 // by how many deviations, and by which share, the later fit differs from the whole
@@ -209,18 +209,20 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
       frequencies.push_back(rate.frequency);
       decays.push_back(rate.decay);
     }
-    consistency.frequency_ratio = std::max(consistency.frequency_ratio, BirgeRatio(frequencies));
-    consistency.decay_ratio = std::max(consistency.decay_ratio, BirgeRatio(decays));
+    consistency.frequency.TakeLarger(ScatterOf(frequencies));
+    consistency.decay.TakeLarger(ScatterOf(decays));
   }
   // the Birge ratio, less what the drops' larger noise in the common fit has widened already
   consistency.frequency_widening =
-      std::max(consistency.frequency_widening, consistency.frequency_ratio * noise_share);
+      std::max(consistency.frequency_widening, consistency.frequency.birge_ratio * noise_share);
   consistency.decay_widening =
-      std::max(consistency.decay_widening, consistency.decay_ratio * noise_share);
-  for (const auto& [kind, ratio] :
-       {std::pair(FindingKind::kFrequenciesScatter, consistency.frequency_ratio),
-        {FindingKind::kDecaysScatter, consistency.decay_ratio}}) {
-    if (ratio != 1) consistency.findings.Doubt(kind, {{"birge_ratio", ratio}});
+      std::max(consistency.decay_widening, consistency.decay.birge_ratio * noise_share);
+  for (const auto& [kind, scatter] :
+       {std::pair(FindingKind::kFrequenciesScatter, consistency.frequency),
+        {FindingKind::kDecaysScatter, consistency.decay}}) {
+    if (scatter.birge_ratio == 1) continue;
+    consistency.findings.Doubt(kind, {{"birge_ratio", scatter.birge_ratio},
+                                      {"degrees_of_freedom", std::lround(scatter.degrees)}});
   }
   return consistency;
 }

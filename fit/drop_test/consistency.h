@@ -1,20 +1,29 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "fit/drop_test/prepared_record.h"
 
 namespace haptometer::fit {
 
+/// How the results of drops alike scatter.
+struct DropScatter {
+  /// Over what their own uncertainties explain: the Birge ratio sqrt(sum ((x - mean)/u)^2 / (n -
+  /// 1)), Birge, Physical Review 40, 1932, p. 207. 1 where one drop stands alone, or where the
+  /// scatter is within what 1 of 100 sets without further causes reaches.
+  double birge_ratio = 1;
+  double degrees = std::numeric_limits<double>::infinity();  ///< n - 1 where the ratio is above 1
+
+  void TakeLarger(const DropScatter& other) {
+    if (other.birge_ratio > birge_ratio) *this = other;
+  }
+};
+
 /// How the drops of one actuator agree with each other and each with itself.
-///
-/// Birge ratio: the scatter of the drops' results about their weighted mean over what their own
-/// uncertainties explain, sqrt(sum ((x - mean)/u)^2 / (n - 1)); Birge, Physical Review 40, 1932, p.
-/// 207. 1 where one drop stands alone, or where the scatter is within what 1 of 100 sets without
-/// further causes reaches.
 struct Consistency {
-  double frequency_ratio = 1;  ///< of the natural frequency, over drops with the same case and load
-  double decay_ratio = 1;      ///< of the decay rate, over the same
+  DropScatter frequency;  ///< of the natural frequency, over drops with the same case and load
+  DropScatter decay;      ///< of the decay rate, over the same
   /// By which the uncertainties of the fit of all drops together are too small: as the ratios, but
   /// against the noise of that fit, which has taken in part of the scatter already; and as much as
   /// dry friction that is fitted along, or what a later begin of a drop says, leaves open. At

@@ -327,8 +327,8 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   DescribeCovariance(road, *model, fit);
   DescribeUndetermined(road, *model, fit);
   // doubts: scatter between drops, then contradictions within each
-  fit.frequency_birge_ratio = road.consistency.frequency_ratio;
-  fit.decay_birge_ratio = road.consistency.decay_ratio;
+  fit.frequency_birge_ratio = road.consistency.frequency.birge_ratio;
+  fit.decay_birge_ratio = road.consistency.decay.birge_ratio;
   fit.findings.AddAll(road.consistency.findings);
   DoubtForceConstant(road, *model, fit.findings);
   for (std::size_t r = 0; r < model->records.size(); ++r) {

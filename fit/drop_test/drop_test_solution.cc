@@ -6,6 +6,8 @@
 #include <numbers>
 #include <span>
 
+#include "fit/uncertainty.h"
+
 namespace haptometer::fit {
 namespace {
 
@@ -145,6 +147,17 @@ std::vector<double> Widened(const DropTestRoad& road, std::vector<double> weight
   weights[Index(Shared::kDamping)] *= road.consistency.decay_widening;
   weights[Index(Shared::kForceConstantSquared)] *= road.consistency.decay_widening;
   return weights;
+}
+
+// the scatter of drops that weights take in: of their frequencies, or of their decays
+DropScatter ScatterIn(const DropTestRoad& road, const std::vector<double>& weights) {
+  const auto weighs = [&](Shared parameter) { return weights[Index(parameter)] != 0; };
+  DropScatter scatter;
+  if (weighs(Shared::kStiffness)) scatter.TakeLarger(road.consistency.frequency);
+  if (weighs(Shared::kDamping) || weighs(Shared::kForceConstantSquared)) {
+    scatter.TakeLarger(road.consistency.decay);
+  }
+  return scatter;
 }
 
 // what the given numbers' uncertainties make of two weighted sums
@@ -311,6 +324,12 @@ Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
   spread.statistical = std::sqrt(road.variance * Variance(road.seen, Widened(road, weights)));
   spread.given = std::sqrt(GivenCovariance(road, model, weights, weights));
   spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
+  // with the Birge ratio R, all but 1/R^2 of the statistical variance comes from the scatter
+  const DropScatter scatter = ScatterIn(road, weights);
+  const double share = 1 - 1 / (scatter.birge_ratio * scatter.birge_ratio);
+  spread.coverage =
+      ScatterCoverage(spread.combined * spread.combined,
+                      share * spread.statistical * spread.statistical, scatter.degrees);
   return spread;
 }
 
@@ -346,8 +365,8 @@ UncertainPole PoleOf(const DropTestRoad& road, const DropTestModel& model, std::
 void TakeRelative(const Spread& spread, FittedValue& value) {
   value.standard_uncertainty = value.value * spread.statistical;
   value.combined_standard_uncertainty = value.value * spread.combined;
-  value.lower = value.value * std::exp(-kCoverage95 * spread.combined);
-  value.upper = value.value * std::exp(kCoverage95 * spread.combined);
+  value.lower = value.value * std::exp(-spread.coverage * spread.combined);
+  value.upper = value.value * std::exp(spread.coverage * spread.combined);
 }
 
 FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
@@ -357,7 +376,7 @@ FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
   value.unit = std::move(unit);
   if (!road.solver.converged || spread.blur >= kMostBlur) return value;
   const double product = factor * ProductAt(road, powers);
-  const double reach = kCoverage95 * spread.combined;
+  const double reach = spread.coverage * spread.combined;
   // power of Bv in the product: the records depend on it in proportion, not by its logarithm
   const auto damping = std::ranges::find(powers, Shared::kDamping, &PowerOf::first);
   const double power = damping == powers.end() ? 0 : damping->second;
@@ -395,14 +414,14 @@ std::vector<double> SquareAlone(const DropTestRoad& road) {
 
 // half the interval of Km^2 on one side, given numbers included
 double HalfWidth(const DropTestRoad& road, const DropTestModel& model, const Spread& spread,
-                 int side, double coverage) {
+                 int side) {
   const double square = road.point.shared[kColumn];
   // Gaussian up to 5 % of Km, which is 10 % of Km^2
   const bool is_gaussian = spread.statistical < 2 * kGaussian * square;
-  const double statistical =
-      is_gaussian ? coverage * spread.statistical
-                  : road.consistency.decay_widening * ProfileWidth(road, model, side, coverage);
-  return std::hypot(statistical, coverage * spread.given, coverage * spread.blur);
+  const double statistical = is_gaussian ? spread.coverage * spread.statistical
+                                         : road.consistency.decay_widening *
+                                               ProfileWidth(road, model, side, spread.coverage);
+  return std::hypot(statistical, spread.coverage * spread.given, spread.coverage * spread.blur);
 }
 
 }  // namespace
@@ -439,11 +458,11 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
   // near Km = 0 the deviation of Km^2 is the scale
   const double scale = std::max(std::abs(square), spread.statistical);
   if (!road.solver.converged || spread.blur >= kMostBlur * scale) return value;
-  const double below = HalfWidth(road, model, spread, -1, kCoverage95);
+  const double below = HalfWidth(road, model, spread, -1);
   // by the loads, Km is determined where the interval of Km^2 excludes 0
   value.determined = square > 0 && (road.uses_heights || square > below);
   if (!value.determined) {
-    const double above = HalfWidth(road, model, spread, 1, kCoverage95);
+    const double above = HalfWidth(road, model, spread, 1);
     value.at_most = std::sqrt(std::max(square, 0.0) + above);
     return value;
   }
@@ -452,12 +471,13 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
   TakeRelative({.blur = spread.blur / (2 * square),
                 .statistical = spread.statistical / (2 * square),
                 .given = spread.given / (2 * square),
-                .combined = spread.combined / (2 * square)},
+                .combined = spread.combined / (2 * square),
+                .coverage = spread.coverage},
                value);
   // by the heights it is the logarithm's interval; by the loads, roots of the limits of Km^2
   if (road.uses_heights) return value;
   value.lower = std::sqrt(square - below);
-  value.upper = std::sqrt(square + HalfWidth(road, model, spread, 1, kCoverage95));
+  value.upper = std::sqrt(square + HalfWidth(road, model, spread, 1));
   return value;
 }
 

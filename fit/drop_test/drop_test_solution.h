@@ -68,6 +68,8 @@ struct Spread {
   double statistical = 0;  ///< from the records' noise, widened where drops scatter by more
   double given = 0;        ///< from the given numbers
   double combined = 0;     ///< all three
+  /// Standard uncertainties in half the 95 % interval: with Student's factor where drops scatter.
+  double coverage = kCoverage95;
 };
 [[nodiscard]] Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
                               const std::vector<double>& weights);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/error.h"
 #include "fit/drop_test/condensed_record.h"
@@ -394,6 +395,63 @@ class FrictionFit {
   std::vector<double> since_s_;
 };
 
+// the first `count` samples
+RingSamples FirstOf(const RingSamples& samples, std::size_t count) {
+  RingSamples first = samples;
+  first.times_s.resize(count);
+  first.values_v.resize(count);
+  return first;
+}
+
+// A fit with friction: the linear solution's parameters and the friction, and the squares left.
+struct FrictionSolution {
+  std::vector<double> point;
+  double squares = 0;
+  bool converged = false;
+};
+
+// Of the first `count` samples, from `point`; the background is fitted to all of them only.
+FrictionSolution FitFriction(const RingSamples& samples, const RingBackground& background,
+                             std::size_t count, std::vector<double> point) {
+  const RingSamples first = FirstOf(samples, count);
+  const Background columns(samples, background);
+  const FrictionFit rubbing(first, columns);
+  const LeastSquares problem{
+      count, point.size(),
+      [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
+        return rubbing.Evaluate(at, residuals, jacobian);
+      }};
+  std::vector<bool> is_free(point.size(), count == samples.values_v.size());
+  std::fill_n(is_free.begin(), kOffset + 1, true);
+  is_free.back() = true;
+  FrictionSolution solution;
+  solution.converged = Minimise(problem, is_free, &point).converged;
+  std::vector<double> residuals(count);
+  (void)rubbing.Evaluate(point, residuals, {});
+  for (const double residual : residuals) solution.squares += residual * residual;
+  solution.point = std::move(point);
+  return solution;
+}
+
+// From the linear solution over all samples. A displacement stays where friction ends the motion,
+// which a descent takes for a lesser minimum: over a 32nd, a 16th ... and a half of the samples
+// first it may end in a better one.
+FrictionSolution FitFriction(const RingSamples& samples, const RingBackground& background,
+                             std::vector<double> linear) {
+  linear.push_back(0);
+  const std::size_t all = samples.values_v.size();
+  FrictionSolution at_once = FitFriction(samples, background, all, linear);
+  if (samples.signal == RecordedSignal::kVoltage) return at_once;
+  std::vector<double> point = std::move(linear);
+  for (const std::size_t parts : {32U, 16U, 8U, 4U, 2U}) {
+    const std::size_t count = all / parts;
+    if (count < 4 * point.size()) continue;
+    point = FitFriction(samples, background, count, std::move(point)).point;
+  }
+  FrictionSolution in_parts = FitFriction(samples, background, all, std::move(point));
+  return in_parts.converged && in_parts.squares < at_once.squares ? in_parts : at_once;
+}
+
 }  // namespace
 
 RingSamples BlocksOf(const ImpulseRecord& record, std::size_t first, std::size_t end,
@@ -463,18 +521,17 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   }
   // residuals and slopes of every sample, condensed or not
   fit.jacobian = Linearise(whole, point);
-  // friction starts from 0 at the linear solution
   if (background.has_friction) {
+    FrictionSolution solution = FitFriction(samples, background, point);
+    fit.converged = solution.converged;
+    point = std::move(solution.point);
     const FrictionFit rubbing(samples, columns);
-    point.push_back(0);
-    const LeastSquares with_friction{
-        samples.values_v.size(), point.size(),
-        [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
-          return rubbing.Evaluate(at, residuals, jacobian);
-        }};
-    fit.converged =
-        Minimise(with_friction, std::vector<bool>(point.size(), true), &point).converged;
-    fit.jacobian = Linearise(with_friction, point);
+    fit.jacobian = Linearise(
+        {samples.values_v.size(), point.size(),
+         [&](std::span<const double> at, std::span<double> residuals, std::span<double> slopes) {
+           return rubbing.Evaluate(at, residuals, slopes);
+         }},
+        point);
     fit.friction = point.back();
   }
   fit.poles = {std::exp(point[0]), std::exp(point[1])};

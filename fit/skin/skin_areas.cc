@@ -14,7 +14,6 @@ namespace {
 constexpr double kSquareMillimetre = 1e-6;
 // largest over smallest area below which an exponent is not determined
 constexpr double kLeastRatio = 1.1;
-constexpr double kNormal95 = 1.96;
 
 // ln(area / 1 mm2)
 double LogArea(const AreaPoint& point) { return std::log(point.area_m2 / kSquareMillimetre); }
@@ -61,7 +60,7 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
   }
   law.at_one_mm2 = std::exp(level - law.exponent * middle);
   law.standard_uncertainty = 1 / std::sqrt(spread);
-  law.coverage_95 = kNormal95;
+  law.coverage_95 = kCoverage95;
   // three points and more: scatter beyond chi^2 widens by the Birge ratio, with Student's t
   if (points.size() > 2) {
     const auto degrees = static_cast<double>(points.size() - 2);

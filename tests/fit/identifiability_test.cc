@@ -110,5 +110,55 @@ TEST(Identifiability, ResponseSolvesTheLinearProblem) {
   EXPECT_EQ(response[2], 0.0);
 }
 
+TEST(Identifiability, CorrelationsAreThoseOfTheInverse) {
+  // J'J of the first two columns is [6e4 1e8; 1e8 11e12]: correlation -1/sqrt(66)
+  const auto seen = FindIdentifiability(Deficient(), {true, true, false}, {true, true, true});
+  const auto correlations = Correlations(seen);
+  ASSERT_EQ(correlations.size(), 9U);
+  for (const std::size_t k : {0U, 4U}) EXPECT_REL(correlations[k], 1.0, 1e-14, "of itself");
+  for (const std::size_t k : {1U, 3U}) {
+    EXPECT_REL(correlations[k], -1 / std::sqrt(66.0), 1e-13, "2 x 2 inverse");
+  }
+  // the third column is held
+  for (const std::size_t k : {2U, 5U, 6U, 7U, 8U}) EXPECT_EQ(correlations[k], 0.0) << k;
+}
+
+TEST(Identifiability, CovarianceOfTwoSumsIsBilinear) {
+  const auto seen = FindIdentifiability(Deficient(), {true, true, false}, {true, true, true});
+  // inverse of [6e4 1e8; 1e8 11e12]
+  EXPECT_REL(Covariance(seen, {1, 0, 0}, {0, 1, 0}), -1e-8 / 65, 1e-13, "2 x 2 inverse");
+  EXPECT_REL(Covariance(seen, {2, 0, 0}, {1, 1e4, 0}), 2 * (11e-4 - 1e-4) / 65, 1e-13,
+             "2 x 2 inverse");
+}
+
+TEST(Identifiability, ALogarithmIsSeenToAFactorE) {
+  // alone: one standard deviation is the reciprocal of the column's length
+  const auto nullity = [](double length) {
+    const Jacobian jacobian{.rows = 1, .columns = 1, .values = {length}, .residuals = {0}};
+    return FindIdentifiability(jacobian, {true}, {true}).nullity;
+  };
+  EXPECT_EQ(nullity(1.005), 0U);
+  EXPECT_EQ(nullity(0.995), 1U);
+  // together: the columns (10, 0) and (10, s) differ by s in length, and one standard deviation
+  // along (1, -1)/sqrt(2) moves either by 1/s
+  const auto together = [](double s) {
+    const Jacobian jacobian{.rows = 2, .columns = 2, .values = {10, 10, 0, s}, .residuals = {0, 0}};
+    return FindIdentifiability(jacobian, {true, true}, {true, true}).nullity;
+  };
+  EXPECT_EQ(together(1.01), 0U) << "0.0025 of it is s^2/(4 100)";
+  EXPECT_EQ(together(0.99), 1U) << "0.0025 of it is s^2/(4 100)";
+}
+
+TEST(Identifiability, ASingularValueCountsFromABillionthOfTheLargestOn) {
+  // unit columns at the angle e have the singular values sqrt(2) and e/sqrt(2)
+  const auto nullity = [](double angle) {
+    const Jacobian jacobian{
+        .rows = 2, .columns = 2, .values = {1, 1, 0, angle}, .residuals = {0, 0}};
+    return FindIdentifiability(jacobian, {true, true}, {false, false}).nullity;
+  };
+  EXPECT_EQ(nullity(2.01e-9), 0U);
+  EXPECT_EQ(nullity(1.99e-9), 1U);
+}
+
 }  // namespace
 }  // namespace haptometer::fit

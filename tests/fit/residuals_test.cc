@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "tests/findings.h"
 #include "tests/fit/pulls.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/fit/unprepared_drops.h"
@@ -174,6 +178,143 @@ TEST(LookAtResiduals, SaysNothingOfZeros) {
   const ResidualLook look = LookAtResiduals({0, 0, 0, 0}, 4);
   EXPECT_EQ(look.farthest_spread, 0);
   EXPECT_EQ(look.serial_correlation, 0);
+}
+
+// `count` residuals of cosines at whole lines, with an offset and a share of alternating sign
+std::vector<double> Tones(std::size_t count, std::size_t inside, double outside_amplitude) {
+  std::vector<double> values(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(count);
+    values[n] = 0.3 + std::cos(static_cast<double>(inside) * turn + 0.4) +
+                outside_amplitude * std::cos(static_cast<double>(2 * inside) * turn + 1.3);
+  }
+  return values;
+}
+
+// line by line up to 3e5 products of lines and samples, by a transform beyond
+TEST(ResidualDensity, OfTonesIsTheShareOfTheirPower) {
+  for (const std::size_t count : {1000U, 1001U, 5000U, 5001U}) {
+    SCOPED_TRACE(count);
+    // A resonance near a tenth of the rate: a tone of amplitude a at a line has |X|^2 = (a N/2)^2.
+    // Its line is odd, so that the band ends between two lines.
+    const std::size_t inside = count / 20 * 2 + 1;
+    const double resonance_hz = static_cast<double>(inside) / (static_cast<double>(count) * kStepS);
+    const auto first = static_cast<std::size_t>(std::ceil(0.5 * static_cast<double>(inside)));
+    const std::size_t end = inside + inside / 2 + 1;
+    const double lines = static_cast<double>(end - first);
+    const double all = std::floor(static_cast<double>(count) / 2);
+    const auto alone = DensityAt(Tones(count, inside, 0), kStepS, resonance_hz);
+    EXPECT_REL(alone.ratio, all / lines, 1e-9, "rounding of the tone's lines");
+    EXPECT_TRUE(alone.is_coloured);
+    const auto beside = DensityAt(Tones(count, inside, 0.7), kStepS, resonance_hz);
+    EXPECT_REL(beside.ratio, all / lines / 1.49, 1e-9, "0.7^2 more in all");
+    // the line at half the rate is one of all lines; it has no mirror image
+    if (count % 2 != 0) continue;
+    auto alternating = Tones(count, inside, 0);
+    for (std::size_t n = 0; n < count; ++n) alternating[n] += n % 2 == 0 ? 0.5 : -0.5;
+    EXPECT_REL(DensityAt(alternating, kStepS, resonance_hz).ratio, all / lines / 2, 1e-9,
+               "(0.5 N)^2 more in all");
+  }
+}
+
+TEST(ResidualDensity, IsColouredBeyondOneWhiteRecordInAHundred) {
+  constexpr std::size_t kCount = 2010;
+  constexpr std::size_t kInside = 201;
+  const double lines = 201;  // from 101 to 301, of 1005
+  // 2.33 deviations, each 1/sqrt(lines)
+  for (const double excess : {0.99, 1.01}) {
+    const double ratio = 1 + excess * 2.33 / std::sqrt(lines);
+    const double outside = std::sqrt(1005 / lines / ratio - 1);
+    const auto density = DensityAt(Tones(kCount, kInside, outside), kStepS, 1 / (10 * kStepS));
+    EXPECT_REL(density.ratio, ratio, 1e-9, "closed form");
+    EXPECT_EQ(density.is_coloured, excess > 1);
+  }
+}
+
+TEST(OnGrid, LeavesZerosWhereThereIsNoSample) {
+  const std::vector<double> residuals{1, 2, 3};
+  const std::vector<double> times_s{-0.1, 0.1, 0.1999};
+  EXPECT_EQ(OnGrid(residuals, times_s, 0.1), (std::vector<double>{1, 0, 2, 3}));
+}
+
+TEST(LookAtResiduals, TheFarthestIsTheLargestWhereverItStands) {
+  EXPECT_EQ(LookAtResiduals({5, 1, 3, 2}, 4).farthest, 0U);
+  EXPECT_EQ(LookAtResiduals({1, -5, 1, 3}, 4).farthest, 1U);
+  EXPECT_EQ(LookAtResiduals({1, 2, 3, -5}, 4).farthest, 3U);
+  EXPECT_EQ(LookAtResiduals({2, 5, 5, 1}, 4).farthest, 1U) << "of equal ones the first";
+}
+
+TEST(DoubtResiduals, BeginsWhereItsLimitsAre) {
+  const auto doubts = [](double serial, double spread, double noise) {
+    Findings findings;
+    DoubtResiduals({.serial_correlation = serial, .farthest = 3, .farthest_spread = spread}, noise,
+                   220, findings);
+    return tests::DoubtsOf(findings);
+  };
+  EXPECT_TRUE(doubts(3.49, 7.95, 0.1).empty());
+  EXPECT_EQ(doubts(3.51, 7.95, 0.1), std::vector{FindingKind::kResidualsCorrelated});
+  EXPECT_EQ(doubts(3.49, 8.05, 0.1), std::vector{FindingKind::kOutlyingPoint});
+  EXPECT_TRUE(doubts(-5, 7.95, 0.1).empty()) << "residuals of alternating sign";
+  // noise below 1e-9 is rounding
+  EXPECT_TRUE(doubts(5, 20, 0.995e-9).empty());
+  EXPECT_EQ(doubts(5, 20, 1.005e-9).size(), 2U);
+  Findings findings;
+  DoubtResiduals({.serial_correlation = 0, .farthest = 3, .farthest_spread = 12.6}, 0.1, 220,
+                 findings);
+  EXPECT_EQ(tests::NumbersOf(findings, FindingKind::kOutlyingPoint), "frequency_hz=220 spread=13");
+}
+
+TEST(Huber, TheVarianceOfFewResidualsIsTheClosedForm) {
+  // weights 1, 1, 1 and 0.5: psi 0.5, -1, 1, 1.345; three of four within the bend
+  const std::vector<double> residuals{0.5, -1, 1, 2.69};
+  const double psi = 0.25 + 1 + 1 + 1.345 * 1.345;
+  EXPECT_REL(HuberVariance(residuals, 1), 3.5 / 4 * psi / (4 - 1) / (0.75 * 0.75), 1e-14,
+             "rounding");
+  EXPECT_REL(HuberVariance(residuals, 0), 3.5 / 4 * psi / 4 / (0.75 * 0.75), 1e-14, "rounding");
+  // as many parameters as residuals leave one degree of freedom
+  EXPECT_REL(HuberVariance(residuals, 4), 3.5 / 4 * psi / (0.75 * 0.75), 1e-14, "rounding");
+}
+
+// one mean of two groups of readings
+LeastSquares MeanOf(const std::vector<double>& readings) {
+  return {.residuals = readings.size(),
+          .parameters = 1,
+          .evaluate = [&readings](std::span<const double> at, std::span<double> residuals,
+                                  std::span<double> jacobian) {
+            for (std::size_t n = 0; n < readings.size(); ++n) residuals[n] = at[0] - readings[n];
+            std::ranges::fill(jacobian, 1.0);
+            return true;
+          }};
+}
+
+TEST(SolveGroups, NoisesAreThoseOfTheResidualsWithoutWhatTheMeanTakes) {
+  const std::vector<double> readings{0.9, 1.1, 1.05, 0.95, 3, -1, 0.5, 2, 1.9};
+  const NoiseGroups groups{{0, 0, 0, 0, 1, 1, 1, 1, 1}, {0, 0}};
+  std::vector<double> point{0};
+  const auto solution = SolveGroups(MeanOf(readings), groups, {true}, {false}, &point);
+  ASSERT_TRUE(solution.solver.converged);
+  const double first = 4 / std::pow(solution.noise[0], 2);
+  const double second = 5 / std::pow(solution.noise[1], 2);
+  // the weighted mean, and s^2 = sum r^2 / (n - n w/(all w))
+  EXPECT_REL(point[0], (first * 1.0 + second * 1.28) / (first + second), 1e-5, "converges to 1e-6");
+  double squares[]{0, 0};
+  for (std::size_t n = 0; n < readings.size(); ++n) {
+    squares[groups.group_of[n]] += std::pow(readings[n] - point[0], 2);
+  }
+  EXPECT_REL(std::pow(solution.noise[0], 2), squares[0] / (4 - first / (first + second)), 1e-5,
+             "converges to 1e-6");
+  EXPECT_REL(std::pow(solution.noise[1], 2), squares[1] / (5 - second / (first + second)), 1e-5,
+             "converges to 1e-6");
+  EXPECT_REL(solution.degrees[0] + solution.degrees[1], 8.0, 1e-9, "nine readings, one mean");
+}
+
+TEST(SolveGroups, ANoiseIsNeverBelowItsLeast) {
+  const std::vector<double> readings{0.9, 1.1, 1.05, 0.95, 3, -1, 0.5, 2, 1.9};
+  std::vector<double> point{0};
+  const auto solution = SolveGroups(MeanOf(readings), {{0, 0, 0, 0, 1, 1, 1, 1, 1}, {0.5, 0}},
+                                    {true}, {false}, &point);
+  EXPECT_EQ(solution.noise[0], 0.5);
+  EXPECT_GT(solution.noise[1], 1);
 }
 
 }  // namespace

@@ -10,11 +10,12 @@
 #include "acquire/findings.h"
 #include "acquire/reading_noise.h"
 #include "base/default_band.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::tools {
 
 /// What an accuracy is half of the interval of: 95 %, normal.
-inline constexpr double kRouteCoverage = 1.959963984540054;
+inline constexpr double kRouteCoverage = dsp::kNormalCritical;
 
 /// What is to be measured, before anything is wired: the RMS of a drive in a band.
 struct RouteQuestion {

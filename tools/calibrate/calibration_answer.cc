@@ -17,7 +17,6 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;
 // the least length and voltage of base/quantity.h
 constexpr double kLeastStated = 1e-15;
 constexpr double kErrorLevelV = 1e-3 * acquire::dl_rs1a::kAnalogErrorMv;
@@ -245,7 +244,9 @@ Result<CalibrationCheck> CheckAgainst(const std::string& path, const Calibration
   }
   // uncertainties as those of many degrees of freedom: u t / 1.96
   const double of_file =
-      stated.degrees_of_freedom ? dsp::StudentCritical(*stated.degrees_of_freedom) / kNormal95 : 1;
+      stated.degrees_of_freedom
+          ? dsp::StudentCritical(*stated.degrees_of_freedom) / dsp::kNormalCritical
+          : 1;
   const double file_gain = stated.gain_uncertainty
                                ? *stated.gain_uncertainty * std::abs(stated.scale)
                                : of_file * *stated.scale_uncertainty;
@@ -262,9 +263,9 @@ Result<CalibrationCheck> CheckAgainst(const std::string& path, const Calibration
     const fit::StraightLine of_then{.slope_uncertainty = *stated.scale_uncertainty,
                                     .intercept_uncertainty = *stated.offset_uncertainty,
                                     .covariance = stated.covariance};
-    check.shift_error =
-        fit::NormalizedError(today_m, line.UncertaintyAt(middle) * line.coverage_95 / kNormal95,
-                             stated_m, of_file * of_then.UncertaintyAt(middle));
+    check.shift_error = fit::NormalizedError(
+        today_m, line.UncertaintyAt(middle) * line.coverage_95 / dsp::kNormalCritical, stated_m,
+        of_file * of_then.UncertaintyAt(middle));
   }
   return check;
 }
@@ -291,7 +292,9 @@ std::string CalibrationText(const CalibrationAnswer& answer,
   number("offset_standard_uncertainty_m", rounded(line.intercept_uncertainty));
   number("scale_offset_covariance_m2_per_v",
          rounded(line.intercept_uncertainty) == 0 ? 0 : line.covariance);
-  if (line.coverage_95 > 1.0001 * kNormal95) number("degrees_of_freedom", line.degrees_of_freedom);
+  if (line.coverage_95 > 1.0001 * dsp::kNormalCritical) {
+    number("degrees_of_freedom", line.degrees_of_freedom);
+  }
   // a share of 0, of points without noise, is none that a budget could hold
   if (answer.RelativeUncertainty() > 0) {
     number("relative_standard_uncertainty", answer.RelativeUncertainty());

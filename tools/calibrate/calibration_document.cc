@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "dsp/statistics/distributions.h"
 #include "tools/calibrate/calibration_answer.h"
 #include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
@@ -18,7 +19,6 @@ using document::Form;
 using document::Item;
 using document::Section;
 
-constexpr double kNormal95 = 1.959963984540054;
 constexpr document::Key kGainKey{"gain_m_per_v", "gain", document::kMetrePerVolt};
 constexpr document::Unit kVoltPerVolt{"", "V/V", {{{1, "V/V"}}}};
 constexpr document::Unit kSquareMetrePerVolt{"_m2_per_v", "m2/V", {{{1, "m2/V"}}}};
@@ -27,7 +27,7 @@ constexpr document::Unit kSquareMetrePerVolt{"_m2_per_v", "m2/V", {{{1, "m2/V"}}
 void AddUncertain(Section& section, const document::Key& key, double value, double uncertainty,
                   double coverage, double common = 0) {
   Item& item = section.Add(key.As(Form::kInterval), value, std::hypot(uncertainty, common));
-  const double half = std::hypot(coverage * uncertainty, kNormal95 * common);
+  const double half = std::hypot(coverage * uncertainty, dsp::kNormalCritical * common);
   item.interval = document::Range{value - half, value + half};
 }
 

@@ -149,10 +149,12 @@ document::Sentence SentenceOf(FindingKind kind) {
       // scatter that the noise does not explain
       {kFrequenciesScatter, "frequencies-scatter",
        "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
-       "(Birge ratio): the statistical uncertainties of Kv and f0 are widened to that"},
+       "(Birge ratio): the statistical uncertainties of Kv and f0 are widened to that, their "
+       "intervals by Student's factor for {degrees_of_freedom} degrees of freedom too"},
       {kDecaysScatter, "decays-scatter",
        "the drops' decays scatter {birge_ratio} times as much as their noise explains (Birge "
-       "ratio): the statistical uncertainties of Bv, Km and Q are widened to that"},
+       "ratio): the statistical uncertainties of Bv, Km and Q are widened to that, their "
+       "intervals by Student's factor for {degrees_of_freedom} degrees of freedom too"},
       {kResidualsCorrelated, "residuals-correlated",
        "the residuals are correlated: a second resonance, a spring that is not linear, losses "
        "of the coil that grow with frequency, or another actuator's constants; the intervals "

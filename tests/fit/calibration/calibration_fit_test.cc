@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "tests/residual.h"
 
@@ -199,6 +200,125 @@ TEST(NormalizedError, IsTheDifferenceOverTheExpandedUncertainties) {
   // exact numbers that differ, and uncertainties of rounding, explain nothing
   EXPECT_EQ(NormalizedError(1, 0, 2, 0), std::nullopt);
   EXPECT_EQ(NormalizedError(1, 1e-16, 2, 0), std::nullopt);
+}
+
+// Welch's two-sample variance of residuals, by the points' directions
+double HysteresisUncertainty(const CalibrationFit& fit, double* difference) {
+  double variance = 0;
+  *difference = 0;
+  for (const int direction : {-1, 1}) {
+    std::vector<double> side;
+    for (std::size_t i = 0; i < fit.directions.size(); ++i) {
+      if (fit.directions[i] == direction) side.push_back(fit.line.residuals[i]);
+    }
+    const auto count = static_cast<double>(side.size());
+    double mean = 0;
+    for (const double residual : side) mean += residual / count;
+    for (const double residual : side) {
+      variance += std::pow(residual - mean, 2) / (count - 1) / count;
+    }
+    *difference += direction * mean;
+  }
+  return std::sqrt(variance);
+}
+
+TEST(CalibrationFit, HysteresisIsSignificantBeyondThreeStandardUncertainties) {
+  // the gap at which it becomes significant, by halving; the noise's own is below 1 um
+  double silent = 0;
+  double significant = 5e-6;
+  double ratio_silent = 0;
+  double ratio_significant = 0;
+  for (int halving = 0; halving < 14; ++halving) {
+    const double gap = (silent + significant) / 2;
+    const auto fit = FitCalibration(Points(4, 21, 0, gap), Scatter::kFromResiduals);
+    ASSERT_TRUE(fit && fit->hysteresis);
+    double difference = 0;
+    const double uncertainty = HysteresisUncertainty(*fit, &difference);
+    EXPECT_REL(fit->hysteresis->standard_uncertainty, uncertainty, 1e-9, "rounding");
+    EXPECT_REL(fit->hysteresis->difference, difference, 1e-9, "rounding");
+    const double ratio = std::abs(difference) / uncertainty;
+    const bool is_significant = fit->hysteresis->is_significant;
+    (is_significant ? significant : silent) = gap;
+    (is_significant ? ratio_significant : ratio_silent) = ratio;
+  }
+  EXPECT_REL(ratio_silent, 3.0, 0.005, "halved 14 times");
+  EXPECT_REL(ratio_significant, 3.0, 0.005, "halved 14 times");
+  EXPECT_LE(ratio_silent, ratio_significant);
+}
+
+TEST(CalibrationFit, HysteresisNeedsTwoPointsOfEachDirection) {
+  std::vector<LinePoint> points;
+  for (const double y : {0., 1., 2., 1.}) points.push_back({y, y, 1, 0});
+  EXPECT_FALSE(FitCalibration(points, Scatter::kFromResiduals)->hysteresis);
+  points.push_back({0, 0, 1, 0});
+  EXPECT_TRUE(FitCalibration(points, Scatter::kFromResiduals)->hysteresis);
+}
+
+// Eight equally spaced points of y = x with `quadratic` and 1 of the orthogonal polynomials of
+// second and fourth degree, in units of 1e-5 (R. A. Fisher and F. Yates, Statistical Tables, XXIII)
+std::vector<LinePoint> Orthogonal(double quadratic) {
+  constexpr double kSecond[]{7, 1, -3, -5, -5, -3, 1, 7};
+  constexpr double kFourth[]{7, -13, -3, 9, 9, -3, -13, 7};
+  std::vector<LinePoint> points;
+  for (int k = 0; k < 8; ++k) {
+    points.push_back({1. * k, k + 1e-5 * (quadratic * kSecond[k] + kFourth[k]), 0, 1});
+  }
+  return points;
+}
+
+TEST(CalibrationFit, ACurveIsOneFromTheUpperPercentOfFishersFOn) {
+  // F = (168 quadratic^2 / 2) / (616 / 4), whose upper tail with 2 and 4 degrees is (1 + F/2)^-2:
+  // 1 % at F = 18
+  const double limit = std::sqrt(18 * 2 * (616. / 4) / 168);
+  const auto straight = FitCalibration(Orthogonal(0.995 * limit), Scatter::kFromResiduals);
+  ASSERT_TRUE(straight);
+  EXPECT_FALSE(straight->is_curved);
+  EXPECT_EQ(straight->local_slope_uncertainty, 0);
+  const auto curved = FitCalibration(Orthogonal(1.005 * limit), Scatter::kFromResiduals);
+  ASSERT_TRUE(curved);
+  EXPECT_TRUE(curved->is_curved);
+  // the second polynomial is z^2 - 21/4 with z = k - 3.5: the RMS of its slope 2 z is 7/sqrt(3)
+  EXPECT_REL(curved->local_slope_uncertainty, 1.005 * limit * 1e-5 * 7 / std::sqrt(3.0), 1e-9,
+             "rounding of 1 in residuals of 1e-4");
+}
+
+// a curve of all three terms over the line; y = x with exact x
+TEST(CalibrationFit, TheLocalSlopeIsTheRmsOfTheCurvesOverItsRange) {
+  std::mt19937_64 engine(8);
+  std::normal_distribution<double> noise(0, 1e-9);
+  std::vector<LinePoint> points;
+  const auto curve = [](double z) { return 0.02 * z * z + 0.015 * z * z * z; };
+  for (int i = 0; i <= 20; ++i) {
+    const double z = i / 10. - 1;
+    // unevenly spaced, so that the line takes up part of the cubic
+    const double place = z + 0.1 * z * z;
+    points.push_back({3 * place, 6 * place + curve(place) + noise(engine), 0, 1e-9});
+  }
+  const auto fit = FitCalibration(points, Scatter::kFromResiduals);
+  ASSERT_TRUE(fit);
+  ASSERT_TRUE(fit->is_curved);
+  // places from -0.9 to 1.1; the mean square of slopes by the middle rule over 10 000 of them
+  double square = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const double place = -0.9 + 2 * (i + 0.5) / 10'000;
+    const double slope = (6 + 0.04 * place + 0.045 * place * place) / 3;
+    square += std::pow(slope / fit->line.slope - 1, 2) / 10'000;
+  }
+  EXPECT_REL(fit->local_slope_uncertainty, std::sqrt(square), 1e-5, "noise of 1e-9 over 1e-3");
+  EXPECT_REL(
+      fit->relative_uncertainty,
+      std::hypot(fit->local_slope_uncertainty, fit->line.coverage_95 / 1.959963984540054 *
+                                                   fit->line.slope_uncertainty / fit->line.slope),
+      1e-12, "rounding");
+}
+
+TEST(NormalizedError, OfExactNumbersIsNone) {
+  // uncertainties of 1e-12 of the larger number are rounding
+  EXPECT_EQ(NormalizedError(1, 1.99e-12, 2, 0), std::nullopt);
+  EXPECT_TRUE(NormalizedError(1, 2.01e-12, 2, 0));
+  EXPECT_EQ(NormalizedError(-2, 1.99e-12, 1, 0), std::nullopt);
+  // the sign is that of the difference
+  EXPECT_REL(NormalizedError(1, 0.3, 2, 0.4).value(), -1.0, 1e-12, "1 / (2 * 0.5)");
 }
 
 }  // namespace

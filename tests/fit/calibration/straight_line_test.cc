@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "tests/residual.h"
 
@@ -159,6 +160,62 @@ TEST(StraightLine, RefusesWhatIsNoLine) {
   EXPECT_THAT(error({{1, 0, 1, 0}, {1, 1, 1, 0}, {1, 2, 1, 0}}), HasSubstr("are the same"));
   EXPECT_THAT(error({{0, 2, 1, 0}, {1, 2, 1, 0}, {2, 2, 1, 0}}), HasSubstr("are the same"));
   EXPECT_THAT(error({{-1, 1, 1, 0}, {0, 0, 1, 0}, {1, 1, 1, 0}}), HasSubstr("no straight line"));
+}
+
+// four points of y = x whose residuals of +-`off` leave the line where it is, y uncertain to 1
+std::vector<LinePoint> Scattered(double off) {
+  constexpr double kSigns[]{1, -1, -1, 1};
+  std::vector<LinePoint> points;
+  for (int k = 0; k < 4; ++k) points.push_back({10. * k, 10. * k + off * kSigns[k], 0, 1});
+  return points;
+}
+
+TEST(StraightLine, ScatterIsBeyondTheStatedFromItsUpperPercentOn) {
+  // chi^2 = 4 off^2 with 2 degrees of freedom exceeds -2 ln(0.01) once in 100
+  const double limit = std::sqrt(-2 * std::log(0.01) / 4);
+  const double of_slope = 1 / std::sqrt(500.0);  // Sxx of 0, 10, 20, 30
+  const auto within = FitStraightLine(Scattered(0.998 * limit), Scatter::kStated);
+  ASSERT_TRUE(within);
+  EXPECT_FALSE(within->is_beyond_stated);
+  EXPECT_EQ(within->degrees_of_freedom, 2);
+  EXPECT_REL(within->birge_ratio, 0.998 * limit * std::sqrt(2.0), 1e-12, "sqrt(4 off^2 / 2)");
+  EXPECT_REL(within->slope_uncertainty, of_slope, 1e-12, "1 / sqrt(Sxx)");
+  EXPECT_REL(within->intercept_uncertainty, std::sqrt(1.0 / 4 + 225.0 / 500), 1e-12,
+             "1/n + mean^2/Sxx");
+  EXPECT_REL(within->covariance, -15.0 / 500, 1e-12, "-mean/Sxx");
+  EXPECT_REL(within->coverage_95, 1.959963984540054, 1e-15, "a normal distribution");
+  const auto beyond = FitStraightLine(Scattered(1.002 * limit), Scatter::kStated);
+  ASSERT_TRUE(beyond);
+  EXPECT_TRUE(beyond->is_beyond_stated);
+  EXPECT_REL(beyond->slope_uncertainty, of_slope * 1.002 * limit * std::sqrt(2.0), 1e-12,
+             "times the Birge ratio");
+  EXPECT_REL(beyond->coverage_95, 4.302652729911275, 1e-9, "Student's t, 2 degrees, qt(0.975, 2)");
+}
+
+// Four points on the diagonals, equally uncertain in x and y. York's iteration is then that of the
+// eigenvector of the larger of the eigenvalues 2 and 2 rate of their scatter: (b - 1)/(b + 1) is
+// -rate at the start and falls by `rate` each time.
+std::vector<LinePoint> OnDiagonals(double rate) {
+  const double root = std::sqrt(rate);
+  return {{1, 1, 1, 1}, {-1, -1, 1, 1}, {root, -root, 1, 1}, {-root, root, 1, 1}};
+}
+
+TEST(StraightLine, AnIterationThatEndsEarlyMustBeWithinABillionth) {
+  // the step behind 200 iterations
+  const auto step = [](double rate) { return 2 * std::pow(rate, 201) * (1 - rate); };
+  double few = 0.85;
+  double many = 0.95;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = (few + many) / 2;
+    (step(middle) < 1e-9 ? few : many) = middle;
+  }
+  // 1e-4 of the rate is 2 % of the step
+  const auto line = FitStraightLine(OnDiagonals(few * (1 - 1e-4)), Scatter::kFromResiduals);
+  ASSERT_TRUE(line) << "the last digits still move";
+  EXPECT_ABS(line->slope, 1.0, 2e-8, "a step of 1e-9, over 1 less the rate");
+  const auto none = FitStraightLine(OnDiagonals(few * (1 + 1e-4)), Scatter::kFromResiduals);
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().Text(), HasSubstr("no straight line"));
 }
 
 }  // namespace

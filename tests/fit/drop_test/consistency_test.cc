@@ -67,6 +67,10 @@ TEST(Consistency, ScatterBeyondTheNoiseWidensWhatItConcerns) {
   // the mean of four values +-0.2 % off, as if drawn from such: 0.23 % / sqrt(4)
   EXPECT_REL(fit.stiffness.standard_uncertainty / 2800, 0.002 / std::sqrt(3.0), 0.2,
              "of drops that are weighted alike");
+  // Student's factor of three degrees of freedom is 3.182, within 1/10^2 of which the noise lies
+  EXPECT_REL(std::log(fit.stiffness.upper / fit.stiffness.value) * 2800 /
+                 fit.stiffness.standard_uncertainty,
+             3.182446, 0.02, "an interval of the logarithm; and the Birge ratio above 10");
 }
 
 // v = Km x' of x'' + 2 d x' + w^2 x (1 + cubic x^2) + friction sign(x') = 0, by Runge and Kutta
@@ -120,6 +124,82 @@ TEST(Consistency, FrictionIsFittedAlongAndItsIntervalsHold) {
     // not by an interval that holds everything: friction taken as damping is 5 to 75 % off
     EXPECT_LT(fit.damping.upper - fit.damping.lower, 0.1 * 0.0322) << friction_m_per_s2;
   }
+}
+
+// variance of d and of w of A e^(-d t) cos(w t + p) over a length T in white noise s:
+// (2 s^2 dt/A^2) I0/(I0 I2 - I1^2), I_k the integrals of t^k e^(-2 d t)
+double RateDeviation(double amplitude, double decay, double length_s, double step_s, double noise) {
+  const double x = 2 * decay * length_s;
+  const double left = std::exp(-x);
+  const double i0 = (1 - left) / (2 * decay);
+  const double i1 = (1 - left * (1 + x)) / std::pow(2 * decay, 2);
+  const double i2 = (2 - left * (2 + 2 * x + x * x)) / std::pow(2 * decay, 3);
+  return std::sqrt(2 * step_s * i0 / (i0 * i2 - i1 * i1)) * noise / amplitude;
+}
+
+TEST(Consistency, FrictionWidensByWhatIsLeftOpenOfIt) {
+  // 6 m/s^2 over the spring's 2e6 x at the first swing of v0/w: a share f of 0.0096
+  const auto prepared = PrepareRecord(Nonlinear(0, 6));
+  ASSERT_TRUE(prepared) << prepared.error().Text();
+  const double speed = std::sqrt(0.02 * 9.80665);
+  const double w = std::sqrt(2e6);
+  const double share = 6 / (w * speed);
+  EXPECT_REL(tests::NumberOf(prepared->part.found, FindingKind::kDryFriction, "share"), share, 0.03,
+             "an eighth of a period later the swing is 1 % less");
+  const Consistency found = CheckConsistency(
+      {{.prepared = &*prepared, .load_ohm = tests::kOpen, .mass_ratio = 1, .noise_v = 1e-3}});
+  // its part in the first swing's decay, of which a fiftieth is left open, and 1e-4 in the
+  // frequency; against the linear motion's own uncertainties, which are 1 % of that
+  const double taken = 2 * share / M_PI / (11.5 / w);
+  const double rate = RateDeviation(speed, 11.5, 0.25, prepared->record.step_s, 1e-3);
+  EXPECT_REL(found.decay_widening, 0.02 * taken / (rate / 11.5), 0.06,
+             "noise of 1240 samples, and an eighth of a period");
+  EXPECT_REL(found.frequency_widening, 1e-4 * taken / (rate / w), 0.06,
+             "noise of 1240 samples, and an eighth of a period");
+}
+
+TEST(Consistency, ADropThatItsOwnFitExplainsMuchBetterIsOfAnother) {
+  SyntheticDrop drop;
+  drop.noise_v = 3e-3;
+  const auto prepared = PrepareRecord(MakeRecord(drop));
+  ASSERT_TRUE(prepared);
+  // both noises are estimated from some 1240 samples, blocks of one
+  const auto samples = static_cast<double>(prepared->part.end_sample - prepared->part.first_sample);
+  const double limit = 1.1 + 4 / std::sqrt(2 * samples);
+  const auto ratio_at = [&](double noise_v) {
+    const auto found = CheckConsistency(
+        {{.prepared = &*prepared, .load_ohm = tests::kOpen, .mass_ratio = 1, .noise_v = noise_v}});
+    return tests::NumberOf(found.findings, FindingKind::kRecordOfAnother, "ratio");
+  };
+  double alike = 3e-3;
+  double apart = 6e-3;
+  EXPECT_EQ(ratio_at(alike), 0);
+  EXPECT_REL(ratio_at(apart), 2.0, 0.1, "the noise of 1240 samples");
+  double least = 0;
+  for (int halving = 0; halving < 12; ++halving) {
+    const double middle = (alike + apart) / 2;
+    const double ratio = ratio_at(middle);
+    (ratio > 0 ? apart : alike) = middle;
+    if (ratio > 0) least = ratio;
+  }
+  EXPECT_REL(least, limit, 2e-3, "halved 12 times");
+}
+
+TEST(Consistency, BelowAMillionthOfTheRingingNoNoiseIsAnothers) {
+  const auto prepared = PrepareRecord(MakeRecord({}));
+  ASSERT_TRUE(prepared);
+  const double ringing_v =
+      std::sqrt(0.02 * 9.80665) *
+      std::exp(-11.5 * static_cast<double>(prepared->start.first_sample) * 2e-4 + 11.5 * 0.01);
+  const auto is_of_another = [&](double noise_v) {
+    return CheckConsistency({{.prepared = &*prepared,
+                              .load_ohm = tests::kOpen,
+                              .mass_ratio = 1,
+                              .noise_v = noise_v}})
+        .findings.Has(FindingKind::kRecordOfAnother);
+  };
+  EXPECT_FALSE(is_of_another(0.995e-6 * ringing_v));
+  EXPECT_TRUE(is_of_another(1.005e-6 * ringing_v));
 }
 
 }  // namespace

@@ -416,5 +416,53 @@ TEST(DropTestFit, MissingSamplesAreLeftOut) {
   EXPECT_EQ(fit.records[0].samples + 40 + fit.records[0].first_sample, record.voltage_v.size());
 }
 
+TEST(DropTestFit, AContactThatIsNotSeenIsReportedWithItsShare) {
+  // half a sine of 0.5 ms leaves cos(x/2)/(1 - (x/pi)^2) of the amplitude, x = w T
+  const auto fit = Fit({MakeRecordWithHeight(WithoutQuiet())});
+  const double x = std::sqrt(2e6) * 0.5e-3;
+  const double lost = 1 - std::cos(x / 2) / (1 - std::pow(x / std::numbers::pi, 2));
+  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kContactUnseen, "share"), lost, 0.02,
+             "of second order in x");
+}
+
+TEST(DropTestFit, AMotionThatBeginsAnEighthOfAPeriodAwayIsRefused) {
+  // silence up to `late` periods behind the impact, which continued backwards has begun before
+  const auto refused = [](double late) {
+    SyntheticDrop drop;
+    drop.step_s = 2e-5;
+    auto record = MakeRecordWithHeight(drop);
+    const double until_s = drop.impact_s + late / 225.08;
+    for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+      const double t = record.start_s + static_cast<double>(n) * record.step_s;
+      if (t < until_s) record.voltage_v[n] = drop.offset_v;
+    }
+    return Fit({record}).findings;
+  };
+  EXPECT_FALSE(refused(0.12).Refused());
+  const auto findings = refused(0.132);
+  EXPECT_TRUE(findings.Has(FindingKind::kMotionBeginsBefore));
+  EXPECT_ABS(tests::NumberOf(findings, FindingKind::kMotionBeginsBefore, "apart_s"), 0.132 / 225.08,
+             3e-5, "a sample and a half");
+}
+
+TEST(DropTestFit, ChiSquareIsTheResidualsPowerOverTheNoiseBefore) {
+  SyntheticDrop drop;
+  drop.noise_v = 3e-3;
+  drop.quiet_s = 0.1;
+  auto loaded = Loaded(33);
+  loaded.noise_v = 2e-3;
+  loaded.quiet_s = 0.05;
+  const auto fit = Fit({MakeRecord(drop), MakeRecord(loaded)});
+  double sum = 0;
+  double samples = 0;
+  for (const auto& record : fit.records) {
+    const auto count = static_cast<double>(record.samples);
+    sum += count * std::pow(record.residual_rms_v / record.quiet_noise_v, 2);
+    samples += count;
+  }
+  EXPECT_REL(fit.chi_square_per_degree, sum / samples, 1e-12, "rounding");
+  EXPECT_ABS(fit.chi_square_per_degree, 1.0, 0.2, "noise of 250 to 500 samples before the impact");
+}
+
 }  // namespace
 }  // namespace haptometer::fit

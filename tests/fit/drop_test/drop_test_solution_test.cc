@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "fit/drop_test/drop_test_fit.h"
@@ -112,6 +113,93 @@ TEST(ForceConstant, WhatIsLostInTheNoiseHasALimit) {
   EXPECT_EQ(below + determined, repetitions) << "a limit never lies below the truth here";
   // 2.5 % exceed nothing by chance
   EXPECT_LE(determined, std::lround(repetitions * 0.025 + 3 * std::sqrt(repetitions * 0.025)));
+}
+
+TEST(ForceConstant, TheEndsOfItsIntervalAreThoseOfItsSquare) {
+  // known to 10 %, where both sides differ
+  const auto model = MakeDropTestModel(Pair(1, 0.2, 5), tests::ThesisKnowns());
+  ASSERT_TRUE(model);
+  const DropTestRoad road = Travel(*model, false);
+  const FittedValue km = EvaluateForceConstant(road, *model);
+  ASSERT_TRUE(km.determined);
+  const double square = km.value * km.value;
+  EXPECT_REL(square, road.point.shared[Index(Shared::kForceConstantSquared)], 1e-12, "rounding");
+  const double lower = km.lower * km.lower - square;
+  const double upper = km.upper * km.upper - square;
+  EXPECT_GT(std::abs(upper / lower + 1), 0.02) << "else both sides could be exchanged";
+  for (const double away : {lower, upper}) {
+    EXPECT_REL(Rise(road, *model, away), 1.96 * 1.96 * road.variance, 0.025,
+               "twice the 1 % that the search stops at");
+  }
+}
+
+TEST(ForceConstant, OfHundredfoldOhmsIsTenfoldWithTheSameShares) {
+  // (R, RL, L, Km^2) -> 100 (R, RL, L, Km^2) leaves every motion as it is, and all volts tenfold
+  std::array<FittedValue, 2> km;
+  std::array<FittedValue, 2> damping;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double factor = k == 0 ? 1 : 100;
+    SyntheticDrop open;
+    open.resistance_ohm = 27 * factor;
+    open.inductance_h = 130e-6 * factor;
+    open.force_constant_n_per_a = std::sqrt(factor);
+    open.offset_v = 0.01 * std::sqrt(factor);
+    open.noise_v = 0.1 * tests::SpeedVoltage(open);
+    SyntheticDrop loaded = open;
+    loaded.load_ohm = 33 * factor;
+    loaded.seed = 2;
+    auto knowns = tests::ThesisKnowns();
+    knowns.resistance_ohm->value *= factor;
+    knowns.inductance_h->value *= factor;
+    const auto fit = FitDropTest({MakeRecord(open), MakeRecord(loaded)}, knowns);
+    ASSERT_TRUE(fit) << fit.error().Text();
+    km[k] = fit->force_constant;
+    damping[k] = fit->damping;
+  }
+  ASSERT_TRUE(km[0].determined);
+  ASSERT_TRUE(km[1].determined) << "its square is 100 +- 10, not a logarithm";
+  EXPECT_REL(km[1].value, 10 * km[0].value, 1e-7, "the solver's end, in units of the noise");
+  EXPECT_REL(km[1].standard_uncertainty, 10 * km[0].standard_uncertainty, 1e-5, "the same");
+  EXPECT_REL(damping[1].value, damping[0].value, 1e-7, "the same");
+  EXPECT_REL(damping[1].standard_uncertainty, damping[0].standard_uncertainty, 1e-5, "the same");
+}
+
+TEST(DropTestRoad, ItsIterationsAreThoseOfBothSolutions) {
+  const auto model = MakeDropTestModel(Pair(1, 0.01, 5), tests::ThesisKnowns());
+  ASSERT_TRUE(model);
+  // the first of both, from the start with the start's weights
+  RingDownProblem problem = MakeProblem(*model);
+  RingDownPoint point = StartPoint(*model, false, &problem);
+  const int first = problem.Minimise(UnknownColumns(*model, problem), &point).iterations;
+  EXPECT_GT(first, 0);
+  EXPECT_GT(Travel(*model, false).solver.iterations, first);
+}
+
+TEST(ProductAt, IsTheProductOfPowers) {
+  const auto model = MakeDropTestModel(Pair(1, 0.01, 5), tests::ThesisKnowns());
+  ASSERT_TRUE(model);
+  DropTestRoad road = Travel(*model, false);
+  road.point.shared = {std::log(3.0), std::log(0.5), 4, std::log(2.0), std::log(27.0)};
+  EXPECT_REL(ProductAt(road, {{Shared::kStiffness, 2}, {Shared::kDamping, -1}}), 9 / 0.5, 1e-14,
+             "rounding");
+  EXPECT_REL(ProductAt(road, {{Shared::kForceConstantSquared, 0.5}, {Shared::kMass, 3}}), 2.0 * 8,
+             1e-14, "rounding");
+  // d ln(Km) = d(Km^2)/(2 Km^2)
+  const auto weights = Weights(road, {{Shared::kForceConstantSquared, 0.5}, {Shared::kMass, 3}});
+  EXPECT_EQ(weights[Index(Shared::kForceConstantSquared)], 0.5 / 4);
+  EXPECT_EQ(weights[Index(Shared::kMass)], 3);
+  EXPECT_EQ(weights[Index(Shared::kStiffness)], 0);
+}
+
+TEST(InputBase, OfAReboundIsOneMore) {
+  DropTestInput input{.kind = DropTestInput::Kind::kRebound,
+                      .name = {},
+                      .unit = {},
+                      .quantity = {0.25, 0},
+                      .records = {}};
+  EXPECT_EQ(InputBase(input), 1.25);
+  input.kind = DropTestInput::Kind::kHeight;
+  EXPECT_EQ(InputBase(input), 0.25);
 }
 
 }  // namespace

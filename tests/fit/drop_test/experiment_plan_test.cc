@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
@@ -296,6 +297,122 @@ INSTANTIATE_TEST_SUITE_P(
         Case{.name = "EightBits", .noise_v = 2e-3, .step_v = 4e-3},
         Case{.name = "ThreeOpenTwoLoaded", .noise_v = 20e-3, .open = 3, .loaded = 2}),
     [](const auto& tried) { return tried.param.name; });
+
+TEST(ExperimentPlan, TheResistorIsOneOfTheTwelveOfADecade) {
+  // IEC 60063; what the load's choice depends on is RL over R, at a given Km^2/R
+  PlannedDrops drops = ThesisDrops();
+  drops.quality_factor = 10;
+  const double share = ChooseLoad(drops).best_ohm / drops.resistance_ohm.value;
+  for (const double resistor : {10., 12., 15., 18., 22., 27., 33., 39., 47., 56., 68., 82., 100.}) {
+    const double factor = resistor / share / 27;
+    PlannedDrops other = drops;
+    other.resistance_ohm = {27 * factor, 0};
+    other.load_ohm = {27 * factor, 0};
+    other.force_constant_n_per_a = std::sqrt(factor);
+    const LoadChoice choice = ChooseLoad(other);
+    EXPECT_REL(choice.best_ohm, resistor, 2e-3, "the search ends within 1e-3");
+    EXPECT_REL(choice.resistor_ohm, resistor, 1e-12, "the best load itself");
+    EXPECT_LT(choice.least_ohm, resistor);
+    EXPECT_GT(choice.most_ohm, resistor);
+  }
+}
+
+TEST(ExperimentPlan, ResistorsReachFromATenthOfTheCoilToTenTimesIt) {
+  // a load that is uncertain by a third: the smaller, the better
+  PlannedDrops drops = ThesisDrops();
+  drops.quality_factor = 10;
+  drops.noise_v = 1e-4;
+  for (const auto& [coil_ohm, least_ohm] : {std::pair(27.01, 3.3), std::pair(26.99, 2.7)}) {
+    drops.resistance_ohm = {coil_ohm, 0};
+    drops.load_ohm = {coil_ohm, coil_ohm / 3};
+    EXPECT_REL(ChooseLoad(drops).resistor_ohm, least_ohm, 1e-12, "the least from R/10 on");
+  }
+}
+
+// `uncertainty`, a part of `drops`, is the limit, and its tolerable share is just enough
+void ExpectJustEnough(const PlannedDrops& drops, PlanLimit limit, double& uncertainty) {
+  const AccuracyWish wish{Constant::kForceConstant, 0.005};
+  const DropCount count = CountDrops(drops, wish, 50);
+  EXPECT_EQ(count.limit, limit);
+  EXPECT_GT(count.tolerable_share, 0);
+  const double now = uncertainty;
+  for (const double factor : {0.999, 1.001}) {
+    uncertainty = factor * count.tolerable_share * now;
+    EXPECT_EQ(CountDrops(drops, wish, 50).limit == PlanLimit::kNone, factor < 1) << factor;
+  }
+}
+
+TEST(ExperimentPlan, TheTolerableShareIsJustEnoughForEachLimit) {
+  PlannedDrops mass = ThesisDrops();
+  mass.moving_mass_kg.standard_uncertainty = 0.02 * 1.4e-3;
+  ExpectJustEnough(mass, PlanLimit::kMass, mass.moving_mass_kg.standard_uncertainty);
+  PlannedDrops coil = ThesisDrops();
+  coil.resistance_ohm.standard_uncertainty = 2;
+  ExpectJustEnough(coil, PlanLimit::kResistance, coil.resistance_ohm.standard_uncertainty);
+  PlannedDrops load = ThesisDrops();
+  load.load_ohm.standard_uncertainty = 2;
+  ExpectJustEnough(load, PlanLimit::kLoad, load.load_ohm.standard_uncertainty);
+  PlannedDrops clock = ThesisDrops();
+  clock.time_scale_uncertainty = 0.02;
+  ExpectJustEnough(clock, PlanLimit::kTimeScale, clock.time_scale_uncertainty);
+}
+
+TEST(ExperimentPlan, GivenNumbersCountByTheirPowers) {
+  PlannedDrops drops = ThesisDrops();
+  drops.moving_mass_kg.standard_uncertainty = 0.03 * 1.4e-3;
+  drops.resistance_ohm = {27, 0.5};
+  drops.load_ohm = {33, 0.7};
+  drops.time_scale_uncertainty = 0.002;
+  const auto expected = ExpectUncertainties(drops);
+  // Kv ~ M s^2, Bv ~ M s, Km ~ sqrt(M s (R + RL))
+  const std::array mass{0.03, 0.03, 0.015};
+  const std::array time{0.004, 0.002, 0.001};
+  for (std::size_t k = 0; k < kConstantCount; ++k) {
+    EXPECT_REL(expected[k].from_mass, mass[k], 1e-12, "closed form");
+    EXPECT_REL(expected[k].from_time_scale, time[k], 1e-12, "closed form");
+    const bool is_km = k == kKm;
+    EXPECT_ABS(expected[k].from_resistance, is_km ? 0.5 / 120 : 0, 1e-15, "closed form");
+    EXPECT_ABS(expected[k].from_load, is_km ? 0.7 / 120 : 0, 1e-15, "closed form");
+    const double given =
+        std::sqrt(mass[k] * mass[k] + time[k] * time[k] + (is_km ? (0.25 + 0.49) / 120 / 120 : 0));
+    EXPECT_REL(expected[k].given(), given, 1e-12, "squares add");
+    EXPECT_REL(expected[k].combined(), std::hypot(given, expected[k].statistical), 1e-12,
+               "squares add");
+  }
+}
+
+TEST(ExperimentPlan, DropsAddTheirInformation) {
+  PlannedDrops drops = ThesisDrops();
+  const auto one = ExpectUncertainties(drops);
+  drops.open_drops = drops.loaded_drops = 4;
+  const auto four = ExpectUncertainties(drops);
+  for (std::size_t k = 0; k < kConstantCount; ++k) {
+    EXPECT_REL(four[k].statistical, one[k].statistical / 2, 1e-12, "the root of four");
+  }
+  // steps count as noise of step/sqrt(12), both in squares
+  drops = ThesisDrops();
+  drops.noise_v = 1e-3;
+  drops.step_v = std::sqrt(12.0) * std::sqrt(8.0) * 1e-3;
+  EXPECT_REL(ExpectUncertainties(drops)[kKm].statistical, one[kKm].statistical, 1e-12,
+             "sqrt(1 + 8) mV");
+}
+
+TEST(ExperimentPlan, AFinerConverterIsProposedWhereItsStepsAreTheLargerPart) {
+  const AccuracyWish wish{Constant::kForceConstant, 0.005};
+  PlannedDrops drops = ThesisDrops();
+  drops.noise_v = 0.02;
+  const double even_v = 0.02 * std::sqrt(12.0);
+  drops.step_v = 0.99 * even_v;
+  EXPECT_EQ(CountDrops(drops, wish, 1).limit, PlanLimit::kNoise);
+  drops.step_v = 5 * even_v;
+  const DropCount count = CountDrops(drops, wish, 20);
+  EXPECT_EQ(count.limit, PlanLimit::kConverter);
+  const double now = drops.step_v;
+  for (const double factor : {0.999, 1.001}) {
+    drops.step_v = factor * count.tolerable_share * now;
+    EXPECT_EQ(CountDrops(drops, wish, 20).limit == PlanLimit::kNone, factor < 1) << factor;
+  }
+}
 
 }  // namespace
 }  // namespace haptometer::fit

@@ -191,5 +191,88 @@ TEST(ConverterStep, IsTheDistanceOfNeighbouringCodes) {
   EXPECT_EQ(ConverterStep({0, 2, 5}), 0) << "2.5 steps of 2 are none";
 }
 
+TEST(ImpulseRecord, NumbersAreTakenUpToTheEndsOfTheirRanges) {
+  const auto is_taken = [](const std::string& key, const std::string& value) {
+    auto recording = MakeRecording();
+    recording.metadata.fields = {{key, value}};
+    return ImpulseFromRecord(recording, "impulse.csv").has_value();
+  };
+  for (const auto* value : {"0", "1", "0.999"}) EXPECT_TRUE(is_taken("rebound", value)) << value;
+  for (const auto* value : {"-0.001", "1.001"}) EXPECT_FALSE(is_taken("rebound", value)) << value;
+  EXPECT_TRUE(is_taken("inductance_h", "0"));
+  EXPECT_FALSE(is_taken("inductance_h", "-1e-6"));
+  for (const auto* key :
+       {"load_ohm", "drop_height_m", "release_current_a", "added_mass_kg", "voltage_scale",
+        "time_scale", "moving_mass_kg", "case_mass_kg", "resistance_ohm"}) {
+    EXPECT_TRUE(is_taken(key, "1e-3")) << key;
+    EXPECT_FALSE(is_taken(key, "0")) << key;
+    EXPECT_FALSE(is_taken(key, "-1e-3")) << key;
+  }
+}
+
+TEST(ImpulseRecord, TakesReleaseScalesAndAddedMass) {
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"release_current_a", "50(1) mA"},
+                               {"added_mass_kg", "0.5 g"},
+                               {"voltage_scale", "1.02(1)"},
+                               {"time_scale", "0.999"}};
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_REL(file->record.release_current_a->value, 0.05, 1e-14, "mA to A");
+  EXPECT_REL(file->record.release_current_a->standard_uncertainty, 1e-3, 1e-12, "mA to A");
+  EXPECT_REL(file->record.added_mass_kg->value, 5e-4, 1e-14, "g to kg");
+  EXPECT_EQ(file->record.voltage_scale->value, 1.02);
+  EXPECT_REL(file->record.voltage_scale->standard_uncertainty, 0.01, 1e-12, "digits of a bracket");
+  EXPECT_EQ(file->record.time_scale->value, 0.999);
+}
+
+// steps of 1 from -10 to 10, and `run` samples at 10 together
+std::vector<double> WithPlateau(std::size_t run) {
+  std::vector<double> values;
+  for (int code = -10; code < 10; ++code) values.push_back(code);
+  values.insert(values.end(), run, 10.0);
+  for (int code = 9; code > -10; --code) values.push_back(code);
+  return values;
+}
+
+TEST(MaskRails, APeakMayBeAsFlatAsARoundedSineAndTwoSamplesMore) {
+  // amplitude 10 and steps of 1: acos(1 - 1/10)/pi = 0.14357 of 100 samples, and 2
+  for (const std::size_t run : {14U, 16U}) {
+    auto values = WithPlateau(run);
+    EXPECT_EQ(MaskRails(values, 100), 0U) << run;
+  }
+  auto values = WithPlateau(17);
+  EXPECT_EQ(MaskRails(values, 100), 17U);
+  // as many, but half a period apart from each other
+  auto apart = WithPlateau(9);
+  apart.insert(apart.end(), 20, 0.0);
+  const auto again = WithPlateau(9);
+  apart.insert(apart.end(), again.begin(), again.end());
+  EXPECT_EQ(MaskRails(apart, 100), 0U);
+}
+
+TEST(MaskRails, ThreeEqualExtremesOfUnroundedValuesAreARail) {
+  const auto masked = [](std::size_t equal) {
+    auto values = RingDown(0, 2);
+    for (std::size_t k = 0; k < equal; ++k) values[100 * k] = 3;
+    return MaskRails(values, kPeriodSamples);
+  };
+  EXPECT_EQ(masked(2), 0U);
+  EXPECT_EQ(masked(3), 3U);
+}
+
+TEST(ConverterStep, HasUpTo4096CodesThatAreWholeStepsApart) {
+  const auto step = [](int codes) {
+    std::vector<double> values;
+    for (int code = 0; code < codes; ++code) values.push_back(0.25 * code);
+    return ConverterStep(values);
+  };
+  EXPECT_EQ(step(4096), 0.25);
+  EXPECT_EQ(step(4097), 0);
+  // decimals that are printed may round a tenth of a step away
+  EXPECT_DOUBLE_EQ(ConverterStep({0, 1, 3.0995}), 1);
+  EXPECT_EQ(ConverterStep({0, 1, 3.1005}), 0);
+}
+
 }  // namespace
 }  // namespace haptometer::fit

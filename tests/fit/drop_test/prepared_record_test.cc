@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/ring_start.h"
@@ -165,6 +166,80 @@ TEST(PrepareRecord, OneRingingPeriodIsRefusedOrRight) {
     }
   }
   EXPECT_LT(refused, 50U) << "of 63: what shows two periods is fitted";
+}
+
+TEST(SplitDrops, AFurtherDropRisesBeyondThreeTenthsOfTheLargest) {
+  // noise of 0.5 % of the first amplitude in sums of 22 samples
+  EXPECT_EQ(SplitDrops(Train({1.0, 0.296})).size(), 1U);
+  EXPECT_EQ(SplitDrops(Train({1.0, 0.304})).size(), 2U);
+  EXPECT_EQ(SplitDrops(Train({0.296, 1.0, 1.0})).size(), 2U);
+}
+
+TEST(SplitDrops, AFurtherDropFollowsAPeriodBelowATenthOfTheLargest) {
+  // the amplitude falls to a tenth in ln(10)/11.5 = 0.200 s; it must stay below for a period of
+  // 4.4 ms before it rises again, in the period before the next impact
+  EXPECT_EQ(SplitDrops(Train({1.0, 1.0}, 0.195, 0)).size(), 1U);
+  EXPECT_EQ(SplitDrops(Train({1.0, 1.0}, 0.212, 0)).size(), 2U);
+}
+
+TEST(SplitDrops, APieceBeginsHalfWayBetweenTheRingingAndTheRise) {
+  const auto train = Train({1.0, 1.0});
+  const auto drops = SplitDrops(train);
+  ASSERT_EQ(drops.size(), 2U);
+  // fallen to a tenth for a period at 0.205 s; the sum over a period rises to three tenths 0.7 of a
+  // period before the second impact at 0.5 s
+  EXPECT_ABS(drops[1].start_s, (0.205 + 0.5 - 0.7 * 4.4e-3) / 2, 5e-3, "about a period");
+  EXPECT_EQ(drops[0].start_s, train.start_s);
+}
+
+TEST(ThinnedRecord, BeginsBeyondAHundredThousandSamplesAndTwoThousandAPeriod) {
+  ImpulseRecord record;
+  record.step_s = 1e-6;
+  record.start_s = -0.5;
+  const auto block = [&record](std::size_t samples, double period_samples) -> std::size_t {
+    record.voltage_v.assign(samples, 0.0);
+    record.voltage_v[7] = 1;
+    const double angular = 2 * M_PI / (period_samples * record.step_s);
+    const auto thinned =
+        Thinned(record, {.decay_per_s = 10, .stiffness_per_s2 = angular * angular});
+    if (!thinned) return 0;
+    const auto blocks = static_cast<double>(thinned->block);
+    EXPECT_REL(thinned->record.step_s, blocks * 1e-6, 1e-12, "rounding");
+    EXPECT_REL(thinned->record.start_s, -0.5 + (blocks - 1) / 2 * 1e-6, 1e-12, "a block's middle");
+    EXPECT_EQ(thinned->record.voltage_v.size(), samples / thinned->block);
+    return thinned->block;
+  };
+  EXPECT_EQ(block(100'000, 2001), 0U);
+  EXPECT_EQ(block(100'001, 2001), 2U);
+  EXPECT_EQ(block(100'001, 1999), 0U);
+  EXPECT_EQ(block(100'001, 2999), 2U);
+  EXPECT_EQ(block(100'001, 3001), 3U);
+}
+
+TEST(PrepareDrops, OfMostThatCannotBeFittedNoneIsUsed) {
+  // in the place of some ringings two modes, which are no single ring-down
+  const auto prepared = [](const std::vector<bool>& good) {
+    ImpulseRecord train = Train(std::vector<double>(good.size(), 1.0));
+    const std::size_t length = train.voltage_v.size() / good.size();
+    for (std::size_t n = 0; n < train.voltage_v.size(); ++n) {
+      if (good[std::min(n / length, good.size() - 1)]) continue;
+      const double t = static_cast<double>(n % length) * train.step_s - 0.01;
+      const double angle = 2 * M_PI * 225 * t;
+      const double modes = std::exp(-11.5 * t) * (std::cos(angle) + 0.6 * std::cos(1.8 * angle));
+      train.voltage_v[n] = t > 0 ? 0.01 + 0.44 * modes : 0.01;
+    }
+    return PrepareDrops(train);
+  };
+  const auto half = prepared({true, false});
+  EXPECT_EQ(half.drops, 2U);
+  EXPECT_EQ(half.records.size(), 1U);
+  EXPECT_EQ(half.left_out.size(), 1U);
+  EXPECT_FALSE(half.findings.Has(FindingKind::kTooFewDrops));
+  const auto third = prepared({true, false, false});
+  EXPECT_EQ(third.drops, 3U);
+  EXPECT_TRUE(third.records.empty());
+  EXPECT_TRUE(third.prepared.empty());
+  EXPECT_EQ(tests::NumbersOf(third.findings, FindingKind::kTooFewDrops), "good=1 drops=3");
 }
 
 }  // namespace

@@ -164,5 +164,39 @@ TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
   }
 }
 
+TEST(RingDownProblem, DriftCountsFromTheMiddleOfTheSamples) {
+  for (const double hum_hz : {0.0, 50.0}) {
+    auto samples = Samples(kOpen, 1);
+    samples.hum_hz = hum_hz;
+    const RingDownProblem problem({samples}, 0);
+    RingDownPoint still;
+    still.shared = Point().shared;
+    still.own = {{std::log(0.44), 2e-5, 0.01, 0, 0, 0}};
+    auto drifting = still;
+    drifting.own[0][Index(Own::kDrift)] = 0.3;
+    const double middle_s = (samples.times_s.front() + samples.times_s.back()) / 2;
+    const std::vector<double> times_s{middle_s, middle_s + 2e-3};
+    const auto without = problem.Voltages(still, 0, times_s);
+    const auto with = problem.Voltages(drifting, 0, times_s);
+    EXPECT_ABS(with[0] - without[0], 0.0, 1e-15, "rounding");
+    EXPECT_ABS(with[1] - without[1], 0.3 * 2e-3, 1e-15, "rounding");
+  }
+}
+
+TEST(RingDownProblem, HumIsACosineAndASineOfTheRecordsTime) {
+  const RingDownProblem problem({Samples(kOpen, 1)}, 0);
+  RingDownPoint still;
+  still.shared = Point().shared;
+  still.own = {{std::log(0.44), 2e-5, 0.01, 0, 0, 0}};
+  auto humming = still;
+  humming.own[0][Index(Own::kHumCosine)] = 0.02;
+  humming.own[0][Index(Own::kHumSine)] = 0.03;
+  for (const double time_s : {0.0, 0.005, 0.0123}) {
+    const double angle = 2 * M_PI * 50 * time_s;
+    EXPECT_ABS(problem.Voltages(humming, 0, {time_s})[0] - problem.Voltages(still, 0, {time_s})[0],
+               0.02 * std::cos(angle) + 0.03 * std::sin(angle), 1e-15, "rounding");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::fit

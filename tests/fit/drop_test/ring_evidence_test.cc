@@ -4,15 +4,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "fit/drop_test/disturbances.h"
 #include "fit/drop_test/prepared_record.h"
 #include "fit/drop_test/ring_start.h"
+#include "tests/findings.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 
@@ -76,6 +80,7 @@ TEST(RingEvidence, TheShareOfAnotherOscillationIsItsPower) {
 TEST(RingEvidence, WhiteNoiseGivesNothingWithinItsDeviation) {
   const int repetitions = tests::kIsSanitized ? 10 : 100;
   double square = 0;
+  double lasting = 0;
   for (int k = 0; k < repetitions; ++k) {
     const auto record =
         Recorded([](double t) { return Ringing(t, 130, 12); }, 0.1, static_cast<unsigned>(k) + 1);
@@ -83,9 +88,11 @@ TEST(RingEvidence, WhiteNoiseGivesNothingWithinItsDeviation) {
     const RingFit fit = FitRing(samples, {12, std::pow(kTwoPi * 130, 2)}, {});
     const RingEvidence evidence = EvidenceOf(samples, fit, 0);
     square += std::pow(evidence.misfit_share / evidence.misfit_share_deviation, 2);
+    lasting += std::pow(evidence.lasting_share / evidence.lasting_share_deviation, 2);
   }
   // a mean square of n draws scatters by sqrt(2/n); the fit's own five parameters take some of it
   EXPECT_ABS(square / repetitions, 1.0, 0.2 + 3 * std::sqrt(2.0 / repetitions), "3 deviations");
+  EXPECT_ABS(lasting / repetitions, 1.0, 0.2 + 3 * std::sqrt(2.0 / repetitions), "3 deviations");
 }
 
 TEST(RingEvidence, WhatIsNoRingDownIsNamed) {
@@ -212,6 +219,266 @@ TEST(RingEvidence, ASlowPullBeforeTheReleaseIsLeftOut) {
   const PolePair& poles = prepared->part.poles;
   EXPECT_REL(std::sqrt(poles.stiffness_per_s2) / kTwoPi, 31.0, 1e-3, "noise, and d/w of 1e-5");
   EXPECT_REL(poles.decay_per_s, 1.4, 0.01, "noise");
+}
+
+// a fit of 12 samples a millisecond apart, with some residuals and two columns of its own
+RingFit ByHand(const std::vector<double>& residuals) {
+  RingFit fit;
+  fit.poles = {.decay_per_s = 40, .stiffness_per_s2 = 1e5};
+  fit.even_v = 0.8;
+  fit.odd_v_per_s = 90;
+  fit.jacobian = {.rows = residuals.size(), .columns = 2, .values = {}, .residuals = residuals};
+  for (std::size_t n = 0; n < residuals.size(); ++n) {
+    const bool is_even = n % 2 == 0;
+    fit.jacobian.values.push_back(is_even ? 2 : 0);
+    fit.jacobian.values.push_back(is_even ? 0 : 3);
+  }
+  return fit;
+}
+
+RingSamples TimesByHand(std::size_t count) {
+  RingSamples samples;
+  samples.step_s = 1e-3;
+  for (std::size_t n = 0; n < count; ++n) {
+    samples.times_s.push_back(0.1 + 1e-3 * static_cast<double>(n));
+    samples.values_v.push_back(0);
+  }
+  return samples;
+}
+
+TEST(RingEvidence, IsTheClosedFormOfFewResiduals) {
+  const std::vector<double> r{0.05,  -0.02, 0.03, 0.01,  -0.04, 0.06,
+                              -0.01, 0.02,  0.02, -0.03, 0.04,  0.05};
+  const RingFit fit = ByHand(r);
+  double squares = 0, misfit = 0, ringing = 0, weights = 0, weight_squares = 0;
+  double thirds = 0, third_weights = 0, even_thirds = 0;
+  const auto weight = [](std::size_t n) { return std::exp(-80 * 1e-3 * static_cast<double>(n)); };
+  const double amplitude = std::hypot(0.8, 90 / std::sqrt(1e5 - 1600));
+  for (std::size_t n = 0; n < r.size(); ++n) {
+    squares += r[n] * r[n];
+    misfit += weight(n) * r[n] * r[n];
+    weights += weight(n);
+    weight_squares += weight(n) * weight(n);
+    ringing += weight(n) * weight(n) * amplitude * amplitude / 2;
+    if (n < 3) continue;
+    const double third = std::pow(r[n] - 3 * r[n - 1] + 3 * r[n - 2] - r[n - 3], 2) / 20;
+    thirds += third * (weight(n - 1) + weight(n - 2)) / 2;
+    third_weights += (weight(n - 1) + weight(n - 2)) / 2;
+    even_thirds += third / 9;
+  }
+  // n times the variance of mean squares of white residuals, 2, and of their third differences,
+  // which follow each other by -15/20, 6/20 and -1/20, less twice their covariance of 2
+  const double variance = 2 + 2 * (1 + 2 * (225 + 36 + 1) / 400.0) - 4;
+  const auto expect = [&](double floor_v, double noise, double even_noise) {
+    const RingEvidence found = EvidenceOf(TimesByHand(r.size()), fit, floor_v);
+    EXPECT_REL(found.misfit_share, (misfit - noise * weights * 10 / 12) / ringing, 1e-12,
+               "rounding");
+    EXPECT_REL(found.misfit_share_deviation, noise * std::sqrt(variance * weight_squares) / ringing,
+               1e-12, "rounding");
+    const double first = amplitude * amplitude / 2;
+    EXPECT_REL(found.lasting_share, (squares / 12 - even_noise) / first, 1e-12, "rounding");
+    EXPECT_REL(found.lasting_share_deviation, even_noise * std::sqrt(variance / 12) / first, 1e-12,
+               "rounding");
+  };
+  expect(0, thirds / third_weights, even_thirds);
+  expect(0.5, 0.25, 0.25);  // a floor above the noise
+  const RingEvidence found = EvidenceOf(TimesByHand(r.size()), fit, 0);
+  EXPECT_REL(found.decays, 40 * 11e-3, 1e-12, "d T");
+  EXPECT_REL(found.damping_ratio, 40 / std::sqrt(1e5), 1e-14, "of critical");
+  // ln d's column is 2 long in six rows; 10 degrees of freedom
+  EXPECT_REL(found.decays_deviation, 0.44 * std::sqrt(squares / 10 / 24), 1e-12, "closed form");
+}
+
+// a clean ring-down of 130 Hz, and what a record must have to be one
+struct Judged {
+  RingSamples samples;
+  RingFit fit;
+  RingEvidence evidence{.decays = 3, .damping_ratio = 0.015};
+};
+
+Judged Clean() {
+  const auto record = Recorded([](double t) { return Ringing(t, 130, 12); }, 1e-4);
+  Judged judged{.samples = BlocksOf(record, 320, record.voltage_v.size(), 1), .fit = {}};
+  judged.fit = FitRing(judged.samples, {12, std::pow(kTwoPi * 130, 2)}, {});
+  return judged;
+}
+
+TEST(NoRingDown, BeginsWhereItsLimitsAre) {
+  const Judged clean = Clean();
+  const auto reason = [&](const RingEvidence& evidence, bool is_stated = false) {
+    return NoRingDown(evidence, clean.samples, clean.fit, is_stated);
+  };
+  EXPECT_EQ(reason(clean.evidence), "");
+  auto damped = clean.evidence;
+  damped.damping_ratio = 0.698;
+  EXPECT_EQ(reason(damped), "");
+  damped.damping_ratio = 0.702;
+  EXPECT_THAT(reason(damped), HasSubstr("does not oscillate"));
+  EXPECT_EQ(reason(damped, true), "");
+  auto cut = clean.evidence;
+  cut.cuts = 2;
+  EXPECT_EQ(reason(cut), "");
+  cut.cuts = 3;
+  EXPECT_THAT(reason(cut), HasSubstr("begins to ring 4 times and more"));
+  auto steady = clean.evidence;
+  steady.decays = 0.08;
+  steady.decays_deviation = 0.01005;
+  EXPECT_EQ(reason(steady), "");
+  steady.decays_deviation = 0.00995;
+  EXPECT_THAT(reason(steady), HasSubstr("does not decay: a driven oscillation of 130 Hz"));
+  steady.begins = true;
+  EXPECT_EQ(reason(steady), "");
+}
+
+TEST(NoRingDown, AMisfitCountsBeyondItsShareAndFiveDeviations) {
+  const Judged clean = Clean();
+  const auto reason = [&](double share, double deviation) {
+    auto evidence = clean.evidence;
+    evidence.misfit_share = share;
+    evidence.misfit_share_deviation = deviation;
+    return NoRingDown(evidence, clean.samples, clean.fit, false);
+  };
+  EXPECT_EQ(reason(0.01495, 1e-9), "");
+  EXPECT_THAT(reason(0.01505, 1e-9), HasSubstr("1.5 % of the power at 130 Hz is not explained"));
+  EXPECT_NE(reason(0.01505, 0), "") << "without noise any misfit is certain";
+  // deviations of ln(1 + misfit over noise), whose own is sqrt(2.62 sum g^2)/sum g
+  double sum = 0;
+  double squares = 0;
+  for (const double time_s : clean.samples.times_s) {
+    const double weight =
+        std::exp(-2 * clean.fit.poles.decay_per_s * (time_s - clean.samples.times_s.front()));
+    sum += weight;
+    squares += weight * weight;
+  }
+  const double own = std::sqrt(2.62 * squares) / sum;
+  const auto at = [&](double deviations) {
+    return reason(0.1, 0.1 * own / std::expm1(deviations * own));
+  };
+  EXPECT_EQ(at(4.98), "");
+  EXPECT_NE(at(5.02), "");
+}
+
+TEST(NoRingDown, WhatLastsCountsBeyondItsShareAndFiveDeviations) {
+  const Judged clean = Clean();
+  const auto reason = [&](double share, double deviation) {
+    auto evidence = clean.evidence;
+    evidence.lasting_share = share;
+    evidence.lasting_share_deviation = deviation;
+    return NoRingDown(evidence, clean.samples, clean.fit, false);
+  };
+  EXPECT_EQ(reason(0.00995, 1e-9), "");
+  EXPECT_THAT(reason(0.01005, 1e-9), HasSubstr("1 % of its first power stays"));
+  EXPECT_EQ(reason(0.05, 0.05 / 4.98), "");
+  EXPECT_NE(reason(0.05, 0.05 / 5.02), "");
+}
+
+TEST(NoRingDown, AFrequencyThatChangesIsNamedFromATwentiethOn) {
+  // of a chirp; halved 12 times
+  double silent = 0;
+  double said = 300;
+  std::string text;
+  for (int halving = 0; halving < 12; ++halving) {
+    const double rate = (silent + said) / 2;
+    const auto record = Recorded(
+        [rate](double t) {
+          return t < 0 ? 0 : std::exp(-12 * t) * std::cos(kTwoPi * (130 * t + rate * t * t));
+        },
+        1e-3);
+    Judged judged = Clean();
+    judged.samples = BlocksOf(record, 320, record.voltage_v.size(), 1);
+    const auto reason = NoRingDown(judged.evidence, judged.samples, judged.fit, false);
+    (reason.empty() ? silent : said) = rate;
+    if (!reason.empty()) text = reason;
+  }
+  double from_hz = 0;
+  double to_hz = 0;
+  ASSERT_EQ(
+      std::sscanf(text.substr(text.find("from")).c_str(), "from %lf to %lf Hz", &from_hz, &to_hz),
+      2)
+      << text;
+  EXPECT_REL(std::log(to_hz / from_hz), 0.05, 0.02, "four digits of each frequency");
+}
+
+TEST(NoRingDown, AHarmonicThatIsLeftIsNamedByItsNumber) {
+  const auto reason = [](double ratio) {
+    const auto record = Recorded(
+        [ratio](double t) { return Ringing(t, 130, 12) + 0.3 * Ringing(t, 130 * ratio, 12); });
+    const RingSamples samples = BlocksOf(record, 320, record.voltage_v.size(), 1);
+    const RingFit fit = FitRing(samples, {12, std::pow(kTwoPi * 130, 2)}, {});
+    return NoRingDown(EvidenceOf(samples, fit, 0), samples, fit, false);
+  };
+  EXPECT_THAT(reason(3), HasSubstr("what is left has 3 times its frequency (no sinusoid)"));
+  EXPECT_THAT(reason(2), HasSubstr("what is left has 2 times its frequency (no sinusoid)"));
+  // within 3 %; lines of the residual's spectrum are 0.5 % of the frequency apart
+  EXPECT_THAT(reason(2.98), HasSubstr("3 times its frequency"));
+  EXPECT_THAT(reason(2.96), HasSubstr("strongest at 38"));
+  EXPECT_THAT(reason(3.04), HasSubstr("strongest at 39"));
+}
+
+TEST(RingEvidence, AReleaseBehindASlowPullIsReportedWithItsTime) {
+  ImpulseRecord record;
+  record.name = "pull.csv";
+  record.step_s = 1e-3;
+  record.start_s = 5;
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> white(0, 1e-3);
+  for (int n = 0; n < 4000; ++n) {
+    const double t = n * record.step_s;
+    const double pull = -0.7 * std::min(t / 0.8, 1.0) + 0.012 * std::sin(kTwoPi * 5 * t);
+    record.voltage_v.push_back((t < 0.9 ? pull : 0.4 * Ringing(t - 0.9, 31, 1.4)) + white(engine));
+  }
+  const auto prepared = PrepareRecord(record);
+  ASSERT_TRUE(prepared) << prepared.error().Text();
+  const Findings& found = prepared->part.found;
+  const double at_s = tests::NumberOf(found, FindingKind::kReleaseBehindSlow, "at_s");
+  const double from_s = tests::NumberOf(found, FindingKind::kReleaseBehindSlow, "from_s");
+  EXPECT_ABS(at_s, 5.9, 0.5 / 31, "half a period");
+  EXPECT_EQ(from_s, prepared->record.start_s);
+  EXPECT_GT(from_s, at_s - 1e-3);
+  EXPECT_LT(from_s, 5.9 + 3.5 / 31) << "three periods behind the onset at most";
+}
+
+// a ring-down of 127 Hz with a hum of 60 Hz: `share` of the first amplitude from the impact on,
+// and `share_before` before it
+ImpulseRecord WithHum(double share, double share_before) {
+  return Recorded(
+      [=](double t) {
+        return Ringing(t, 127, 4) + (t < 0 ? share_before : share) * std::cos(kTwoPi * 60 * t);
+      },
+      1e-5);
+}
+
+bool HumIsMissing(const ImpulseRecord& record) {
+  const auto start = FindRingStart(record);
+  EXPECT_TRUE(start);
+  if (!start) return false;
+  const std::string reason = FindDisturbances(record, *start).no_ring_down;
+  EXPECT_TRUE(reason.empty() || reason.contains("looks like hum of 60 Hz")) << reason;
+  return !reason.empty();
+}
+
+TEST(RingEvidence, AHumMayBeMissingBeforeUpToAFifthOfTheRinging) {
+  // the part begins an eighth of a period behind the impact, 1 ms
+  const double ringing = std::exp(-4 * 1e-3);
+  EXPECT_FALSE(HumIsMissing(WithHum(0.99 * 0.2 * ringing, 0)));
+  EXPECT_TRUE(HumIsMissing(WithHum(1.01 * 0.2 * ringing, 0)));
+}
+
+TEST(RingEvidence, AHumIsMissingWhereItLeavesAQuarterOfItsPowerBefore) {
+  // a hum of 0.3 that was weaker before: the mean square about the mean of what is too much there
+  const auto start = FindRingStart(WithHum(0.3, 0.15));
+  ASSERT_TRUE(start);
+  double sum = 0;
+  double squares = 0;
+  const auto count = static_cast<double>(start->quiet_samples);
+  for (std::size_t n = 0; n < start->quiet_samples; ++n) {
+    const double hum = std::cos(kTwoPi * 60 * (-0.03 + static_cast<double>(n) * kStep));
+    sum += hum / count;
+    squares += hum * hum / count;
+  }
+  const double left = std::sqrt(0.25 * 0.5 / (squares - sum * sum));
+  EXPECT_TRUE(HumIsMissing(WithHum(0.3, 0.3 * (1 - 1.01 * left))));
+  EXPECT_FALSE(HumIsMissing(WithHum(0.3, 0.3 * (1 - 0.99 * left))));
 }
 
 }  // namespace

@@ -162,5 +162,160 @@ TEST(DryFriction, WhatIsAddedMakesALinearMotionOfIt) {
   }
 }
 
+TEST(RingFit, FrictionIsFittedBesideOffsetLineAndHum) {
+  // friction of 0.1 % of the spring's force at the first swing, which does not end the motion
+  const double w = std::sqrt(2e6);
+  for (const auto signal : {RecordedSignal::kVoltage, RecordedSignal::kDisplacement}) {
+    const double per_motion = signal == RecordedSignal::kVoltage ? w : 1;
+    const FrictionRing ring{.poles = {.decay_per_s = 11, .stiffness_per_s2 = 2e6},
+                            .even_v = 0.4,
+                            .odd_v_per_s = 60,
+                            .friction = 0.001 * 0.4 / per_motion,
+                            .signal = signal};
+    RingSamples samples{
+        .step_s = 1e-4, .signal = signal, .times_s = Times(1e-4, 1200), .values_v = {}};
+    samples.values_v = MotionWithFriction(ring, samples.times_s);
+    for (std::size_t n = 0; n < samples.times_s.size(); ++n) {
+      const double t = samples.times_s[n];
+      samples.values_v[n] += 0.02 + 0.03 * (static_cast<double>(n) / 1199 - 0.5) +
+                             0.01 * std::cos(2 * std::numbers::pi * 50 * t) -
+                             0.02 * std::sin(2 * std::numbers::pi * 50 * t);
+    }
+    const auto fit =
+        FitRing(samples, {11.5, 1.99e6}, {.drifts = true, .hum_hz = 50, .has_friction = true});
+    ASSERT_TRUE(fit.converged);
+    constexpr const char* kReason = "slopes by differences of 1e-6";
+    EXPECT_REL(fit.friction, ring.friction, 1e-5, kReason);
+    EXPECT_REL(fit.poles.decay_per_s, 11.0, 1e-5, kReason);
+    EXPECT_REL(fit.poles.stiffness_per_s2, 2e6, 1e-8, kReason);
+    EXPECT_REL(fit.even_v, 0.4, 1e-6, kReason);
+    EXPECT_REL(fit.odd_v_per_s, 60.0, 1e-5, kReason);
+    EXPECT_REL(fit.offset_v, 0.02, 1e-5, kReason);
+    EXPECT_REL(fit.drift_v, 0.03, 1e-5, kReason);
+    EXPECT_REL(fit.hum_cosine_v, 0.01, 1e-5, kReason);
+    EXPECT_REL(fit.hum_sine_v, -0.02, 1e-5, kReason);
+  }
+}
+
+// 0.5 % to 4 % of the spring's force at the first swing, which ends the motion after 44 to 11 half
+// swings, within the record
+TEST(RingFit, FrictionThatEndsTheMotionIsFound) {
+  const double w = std::sqrt(2e6);
+  for (const auto signal : {RecordedSignal::kVoltage, RecordedSignal::kDisplacement}) {
+    for (const double share : {0.005, 0.01, 0.02, 0.04}) {
+      const FrictionRing ring{
+          .poles = {.decay_per_s = 11, .stiffness_per_s2 = 2e6},
+          .even_v = 0.4,
+          .odd_v_per_s = 60,
+          .friction = share * 0.4 / (signal == RecordedSignal::kVoltage ? w : 1),
+          .signal = signal};
+      RingSamples samples{
+          .step_s = 1e-4, .signal = signal, .times_s = Times(1e-4, 1200), .values_v = {}};
+      samples.values_v = MotionWithFriction(ring, samples.times_s);
+      for (double& value : samples.values_v) value += 0.02;
+      const auto fit = FitRing(samples, {15, 1.99e6}, {.has_friction = true});
+      EXPECT_TRUE(fit.converged);
+      constexpr const char* kReason = "slopes by differences of 1e-6, kinks at the turns";
+      EXPECT_REL(fit.friction, ring.friction, 1e-4, kReason);
+      EXPECT_REL(fit.poles.decay_per_s, 11.0, 1e-3, kReason);
+      EXPECT_REL(fit.poles.stiffness_per_s2, 2e6, 1e-7, kReason);
+    }
+  }
+}
+
+TEST(RingFit, DeviationsAreTheCramerRaoBounds) {
+  // variance of d and of w of A e^(-d t) cos(w t + p) over a length T in white noise s:
+  // (2 s^2 dt/A^2) I0/(I0 I2 - I1^2), I_k the integrals of t^k e^(-2 d t)
+  const auto samples = BlocksOf(Record(), 0, 2400, 1);
+  const auto fit = FitRing(samples, {20, 1.9e6}, {.drifts = true, .hum_hz = 50});
+  const double x = 2 * 11 * 0.24;
+  const double left = std::exp(-x);
+  const double i0 = (1 - left) / 22;
+  const double i1 = (1 - left * (1 + x)) / std::pow(22, 2);
+  const double i2 = (2 - left * (2 + 2 * x + x * x)) / std::pow(22, 3);
+  const double amplitude = std::hypot(0.4, 60 / std::sqrt(2e6 - 121));
+  const double noise_v = 3e-3;
+  const double rate = std::sqrt(2 * 1e-4 * i0 / (i0 * i2 - i1 * i1)) * noise_v / amplitude;
+  EXPECT_REL(fit.Deviation(0, noise_v * noise_v), rate / 11, 0.01, "ln d; sums for averages");
+  EXPECT_REL(fit.Deviation(1, noise_v * noise_v), 2 * rate / std::sqrt(2e6), 0.01,
+             "ln q = 2 ln w; sums for averages");
+}
+
+TEST(RingFit, TheEnvelopeOfAnAperiodicMotionIsItsFirstValueThatDecays) {
+  RingFit fit;
+  fit.poles = {.decay_per_s = 2000, .stiffness_per_s2 = 2e6};
+  fit.even_v = -0.3;
+  fit.odd_v_per_s = 100;
+  EXPECT_REL(fit.Envelope(1e-3), 0.3 * std::exp(-2), 1e-14, "closed form");
+}
+
+TEST(DryFriction, WhatIsAddedToASpeedMakesALinearMotionOfIt) {
+  // an impact at -0.4 ms: u = 0 and u' = 1 there, in either direction
+  const PolePair poles{.decay_per_s = 25, .stiffness_per_s2 = kAngular * kAngular};
+  const double damped = std::sqrt(kAngular * kAngular - 625);
+  constexpr double kFriction = 2e-5;  // 2.6 % of the first swing of 1/1300
+  for (const double sign : {1.0, -1.0}) {
+    const FrictionRing whole{.poles = poles,
+                             .even_v = sign,
+                             .odd_v_per_s = -25 * sign,
+                             .friction = kFriction,
+                             .signal = RecordedSignal::kVoltage};
+    const auto seen = MotionWithFriction(whole, Times(1e-5, 6000));
+    // the same motion as of 40 samples later, about -f sign
+    const double fall = std::exp(-25 * 4e-4);
+    const double even = fall * std::cos(damped * 4e-4);
+    const double odd = fall * std::sin(damped * 4e-4) / damped;
+    const double u = sign * (kFriction * (even + 25 * odd) + odd - kFriction);
+    const double v = sign * (even - 25 * odd - kAngular * kAngular * kFriction * odd);
+    EXPECT_ABS(seen[40], v, 1e-12, "rounding");
+    FrictionRing later = whole;
+    later.even_v = v;
+    later.odd_v_per_s = -kAngular * kAngular * u - 25 * v;
+    const auto times_s = Times(1e-5, 5000);
+    const auto more = LinearLessFriction(later, -4e-4, false, times_s);
+    for (std::size_t n = 0; n < times_s.size(); ++n) {
+      const double t = times_s[n] + 4e-4;
+      const double linear =
+          sign * std::exp(-25 * t) * (std::cos(damped * t) - 25 / damped * std::sin(damped * t));
+      EXPECT_ABS(seen[n + 40] + more[n], linear, 1e-9, "the begin is found by bisection");
+    }
+  }
+}
+
+TEST(RingFit, HasAColumnForEachParameterAndARowForEachSample) {
+  // of 600 samples, and of 2400, which are condensed for the descent
+  for (const std::size_t count : {600U, 2400U}) {
+    const auto samples = BlocksOf(Record(), 0, count, 1);
+    const auto columns = [&](const RingBackground& background) {
+      const RingFit fit = FitRing(samples, {11.5, 1.99e6}, background);
+      EXPECT_EQ(fit.jacobian.rows, count);
+      EXPECT_EQ(fit.jacobian.values.size(), count * fit.jacobian.columns);
+      EXPECT_EQ(fit.jacobian.residuals.size(), count);
+      return fit.jacobian.columns;
+    };
+    EXPECT_EQ(columns({}), 5U) << "two of the poles, even, odd and offset";
+    EXPECT_EQ(columns({.drifts = true}), 6U);
+    EXPECT_EQ(columns({.hum_hz = 50}), 7U);
+    EXPECT_EQ(columns({.drifts = true, .hum_hz = 50}), 8U);
+    EXPECT_EQ(columns({.has_friction = true}), 6U);
+  }
+}
+
+TEST(RingFit, AnInstantThatTimesCountFromChangesNothing) {
+  // a short motion and a long one, which is condensed for the descent; a second apart
+  for (const std::size_t count : {200U, 2400U}) {
+    auto record = Record();
+    const auto now = FitRing(BlocksOf(record, 0, count, 1), {11.5, 1.99e6}, {.drifts = true});
+    record.start_s += 1;
+    const auto later = FitRing(BlocksOf(record, 0, count, 1), {11.5, 1.99e6}, {.drifts = true});
+    ASSERT_TRUE(now.converged && later.converged);
+    EXPECT_REL(later.poles.decay_per_s, now.poles.decay_per_s, 1e-7, "the solver's end");
+    EXPECT_REL(later.poles.stiffness_per_s2, now.poles.stiffness_per_s2, 1e-9, "the solver's end");
+    EXPECT_REL(later.even_v, now.even_v, 1e-7, "the solver's end");
+    EXPECT_REL(later.odd_v_per_s, now.odd_v_per_s, 1e-7, "the solver's end");
+    EXPECT_REL(later.drift_v, now.drift_v, 1e-6, "the solver's end");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::fit

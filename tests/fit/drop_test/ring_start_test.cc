@@ -2,7 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/fit/synthetic_drop.h"
 #include "tests/residual.h"
@@ -86,6 +93,196 @@ TEST(RingStart, TooShortARecordSaysWhatIsMissing) {
   EXPECT_FALSE(start.error().remedy.empty());
   ImpulseRecord empty;
   EXPECT_FALSE(FindRingStart(empty));
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Filled, BridgesHolesByLinesAndContinuesTheEnds) {
+  EXPECT_EQ(Filled({kNan, kNan, 1, kNan, kNan, 7, 2, kNan, 4, kNan}),
+            (std::vector<double>{1, 1, 1, 3, 5, 7, 2, 3, 4, 4}));
+  EXPECT_EQ(Filled({1, 2, 3}), (std::vector<double>{1, 2, 3}));
+}
+
+TEST(FollowingAmplitude, IsHalfAPeriodsSamplesTimesTheAmplitude) {
+  // 3 V about 0.7 V with 20 samples a period, silent up to the 100th
+  std::vector<double> values(400, 0.7);
+  for (std::size_t n = 100; n < values.size(); ++n) {
+    values[n] += 3 * std::sin(2 * M_PI * static_cast<double>(n) / 20 + 0.3);
+  }
+  const auto amplitudes = FollowingAmplitude(values, 0.7, 20);
+  ASSERT_EQ(amplitudes.size(), 381U) << "a sum over 20 samples from each of the first ones";
+  for (const std::size_t n : {0U, 40U, 80U}) EXPECT_ABS(amplitudes[n], 0.0, 1e-12, "silence");
+  for (const std::size_t n : {100U, 237U, 380U}) {
+    EXPECT_ABS(amplitudes[n], 3 * 10.0, 1e-11, "the sum of 20 squares of a sine");
+  }
+  EXPECT_GT(amplitudes[90], 10) << "half of the period";
+}
+
+// The voltage behind a force of half a sine, `contact_s` long from time 0 on: its products with the
+// complex oscillation, by the middle rule while it lasts.
+ImpulseRecord AfterContact(double contact_s) {
+  SyntheticDrop drop;
+  drop.step_s = 5e-5;
+  drop.quiet_s = 0.02;
+  drop.noise_v = 2e-4;
+  ImpulseRecord record = tests::MakeRecordWithHeight(drop);
+  const double d = 11.5;
+  const double w = std::sqrt(2e6 - d * d);
+  const std::complex<double> rate(-d, w);
+  // cos(w t) - d/w sin(w t) is the real part of (1 + j d/w) e^(j w t)
+  const std::complex<double> blow = tests::SpeedVoltage(drop) * std::complex<double>(1, d / w);
+  std::mt19937_64 engine(4);
+  std::normal_distribution<double> noise(0, drop.noise_v);
+  constexpr int kSteps = 1000;
+  const auto pushed_until = [&](double until_s) {
+    std::complex<double> pushed = 0;
+    for (int k = 0; k < kSteps && until_s > 0; ++k) {
+      const double u = until_s * (k + 0.5) / kSteps;
+      pushed += std::sin(M_PI * u / contact_s) * std::exp(-rate * u) * until_s / double{kSteps};
+    }
+    return pushed;
+  };
+  const std::complex<double> whole = pushed_until(contact_s);
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    const double t = record.start_s + static_cast<double>(n) * record.step_s;
+    const auto pushed = t < contact_s ? pushed_until(t) : whole;
+    // the whole push is 2 T/pi
+    const auto v = blow * std::exp(rate * t) * pushed / (2 * contact_s / M_PI);
+    record.voltage_v[n] = 0.01 + v.real() + noise(engine);
+  }
+  return record;
+}
+
+TEST(RingStart, AContactsLengthLiesBetweenItsLimits) {
+  // Lengths of 48 steps up to a third of a period are tried; a step is 31.5 us. The limits lie 30 %
+  // and a step beyond those that the samples allow, which are within two steps of the length: noise
+  // of 1e-3 of the first voltage, of 20 samples.
+  const double step_s = 2 * M_PI / std::sqrt(2e6) / 3 / 47;
+  for (const double contact_s : {0.7e-3, 1.0e-3, 1.3e-3}) {
+    SCOPED_TRACE(contact_s);
+    const auto start = FindRingStart(AfterContact(contact_s));
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_LE(start->shortest_contact_s, 0.7 * contact_s);
+    EXPECT_GE(start->shortest_contact_s, 0.7 * (contact_s - 3 * step_s));
+    EXPECT_GE(start->longest_contact_s, 1.3 * contact_s);
+    EXPECT_LE(start->longest_contact_s, 1.3 * (contact_s + 3 * step_s));
+    // the ring-down is one that begins at once in the contact's middle
+    EXPECT_ABS(start->impact_s, contact_s / 2, 5e-6, "noise; d T to first order");
+    const double angle = std::sqrt(2e6) * contact_s;
+    EXPECT_REL(start->impact_voltage_v,
+               std::sqrt(0.02 * 9.80665) * std::cos(angle / 2) / (1 - std::pow(angle / M_PI, 2)),
+               3e-3, "noise; d T to first order");
+  }
+}
+
+TEST(RingStart, OfASuddenImpactOnlyALongestContactIsReported) {
+  SyntheticDrop drop;
+  drop.step_s = 5e-5;
+  drop.quiet_s = 0.02;
+  drop.noise_v = 2e-4;
+  const auto start = FindRingStart(tests::MakeRecordWithHeight(drop));
+  ASSERT_TRUE(start);
+  EXPECT_EQ(start->shortest_contact_s, 0);
+  EXPECT_GT(start->longest_contact_s, 0);
+  EXPECT_LT(start->longest_contact_s, 0.4e-3) << "samples are 0.05 ms apart";
+  // without a height it is not looked for
+  const auto without = FindRingStart(MakeRecord(drop));
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->longest_contact_s, 0);
+}
+
+// the number behind `before` in a refusal, and its decimals; -1: no such refusal
+std::pair<double, std::size_t> NumberIn(const Result<RingStart>& start, const std::string& before) {
+  if (start) return {-1, 0};
+  const std::string text = start.error().Text();
+  const auto at = text.find(before);
+  if (at == std::string::npos) return {-1, 0};
+  const std::string from = text.substr(at + before.size());
+  const std::string number = from.substr(0, from.find_first_not_of("0123456789.-"));
+  const auto point = number.find('.');
+  return {std::stod(number), point == std::string::npos ? 0 : number.size() - point - 1};
+}
+
+// a number below a limit has one decimal, and more only where it would look like the limit
+void ExpectBelow(const std::pair<double, std::size_t>& number, double limit) {
+  if (number.first < 0) return;
+  EXPECT_LT(number.first, limit);
+  const bool looks_alike = std::round(10 * number.first) == std::round(10 * limit);
+  EXPECT_EQ(number.second > 1, looks_alike) << number.first;
+}
+
+TEST(RingStart, WhatIsTooLittleIsReportedInDigitsThatDifferFromTheLimit) {
+  int alike = 0;
+  int refused = 0;
+  for (int k = 0; k < 60; ++k) {
+    SyntheticDrop drop;
+    drop.quiet_s = 0;
+    drop.impact_s = -1e-6;
+    drop.step_s = 1e-4;
+    drop.length_s = 6.5e-3 + 5e-5 * k;
+    const auto number = NumberIn(FindRingStart(MakeRecord(drop)), "holds only ");
+    if (number.first < 0 || number.first > 10) continue;
+    ++refused;
+    alike += number.second > 1 ? 1 : 0;
+    ExpectBelow(number, 2);
+  }
+  EXPECT_GT(refused, 5);
+  EXPECT_GT(alike, 0);
+}
+
+TEST(RingStart, FiveSamplesAPeriodAreEnough) {
+  const auto start_at = [](double samples) {
+    SyntheticDrop drop;
+    drop.step_s = 1 / (225.08 * samples);
+    return FindRingStart(MakeRecord(drop));
+  };
+  // the spectrum's line is half of one of 1024 off: 0.3 %
+  EXPECT_TRUE(start_at(5.05));
+  const auto few = NumberIn(start_at(4.95), "has only ");
+  EXPECT_ABS(few.first, 4.95, 0.065, "a decimal and half a line of the spectrum");
+  ExpectBelow(few, 5);
+  const auto fewer = NumberIn(start_at(4.97), "has only ");
+  EXPECT_ABS(fewer.first, 4.97, 0.015, "half a line of the spectrum");
+  EXPECT_EQ(fewer.second, 2U) << "5.0 would look like the limit";
+}
+
+// sum of squares of the ring-down behind the first sample over the mean square of what is left
+double EnergyOf(const RingStart& start, const ImpulseRecord& record) {
+  const double d = start.poles.decay_per_s;
+  const double w = std::sqrt(start.poles.stiffness_per_s2 - d * d);
+  double sum = 0;
+  for (std::size_t n = start.first_sample; n < record.voltage_v.size(); ++n) {
+    const double t = record.start_s + static_cast<double>(n) * record.step_s - start.impact_s;
+    const double v =
+        start.impact_voltage_v * std::exp(-d * t) * (std::cos(w * t) - d / w * std::sin(w * t));
+    sum += v * v;
+  }
+  return sum / (start.residual_rms_v * start.residual_rms_v);
+}
+
+TEST(RingStart, AnEnergyOfFiftyTimesTheNoiseIsEnough) {
+  double least = 1e9;
+  double most_decibels = 0;
+  // the energy of 0.443 V over the density of the noise is 50 at 0.46 V of it, 0.4 ms apart
+  for (unsigned k = 0; k < 24; ++k) {
+    SyntheticDrop drop;
+    drop.step_s = 4e-4;
+    drop.noise_v = 0.42 + 0.03 * (k % 3);
+    drop.quiet_s = 0.03;
+    drop.seed = k / 3 + 1;
+    const auto record = MakeRecord(drop);
+    const auto start = FindRingStart(record);
+    if (start) least = std::min(least, EnergyOf(*start, record));
+    const auto decibels = NumberIn(start, "has only ");
+    if (decibels.first < 0) continue;
+    most_decibels = std::max(most_decibels, decibels.first);
+    ExpectBelow(decibels, 10 * std::log10(50.0));
+  }
+  EXPECT_GE(least, 50 * (1 - 1e-9));
+  EXPECT_LT(least, 56) << "of so many records some lie close to the limit";
+  // 10 lg 50 = 16.99
+  EXPECT_LT(most_decibels, 16.99);
+  EXPECT_GT(most_decibels, 16.4) << "of so many records some lie close to the limit";
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -400,6 +402,111 @@ TEST(ImpedanceFit, WrongUnitsAndWrongModelsAreDoubted) {
     point.ohm += 0.02 / (1e-4 * s + 0.02 + 400.0 / s);
   }
   EXPECT_TRUE(Fit(second).findings.Has(FindingKind::kResidualsCorrelated));
+}
+
+// 7 points within 6 Hz of the resonance and 6 from 100 to 2000 Hz
+std::vector<double> FewFrequencies() {
+  std::vector<double> hertz;
+  for (int k = -3; k <= 3; ++k) hertz.push_back(225 + 2 * k);
+  for (int k = 0; k < 6; ++k) hertz.push_back(100 * std::pow(20, k / 5.0));
+  return hertz;
+}
+
+TEST(ImpedanceFit, TheInductancesLimitIsTheIntervalsUpperEnd) {
+  int below_zero = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const auto fit = Fit(Points({.frequencies_hz = GoodFrequencies(),
+                                 .magnitude_noise = 0.2,
+                                 .phase_noise_rad = 0.2,
+                                 .seed = seed}));
+    const FittedValue& inductance = fit.inductance;
+    EXPECT_EQ(inductance.determined,
+              inductance.value > 3 * inductance.combined_standard_uncertainty);
+    if (inductance.determined) continue;
+    below_zero += inductance.value < 0 ? 1 : 0;
+    EXPECT_REL(*inductance.at_most,
+               std::max(inductance.value, 0.0) + 1.96 * inductance.combined_standard_uncertainty,
+               1e-12, "95 % of a normal distribution, of no less than 0");
+  }
+  EXPECT_GT(below_zero, 0) << "an inductance that is lost in its uncertainty";
+}
+
+TEST(ImpedanceFit, AnInductanceIsSeenFromThreeStandardUncertaintiesOn) {
+  double seen_noise = 0.005;
+  double unseen_noise = 0.1;
+  double seen = 0;
+  double unseen = 0;
+  for (int halving = 0; halving < 8; ++halving) {
+    const double noise = std::sqrt(seen_noise * unseen_noise);
+    const FittedValue inductance = Fit(Points({FewFrequencies(), noise, noise})).inductance;
+    const double ratio = inductance.value / inductance.combined_standard_uncertainty;
+    (inductance.determined ? seen_noise : unseen_noise) = noise;
+    (inductance.determined ? seen : unseen) = ratio;
+  }
+  EXPECT_GT(seen, 3);
+  EXPECT_LE(unseen, 3);
+  EXPECT_REL(seen, unseen, 0.015, "a twentyfold range, halved 8 times");
+}
+
+TEST(ImpedanceFit, AResistanceDiffersBeyondTwoPercentAndThreeUncertainties) {
+  const auto differs = [](double stated, double uncertainty) {
+    auto knowns = Masses();
+    knowns.resistance_ohm = Quantity{stated, uncertainty};
+    return Fit(Points({FewFrequencies()}), knowns).findings.Has(FindingKind::kResistanceDiffers);
+  };
+  // the sweep has no noise: 27 ohm
+  EXPECT_FALSE(differs(27 / 1.0199, 0));
+  EXPECT_TRUE(differs(27 / 1.0201, 0));
+  EXPECT_FALSE(differs(27 / 0.9801, 0));
+  EXPECT_TRUE(differs(27 / 0.9799, 0));
+  EXPECT_FALSE(differs(25, 2.01 / 3));
+  EXPECT_TRUE(differs(25, 1.99 / 3));
+}
+
+TEST(ImpedanceFit, PointsNearTheResonanceAreThoseWithinHalfABandwidth) {
+  const auto frequencies_hz = GoodFrequencies();
+  const auto fit = Fit(Points({frequencies_hz}));
+  // f0 = 225.079 Hz, Q = 61.4875: sqrt(3)/2 f0/Q = 3.1701 Hz on either side
+  const auto near = std::ranges::count_if(
+      frequencies_hz, [](double hz) { return std::abs(hz - 225.0790790392765) <= 3.1701; });
+  EXPECT_EQ(fit.points_near_resonance, static_cast<std::size_t>(near));
+  EXPECT_GE(near, 7) << "222 to 228 Hz";
+  EXPECT_EQ(fit.lowest_hz, 100);
+  EXPECT_REL(fit.highest_hz, 500.0, 1e-14, "rounding");
+  EXPECT_REL(fit.degrees_of_freedom, 85.0, 1e-6, "45 magnitudes and phases, five numbers");
+  EXPECT_REL(fit.coverage_95, 1.988267907, 1e-6, "qt(0.975, 85)");
+}
+
+TEST(ImpedanceFit, IntervalsHaveStudentsFactorOfTheDegreesOfFreedom) {
+  const auto fit = Fit(Points({GoodFrequencies(), 1e-2, 1e-2}));
+  for (const FittedValue* value : {&fit.stiffness, &fit.damping, &fit.force_constant,
+                                   &fit.natural_frequency, &fit.quality_factor, &fit.resistance}) {
+    const double half = fit.coverage_95 * value->combined_standard_uncertainty;
+    EXPECT_REL(value->upper - value->value, half, 1e-9, "rounding") << value->unit;
+    EXPECT_REL(value->value - value->lower, half, 1e-9, "rounding") << value->unit;
+  }
+}
+
+TEST(ImpedanceFit, ACoarseSweepIsReportedWithItsPointsAndAStep) {
+  const auto fit = Fit(Points({.frequencies_hz = Between(224.8, 225.4, 8),
+                               .magnitude_noise = 1e-2,
+                               .phase_noise_rad = 1e-2}));
+  EXPECT_EQ(tests::NumberOf<std::int64_t>(fit.findings, FindingKind::kSweepTooCoarse, "points"), 8);
+  EXPECT_EQ(tests::NumberOf<std::int64_t>(fit.findings, FindingKind::kSweepTooCoarse, "near"), 8);
+  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kSweepTooCoarse, "step_hz"),
+             fit.natural_frequency.value / fit.quality_factor.value / 5, 1e-12,
+             "a fifth of the resonance's width");
+}
+
+TEST(ImpedanceFit, FewPointsAndFrequenciesAreRefusedWithTheirNumber) {
+  const auto error = [](const std::vector<double>& frequencies_hz) {
+    const auto fit =
+        FitImpedance(Points({frequencies_hz}), Masses(), CaseCondition::kHeld, "z.csv");
+    return fit ? "" : fit.error().Text();
+  };
+  EXPECT_THAT(error({222, 224, 225, 226, 228}), HasSubstr("holds only 5 impedances"));
+  EXPECT_EQ(error({222, 224, 225, 226, 228, 240}), "");
+  EXPECT_THAT(error({222, 222, 222, 225, 225, 225, 225}), HasSubstr("has 2 different"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "sim/skin/skin.h"
@@ -93,6 +94,112 @@ TEST(AreaLaw, ErrorsAreAsStated) {
   EXPECT_GE(pulls.deviation(), 0.9);
   EXPECT_LE(pulls.deviation(), 1.1);
   EXPECT_GE(covered, 0.93 * repetitions);
+}
+
+TEST(AreaLaw, NeedsAreasThatAreATenthApart) {
+  const auto law = [](double ratio) {
+    return FitAreaLaw({{1e-5, 600, 0.05, {}}, {ratio * 1e-5, 700, 0.05, {}}}, {});
+  };
+  EXPECT_FALSE(law(1.0995));
+  EXPECT_TRUE(law(1.1005));
+  EXPECT_REL(law(1.1005)->coverage_95, 1.96, 1e-15, "two points leave no scatter");
+  EXPECT_EQ(law(1.1005)->birge_ratio, 0);
+}
+
+TEST(AreaLaw, ScattersBeyondTheUpperTwentiethOfChiSquare) {
+  // areas a factor e apart whose logarithms lie +-off beside a line: chi^2 = (1 + 4 + 1) off^2/u^2
+  // with 1 degree of freedom, 3.841459 of which is exceeded once in 20 (1.959964^2)
+  const double u = 0.05;
+  const double limit = 1.959963984540054 * u / std::sqrt(6.0);
+  const auto law = [u](double off) {
+    std::vector<AreaPoint> points;
+    for (const auto& [k, share] : {std::pair(-1, 1), std::pair(0, -2), std::pair(1, 1)}) {
+      points.push_back({1e-5 * std::exp(k), 600 * std::exp(0.3 * k + share * off), u, {}});
+    }
+    return *FitAreaLaw(points, {});
+  };
+  const AreaLaw within = law(0.995 * limit);
+  EXPECT_FALSE(within.scatters);
+  EXPECT_REL(within.exponent, 0.3, 1e-12, "the rest is orthogonal");
+  EXPECT_REL(within.birge_ratio, 0.995 * 1.959963984540054, 1e-9, "rounding of logarithms");
+  EXPECT_REL(within.standard_uncertainty, u / std::sqrt(2.0), 1e-12, "by hand");
+  EXPECT_REL(within.coverage_95, 1.96, 1e-15, "a normal distribution");
+  const AreaLaw beyond = law(1.005 * limit);
+  EXPECT_TRUE(beyond.scatters);
+  EXPECT_REL(beyond.standard_uncertainty, beyond.birge_ratio * u / std::sqrt(2.0), 1e-12,
+             "by hand");
+  EXPECT_REL(beyond.coverage_95, 12.7062047361747, 1e-9, "Student's t, 1 degree, qt(0.975, 1)");
+}
+
+TEST(AreaDependence, HoldsTheEndsOfItsInterval) {
+  AreaDependence dependence{};
+  dependence.lower_95 = 0.2;
+  dependence.upper_95 = 0.4;
+  EXPECT_TRUE(Holds(dependence, 0.2));
+  EXPECT_TRUE(Holds(dependence, 0.4));
+  EXPECT_FALSE(Holds(dependence, 0.199));
+  EXPECT_FALSE(Holds(dependence, 0.401));
+}
+
+// a contact of some area whose Ks and Bs are known to 3 and 4 %
+SkinFit Contact(double area_mm2, double stiffness, double damping) {
+  SkinFit contact;
+  contact.area_m2 = area_mm2 * 1e-6;
+  contact.stiffness = {.value = stiffness,
+                       .standard_uncertainty = 0.03 * stiffness,
+                       .at_most = {},
+                       .unit = "N/m",
+                       .determined = true};
+  contact.damping = {.value = damping,
+                     .standard_uncertainty = 0.04 * damping,
+                     .at_most = {},
+                     .unit = "N s/m",
+                     .determined = true};
+  // none of the actuator's numbers moves them
+  contact.influences.resize(8);
+  return contact;
+}
+
+TEST(SkinAreas, IntervalsAreThoseOfBothConstants) {
+  const auto areas = FitSkinAreas({Contact(10, 800, 1), Contact(40, 1400, 1.5)});
+  ASSERT_TRUE(areas.stiffness && areas.damping);
+  // an exponent of two points: u = sqrt(2) u(ln) / ln 4
+  const auto expect = [](const AreaDependence& found, double exponent, double share) {
+    const double half = 1.96 * share * std::sqrt(2.0) / std::log(4);
+    EXPECT_REL(found.law.exponent, exponent, 1e-12, "closed form");
+    EXPECT_REL(found.lower_95, exponent - half, 1e-12, "closed form");
+    EXPECT_REL(found.upper_95, exponent + half, 1e-12, "closed form");
+    EXPECT_EQ(found.holds_one_third, std::abs(exponent - 1.0 / 3) < half);
+  };
+  expect(*areas.stiffness, std::log(1.75) / std::log(4), 0.03);
+  expect(*areas.damping, std::log(1.5) / std::log(4), 0.04);
+  EXPECT_FALSE(areas.stiffness->holds_one_third) << "0.404 +- 0.060";
+  EXPECT_TRUE(areas.damping->holds_one_third) << "0.292 +- 0.080";
+}
+
+TEST(SkinAreas, TheThesissFormulaHoldsFromOneToAHundredSquareMillimetres) {
+  const auto exponent_of = [](double least_mm2, double most_mm2) {
+    return FitSkinAreas({Contact(least_mm2, 800, 1), Contact(most_mm2, 1400, 1.5)})
+        .stiffness->thesis_text;
+  };
+  EXPECT_TRUE(exponent_of(1.001, 99.9));
+  EXPECT_FALSE(exponent_of(0.999, 50));
+  EXPECT_FALSE(exponent_of(2, 100.1));
+  // stiffness from 600 to 2000 N/m in a line with the cube root of the area, from 1 to 100 mm2
+  const auto line = [](double mm2) {
+    return 600 + 1400 * (std::cbrt(mm2) - 1) / (std::cbrt(100.0) - 1);
+  };
+  EXPECT_REL(*exponent_of(8, 64), std::log(line(64) / line(8)) / std::log(8), 1e-9, "closed form");
+}
+
+TEST(SkinAreas, WhatIsNotDeterminedOrHasNoAreaDoesNotCount) {
+  auto faint = Contact(20, 5000, 9);
+  faint.stiffness.determined = false;
+  auto unstated = Contact(20, 5000, 9);
+  unstated.area_m2.reset();
+  const auto areas = FitSkinAreas({Contact(10, 800, 1), faint, unstated, Contact(40, 1400, 1.5)});
+  EXPECT_REL(areas.stiffness->law.exponent, std::log(1.75) / std::log(4), 1e-12, "two areas");
+  EXPECT_GT(areas.damping->law.birge_ratio, 0) << "three areas";
 }
 
 }  // namespace

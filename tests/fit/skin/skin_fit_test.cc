@@ -3,14 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "fit/least_squares.h"
 #include "sim/linear/steady_state.h"
 #include "tests/findings.h"
 #include "tests/fit/bound.h"
@@ -388,6 +393,236 @@ TEST(SkinFit, GarbageIsRefusedOrFinite) {
                   std::isfinite(value->combined_standard_uncertainty));
     }
   }
+}
+
+// the fits on either side of the noise at which something is first reported
+struct Edge {
+  SkinFit below;
+  SkinFit above;
+};
+
+Edge EdgeOf(Sweep sweep, double least_noise, double most_noise,
+            const std::function<bool(const SkinFit&)>& is_reported, double stated = 0) {
+  Edge edge;
+  // halved 12 times
+  for (int halving = 0; halving < 12; ++halving) {
+    sweep.magnitude_noise = (least_noise + most_noise) / 2;
+    SkinSweep measured = Measure(sweep);
+    for (SkinPoint& point : measured.points) {
+      if (stated > 0) point.displacement_standard_uncertainty_m = stated * point.displacement_m;
+    }
+    SkinFit fit = Fit(measured);
+    const bool reported = is_reported(fit);
+    (reported ? most_noise : least_noise) = sweep.magnitude_noise;
+    (reported ? edge.above : edge.below) = std::move(fit);
+  }
+  return edge;
+}
+
+TEST(SkinFit, ResidualsOfAFifthAreDoubted) {
+  const Edge edge =
+      EdgeOf({.frequencies_hz = Spaced(40, 500, 20)}, 0.1, 0.4,
+             [](const SkinFit& fit) { return fit.findings.Has(FindingKind::kFarOffModel); });
+  EXPECT_LE(edge.below.magnitude_noise, 0.2);
+  EXPECT_GT(edge.above.magnitude_noise, 0.2);
+  EXPECT_REL(edge.above.magnitude_noise, edge.below.magnitude_noise, 2e-3, "halved 12 times");
+  EXPECT_EQ(tests::NumberOf(edge.above.findings, FindingKind::kFarOffModel, "share"),
+            edge.above.magnitude_noise);
+}
+
+TEST(SkinFit, ResidualsOfThreeTimesTheStatedUncertaintiesAreDoubted) {
+  const Edge edge = EdgeOf(
+      {.frequencies_hz = Spaced(40, 500, 20)}, 0.015, 0.06,
+      [](const SkinFit& fit) { return fit.findings.Has(FindingKind::kBeyondStated); }, 0.01);
+  EXPECT_LE(edge.below.magnitude_noise, 3);
+  EXPECT_GT(edge.above.magnitude_noise, 3);
+  EXPECT_REL(edge.above.magnitude_noise, edge.below.magnitude_noise, 2e-3, "halved 12 times");
+  EXPECT_FALSE(edge.above.findings.Has(FindingKind::kFarOffModel));
+}
+
+TEST(SkinFit, TheMassIsDeterminedToAQuarterOfAllThatMovesWithTheCase) {
+  const Edge edge = EdgeOf({.frequencies_hz = Spaced(40, 80, 20)}, 0.005, 0.2,
+                           [](const SkinFit& fit) { return !fit.mass.determined; });
+  const auto share = [](const SkinFit& fit) {
+    return fit.mass.standard_uncertainty / (sim::ThesisC10100().case_mass_kg + fit.mass.value);
+  };
+  EXPECT_LT(share(edge.below), 0.25);
+  EXPECT_GE(share(edge.above), 0.25);
+  EXPECT_REL(share(edge.above), share(edge.below), 0.015, "halved 12 times");
+  EXPECT_TRUE(edge.above.findings.Has(FindingKind::kSkinMassNotDetermined));
+}
+
+TEST(SkinFit, IntervalsHaveStudentsFactorOfTheDegreesOfFreedom) {
+  const auto fit = Fit(Measure({.frequencies_hz = Spaced(40, 500, 13), .magnitude_noise = 0.01}));
+  EXPECT_REL(fit.degrees_of_freedom, 10.0, 1e-6, "13 points, three numbers");
+  EXPECT_REL(fit.coverage_95, 2.228138851986274, 1e-6, "qt(0.975, 10)");
+  for (const FittedValue* value : {&fit.stiffness, &fit.damping, &fit.mass}) {
+    const double half = fit.coverage_95 * value->combined_standard_uncertainty;
+    EXPECT_REL(value->upper - value->value, half, 1e-9, "rounding");
+    EXPECT_REL(value->value - value->lower, half, 1e-9, "rounding");
+  }
+}
+
+TEST(SkinFit, InfluencesOnDampingAndMassAreThoseOfAnotherActuator) {
+  const auto actuator = Actuator();
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 40), .magnitude_noise = 1e-4});
+  const auto fit = Fit(sweep, actuator);
+  const auto expect = [&](const SkinFit& moved, const SkinInfluence& influence) {
+    EXPECT_ABS(influence.damping_percent_per_percent,
+               std::log(moved.damping.value / fit.damping.value) / 1e-3, 0.01,
+               "second order of 0.1 % and noises estimated again");
+    EXPECT_REL(influence.mass_kg_per_percent, (moved.mass.value - fit.mass.value) / 0.1, 0.03,
+               "second order of 0.1 % and noises estimated again");
+  };
+  // 0.1 % more of the case's mass and of Kv
+  auto heavier = actuator;
+  heavier.case_mass_kg.value *= 1.001;
+  expect(Fit(sweep, heavier), fit.influences.at(1));
+  auto stiffer = actuator;
+  stiffer.stiffness_n_per_m->value *= 1.001;
+  expect(Fit(sweep, stiffer), fit.influences.at(2));
+}
+
+TEST(SkinFit, FewPointsAndFrequenciesAreRefusedWithTheirNumber) {
+  const auto error = [](const std::vector<double>& frequencies_hz) {
+    const auto fit = FitSkin(Measure({.frequencies_hz = frequencies_hz}), Actuator());
+    return fit ? "" : fit.error().Text();
+  };
+  EXPECT_THAT(error({50, 100, 200, 400}), ::testing::HasSubstr("holds only 4 points"));
+  EXPECT_EQ(error({50, 100, 200, 300, 400}), "");
+  EXPECT_THAT(error({50, 50, 100, 100, 200, 200}), ::testing::HasSubstr("has 3 different"));
+  EXPECT_EQ(error({50, 100, 100, 200, 400}), "");
+}
+
+TEST(SkinFit, DrivesAndAmplitudesAreDoubtedAtTheEndsOfTheirRanges) {
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 20), .magnitude_noise = 0.01});
+  double largest_m = 0;
+  for (const SkinPoint& point : sweep.points) largest_m = std::max(largest_m, point.displacement_m);
+  // the same skin with all drives and motions in proportion
+  const auto has = [&](FindingKind kind, double factor) {
+    auto scaled = sweep;
+    for (SkinPoint& point : scaled.points) {
+      point.drive *= factor;
+      point.displacement_m *= factor;
+    }
+    return Fit(scaled).findings.Has(kind);
+  };
+  EXPECT_FALSE(has(FindingKind::kUnusualDrive, 1.99 / 0.1));
+  EXPECT_TRUE(has(FindingKind::kUnusualDrive, 2.01 / 0.1));
+  EXPECT_FALSE(has(FindingKind::kUnusualAmplitude, 4.98e-3 / largest_m));
+  EXPECT_TRUE(has(FindingKind::kUnusualAmplitude, 5.02e-3 / largest_m));
+  EXPECT_FALSE(has(FindingKind::kUnusualAmplitude, 2.01e-8 / largest_m));
+  EXPECT_TRUE(has(FindingKind::kUnusualAmplitude, 1.99e-8 / largest_m));
+}
+
+TEST(SkinFit, UncertaintiesAreTheBoundsAtTheSolution) {
+  for (const double phase_noise_rad : {0.0, 0.02}) {
+    Sweep sweep{.frequencies_hz = Spaced(40, 500, 20),
+                .magnitude_noise = 0.03,
+                .phase_noise_rad = phase_noise_rad};
+    const auto fit = Fit(Measure(sweep));
+    sweep.truth = {fit.stiffness.value, fit.damping.value, fit.mass.value};
+    sweep.magnitude_noise = fit.magnitude_noise;
+    if (phase_noise_rad > 0) sweep.phase_noise_rad = fit.phase_noise_rad.value_or(0);
+    const auto bounds = Bounds(sweep);
+    EXPECT_REL(fit.stiffness.standard_uncertainty / fit.stiffness.value, bounds[0], 1e-5,
+               "noises settle to 1e-6");
+    EXPECT_REL(fit.damping.standard_uncertainty / fit.damping.value, bounds[1], 1e-5,
+               "noises settle to 1e-6");
+    EXPECT_REL(fit.mass.standard_uncertainty, bounds[2], 1e-5, "noises settle to 1e-6");
+  }
+}
+
+// how much more a skin without damping leaves of the amplitudes, in units of the best skin's mean
+// square per degree of freedom
+double ExcessWithoutDamping(const SkinSweep& sweep, const SkinFit& best) {
+  const LeastSquares problem{
+      .residuals = sweep.points.size(),
+      .parameters = kContactParameters,
+      .evaluate = [&sweep](std::span<const double> at, std::span<double> residuals,
+                           std::span<double> jacobian) {
+        for (std::size_t n = 0; n < sweep.points.size(); ++n) {
+          const SkinPoint& point = sweep.points[n];
+          const auto value = ContactAt(sim::ThesisC10100(), sweep.drive, {at.begin(), at.end()},
+                                       point.frequency_hz);
+          residuals[n] = std::log(std::abs(value.motion) * point.drive / point.displacement_m);
+          for (std::size_t k = 0; k < kContactParameters && !jacobian.empty(); ++k) {
+            jacobian[n * kContactParameters + k] = value.logarithmic_slopes[k].real();
+          }
+        }
+        return true;
+      }};
+  const auto squares = [&](const std::vector<double>& at) {
+    std::vector<double> residuals(sweep.points.size());
+    problem.evaluate(at, residuals, {});
+    double sum = 0;
+    for (const double residual : residuals) sum += residual * residual;
+    return sum;
+  };
+  std::vector<double> at{std::log(best.stiffness.value), std::log(best.damping.value),
+                         best.mass.value};
+  const double least = squares(at);
+  at[1] = -60;
+  EXPECT_TRUE(Minimise(problem, {true, false, true}, &at).converged);
+  return (squares(at) - least) / least * (static_cast<double>(sweep.points.size()) - 3);
+}
+
+TEST(SkinFit, ASecondSolutionIsReportedUpToNineUnitsOfChiSquared) {
+  // a skin of little damping, below whose minimum in Bs the misfit has another one at Bs = 0
+  Sweep sweep{.truth = {2209, 0.142, 0.39e-3}, .frequencies_hz = Spaced(88, 1222, 11)};
+  double silent_noise = 0.01;
+  double reported_noise = 0.03;
+  double silent = 0;
+  double reported = 0;
+  for (int halving = 0; halving < 12; ++halving) {
+    sweep.magnitude_noise = (silent_noise + reported_noise) / 2;
+    const SkinSweep measured = Measure(sweep);
+    const auto fit = Fit(measured);
+    const bool has = fit.findings.Has(FindingKind::kSecondSolution);
+    (has ? reported_noise : silent_noise) = sweep.magnitude_noise;
+    (has ? reported : silent) = ExcessWithoutDamping(measured, fit);
+  }
+  EXPECT_GT(silent, 9);
+  EXPECT_LE(reported, 9);
+  EXPECT_REL(reported, silent, 5e-3, "halved 12 times");
+}
+
+TEST(SkinFit, AMassBelowZeroIsDoubtedBeyondThreeOfItsUncertainties) {
+  // what the case is stated too heavy by is missing in the skin's mass of a gram
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 20), .magnitude_noise = 0.01});
+  double silent_kg = 1e-3;
+  double doubted_kg = 2e-3;
+  double silent = 0;
+  double doubted = 0;
+  for (int halving = 0; halving < 12; ++halving) {
+    const double more_kg = (silent_kg + doubted_kg) / 2;
+    auto actuator = Actuator();
+    actuator.case_mass_kg.value += more_kg;
+    actuator.case_mass_kg.standard_uncertainty = 5e-5;
+    const auto fit = Fit(sweep, actuator);
+    ASSERT_TRUE(fit.mass.determined);
+    const bool has = fit.findings.Has(FindingKind::kNegativeMass);
+    (has ? doubted_kg : silent_kg) = more_kg;
+    (has ? doubted : silent) = -fit.mass.value / fit.mass.combined_standard_uncertainty;
+    if (has) {
+      EXPECT_EQ(tests::NumberOf(fit.findings, FindingKind::kNegativeMass, "mass_kg"),
+                fit.mass.value);
+    }
+  }
+  EXPECT_LE(silent, 3);
+  EXPECT_GT(doubted, 3);
+  EXPECT_REL(doubted, silent, 3e-3, "halved 12 times");
+}
+
+TEST(SkinFit, FrequenciesAreDoubtedWhereAllAreBelowTenHertzOrAboveFiveKilohertz) {
+  const auto has = [](double lowest_hz, double highest_hz) {
+    return Fit(Measure({.frequencies_hz = Spaced(lowest_hz, highest_hz, 20)}))
+        .findings.Has(FindingKind::kUnusualFrequencies);
+  };
+  EXPECT_TRUE(has(3, 9.95));
+  EXPECT_FALSE(has(3, 10.05));
+  EXPECT_FALSE(has(4975, 9000));
+  EXPECT_TRUE(has(5025, 9000));
 }
 
 }  // namespace
