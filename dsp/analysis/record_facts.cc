@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/median.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/window/window_choice.h"
 #include "dsp/spectrum/sine_fit.h"
+#include "dsp/statistics/distributions.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
@@ -184,7 +186,6 @@ Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const 
 
 namespace {
 
-constexpr double kNormal95 = 1.96;
 constexpr double kScalloped = 1.03;  // 1 / sinc(1/8): a tone an eighth of a bin off
 constexpr std::size_t kLeastBlock = 16;
 constexpr std::size_t kMostBlocks = 64;
@@ -250,16 +251,38 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
   return {begin * size, end == amplitudes.size() ? values.size() : end * size};
 }
 
+// Readings [first, last), the most of `times_s` without a pause of ten intervals between them.
+std::pair<std::size_t, std::size_t> WithoutPause(std::span<const double> times_s) {
+  constexpr double kPause = 10;
+  std::vector<double> intervals_s;
+  for (std::size_t k = 1; k < times_s.size(); ++k) {
+    intervals_s.push_back(times_s[k] - times_s[k - 1]);
+  }
+  const double longest_s = kPause * UpperMedian(intervals_s);
+  std::pair<std::size_t, std::size_t> best{0, 0};
+  std::size_t first = 0;
+  for (std::size_t k = 1; k <= times_s.size(); ++k) {
+    if (k < times_s.size() && intervals_s[k - 1] <= longest_s) continue;
+    if (k - first > best.second - best.first) best = {first, k};
+    first = k;
+  }
+  return best;
+}
+
 // The best fit within ten bins of a known frequency, every quarter of a bin, if it leaves less than
-// half of what the fit at that frequency leaves; of at most 2^14 readings from the first on.
+// half of what the fit at that frequency leaves; of at most 2^14 readings without a pause, whose
+// bins a pause would narrow.
 std::optional<SineFit> BetterNearby(std::span<const double> values, std::span<const double> times_s,
                                     const SineFit& at) {
   constexpr std::size_t kMost = std::size_t{1} << 14U;
   constexpr int kSteps = 40;
-  const std::size_t count = std::min(values.size(), kMost);
-  const double bin_hz = 1 / (times_s[count - 1] - times_s.front());
+  const auto [first, last] = WithoutPause(times_s);
+  const std::size_t count = std::min(last - first, kMost);
+  const auto looked = values.subspan(first, count);
+  const auto looked_s = times_s.subspan(first, count);
+  const double bin_hz = 1 / (looked_s.back() - looked_s.front());
   const auto fitted = [&](double frequency_hz) {
-    return FitSineAtTimes(values.first(count), times_s.first(count), frequency_hz, 1);
+    return FitSineAtTimes(looked, looked_s, frequency_hz, 1);
   };
   SineFit best = fitted(at.frequency_hz);
   const double limit = kMajority * best.residual_rms * best.residual_rms;
@@ -319,7 +342,7 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
     // which of both is the drive is not known: the interval holds both amplitudes
     tone.fit.amplitude_uncertainty =
         std::hypot(tone.fit.amplitude_uncertainty,
-                   std::abs(kScalloped * better->amplitude - tone.fit.amplitude) / kNormal95);
+                   std::abs(kScalloped * better->amplitude - tone.fit.amplitude) / kNormalCritical);
     analysis->findings.Doubt(FindingKind::kKnownToneElsewhere,
                              {{"frequency_hz", *frequency_hz},
                               {"better_hz", better->frequency_hz},

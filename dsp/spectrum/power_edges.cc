@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 namespace haptometer::dsp {
@@ -17,13 +16,22 @@ std::size_t WidthOf(const PowerCells& cells) {
 }
 
 // means over `width` values that follow each other
+// Each window ends one block of `width` values and begins the next: sums of both parts only, as
+// differences of a running sum leave a rest where all values are 0.
 std::vector<double> MovingMeans(std::span<const double> values, std::size_t width) {
+  std::vector<double> to_end(values.size());
+  std::vector<double> from_begin(values.size());
+  for (std::size_t k = values.size(); k-- > 0;) {
+    const bool is_last = (k + 1) % width == 0 || k + 1 == values.size();
+    to_end[k] = values[k] + (is_last ? 0 : to_end[k + 1]);
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    from_begin[k] = values[k] + (k % width == 0 ? 0 : from_begin[k - 1]);
+  }
   std::vector<double> means(values.size() - width + 1);
-  double sum =
-      std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(width), 0.0);
   for (std::size_t k = 0; k < means.size(); ++k) {
-    means[k] = sum / static_cast<double>(width);
-    if (k + width < values.size()) sum += values[k + width] - values[k];
+    const double next = k % width == 0 ? 0 : from_begin[k + width - 1];
+    means[k] = (to_end[k] + next) / static_cast<double>(width);
   }
   return means;
 }

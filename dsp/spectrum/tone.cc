@@ -129,7 +129,11 @@ std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneS
   const auto seen = signal.first(FastTransformSize(signal.size()));
   const double duration_s = static_cast<double>(seen.size()) / search.rate_hz;
   const double whole_s = static_cast<double>(signal.size()) / search.rate_hz;
-  if (whole_s * search.lower_hz < 2 || signal.size() > kLongestTransform) return std::nullopt;
+  // 2 / whole_s, as a caller computes it, may be two periods less a rounding
+  constexpr double kTwoPeriods = 2 * (1 - 1e-12);
+  if (whole_s * search.lower_hz < kTwoPeriods || signal.size() > kLongestTransform) {
+    return std::nullopt;
+  }
 
   const std::vector<double> power = HannPower(seen);
   const std::optional<std::size_t> peak =

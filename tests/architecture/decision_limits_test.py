@@ -21,8 +21,8 @@ MATHEMATICS = {
     "drive_states.cc": {"kTwoPi"},
     "hum.cc": {"kTwoPi"},
     "hum.h": {"kMainsHz"},
-    "record_facts.cc": {"kNormal95", "kScalloped"},
-    "rms_estimate.cc": {"kNormal95", "kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
+    "record_facts.cc": {"kScalloped", "kPause"},
+    "rms_estimate.cc": {"kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge
     "window_choice.cc": {"kBlockLengths", "kUnknown"},

@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "dsp/readings/segments.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/findings.h"
@@ -374,6 +376,218 @@ TEST(ReadWindow, GivesTheSamplesOfTheWindow) {
     EXPECT_REL(samples->start_s, static_cast<double>(begin) / kRateHz, 1e-12, "rounding");
     EXPECT_EQ(samples->rate_hz, kRateHz);
   }
+}
+
+// A drive from 3 s to 5 s behind rows that were never recorded: the window lies in the second
+// segment, and the middle between 0 and its begin in the first.
+TEST(ReadWindow, IsOfTheSegmentThatHoldsTheWindow) {
+  std::vector<double> values(50'000);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double on = k >= 30'000 ? 1 : 0;
+    values[k] =
+        1e-12 * static_cast<double>(k) + on * 20e-6 * std::sin(0.14 * static_cast<double>(k));
+  }
+  trial::Record record = RecordOf(values, kRateHz);
+  record.stretches = {{0, 25'000, 0, kRateHz, 0}, {25'000, 25'000, 3.5, kRateHz, 0}};
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  const TimeWindow& window = analysis.numbers->part.window;
+  ASSERT_GT(window.begin_s, 4);
+  const auto samples = ReadWindow(trial::RecordRows(record), analysis, 1000);
+  ASSERT_TRUE(samples.has_value());
+  ASSERT_EQ(samples->values_m.size(), 1000U);
+  // row 25 000 is at 3.5 s
+  const auto first = static_cast<std::size_t>(std::lround((samples->start_s - 1) * kRateHz));
+  EXPECT_EQ(samples->values_m,
+            std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                values.begin() + static_cast<std::ptrdiff_t>(first + 1000)));
+  EXPECT_ABS(samples->start_s + 500 / kRateHz, (window.begin_s + window.end_s) / 2, 0.51 / kRateHz,
+             "the middle, half a row");
+  // rows count as the record's, without those that were never recorded
+  const UsedPart& part = analysis.numbers->part;
+  EXPECT_EQ(part.first_row, static_cast<std::size_t>(std::lround((window.begin_s - 1) * kRateHz)));
+  EXPECT_EQ(part.rows, static_cast<std::size_t>(std::lround(window.duration_s() * kRateHz)));
+  ASSERT_TRUE(analysis.numbers->kinematics);
+  EXPECT_GE(analysis.numbers->kinematics->begin, part.first_row);
+  EXPECT_LE(analysis.numbers->kinematics->end, part.first_row + part.rows);
+  ASSERT_EQ(analysis.filtered_m.size(), values.size());
+  const auto rows = std::span(analysis.filtered_m).subspan(part.first_row, part.rows);
+  EXPECT_REL(Rms(rows), analysis.numbers->rms.as_measured_m, 1e-12, "order of the sums");
+}
+
+// the readings' rail: 1e30 m
+TEST(BandAnalysis, ReadingsOfNoDisplacementAreErrors) {
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<double> values = Samples(kRateHz, 3000, 0, {{1, 100}});
+    const auto answer = [&](double scale) {
+      std::vector<double> scaled = values;
+      for (double& value : scaled) value *= sign * scale;
+      // one end alone is that far
+      for (double& value : scaled) value += sign * 0.5 * scale;
+      return AnalyzeBand(RecordOf(scaled, kRateHz), {});
+    };
+    // the crest of 100 rows a period is 1
+    EXPECT_TRUE(answer(0.995e30 / 1.5)) << sign;
+    const auto error = answer(1.005e30 / 1.5);
+    ASSERT_FALSE(error) << sign;
+    EXPECT_EQ(error.error().cause, Cause::kCannotAnswer);
+  }
+}
+
+// ---- The sensor's averaging: 16 samples of 0.33 ms have a gain of a half at the frequency that
+// bisection finds.
+
+double FrequencyOfGain(double gain) {
+  double below_hz = 10;
+  double above_hz = 189;  // it is 0 at 189.4 Hz
+  for (int step = 0; step < 60; ++step) {
+    const double middle_hz = 0.5 * (below_hz + above_hz);
+    (trial::AveragingGain(middle_hz, 0.33e-3, 16) > gain ? below_hz : above_hz) = middle_hz;
+  }
+  return below_hz;
+}
+
+BandAnalysis Averaged(double tone_hz, double amplitude_m, int averages) {
+  std::vector<double> values = Samples(5e3, 15'000, 0.03, {{amplitude_m, tone_hz}});
+  Noise noise(1);
+  for (double& value : values) value += 1e-9 * noise();
+  trial::Record record = RecordOf(values, 5e3);
+  record.metadata.sampling_s = 0.33e-3;
+  record.metadata.averages = averages;
+  return Answer(record);
+}
+
+TEST(BandAnalysis, BelowHalfTheGainOfTheSensorThereIsNoAnswer) {
+  for (const double gain : {0.505, 0.495}) {
+    const BandAnalysis analysis = Averaged(FrequencyOfGain(gain), 1e-6, 16);
+    EXPECT_EQ(analysis.answered, gain > 0.5) << gain;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kGainCorrected), gain > 0.5) << gain;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kGainTooLow), gain < 0.5) << gain;
+    EXPECT_EQ(analysis.numbers->sensor.amplitude_verified, gain > 0.5) << gain;
+    const FindingKind kind = gain > 0.5 ? FindingKind::kGainCorrected : FindingKind::kGainTooLow;
+    EXPECT_REL(NumberOf(analysis.findings, kind, "gain"), gain, 1e-6, "the tone's fit");
+  }
+  const BandAnalysis plain = Averaged(FrequencyOfGain(0.505), 1e-6, 1);
+  EXPECT_FALSE(plain.findings.Has(FindingKind::kGainCorrected)) << "nothing is averaged";
+  EXPECT_FALSE(plain.numbers->sensor.divided_out);
+}
+
+// Below 2 % nothing is divided out: a gain of 0.02 would make fifty of one.
+TEST(BandAnalysis, AGainNextToNothingIsNotDividedOut) {
+  for (const double gain : {0.0202, 0.0198}) {
+    const BandAnalysis analysis = Averaged(FrequencyOfGain(gain), 1e-6, 16);
+    ASSERT_TRUE(analysis.numbers && analysis.numbers->tone) << gain;
+    EXPECT_EQ(analysis.numbers->sensor.divided_out, gain > 0.02) << gain;
+    const double divided = gain > 0.02 ? gain : 1;
+    EXPECT_REL(analysis.numbers->tone->amplitude_m, 1e-6 / divided, 1e-3,
+               "noise, and the fit of the frequency beside the gain's zero");
+  }
+}
+
+// Without a drive the least and the greatest gain of the band stand beside the noise.
+TEST(BandAnalysis, WithoutADriveTheGainsOfTheBandAreNoted) {
+  const BandAnalysis none = Averaged(100, 0, 2);
+  const Finding note = FirstOf(none.findings, FindingKind::kGainInBand);
+  EXPECT_EQ(note.severity, Severity::kNote);
+  EXPECT_REL(NumberOf(note, "least"), trial::AveragingGain(500, 0.33e-3, 2), 1e-12, "rounding");
+  EXPECT_REL(NumberOf(note, "greatest"), trial::AveragingGain(20, 0.33e-3, 2), 1e-12, "rounding");
+  EXPECT_FALSE(Averaged(100, 0, 1).findings.Has(FindingKind::kGainInBand));
+}
+
+// Every length scales with the sensor's gain: u^2 + (length u_gain)^2.
+TEST(BandAnalysis, TheGainIsInTheUncertaintyOfEveryLength) {
+  std::vector<double> values =
+      Samples(2e3, 8000, 0.03, {{1e-5, 110, 0.3}, {1e-6, 220, 1}, {5e-5, 8.3, 0.7}});
+  Noise noise(3);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] += 1e-7 * noise() + 1e-4 * static_cast<double>(k) / 2e3;
+  }
+  const trial::Record record = RecordOf(values, 2e3);
+  constexpr double kGain = 0.03;
+  BandQuestion question;
+  question.gain_uncertainty = kGain;
+  const BandAnalysis without = Answer(record);
+  const BandAnalysis with = Answer(record, question);
+  ASSERT_TRUE(with.answered && with.numbers->tone && with.numbers->harmonics && with.slow_motion);
+  EXPECT_EQ(NumberOf(with.findings, FindingKind::kCalibrationIncluded, "share"), kGain);
+  const auto expect = [](double after, double before, double length) {
+    EXPECT_REL(after, std::hypot(before, kGain * length), 1e-13, "rounding");
+  };
+  const ToneNumbers& tone = *with.numbers->tone;
+  const ToneNumbers& plain = *without.numbers->tone;
+  expect(tone.amplitude_uncertainty_m, plain.amplitude_uncertainty_m, tone.amplitude_m);
+  const Interval limits =
+      WithGain(plain.amplitude_m, {plain.amplitude_lower_m, plain.amplitude_upper_m}, kGain);
+  EXPECT_EQ(tone.amplitude_lower_m, limits.lower);
+  EXPECT_EQ(tone.amplitude_upper_m, limits.upper);
+  for (std::size_t k = 0; k < with.numbers->harmonics->harmonics.size(); ++k) {
+    const Harmonic& harmonic = with.numbers->harmonics->harmonics[k];
+    expect(harmonic.amplitude_uncertainty,
+           without.numbers->harmonics->harmonics[k].amplitude_uncertainty, harmonic.amplitude);
+  }
+  expect(with.slow_motion->drift_uncertainty_per_s, without.slow_motion->drift_uncertainty_per_s,
+         with.slow_motion->drift_per_s);
+  expect(with.slow_motion->tremor_rms_uncertainty, without.slow_motion->tremor_rms_uncertainty,
+         *with.slow_motion->tremor_rms);
+  EXPECT_EQ(tone.frequency_upper_hz, plain.frequency_upper_hz) << "a frequency is no length";
+}
+
+TEST(BandAnalysis, TheGainIsInTheUncertaintyOfAKnownTone) {
+  std::vector<double> values = Samples(400, 1200, 0.03, {{1e-5, 90, 0.4}});
+  Noise noise(2);
+  for (double& value : values) value += 2e-7 * noise();
+  const trial::Record record = RecordOf(values, 400);
+  BandQuestion question;
+  question.drive_frequency_hz = 90;
+  const BandAnalysis without = Answer(record, question);
+  question.gain_uncertainty = 0.03;
+  const BandAnalysis with = Answer(record, question);
+  ASSERT_TRUE(with.known_tone && without.known_tone);
+  const SineFit& fit = without.known_tone->fit;
+  EXPECT_REL(with.known_tone->fit.amplitude_uncertainty,
+             std::hypot(fit.amplitude_uncertainty, 0.03 * fit.amplitude), 1e-13, "rounding");
+}
+
+// What was interpolated counts as a bound: the root of its squared errors over the window's rows.
+TEST(BandAnalysis, WhatWasInterpolatedIsSpreadOverTheWindow) {
+  trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100}}), kRateHz);
+  Noise noise(3);
+  for (double& value : record.channels[0].values) value += 3e-8 * noise();
+  std::vector<RowRange> holes;
+  for (std::size_t row = 6000; row < 24'000; row += 3000) {
+    record.channels[0].statuses[row] = SampleStatus::kLate;
+    holes.push_back({row, row + 1});
+  }
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  const trial::RecordRows rows(record);
+  const Segments segments = SplitAtHoles(rows, 0, holes).value();
+  ASSERT_EQ(segments.bridged, 6U);
+  const double square = segments.parts.at(0).bridged_error_square_sum /
+                        static_cast<double>(analysis.numbers->part.rows);
+  EXPECT_GT(square, 0);
+  EXPECT_REL(analysis.numbers->bridged_rms_m, std::sqrt(square), 1e-12, "rounding");
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kInterpolated, "interpolated"), 6);
+}
+
+// Of a drive that moves the gain is that in the middle of where it does.
+TEST(BandAnalysis, OfADriveThatMovesTheGainIsThatOfItsMiddle) {
+  std::vector<double> values(20'000);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double t_s = static_cast<double>(k) / 5e3;
+    values[k] = 0.03 + 1e-5 * std::sin(2 * std::numbers::pi * (100 + 2 * t_s) * t_s);
+  }
+  trial::Record record = RecordOf(values, 5e3);
+  record.metadata.averages = 8;
+  record.metadata.sampling_s = 0.5e-3;
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  ASSERT_FALSE(analysis.numbers->tone) << "no sine holds half of a drive that moves by 16 Hz";
+  const StateInterval& state = analysis.numbers->part.state;
+  const double middle_hz = 0.5 * (state.from_hz + state.to_hz);
+  EXPECT_ABS(middle_hz, 108, 0.2, "what has settled lies about 2 s");
+  EXPECT_REL(*analysis.numbers->sensor.gain_at_tone, trial::AveragingGain(middle_hz, 0.5e-3, 8),
+             1e-12, "rounding");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -173,6 +174,87 @@ TEST(BandSignal, ValuesBeyondAllMeasureSettleNowhere) {
   values[20'000] = -1e308;
   const BandSignal signal = Held(RecordOf(values, kRateHz)).Filter();
   EXPECT_EQ(signal.settled_begin(), signal.settled_end());
+}
+
+// Zero phase is the same from either side. Whole cells, so that they lie alike in the reversed
+// record; tremor makes what settles depend on the ends.
+TEST(BandSignal, OfTheReversedRecordTheOtherEndSettlesAlike) {
+  for (const std::size_t size : {18'000U, 63'000U, 126'000U}) {
+    for (const double phase : {0.3, 2.2}) {
+      std::vector<double> values =
+          Samples(kRateHz, size, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3, phase}});
+      const BandSignal signal = Held(RecordOf(values, kRateHz)).Filter();
+      ASSERT_EQ(size % signal.cell_samples(), 0U);
+      std::ranges::reverse(values);
+      const BandSignal reversed = Held(RecordOf(values, kRateHz)).Filter();
+      EXPECT_EQ(reversed.settled_begin(), size - signal.settled_end()) << size;
+      EXPECT_EQ(reversed.settled_end(), size - signal.settled_begin()) << size;
+    }
+  }
+}
+
+// RMS over all samples of all signals, whatever their lengths.
+TEST(BandSignal, TheRmsOfAllCountsEverySample) {
+  const Held held(LongRecord());
+  const Held other(RecordOf(Samples(kRateHz, 30'001, 0, {{4e-6, 150}}), kRateHz));
+  const std::vector<BandSignal> both{held.Filter(), other.Filter()};
+  double sum = 0;
+  for (const BandSignal& signal : both) {
+    for (const double x : ReadAll(signal, signal.size())) sum += x * x;
+  }
+  EXPECT_REL(WholeRms(both), std::sqrt(sum / 630'001), 1e-12, "order of the sums");
+}
+
+// rows of a record that count how often they are read
+class CountedRows final : public trial::RowSource {
+ public:
+  explicit CountedRows(const trial::Record& record) : rows_(record) {}
+  [[nodiscard]] const trial::Record& head() const override { return rows_.head(); }
+  [[nodiscard]] Result<void> Read(std::size_t channel, std::size_t first, std::span<double> values,
+                                  std::span<trial::SampleStatus> statuses) const override {
+    ++reads;
+    return rows_.Read(channel, first, values, statuses);
+  }
+  mutable std::size_t reads = 0;
+
+ private:
+  trial::RecordRows rows_;
+};
+
+// Of 300 000 samples: one sample in all, and frames of which the last, or the only one, is cut to
+// one sample. What is kept is not filtered again.
+TEST(BandSignal, AFrameOfOneSampleIsKept) {
+  const trial::Record record =
+      RecordOf(Samples(kRateHz, 300'000, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3}}), kRateHz);
+  const CountedRows rows(record);
+  Segment segment;
+  segment.size = record.rows;
+  segment.rate_hz = kRateHz;
+  const std::vector<double> whole =
+      FilterZeroPhase(Designed({}, kRateHz), record.channels[0].values);
+  struct Case {
+    KeptFrames frames;
+    std::size_t thinned;  // number of the thinned sample
+  };
+  for (const auto& [frames, thinned] :
+       {Case{{300'000, 1, 0, 1}, 0}, Case{{100'000, 20, 2, 5}, 2}, Case{{60'000, 3, 1, 2}, 4}}) {
+    const BandSignal signal =
+        BandSignal::Filter({rows, 0, segment}, Designed({}, kRateHz), 1, frames).value();
+    const std::size_t reads = rows.reads;
+    std::vector<double> read(1);
+    ASSERT_TRUE(signal.ReadThinned(thinned * frames.stride, frames.stride, read));
+    EXPECT_EQ(read[0], whole[thinned * frames.stride]) << frames.stride;
+    EXPECT_EQ(rows.reads, reads) << frames.stride;
+  }
+}
+
+// A cell of less than a millisecond holds one sample, and two where there were more than 2^20.
+TEST(BandSignal, CellsAreAMillionAtMost) {
+  constexpr std::size_t kMost = std::size_t{1} << 20U;
+  for (const std::size_t size : {kMost, kMost + 1}) {
+    const Held held(RecordOf(std::vector<double>(size, 0.03), 1300));
+    EXPECT_EQ(held.Filter(2).cell_samples(), size - kMost + 1);
+  }
 }
 
 }  // namespace

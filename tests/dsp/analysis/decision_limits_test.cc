@@ -202,5 +202,26 @@ TEST(WindowClipped, IsFoundBetweenSpikes) {
   EXPECT_THAT(RefusalsIn(analysis.findings), ::testing::ElementsAre(FindingKind::kWindowClipped));
 }
 
+// A tenth of a percent of the window: single rows at the sensor's rail, which it says.
+TEST(WindowClipped, IsALowerLimitBeyondATenthOfAPercent) {
+  const std::vector<double> values = Samples(20e3, 60'000, 0.03, {{10e-6, 225, 0.3}});
+  const std::size_t rows = Answer(RecordOf(values, 20e3)).numbers->part.rows;
+  const auto most = static_cast<std::size_t>(1e-3 * static_cast<double>(rows));
+  for (const std::size_t clipped : {most, most + 1}) {
+    trial::Record record = RecordOf(values, 20e3);
+    for (std::size_t k = 0; k < clipped; ++k) {
+      record.channels[0].statuses[15'000 + 400 * k] = trial::SampleStatus::kClipped;
+    }
+    const BandAnalysis analysis = Answer(record);
+    ASSERT_TRUE(analysis.numbers);
+    EXPECT_EQ(analysis.numbers->part.rows, rows);
+    EXPECT_EQ(analysis.numbers->is_lower_limit, clipped > most);
+    EXPECT_EQ(analysis.answered, clipped == most);
+    if (clipped == most) continue;
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kWindowClipped, "share"),
+               static_cast<double>(clipped) / static_cast<double>(rows), 1e-12, "rounding");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -146,5 +146,77 @@ TEST(DriveOnset, ANoisyVoltageTellsNoLatency) {
   EXPECT_FALSE(analysis->numbers->onset->drive_s);
 }
 
+// The first row at which |value| exceeds `limit`, from the row of the drive's begin on.
+std::size_t FirstBeyond(const trial::Record& record, double rest, double limit) {
+  std::size_t row = 10'338;  // kOnS
+  while (std::abs(record.channels[1].values[row] - rest) <= limit) ++row;
+  return row;
+}
+
+// A sine of 2 V about 0.2 V that begins at any phase: the row before the first beyond a tenth of
+// it, and asin(0.1) / pi periods, are the interval whose middle is stated.
+TEST(DriveOnset, OfACleanVoltageIsARowAndTheSinesWayToATenth) {
+  for (int k = 0; k < 8; ++k) {
+    const double phase = k * std::numbers::pi / 4;
+    trial::Record record = Rising(0);
+    AddChannel(record, trial::ChannelRole::kVoltage, "V",
+               [&](double t_s, bool on) { return 0.2 + (on ? 2 * Turn(t_s, phase) : 0); });
+    const auto analysis = AnalyzeBand(record, {});
+    ASSERT_TRUE(analysis && analysis->numbers->onset && analysis->numbers->onset->drive_s);
+    const OnsetNumbers& onset = *analysis->numbers->onset;
+    const double width_s = (1 + std::asin(0.1) / std::numbers::pi * kRateHz / kToneHz) / kRateHz;
+    EXPECT_REL(onset.drive_uncertainty_s, width_s / 2 / std::numbers::sqrt3, 1e-4,
+               "rows beside the crests, the tone's fit");
+    const auto row = static_cast<double>(FirstBeyond(record, 0.2, 0.2));
+    EXPECT_ABS(*onset.drive_s, row / kRateHz - width_s / 2, 2e-8, "the same");
+    EXPECT_ABS(*onset.latency_s, onset.edge.time_s - *onset.drive_s, 1e-15, "a difference");
+    EXPECT_REL(onset.latency_uncertainty_s,
+               std::hypot(onset.edge.time_uncertainty_s, onset.drive_uncertainty_s), 1e-15,
+               "of both");
+  }
+}
+
+// At rest the voltage takes +-0.15 V: the drive begins beyond twice that. Up to half of the drive's
+// 2 V it is told from rest.
+TEST(DriveOnset, TwiceTheVoltageAtRestIsItsLimit) {
+  for (const double rest_v : {0.15, 0.495, 0.505}) {
+    trial::Record record = Rising(0);
+    int turn = 0;
+    AddChannel(record, trial::ChannelRole::kVoltage, "V", [&](double t_s, bool on) {
+      return on ? 2 * Turn(t_s, 1) : ++turn % 2 == 0 ? rest_v : -rest_v;
+    });
+    const auto analysis = AnalyzeBand(record, {});
+    ASSERT_TRUE(analysis && analysis->numbers->onset);
+    const OnsetNumbers& onset = *analysis->numbers->onset;
+    ASSERT_EQ(onset.drive_s.has_value(), rest_v < 0.5) << rest_v;
+    if (!onset.drive_s) continue;
+    const double width_s = (1 + std::asin(rest_v) / std::numbers::pi * kRateHz / kToneHz) / kRateHz;
+    EXPECT_REL(onset.drive_uncertainty_s, width_s / 2 / std::numbers::sqrt3, 1e-3,
+               "the mean of some thousand rows at rest, crests");
+    const auto row = static_cast<double>(FirstBeyond(record, 0, 2 * rest_v));
+    EXPECT_ABS(*onset.drive_s, row / kRateHz - width_s / 2, 1e-7, "the same");
+  }
+}
+
+// The steady amplitude is that of the drive's own window, of 0.4 s here, not of a second.
+TEST(DriveOnset, OfAShortDriveIsThatOfItsOwnLevel) {
+  std::vector<double> values(kRows, 0.03);
+  Noise noise(5);
+  for (std::size_t k = 0; k < kRows; ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    if (t_s >= kOnS && t_s < kOnS + 0.5) {
+      values[k] += 1e-5 * (1 - std::exp(-(t_s - kOnS) / kRiseTauS)) * Turn(t_s, 0.4);
+    }
+    values[k] += 5e-9 * noise();
+  }
+  const auto analysis = AnalyzeBand(RecordOf(std::move(values), kRateHz), {});
+  ASSERT_TRUE(analysis && analysis->answered && analysis->numbers->onset);
+  const Edge& edge = analysis->numbers->onset->edge;
+  EXPECT_REL(edge.steady_amplitude, 1e-5, 0.02, "what the rise has not reached");
+  EXPECT_ABS(edge.time_s, kOnS + kTenthS, 2 * edge.time_uncertainty_s, "as stated");
+  ASSERT_TRUE(edge.rise_s);
+  EXPECT_REL(*edge.rise_s, kRiseTauS * std::log(9), 0.05, "the window's own rise");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -635,5 +635,188 @@ TEST(DriveStatesOfLongRecords, ALowToneHasLongerFrames) {
   EXPECT_TRUE(states[0].is_steady);
 }
 
+// ---- Blocks made by hand, of 220 Hz with phases that continue; a first state of `count` blocks
+// level(k), and one of 0.
+
+BlockCourse CourseBefore0(int count, const std::function<double(int)>& level) {
+  BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+  for (int k = 0; k < count + 20; ++k) {
+    const double size = k < count ? level(k) : 0;
+    // some noise, so that off is off
+    course.blocks.push_back({size, 220 + 0.1 * k, 1e-6 + size * size / 2, 1e-6});
+  }
+  return course;
+}
+
+// Levels 10 + 0.02 k, and 0.1 more and less in turn: of m blocks the line rises by m times its
+// slope, and what is left has the standard deviation sqrt(m 0.01 / (m - 2)), but for what the turns
+// have of a slope.
+TEST(DriveStates, AStatesDriftAndScatterAreThoseOfItsLine) {
+  constexpr int kBlocks = 40;
+  const auto states = FindStates(
+      CourseBefore0(kBlocks, [](int k) { return 10 + 0.02 * k + (k % 2 == 0 ? 0.1 : -0.1); }),
+      kLowerHz);
+  ASSERT_EQ(states.size(), 2U);
+  const StateInterval& on = states[0];
+  ASSERT_EQ(on.blocks(), 40U);
+  // sum of (k - 19.5)(-1)^k is -20, that of squares 40 (1600 - 1) / 12
+  const double turns = -0.1 * 20 / 5330;
+  const double left = (40 * 0.01 - turns * turns * 5330) / 38;
+  EXPECT_REL(on.level_m, 10 + 0.02 * 19.5, 1e-13, "the mean");
+  EXPECT_REL(on.drift, (0.02 + turns) * 40 / on.level_m, 1e-12, "from begin to end");
+  EXPECT_REL(on.scatter, std::sqrt(left) / on.level_m, 1e-12, "about the line");
+  EXPECT_REL(on.drift_uncertainty, on.scatter * std::sqrt(12.0 / 40), 1e-13, "of a slope");
+  EXPECT_REL(on.residual, 1e-6, 1e-13, "a mean");
+  EXPECT_REL(on.from_hz, 220 - 0.05, 1e-13, "half a block before the first block's middle");
+  EXPECT_REL(on.to_hz, 220 + 3.95, 1e-13, "half a block after the last one's");
+  double square = 0;
+  for (int k = 0; k < kBlocks; ++k) {
+    square += std::pow(10 + 0.02 * k + (k % 2 == 0 ? 0.1 : -0.1), 2) / 2 / kBlocks;
+  }
+  EXPECT_REL(on.rms_m, std::sqrt(square + 1e-6), 1e-13, "the mean square");
+}
+
+// Phases that lag from block to block by the same angle add up in its direction; those of the tone
+// turn by its frequency.
+TEST(DriveStates, CoherenceIsThePartThatContinues) {
+  for (const double lag : {0.0, 0.5, 1.2}) {
+    BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+    double phase = 0;
+    for (int k = 0; k < 40; ++k) {
+      course.blocks.push_back({std::polar(10.0, phase), 223, 50, 1e-6});
+      phase += 2 * std::numbers::pi * 223 * 0.05 + lag;
+    }
+    const auto states = FindStates(course, kLowerHz);
+    ASSERT_EQ(states.size(), 1U);
+    EXPECT_ABS(states[0].coherence, std::cos(lag), 1e-12, "phases of 3e3 rad");
+    EXPECT_EQ(states[0].is_steady, std::cos(lag) > 0.5) << lag;
+  }
+}
+
+// Of m blocks a state is on beyond sqrt(2 ln(B t)) sqrt(2 r / (2 B t)) (1.25 + 2 / sqrt(m)); t is
+// 50 ms, B 480 Hz.
+TEST(DriveStates, AStateIsOnBeyondWhatNoisePutsOnTheRidge) {
+  for (const int blocks : {9, 100}) {
+    for (const double share : {0.995, 1.005}) {
+      BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+      const double ridge = std::sqrt(2 * std::log(24.0)) * std::sqrt(2 * 3.0 / 48);
+      const double limit = ridge * (1.25 + 2 / std::sqrt(static_cast<double>(blocks)));
+      for (int k = 0; k < blocks; ++k) {
+        course.blocks.push_back({share * limit, 220, 3 + share * share * limit * limit / 2, 3});
+      }
+      const auto states = FindStates(course, kLowerHz);
+      ASSERT_EQ(states.size(), 1U);
+      EXPECT_EQ(states[0].state, share > 1 ? DriveState::kOn : DriveState::kOff)
+          << blocks << ' ' << share;
+    }
+  }
+}
+
+// Up to 40 Hz, twice the lower corner, eight blocks and a scatter below 15 % are needed; above,
+// neither, and a scatter of half is too much.
+TEST(DriveStates, AtTheFootADriveIsSteadierAndLonger) {
+  const auto state_of = [](double frequency_hz, int blocks, double scatter) {
+    BlockCourse course{.start_s = 0, .block_s = 0.1, .bandwidth_hz = 480, .blocks = {}};
+    double phase = 0;
+    // pairs of blocks above and below the mean: the scatter of m is sqrt(m / (m - 2)) of that
+    const double part = scatter * std::sqrt(1 - 2.0 / blocks);
+    for (int k = 0; k < blocks; ++k) {
+      const double level = 10 * (1 + (k % 4 == 0 || k % 4 == 3 ? part : -part));
+      course.blocks.push_back({std::polar(level, phase), frequency_hz, level * level / 2, 1e-3});
+      phase += 2 * std::numbers::pi * frequency_hz * 0.1;
+    }
+    const auto states = FindStates(course, kLowerHz);
+    EXPECT_EQ(states.size(), 1U) << frequency_hz << ' ' << blocks << ' ' << scatter;
+    return states.at(0);
+  };
+  const auto is_on = [](const StateInterval& state) { return state.state == DriveState::kOn; };
+  EXPECT_TRUE(is_on(state_of(39.9, 8, 0.01)));
+  EXPECT_FALSE(is_on(state_of(39.9, 7, 0.01)));
+  EXPECT_TRUE(is_on(state_of(40.1, 7, 0.01)));
+  EXPECT_TRUE(is_on(state_of(39.9, 40, 0.148)));
+  EXPECT_FALSE(is_on(state_of(39.9, 40, 0.152)));
+  EXPECT_TRUE(state_of(40.1, 40, 0.152).is_steady);
+  EXPECT_TRUE(state_of(100, 40, 0.495).is_steady);
+  EXPECT_FALSE(state_of(100, 40, 0.505).is_steady);
+  EXPECT_TRUE(is_on(state_of(100, 40, 0.505)));
+}
+
+// 14 minutes of noise, of which a frame of 0.1 s in each 0.2 s is fitted: what the whole blocks
+// have beside it is within what noise gives, and adds nothing to the residual of its first half.
+// That of the second half is as large.
+TEST(DriveStatesOfLongRecords, NoiseBetweenFramesAddsNothing) {
+  std::vector<double> values((std::size_t{1} << 21U) + 2600);
+  Noise noise(3);
+  for (double& value : values) value = 1e-8 * noise();
+  const BlockCourse course = CourseOf(values, kLongRateHz);
+  ASSERT_LT(course.fitted, 0.5);
+  ASSERT_EQ(course.following.size(), course.blocks.size());
+  double first = 0;
+  double second = 0;
+  for (std::size_t k = 0; k < course.blocks.size(); ++k) {
+    first += course.blocks[k].residual;
+    second += course.following[k].residual;
+  }
+  EXPECT_REL(first, second, 0.013,
+             "of 4000 blocks of 92 degrees: 0.33 %, four times; a tenth of scatter would add 5 %");
+}
+
+// ---- Limits of what is the same, and sizes of long records.
+
+// 40 blocks of level 10, then 40 of another one whose noise is a hundred times as strong, so that
+// there is a border; up to 2 % of the larger level they are one state.
+TEST(DriveStates, LevelsWithinTwoPercentAreOne) {
+  for (const double level : {10 / 0.9801, 10 / 0.9799, 9.801, 9.799}) {
+    BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+    for (int k = 0; k < 80; ++k) {
+      const double size = k < 40 ? 10 : level;
+      course.blocks.push_back({size, 220, size * size / 2, k < 40 ? 0.01 : 1});
+    }
+    const bool is_same = std::abs(level - 10) <= 0.02 * std::max(level, 10.0);
+    EXPECT_EQ(FindStates(course, kLowerHz).size(), is_same ? 1U : 2U) << level;
+  }
+}
+
+// Below the noise: off, but for a level that changes by more than half of itself and 3.29 of its
+// uncertainty over the state.
+TEST(DriveStates, ADriveThatComesBelowTheNoiseIsNoPause) {
+  for (const double change : {0.495, 0.505}) {
+    BlockCourse course{.start_s = 0, .block_s = 0.05, .bandwidth_hz = 480, .blocks = {}};
+    for (int k = 0; k < 20; ++k) {
+      // from begin to end of 20 blocks
+      const double level = 0.4 * (1 + change * (k - 9.5) / 20);
+      course.blocks.push_back({level, 220, 1 + level * level / 2, 1});
+    }
+    const auto states = FindStates(course, kLowerHz);
+    ASSERT_EQ(states.size(), 1U);
+    EXPECT_REL(states[0].drift, change, 1e-12, "a line");
+    EXPECT_EQ(states[0].state, change > 0.5 ? DriveState::kTransition : DriveState::kOff);
+  }
+}
+
+// 5.2 samples a period of 500 Hz and more; 2^21 of them are kept.
+TEST(FramesToKeep, AreAllOrTwoBlocksInEachPeriod) {
+  EXPECT_EQ(FramesToKeep(1000, 5199, {}).stride, 1U);
+  EXPECT_EQ(FramesToKeep(1000, 5201, {}).stride, 2U);
+  EXPECT_EQ(FramesToKeep(1000, 1500, {}).stride, 1U);
+  constexpr std::size_t kMost = std::size_t{1} << 21U;
+  for (const std::size_t stride : {1U, 3U}) {
+    const double rate_hz = kLongRateHz * static_cast<double>(stride);
+    const KeptFrames all = FramesToKeep(stride * kMost, rate_hz, {});
+    EXPECT_EQ(all.stride, stride);
+    EXPECT_EQ(all.period, kMost);
+    EXPECT_EQ(all.frame, kMost);
+    EXPECT_EQ(all.offset, 0U);
+    const KeptFrames some = FramesToKeep(stride * kMost + 1, rate_hz, {});
+    EXPECT_EQ(some.stride, stride);
+    EXPECT_EQ(some.frame, 260U) << "two blocks of 50 ms";
+    // 4032 frames of 260 are 2^20, and one every 521 thinned samples is 2^21
+    EXPECT_EQ(some.period, 521U);
+    EXPECT_EQ(some.offset, 130U) << "in the middle";
+  }
+  // a lower corner of 5 Hz has blocks of 0.2 s
+  EXPECT_EQ(FramesToKeep(2 * kMost, kLongRateHz, {.lower_hz = 5}).frame, 1040U);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

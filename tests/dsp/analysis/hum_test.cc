@@ -196,5 +196,55 @@ TEST(FindHum, NoiseAloneHasNone) {
   EXPECT_LE(found, repetitions / 1000);  // none of the first 1000
 }
 
+// Hum alone in 1 s and a reading less than that.
+TEST(FindHum, IsSoughtFromOneSecondOn) {
+  const std::vector<double> second = Samples(kRateHz, 2000, 0.03, {{2e-6, 50, 0.4}});
+  EXPECT_TRUE(HumIn({second.begin(), second.end() - 1}).empty());
+  EXPECT_FALSE(HumIn(second).empty());
+}
+
+// The mains is off by 60 mHz at most (1.2e-3 of 50 Hz).
+TEST(FindHum, BesideTheMainsIsNone) {
+  for (const double off_hz : {-0.062, -0.058, 0.058, 0.062}) {
+    const std::vector<Sine> hum{{0.2e-6, 50 + off_hz, 0.4}};
+    EXPECT_EQ(HumIn(Displacement(hum, Drive::kNone, 225)).size(), std::abs(off_hz) < 0.06 ? 1U : 0U)
+        << off_hz;
+  }
+}
+
+// A multiple that exceeds the fundamental is the drive's own.
+TEST(FindHum, AMultipleIsNoStrongerThanTheFundamental) {
+  for (const double size : {0.97, 1.03}) {
+    const std::vector<Sine> hum{{0.2e-6, 50, 0.4}, {size * 0.2e-6, 150, 1}};
+    EXPECT_EQ(HumIn(Displacement(hum, Drive::kNone, 225)).size(), size < 1 ? 2U : 1U) << size;
+  }
+}
+
+// Multiples up to the tenth, and up to the end of the band.
+TEST(FindHum, SeeksMultiplesUpToTheBandsEnd) {
+  std::vector<Sine> hum;
+  for (int order = 1; order <= 11; ++order) hum.push_back({0.2e-6 / order, 48.0, 0.4 * order});
+  for (std::size_t k = 0; k < hum.size(); ++k) {
+    hum[k].frequency_hz = 49.97 * static_cast<double>(k + 1);
+  }
+  // the tenth is at 499.7 Hz
+  EXPECT_EQ(HumIn(Displacement(hum, Drive::kNone, 225)).size(), 10U);
+  for (std::size_t k = 0; k < hum.size(); ++k) {
+    hum[k].frequency_hz = 50.03 * static_cast<double>(k + 1);
+  }
+  EXPECT_EQ(HumIn(Displacement(hum, Drive::kNone, 225)).size(), 9U) << "500.3 Hz lies above";
+}
+
+TEST(IsOfMains, HoldsForMultiplesOfEither) {
+  for (const double frequency_hz : {50.0, 60.0, 100.0, 180.0, 250.0, 300.0}) {
+    EXPECT_TRUE(IsOfMains(frequency_hz + 0.99, 1)) << frequency_hz;
+    EXPECT_TRUE(IsOfMains(frequency_hz - 0.99, 1)) << frequency_hz;
+    EXPECT_FALSE(IsOfMains(frequency_hz + 1.01, 1)) << frequency_hz;
+    EXPECT_FALSE(IsOfMains(frequency_hz - 1.01, 1)) << frequency_hz;
+  }
+  EXPECT_FALSE(IsOfMains(0, 1)) << "no multiple: nothing turns";
+  EXPECT_FALSE(IsOfMains(0.5, 1));
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -1,10 +1,12 @@
 // MeasureNoiseBeside against noise of known density: its stated variances, tones, red noise.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
@@ -174,6 +176,162 @@ TEST(NoiseBeside, ScalesWithTheSamples) {
   EXPECT_EQ(small.variance_of_rest, 0x1p-80 * one.variance_of_rest);
   EXPECT_EQ(small.foot_mean_square, 0x1p-40 * one.foot_mean_square);
   EXPECT_EQ(small.below_mean_square, 0x1p-40 * one.below_mean_square);
+}
+
+// ---- Bins made by hand: 1 Hz apart, all of the noise's density of 2 but for what a test adds.
+
+BandNoise FlatRest() {
+  BandNoise rest;
+  rest.bin_hz = 1;
+  rest.bins.assign(751, 0.0);
+  return rest;
+}
+
+NoiseBeside FlatNoise() {
+  NoiseBeside beside;
+  beside.parts = {{20, 100}, {100, 500}};
+  beside.densities = {2, 2};
+  return beside;
+}
+
+double PowerGainAt(double frequency_hz) {
+  return std::pow(Magnitude(Designed({}, kRateHz), frequency_hz), 4);
+}
+
+// What lies in the drive's range counts, its ends included, and nothing beside it.
+TEST(BeyondNoise, TakesTheBinsOfTheDrivesRange) {
+  BandNoise rest = FlatRest();
+  for (const std::size_t k : {199U, 200U, 205U, 206U}) rest.bins[k] = 3;
+  const std::vector<FrequencyRange> drive{{200, 205}};
+  const NoisePower beyond = BeyondNoise(rest, FlatNoise(), Designed({}, kRateHz), {}, drive);
+  // bins 200 and 205 of 3, and noise of 2 in all six; next to the filter's gain of 1
+  double noise = 0;
+  double squares = 0;
+  for (int k = 200; k <= 205; ++k) {
+    noise += 2 * PowerGainAt(k);
+    squares += std::pow(2 * PowerGainAt(k), 2);
+  }
+  EXPECT_REL(beyond.mean_square, 6 - noise, 1e-12, "rounding");
+  // w is 5 bins of 128
+  EXPECT_REL(beyond.variance, squares * (1 + 2.08 * 2 * 5 / 128), 1e-12, "rounding");
+}
+
+// A line is half of 5^2 times the noise, and what lies beside it belongs to it.
+TEST(BeyondNoise, TakesLinesOfTwelveAndAHalfTimesTheNoise) {
+  const std::vector<FrequencyRange> drive{{200, 200.5}};
+  const FilterDesign design = Designed({}, kRateHz);
+  const auto beyond = [&](std::size_t bin, double size) {
+    BandNoise rest = FlatRest();
+    rest.bins[bin] = size;
+    // the drive's own bin holds nothing
+    return BeyondNoise(rest, FlatNoise(), design, {}, drive).mean_square + 2 * PowerGainAt(200);
+  };
+  EXPECT_ABS(beyond(300, 24.9), 0, 1e-12, "less than 12.5 x 2");
+  const double beside = 2 * (PowerGainAt(299) + PowerGainAt(300) + PowerGainAt(301));
+  EXPECT_REL(beyond(300, 25.1), 25.1 - beside, 1e-9, "three bins; the filter's gain is 1 - 1e-6");
+  // at the ends of the band, where the filter leaves half of the power
+  EXPECT_REL(beyond(20, 100), 100 - 2 * (PowerGainAt(20) + PowerGainAt(21)), 1e-9, "from 20 Hz on");
+  EXPECT_REL(beyond(500, 100), 100 - 2 * (PowerGainAt(499) + PowerGainAt(500)), 1e-9,
+             "up to 500 Hz");
+  EXPECT_ABS(beyond(18, 100), 0, 1e-12, "below the band, and not beside it");
+}
+
+TEST(NoiseBeside, ADensityIsThatOfItsPart) {
+  NoiseBeside noise;
+  EXPECT_EQ(noise.DensityAt(100), 0);
+  noise.parts = {{20, 30}, {30, 45}, {45, 60}};
+  noise.densities = {1, 2, 3};
+  EXPECT_EQ(noise.DensityAt(10), 1);
+  EXPECT_EQ(noise.DensityAt(29.9), 1);
+  EXPECT_EQ(noise.DensityAt(30), 2);
+  EXPECT_EQ(noise.DensityAt(44.9), 2);
+  EXPECT_EQ(noise.DensityAt(45), 3);
+  EXPECT_EQ(noise.DensityAt(600), 3);
+}
+
+// Parts are half as wide again as where they begin, and 16 Hz or 128 bins at most.
+TEST(NoiseBeside, PartsCoverTheBandOnce) {
+  const BandPass band;
+  for (const std::size_t size : {kSize, std::size_t{40'000}}) {
+    const std::vector<double> none(size, 0.0);
+    const NoiseBeside noise =
+        MeasureNoiseBeside(none, kRateHz, Designed(band, kRateHz), band, kBesideTone);
+    const double widest_hz = std::max(16.0, 128 * kRateHz / static_cast<double>(size));
+    double from_hz = band.lower_hz;
+    for (const FrequencyRange& part : noise.parts) {
+      EXPECT_EQ(part.from_hz, from_hz);
+      EXPECT_REL(part.to_hz, std::min({1.5 * from_hz, from_hz + widest_hz, band.upper_hz}), 1e-15,
+                 "rounding");
+      from_hz = part.to_hz;
+    }
+    EXPECT_REL(from_hz, band.upper_hz, 1e-3, "the last thousandth of the band is no part");
+  }
+}
+
+// A sine of 1 in nothing: all of its half is beyond noise, below the corner, in the lowest part, or
+// in none of both.
+TEST(NoiseBeside, MotionBelowAndInTheFootIsBeyondNoise) {
+  const BandPass band;
+  const FilterDesign design = Designed(band, kRateHz);
+  const auto measured = [&](double frequency_hz) {
+    return MeasureNoiseBeside(Samples(kRateHz, 20'000, 0, {{1, frequency_hz, 0.3}}), kRateHz,
+                              design, band, kBesideTone);
+  };
+  constexpr double kSides = 1e-6;  // side lobes of -92 dB
+  EXPECT_REL(measured(14.3).below_mean_square, 0.5, kSides, "8 Hz to 20 Hz");
+  EXPECT_ABS(measured(14.3).foot_mean_square, 0, kSides, "side lobes");
+  EXPECT_REL(measured(25.2).foot_mean_square, 0.5, kSides, "20 Hz to 30 Hz");
+  EXPECT_ABS(measured(25.2).below_mean_square, 0, kSides, "side lobes");
+  EXPECT_REL(measured(8.6).below_mean_square, 0.5, kSides, "six bins of 0.1 Hz within");
+  EXPECT_ABS(measured(7.4).below_mean_square, 0, kSides, "six bins beyond 0.4 of the corner");
+  EXPECT_ABS(measured(33).foot_mean_square + measured(33).below_mean_square, 0, kSides, "neither");
+}
+
+// A part of which fewer than eight bins are left takes the density of the next one: above it, or
+// below where there is none above.
+TEST(NoiseBeside, APartThatIsExcludedTakesItsNeighboursDensity) {
+  const BandPass band;
+  const FilterDesign design = Designed(band, kRateHz);
+  const std::vector<double> values = FilteredNoise(design, 0.9, 5);
+  const auto measured = [&](const FrequencyRange& excluded) {
+    return MeasureNoiseBeside(values, kRateHz, design, band, std::vector{excluded});
+  };
+  const NoiseBeside all = measured({0, 0});
+  ASSERT_GE(all.parts.size(), 4U);
+  const std::size_t last = all.parts.size() - 1;
+  EXPECT_NE(all.densities[1], all.densities[2]);
+  const double bin_hz = kRateHz / kSize;
+  // all but eight bins of part 1, and all but seven
+  const double first = std::ceil(all.parts[1].from_hz / bin_hz);
+  for (const double left : {8.0, 7.0}) {
+    const NoiseBeside some = measured({(first + left - 0.5) * bin_hz, all.parts[1].to_hz});
+    EXPECT_TRUE(some.is_known);
+    EXPECT_EQ(some.densities[1] == all.densities[2], left < 8) << left;
+    EXPECT_EQ(some.densities[0], all.densities[0]);
+  }
+  const NoiseBeside above = measured({all.parts[last].from_hz, 1000});
+  EXPECT_EQ(above.densities[last], all.densities[last - 1]);
+  EXPECT_FALSE(measured({0, 1000}).is_known);
+}
+
+// Terms of Harris's table; the mean of the window is the first of them, its mean square that of
+// all.
+TEST(BlackmanHarris, HasTheTermsOfItsTable) {
+  constexpr std::size_t kCount = 1000;
+  const std::vector<double> weights = BlackmanHarris(kCount);
+  double sum = 0;
+  double squares = 0;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const double turn = 2 * std::numbers::pi * (static_cast<double>(k) + 0.5) / kCount;
+    EXPECT_ABS(weights[k],
+               0.35875 - 0.48829 * std::cos(turn) + 0.14128 * std::cos(2 * turn) -
+                   0.01168 * std::cos(3 * turn),
+               1e-14, "rounding");
+    sum += weights[k];
+    squares += weights[k] * weights[k];
+  }
+  EXPECT_REL(sum / kCount, 0.35875, 1e-13, "the cosines' sums are 0");
+  EXPECT_REL(squares / kCount, 0.2579635, 1e-6, "seven digits of the constant that is taken");
 }
 
 }  // namespace

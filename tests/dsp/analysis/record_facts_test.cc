@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/band_filtering.h"
 #include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
@@ -141,6 +145,155 @@ TEST(RecordDoubts, MillisecondsReadAsSecondsAreGuessed) {
   record.metadata.nominal_rate_hz.reset();
   record.metadata.sensor = "keyence-il";  // that is a slow one
   EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kTimesInOtherUnit));
+}
+
+// ---- The steps before any filter, by their own functions.
+
+// 2 s at `rate_hz` that are polled, of times known to `uncertainty_s`
+Findings ObservableIn(double rate_hz, double uncertainty_s, const BandPass& band) {
+  trial::Record record = RecordOf(std::vector<double>(100, 0.03), rate_hz);
+  record.timing = trial::Timing::kPolled;
+  Segments segments;
+  segments.parts.resize(2);
+  segments.parts[1].time_uncertainty_s = uncertainty_s;
+  BandAnalysis analysis;
+  analysis.record.fresh_rate_hz = rate_hz;
+  CheckObservable(record, segments, band, &analysis);
+  return analysis.findings;
+}
+
+TEST(CheckObservable, NeedsTwoAndAHalfReadingsAPeriodAndTimesToATenth) {
+  const BandPass band{.lower_hz = 10, .upper_hz = 100};
+  EXPECT_TRUE(ObservableIn(256, 0.999e-3, band).list().empty());
+  const Findings slow = ObservableIn(255.9, 0, band);
+  ASSERT_EQ(slow.list().size(), 1U);
+  EXPECT_EQ(slow.list()[0].kind, FindingKind::kTooFewReadings);
+  EXPECT_EQ(slow.list()[0].severity, Severity::kRefusal);
+  EXPECT_EQ(NumberOf(slow.list()[0], "needed_per_s"), 256);
+  EXPECT_EQ(NumberOf(slow.list()[0], "new_readings_per_s"), 255.9);
+  const Findings late = ObservableIn(256, 1.001e-3, band);
+  ASSERT_EQ(late.list().size(), 1U);
+  EXPECT_EQ(late.list()[0].kind, FindingKind::kTimesUncertain);
+  EXPECT_EQ(NumberOf(late.list()[0], "limit_s"), 1e-3);
+  EXPECT_EQ(NumberOf(late.list()[0], "upper_hz"), 100);
+}
+
+// A fourth of 100 rows are handed out again, five are late, three have no number; the second
+// stretch lasts longer.
+TEST(DescribeRecord, CountsRowsAndNewReadings) {
+  trial::Record record = RecordOf(std::vector<double>(100, 0.03), 1000);
+  record.stretches = {{0, 40, 0, 1000, 0}, {40, 60, 1, 800, 0}};
+  Segments segments;
+  segments.parts.resize(3);
+  segments.measured = 92;
+  segments.bridged = 4;
+  segments.by_status[static_cast<std::size_t>(trial::SampleStatus::kOk)] = 72;
+  segments.by_status[static_cast<std::size_t>(trial::SampleStatus::kRepeated)] = 23;
+  segments.by_status[static_cast<std::size_t>(trial::SampleStatus::kLate)] = 5;
+  RawSummary summary;
+  summary.measured = 92;
+  summary.mean = 0.03;
+  summary.least = 0.01;
+  summary.most = 0.05;
+  BandAnalysis analysis;
+  DescribeRecord(record, segments, summary, &analysis);
+  const RecordFacts& facts = analysis.record;
+  EXPECT_EQ(facts.rows, 100U);
+  EXPECT_EQ(facts.measured, 92U);
+  EXPECT_EQ(facts.bridged, 4U);
+  EXPECT_EQ(facts.segments, 3U);
+  EXPECT_EQ(facts.rate_hz, 800) << "of the stretch with more rows";
+  EXPECT_REL(facts.duration_s, 0.04 + 0.075, 1e-15, "both stretches");
+  EXPECT_REL(facts.fresh_rate_hz, 600.0, 1e-15, "23 of 92 were there before");
+  EXPECT_REL(facts.observable_upper_hz, 600 / 2.56, 1e-15, "readings a period");
+  EXPECT_EQ(facts.offset_m, 0.03);
+  EXPECT_REL(facts.peak_to_peak_m, 0.04, 1e-15, "most less least");
+  const Finding excluded = FirstOf(analysis.findings, FindingKind::kExcluded);
+  EXPECT_EQ(NumberOf(excluded, "excluded"), 8);
+  EXPECT_EQ(TextOf(excluded, "statuses"), "late 5, without a value 3");
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kRepeated, "repeated"), 23);
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kRepeated, "readings"), 92);
+}
+
+// what is said of a spike from row 300 on and steps from row 700 on, of 1 kHz
+TEST(RemarkArtifacts, CountsEachKindAndTimesTheFirst) {
+  trial::Record record = RecordOf(std::vector<double>(1000, 0.03), 1000);
+  record.stretches[0].start_s = 2;
+  record.channels[0].statuses[100] = record.channels[0].statuses[101] =
+      trial::SampleStatus::kClipped;
+  const trial::RecordRows rows(record);
+  const CleanChannel clean = Clean(rows, 0).value();
+  BandAnalysis analysis;
+  analysis.faults.list = {{FaultKind::kClipped, 100, 2, 0},
+                          {FaultKind::kSpike, 300, 1, -4e-3},
+                          {FaultKind::kStep, 700, 1, -2e-3},
+                          {FaultKind::kStep, 800, 1, 3e-3}};
+  analysis.faults.count = {1, 0, 1, 2};
+  analysis.faults.rows = {2, 0, 1, 2};
+  RemarkArtifacts(clean, &analysis);
+  EXPECT_FALSE(analysis.findings.Has(FindingKind::kHeld));
+  const Finding clipped = FirstOf(analysis.findings, FindingKind::kClipped);
+  EXPECT_EQ(clipped.severity, Severity::kDoubt);
+  EXPECT_EQ(NumberOf(clipped, "count"), 1);
+  EXPECT_EQ(NumberOf(clipped, "readings"), 2);
+  EXPECT_REL(NumberOf(clipped, "first_s"), 2.1, 1e-15, "row 100");
+  const Finding spike = FirstOf(analysis.findings, FindingKind::kSpikes);
+  EXPECT_EQ(spike.severity, Severity::kNote) << "it was corrected";
+  EXPECT_EQ(NumberOf(spike, "size_m"), 4e-3);
+  const Finding step = FirstOf(analysis.findings, FindingKind::kSteps);
+  EXPECT_EQ(step.severity, Severity::kDoubt);
+  EXPECT_EQ(NumberOf(step, "count"), 2);
+  EXPECT_EQ(NumberOf(step, "size_m"), 2e-3);
+  EXPECT_REL(NumberOf(step, "first_s"), 2.7, 1e-15, "row 700");
+}
+
+// ---- A part of 1 s at 1 kHz, from sample 500 of the record's second segment on, that changes
+// `changes` times; two a period of 20 Hz are 40.
+
+std::optional<Finding> WhyStuckAfter(std::size_t changes, std::size_t runs_of_record) {
+  trial::Record record = RecordOf(std::vector<double>(4000, 0.03), 1000);
+  std::vector<double>& values = record.channels[0].values;
+  // many changes before the part and behind it
+  for (std::size_t k = 0; k < 1500; ++k) values[k] += k % 2 == 0 ? 1e-6 : 0;
+  for (std::size_t k = 2500; k < 4000; ++k) values[k] += k % 2 == 0 ? 1e-6 : 0;
+  values[1499] = 0.03 + 5e-6;
+  values[1500] = 0.03;
+  for (std::size_t change = 1; change <= changes; ++change) {
+    for (std::size_t k = 1500 + 10 * change; k < 2500; ++k) {
+      values[k] = 0.03 + 1e-6 * static_cast<double>(change);
+    }
+  }
+  // a value that is no measurement, and one beside a hole, are no changes
+  values[1505] = 1;
+  record.channels[0].statuses[1505] = trial::SampleStatus::kOver;
+  const trial::RecordRows rows(record);
+  Segment segment;
+  segment.first_row = 1000;
+  segment.size = 3000;
+  segment.start_s = 1;
+  segment.rate_hz = 1000;
+  const BandSignal signal =
+      BandSignal::Filter({rows, 0, segment}, Designed({.upper_hz = 300}, 1000), 1).value();
+  BandAnalysis analysis;
+  analysis.record.duration_s = 4;
+  analysis.faults.runs = runs_of_record;
+  analysis.band.lower_hz = 20;
+  return WhyStuck(Displacement{rows, 0}, {&signal, 500, 1500}, analysis).value();
+}
+
+TEST(WhyStuck, OfAPartCountsItsOwnChanges) {
+  const auto stuck = WhyStuckAfter(39, 100);
+  ASSERT_TRUE(stuck);
+  EXPECT_EQ(stuck->severity, Severity::kRefusal);
+  EXPECT_EQ(NumberOf(*stuck, "changes"), 39);
+  EXPECT_EQ(NumberOf(*stuck, "readings"), 1000);
+  EXPECT_EQ(NumberOf(*stuck, "window_s"), 1);
+  EXPECT_EQ(NumberOf(*stuck, "from_s"), 1.5);
+  EXPECT_EQ(NumberOf(*stuck, "lower_hz"), 20);
+  EXPECT_FALSE(WhyStuckAfter(40, 100));
+  // 160 changes in the record's 4 s are enough for it not to be read again
+  EXPECT_TRUE(WhyStuckAfter(39, 159));
+  EXPECT_FALSE(WhyStuckAfter(39, 160));
 }
 
 }  // namespace

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <initializer_list>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -224,6 +229,212 @@ TEST(RmsEstimate, IntervalsCoverThePopulation) {
   // 2000 repetitions know a rate of 95 % to 0.5 %
   EXPECT_ABS(100.0 * covered / kSeeds, 95, 2, "the bar");
   EXPECT_ABS(100.0 * covered_above_floor / kSeeds, 95, 2, "the bar");
+}
+
+// Half a million degrees of freedom and more: the limits are those of a normal distribution.
+constexpr double kSmallVariance = 1e-8;
+const double kBoth = std::sqrt(2 * kSmallVariance);  // of rest and floor
+
+RmsEstimate OverFloor(double above) {
+  BandPower power;
+  power.rest = {1 + above, kSmallVariance};
+  power.floor = NoisePower{1, kSmallVariance};
+  return EstimateRms(power, {});
+}
+
+TEST(RmsEstimate, AFloorIsExceededBeyondItsOneSidedLimit) {
+  // one-sided 95 %: 1.644854 standard deviations
+  const double limit = 1.644854 * kBoth;
+  EXPECT_TRUE(OverFloor(0.995 * limit).below_floor);
+  EXPECT_FALSE(OverFloor(1.005 * limit).below_floor);
+  // two-sided: 1.959964
+  const double contradiction = -1.959964 * kBoth;
+  EXPECT_FALSE(OverFloor(0.995 * contradiction).floor_contradicts);
+  EXPECT_TRUE(OverFloor(1.005 * contradiction).floor_contradicts);
+  EXPECT_TRUE(OverFloor(1.005 * contradiction).below_floor);
+}
+
+TEST(RmsEstimate, OfADifferenceLimitsAreThoseOfANormalDistribution) {
+  const double above = 10 * kBoth;
+  const RmsEstimate estimate = OverFloor(above);
+  constexpr double kDigits = 1e-6;  // digits of the quantiles
+  EXPECT_REL(estimate.rms_m, std::sqrt(above), kDigits, "the difference");
+  EXPECT_REL(estimate.lower_m, std::sqrt(above - 1.959964 * kBoth), kDigits, "two-sided");
+  EXPECT_REL(estimate.upper_m, std::sqrt(above + 1.959964 * kBoth), kDigits, "two-sided");
+  EXPECT_REL(estimate.at_most_m, std::sqrt(above + 1.644854 * kBoth), kDigits, "one-sided");
+  EXPECT_REL(estimate.standard_uncertainty_m, kBoth / (2 * std::sqrt(above)), kDigits,
+             "u(rms^2) / (2 rms)");
+  ASSERT_EQ(estimate.budget.size(), 2U);
+  for (const UncertaintyLine& line : estimate.budget) {
+    EXPECT_REL(line.standard_uncertainty_m, estimate.standard_uncertainty_m / std::numbers::sqrt2,
+               1e-12, "both have the same variance");
+  }
+}
+
+// Where the RMS does not differ from 0, its uncertainty is that of the interval's width.
+TEST(RmsEstimate, OfNothingTheUncertaintyIsTheIntervals) {
+  for (const double share : {0.99, 1.01}) {
+    const double above = share * 1.959964 * kBoth;
+    const RmsEstimate estimate = OverFloor(above);
+    const double expected = share < 1 ? std::sqrt(above + 1.959964 * kBoth) / (2 * 1.959964)
+                                      : kBoth / 2 / estimate.rms_m;
+    EXPECT_REL(estimate.standard_uncertainty_m, expected, 1e-6, "digits of the quantile");
+  }
+}
+
+double SquaresOf(const std::vector<UncertaintyLine>& budget) {
+  double sum = 0;
+  for (const UncertaintyLine& line : budget)
+    sum += line.standard_uncertainty_m * line.standard_uncertainty_m;
+  return sum;
+}
+
+// With all that there may be, of an RMS that is known and of one that is not.
+TEST(RmsEstimate, TheBudgetAddsUpInSquares) {
+  for (const double tone : {1.0, 1e-3}) {
+    BandPower power;
+    power.tone_mean_square = tone;
+    power.tone_variance = 3e-4;
+    power.rest = {0.3, 4e-3};
+    power.floor = NoisePower{0.3, 1e-3};
+    power.sensor_gain = 0.7;
+    const std::vector<RmsBound> bounds{{RmsCause::kBelowBand, 0.02}, {RmsCause::kDrift, 0.03}};
+    RmsEstimate estimate = EstimateRms(power, bounds);
+    EXPECT_REL(SquaresOf(estimate.budget), std::pow(estimate.standard_uncertainty_m, 2), 1e-13,
+               "rounding");
+    ASSERT_EQ(estimate.budget.size(), 4U);
+    // as their standard deviations: tone / 0.7^4 and rest against the floor
+    EXPECT_REL(
+        estimate.budget[0].standard_uncertainty_m / estimate.budget[1].standard_uncertainty_m,
+        std::sqrt((3e-4 / std::pow(0.7, 4) + 4e-3) / 1e-3), 1e-13, "rounding");
+    AddGainUncertainty(0.01, estimate);
+    EXPECT_REL(SquaresOf(estimate.budget), std::pow(estimate.standard_uncertainty_m, 2), 1e-13,
+               "rounding");
+  }
+}
+
+// A bound is of the RMS behind the sensor. Of RMS^2 = tone / gain^2 + rest - floor, the square of
+// what was measured moves by 2 measured b, and the RMS by measured b / (gain^2 RMS).
+TEST(RmsEstimate, ABoundIsConvertedToTheRmsThatIsStated) {
+  BandPower power;
+  power.tone_mean_square = 1;
+  power.rest = {0.44, 0};
+  power.floor = NoisePower{0.44, 0};
+  power.sensor_gain = 0.5;
+  const std::vector<RmsBound> bounds{{RmsCause::kFoot, 0.01}};
+  const RmsEstimate estimate = EstimateRms(power, bounds);
+  EXPECT_REL(estimate.rms_m, 2.0, 1e-15, "1 / 0.5^2");
+  EXPECT_REL(estimate.as_measured_m, 1.2, 1e-15, "nothing taken off");
+  const double u = 1.2 / (0.25 * 2) * 0.01 / std::numbers::sqrt3;
+  EXPECT_REL(estimate.standard_uncertainty_m, u, 1e-13, "a rectangle");
+  constexpr double kNear = 1e-11;  // differences of nearly equal numbers
+  EXPECT_REL(estimate.upper_m - 2, 1.959963984540054 * u, kNear, "1.96 of it");
+  EXPECT_REL(2 - estimate.lower_m, 1.959963984540054 * u, kNear, "1.96 of it");
+}
+
+TEST(RmsEstimate, AGainWidensTheOneSidedLimitByOneSided) {
+  BandPower power;
+  power.tone_mean_square = 4;
+  power.tone_variance = 1e-3;
+  const RmsEstimate without = EstimateRms(power, {});
+  RmsEstimate with = without;
+  AddGainUncertainty(0.02, with);
+  EXPECT_REL(with.at_most_m - 2,
+             std::hypot(without.at_most_m - 2, 1.644853627 * 0.02 * without.at_most_m), 1e-9,
+             "digits of the quantile");
+  const Interval limits = WithGain(2, {1.7, 2.4}, 0.1);
+  EXPECT_REL(limits.lower, 2 - std::hypot(0.3, 1.959963985 * 0.1 * 2), 1e-9, "of the value");
+  EXPECT_REL(limits.upper, 2 + std::hypot(0.4, 1.959963985 * 0.1 * 2.4), 1e-9, "of the limit");
+}
+
+// ---- Bins made by hand: bin k, of 2 Hz, holds the square of k.
+
+BandNoise Counted(std::size_t bins) {
+  BandNoise noise;
+  noise.bin_hz = 2;
+  for (std::size_t k = 0; k < bins; ++k) noise.bins.push_back(static_cast<double>(k * k));
+  return noise;
+}
+
+// the mean of the squares of [from, to), over 2 Hz
+double MeanOfSquares(std::initializer_list<std::pair<int, int>> ranges) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [from, to] : ranges) {
+    for (int k = from; k < to; ++k) sum += k * k;
+    count += to - from;
+  }
+  return sum / count / 2;
+}
+
+// 24 bins on either side but for the next one: 48 of them, or as many as the band has.
+TEST(BandNoise, TheDensityIsOfTwentyFourBinsOnEitherSide) {
+  const BandNoise noise = Counted(400);
+  const auto near = [&](double frequency_hz) { return noise.DensityNear(frequency_hz, 40, 500); };
+  EXPECT_REL(near(200.9), MeanOfSquares({{75, 99}, {102, 126}}), 1e-14, "bin 100");
+  EXPECT_REL(near(201.1), MeanOfSquares({{76, 100}, {103, 127}}), 1e-14, "bin 101");
+  EXPECT_REL(near(60), MeanOfSquares({{20, 29}, {32, 56}}), 1e-14, "from 40 Hz on");
+  EXPECT_REL(near(496), MeanOfSquares({{223, 247}, {250, 251}}), 1e-14, "up to 500 Hz");
+  // bins that begin above the lower end of the band, and end below the upper one
+  EXPECT_REL(noise.DensityNear(60, 40.1, 499.9), MeanOfSquares({{21, 29}, {32, 56}}), 1e-14, "21");
+  EXPECT_REL(Counted(240).DensityNear(470, 40, 500), MeanOfSquares({{210, 234}, {237, 240}}), 1e-14,
+             "no more bins than there are");
+  EXPECT_EQ(noise.DensityNear(60, 58, 62), 0) << "no bin but the two beside it";
+}
+
+TEST(BandNoise, DegreesOfFreedomAreThoseOfMeanAndVariance) {
+  EXPECT_REL((NoisePower{3, 0.5}.degrees_of_freedom()), 36.0, 1e-15, "2 x 9 / 0.5");
+  EXPECT_TRUE(std::isinf(NoisePower{3, 0}.degrees_of_freedom()));
+  EXPECT_EQ(Pooled({}).mean_square, 0);
+}
+
+// A tone of 2 um and its second harmonic of 0.5 um in white noise of density S: over T the noise
+// has given S / T to each mean square, and its variance a^2 S / T. T is short here, so that it
+// counts.
+TEST(SplitTone, TakesTheNoisesShareFromEachLine) {
+  constexpr std::size_t kCount = 20'000;  // 10 s
+  constexpr double kWindowS = 0.01;
+  Noise noise(5);
+  std::vector<double> samples = Samples(kRateHz, kCount, 0, {{2, 110, 0.3}, {0.5, 220, 1}});
+  for (double& x : samples) x += 0.2 * noise();
+  const SineFit tone = FitSine(samples, {kRateHz, 480, 0}, 110);
+  const Harmonics lines = FitHarmonics(samples, {kRateHz, 480, 0}, tone.frequency_hz, 500);
+  ASSERT_EQ(lines.harmonics.size(), 4U);
+  ASSERT_FALSE(lines.harmonics[2].stands_out || lines.harmonics[3].stands_out) << "noise";
+  const TonePower split = SplitTone({samples, kRateHz}, tone, {}, kWindowS);
+  EXPECT_REL(split.density, 0.04 / (kRateHz / 2), 0.6, "48 bins know it to 14 %, four times");
+  const double first = std::pow(lines.harmonics[0].amplitude, 2);
+  const double second = std::pow(lines.harmonics[1].amplitude, 2);
+  const double density = split.rest.DensityNear(2 * tone.frequency_hz, 20, 500);
+  EXPECT_REL(split.mean_square, (first + second) / 2 - (split.density + density) / kWindowS, 1e-12,
+             "rounding");
+  EXPECT_REL(split.variance, (first * split.density + second * density) / kWindowS, 1e-12,
+             "rounding");
+  EXPECT_REL(split.rest.power.mean_square, 0.04, 0.04, "1 % of 2e4 values, four times");
+}
+
+// At 100 kHz: the highest power of two that leaves 2500 a second and 4096 samples, and of which
+// what folds to 750 Hz or below is 1e-9 in both passes; |H| falls as (500 / f)^N.
+TEST(Thinned, LeavesFiveTimesTheUpperCornerAndEnoughSamples) {
+  const auto thinned = [](std::vector<double> values, int order) {
+    const BandPass band{.order = order};
+    return Thinned(std::move(values), 100e3, Designed(band, 100e3), band);
+  };
+  const auto rate = [&](std::size_t size, int order) {
+    return thinned(std::vector<double>(size, 0.0), order).rate_hz;
+  };
+  EXPECT_EQ(rate(400'000, 8), 100e3 / 32) << "64 would leave 1562 a second";
+  EXPECT_EQ(rate(400'000, 6), 100e3 / 16) << "(500 / 2375)^12 is 8e-9, (500 / 5500)^12 3e-13";
+  EXPECT_EQ(rate(65'536, 6), 100e3 / 16);
+  EXPECT_EQ(rate(16 * 4096 - 1, 6), 100e3 / 8);
+  EXPECT_EQ(rate(2 * 4096 - 1, 6), 100e3);
+  std::vector<double> counted(8192);
+  for (std::size_t k = 0; k < counted.size(); ++k) counted[k] = static_cast<double>(k);
+  const ThinnedSamples half = thinned(counted, 6);
+  ASSERT_EQ(half.values_m.size(), 4096U);
+  EXPECT_EQ(half.values_m[1], 2);
+  EXPECT_EQ(half.values_m[4095], 8190);
+  EXPECT_REL(half.duration_s(), 4096 / 50e3, 1e-15, "rounding");
 }
 
 }  // namespace

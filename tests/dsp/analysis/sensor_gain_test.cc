@@ -71,5 +71,57 @@ TEST(SensorGain, FewerAveragesThatWouldDo) {
   }
 }
 
+// A ratio within 2 % of a whole number is that number, another one the next above.
+TEST(SensorGain, RowsOfAReadingAreAWholeNumber) {
+  const auto repeats = [](double ratio) {
+    return AveragingOf(Averaging({}, 1), ratio * 1000, 1000).repeats;
+  };
+  EXPECT_EQ(repeats(1), 1);
+  EXPECT_EQ(repeats(1.0199), 1);
+  EXPECT_EQ(repeats(1.0202), 2);
+  EXPECT_EQ(repeats(2.0398), 2);
+  EXPECT_EQ(repeats(2.0402), 3);
+  EXPECT_EQ(repeats(1.97), 2);
+  EXPECT_EQ(repeats(5.09), 5);
+  EXPECT_EQ(repeats(5.11), 6);
+  EXPECT_EQ(repeats(0.9), 1);
+  const SensorAveraging held = AveragingOf(Averaging({}, 1), 3000, 1000);
+  EXPECT_EQ(held.knowledge, SensorKnowledge::kKnown);
+  EXPECT_EQ(held.rate_hz, 3000);
+}
+
+// averages of 0.5 ms and rows of 0.2 ms, of which a reading fills three
+TEST(SensorGain, AveragingAndHoldingMultiply) {
+  const SensorAveraging sensor = AveragingOf(Averaging(0.5e-3, 4), 5000, 5000 / 3.0);
+  EXPECT_EQ(sensor.averages, 4);
+  EXPECT_EQ(sensor.repeats, 3);
+  const auto mean = [](int count, double period_s) {
+    const double x = std::numbers::pi * 170 * period_s;
+    return std::sin(count * x) / (count * std::sin(x));
+  };
+  EXPECT_REL(*GainAt(sensor, 170), mean(4, 0.5e-3) * mean(3, 0.2e-3), 1e-14, "rounding");
+}
+
+// A sine that passes a zero of the gain within the band: its largest value lies at the lower end,
+// its least one at the zero, 1 / (4 x 1 ms), or next to it on the grid.
+TEST(SensorGain, BoundsAreOfTheWholeBand) {
+  const SensorAveraging sensor = AveragingOf(Averaging(1e-3, 4), 10e3, 10e3);
+  const auto bounds = GainsOver(sensor, 200, 300);
+  ASSERT_TRUE(bounds);
+  EXPECT_LT(bounds->least, 1e-12) << "250 Hz is on the grid";
+  EXPECT_REL(bounds->greatest, std::max(*GainAt(sensor, 200), *GainAt(sensor, 300)), 1e-13,
+             "an end");
+  const auto above = GainsOver(sensor, 260, 300);
+  EXPECT_REL(above->greatest, *GainAt(sensor, 300), 1e-13, "it rises behind the zero");
+  EXPECT_REL(above->least, *GainAt(sensor, 260), 1e-13, "the lower end");
+}
+
+TEST(SensorGain, OneAverageIsTheLeast) {
+  // 1 / (f T) averages last a period: three of them, of which two leave cos(pi f T) = 0.5
+  EXPECT_EQ(MostAverages(1 / (3.01 * 1e-3), 1e-3), 2);
+  EXPECT_EQ(MostAverages(1 / (2.99 * 1e-3), 1e-3), 1);
+  EXPECT_EQ(MostAverages(5000, 1e-3), 1);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

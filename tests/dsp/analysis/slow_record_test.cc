@@ -131,5 +131,109 @@ TEST(SlowRecord, ATonePerSampleIsNotToldFromTheOffset) {
   EXPECT_EQ(analysis.findings.list().back().kind, FindingKind::kKnownToneAtRate);
 }
 
+// on from 306 to the record's end: its last block counts, too
+TEST(SlowRecord, ADriveThatBeginsIsFittedToTheLastReading) {
+  trial::Record record = Slow();
+  Noise noise(3);
+  for (std::size_t k = 0; k < 300; ++k) record.channels[0].values[k] = 0.03 + 2e-7 * noise();
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.known_tone);
+  EXPECT_ABS(analysis.known_tone->fit.amplitude, 1e-5,
+             3 * analysis.known_tone->fit.amplitude_uncertainty, "noise");
+  const Finding pauses = FirstOf(analysis.findings, FindingKind::kKnownTonePauses);
+  EXPECT_EQ(NumberOf(pauses, "frequency_hz"), kDriveHz);
+  // blocks of 18 readings: 16 holds the begin, 17 is left out beside it
+  EXPECT_ABS(NumberOf(pauses, "from_s"), 18 * 18 / 400.0, 1e-12, "rounding");
+  EXPECT_ABS(NumberOf(pauses, "to_s"), 1199 / 400.0, 1e-12, "the last reading, in no whole block");
+}
+
+// 0.1 / 225 s are 0.4444 ms.
+TEST(SlowRecord, TimesAreNeededToATenthOfAPeriod) {
+  for (const double uncertainty_s : {0.443e-3, 0.446e-3}) {
+    trial::Record record = Slow();
+    record.stretches[0].time_uncertainty_s = uncertainty_s;
+    const BandAnalysis analysis = Answer(record);
+    EXPECT_EQ(analysis.known_tone.has_value(), uncertainty_s < 0.1 / kDriveHz) << uncertainty_s;
+    if (analysis.known_tone) continue;
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kTimesUnfitForTone, "limit_s"),
+               0.1 / kDriveHz, 1e-15, "a tenth of a period");
+  }
+}
+
+// 10 um at `true_hz` in 3 s, of which the drive is said to be at 150 Hz
+BandAnalysis Elsewhere(double true_hz, double noise_m) {
+  std::vector<double> values = Samples(400, 1200, 0.03, {{1e-5, true_hz, 0.4}});
+  Noise noise(2);
+  for (double& value : values) value += noise_m * noise();
+  trial::Record record = RecordOf(std::move(values), 400);
+  record.metadata.drive_frequency_hz = 150;
+  return Answer(record);
+}
+
+// 2.5 bins of 1 / 3 s away, on the grid of quarters of a bin
+TEST(SlowRecord, AToneNearbyThatExplainsMoreIsADoubt) {
+  const double bin_hz = 400.0 / 1199;
+  const BandAnalysis analysis = Elsewhere(150 + 2.5 * bin_hz, 2e-7);
+  ASSERT_TRUE(analysis.known_tone);
+  EXPECT_FALSE(analysis.known_tone->aliased);
+  const Finding doubt = FirstOf(analysis.findings, FindingKind::kKnownToneElsewhere);
+  EXPECT_EQ(doubt.severity, Severity::kDoubt);
+  EXPECT_EQ(NumberOf(doubt, "frequency_hz"), 150);
+  EXPECT_REL(NumberOf(doubt, "better_hz"), 150 + 2.5 * bin_hz, 1e-12, "rounding");
+  EXPECT_REL(NumberOf(doubt, "amplitude_m"), 1e-5, 3e-3, "noise of 8 nm, four times");
+  // the interval reaches from one to the other, 3 % more for a tone between the frequencies tried
+  const SineFit& fit = analysis.known_tone->fit;
+  const double apart_m = 1.03 * NumberOf(doubt, "amplitude_m") - fit.amplitude;
+  EXPECT_REL(fit.amplitude_uncertainty, apart_m / 1.96, 0.02, "and the fit's own in squares");
+  EXPECT_LT(fit.amplitude, 0.3e-5) << "side lobe of 1 / (2.5 pi), and the line's";
+  // ten bins away it is seen, eleven away it is not
+  EXPECT_TRUE(Elsewhere(150 + 10 * bin_hz, 2e-7).findings.Has(FindingKind::kKnownToneElsewhere));
+  EXPECT_FALSE(Elsewhere(150 + 11 * bin_hz, 2e-7).findings.Has(FindingKind::kKnownToneElsewhere));
+  EXPECT_FALSE(Elsewhere(150, 2e-7).findings.Has(FindingKind::kKnownToneElsewhere));
+}
+
+// Above half the rate of new readings, 200 Hz.
+TEST(SlowRecord, ATonesAliasIsSaidAboveHalfTheRate) {
+  for (const double frequency_hz : {199.0, 201.0}) {
+    trial::Record record = RecordOf(Samples(400, 1200, 0.03, {{1e-5, frequency_hz, 0.4}}), 400);
+    record.metadata.drive_frequency_hz = frequency_hz;
+    const BandAnalysis analysis = Answer(record);
+    ASSERT_TRUE(analysis.known_tone) << frequency_hz;
+    EXPECT_EQ(analysis.known_tone->aliased, frequency_hz > 200);
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kKnownToneAlias), frequency_hz > 200);
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kKnownTone), frequency_hz < 200);
+  }
+}
+
+// 20 000 readings with a pause of 16 min behind `before` of them, in which a tone of 10 um, 2.5
+// bins of 16 383 intervals from the stated 150 Hz, gains 60 turns on that
+constexpr double kLongBinHz = 400.0 / 16'383;
+constexpr double kBesideHz = 150 + 2.5 * kLongBinHz;
+
+BandAnalysis WithAPauseBehind(std::size_t before) {
+  trial::Record record = RecordOf(std::vector<double>(20'000), 400);
+  record.metadata.drive_frequency_hz = 150;
+  const double again_s = static_cast<double>(before) / 400 + 60 / (2.5 * kLongBinHz);
+  record.stretches = {{0, before, 0, 400, 0}, {before, record.rows - before, again_s, 400, 0}};
+  for (std::size_t k = 0; k < record.rows; ++k) {
+    const double turns = kBesideHz * trial::TimeOf(record, k);
+    record.channels[0].values[k] = 0.03 + 1e-5 * std::sin(2 * std::numbers::pi * turns);
+  }
+  return Answer(record);
+}
+
+// bins are those of the readings between pauses, wherever these are
+TEST(SlowRecord, ATonesBinsAreThoseOfTheReadingsThatAreFitted) {
+  for (const std::size_t before : {std::size_t{1} << 14U, std::size_t{2000}}) {
+    const BandAnalysis analysis = WithAPauseBehind(before);
+    ASSERT_TRUE(analysis.known_tone);
+    ASSERT_FALSE(analysis.findings.Has(FindingKind::kKnownTonePauses));
+    ASSERT_TRUE(analysis.findings.Has(FindingKind::kKnownToneElsewhere)) << before;
+    const Finding doubt = FirstOf(analysis.findings, FindingKind::kKnownToneElsewhere);
+    EXPECT_REL(NumberOf(doubt, "better_hz"), kBesideHz, 1e-12, "rounding");
+    EXPECT_REL(NumberOf(doubt, "amplitude_m"), 1e-5, 1e-6, "no noise; 1e6 rad in double");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

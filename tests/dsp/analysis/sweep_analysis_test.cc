@@ -259,5 +259,217 @@ TEST(AnalyzeSweep, SaysWhatIsNotDetermined) {
   EXPECT_FALSE(AnalyzeSweep(trial::RecordRows(record), {.lower_hz = 500, .upper_hz = 20}));
 }
 
+// ---- Pieces, limits and intervals.
+
+// A hole before the longer run, and behind it.
+TEST(AnalyzeSweep, TheDriveIsTakenWhereItIsMeasuredLongest) {
+  for (const std::size_t hole : {3000U, 5000U}) {
+    trial::Record record = Chirp(4, 0, 1, true);
+    record.channels[1].statuses[hole] = trial::SampleStatus::kOver;
+    const SweepAnswer answer = Analyzed(record);
+    EXPECT_EQ(TextOf(FirstOf(answer.findings, FindingKind::kDriveGaps), "channel"), "coil");
+    EXPECT_EQ(answer.window.begin_s, hole < 4000 ? 3001 / kRateHz : 0) << hole;
+    EXPECT_EQ(answer.window.end_s, hole < 4000 ? 4 : 5000 / kRateHz) << hole;
+  }
+  EXPECT_FALSE(Analyzed(Chirp(4, 0, 1, true)).findings.Has(FindingKind::kDriveGaps));
+}
+
+TEST(AnalyzeSweep, TheLongestSegmentIsTaken) {
+  trial::Record record = Chirp(4, 0, 1, true);
+  for (std::size_t k = 3000; k < 3600; ++k) {
+    record.channels[0].statuses[k] = trial::SampleStatus::kLate;
+  }
+  const SweepAnswer answer = Analyzed(record);
+  EXPECT_EQ(NumberOf(answer.findings, FindingKind::kLongestSegment, "segments"), 2);
+  EXPECT_EQ(answer.window.begin_s, 1.8);
+  EXPECT_EQ(answer.window.end_s, 4);
+  EXPECT_EQ(answer.rate_hz, kRateHz);
+}
+
+// A fourth of the record, or 4 s; of what is asked for, an even number of samples, of which the
+// record holds one and a half times as many.
+TEST(AnalyzeSweep, SegmentsAreAFourthOfTheRecord) {
+  EXPECT_EQ(Analyzed(Chirp(8, 0, 1, true)).resolution_hz, 0.5);
+  EXPECT_EQ(Analyzed(Chirp(20, 0, 1, true)).resolution_hz, 0.25) << "4 s at most";
+  const trial::Record record = Chirp(4, 0, 1, true);
+  EXPECT_EQ(Analyzed(record, {.resolution_hz = 0.7}).resolution_hz, 2000 / 2856.0);
+  // 8000 samples: segments of 5332 overlap by half, of 5334 they do not
+  EXPECT_TRUE(Analyzed(record, {.resolution_hz = 2000 / 5333.0}).answered);
+  const SweepAnswer fine = Analyzed(record, {.resolution_hz = 2000 / 5335.0});
+  EXPECT_FALSE(fine.answered);
+  EXPECT_EQ(NumberOf(fine.findings, FindingKind::kSweepTooShort, "length_s"), 4);
+  EXPECT_EQ(NumberOf(fine.findings, FindingKind::kSweepTooShort, "resolution_hz"), 0.5);
+}
+
+// Below a half nothing is answered: to the frequency at which a mean of four has that.
+TEST(AnalyzeSweep, EndsWhereTheSensorsGainIsAHalf) {
+  trial::Record record = Chirp(8, 0, 1, true);
+  record.metadata.averages = 4;
+  record.metadata.sampling_s = 1e-3;
+  const Findings found = Analyzed(record).findings;
+  const double x = kPi * NumberOf(found, FindingKind::kSweepSensorLimit, "upper_hz") * 1e-3;
+  EXPECT_REL(std::sin(4 * x) / (4 * std::sin(x)), 0.5, 1e-9, "60 halvings");
+  EXPECT_EQ(FirstOf(found, FindingKind::kSweepSensorLimit).severity, Severity::kDoubt);
+  // up to a frequency at which more is left, and with nothing left above the lower one
+  EXPECT_FALSE(Analyzed(record, {.upper_hz = 0.99 * x / kPi * 1e3})
+                   .findings.Has(FindingKind::kSweepSensorLimit));
+  const SweepAnswer none = Analyzed(record, {.lower_hz = 1.01 * x / kPi * 1e3});
+  EXPECT_FALSE(none.answered);
+  EXPECT_THAT(RefusalsIn(none.findings), ElementsAre(FindingKind::kSweepSensorLimit));
+}
+
+// A fourth of the readings is handed out twice: 1600 of 2000 a second are new.
+TEST(AnalyzeSweep, EndsWhereNewReadingsAreTooFew) {
+  trial::Record record = Chirp(8, 0, 1, true);
+  for (std::size_t k = 4; k < record.rows; k += 5) {
+    record.channels[0].statuses[k] = trial::SampleStatus::kRepeated;
+  }
+  const auto limits = [&](double upper_hz) {
+    return Analyzed(record, {.upper_hz = upper_hz}).findings;
+  };
+  EXPECT_FALSE(limits(624.9).Has(FindingKind::kSweepRateLimit));
+  const Findings found = limits(640);
+  EXPECT_REL(NumberOf(found, FindingKind::kSweepRateLimit, "upper_hz"), 625.0, 1e-12,
+             "1600 / 2.56");
+  EXPECT_REL(NumberOf(found, FindingKind::kSweepRateLimit, "new_readings_per_s"), 1600.0, 1e-12,
+             "rounding");
+  EXPECT_REL(NumberOf(found, FindingKind::kSweepRateLimit, "needed_per_s"), 640 * 2.56, 1e-12,
+             "rounding");
+}
+
+// The largest amplitude is at the end that is nearer to the resonance at 175 Hz.
+TEST(AnalyzeSweep, SaysOnWhichSideAResonanceLies) {
+  const trial::Record record = Chirp(8, 0, 1, true);
+  const Finding above = FirstOf(Analyzed(record, {.lower_hz = 70, .upper_hz = 130}).findings,
+                                FindingKind::kResonanceAbove);
+  EXPECT_EQ(above.severity, Severity::kDoubt);
+  EXPECT_ABS(NumberOf(above, "highest_hz"), 130, 1, "two bins of 0.5 Hz");
+  EXPECT_EQ(NumberOf(above, "from_hz"), 70);
+  EXPECT_EQ(NumberOf(above, "to_hz"), 130);
+  const Finding below = FirstOf(Analyzed(record, {.lower_hz = 250, .upper_hz = 440}).findings,
+                                FindingKind::kResonanceBelow);
+  EXPECT_ABS(NumberOf(below, "highest_hz"), 250, 1, "two bins of 0.5 Hz");
+}
+
+// With a drive channel: Student's t, and what segments of half the length change, found here by
+// asking for these.
+TEST(AnalyzeSweep, IntervalsByADriveHoldTheChangeBySegmentsOfHalfTheLength) {
+  const trial::Record record = Chirp(16, 1e-6, 5, true);
+  const SweepResonance whole = *Analyzed(record, {.resolution_hz = 0.25}).resonance;
+  const SweepResonance half = *Analyzed(record, {.resolution_hz = 0.5}).resonance;
+  const double student = StudentCritical(whole.fit.degrees_of_freedom);
+  const double change_hz = std::abs(whole.fit.frequency_hz - half.fit.frequency_hz);
+  const double reach_hz = student * whole.fit.frequency_uncertainty_hz + change_hz;
+  EXPECT_GT(change_hz, 1e-6) << "else nothing is shown";
+  EXPECT_REL(whole.frequency_hz.upper, whole.fit.frequency_hz + reach_hz, 1e-13, "rounding");
+  EXPECT_REL(whole.frequency_hz.lower, whole.fit.frequency_hz - reach_hz, 1e-13, "rounding");
+  const double reach = student * whole.fit.quality_factor_uncertainty +
+                       std::abs(whole.fit.quality_factor - half.fit.quality_factor);
+  EXPECT_REL(whole.quality_factor.upper, whole.fit.quality_factor + reach, 1e-13, "rounding");
+  EXPECT_REL(whole.quality_factor.lower, whole.fit.quality_factor - reach, 1e-13, "rounding");
+}
+
+// Without one: blocks of twice the length, the sweep's lateness and its widening. 390 Hz in 30 s.
+TEST(AnalyzeSweep, IntervalsWithoutADriveHoldTheSweepsLateness) {
+  const trial::Record record = Chirp(30, 0, 1, false);
+  const auto found = [&](double resolution_hz) {
+    return *Analyzed(record, {.lower_hz = 60, .upper_hz = 450, .resolution_hz = resolution_hz})
+                .resonance;
+  };
+  const SweepResonance whole = found(30);
+  const SweepResonance longer = found(15);
+  const double width_hz = whole.fit.frequency_hz / whole.fit.quality_factor;
+  const double rate_hz_per_s = 390 / 30.0;
+  const double late_hz = rate_hz_per_s / (kPi * width_hz);
+  const double student = StudentCritical(whole.fit.degrees_of_freedom);
+  EXPECT_REL(whole.frequency_hz.upper - whole.fit.frequency_hz,
+             student * whole.fit.frequency_uncertainty_hz +
+                 std::abs(whole.fit.frequency_hz - longer.fit.frequency_hz) + late_hz,
+             0.01, "the rate is a median over the points");
+  const double fast = 2 * rate_hz_per_s / (kPi * width_hz * width_hz);
+  EXPECT_REL(whole.quality_factor.upper - whole.fit.quality_factor -
+                 std::abs(whole.fit.quality_factor - longer.fit.quality_factor) -
+                 student * whole.fit.quality_factor_uncertainty,
+             fast * fast * whole.fit.quality_factor, 0.02, "twice that of the rate");
+}
+
+// The rate at which k is 1/5: of the apparent width it is 0.2 pi width^2 / 2.
+TEST(AnalyzeSweep, ATooFastOneSaysTheRateThatIsNot) {
+  const SweepQuestion swept{.lower_hz = 60, .upper_hz = 450};
+  const Finding fast =
+      FirstOf(Analyzed(Chirp(6, 0, 1, false, 30), swept).findings, FindingKind::kSweepTooFast);
+  EXPECT_EQ(fast.severity, Severity::kDoubt);
+  EXPECT_REL(NumberOf(fast, "rate_hz_per_s"), 65.0, 0.02, "390 Hz in 6 s");
+  EXPECT_REL(NumberOf(fast, "frequency_hz"), kResonanceHz, 0.05, "late");
+  // the apparent Q is below the true one of 30, above a third of it
+  const double most = 0.1 * kPi * std::pow(kResonanceHz / 30, 2);
+  EXPECT_GT(NumberOf(fast, "most_hz_per_s"), 0.9 * most);
+  EXPECT_LT(NumberOf(fast, "most_hz_per_s"), 9 * most);
+}
+
+TEST(AnalyzeSweep, UnevenTimesAndAShortBandAreRefused) {
+  trial::Record record = Chirp(4, 0, 1, true);
+  record.times_are_known = true;
+  for (std::size_t k = 0; k < record.rows; ++k) {
+    record.raw_times_s.push_back(static_cast<double>(k) / kRateHz);
+  }
+  EXPECT_THAT(RefusalsIn(Analyzed(record).findings), ElementsAre(FindingKind::kSweepUneven));
+  record.times_are_known = false;
+  EXPECT_FALSE(AnalyzeSweep(trial::RecordRows(record), {.lower_hz = 20, .upper_hz = 20}));
+  EXPECT_FALSE(AnalyzeSweep(trial::RecordRows(record), {.resolution_hz = 0}));
+  EXPECT_TRUE(AnalyzeSweep(trial::RecordRows(record), {.lower_hz = 20, .upper_hz = 20.1}));
+}
+
+// A drive that moves by more than a tenth of its lowest frequency is a sweep, in 8 blocks or more.
+TEST(AnalyzeSweep, ATenthOfAFrequencyIsASweep) {
+  const auto refusals = [](double change) {
+    std::vector<double> values(16'000);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double t_s = static_cast<double>(k) / kRateHz;
+      values[k] = 1e-5 * std::sin(2 * kPi * 200 * t_s * (1 + change * t_s / 16));
+    }
+    return RefusalsIn(Analyzed(RecordOf(values, kRateHz), {.lower_hz = 40}).findings);
+  };
+  // blocks of 50 ms of 8 s, of which the first and the last are left out: 0.98 of it
+  EXPECT_THAT(refusals(0.1), ElementsAre(FindingKind::kNoSweep));
+  EXPECT_THAT(refusals(0.104), ElementsAre());
+}
+
+// An echo of 1 ms beside the displacement is no resonance: what the curve leaves grows with it, and
+// is a doubt beyond a tenth.
+TEST(AnalyzeSweep, ATenthOfTheResponseThatNoCurveHoldsIsADoubt) {
+  const trial::Record plain = Chirp(4, 0, 1, true);
+  int just_below = 0;
+  int just_above = 0;
+  for (int percent = 0; percent < 100; percent += 2) {
+    trial::Record record = plain;
+    std::vector<double>& values = record.channels[0].values;
+    for (std::size_t k = values.size() - 1; k >= 2; --k)
+      values[k] += percent * 0.01 * values[k - 2];
+    const SweepAnswer answer = Analyzed(record);
+    if (!answer.resonance) break;
+    const double share = answer.resonance->fit.residual_share;
+    ASSERT_EQ(answer.findings.Has(FindingKind::kSeveralResonances), share > 0.1) << share;
+    just_below += share > 0.09 && share <= 0.1 ? 1 : 0;
+    just_above += share > 0.1 && share < 0.11 ? 1 : 0;
+    if (share > 0.1) {
+      EXPECT_EQ(NumberOf(answer.findings, FindingKind::kSeveralResonances, "left"), share);
+    }
+    if (share > 0.12) break;
+  }
+  EXPECT_GT(just_below, 0);
+  EXPECT_GT(just_above, 0);
+}
+
+// Every half hertz from 70 Hz to 440 Hz is a point, or is left out for its noise.
+TEST(AnalyzeSweep, CountsTheFrequenciesThatAreLeftOut) {
+  const SweepAnswer answer = Analyzed(Chirp(8, 3e-5, 3, true), {.lower_hz = 70, .upper_hz = 440});
+  const Finding note = FirstOf(answer.findings, FindingKind::kFrequenciesExcluded);
+  EXPECT_EQ(note.severity, Severity::kNote);
+  EXPECT_EQ(NumberOf(note, "frequencies"), 741);
+  EXPECT_EQ(NumberOf(note, "excluded") + static_cast<double>(answer.points.size()), 741);
+  EXPECT_FALSE(answer.points.empty());
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tests/dsp/filter/exact_filter.h"
@@ -117,6 +119,25 @@ TEST(Cascade, IsLinearAndKnowsNoTime) {
   }
   EXPECT_ABS(worst, 0, 1e-12, "rounding of three runs of amplitude 5");
   EXPECT_TRUE(std::equal(ya.begin(), ya.end(), ylate.begin() + 37));
+}
+
+TEST(CascadeDeathTest, SizesAndSectionsAreChecked) {
+  FilterDesign design = Designed({3, 20, 500}, 10e3);
+  Cascade cascade(design);
+  std::vector<double> values(7);
+  const std::span<double> all(values);
+  EXPECT_DEATH(cascade.CopyState(all), "check failed");
+  EXPECT_DEATH(cascade.CopyState(all.first(5)), "check failed");
+  cascade.CopyState(all.first(6));
+  EXPECT_DEATH(cascade.Process(all, all.first(6)), "check failed");
+  std::swap(design.sections.front(), design.sections.back());
+  EXPECT_DEATH(CheckSections(design), "check failed");
+  design.sections.pop_back();
+  EXPECT_DEATH(CheckSections(design), "check failed");
+  design.order = 0;
+  EXPECT_DEATH(CheckSections(design), "check failed");
+  design.order = kHighestOrder + 1;
+  EXPECT_DEATH(CheckSections(design), "check failed");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numbers>
 #include <random>
 #include <span>
@@ -225,6 +226,309 @@ TEST(Settled, TremorLeaksAsTheClosedFormSays) {
     EXPECT_REL(ratio, std::hypot(tone, leaked), 1e-9, "both signals hold whole periods of 10 s");
     EXPECT_REL(ratio, c.published, 5e-4, "the figure's digits");
   }
+}
+
+// `signal` between `count` samples of each end's value, filtered; its own samples
+std::vector<double> FilteredBetweenConstants(const FilterDesign& design,
+                                             const std::vector<double>& signal, std::size_t count) {
+  std::vector<double> padded(count, signal.front());
+  padded.insert(padded.end(), signal.begin(), signal.end());
+  padded.insert(padded.end(), count, signal.back());
+  const std::vector<double> filtered = FilterZeroPhase(design, padded);
+  const auto begin = filtered.begin() + static_cast<std::ptrdiff_t>(count);
+  return {begin, begin + std::ssize(signal)};
+}
+
+EndDependence DependenceOf(const FilterDesign& design, const std::vector<double>& signal) {
+  ZeroPhaseBlocks::Scratch scratch;
+  return MeasureEndDependence(ZeroPhaseBlocks(design, signal.size()), ReadFrom(signal), scratch)
+      .value();
+}
+
+// The largest difference of `dependence` from |other less odd continuation| / `tolerance`, over the
+// largest of these: of the samples from `first` on.
+double WorstDifference(std::span<const double> dependence, std::span<const double> other,
+                       std::span<const double> odd, std::size_t first, double tolerance) {
+  double worst = 0;
+  double most = 0;
+  for (std::size_t k = 0; k < dependence.size(); ++k) {
+    const double expected = std::abs(other[first + k] - odd[first + k]) / tolerance;
+    worst = std::max(worst, std::abs(dependence[k] - expected));
+    most = std::max(most, expected);
+  }
+  return worst / most;
+}
+
+// the oracle is the filter over the signal between constants, less that over the signal alone,
+// which continues it oddly
+TEST(EndDependence, OfAShortSignalIsTheFilteredDifferenceOfItsContinuations) {
+  const FilterDesign design = Designed({3, 20, 500}, 2e3);
+  for (const std::size_t size : {2UZ, 100UZ, 127UZ}) {
+    const std::vector<double> in = Samples(2e3, size, 0.03, {{1e-4, 61, 0.4}, {1e-5, 170, 1}});
+    const EndDependence dependence = DependenceOf(design, in);
+    ASSERT_EQ(dependence.first.size(), size) << "fewer than 128 samples: the constant one only";
+    EXPECT_TRUE(dependence.last.empty());
+    const std::vector<double> constant = FilteredBetweenConstants(design, in, 10 * kTileSamples);
+    EXPECT_ABS(WorstDifference(dependence.first, constant, FilterZeroPhase(design, in), 0, 2.5e-5),
+               0, 1e-9, "rounding of 30 mm over that of the difference");
+  }
+}
+
+// eight time constants of this filter are fewer than 128 samples
+TEST(EndDependence, OfALongSignalIsThatOfEitherEnd) {
+  const FilterDesign design = Designed({1, 300, 500, Corners::kEach}, 2e3);
+  ASSERT_LT(2 * LeastRmsSamples(design), kLeastExpectedMotionSamples);
+  const std::vector<double> in = Samples(2e3, 9000, 0.03, {{1e-4, 361, 0.4}, {1e-5, 170, 1}});
+  const std::size_t lead_in = ZeroPhaseBlocks(design, in.size()).lead_in();
+  ASSERT_GT(in.size(), 2 * lead_in);
+  const EndDependence dependence = DependenceOf(design, in);
+  ASSERT_EQ(dependence.first.size(), lead_in);
+  ASSERT_EQ(dependence.last.size(), lead_in);
+  const std::vector<double> constant = FilteredBetweenConstants(design, in, 5 * kTileSamples);
+  const std::vector<double> odd = FilterZeroPhase(design, in);
+  EXPECT_ABS(WorstDifference(dependence.first, constant, odd, 0, 2.5e-5), 0, 1e-9,
+             "rounding of 30 mm over that of the difference");
+  EXPECT_ABS(WorstDifference(dependence.last, constant, odd, in.size() - lead_in, 2.5e-5), 0, 1e-9,
+             "the same");
+}
+
+// `dependence` of `count` samples that have settled within [begin, end)
+EndDependence SettledWithin(std::size_t count, std::size_t begin, std::size_t end) {
+  EndDependence dependence;
+  dependence.first.assign(count, 2);
+  std::fill(dependence.first.begin() + static_cast<std::ptrdiff_t>(begin),
+            dependence.first.begin() + static_cast<std::ptrdiff_t>(end), 0.5);
+  return dependence;
+}
+
+// The ranges over which the RMS is asked for: all samples first, then what has settled, at least
+// 100 samples about its middle, moved inwards at the ends.
+TEST(SettledRange, AsksForTheRmsOfEnoughSamplesAboutWhatHasSettled) {
+  struct Case {
+    SampleRange settled;
+    SampleRange asked;
+  };
+  for (const Case& one : {Case{{400, 40}, {370, 100}}, Case{{700, 101}, {700, 101}},
+                          Case{{980, 20}, {900, 100}}, Case{{0, 20}, {0, 100}}}) {
+    std::vector<SampleRange> asked;
+    const auto rms = [&](const SampleRange& range) {
+      asked.push_back(range);
+      return 1.0;
+    };
+    const SampleRange settled =
+        SettledRange(1000, SettledWithin(1000, one.settled.first, one.settled.end()), rms, 100);
+    EXPECT_EQ(settled.first, one.settled.first);
+    EXPECT_EQ(settled.count, one.settled.count);
+    ASSERT_EQ(asked.size(), 2U) << "until it holds";
+    EXPECT_EQ(asked[0].first, 0U);
+    EXPECT_EQ(asked[0].count, 1000U);
+    EXPECT_EQ(asked[1].first, one.asked.first);
+    EXPECT_EQ(asked[1].count, one.asked.count);
+  }
+}
+
+TEST(SettledRange, IsTheLongestStretchUpToTheRms) {
+  EndDependence dependence;
+  dependence.first = {3, 1, 0, 3};
+  dependence.last = {1, 1 + 1e-9, 0};
+  const auto one = [](const SampleRange&) { return 1.0; };
+  // of 20 samples: what lies between both ends has settled, and 1 is not above an RMS of 1
+  const SampleRange settled = SettledRange(20, dependence, one, 1);
+  EXPECT_EQ(settled.first, 4U);
+  EXPECT_EQ(settled.end(), 18U);
+  dependence.first.assign(20, 2.0);
+  dependence.last.clear();
+  EXPECT_EQ(SettledRange(20, dependence, one, 1).count, 0U) << "nothing";
+}
+
+TEST(LeastRmsSamples, AreFourTimeConstantsOfTheSlowestPole) {
+  const FilterDesign design = Designed({6, 20, 500}, kRateHz);
+  const double samples = 4 * kRateHz / SlowestDecayPerS(design);
+  EXPECT_EQ(LeastRmsSamples(design), static_cast<std::size_t>(samples));
+  EXPECT_ABS(samples * 20 / kRateHz, 2.8, 0.05, "periods of the lower corner: printed digits");
+  // ln(1e6) = 13.8 time constants to a millionth
+  const double ringing = std::log(1e6) * kRateHz / SlowestDecayPerS(design);
+  EXPECT_EQ(RingingSamples(design, 1e-6), static_cast<std::size_t>(std::ceil(ringing)));
+}
+
+// the values that are made sample by sample and those that are turned are the same motion
+TEST(ExpectedMotion, IsItsClosedFormAtEveryIndex) {
+  const ExpectedMotion motion{
+      .offset = 0.5, .slope = 0.01, .sines = {{0.1, 2, -1}, {0.03, 0.25, 3}}, .middle = 40.5};
+  const std::vector<double> values = motion.From(-100, 300);
+  double worst = 0;
+  double of_turned = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double index = static_cast<double>(k) - 100;
+    const double t = index - 40.5;
+    const double expected = 0.5 + 0.01 * t + 2 * std::cos(0.1 * t) - std::sin(0.1 * t) +
+                            0.25 * std::cos(0.03 * t) + 3 * std::sin(0.03 * t);
+    worst = std::max(worst, std::abs(motion.At(index) - expected));
+    of_turned = std::max(of_turned, std::abs(values[k] - expected));
+  }
+  EXPECT_ABS(worst, 0, 1e-14, "rounding of phases of 30 rad");
+  EXPECT_ABS(of_turned, 0, 1e-14, "the same");
+}
+
+// Motion of one sine below the band is expected as it goes on, for eight time constants; later it
+// stays where it is. The oracle is the filter over the signal between these samples.
+TEST(EndDependence, OfASlowSineIsThatOfItsOwnContinuation) {
+  constexpr double kSlowRateHz = 2e3;
+  const FilterDesign design = Designed({3, 20, 500}, kSlowRateHz);
+  constexpr std::size_t kSize = 1500;
+  constexpr std::size_t kBeyond = 10 * kTileSamples;
+  const std::size_t ahead = 2 * LeastRmsSamples(design);
+  ASSERT_LT(ahead, kSize);
+  const std::vector<Sine> sine{{5e-4, 4.7, 0.4}};
+  const std::vector<double> in = Samples(kSlowRateHz, kSize, 0.03, sine);
+  const double first = -static_cast<double>(ahead);
+  std::vector<double> padded(kBeyond, in.front());
+  const std::vector<double> goes_on = Samples(kSlowRateHz, kSize + 2 * ahead, 0.03, sine, first);
+  padded.insert(padded.end(), goes_on.begin(), goes_on.end());
+  padded.insert(padded.end(), kBeyond, in.back());
+  const std::vector<double> expected = FilterZeroPhase(design, padded);
+  const std::vector<double> constant = FilteredBetweenConstants(design, in, kBeyond);
+  const std::vector<double> odd = FilterZeroPhase(design, in);
+  const EndDependence dependence = DependenceOf(design, in);
+  ASSERT_EQ(dependence.first.size(), kSize);
+  double worst = 0;
+  double most = 0;
+  for (std::size_t k = 0; k < kSize; ++k) {
+    const double of_expected = std::abs(expected[kBeyond + ahead + k] - odd[k]) / 9.4e-5;
+    const double wanted = std::max(of_expected, std::abs(constant[k] - odd[k]) / 5e-4);
+    worst = std::max(worst, std::abs(dependence.first[k] - wanted));
+    most = std::max(most, wanted);
+  }
+  EXPECT_ABS(worst / most, 0, 2e-5, "the frequency is found to 1e-5 rad");
+}
+
+// what stands beside `signal` if it stays less what its odd continuation has there, for `count`
+// samples, filtered to the signal's own places
+std::vector<double> FilteredStaysLessOdd(const FilterDesign& design,
+                                         const std::vector<double>& signal, std::size_t count) {
+  constexpr std::size_t kBeyond = 10 * kTileSamples;
+  const std::size_t size = signal.size();
+  std::vector<double> beside(size + 2 * kBeyond, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    beside[kBeyond - 1 - k] = signal[k + 1] - signal.front();
+    beside[kBeyond + size + k] = signal[size - 2 - k] - signal.back();
+  }
+  const std::vector<double> filtered = FilterZeroPhase(design, beside);
+  const auto begin = filtered.begin() + static_cast<std::ptrdiff_t>(kBeyond);
+  return {begin, begin + std::ssize(signal)};
+}
+
+// samples of that many time constants of the slowest pole
+std::size_t TimeConstants(const FilterDesign& design, double count) {
+  return static_cast<std::size_t>(count * design.rate_hz / SlowestDecayPerS(design));
+}
+
+struct SlowAndTone {
+  Sine slow;
+  Sine tone;
+};
+constexpr std::size_t kSlowAndTone = 1500;  // samples
+
+// `motion` between what is expected beside it for eight time constants, and later: the slow sine
+// goes on, and so does the tone, or it stays where it is
+std::vector<double> BetweenExpectations(const FilterDesign& design, const SlowAndTone& motion,
+                                        bool tone_goes_on) {
+  constexpr std::size_t kBeyond = 10 * kTileSamples;
+  const std::size_t ahead = TimeConstants(design, 8);
+  const std::size_t size = kSlowAndTone + 2 * ahead;
+  const auto first = -static_cast<double>(ahead);
+  std::vector<double> expected = Samples(design.rate_hz, size, 0.03, {motion.slow}, first);
+  const std::vector<double> tone = Samples(design.rate_hz, size, 0, {motion.tone}, first);
+  for (std::size_t k = 0; k < size; ++k) {
+    expected[k] += tone[tone_goes_on ? k : std::clamp(k, ahead, size - 1 - ahead)];
+  }
+  std::vector<double> padded(kBeyond - ahead, expected[ahead]);
+  padded.insert(padded.end(), expected.begin(), expected.end());
+  padded.insert(padded.end(), kBeyond - ahead, expected[size - 1 - ahead]);
+  const std::vector<double> filtered = FilterZeroPhase(design, padded);
+  const auto begin = filtered.begin() + static_cast<std::ptrdiff_t>(kBeyond);
+  return {begin, begin + static_cast<std::ptrdiff_t>(kSlowAndTone)};
+}
+
+// how far the dependence is from that of the expectation, over its largest value; what is not slow,
+// the tone alone, has the strictest tolerance
+double OffExpectation(const FilterDesign& design, const SlowAndTone& motion, bool tone_goes_on) {
+  const std::vector<double> in =
+      Samples(design.rate_hz, kSlowAndTone, 0.03, {motion.slow, motion.tone});
+  const std::vector<double> expected = BetweenExpectations(design, motion, tone_goes_on);
+  const std::vector<double> constant = FilteredBetweenConstants(design, in, 10 * kTileSamples);
+  const std::vector<double> odd = FilterZeroPhase(design, in);
+  const std::vector<double> fast = FilteredStaysLessOdd(
+      design, Samples(design.rate_hz, kSlowAndTone, 0, {motion.tone}), TimeConstants(design, 8));
+  const EndDependence dependence = DependenceOf(design, in);
+  EXPECT_EQ(dependence.first.size(), kSlowAndTone);
+  double worst = 0;
+  double most = 0;
+  std::size_t by_expected = 0;
+  for (std::size_t k = 0; k < dependence.first.size(); ++k) {
+    const double of_expected = std::abs(expected[k] - odd[k]) / 9.4e-5;
+    const double of_others =
+        std::max(std::abs(fast[k]) / 2.5e-5, std::abs(constant[k] - odd[k]) / 5e-4);
+    by_expected += of_expected > of_others ? 1 : 0;
+    const double wanted = std::max(of_expected, of_others);
+    worst = std::max(worst, std::abs(dependence.first[k] - wanted));
+    most = std::max(most, wanted);
+  }
+  EXPECT_GT(by_expected, kSlowAndTone / 10) << "the case that is meant";
+  return worst / most;
+}
+
+// Each of the 64 means holds one period of the tone, so that the slow sine is found without it.
+TEST(EndDependence, OfASlowSineAndAToneIsThatOfBothGoingOn) {
+  const FilterDesign design = Designed({3, 20, 500}, 2e3);
+  const double tone_hz =
+      design.rate_hz / std::floor(static_cast<double>(TimeConstants(design, 12)) / 64);
+  const SlowAndTone motion{{5e-4, 4.7, 0.4}, {3e-6, tone_hz, 0.4}};
+  EXPECT_ABS(OffExpectation(design, motion, true), 0, 1e-4,
+             "the frequencies are found to 1e-5 rad");
+  EXPECT_GT(OffExpectation(design, motion, false), 1e-3);
+}
+
+// The means share something with these tones, by which the slow sine is wrong: the expectation is
+// the nearer one of two.
+TEST(EndDependence, AToneAbove04OfTheRateIsNotExpectedToGoOn) {
+  const FilterDesign design = Designed({3, 20, 500}, 1100);
+  for (const double share : {0.39, 0.41}) {
+    const SlowAndTone motion{{5e-4, 4.7, 0.4}, {3e-6, share * design.rate_hz, 0.4}};
+    const double goes_on = OffExpectation(design, motion, true);
+    const double stays = OffExpectation(design, motion, false);
+    SCOPED_TRACE(testing::Message() << goes_on << " or " << stays);
+    EXPECT_LT(share < 0.4 ? goes_on : stays, 0.5 * std::max(goes_on, stays)) << share;
+  }
+}
+
+// Offset, slope and one sine of the slowest and the fastest that are looked for. Of 6437 samples 64
+// pieces of 100 are seen, the first 37 are not.
+TEST(Settled, AnExpectedSineIsExactFromTwoToSixtyRadians) {
+  for (const std::size_t size : {128UZ, 6400UZ, 6437UZ}) {
+    const auto n = static_cast<double>(size);
+    for (const double rad : {2.4, 11.3, 37.7, 58.6}) {
+      SCOPED_TRACE(testing::Message() << rad << " rad over " << size);
+      std::vector<double> in =
+          Samples(kRateHz, size, 0.03, {{0.4e-3, rad / n * kRateHz / (2 * std::numbers::pi), 0.2}});
+      for (std::size_t k = 0; k < size; ++k) in[k] += 1e-3 * static_cast<double>(k) / n;
+      const ExpectedMotion motion = FitExpectedMotion(in, 1);
+      ASSERT_EQ(motion.sines.size(), 1U);
+      EXPECT_ABS(motion.sines[0].rad_per_sample * n, rad, 1e-4, "2 rad narrowed by 0.618^25");
+      double worst_m = 0;
+      for (std::size_t k = 0; k < size; ++k) {
+        worst_m = std::max(worst_m, std::abs(motion.At(static_cast<double>(k)) - in[k]));
+      }
+      EXPECT_ABS(worst_m, 0, 0.4e-3 * 5e-6, "1e-5 rad of the sine, at either end half of it");
+    }
+  }
+}
+
+TEST(ExpectedMotionDeathTest, TakesOneOrTwoSinesOf128Samples) {
+  const std::vector<double> in(128, 0.03);
+  EXPECT_DEATH(static_cast<void>(FitExpectedMotion(std::span(in).first(127), 1)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitExpectedMotion(in, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitExpectedMotion(in, 3)), "check failed");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "dsp/filter/cascade.h"
@@ -427,6 +428,24 @@ TEST(ZeroPhase, RingingIsTheSlowestPoles) {
   const FilterDesign design = Designed({6, 20, 500}, kRateHz);
   const auto samples = static_cast<double>(RingingSamples(design, 1e-6));
   EXPECT_NEAR(samples / kRateHz, std::log(1e6) / SlowestDecayPerS(design), 1 / kRateHz);
+}
+
+TEST(ZeroPhaseDeathTest, RangesAndSizesAreChecked) {
+  const FilterDesign design = Designed({2, 20, 500}, 2e3);
+  const std::vector<double> in(1000, 1.0);
+  const ZeroPhaseBlocks blocks(design, in.size());
+  std::vector<double> out(in.size() + 1);
+  ZeroPhaseBlocks::Scratch scratch;
+  EXPECT_DEATH(static_cast<void>(blocks.Range(blocks.blocks())), "check failed");
+  EXPECT_DEATH(static_cast<void>(blocks.PieceRange(blocks.pieces())), "check failed");
+  EXPECT_DEATH(blocks.Filter(0, in, out, scratch), "check failed");
+  EXPECT_DEATH(FilterZeroPhase(design, in, out, 1), "check failed");
+  EXPECT_DEATH(static_cast<void>(FilterZeroPhase(design, in, 0)), "check failed");
+  const std::vector<double> before(blocks.lead_in() + 1);
+  EXPECT_DEATH(blocks.FilterAhead(before, out, scratch), "check failed");
+  EXPECT_DEATH(std::ignore = ReadFrom(in)(0, out), "check failed");
+  EXPECT_DEATH(static_cast<void>(RingingSamples(design, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(RingingSamples(design, 1)), "check failed");
 }
 
 }  // namespace

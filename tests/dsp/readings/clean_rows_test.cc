@@ -245,5 +245,116 @@ TEST(CleanRows, HeldReadingsAreMissingValues) {
   EXPECT_GE(analysis->numbers->rms.upper_m, kTruthM);
 }
 
+// 1000 rows up and down between `least` and `least` + 100 `step`, with `count` of them at `value`
+std::size_t CodesAmong(double least, double step, double value, std::size_t count) {
+  std::vector<double> values(1000);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const std::size_t turn = k % 200;
+    values[k] = least + step * static_cast<double>(turn <= 100 ? turn : 200 - turn);
+  }
+  for (std::size_t k = 0; k < count; ++k) values[(50 + 7 * k) % 1000] = value;
+  const Cleaned cleaned(RecordOf(values, kRateHz));
+  EXPECT_EQ(cleaned.clean.code_rows, cleaned.clean.codes.empty() ? 0 : count);
+  return cleaned.clean.codes.size();
+}
+
+// 0.1 mm of motion: a rail is 1 mm from it, three times
+TEST(CleanRows, ARailIsTenTimesFromWhatTheOthersSpan) {
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.0301 + 9.95e-4, 3), 0U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.0301 + 10.05e-4, 3), 1U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.0301 + 10.05e-4, 2), 0U) << "twice";
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.03 - 9.95e-4, 3), 0U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.03 - 10.05e-4, 3), 1U);
+}
+
+TEST(CleanRows, AReadingBeyondFiftyMillimetresIsACode) {
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.0301 + 0.0497, 1), 0U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.0301 + 0.0503, 1), 1U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.03 - 0.0497, 1), 0U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.03 - 0.0503, 1), 1U);
+}
+
+TEST(CleanRows, FourNinesOrThreeAndAnEightAreACode) {
+  for (const double sign : {1.0, -1.0}) {
+    const double least = sign > 0 ? 0 : -3e-4;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.998e-4, 1), 1U) << sign;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.999e-4, 1), 1U) << sign;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.9998e-4, 1), 1U) << sign;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.997e-4, 1), 0U) << sign;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.989e-4, 1), 0U) << sign;
+    EXPECT_EQ(CodesAmong(least, 3e-6, sign * 9.99e-4, 1), 0U) << "three";
+    // a gap of 0.505 and of 0.495 mm beside what spans 0.5 mm
+    EXPECT_EQ(CodesAmong(sign > 0 ? -5.1e-6 : -494.9e-6, 5e-6, sign * 999.9e-6, 1), 1U) << sign;
+    EXPECT_EQ(CodesAmong(sign > 0 ? 4.9e-6 : -504.9e-6, 5e-6, sign * 999.9e-6, 1), 0U) << sign;
+  }
+}
+
+TEST(CleanRows, ACodeIsInLessThanHalfOfTheRows) {
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.2, 499), 1U);
+  EXPECT_EQ(CodesAmong(0.03, 1e-6, 0.2, 500), 0U);
+}
+
+// two stretches of 1000 rows; whether they are one with `gap_rows` between them
+bool AreOneClock(double gap_rows, double second_rate_hz, trial::Timing timing) {
+  trial::Record record = RecordOf(std::vector<double>(2000, 0.03), kRateHz);
+  record.timing = timing;
+  record.stretches = {{0, 1000, 0, kRateHz, 0},
+                      {1000, 1000, (1000 + gap_rows) / kRateHz, second_rate_hz, 0}};
+  const trial::RecordRows rows(record);
+  const CleanRows clean(rows, 0);
+  EXPECT_EQ(clean.AnyAbsent(), clean.head().stretches.size() == 1);
+  return clean.AnyAbsent();
+}
+
+TEST(CleanRows, OneClockIsATenthOfARowAndOneRate) {
+  using enum trial::Timing;
+  EXPECT_TRUE(AreOneClock(8.099, kRateHz, kUniform));
+  EXPECT_FALSE(AreOneClock(8.101, kRateHz, kUniform));
+  EXPECT_TRUE(AreOneClock(7.901, kRateHz, kUniform));
+  EXPECT_FALSE(AreOneClock(7.899, kRateHz, kUniform));
+  EXPECT_TRUE(AreOneClock(8, kRateHz * (1 + 0.99e-4), kUniform));
+  EXPECT_FALSE(AreOneClock(8, kRateHz * (1 + 1.01e-4), kUniform));
+  EXPECT_FALSE(AreOneClock(8, kRateHz * (1 - 1.01e-4), kUniform));
+  // counted readings lie on one line
+  EXPECT_TRUE(AreOneClock(8 + 0.9e-6, kRateHz, kArrival));
+  EXPECT_FALSE(AreOneClock(8 + 1.1e-6, kRateHz, kArrival));
+  EXPECT_FALSE(AreOneClock(8, kRateHz * (1 + 1e-9), kArrival));
+}
+
+TEST(CleanRows, OneRowToAsManyAsThereAreMayBeAbsent) {
+  using enum trial::Timing;
+  EXPECT_FALSE(AreOneClock(0.05, kRateHz, kUniform));
+  EXPECT_TRUE(AreOneClock(0.95, kRateHz, kUniform));
+  EXPECT_TRUE(AreOneClock(2000, kRateHz, kUniform));
+  EXPECT_FALSE(AreOneClock(2001, kRateHz, kUniform));
+}
+
+TEST(CleanRows, TheRateOfJoinedStretchesIsByTheFirstRowAndTheLast) {
+  trial::Record record = RecordOf(std::vector<double>(2000, 0.03), kRateHz);
+  record.stretches = {{0, 1000, 0, kRateHz, 0}, {1000, 1000, 1008.08 / kRateHz, kRateHz, 0}};
+  const trial::RecordRows rows(record);
+  const CleanRows clean(rows, 0);
+  ASSERT_EQ(clean.head().stretches.size(), 1U);
+  EXPECT_EQ(clean.head().rows, 2008U);
+  EXPECT_REL(clean.head().stretches[0].rate_hz, kRateHz * 2007 / 2007.08, 1e-13, "rounding");
+}
+
+// Rows are looked at 1024 at a time: the first of the next ones, and the last, count once.
+TEST(CleanRows, EveryRowOfARailCountsOnce) {
+  for (const std::size_t row : {1023U, 1024U, 2047U, 2048U}) {
+    for (const std::size_t times : {2U, 3U}) {
+      std::vector<double> values(3000);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const std::size_t turn = k % 200;
+        values[k] = 0.03 + 1e-6 * static_cast<double>(turn <= 100 ? turn : 200 - turn);
+      }
+      for (std::size_t k = 0; k < times; ++k) values[k == 0 ? row : 500 * k + 7] = 0.04;
+      const Cleaned cleaned(RecordOf(values, kRateHz));
+      ASSERT_EQ(cleaned.clean.codes.size(), times - 2) << row << ' ' << times;
+      EXPECT_EQ(cleaned.clean.code_rows, times == 3 ? 3U : 0U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

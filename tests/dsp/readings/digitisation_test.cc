@@ -324,5 +324,82 @@ TEST(CommensurateBound, HoldsTheScatterOfRoundedSinesOfFewPhases) {
   EXPECT_EQ(CommensurateBound(0, 60, 0, 0.25, kSamples), 0);
 }
 
+// of 20 000 samples of noise and a tone the highest `count` at one value: more than a thousandth of
+// them, and ten times as many as any other value
+TEST(Clipping, IsOfMoreThanAThousandthOfTheSamples) {
+  std::vector<double> values = Samples(10e3, 20'000, 0, {{50e-6, 175.3, 0.2}});
+  Noise noise(3);
+  for (double& x : values) x += 1e-6 * noise();
+  std::vector<double> sorted = values;
+  std::ranges::sort(sorted);
+  for (const std::size_t count : {20U, 21U}) {
+    std::vector<double> clipped = values;
+    Clip(clipped, sorted[sorted.size() - count]);
+    const Clipping clipping = FindClipping(clipped, 10e3, 175.3);
+    EXPECT_EQ(clipping.verdict, count == 21 ? kClipped : kNone) << count;
+    EXPECT_EQ(clipping.share, count == 21 ? 21 / 20e3 : 0);
+    EXPECT_EQ(clipping.high_rail.has_value(), count == 21);
+  }
+}
+
+// The first terms of the series; with noise of 0.3 steps the fourth is exp(-28) of a step. The
+// tone's own error counts in full, the second harmonic's by its power.
+TEST(QuantisationBound, IsTheSeriesOfJacobiAndAnger) {
+  const double step = 2e-7;
+  const double amplitude = 3.3 * step;
+  const auto error = [&](int n) {
+    double sum = 0;
+    for (int k = 1; k <= 3; ++k) {
+      const double left = std::exp(-2 * std::pow(std::numbers::pi * k * 0.3, 2)) / k;
+      sum += left * std::abs(std::cyl_bessel_j(n, 2 * std::numbers::pi * k * 3.3));
+    }
+    return 2 * step / std::numbers::pi * sum;
+  };
+  const double first = error(1) / std::numbers::sqrt2;
+  EXPECT_REL(QuantisationBound(step, amplitude, 0.3 * step, 1), first, 1e-4,
+             "terms of 1e-6 are left out");
+  const double power = 0.5 * error(2) * error(2);
+  const double second = std::min(std::sqrt(power), power / (std::numbers::sqrt2 * amplitude));
+  EXPECT_REL(QuantisationBound(step, amplitude, 0.3 * step, 2), first + second, 1e-4,
+             "terms of 1e-6 are left out");
+}
+
+// P phases: q / (2 sqrt(P)), noise s takes exp(-2 pi^2 s^2 / q^2) of it
+TEST(CommensurateBound, IsTheClosedFormOfItsPhases) {
+  EXPECT_REL(CommensurateBound(1e-6, 60e-6, 0, 0.25, 10'000), 1e-6 / 4, 1e-14, "four phases");
+  EXPECT_REL(CommensurateBound(1e-6, 60e-6, 0, 9.0 / 200, 10'000), 1e-6 / (2 * std::sqrt(200.0)),
+             1e-6, "200 phases, and what rounding lacks of whole cycles");
+  EXPECT_REL(CommensurateBound(1, 60, 0.2, 0.25, 10'000),
+             0.25 * std::exp(-2 * std::pow(0.2 * std::numbers::pi, 2)), 1e-14, "noise");
+  // one phase lacks 1e-6 cycles a sample: 1 + N 1e-6 2 pi A / q phases
+  EXPECT_REL(CommensurateBound(1, 2, 0, 1e-6, 10'000),
+             0.5 / std::sqrt(1 + 0.01 * 2 * std::numbers::pi * 2), 1e-9, "drifting phases");
+  EXPECT_REL(CommensurateBound(1, 60, 0, 0.5 * (std::sqrt(5) - 1), 16), 0.5 / 4, 1e-14,
+             "no more phases than samples");
+  EXPECT_EQ(CommensurateBound(1, 60, 0, 0.25, 0), 0);
+}
+
+// 3 of 103 changes are none, within motion of 10 steps a row: 2.9 %; 2 are 1.9 %
+TEST(RepeatedShare, IsOfTwoPercentAtLeast) {
+  for (const int repeats : {1, 2, 3}) {
+    std::vector<double> values;
+    for (int k = 0; k < 101; ++k) {
+      values.push_back(10 * k + k % 3);
+      if (k % 30 == 15 && k / 30 < repeats) values.push_back(values.back());
+    }
+    const double share = repeats / (100.0 + repeats);
+    EXPECT_REL(RepeatedShare(values) + 1, share < 0.02 ? 1 : 1 + share, 1e-14, "rounding")
+        << repeats;
+  }
+}
+
+TEST(StepOf, AllowsAHundredthOfAStepAndAnEighthOfTheLeastChange) {
+  EXPECT_EQ(StepOf(std::vector<double>{0, 1, 2.0098}), 1);
+  EXPECT_EQ(StepOf(std::vector<double>{0, 1, 2.0102}), 0);
+  // changes of 8 and 9, and of 9 and 10 steps
+  EXPECT_EQ(StepOf(std::vector<double>{0, 8, 17}), 1);
+  EXPECT_EQ(StepOf(std::vector<double>{0, 9, 19}), 0);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

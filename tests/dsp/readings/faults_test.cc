@@ -275,5 +275,190 @@ TEST(Faults, PlainPiecesSayWhatTheirRowsSay) {
   }
 }
 
+// A straight line of one step a row on which `pairs` rows repeat the one before, and a hold of five
+// rows that is left by five steps.
+std::vector<double> WithPairsAndAHold(std::size_t pairs) {
+  constexpr std::size_t kHold = 4100;
+  std::vector<double> values(2 * kFaultBlockRows);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<double>(k);
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    values[31 * pair + 15] = values[31 * pair + 14];
+  }
+  for (std::size_t k = kHold; k < kHold + 5; ++k) values[k] = static_cast<double>(kHold);
+  return values;
+}
+
+// rows p^4, p the share of runs that are longer than one row
+double HoldsByChance(const std::vector<double>& values) {
+  double runs = 0;
+  double longer = 0;
+  for (std::size_t k = 0; k < values.size();) {
+    std::size_t end = k + 1;
+    while (end < values.size() && values[end] == values[k]) ++end;
+    runs += 1;
+    longer += end - k > 1 ? 1 : 0;
+    k = end;
+  }
+  return static_cast<double>(values.size()) * std::pow(longer / runs, 4);
+}
+
+TEST(Faults, AHoldIsLongerThanChanceGivesOnceInAHundredRecords) {
+  const std::vector<double> rare = WithPairsAndAHold(262);
+  EXPECT_LT(HoldsByChance(rare), 0.01);
+  EXPECT_GT(HoldsByChance(rare), 0.0098) << "near to what is allowed";
+  const Faults found = Scan(rare);
+  ASSERT_EQ(found.Count(FaultKind::kHeld), 1U);
+  EXPECT_EQ(found.Rows(FaultKind::kHeld), 5U);
+  const auto hold = std::ranges::find(found.list, FaultKind::kHeld, &Fault::kind);
+  EXPECT_EQ(hold->first_row, 4100U);
+  EXPECT_EQ(hold->size, 5);
+  const std::vector<double> usual = WithPairsAndAHold(263);
+  EXPECT_GT(HoldsByChance(usual), 0.01);
+  EXPECT_EQ(Scan(usual).Count(FaultKind::kHeld), 0U);
+}
+
+// a hold of three rows is left by three steps, one of four rows by four
+TEST(Faults, AHoldIsOfFourRows) {
+  for (const std::size_t rows : {3U, 4U}) {
+    std::vector<double> values(1000);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<double>(k);
+    for (std::size_t k = 500; k < 500 + rows; ++k) values[k] = 500;
+    EXPECT_EQ(Scan(values).Count(FaultKind::kHeld), rows - 3) << rows;
+  }
+}
+
+// The record's highest and lowest values lie in its first rows; the rows behind them are plain.
+TEST(Faults, ClippedRunsAreKeptWherePlainRowsFollow) {
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<double> values = Samples(kRateHz, 20'000, 0, {{1e-3, 50}});
+    std::size_t rows = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (k >= 1000) values[k] *= 0.5;
+      rows += sign * values[k] > 0.8e-3 ? 1 : 0;
+      values[k] = sign * std::min(sign * values[k], 0.8e-3);
+    }
+    for (const Looking looking : {Looking::kAhead, Looking::kBlindly}) {
+      const Faults faults = Scan(values, {}, 245 * kFaultBlockRows, {}, looking);
+      EXPECT_EQ(faults.Count(FaultKind::kClipped), 5U) << "five periods";
+      EXPECT_EQ(faults.Rows(FaultKind::kClipped), rows);
+    }
+  }
+}
+
+// ten hills of one step a row, whose tops of `rows` rows are entered and left by `jump` steps
+Faults OfTops(std::size_t rows, double jump) {
+  std::vector<double> values;
+  for (int hill = 0; hill < 10; ++hill) {
+    for (int k = 0; k < 20; ++k) values.push_back(k);
+    values.insert(values.end(), rows, 19 + jump);
+    for (int k = 19; k > 0; --k) values.push_back(k);
+  }
+  return Scan(values, {-100, 100, 1});
+}
+
+TEST(Faults, AnExtremeIsClippedFromThreeRowsAndTwoAndAHalfStepsOn) {
+  EXPECT_EQ(OfTops(3, 2.49).Count(FaultKind::kClipped), 0U);
+  EXPECT_EQ(OfTops(3, 2.51).Count(FaultKind::kClipped), 10U);
+  EXPECT_EQ(OfTops(2, 2.51).Count(FaultKind::kClipped), 0U);
+}
+
+// a straight line has no errors of its own: four steps decide
+TEST(Faults, ASpikeIsOfMoreThanFourSteps) {
+  for (const double height : {3.96, -3.96, 4.04, -4.04}) {
+    std::vector<double> values(6000);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<double>(k);
+    values[3000] += height;
+    const Faults faults = Scan(values, {-1e4, 1e4, 1});
+    if (std::abs(height) < 4) {
+      ExpectNone(faults);
+      continue;
+    }
+    ASSERT_EQ(faults.Count(FaultKind::kSpike), 1U) << height;
+    EXPECT_EQ(faults.list[0].first_row, 3000U);
+    EXPECT_EQ(faults.list[0].rows, 1U);
+    EXPECT_REL(faults.list[0].size, height, 1e-12, "rounding of 3000");
+  }
+}
+
+TEST(Faults, ARangeIsReachedAtItsEnds) {
+  const std::vector<double> values{0, 1, 2, 3, 2, 1, 0, -1, -2, -1, 0};
+  EXPECT_EQ(Scan(values, {-2, 3, 1}).Count(FaultKind::kClipped), 2U);
+  EXPECT_EQ(Scan(values, {-2.01, 3.01, 1}).Count(FaultKind::kClipped), 0U);
+}
+
+// a step of height h has the density 2 h^2 / (2 pi f)^2: over 20 to 500 Hz and 2 s
+TEST(StepPower, IsThatOfTheStepsAmongTheRows) {
+  Faults faults;
+  faults.list = {{FaultKind::kStep, 99, 1, 7},
+                 {FaultKind::kStep, 100, 1, 3e-6},
+                 {FaultKind::kSpike, 200, 1, 9},
+                 {FaultKind::kStep, 20'099, 1, -4e-6},
+                 {FaultKind::kStep, 20'100, 1, 7}};
+  const double turn = 2 * std::numbers::pi;
+  const double energy = 2 * 25e-12 / (turn * turn) * (1.0 / 20 - 1.0 / 500);
+  EXPECT_REL(StepPower(faults, 100, 20'000, {6, 20, 500}, kRateHz), energy / 2, 1e-13, "rounding");
+  EXPECT_EQ(StepPower({}, 100, 20'000, {6, 20, 500}, kRateHz), 0);
+}
+
+// on a straight line the fault's own errors are all there is: its rows and its height are exact, in
+// a block's middle and about its end
+TEST(Faults, OnAStraightLineRowsAndHeightsAreExact) {
+  for (const std::size_t first : {2000U, 4093U, 4094U, 4095U, 4096U, 4097U}) {
+    for (const std::size_t rows : {0U, 1U, 2U, 3U}) {  // 0: a step
+      for (const double height : {10.0, -7.0}) {
+        SCOPED_TRACE(testing::Message() << rows << " rows at " << first);
+        std::vector<double> values(9000);
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] = 0.5 * static_cast<double>(k);
+        const std::size_t end = rows == 0 ? values.size() : first + rows;
+        for (std::size_t k = first; k < end; ++k) values[k] += height;
+        const Faults faults = Scan(values, {-1e4, 1e4, 0.5});
+        ASSERT_EQ(faults.list.size(), 1U);
+        EXPECT_EQ(faults.list[0].kind, rows == 0 ? FaultKind::kStep : FaultKind::kSpike);
+        EXPECT_EQ(faults.list[0].first_row, first);
+        EXPECT_EQ(faults.list[0].rows, std::max<std::size_t>(rows, 1));
+        EXPECT_REL(faults.list[0].size, height, 1e-11, "rounding of 4500");
+      }
+    }
+  }
+}
+
+TEST(FaultsDeathTest, ABlockHoldsItsMargins) {
+  const std::vector<double> values(3 * kFaultBlockRows, 1.0);
+  const std::vector<SampleStatus> statuses(values.size(), SampleStatus::kOk);
+  const auto scan = [&](std::size_t margin) {
+    FaultScanner scanner({});
+    ForEachBlock(values, statuses, kFaultBlockRows, margin, [&](const RowBlock& block) {
+      // a look reads two rows at most beyond the block
+      scanner.Feed(block, scanner.Look(block));
+    });
+    return scanner.Finish().runs;
+  };
+  EXPECT_EQ(scan(kFaultMarginRows), 1U);
+  EXPECT_DEATH(static_cast<void>(scan(kFaultMarginRows - 1)), "check failed");
+}
+
+// A parabola has no cubic error. Its least change, of half a unit, lies in the middle of 256 rows
+// that are looked at together; at their ends it changes by 127 units, four times which would hide
+// the spike.
+TEST(Faults, TheLeastChangeIsThatOfAllRows) {
+  constexpr double kVertex = 3 * 256 + 128;
+  for (const Looking looking : {Looking::kAhead, Looking::kBlindly}) {
+    std::vector<double> values(2 * kFaultBlockRows);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] = 0.5 * std::pow(static_cast<double>(k) - kVertex, 2);
+    }
+    values[960] += 300;
+    const Faults faults = Scan(values, {}, 245 * kFaultBlockRows, {}, looking);
+    ASSERT_EQ(faults.list.size(), 1U);
+    EXPECT_EQ(faults.list[0].kind, FaultKind::kSpike);
+    EXPECT_EQ(faults.list[0].first_row, 960U);
+    EXPECT_EQ(faults.list[0].rows, 1U);
+    EXPECT_REL(faults.list[0].size, 300, 1e-9, "rounding of 2.6e7");
+    ASSERT_EQ(faults.excluded.size(), 1U);
+    EXPECT_EQ(faults.excluded[0].begin, 960U);
+    EXPECT_EQ(faults.excluded[0].end, 961U);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

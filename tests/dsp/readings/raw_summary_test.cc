@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "dsp/statistics/moments.h"
@@ -97,6 +98,45 @@ TEST(RawSummary, BillionsOfRowsHaveMillionsOfCells) {
   head.rows = 5'000'000'000;
   head.stretches = {{0, head.rows, 0, 10e3, 0}};
   EXPECT_EQ(RawSummarizer(head).Finish().cell_rows, 4769U);
+}
+
+// 4 ms, or as long as it takes for 2^20 of them
+TEST(RawSummary, CellsAreOfFourMillisecondsOrOfAMillionthOfTheRows) {
+  const auto cell_rows = [](std::size_t rows, double rate_hz) {
+    trial::Record head;
+    head.rows = rows;
+    head.stretches = {{0, rows, 0, rate_hz, 0}};
+    return RawSummarizer(head).Finish().cell_rows;
+  };
+  EXPECT_EQ(cell_rows(5000, 499.9), 1U);
+  EXPECT_EQ(cell_rows(5000, 500), 2U);
+  EXPECT_EQ(cell_rows(5000, 749.9), 2U);
+  EXPECT_EQ(cell_rows(5000, 750), 3U);
+  EXPECT_EQ(cell_rows(30, 10e3), 30U) << "no longer than the record";
+  EXPECT_EQ(cell_rows(std::size_t{1} << 20U, 100), 1U);
+  EXPECT_EQ(cell_rows((std::size_t{1} << 20U) + 1, 100), 2U);
+}
+
+// the highest rate of all stretches counts
+TEST(RawSummary, CellsAreThoseOfTheFastestStretch) {
+  trial::Record head;
+  head.rows = 3000;
+  head.stretches = {{0, 1000, 0, 500, 0}, {1000, 1000, 9, 1000, 0}, {2000, 1000, 19, 750, 0}};
+  EXPECT_EQ(RawSummarizer(head).Finish().cell_rows, 4U);
+}
+
+// 400 rows are ten cells of 4 ms, 401 one more; of no rows there is none
+TEST(RawSummary, NoCellIsEmpty) {
+  for (const auto& [rows, cells] : {std::pair{400U, 10U}, {401U, 11U}, {399U, 10U}, {40U, 1U}}) {
+    const trial::Record record = RecordOf(std::vector<double>(rows, 0.03), 10e3);
+    for (const std::size_t at_once : {std::size_t{7}, record.rows}) {
+      const RawSummary summary = Summarized(record, at_once);
+      ASSERT_EQ(summary.cell_means.size(), cells) << rows;
+      EXPECT_EQ(summary.cell_means.back(), 0.03);
+      EXPECT_EQ(summary.measured, rows);
+    }
+  }
+  EXPECT_TRUE(RawSummarizer(trial::Record{}).Finish().cell_means.empty());
 }
 
 }  // namespace

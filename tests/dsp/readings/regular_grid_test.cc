@@ -199,5 +199,89 @@ TEST(RegularGrid, TooFewReadingsForTheBandAreRefused) {
   EXPECT_EQ(short_grid.refusal->kind, FindingKind::kFewUnevenTimes);
 }
 
+// the motion at `times_s`
+trial::Record AtTimes(const std::vector<double>& times_s) {
+  std::vector<double> values;
+  values.reserve(times_s.size());
+  for (const double t_s : times_s) values.push_back(Motion(t_s));
+  trial::Record record = RecordOf(values, kRateHz);
+  record.timing = trial::Timing::kPolled;
+  record.raw_times_s = times_s;
+  record.times_are_known = true;
+  return record;
+}
+
+// even times, one of them `late_periods` late
+trial::Record WithOneLate(std::size_t count, double late_periods) {
+  std::vector<double> times_s;
+  for (const double place : Counted(count)) times_s.push_back(place * kPeriodS);
+  times_s[count / 2] += late_periods * kPeriodS;
+  return AtTimes(times_s);
+}
+
+TEST(RegularGrid, AReadingDroppedAtTheBeginIsSeen) {
+  for (const std::size_t dropped : {1U, 2U, 3U}) {
+    std::vector<double> places = Counted(500);
+    places.erase(places.begin() + static_cast<std::ptrdiff_t>(dropped));
+    const auto grid = OnRegularGrid(Jittered(places, 0.01), kUpperHz);
+    ASSERT_FALSE(grid.refusal);
+    EXPECT_EQ(grid.dropped, 1U) << dropped;
+    ASSERT_EQ(grid.record.stretches.size(), 2U) << dropped;
+    EXPECT_EQ(grid.record.stretches[1].first_row, dropped);
+    EXPECT_ABS(grid.record.stretches[1].start_s, (static_cast<double>(dropped) + 1) * kPeriodS,
+               0.01 * kPeriodS, "the line's uncertainty");
+  }
+}
+
+// late and early by a fifth in an order that shares nothing with a line: eight rows less two
+TEST(RegularGrid, JitterIsTheDeviationAboutTheLine) {
+  constexpr double kOff[] = {1, -1, -1, 1, 1, -1, -1, 1};
+  std::vector<double> times_s;
+  for (std::size_t k = 0; k < 8; ++k) {
+    times_s.push_back(100 + (static_cast<double>(k) + 0.2 * kOff[k]) * kPeriodS);
+  }
+  const auto grid = OnRegularGrid(AtTimes(times_s), 10);
+  ASSERT_FALSE(grid.refusal);
+  constexpr const char* kReason = "rounding of 100 s, 1.4e-14 s";
+  EXPECT_REL(grid.rate_hz, kRateHz, 1e-9, kReason);
+  EXPECT_REL(grid.jitter_s, 0.2 * kPeriodS * std::sqrt(8.0 / 6), 1e-8, kReason);
+  EXPECT_REL(grid.largest_jitter_s, 0.2 * kPeriodS, 1e-8, kReason);
+  EXPECT_ABS(grid.record.stretches[0].start_s, 100, 1e-12, kReason);
+}
+
+TEST(RegularGrid, ATimeMayBeNearlyHalfAPeriodFromItsPlace) {
+  EXPECT_FALSE(OnRegularGrid(WithOneLate(2000, 0.448), 100).refusal);
+  const auto grid = OnRegularGrid(WithOneLate(2000, 0.452), 100);
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_EQ(grid.refusal->kind, FindingKind::kTimesTooUneven);
+  EXPECT_REL(NumberOf(*grid.refusal, "largest_jitter_s"), 0.452 * kPeriodS, 1e-3,
+             "the line moves by 1 / 2000 of it");
+}
+
+// Of four points, two before the late one and one behind it, the remainder is w^4 / 4! 2 p^3 d.
+TEST(RegularGrid, TheBoundIsCauchysRemainder) {
+  const double w = 2 * std::numbers::pi * 100 * kPeriodS;
+  const auto grid = OnRegularGrid(WithOneLate(4000, 0.3), 100);
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.points, 4U);
+  EXPECT_REL(grid.error_bound, std::pow(w, 4) / 24 * 2 * 0.3, 2e-3, "the line's 1 / 4000");
+}
+
+TEST(RegularGrid, ARowIsLeftOutWhereItsBoundIsAboveAThousandth) {
+  for (const double share : {0.99, 1.01}) {
+    const double w = std::pow(share * 1e-3 * 24 / (2 * 0.3), 0.25);
+    const auto grid = OnRegularGrid(WithOneLate(4000, 0.3), w / (2 * std::numbers::pi) * kRateHz);
+    ASSERT_FALSE(grid.refusal);
+    ASSERT_EQ(grid.points, 4U) << "of the other rows the bound is below 1e-6";
+    EXPECT_EQ(grid.left_out, share > 1 ? 1U : 0U) << share;
+    EXPECT_EQ(std::isnan(grid.record.channels[0].values[2000]), share > 1);
+  }
+}
+
+TEST(RegularGrid, NeedsFourRows) {
+  EXPECT_TRUE(OnRegularGrid(AtTimes({0, kPeriodS, 2 * kPeriodS}), 10).refusal);
+  EXPECT_FALSE(OnRegularGrid(AtTimes({0, kPeriodS, 2 * kPeriodS, 3 * kPeriodS}), 10).refusal);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -102,6 +102,42 @@ TEST_P(EverySet, OneThatIsNoNumberIsFound) {
   }
 }
 
+TEST_P(EverySet, SumsOfWholeNumbersAreExact) {
+  std::vector<double> rows;
+  for (int n = 1; n <= 40; ++n) {
+    rows.push_back(n);
+    EXPECT_EQ(kernel().sum_from(rows.data(), rows.size(), 3).sum, 0.5 * n * (n + 1) - 3 * n);
+    EXPECT_EQ(kernel().sum_squares(rows.data(), rows.size()).sum, n * (n + 1) * (2 * n + 1) / 6);
+  }
+}
+
+// the one small change, the one repeat and the one extreme at every place of every length
+TEST_P(EverySet, WhatIsAtOnePlaceIsFoundThere) {
+  for (std::size_t count = 2; count <= 28; ++count) {
+    for (std::size_t at = 1; at < count; ++at) {
+      SCOPED_TRACE(testing::Message() << at << " of " << count);
+      std::vector<double> rows(count);
+      for (std::size_t k = 0; k < count; ++k) rows[k] = 10 * static_cast<double>(k % 3);
+      rows[at] = rows[at - 1] + 0.5;
+      EXPECT_EQ(kernel().least_change(rows.data(), count), 0.5);
+      rows[at] = rows[at - 1];
+      const RowRepeats pair = kernel().repeats(rows.data(), count);
+      EXPECT_EQ(pair.equal, at >= 2 ? 1U : 0U) << "from the third row on";
+      EXPECT_EQ(pair.triples, 0U);
+      rows[at] = 30;
+      EXPECT_EQ(kernel().repeats(rows.data(), count).most, 30);
+      EXPECT_EQ(kernel().sum_from(rows.data(), count, 0).most, 30);
+      rows[at] = -30;
+      EXPECT_EQ(kernel().repeats(rows.data(), count).least, -30);
+      EXPECT_EQ(kernel().sum_from(rows.data(), count, 0).least, -30);
+      // four equal rows with the one that follows
+      if (at < 2) continue;
+      rows[at] = rows[at - 1] = rows[at - 2];
+      EXPECT_EQ(kernel().repeats(rows.data(), count).triples, at + 1 < count ? 2U : 1U);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(RowKernel, EverySet, testing::ValuesIn(kInstructionSets),
                          [](const auto& set) { return std::string(Name(set.param)); });
 

@@ -154,5 +154,62 @@ TEST(Segments, StretchesAreNeverJoined) {
   EXPECT_EQ(segments.parts[1].time_uncertainty_s, 1e-5);
 }
 
+// 20 ms at 10 kHz, and the longest of 256 rows at higher rates
+TEST(Segments, TheLongestHoleIsInterpolated) {
+  EXPECT_EQ(LongestHole(12'799), 255U);
+  EXPECT_EQ(LongestHole(12'800), 256U);
+  EXPECT_EQ(LongestHole(12'900), 256U);
+  EXPECT_EQ(LongestHole(149), 2U);
+  for (const std::size_t rows : {200U, 201U}) {
+    trial::Record record = RecordOf(Samples(kRateHz, 2000, 0.03, {{1e-6, 100}}), kRateHz);
+    Spoil(record, 800, rows);
+    const Segments segments = Split(record);
+    EXPECT_EQ(segments.parts.size(), rows == 200 ? 1U : 2U);
+    EXPECT_EQ(segments.bridged, rows == 200 ? 200U : 0U);
+  }
+}
+
+// a row on either side is enough; a hole that ends with the record or begins with it is cut off
+TEST(Segments, AHoleHasAMeasurementOnEitherSide) {
+  trial::Record record = RecordOf(Samples(kRateHz, 600, 0.03, {{1e-6, 100}}), kRateHz);
+  Spoil(record, 1, 3);
+  Spoil(record, 596, 3);
+  const Segments within = Split(record);
+  ASSERT_EQ(within.parts.size(), 1U);
+  EXPECT_EQ(within.parts[0].size, 600U);
+  EXPECT_EQ(within.bridged, 6U);
+  Spoil(record, 0, 1);
+  Spoil(record, 599, 1);
+  const Segments cut = Split(record);
+  ASSERT_EQ(cut.parts.size(), 1U);
+  EXPECT_EQ(cut.parts[0].first_row, 4U);
+  EXPECT_EQ(cut.parts[0].first_row + cut.parts[0].size, 596U);
+  EXPECT_EQ(cut.bridged, 0U);
+}
+
+// any range of a segment has the samples that the whole has, and NaN where they are interpolated
+TEST(Segments, AnyRangeHoldsTheSamplesOfTheWhole) {
+  trial::Record record = RecordOf(Samples(kRateHz, 600, 0.03, {{1e-6, 100}}), kRateHz);
+  Spoil(record, 300, 3);
+  const Segments segments = Split(record);
+  ASSERT_EQ(segments.parts.size(), 1U);
+  const std::vector<double> whole = Values(record, segments.parts[0]);
+  const trial::RecordRows rows(record);
+  const SegmentSamples samples(rows, 0, segments.parts[0]);
+  for (const std::size_t first : {298U, 299U, 300U, 301U, 302U, 303U}) {
+    for (const std::size_t size : {1U, 2U, 5U}) {
+      std::vector<double> part(size);
+      ASSERT_TRUE(samples.Read(first, part));
+      std::vector<double> measured(size);
+      ASSERT_TRUE(samples.ReadMeasured(first, measured));
+      for (std::size_t k = 0; k < size; ++k) {
+        const bool is_bridged = first + k >= 300 && first + k < 303;
+        EXPECT_EQ(part[k], whole[first + k]);
+        EXPECT_EQ(std::isnan(measured[k]), is_bridged) << first << ' ' << k;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

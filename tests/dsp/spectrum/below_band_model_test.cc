@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -114,6 +115,78 @@ TEST(BelowBandModel, OfAFastRecordIsTheMotionItself) {
   std::vector<double> rest = motion;
   model->Subtract(0, rest);
   EXPECT_ABS(Rms(rest), 0, 1e-13, "of 0.5 mm, at all samples and both ends");
+}
+
+// a cubic of 1 mm and tremor about it, `count` samples
+std::vector<double> DriftAndTremor(double rate_hz, std::size_t count) {
+  std::vector<double> motion = Samples(rate_hz, count, 0.03, {{5e-4, 8.3, 0.4}});
+  const double middle = 0.5 * static_cast<double>(count - 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double tau = static_cast<double>(k) / middle - 1;
+    motion[k] += 1e-3 * (tau - 0.5 * tau * tau + 2 * tau * tau * tau);
+  }
+  return motion;
+}
+
+// Every second sample is fitted. The low-pass of variance v adds v to t^2 and 3 v t to t^3: of taps
+// of 1.2 samples and 5000 to either end 6e-8 of 0.5 mm and 1.8e-7 of 2 mm.
+TEST(BelowBandModel, SubtractsDriftAndTremorWhereverAPartBegins) {
+  std::vector<double> rest = DriftAndTremor(kRateHz, kRows);
+  const auto model = BelowBandModel::Fit(rest, kRateHz, 20, 500);
+  ASSERT_TRUE(model);
+  // parts of one sample, of a whole block and of a block and one
+  std::size_t first = 0;
+  for (const std::size_t size : {1UZ, 256UZ, 257UZ, 1000UZ, kRows - 1514UZ}) {
+    model->Subtract(first, std::span(rest).subspan(first, size));
+    first += size;
+  }
+  ASSERT_EQ(first, kRows);
+  double worst = 0;
+  for (const double x : rest) worst = std::max(worst, std::abs(x));
+  EXPECT_ABS(worst, 0, 4e-10, "the low-pass of the cubic");
+}
+
+// the filter's output of the tremor alone, sample by sample: |H|^2 of it, no drift, no phase
+TEST(BelowBandModel, AddsTheTremorAsBothPassesLeaveIt) {
+  const std::vector<double> motion = DriftAndTremor(kRateHz, kRows);
+  const auto model = BelowBandModel::Fit(motion, kRateHz, 20, 500);
+  ASSERT_TRUE(model);
+  const FilterDesign design = Designed({2, 10, 500}, kRateHz);
+  const double gain = std::norm(Response(design, 8.3));
+  constexpr std::size_t kFirst = 777;
+  std::vector<double> filtered(3000, 1.0);
+  model->AddFiltered(design, kFirst, filtered);
+  const std::vector<double> tremor = Samples(kRateHz, kRows, 0, {{5e-4, 8.3, 0.4}});
+  double worst = 0;
+  for (std::size_t k = 0; k < filtered.size(); ++k) {
+    worst = std::max(worst, std::abs(filtered[k] - 1 - gain * tremor[kFirst + k]));
+  }
+  EXPECT_GT(gain, 0.1);
+  EXPECT_ABS(worst, 0, 1e-14, "rounding of 1, and of a fit to 1e-11 of 0.5 mm");
+}
+
+// At 100 kHz every 32nd sample is fitted. The low-pass of variance v adds v to t^2 and 3 v t to
+// t^3: of taps of 22.6 samples and 65 536 to either end 3.6e-7 of 2 mm.
+TEST(BelowBandModel, OfAFastRecordHasItsDrift) {
+  constexpr double kFastHz = 100e3;
+  const std::vector<double> motion = DriftAndTremor(kFastHz, std::size_t{1} << 17U);
+  const auto model = BelowBandModel::Fit(motion, kFastHz, 20, 500);
+  ASSERT_TRUE(model);
+  std::vector<double> rest = motion;
+  model->Subtract(0, rest);
+  double worst = 0;
+  for (const double x : rest) worst = std::max(worst, std::abs(x));
+  EXPECT_ABS(worst, 0, 2e-9, "the low-pass of the cubic, and what the sine makes of it");
+}
+
+TEST(BelowBandModelDeathTest, KnowsNothingBehindItsLastSample) {
+  const std::vector<double> motion = Samples(kRateHz, kRows, 0.03, {{5e-4, 8.3, 0.4}});
+  const auto model = BelowBandModel::Fit(motion, kRateHz, 20, 500);
+  ASSERT_TRUE(model);
+  std::vector<double> two(2);
+  model->Subtract(kRows - 2, two);
+  EXPECT_DEATH(model->Subtract(kRows - 1, two), "check failed");
+  EXPECT_DEATH(model->AddFiltered(Designed({}, kRateHz), kRows - 1, two), "check failed");
 }
 
 }  // namespace

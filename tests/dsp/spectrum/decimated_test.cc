@@ -60,5 +60,34 @@ TEST(Decimator, ByOneIsNothing) {
   EXPECT_TRUE(Decimator(64, kRateHz).Decimate(signal).empty()) << "fewer than its taps";
 }
 
+// 2 samples, 6 times over: 7 taps
+TEST(Decimator, TakesWhatItsTapsReach) {
+  const Decimator decimator(2, kRateHz);
+  ASSERT_EQ(decimator.taps(), 7U);
+  EXPECT_EQ(decimator.rate_hz(), kRateHz / 2);
+  EXPECT_EQ(decimator.SizeOf(6), 0U);
+  EXPECT_EQ(decimator.SizeOf(7), 1U);
+  EXPECT_EQ(decimator.SizeOf(8), 1U);
+  EXPECT_EQ(decimator.SizeOf(9), 2U);
+  // (1 + z)^6 / 64
+  const std::vector<double> binomial{1, 6, 15, 20, 15, 6, 1};
+  for (std::size_t k = 0; k < binomial.size(); ++k) {
+    std::vector<double> impulse(7);
+    impulse[k] = 64;
+    EXPECT_EQ(decimator.Decimate(impulse), std::vector<double>{binomial[k]});
+  }
+}
+
+TEST(Decimator, FactorIsThatOfTheLimitsThemselves) {
+  EXPECT_EQ(Decimator::FactorFor(8192, 10e3, 5000, 4096), 2U) << "both limits are met";
+  EXPECT_EQ(Decimator::FactorFor(8191, 10e3, 5000, 4096), 1U);
+  EXPECT_EQ(Decimator::FactorFor(8192, 10e3, 5001, 4096), 1U);
+}
+
+TEST(DecimatorDeathTest, HasAFactorAndARate) {
+  EXPECT_DEATH(Decimator(0, kRateHz), "check failed");
+  EXPECT_DEATH(Decimator(2, 0), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

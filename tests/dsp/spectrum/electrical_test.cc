@@ -110,5 +110,65 @@ TEST(Electrical, IsNotMadeUp) {
       << "0.9 of a period";
 }
 
+// 9 whole periods, in which tone, offset and third multiple share nothing: the fit leaves the
+// multiple, of 1 V and 0.01 A, and each uncertainty has a closed form
+TEST(Electrical, UncertaintiesAreThoseOfWhatTheFitLeaves) {
+  constexpr double kSamples = 2000;
+  const double current = 5 / std::hypot(kResistance_ohm, kReactance_ohm);
+  Wires wires = CoilFor(2000);
+  const std::vector<double> third = Samples(kRateHz, 2000, 0, {{1, 3 * kToneHz, 1}});
+  for (std::size_t k = 0; k < third.size(); ++k) {
+    wires.voltage_v[k] += third[k] + 0.5;
+    wires.current_a[k] += 0.01 * third[k];
+  }
+  const auto state = DescribeElectrical(wires.voltage_v, wires.current_a, kRateHz, kToneHz);
+  ASSERT_TRUE(state);
+  constexpr const char* kReason = "rounding of sums over whole periods";
+  // of a mean square S + s^2 on n samples: 4 S s^2 / n + 2 s^4 / n, over 2 RMS
+  const auto of_rms = [](double power, double noise) {
+    return std::sqrt((4 * power * noise + 2 * noise * noise) / kSamples) /
+           (2 * std::sqrt(power + noise));
+  };
+  const double u_v = of_rms(12.5 + 0.25, 0.5);
+  const double u_i = of_rms(0.5 * current * current, 0.5e-4);
+  EXPECT_REL(state->voltage_rms_v.uncertainty, u_v, 1e-10, kReason);
+  EXPECT_REL(state->current_rms_a.uncertainty, u_i, 1e-10, kReason);
+  const double v = std::sqrt(12.5 + 0.25 + 0.5);
+  const double i = std::sqrt(0.5 * current * current + 0.5e-4);
+  EXPECT_REL(state->apparent_power_va.uncertainty, std::hypot(v * u_i, i * u_v), 1e-10, kReason);
+  EXPECT_REL(state->real_power_w.uncertainty,
+             std::hypot(v * std::sqrt(0.5e-4), i * std::sqrt(0.5)) / std::sqrt(kSamples), 1e-10,
+             kReason);
+  // of an amplitude and, over it, of a phase: sqrt(2 s^2 / n), s^2 with n - 3 degrees of freedom
+  const double relative = std::hypot(1.0 / 5, 0.01 / current) / std::sqrt(kSamples - 3);
+  EXPECT_REL(state->phase_rad.uncertainty, relative, 1e-10, kReason);
+  const double impedance = 5 / current;
+  EXPECT_REL(state->resistance_ohm.uncertainty, impedance * relative, 1e-10, kReason);
+  EXPECT_REL(state->reactance_ohm.uncertainty, impedance * relative, 1e-10, kReason);
+}
+
+// u = s sqrt(2 / n): of a multiple of amplitude b, b / sqrt(n - 3)
+TEST(Electrical, NeedsAnAmplitudeOfThreeUncertainties) {
+  const Wires wires = CoilFor(2000);
+  for (const double uncertainties : {2.98, 3.02}) {
+    const double least = uncertainties / std::sqrt(2000.0 - 3);
+    const std::vector<double> current =
+        Samples(kRateHz, 2000, 0, {{least, kToneHz, 0.1}, {1, 3 * kToneHz, 1}});
+    EXPECT_EQ(DescribeElectrical(wires.voltage_v, current, kRateHz, kToneHz).has_value(),
+              uncertainties > 3);
+    EXPECT_EQ(DescribeElectrical(current, wires.voltage_v, kRateHz, kToneHz).has_value(),
+              uncertainties > 3);
+  }
+}
+
+// 222.2 samples a period
+TEST(Electrical, NeedsOnePeriod) {
+  for (const std::size_t count : {222U, 223U}) {
+    const Wires wires = CoilFor(count);
+    EXPECT_EQ(DescribeElectrical(wires.voltage_v, wires.current_a, kRateHz, kToneHz).has_value(),
+              count == 223);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -157,6 +158,116 @@ TEST(Envelope, TheAnalyticSignalOfACosineTurnsOnce) {
     }
     EXPECT_ABS(worst, 0, 1e-13, "rounding of two transforms and of phases to 57 rad");
   }
+}
+
+// An envelope whose power above the quiet part's rises from 0 to 1 in a straight line of amplitude,
+// 100 steps of 1 ms from 0.6 s on: it passes 10 %, 50 % and 90 % at 0.61, 0.65 and 0.69 s.
+Envelope Ramp(double quiet, double own_rise_s) {
+  Envelope envelope{.amplitude = {},
+                    .start_s = 0.5,
+                    .step_s = 1e-3,
+                    .support_s = 16e-3,
+                    .own_rise_s = own_rise_s};
+  for (int k = 0; k < 400; ++k) {
+    envelope.amplitude.push_back(std::hypot(quiet, std::clamp(0.01 * (k - 100), 0.0, 1.0)));
+  }
+  return envelope;
+}
+
+std::optional<Edge> OnsetOfRamp(double quiet, double own_rise_s) {
+  return FindOnset(Ramp(quiet, own_rise_s), {0.5, 0.59, 0.75, 0.85});
+}
+
+TEST(Onset, OfARampWithoutNoiseIsTheClosedForm) {
+  const auto edge = OnsetOfRamp(0, 0.03);
+  ASSERT_TRUE(edge && edge->rise_s);
+  constexpr const char* kReason = "rounding";
+  const double share = std::sqrt(1 - 0.03 * 0.03 / (0.08 * 0.08));
+  EXPECT_REL(edge->time_s, 0.65 - 0.04 * share, 1e-12, kReason);
+  EXPECT_REL(*edge->rise_s, 0.08 * share, 1e-12, kReason);
+  EXPECT_REL(edge->time_uncertainty_s, 0.18 / std::numbers::sqrt3 * 0.03, 1e-12, kReason);
+  EXPECT_REL(edge->rise_uncertainty_s, 0.12 / std::numbers::sqrt3 * 0.03, 1e-12, kReason);
+  EXPECT_FALSE(edge->rise_at_most_s);
+  EXPECT_EQ(edge->low_level, 0.1);
+  EXPECT_EQ(edge->quiet_amplitude, 0);
+  EXPECT_REL(edge->steady_amplitude, 1, 1e-14, kReason);
+}
+
+// one of two parts of noise of RMS 0.02 on a slope of 10 a second: 1.41 ms at each level
+TEST(Onset, NoiseOverTheSlopeIsTheUncertaintyOfEachLevel) {
+  const auto edge = OnsetOfRamp(0.02, 0);
+  ASSERT_TRUE(edge && edge->rise_s);
+  const double of_level_s = 0.02 / std::numbers::sqrt2 / 10;
+  EXPECT_REL(edge->time_s, 0.61, 1e-9, "no rise of its own to take off");
+  EXPECT_REL(*edge->rise_s, 0.08, 1e-9, "rounding");
+  EXPECT_REL(edge->rise_uncertainty_s, std::numbers::sqrt2 * of_level_s, 1e-9, "of two levels");
+  EXPECT_GE(edge->time_uncertainty_s, of_level_s);
+  EXPECT_LE(edge->time_uncertainty_s, 2 * of_level_s);
+}
+
+TEST(Onset, TheLowLevelIsThreeTimesTheNoise) {
+  const auto edge = OnsetOfRamp(0.05, 0);
+  ASSERT_TRUE(edge);
+  EXPECT_REL(edge->low_level, 0.15, 1e-9, "rounding");
+  EXPECT_REL(edge->time_s, 0.615, 1e-9, "rounding");
+  EXPECT_FALSE(edge->rise_s) << "the time from 10 % is not measured";
+  EXPECT_FALSE(edge->rise_at_most_s);
+  EXPECT_TRUE(OnsetOfRamp(0.0333, 0)->rise_s);
+  EXPECT_FALSE(OnsetOfRamp(0.0334, 0)->rise_s);
+  EXPECT_TRUE(OnsetOfRamp(0.166, 0));
+  EXPECT_FALSE(OnsetOfRamp(0.167, 0)) << "a sixth";
+}
+
+// sqrt(0.08^2 - own^2) is 2/3 of own at own = 0.08 / sqrt(13/9)
+TEST(Onset, ARiseBelowTwoThirdsOfTheWindowsHasABound) {
+  const double limit_s = 0.08 * 3 / std::sqrt(13.0);
+  const auto slow = OnsetOfRamp(0, 0.999 * limit_s);
+  ASSERT_TRUE(slow);
+  EXPECT_TRUE(slow->rise_s && !slow->rise_at_most_s);
+  const auto sudden = OnsetOfRamp(0, 1.001 * limit_s);
+  ASSERT_TRUE(sudden && sudden->rise_at_most_s);
+  EXPECT_FALSE(sudden->rise_s);
+  EXPECT_REL(*sudden->rise_at_most_s, 1.001 * limit_s * 2 / 3, 1e-12, "no noise");
+  // no longer than the window's own: the half level itself
+  EXPECT_REL(OnsetOfRamp(0, 0.081)->time_s, 0.65, 1e-12, "rounding");
+}
+
+TEST(Onset, ReadsWithinTheEnvelopeOnly) {
+  const Envelope envelope = Ramp(0, 0);
+  EXPECT_TRUE(FindOnset(envelope, {0.4999, 0.59, 0.75, 0.8995}));
+  EXPECT_FALSE(FindOnset(envelope, {0.4989, 0.59, 0.75, 0.85})) << "a value before the first";
+  EXPECT_FALSE(FindOnset(envelope, {0.5, 0.59, 0.75, 0.9001})) << "a value behind the last";
+  EXPECT_FALSE(FindOnset(envelope, {0.5102, 0.5108, 0.75, 0.85})) << "no value between";
+}
+
+// Of many periods a sudden tone rises as the sum of Hann's weights, x - sin(2 pi x) / (2 pi): from
+// 10 % to 90 % in 0.481 of the window.
+TEST(Envelope, OwnRiseIsThatOfHannsWeights) {
+  double low = 0;
+  double high = 0.5;
+  for (int step = 0; step < 50; ++step) {
+    const double x = 0.5 * (low + high);
+    (x - std::sin(2 * kPi * x) / (2 * kPi) < 0.1 ? low : high) = x;
+  }
+  const double share = 1 - 2 * low;
+  const Envelope many = DemodulateTone(std::vector<double>(2000), {kRateHz, 250, 40});
+  EXPECT_REL(many.own_rise_s, share * 0.16, 2e-3, "40 periods: the parabola shares little");
+  const Envelope three = DemodulateTone(std::vector<double>(400), {kRateHz, kToneHz});
+  EXPECT_ABS(three.own_rise_s / three.support_s, 0.48, 0.02, "the stated share of three periods");
+}
+
+TEST(Envelope, TimesAreThoseOfTheWindowsMiddles) {
+  // three periods of 133.3 samples: 133, in steps of 4
+  const Envelope envelope = DemodulateTone(std::vector<double>(300), {kRateHz, kToneHz});
+  EXPECT_REL(envelope.start_s, 66e-4, 1e-14, "rounding");
+  EXPECT_REL(envelope.step_s, 4e-4, 1e-14, "rounding");
+  EXPECT_REL(envelope.support_s, 133e-4, 1e-14, "rounding");
+  EXPECT_EQ(envelope.amplitude.size(), 42U) << "(300 - 133) / 4 + 1";
+  EXPECT_EQ(DemodulateTone(std::vector<double>(133), {kRateHz, kToneHz}).amplitude.size(), 1U);
+  EXPECT_TRUE(DemodulateTone(std::vector<double>(132), {kRateHz, kToneHz}).amplitude.empty());
+  // 8 samples a window at least
+  EXPECT_FALSE(DemodulateTone(std::vector<double>(100), {kRateHz, 3750}).amplitude.empty());
+  EXPECT_TRUE(DemodulateTone(std::vector<double>(100), {kRateHz, 4290}).amplitude.empty());
 }
 
 }  // namespace

@@ -102,5 +102,62 @@ TEST(FastTransformSize, IsAnEvenProductOfSmallPrimesNearby) {
   }
 }
 
+// A constant and a tone of whole periods have two bins. The longest size that is transformed as
+// complex numbers, and an odd and an even one beyond it.
+TEST(Fft, OfAToneIsTheClosedFormAtLargeSizes) {
+  for (const std::size_t size : {65'536UZ, 65'537UZ, 65'538UZ}) {
+    const auto n = static_cast<double>(size);
+    constexpr std::size_t kBin = 12'345;
+    std::vector<double> x(size);
+    for (std::size_t k = 0; k < size; ++k) {
+      const double turns = static_cast<double>(kBin * k % size) / n;
+      x[k] = 0.5 + std::cos(2 * std::numbers::pi * turns + 0.7);
+    }
+    const std::vector<Complex> bins = RealSpectrum(x);
+    ASSERT_EQ(bins.size(), size / 2 + 1);
+    double worst = 0;
+    for (std::size_t k = 0; k < bins.size(); ++k) {
+      const Complex expected = k == 0 ? 0.5 * n : k == kBin ? std::polar(0.5 * n, 0.7) : 0;
+      worst = std::max(worst, std::abs(bins[k] - expected));
+    }
+    EXPECT_ABS(worst / n, 0, 2e-15, "rounding of the samples and of a transform");
+    RealFft fft(size);
+    std::vector<double> back(size);
+    fft.Inverse(bins, back);
+    double change = 0;
+    for (std::size_t k = 0; k < size; ++k) change = std::max(change, std::abs(back[k] - x[k]));
+    EXPECT_ABS(change, 0, 5e-14,
+               "rounding of two transforms, each of 17 stages and of a prime two");
+  }
+}
+
+// the oracle looks at every even size downwards
+TEST(FastTransformSize, IsTheLargestSuchSize) {
+  const auto is_fast = [](std::size_t size) {
+    for (const std::size_t factor : {2U, 3U, 5U, 7U}) {
+      while (size % factor == 0) size /= factor;
+    }
+    return size == 1;
+  };
+  std::size_t largest = 256;
+  for (std::size_t size = 257; size <= 5000; ++size) {
+    if (size % 2 == 0 && is_fast(size)) largest = size;
+    EXPECT_EQ(FastTransformSize(size), largest) << size;
+  }
+}
+
+TEST(FftDeathTest, SizesAreChecked) {
+  EXPECT_DEATH(RealFft(0), "check failed");
+  RealFft fft(8);
+  std::vector<double> samples(9);
+  std::vector<Complex> bins(6);
+  const std::span<double> all(samples);
+  const std::span<Complex> every(bins);
+  EXPECT_DEATH(fft.Forward(all, every.first(5)), "check failed");
+  EXPECT_DEATH(fft.Forward(all.first(8), every), "check failed");
+  EXPECT_DEATH(fft.Inverse(every, all.first(8)), "check failed");
+  EXPECT_DEATH(fft.Inverse(every.first(5), all), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

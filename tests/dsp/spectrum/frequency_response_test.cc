@@ -204,5 +204,210 @@ TEST(KeepSignificant, OfOnePointIsTheLevelOfFivePercent) {
   }
 }
 
+// amplitudes at frequencies of which none is the resonance's, each off by `noise` times a normal
+// number
+std::vector<SweptPoint> Amplitudes(double noise_m, Noise& noise) {
+  std::vector<SweptPoint> points;
+  for (int k = 0; k < 60; ++k) {
+    const double frequency_hz = 180.7 + 1.5 * k;
+    const double amplitude = 2 * std::abs(ClosedForm(frequency_hz)) + noise_m * noise();
+    points.push_back({0, frequency_hz, amplitude});
+  }
+  return points;
+}
+
+TEST(Resonance, OfExactAmplitudesBesideItIsFound) {
+  Noise noise(1);
+  const Resonance found = FitResonance(std::span<const SweptPoint>(Amplitudes(0, noise)));
+  ASSERT_TRUE(found.converged);
+  EXPECT_REL(found.frequency_hz, kResonanceHz, 1e-12, "rounding");
+  EXPECT_REL(found.quality_factor, kQuality, 1e-11, "rounding");
+  EXPECT_REL(found.gain, 2 * kGain, 1e-11, "rounding");
+  EXPECT_EQ(found.degrees_of_freedom, 57);
+}
+
+TEST(Resonance, IntervalsOfAmplitudesHoldTheTruth) {
+  constexpr int kRepetitions = 400;
+  constexpr double kT57 = 2.0024655;  // Student's t, 97.5 %, 60 - 3 degrees of freedom
+  Noise noise(29);
+  int frequency = 0;
+  int quality = 0;
+  for (int r = 0; r < kRepetitions; ++r) {
+    const Resonance found = FitResonance(std::span<const SweptPoint>(Amplitudes(6e-7, noise)));
+    ASSERT_TRUE(found.converged);
+    const double off_hz = std::abs(found.frequency_hz - kResonanceHz);
+    frequency += off_hz <= kT57 * found.frequency_uncertainty_hz ? 1 : 0;
+    const double off = std::abs(found.quality_factor - kQuality);
+    quality += off <= kT57 * found.quality_factor_uncertainty ? 1 : 0;
+  }
+  EXPECT_NEAR(frequency, 380, 18) << "95 % of 400, four deviations of the count";
+  EXPECT_NEAR(quality, 380, 18);
+}
+
+// 120 weighted residuals of deviation 0.02 less four parameters, over 120 weighted values of 1 in
+// 60 pairs
+TEST(Resonance, ResidualShareIsThatOfTheNoise) {
+  constexpr int kRepetitions = 100;
+  Noise noise(31);
+  double square = 0;
+  for (int r = 0; r < kRepetitions; ++r) {
+    const Resonance found = FitResonance(std::span<const ResponsePoint>(Points(0.02, noise)));
+    square += found.residual_share * found.residual_share / kRepetitions;
+  }
+  EXPECT_REL(std::sqrt(square), 0.02 * std::sqrt(116.0 / 60), 0.03,
+             "four deviations: 1 / sqrt(2 116 100), and medians as weights");
+}
+
+// exact points; those above the resonance 5 % too large and uncertain by `share`
+double FrequencyOffBy(double share_below, double share_above) {
+  Noise noise(1);
+  auto points = Points(0, noise);
+  for (ResponsePoint& point : points) {
+    const bool is_above = point.frequency_hz > kResonanceHz;
+    point.relative_uncertainty = is_above ? share_above : share_below;
+    if (is_above) point.response *= 1.05;
+  }
+  const Resonance found = FitResonance(std::span<const ResponsePoint>(points));
+  EXPECT_TRUE(found.converged);
+  return std::abs(found.frequency_hz - kResonanceHz);
+}
+
+// below 1e-3 of its value no uncertainty counts, above it each does
+TEST(Resonance, PointsWeighByTheirUncertaintyDownToAThousandth) {
+  const double alike_hz = FrequencyOffBy(0.1, 0.1);
+  EXPECT_GT(alike_hz, 0.05) << "5 % on one side, in a width of 15 Hz";
+  EXPECT_LT(FrequencyOffBy(1e-3, 0.1), 0.01 * alike_hz) << "weights of 10 000 to one";
+  EXPECT_REL(FrequencyOffBy(0, 0.1), FrequencyOffBy(1e-3, 0.1), 0.5,
+             "0 counts as a thousandth: of its own value, not of its neighbours'");
+  EXPECT_REL(FrequencyOffBy(1e-5, 5e-4), alike_hz, 0.3, "both count as a thousandth");
+}
+
+// exact points of one deviation, but for one that is 5 % off with `ratio` times that deviation
+double FrequencyWithOneOff(double ratio) {
+  constexpr double kOffHz = 240;
+  const double deviation = 0.01 * std::abs(ClosedForm(kOffHz));
+  Noise noise(1);
+  auto points = Points(0, noise);
+  for (ResponsePoint& point : points) {
+    const bool is_off = point.frequency_hz == kOffHz;
+    if (is_off) point.response *= 1.05;
+    point.relative_uncertainty = (is_off ? ratio : 1) * deviation / std::abs(point.response);
+  }
+  const Resonance found = FitResonance(std::span<const ResponsePoint>(points));
+  EXPECT_TRUE(found.converged);
+  return std::abs(found.frequency_hz - kResonanceHz);
+}
+
+TEST(Resonance, APointKeepsItsOwnUncertaintyWhereThatIsTenTimesAsLarge) {
+  // weights in squares of 1 and of 1 / 101
+  EXPECT_REL(FrequencyWithOneOff(9.99) / FrequencyWithOneOff(10.05), 101, 0.2,
+             "of 60 points one has less than a fifth of what determines f0");
+}
+
+// of 40 points the level is 1 - (0.05 / 40)^(1 / (m - 1)), m = 0.94 segments
+TEST(KeepSignificant, OfManyPointsIsTheLevelOfAllOfThem) {
+  constexpr double kSegments = 25;
+  const double level = 1 - std::pow(0.05 / 40, 1 / (0.94 * kSegments - 1));
+  std::vector<ResponsePoint> points(40);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    points[k].coherence = level + (k % 2 == 0 ? -1e-9 : 1e-9);
+  }
+  KeepSignificant(points, kSegments);
+  EXPECT_EQ(points.size(), 20U);
+}
+
+TEST(IndependentPoints, AreEveryThirdFrequency) {
+  std::vector<ResponsePoint> points;
+  for (int bin = 50; bin < 62; ++bin) {
+    points.push_back({.frequency_hz = 0.4 * bin, .response = 1});
+  }
+  const auto kept = IndependentPoints(points, 0.4);
+  ASSERT_EQ(kept.size(), 4U);
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    EXPECT_REL(kept[k].frequency_hz, 0.4 * (51 + 3 * static_cast<double>(k)), 1e-15, "bin 51 on");
+  }
+}
+
+// blocks of 0.1 s: a run goes on below 10 Hz from one to the next, and without a block between them
+TEST(LongestSweep, EndsAtAJumpOfOneOverABlockAndAtAMissingBlock) {
+  for (const double jump_hz : {9.9, 10.1}) {
+    const std::vector<SweptPoint> points{{0.1, 100, 1},
+                                         {0.2, 101, 1},
+                                         {0.3, 101 - jump_hz, 1},
+                                         {0.4, 100 - jump_hz, 1},
+                                         {0.5, 99 - jump_hz, 1}};
+    const auto longest = LongestSweep(points, 0.1);
+    ASSERT_EQ(longest.size(), jump_hz < 10 ? 5U : 3U) << jump_hz;
+    EXPECT_EQ(longest.back().time_s, 0.5);
+  }
+  for (const double missing_s : {0.149, 0.151}) {
+    const std::vector<SweptPoint> points{
+        {0.1, 100, 1}, {0.2, 101, 1}, {0.3, 102, 1}, {0.3 + missing_s, 103, 1}};
+    EXPECT_EQ(LongestSweep(points, 0.1).size(), missing_s < 0.15 ? 4U : 3U) << missing_s;
+  }
+  EXPECT_TRUE(LongestSweep({}, 0.1).empty());
+}
+
+TEST(SweepRate, IsTheMedianOfTheRates) {
+  // 10, 20, 30 Hz/s in any direction, and a jump
+  const std::vector<SweptPoint> points{{0, 100, 1},   {0.1, 101, 1}, {0.2, 99, 1},
+                                       {0.3, 102, 1}, {0.4, 402, 1}, {0.5, 400.5, 1}};
+  EXPECT_REL(SweepRate(points), 20, 1e-12, "rounding: 10, 15, 20, 30 and 3000");
+}
+
+TEST(FrequencyResponse, UncertaintyIsThatOfTheCoherence) {
+  Sweep sweep = Swept(60, 500, 8);
+  Noise noise(5);
+  for (double& x : sweep.displacement_m) x += 2e-6 * noise();
+  const WelchOptions options{kRateHz, 1000};
+  const auto points =
+      MeasureResponse(sweep.drive_v, sweep.displacement_m, options, 100, 450).value();
+  const auto spectrum = WelchSpectrum(sweep.drive_v, options).value();
+  // 31 segments that overlap by half: r_1 = 1/36
+  const double freedom = 62 / (1 + 2 * (1 - 1.0 / 31) / 36);
+  ASSERT_EQ(spectrum.grid.segments, 31U);
+  ASSERT_EQ(points.size(), 176U) << "every 2 Hz, both ends included";
+  EXPECT_EQ(points.front().frequency_hz, 100);
+  EXPECT_EQ(points.back().frequency_hz, 450);
+  for (const ResponsePoint& point : points) {
+    const double c = point.coherence;
+    EXPECT_REL(point.relative_uncertainty, std::sqrt((1 - c) / (c * freedom)), 1e-12, "rounding");
+  }
+}
+
+// 100 whole periods in blocks of 50 samples: all but the first and the last
+TEST(SweptAmplitude, OfASteadyToneIsTheToneInEveryBlock) {
+  const std::vector<double> tone = Samples(kRateHz, 1000, 0, {{3e-6, 200, 0.4}});
+  const auto points = SweptAmplitude(tone, kRateHz, 80, 480);
+  ASSERT_EQ(points.size(), 18U);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double middle = 50 * static_cast<double>(k + 1) + 24.5;
+    EXPECT_REL(points[k].time_s, middle / kRateHz, 1e-14, "rounding");
+    EXPECT_REL(points[k].frequency_hz, 200, 1e-10, "rounding of a transform");
+    EXPECT_REL(points[k].amplitude, 3e-6, 1e-10, "rounding of a transform");
+  }
+  EXPECT_TRUE(SweptAmplitude(tone, kRateHz, 201, 480).empty()) << "below the frequencies";
+  EXPECT_TRUE(SweptAmplitude(tone, kRateHz, 80, 199).empty()) << "above them";
+  const auto few = std::span(tone);
+  EXPECT_EQ(SweptAmplitude(few.first(150), kRateHz, 80, 480).size(), 1U);
+  EXPECT_TRUE(SweptAmplitude(few.first(149), kRateHz, 80, 480).empty()) << "no three blocks";
+}
+
+// a tone on a bin and one of `amplitude` on another; a Hann window shares each with two bins, which
+// have a quarter of its density
+std::size_t PointsWithADriveOf(double amplitude) {
+  const std::vector<double> drive =
+      Samples(kRateHz, 8000, 0, {{1, 200, 0.3}, {amplitude, 300, 0.1}});
+  return MeasureResponse(drive, drive, {kRateHz, 1000}, 100, 450).value().size();
+}
+
+TEST(FrequencyResponse, LeavesOutWhatHoldsLessThan1eMinus10OfTheDrive) {
+  EXPECT_EQ(PointsWithADriveOf(0), 3U);
+  EXPECT_EQ(PointsWithADriveOf(0.999e-5), 3U);
+  EXPECT_EQ(PointsWithADriveOf(1.001e-5), 4U);
+  EXPECT_EQ(PointsWithADriveOf(1.999e-5), 4U);
+  EXPECT_EQ(PointsWithADriveOf(2.001e-5), 6U);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

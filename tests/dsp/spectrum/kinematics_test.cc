@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -83,6 +84,42 @@ TEST(Kinematics, TheWindowShrinksAtTheEndsAndMayVanish) {
   EXPECT_FALSE(DescribeKinematics(signal, 10e3, 500, 500, 500));
   EXPECT_FALSE(DescribeKinematics(signal, 1000, 400, 0, 1000)) << "0.4 of the rate";
   EXPECT_FALSE(DescribeKinematics({}, 10e3, 500, 0, 0));
+}
+
+// 4^64 / binomial(128, 64) sin(theta/2)^128 = 1e-8, by logarithms of factorials
+TEST(Kinematics, SixtyFourTapsReachTheStatedBound) {
+  const double ratio = 64 * std::log(4.0) - (std::lgamma(129.0) - 2 * std::lgamma(65.0));
+  const double sine = std::exp((std::log(1e-8) - ratio) / 128);
+  const double upper = 2 * std::asin(sine) / (2 * kPi);
+  EXPECT_ABS(upper, 0.32, 0.005, "the stated share of the rate");
+  EXPECT_EQ(DesignDifferentiator(1, 0.9999 * upper)->taps.size(), 64U);
+  EXPECT_FALSE(DesignDifferentiator(1, 1.0001 * upper));
+  EXPECT_FALSE(DesignDifferentiator(1, 0.5));
+}
+
+// one sample that has all its neighbours, and none
+TEST(Kinematics, NeedsASampleWithAllItsNeighbours) {
+  const std::size_t reach = 2 * DesignDifferentiator(10e3, 500)->taps.size();
+  const std::vector<double> signal = Samples(10e3, 2 * reach + 1, 0, {{1, 100, 0}});
+  const auto motion = DescribeKinematics(signal, 10e3, 500, 0, signal.size());
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->begin, reach);
+  EXPECT_EQ(motion->end, reach + 1);
+  const double w = 2 * kPi * 100;
+  const double phase = w * static_cast<double>(reach) / 10e3;
+  EXPECT_REL(motion->velocity_peak, w * std::abs(std::cos(phase)), 1e-7, "the stated bound");
+  EXPECT_REL(motion->velocity_rms, motion->velocity_peak, 1e-15, "of one sample");
+  EXPECT_REL(motion->acceleration_peak, w * w * std::abs(std::sin(phase)), 1e-7, "the same");
+  EXPECT_REL(motion->acceleration_rms, motion->acceleration_peak, 1e-15, "of one sample");
+  EXPECT_FALSE(DescribeKinematics(std::span(signal).first(2 * reach), 10e3, 500, 0, 2 * reach));
+}
+
+TEST(KinematicsDeathTest, RatesAndWindowsAreChecked) {
+  const std::vector<double> signal(1000, 1.0);
+  EXPECT_DEATH(static_cast<void>(DesignDifferentiator(0, 500)), "check failed");
+  EXPECT_DEATH(static_cast<void>(DesignDifferentiator(10e3, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(DescribeKinematics(signal, 10e3, 500, 0, 1001)), "check failed");
+  EXPECT_DEATH(static_cast<void>(DescribeKinematics(signal, 10e3, 500, 501, 500)), "check failed");
 }
 
 }  // namespace

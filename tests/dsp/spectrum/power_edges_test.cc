@@ -58,5 +58,60 @@ TEST(RefinedEdges, EdgesTooNearStayAsTheyWere) {
   }
 }
 
+// whether all edges of a burst between two times are refined
+bool IsRefined(double from_s, double to_s) {
+  const std::vector<double> power = Step(0, from_s, to_s);
+  const auto edges = RefinedEdges(power, kCells, 1e-4, PowerEdges(power, kCells));
+  EXPECT_FALSE(edges.empty());
+  return std::ranges::all_of(edges, [](const PowerEdge& edge) {
+    return edge.uncertainty_s < 2e-4;  // 0.1 ms refined, 14 ms as it was
+  });
+}
+
+// 2.5 windows of 50 ms, to within a cell of 1 ms of each coarse edge
+TEST(RefinedEdges, AreTwoAndAHalfWindowsFromEachOtherAndFromTheEnds) {
+  EXPECT_FALSE(IsRefined(0.45, 0.45 + 0.123));
+  EXPECT_TRUE(IsRefined(0.45, 0.45 + 0.128));
+  EXPECT_FALSE(IsRefined(0.122, 2));
+  EXPECT_TRUE(IsRefined(0.128, 2));
+  EXPECT_TRUE(IsRefined(-1, 0.872));
+  EXPECT_FALSE(IsRefined(-1, 0.878));
+}
+
+TEST(PowerEdges, AreWhereTheMovingMeanIsHalfOfTheTop) {
+  const auto edges = PowerEdges(Step(0, 0.3, 0.7), kCells);
+  ASSERT_EQ(edges.size(), 2U);
+  EXPECT_TRUE(edges[0].rises);
+  EXPECT_FALSE(edges[1].rises);
+  EXPECT_ABS(edges[0].time_s, 2.3, 1.01e-3, "a cell");
+  EXPECT_ABS(edges[1].time_s, 2.7, 1.01e-3, "a cell");
+  EXPECT_REL(edges[0].uncertainty_s, 0.025 / std::numbers::sqrt3, 1e-12, "half a window");
+  EXPECT_TRUE(PowerEdges(std::vector<double>(99, 1.0), kCells).empty()) << "below two windows";
+}
+
+// a drive of 2 % of a record that is exactly 0 elsewhere: half of the top is 0, and so are the
+// means of windows behind the drive, whatever was in those before
+TEST(PowerEdges, BehindAShortDriveZeroIsOff) {
+  std::vector<double> power(1000, 0.0);
+  for (std::size_t k = 600; k < 620; ++k) power[k] = 1.1 + std::sin(static_cast<double>(k * k));
+  const auto edges = PowerEdges(power, kCells);
+  ASSERT_EQ(edges.size(), 2U);
+  EXPECT_TRUE(edges[0].rises);
+  EXPECT_FALSE(edges[1].rises);
+  EXPECT_ABS(edges[0].time_s, 2.6, 0.0251, "half a window");
+  EXPECT_ABS(edges[1].time_s, 2.62, 0.0261, "half a window");
+}
+
+// an edge that falls has the same uncertainty as one that rises
+TEST(RefinedEdges, NoiseAddsToTheUncertaintyOfEveryEdge) {
+  const std::vector<double> power = Step(0.2, 0.3, 0.7);
+  const auto edges = RefinedEdges(power, kCells, 1e-3, PowerEdges(power, kCells));
+  ASSERT_EQ(edges.size(), 2U);
+  for (const PowerEdge& edge : edges) {
+    EXPECT_REL(edge.uncertainty_s, std::hypot(1e-3, std::sqrt(0.05 / 480 * 0.2 * 1.2)), 1e-9,
+               "sums of the moving means");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

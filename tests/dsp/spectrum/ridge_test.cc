@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "tests/residual.h"
@@ -67,6 +68,40 @@ TEST(Ridge, PassesABurst) {
 }
 
 TEST(Ridge, OfNothingIsNothing) { EXPECT_TRUE(FindRidge({}, 20, 500, kBinCost).empty()); }
+
+// twenty frames of a tone of 100 Hz; ten of them have another one of 350 Hz, too
+std::vector<double> WithAnother(double amplitude) {
+  std::vector<std::vector<double>> frames(20, std::vector<double>(kFrame));
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    for (std::size_t n = 0; n < kFrame; ++n) {
+      const double turn = 2 * std::numbers::pi * static_cast<double>(n) / kRateHz;
+      frames[k][n] = std::cos(100 * turn);
+      if (k >= 5 && k < 15) frames[k][n] += amplitude * std::cos(350 * turn);
+    }
+  }
+  const auto frame = [&](std::size_t k) { return std::span<const double>(frames[k]); };
+  return FindRidge({frame, frames.size(), kRateHz}, 20, 500, kBinCost);
+}
+
+// the other tone is the largest magnitude M: 10 (M - 1) against two jumps of M, so from 1.25 on
+TEST(Ridge, AJumpCostsTheLargestMagnitude) {
+  for (const double amplitude : {1.23, 1.27}) {
+    const std::vector<double> ridge = WithAnother(amplitude);
+    for (std::size_t k = 0; k < ridge.size(); ++k) {
+      const bool is_other = amplitude > 1.25 && k >= 5 && k < 15;
+      EXPECT_ABS(ridge[k], is_other ? 350.0 : 100.0, 0.5, "a twentieth of the window's 10 Hz") << k;
+    }
+  }
+}
+
+// a tone between bins of 1.27 Hz, anywhere
+TEST(Ridge, LiesBetweenTheBins) {
+  for (double tone_hz = 200; tone_hz < 202.6; tone_hz += 0.2) {
+    for (const double frequency_hz : RidgeOf(Chirp(tone_hz, tone_hz, 1300))) {
+      EXPECT_ABS(frequency_hz, tone_hz, 0.01, "a parabola for the logarithm of Hann's lobe");
+    }
+  }
+}
 
 }  // namespace
 }  // namespace haptometer::dsp

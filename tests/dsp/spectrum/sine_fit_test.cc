@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "dsp/statistics/moments.h"
@@ -265,6 +266,118 @@ TEST(SineFit, NothingFiniteNothingSaid) {
   EXPECT_TRUE(rest.converged);
   EXPECT_EQ(rest.amplitude, 0);
   EXPECT_TRUE(std::isnan(rest.phase_uncertainty_rad));
+}
+
+// the tone of 250 Hz, an offset and a tone of whole periods that shares nothing with them: u of the
+// amplitude is b / sqrt(degrees of freedom), of a phase at a known frequency that over the
+// amplitude
+TEST(SineFit, UncertaintiesAtAKnownFrequencyAreTheClosedForm) {
+  const std::vector<double> signal = Samples(kRateHz, 1000, 0.03, {{2, 250, 0.3}, {0.1, 700, 1}});
+  struct Case {
+    double noise_bandwidth_hz;
+    double freedom;
+  };
+  for (const Case& one : {Case{0, 997}, Case{5000, 997}, Case{1250, 247}}) {
+    const SineFit fit = FitSineAt(signal, {kRateHz, one.noise_bandwidth_hz}, 250);
+    ASSERT_TRUE(fit.converged);
+    constexpr const char* kReason = "rounding of sums over whole periods";
+    EXPECT_EQ(fit.degrees_of_freedom, one.freedom);
+    EXPECT_REL(fit.residual_rms, 0.1 / std::numbers::sqrt2, 1e-12, kReason);
+    EXPECT_REL(fit.amplitude_uncertainty, 0.1 / std::sqrt(one.freedom), 1e-11, kReason);
+    EXPECT_REL(fit.phase_uncertainty_rad, 0.05 / std::sqrt(one.freedom), 1e-11, kReason);
+  }
+}
+
+// more independent samples than parameters: 3 + degree at a known frequency, one more at a free one
+TEST(SineFit, NeedsMoreSamplesThanParameters) {
+  for (const int degree : {0, 1, 2, 3}) {
+    const auto least = static_cast<std::size_t>(4 + degree);
+    const std::vector<double> signal = Samples(kRateHz, least + 1, 0, {{1, 2250, 0.3}});
+    const SineFitOptions options{kRateHz, 0, degree};
+    EXPECT_FALSE(FitSineAt(std::span(signal).first(least - 1), options, 2250).converged) << degree;
+    EXPECT_TRUE(FitSineAt(std::span(signal).first(least), options, 2250).converged) << degree;
+    EXPECT_FALSE(FitSine(std::span(signal).first(least), options, 2250).converged) << degree;
+    EXPECT_TRUE(FitSine(signal, options, 2250).converged) << degree;
+  }
+  // in a band of a quarter of the rate every second sample is independent
+  const std::vector<double> signal = Samples(kRateHz, 7, 0, {{1, 2250, 0.3}});
+  const SineFitOptions half{kRateHz, kRateHz / 4};
+  EXPECT_FALSE(FitSineAt(std::span(signal).first(6), half, 2250).converged);
+  EXPECT_TRUE(FitSineAt(signal, half, 2250).converged);
+}
+
+TEST(SineFit, NeedsHalfAPeriod) {
+  const std::vector<double> signal = Samples(kRateHz, 20, 0, {{1, 250, 0.3}});
+  EXPECT_TRUE(FitSineAt(signal, {kRateHz}, 250).converged);
+  EXPECT_FALSE(FitSineAt(signal, {kRateHz}, 249).converged);
+  std::vector<double> times_s(20);
+  for (std::size_t k = 0; k < times_s.size(); ++k) times_s[k] = static_cast<double>(k) / 19;
+  EXPECT_TRUE(FitSineAtTimes(signal, times_s, 0.5).converged);
+  EXPECT_FALSE(FitSineAtTimes(signal, times_s, 0.499).converged);
+}
+
+// the same samples at even times: the same fit, its phase at t = 0
+TEST(SineFit, AtEvenTimesIsTheFitOfEvenSamples) {
+  const std::vector<double> signal = Samples(kRateHz, 500, 0.03, {{2, 251.3, 0.3}, {0.1, 700, 1}});
+  std::vector<double> times_s(signal.size());
+  for (std::size_t k = 0; k < times_s.size(); ++k) {
+    times_s[k] = 0.01 + static_cast<double>(k) / kRateHz;
+  }
+  const SineFit even = FitSineAt(signal, {kRateHz, 0, 2}, 251.3);
+  const SineFit timed = FitSineAtTimes(signal, times_s, 251.3, 2);
+  ASSERT_TRUE(even.converged && timed.converged);
+  constexpr const char* kReason = "rounding of times";
+  EXPECT_REL(timed.amplitude, even.amplitude, 1e-12, kReason);
+  EXPECT_REL(timed.amplitude_uncertainty, even.amplitude_uncertainty, 1e-10, kReason);
+  EXPECT_REL(timed.phase_uncertainty_rad, even.phase_uncertainty_rad, 1e-10, kReason);
+  EXPECT_REL(timed.residual_rms, even.residual_rms, 1e-10, kReason);
+  EXPECT_REL(timed.offset, even.offset, 1e-10, kReason);
+  EXPECT_EQ(timed.degrees_of_freedom, even.degrees_of_freedom);
+  const double turned = timed.phase_rad - even.phase_rad + 2 * kPi * 251.3 * 0.01;
+  EXPECT_ABS(std::remainder(turned, 2 * kPi), 0, 1e-11, "rounding of phases of 80 rad");
+}
+
+TEST(PhasorBlocks, AreCosineAndSineOfEveryBlock) {
+  const PhasorBlocks phasors(0.37);
+  std::vector<double> cosines(PhasorBlocks::kBlock);
+  std::vector<double> sines(PhasorBlocks::kBlock);
+  for (const double first : {0.0, -300.5, 1e6}) {
+    phasors.Fill(first, cosines, sines);
+    for (std::size_t k = 0; k < cosines.size(); ++k) {
+      const double angle = 0.37 * (first + static_cast<double>(k));
+      EXPECT_ABS(cosines[k], std::cos(angle), 1e-10, "rounding of 4e5 rad");
+      EXPECT_ABS(sines[k], std::sin(angle), 1e-10, "rounding of 4e5 rad");
+    }
+  }
+}
+
+// from starts up to half a bin, 1 / duration, beside it
+TEST(SineFit, OfASineAloneConvergesFromEverySideOfIt) {
+  for (std::size_t count = 200; count < 240; ++count) {
+    const double bin_hz = kRateHz / static_cast<double>(count);
+    const std::vector<double> signal = Samples(kRateHz, count, 0, {{2e-6, 1234.5, 0.3}});
+    for (const double bins : {-0.4, -0.1, 0.0, 0.2, 0.5}) {
+      const SineFit fit = FitSine(signal, {kRateHz, 0}, 1234.5 + bins * bin_hz);
+      ASSERT_TRUE(fit.converged) << count << ' ' << bins;
+      EXPECT_REL(fit.frequency_hz, 1234.5, 1e-12, "rounding of phases of 2e2 rad");
+    }
+  }
+}
+
+TEST(SineFitDeathTest, RatesDegreesAndSizesAreChecked) {
+  const std::vector<double> signal = Samples(kRateHz, 1000, 0, {{1, 100, 0.3}});
+  EXPECT_DEATH(static_cast<void>(FitSineAt(signal, {0, 0}, 100)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitSineAt(signal, {kRateHz, 0, -1}, 100)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitSine(signal, {kRateHz, 0, kHighestDriftDegree + 1}, 100)),
+               "check failed");
+  EXPECT_DEATH(static_cast<void>(FitSineAtTimes(signal, std::span(signal).first(999), 100)),
+               "check failed");
+  const PhasorBlocks phasors(0.1);
+  std::vector<double> cosines(PhasorBlocks::kBlock + 1);
+  std::vector<double> sines(PhasorBlocks::kBlock + 1);
+  EXPECT_DEATH(phasors.Fill(0, cosines, sines), "check failed");
+  EXPECT_DEATH(phasors.Fill(0, std::span(cosines).first(9), std::span(sines).first(10)),
+               "check failed");
 }
 
 }  // namespace

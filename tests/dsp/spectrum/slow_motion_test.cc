@@ -136,5 +136,50 @@ TEST(SlowMotion, IsNotMadeUp) {
   EXPECT_EQ(still->drift_per_s, 0);
 }
 
+// eight parts of 20 values and 7 values more; each part's level is off the line by 1 or -1 in an
+// order that shares nothing with a line: s^2 = 8 / 6, over 42 in squares of the parts' numbers
+TEST(SlowMotion, TheDriftAndItsUncertaintyAreThoseOfEightMeans) {
+  constexpr double kOff[] = {1, -1, -1, 1, 1, -1, -1, 1};
+  std::vector<double> signal(167, 1e3);
+  for (std::size_t k = 0; k < 160; ++k) {
+    signal[k] = kOff[k / 20] + 0.05 * static_cast<double>(k);
+  }
+  const auto motion = DescribeSlowMotion(signal, 40);
+  ASSERT_TRUE(motion);
+  EXPECT_REL(motion->drift_per_s, 0.05 * 40, 1e-13, "rounding");
+  EXPECT_REL(motion->drift_uncertainty_per_s, std::sqrt(8.0 / 6 / 42) / 20 * 40, 1e-12, "rounding");
+}
+
+TEST(SlowMotion, NeedsSixteenSamplesASecondAndFourTimesTheTremorsRate) {
+  EXPECT_TRUE(DescribeSlowMotion(std::vector<double>(16, 1.0), kRateHz));
+  EXPECT_FALSE(DescribeSlowMotion(std::vector<double>(199, 1.0), kRateHz)->tremor_rms) << "0.995 s";
+  EXPECT_TRUE(DescribeSlowMotion(std::vector<double>(200, 1.0), kRateHz)->tremor_rms) << "1 s";
+  EXPECT_FALSE(DescribeSlowMotion(std::vector<double>(200, 1.0), 51.9)->tremor_rms);
+  EXPECT_TRUE(DescribeSlowMotion(std::vector<double>(200, 1.0), 52)->tremor_rms);
+}
+
+TEST(SlowMotion, ARecordAtRestHasATremorOfNothing) {
+  const auto still = DescribeSlowMotion(std::vector<double>(800, 0.03), kRateHz);
+  ASSERT_TRUE(still && still->tremor_rms);
+  EXPECT_EQ(still->tremor_frequency_hz, 0);
+  EXPECT_EQ(still->tremor_rms_uncertainty, 0);
+  EXPECT_EQ(still->drift_uncertainty_per_s, 0);
+}
+
+// Hann's window spreads a tone on a bin over three of 1/6, 2/3 and 1/6 of its power: their width is
+// 2 bins of 0.25 Hz
+TEST(SlowMotion, TheUncertaintyOfASteadyTremorIsThatOfTheWindowsWidth) {
+  const std::vector<double> signal = Samples(kRateHz, 8000, 0, {{1e-3, 8, 0.4}});
+  const auto motion = DescribeSlowMotion(signal, kRateHz);
+  ASSERT_TRUE(motion && motion->tremor_rms);
+  EXPECT_REL(motion->tremor_rms_uncertainty / *motion->tremor_rms, 1 / std::sqrt(4 * 2 * 0.25 * 40),
+             1e-4, "what the line takes of the tone");
+}
+
+TEST(SlowMotionDeathTest, HasARate) {
+  const std::vector<double> signal(200, 1.0);
+  EXPECT_DEATH(static_cast<void>(DescribeSlowMotion(signal, 0)), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

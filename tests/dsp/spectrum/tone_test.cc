@@ -212,5 +212,146 @@ TEST(Harmonics, NoisePowerIsTakenOff) {
   EXPECT_REL(with_noise, 0.0034 + 8 * (2 * 0.01 / 400), 0.02, "the same; 8 u^2 not taken off");
 }
 
+// An impulse has the same power in every bin (w h)^2; in phase with it, a tone on bin 200 adds its
+// n / 4 to that bin. The median of 64 bins is (w h)^2, the mean of exponential values 1 / ln 2 of
+// it, and one of m = 380 exceeds x times that mean with the probability m (1 + x / 32)^-32.
+TEST(Tone, StandsOutOfItsNeighboursAsTheProbabilitySays) {
+  constexpr std::size_t kSize = 1000;
+  constexpr std::size_t kAt = 400;
+  constexpr double kBins = 380;
+  for (const double false_alarm : {1e-3, 0.05}) {
+    const double x = 32 * (std::pow(kBins / false_alarm, 1.0 / 32) - 1);
+    for (const double share : {0.999, 1.001}) {
+      const double window = 0.5 - 0.5 * std::cos(2 * kPi * kAt / kSize);
+      const double level = 1e-3 * window;
+      const double amplitude = 4 * level * (std::sqrt(share * x / std::numbers::ln2) - 1) / kSize;
+      const double w = 2 * kPi * 0.2;
+      std::vector<double> signal =
+          Samples(1000, kSize, 0, {{amplitude, 200, kPi / 2 - w * static_cast<double>(kAt)}});
+      signal[kAt] += 1e-3;
+      const ToneSearch search{1000, 20, 400, 0, false_alarm};
+      EXPECT_EQ(StrongestTone(signal, search).has_value(), share > 1) << false_alarm;
+    }
+  }
+}
+
+// Of 40 samples no side has 16 bins. Beside the tone on bin 5, even about the middle, another on
+// bin 15, which is odd, is what the fit leaves: u = b / sqrt(40 - 4). 150 Hz of 40 ms are six bins.
+TEST(Tone, StandsOutOfTheResidualAsTheProbabilitySays) {
+  const double ratio = std::sqrt(2 * std::log(6 / 1e-3));  // of the amplitude to u
+  // amplitude and frequency share 0.06 of each other: u is 0.2 % larger
+  for (const double share : {0.99, 1.01}) {
+    std::vector<double> signal(40);
+    for (std::size_t k = 0; k < signal.size(); ++k) {
+      const double turn = 2 * kPi * (static_cast<double>(k) - 19.5) / 40;
+      signal[k] = share * ratio / 6 * std::cos(5 * turn) + std::sin(15 * turn);
+    }
+    EXPECT_EQ(StrongestTone(signal, {1000, 50, 200, 0}).has_value(), share > 1) << share;
+  }
+}
+
+TEST(Tone, NeedsTwoPeriodsOfTheLowerFrequency) {
+  const std::vector<double> signal = Samples(kRateHz, 1000, 0, {{1e-6, 225, 0.1}});
+  EXPECT_TRUE(StrongestTone(signal, {kRateHz, 20, 500, 0}));
+  EXPECT_FALSE(StrongestTone(std::span(signal).first(999), {kRateHz, 20, 500, 0}));
+}
+
+// 10 times as strong, 0.9 bins of 1 Hz outside: in the outermost bin of the band its lobe is higher
+// than in the second bin beside that, but lower than in the next one
+TEST(Tone, TheShoulderOfAStrongerOneJustOutsideTheBandIsNone) {
+  for (const double outside_hz : {19.1, 400.9}) {
+    const auto tone = StrongestTone(Samples(1000, 1000, 0, {{10, outside_hz, 0.3}, {1, 210.3, 1}}),
+                                    {1000, 20, 400, 0});
+    ASSERT_TRUE(tone) << outside_hz;
+    EXPECT_ABS(tone->frequency_hz, 210.3, 0.05, "side lobes of 10 / (pi 190) in the fit");
+  }
+}
+
+// 2 rate / size times size / rate is below 2 for every fifth size
+TEST(Tone, OfTwoPeriodsAtAnyLengthIsLookedFor) {
+  for (std::size_t size = 10'000; size < 10'050; ++size) {
+    const double lower_hz = 2 * kRateHz / static_cast<double>(size);
+    const auto tone =
+        StrongestTone(Samples(kRateHz, size, 0, {{1e-6, 8.3, 0.1}}), {kRateHz, lower_hz, 20, 0});
+    ASSERT_TRUE(tone) << size;
+    EXPECT_REL(tone->frequency_hz, 8.3, 1e-12, "rounding");
+  }
+}
+
+// Six harmonics of which the second has an amplitude, and a tone that shares nothing with any of
+// them: u = b / sqrt(n - 13) for each amplitude.
+constexpr double kOther = 0.05;
+const double kOfEach = kOther / std::sqrt(1000.0 - 13);
+
+Harmonics WithSecond(double second) {
+  const std::vector<double> signal =
+      Samples(kRateHz, 1000, 0.03, {{1, 100, 0.3}, {second, 200, -1}, {kOther, 1010, 0.4}});
+  return FitHarmonics(signal, {kRateHz, 0}, 100, 600);
+}
+
+TEST(Harmonics, UncertaintiesAreThoseOfWhatTheFitLeaves) {
+  constexpr double kSecond = 0.02;
+  const Harmonics found = WithSecond(kSecond);
+  ASSERT_TRUE(found.converged && found.thd && found.thd_at_most);
+  ASSERT_EQ(found.harmonics.size(), 6U);
+  constexpr const char* kReason = "rounding of sums over whole periods";
+  EXPECT_EQ(found.degrees_of_freedom, 987);
+  EXPECT_REL(found.residual_rms, kOther / std::numbers::sqrt2, 1e-11, kReason);
+  for (const Harmonic& h : found.harmonics) {
+    EXPECT_REL(h.amplitude_uncertainty, kOfEach, 1e-10, kReason);
+  }
+  EXPECT_REL(found.harmonics[1].phase_uncertainty_rad, kOfEach / kSecond, 1e-10, kReason);
+  // a^2 - 2 u^2 of five, over that of the first
+  const double square = kOfEach * kOfEach;
+  const double power = kSecond * kSecond - 5 * 2 * square;
+  const double first = std::sqrt(1 - 2 * square);
+  EXPECT_REL(*found.thd, std::sqrt(power) / first, 1e-10, kReason);
+  // of amplitude^2 the variance 4 u^2 a^2 + 4 u^4, of the four others with nothing 4 u^4
+  const double variance = 4 * square * (kSecond * kSecond - 2 * square) + 4 * square * square * 5;
+  EXPECT_REL(found.thd_uncertainty,
+             std::hypot(std::sqrt(variance / power) / 2, *found.thd * kOfEach) / first, 1e-10,
+             kReason);
+  EXPECT_REL(*found.thd_at_most,
+             std::sqrt(power + 1.6448536269514722 * std::sqrt(variance)) / first, 1e-10, kReason);
+}
+
+// chi-squared of two degrees of freedom: 99 % below 2 ln(100) u^2
+TEST(Harmonics, OneStandsOutOfNoiseInOneOfAHundred) {
+  const double limit = kOfEach * std::sqrt(2 * std::log(100.0));
+  EXPECT_FALSE(WithSecond(0.999 * limit).harmonics[1].stands_out);
+  EXPECT_TRUE(WithSecond(1.001 * limit).harmonics[1].stands_out);
+}
+
+// chi-squared of ten degrees of freedom: exp(-x/2) (1 + x/2 + ... (x/2)^4 / 4!) is 1 % at 23.2093
+TEST(Harmonics, TogetherTheyStandOutOfNoiseInOneOfAHundred) {
+  const double limit = kOfEach * std::sqrt(23.209251158954356);
+  EXPECT_FALSE(WithSecond(0.999 * limit).thd);
+  EXPECT_TRUE(WithSecond(0.999 * limit).thd_at_most);
+  EXPECT_TRUE(WithSecond(1.001 * limit).thd);
+}
+
+TEST(Harmonics, NeedAPeriodAndMoreSamplesThanParameters) {
+  const std::vector<double> signal = Samples(kRateHz, 1000, 0, {{1, 100, 0.3}, {0.1, 200}});
+  EXPECT_TRUE(FitHarmonics(std::span(signal).first(100), {kRateHz, 0}, 100, 100).converged);
+  EXPECT_FALSE(FitHarmonics(std::span(signal).first(99), {kRateHz, 0}, 100, 100).converged);
+  // of 1000 samples in a band of 25 Hz five are independent: two harmonics and an offset are five
+  EXPECT_FALSE(FitHarmonics(signal, {kRateHz, 25}, 100, 200).converged);
+  const Harmonics found = FitHarmonics(signal, {kRateHz, 30}, 100, 200);
+  ASSERT_TRUE(found.converged);
+  EXPECT_REL(found.degrees_of_freedom, 1, 1e-12, "six independent samples less five parameters");
+}
+
+TEST(ToneDeathTest, RatesFrequenciesAndDegreesAreChecked) {
+  const std::vector<double> signal = Samples(kRateHz, 1000, 0, {{1, 100, 0.3}});
+  EXPECT_DEATH(static_cast<void>(StrongestTone(signal, {0, 20, 500, 0})), "check failed");
+  EXPECT_DEATH(static_cast<void>(StrongestTone(signal, {kRateHz, 0, 500, 0})), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitHarmonics(signal, {0, 0}, 100, 500)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FitHarmonics(signal, {kRateHz, 0, -1}, 100, 500)), "check failed");
+  EXPECT_DEATH(
+      static_cast<void>(FitHarmonics(signal, {kRateHz, 0, kHighestDriftDegree + 1}, 100, 500)),
+      "check failed");
+  EXPECT_TRUE(FitHarmonics(signal, {kRateHz, 0, kHighestDriftDegree}, 100, 500).converged);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

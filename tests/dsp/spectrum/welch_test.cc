@@ -210,5 +210,48 @@ TEST(Spectrogram, AveragesToTheSpectrumAndShowsWhen) {
   EXPECT_GT(parts.density.back()[40], 1e6 * parts.density.back()[20]);
 }
 
+// bins of 2 Hz about their frequencies, of density 1, 2, 3 ...: the ends count by the share inside
+TEST(Welch, RmsWithinTakesTheShareOfTheBinsAtBothEnds) {
+  PowerSpectrum spectrum;
+  spectrum.grid.resolution_hz = 2;
+  for (int k = 0; k < 10; ++k) spectrum.density.push_back(k + 1);
+  // 5.5 to 7 Hz of bin 3, 7 to 9 Hz of bin 4, 9 to 9.5 Hz of bin 5
+  EXPECT_REL(RmsWithin(spectrum, 5.5, 9.5), std::sqrt(1.5 * 4 + 2 * 5 + 0.5 * 6), 1e-14,
+             "rounding");
+  EXPECT_REL(RmsWithin(spectrum, 6.2, 6.4), std::sqrt(0.2 * 4), 1e-13, "within one bin");
+  EXPECT_EQ(RmsWithin(spectrum, 30, 40), 0) << "beyond the last";
+}
+
+// size 10, overlap 0.75: steps of 2.5 samples, rounded to 3
+TEST(Welch, SegmentsAreThoseThatFit) {
+  const std::vector<double> x(100, 1.0);
+  const auto count = [&](std::size_t samples, double overlap) {
+    return WelchSpectrum(std::span(x).first(samples), {1000, 10, WindowShape::kHann, overlap})
+        ->grid.segments;
+  };
+  EXPECT_EQ(count(10, 0.75), 1U);
+  EXPECT_EQ(count(12, 0.75), 1U);
+  EXPECT_EQ(count(13, 0.75), 2U);
+  EXPECT_EQ(count(29, 0), 2U);
+  EXPECT_EQ(count(30, 0), 3U);
+  EXPECT_EQ(count(100, 0.99), 91U) << "one sample at least";
+}
+
+// chi-squared of two degrees of freedom has quantiles -2 ln(1 - p)
+TEST(Welch, TheIntervalOfOneSegmentIsExponentials) {
+  const auto spectrum = WelchSpectrum(std::vector<double>(64, 1.0), {1000, 64});
+  ASSERT_TRUE(spectrum);
+  EXPECT_EQ(spectrum->grid.degrees_of_freedom, 2);
+  EXPECT_REL(spectrum->grid.lower_factor, -1 / std::log(0.025), 1e-12, "closed form");
+  EXPECT_REL(spectrum->grid.upper_factor, -1 / std::log(0.975), 1e-12, "closed form");
+  EXPECT_REL(spectrum->grid.noise_bandwidth_hz, 1.5 * 1000 / 64, 1e-14, "Hann's 1.5 bins");
+}
+
+TEST(Welch, CoherenceWithNothingIsNoNumber) {
+  const std::vector<double> x = IntegerNoise(500, 1);
+  const CrossSpectrum cross = WelchCrossSpectrum(x, std::vector<double>(500), {1000, 64}).value();
+  EXPECT_TRUE(std::isnan(Coherence(cross)[10]));
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
@@ -72,6 +73,51 @@ TEST(ChangePoints, OfManyValuesAreThoseOfTheValues) {
   for (std::size_t k = 3000; k < values.size(); ++k) values[k] = 2;
   EXPECT_EQ(CheapestPartition(values.size(), 3, SquaresAboutTheMean(values)),
             (std::vector<std::size_t>{0, 3000, 5000}));
+}
+
+// A step between the pieces of 2048 values: one segment costs 1024 height^2 more than two, so the
+// border stays where that is more than the penalty.
+TEST(ChangePoints, ABorderOfPiecesStaysWhereItPaysMoreThanThePenalty) {
+  constexpr double kPenalty = 3;
+  for (const double share : {0.99, 1.01}) {
+    std::vector<double> values(4096, 0.0);
+    const double height = std::sqrt(share * kPenalty / 1024);
+    for (std::size_t k = 2048; k < values.size(); ++k) values[k] = height;
+    const auto borders = CheapestPartition(values.size(), kPenalty, SquaresAboutTheMean(values));
+    EXPECT_EQ(borders.size(), share > 1 ? 3U : 2U) << share;
+  }
+}
+
+// n values of 0 and n of the height: n height^2 / 2 less for a border
+TEST(ChangePoints, ABorderCostsThePenalty) {
+  for (const double share : {0.99, 1.01}) {
+    std::vector<double> values(8, 0.0);
+    std::fill(values.begin() + 4, values.end(), std::sqrt(share * 5 / 2));
+    const auto borders = CheapestPartition(values.size(), 5, SquaresAboutTheMean(values));
+    EXPECT_EQ(borders.size(), share > 1 ? 3U : 2U) << share;
+  }
+}
+
+// Segments that cost nothing are never given up: of n values every one of n (n + 1) / 2 is a
+// candidate.
+TEST(ChangePoints, AsksForTheCostOfEverySegmentOnce) {
+  constexpr std::size_t kCount = 60;
+  std::vector<int> asked(kCount * (kCount + 1), 0);
+  const SegmentCost nothing = [&](std::size_t first, std::size_t end) {
+    EXPECT_LT(first, end);
+    EXPECT_LE(end, kCount);
+    if (first < end && end <= kCount) ++asked[first * (kCount + 1) + end];
+    return 0.0;
+  };
+  EXPECT_EQ(CheapestPartition(kCount, 3, nothing), (std::vector<std::size_t>{0, kCount}));
+  EXPECT_EQ(std::ranges::max(asked), 1) << "none twice";
+  EXPECT_EQ(std::ranges::count(asked, 1), static_cast<std::ptrdiff_t>(kCount * (kCount + 1) / 2));
+}
+
+TEST(ChangePoints, OfOneValueAndOfNoneAreTheEnds) {
+  const SegmentCost nothing = [](std::size_t, std::size_t) { return 0.0; };
+  EXPECT_EQ(CheapestPartition(1, 3, nothing), (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(CheapestPartition(0, 3, nothing), (std::vector<std::size_t>{0}));
 }
 
 }  // namespace

@@ -59,5 +59,43 @@ TEST(NoncentralityForPower, IsThatOfScipy) {
   EXPECT_FALSE(NoncentralityForPower(1, 1e-4, 0.8)) << "a critical t of 6366";
 }
 
+// the limits of what can be computed: |t| of 1000, and of 1000 sqrt(df)
+TEST(NoncentralityInterval, EndsAtTheStatedLimits) {
+  EXPECT_TRUE(NoncentralityInterval(999, 9).has_value());
+  EXPECT_FALSE(NoncentralityInterval(1001, 9).has_value());
+  EXPECT_TRUE(NoncentralityInterval(499, 0.25).has_value());
+  EXPECT_FALSE(NoncentralityInterval(501, 0.25).has_value());
+}
+
+// the share of both tails beyond the critical value is the power that was asked for
+TEST(NoncentralityForPower, OfManyDegreesOfFreedomIsThatOfANormalVariable) {
+  const auto delta = NoncentralityForPower(1e6, 0.05, 0.8);
+  ASSERT_TRUE(delta);
+  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+  const double power = below(*delta - 1.959963984540054) + below(-*delta - 1.959963984540054);
+  EXPECT_ABS(power, 0.8, 3e-6, "t of 1e6 degrees of freedom is normal to 1e-6");
+}
+
+TEST(DistributionsDeathTest, RefuseWhatTheyAreNotDefinedFor) {
+  EXPECT_DEATH(static_cast<void>(StudentTwoSidedP(1, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(StudentCritical(0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FisherUpperP(-1e-9, 1, 5)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FisherUpperP(1, 0, 5)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FisherUpperP(1, 1, 0)), "check failed");
+  EXPECT_EQ(FisherUpperP(0, 1, 5), 1);
+  for (const double p : {0.0, 1.0}) {
+    EXPECT_DEATH(static_cast<void>(FisherQuantile(p, 1, 5)), "check failed") << p;
+    EXPECT_DEATH(static_cast<void>(ChiSquareQuantile(p, 2)), "check failed") << p;
+  }
+  EXPECT_DEATH(static_cast<void>(FisherQuantile(0.5, 0, 5)), "check failed");
+  EXPECT_DEATH(static_cast<void>(FisherQuantile(0.5, 1, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(ChiSquareQuantile(0.5, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(NoncentralityInterval(1, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(NoncentralityForPower(0, 0.05, 0.8)), "check failed");
+  EXPECT_DEATH(static_cast<void>(NoncentralityForPower(9, 0, 0.8)), "check failed");
+  EXPECT_DEATH(static_cast<void>(NoncentralityForPower(9, 0.05, 0.05)), "check failed");
+  EXPECT_DEATH(static_cast<void>(NoncentralityForPower(9, 0.05, 1)), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -72,5 +72,42 @@ TEST(Rms, GrowsNoErrorWithTheLength) {
   EXPECT_REL(Rms(std::vector<double>(10'000'000, 0.1)), 0.1, 1e-15, "rounding of log2(1e7) sums");
 }
 
+// values 1 and 2: s = 1 / sqrt(2), error 1/2, t = 3; one degree of freedom is Cauchy's distribution
+TEST(TestMean, OfTwoValuesIsCauchys) {
+  const OneSample sample = TestMean(std::vector{1.0, 2.0});
+  ASSERT_TRUE(sample.test);
+  EXPECT_EQ(sample.n, 2U);
+  EXPECT_REL(*sample.standard_deviation, 1 / std::numbers::sqrt2, 1e-15, "rounding");
+  EXPECT_REL(sample.test->t, 3, 1e-15, "rounding");
+  EXPECT_EQ(sample.test->df, 1);
+  EXPECT_REL(sample.test->p, 1 - 2 * std::atan(3.0) / std::numbers::pi, 1e-14, "closed form");
+  const double reach = 0.5 * std::tan(0.475 * std::numbers::pi);
+  EXPECT_REL(sample.test->mean.lower, 1.5 - reach, 1e-13, "closed form of the quantile");
+  EXPECT_REL(sample.test->mean.upper, 1.5 + reach, 1e-13, "closed form of the quantile");
+}
+
+TEST(TestMean, OfOneValueAndOfEqualValuesHasNoTest) {
+  EXPECT_FALSE(TestMean(std::vector{2.0}).standard_deviation);
+  const OneSample equal = TestMean(std::vector{2.0, 2.0});
+  EXPECT_EQ(equal.standard_deviation, 0);
+  EXPECT_FALSE(equal.test);
+}
+
+// every place of the eight sums, of whole blocks and of what is left behind them
+TEST(Mean, OfWholeNumbersIsExactAtEveryLength) {
+  std::vector<double> values;
+  for (int n = 1; n <= 400; ++n) {
+    values.push_back(n);
+    EXPECT_EQ(Mean(values), 0.5 * (n + 1)) << n;
+  }
+}
+
+TEST(MomentsDeathTest, NeedOneValueOrTwo) {
+  const std::vector<double> none;
+  EXPECT_DEATH(static_cast<void>(Mean(none)), "check failed");
+  EXPECT_DEATH(static_cast<void>(Rms(none)), "check failed");
+  EXPECT_DEATH(static_cast<void>(StandardDeviation(std::vector{1.0})), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

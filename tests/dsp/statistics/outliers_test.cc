@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -108,6 +109,30 @@ TEST(OutliersOfGroups, FalseAlarmsAreAsStated) {
     EXPECT_LE(alarms, studies * (0.05 + 3 * deviation)) << cells << " x " << repeats;
     EXPECT_GE(alarms, studies * (0.04 - 3 * deviation)) << "Bonferroni loses less than a fifth";
   }
+}
+
+// A cell of 9 beside a residual of 1, 0, -1 / 0, 0, 0 / -1, 0, 1 that is orthogonal to it: r = 4,
+// 1 - h = 4/9, SS = 36 + 4, s^2 = (40 - 36) / 3, t = 4 / sqrt(4/9 4/3) on three degrees of freedom
+TEST(OutliersOfTable, AreByTheExternallyStudentizedResidual) {
+  const CompleteTable table = TableOf(3, 3, {11, 20, 29, 40, 59, 60, 69, 80, 91});
+  const double t = std::sqrt(27.0);
+  const double p = 9 * StudentTwoSidedP(t, 3);
+  const CompleteTable least = TableOf(3, 3, std::vector<double>(9, 1e-3));
+  EXPECT_TRUE(OutliersOfTable(table, least, p * (1 - 1e-9)).empty());
+  const auto found = OutliersOfTable(table, least, p * (1 + 1e-9));
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].group, 1U);
+  EXPECT_EQ(found[0].place, 1U);
+  EXPECT_REL(found[0].deviation, 9, 1e-13, "rounding");
+  EXPECT_REL(found[0].t, t, 1e-12, "rounding of values of 90");
+  EXPECT_REL(found[0].p, p, 1e-12, "rounding of values of 90");
+  // a least deviation of twice s halves t
+  const CompleteTable wide = TableOf(3, 3, std::vector<double>(9, 2 * std::sqrt(4.0 / 3)));
+  const double of_wide = 9 * StudentTwoSidedP(t / 2, 3);
+  const auto still = OutliersOfTable(table, wide, 1);
+  ASSERT_FALSE(still.empty());
+  EXPECT_REL(still[0].t, t / 2, 1e-12, "rounding of values of 90");
+  EXPECT_REL(still[0].p, std::min(1.0, of_wide), 1e-12, "rounding of values of 90");
 }
 
 }  // namespace

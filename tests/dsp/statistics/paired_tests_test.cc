@@ -69,5 +69,60 @@ TEST(HolmOverTested, CountsOnlyWhatWasTested) {
   EXPECT_EQ(adjusted, (std::vector<std::optional<double>>{{}, 0.02, {}, 0.04})) << "two tests";
 }
 
+// differences 1, 2, 3 of a = {1, 4, 7}, b = {0, 2, 4}: mean 2, deviations 1, 3 and 2
+TEST(EffectOfPairs, IsOverEachOfTheThreeDeviations) {
+  const auto effect = EffectOfPairs(std::vector{1.0, 4.0, 7.0}, std::vector{0.0, 2.0, 4.0});
+  ASSERT_TRUE(effect);
+  EXPECT_REL(effect->d_z, 2, 1e-14, "rounding");
+  // J(2) = Gamma(1) / Gamma(1/2)
+  EXPECT_REL(effect->hedges_g, 2 / std::sqrt(std::numbers::pi), 1e-14, "closed form");
+  EXPECT_REL(effect->d_av, 2 / 2.5, 1e-14, "rounding");
+  EXPECT_FALSE(EffectOfPairs(std::vector{1.0, 4.0}, std::vector{0.0, 2.0})) << "two pairs";
+}
+
+// of two pairs the quantile of one degree of freedom is tan(0.475 pi)
+TEST(CompareMeans, OfTwoPairsIsFiellersQuadratic) {
+  // means 4 and 200, variances 2 and 8, covariance 4: c = t^2 / 2
+  const auto ratio = CompareMeans(std::vector{3.0, 5.0}, std::vector{198.0, 202.0});
+  ASSERT_TRUE(ratio && ratio->interval);
+  const double t = std::tan(0.475 * std::numbers::pi);
+  const double c = t * t / 2;
+  const double square = 200.0 * 200 - 8 * c;
+  const double half = 4.0 * 200 - 4 * c;
+  const double root = std::sqrt(half * half - square * (4.0 * 4 - 2 * c));
+  EXPECT_REL(ratio->ratio, 0.02, 1e-15, "rounding");
+  EXPECT_REL(ratio->interval->lower, (half - root) / square, 1e-12, "the quantile's rounding");
+  EXPECT_REL(ratio->interval->upper, (half + root) / square, 1e-12, "the quantile's rounding");
+  EXPECT_FALSE(CompareMeans(std::vector{3.0}, std::vector{198.0})) << "one pair";
+}
+
+// mean(b)^2 against t^2 var(b) / n, 2 pairs that differ by 2: var(b) = 2
+TEST(CompareMeans, IsUnboundedFromTheMeanOnThatMayBeZero) {
+  const double t = std::tan(0.475 * std::numbers::pi);
+  for (const double share : {0.99, 1.01}) {
+    const double mean = share * t;
+    const auto ratio = CompareMeans(std::vector{1.0, 2.0}, std::vector{mean - 1, mean + 1});
+    ASSERT_TRUE(ratio);
+    EXPECT_EQ(ratio->interval.has_value(), share > 1) << share;
+  }
+}
+
+TEST(SignFlipP, TakesTwentyDifferences) {
+  EXPECT_EQ(SignFlipP(std::vector<double>(20, 1.0)), 2 / 0x1p20);
+  EXPECT_EQ(SignFlipP(std::vector{1.0}), 1);
+}
+
+TEST(PairedTestsDeathTest, TakePairsAndTwoDegreesOfFreedom) {
+  const std::vector<double> two{1, 2};
+  const std::vector<double> three{1, 2, 4};
+  const std::vector<double> none;
+  EXPECT_DEATH(static_cast<void>(ComparePairs(two, three)), "check failed");
+  EXPECT_DEATH(static_cast<void>(ComparePairs(none, none)), "check failed");
+  EXPECT_DEATH(static_cast<void>(RatioOfPairs(two, three)), "check failed");
+  EXPECT_DEATH(static_cast<void>(RatioOfPairs(none, none)), "check failed");
+  EXPECT_DEATH(static_cast<void>(CompareMeans(two, three)), "check failed");
+  EXPECT_DEATH(static_cast<void>(HedgesCorrection(1)), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

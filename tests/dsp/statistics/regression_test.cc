@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "dsp/statistics/distributions.h"
@@ -98,6 +99,49 @@ TEST(FitCurvature, HoldsItsInterval) {
   }
   EXPECT_ABS(static_cast<double>(held) / kRepetitions, 0.95, 0.02, "the bar");
   EXPECT_ABS(static_cast<double>(found) / kRepetitions, 0.05, 0.02, "three standard deviations");
+}
+
+// x = 1 2 3 4, y = 1 3 2 4: slope 4/5, residuals -0.3, 0.9, -0.9, 0.3, so s^2 = 0.9; the quantile
+// of two degrees of freedom is 0.95 sqrt(2 / (1 - 0.95^2))
+TEST(FitLine, HasTheIntervalsOfTheClosedForm) {
+  const auto line = FitLine(std::vector{1.0, 2.0, 3.0, 4.0}, std::vector{1.0, 3.0, 2.0, 4.0});
+  ASSERT_TRUE(line);
+  const double t = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95));
+  const double of_slope = t * std::sqrt(0.9 / 5);
+  const double of_intercept = t * std::sqrt(0.9 * (1.0 / 4 + 2.5 * 2.5 / 5));
+  EXPECT_REL(line->slope_interval.lower, 0.8 - of_slope, 1e-13, "rounding");
+  EXPECT_REL(line->slope_interval.upper, 0.8 + of_slope, 1e-13, "rounding");
+  EXPECT_REL(line->intercept_interval.lower, 0.5 - of_intercept, 1e-13, "rounding");
+  EXPECT_REL(line->intercept_interval.upper, 0.5 + of_intercept, 1e-13, "rounding");
+  EXPECT_REL(line->r_squared, 0.64, 1e-14, "rounding");
+  EXPECT_REL(line->residual_deviation, std::sqrt(0.9), 1e-14, "rounding");
+  EXPECT_REL(line->largest_deviation, 0.9, 1e-14, "rounding");
+}
+
+// 0.5 (x^2 - 2) and a cubic that is orthogonal to every parabola over -2 .. 2, of 10 in squares:
+// s^2 = 10 / 2, sum(q^2) = 14
+TEST(FitCurvature, HasTheTestOfTheClosedForm) {
+  const std::vector<double> x{-2, -1, 0, 1, 2};
+  const std::vector<double> y{1 - 1, -0.5 + 2, -1, -0.5 - 2, 1 + 1};
+  const auto bend = FitCurvature(x, y);
+  ASSERT_TRUE(bend && bend->t && bend->p);
+  const double u = std::sqrt(5.0 / 14);
+  const double t = 0.5 / u;
+  EXPECT_REL(bend->quadratic, 0.5, 1e-14, "rounding");
+  EXPECT_EQ(bend->df, 2);
+  EXPECT_REL(*bend->t, t, 1e-13, "rounding");
+  EXPECT_REL(*bend->p, 1 - t / std::sqrt(2 + t * t), 1e-13, "closed form");
+  const double reach = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95)) * u;
+  EXPECT_REL(bend->interval.lower, 0.5 - reach, 1e-13, "rounding of the quantile");
+  EXPECT_REL(bend->interval.upper, 0.5 + reach, 1e-13, "rounding of the quantile");
+}
+
+TEST(RegressionDeathTest, TakesAsManyXAsY) {
+  const std::vector<double> three{1, 2, 4};
+  const std::vector<double> four{1, 2, 4, 5};
+  EXPECT_DEATH(static_cast<void>(FitLine(three, four)), "check failed");
+  const std::vector<Points> groups{{three, four}};
+  EXPECT_DEATH(static_cast<void>(SlopeWithinGroups(groups)), "check failed");
 }
 
 }  // namespace

@@ -56,5 +56,64 @@ TEST(AssessRepeats, IsThatOfShroutAndFleiss) {
   EXPECT_FALSE(AssessRepeats(std::vector<std::vector<double>>{{1, 1}, {2, 2}}));
 }
 
+// subjects 10, 20 and 30 and deviations whose rows add up to 0; the deviations of the columns are
+// 1, sqrt(1/3) and sqrt(4/3), and the quantile of two degrees of freedom is 0.95 sqrt(2 / (1 -
+// 0.95^2))
+TEST(MoreyHalfWidths, OfThreeConditionsAreTheClosedForm) {
+  const CompleteTable table = TableOf(3, 3, {10, 11, 9, 21, 20, 19, 29, 30, 31});
+  const double t = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95));
+  const double factor = t / std::sqrt(3.0) * std::sqrt(1.5);
+  const auto widths = MoreyHalfWidths(table);
+  ASSERT_EQ(widths.size(), 3U);
+  EXPECT_REL(widths[0], factor, 1e-13, "rounding of the quantile");
+  EXPECT_REL(widths[1], factor * std::sqrt(1.0 / 3), 1e-13, "rounding of the quantile");
+  EXPECT_REL(widths[2], factor * std::sqrt(4.0 / 3), 1e-13, "rounding of the quantile");
+}
+
+// Columns 0, 1, 2 about each subject, and a residual of -1, 2, -1 in the first and 1, -2, 1 in the
+// second: 2 (0 + 1 + 1) between conditions, 12 left. The residual lies along one direction, so
+// epsilon is 1 / (k - 1).
+TEST(RepeatedMeasuresAnova, DividesTheSquaresAsTheClosedFormSays) {
+  const CompleteTable table = TableOf(2, 3, {-1, 3, 1, 101, 99, 103});
+  const auto anova = AnalyzeRepeatedMeasures(table);
+  ASSERT_TRUE(anova);
+  EXPECT_EQ(anova->df_conditions, 2);
+  EXPECT_EQ(anova->df_error, 2);
+  EXPECT_REL(anova->f, 4.0 / 12, 1e-12, "rounding of values of 100");
+  EXPECT_REL(anova->partial_eta_squared, 4.0 / 16, 1e-12, "rounding of values of 100");
+  EXPECT_REL(anova->greenhouse_geisser, 0.5, 1e-12, "rounding of values of 100");
+  // F(2, 2): P(F >= f) = 1 / (1 + f); half of both degrees of freedom: F(1, 1)
+  EXPECT_REL(anova->p, 1 / (1 + 4.0 / 12), 1e-12, "closed form");
+  EXPECT_REL(anova->p_greenhouse_geisser, 1 - 2 / std::numbers::pi * std::atan(std::sqrt(4.0 / 12)),
+             1e-12, "closed form");
+}
+
+// two cells of two repeats: F = 7.2 on 1 and 2 degrees of freedom, whose quantiles have closed
+// forms: sqrt(f / (f + 2)) = 0.975, and of F(2, 1) 1 - 1 / sqrt(1 + 2 f) = 0.975
+TEST(AssessRepeats, HasTheIntervalOfMcGrawAndWong) {
+  const auto reliability = AssessRepeats(std::vector<std::vector<double>>{{0, 2}, {5, 9}});
+  ASSERT_TRUE(reliability);
+  const auto icc = [](double f) { return (f - 1) / (f + 1); };
+  const double lower = 2 * 0.975 * 0.975 / (1 - 0.975 * 0.975);
+  const double upper = 0.5 * (1 / (0.025 * 0.025) - 1);
+  EXPECT_REL(reliability->icc, icc(7.2), 1e-14, "rounding");
+  EXPECT_REL(reliability->within_sd, std::sqrt(5.0), 1e-14, "rounding");
+  EXPECT_REL(reliability->interval.lower, icc(7.2 / lower), 1e-11, "rounding of quantiles");
+  EXPECT_REL(reliability->interval.upper, icc(7.2 * upper), 1e-11, "rounding of quantiles");
+}
+
+TEST(CompleteTableDeathTest, EndsAtItsLastSubjectAndCondition) {
+  CompleteTable table = TableOf(2, 3, {1, 2, 3, 4, 5, 6});
+  const CompleteTable& fixed = table;
+  EXPECT_EQ(fixed.At(1, 2), 6);
+  EXPECT_DEATH(static_cast<void>(table.At(2, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(table.At(0, 3)), "check failed");
+  EXPECT_DEATH(static_cast<void>(fixed.At(2, 0)), "check failed");
+  EXPECT_DEATH(static_cast<void>(fixed.At(0, 3)), "check failed");
+  EXPECT_DEATH(static_cast<void>(table.Subject(2)), "check failed");
+  EXPECT_DEATH(static_cast<void>(MoreyHalfWidths(TableOf(1, 3, {1, 2, 3}))), "check failed");
+  EXPECT_DEATH(static_cast<void>(MoreyHalfWidths(TableOf(3, 1, {1, 2, 3}))), "check failed");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
