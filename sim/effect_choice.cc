@@ -179,7 +179,8 @@ void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double tempera
   constexpr int kTenPeriods = 10;
   // a linear motion repeats after one period of the sine: nothing to find
   const bool limited = !played.run.events.empty() || !scene.IsLinear();
-  const double lasts = *scene.scene.duration_s * scene.scene.drive.frequency_hz;
+  // in periods; a run of exactly ten may miss them by a rounding
+  const double lasts = *scene.scene.duration_s * scene.scene.drive.frequency_hz * (1 + 1e-12);
   if (!limited || scene.scene.drive.kind != DriveKind::kSine || lasts < kTenPeriods) return;
   played.end = RunEnd{.drive_periods = PeriodAtEnd(played.run),
                       .window_uncertainty = std::nullopt,
@@ -191,7 +192,7 @@ void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double tempera
   const int k = *played.end->drive_periods;
   if (kTenPeriods % k == 0) return;
   // the largest multiple of k periods that the run contains
-  const int most = static_cast<int>(std::min(lasts * (1 + 1e-12), 1e6)) / k * k;
+  const int most = static_cast<int>(std::min(lasts, 1e6)) / k * k;
   scene.window_periods = std::min((kTenPeriods + k - 1) / k * k, most);
   const double error = played.run.error_estimate;
   played.run = RunScene(scene, *scene.scene.duration_s, start, temperature_rise_k);

@@ -131,14 +131,12 @@ struct ErrorOfNumber {
 
 struct Errors {
   ErrorOfNumber skin, motor, travel, current;
-  double volt_squares = 0;
 
   // the running peak and the last error stay: the relative error refers to the whole run
   void BeginWindow() {
     for (ErrorOfNumber* number : {&skin, &motor, &travel, &current}) {
       *number = {.last = number->last, .peak = number->peak};
     }
-    volt_squares = 0;
   }
 };
 
@@ -233,13 +231,11 @@ class Playing {
         return Eigen::RowVectorXd::Unit(x.size(), place);
       };
       const Eigen::RowVectorXd mover = unit(LinearModel::kMover), motor = unit(LinearModel::kCase);
-      const double volt = motion_.Inputs()(kVoltage);
       // xs, xa, xv - xa and i
       errors_.skin.Take(motion_.ErrorOf(unit(model_.skin())), x(model_.skin()));
       errors_.motor.Take(motion_.ErrorOf(motor), x(LinearModel::kCase));
       errors_.travel.Take(motion_.ErrorOf(mover - motor), (mover - motor).dot(x));
       errors_.current.Take(motion_.ErrorOfCurrent(), motion_.CurrentA());
-      errors_.volt_squares += volt * volt;
       // the first output at which skin, travel or current are no longer known to the tolerance
       const double relative = std::max(
           {errors_.skin.Relative(), errors_.travel.Relative(), errors_.current.Relative()});
@@ -258,10 +254,9 @@ class Playing {
     const auto integral = [&](double before, double after) {
       return after > before ? kIntegralRounding * after / (after - before) : 0;
     };
-    // RMS voltage times the current's RMS error bounds the error of the power, W
-    const double volt =
-        std::sqrt(errors_.volt_squares / std::max(static_cast<double>(errors_.current.count), 1.0));
-    const double power_w = volt * (errors_.current.Rms() + kIntegralRounding * run_.current_rms_a);
+    // the largest voltage times the current's RMS error bounds the error of the power, W
+    const double power_w = LargestVoltageV(scene_.scene.drive) *
+                           (errors_.current.Rms() + kIntegralRounding * run_.current_rms_a);
     const double largest =
         std::max({part(errors_.skin.Rms(), run_.skin_rms_m) + integral(skin_before_, squares[0]),
                   part(errors_.motor.Rms(), run_.case_rms_m) + integral(case_before_, squares[1]),

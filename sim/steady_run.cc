@@ -94,6 +94,7 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   run.current_rms_a = motion.current_rms_a;
   run.power_w = motion.power_w;
   run.mover_peak_m = run.mover_peak_of_run_m = motion.mover_peak_m;
+  run.skin_force_least_n = motion.skin_force_least_n;
   steady.run = std::move(run);
   return steady;
 }

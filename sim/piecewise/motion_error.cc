@@ -161,11 +161,11 @@ void PiecewiseMotion::NoticeNearMiss(const Point& from, int level, const Point& 
     if (begin[1] >= 0) continue;
     const GuardJet end = guards[k].Jet(to.x, to.drive);
     if (end[1] <= 0) continue;
-    // g'' as a difference, and the minimum of the parabola g(0) - g'^2 / (2 g'')
-    const double bend = (end[1] - begin[1]) / h_s;
-    const double lowest = std::min(begin[0] - begin[1] * begin[1] / (2 * bend), end[0]);
+    const HermiteQuintic between({begin[0], begin[1], begin[2]}, {end[0], end[1], end[2]}, h_s);
     const double error = flow_.error->Bound(guard.row);
-    if (lowest > error) continue;
+    if (between.Range().least > error) continue;
+    // g'' as a difference
+    const double bend = (end[1] - begin[1]) / h_s;
     // jump of the rate at the event that may have occurred, over twice the uncertainty of its time
     const Eigen::VectorXd rate = RateIn(mode_, from);
     flow_.error->Add(2 * std::sqrt(2 * error / bend) / MotionError::kSafety *

@@ -22,7 +22,7 @@ struct EventJump {
 ///
 ///   P(t) = sum over k of Phi(t, t_k) delta_k delta_k' Phi(t, t_k)'
 ///
-/// A step by x+ = Phi x + ... turns it to Phi P Phi' and adds what rounding does, 2^-52 of the
+/// A step by x+ = Phi x + ... turns it to Phi P Phi' and adds what rounding does, 2^-53 of the
 /// terms of each sum. An event turns it to S P S' with the saltation matrix
 ///
 ///   S = R + (f+ - R f-) (dg/dx) / (g' by time)

@@ -42,7 +42,8 @@ class SmoothMode final : public SemilinearProblem {
   /// y'.
   [[nodiscard]] Eigen::VectorXd Rate(double t_s, const Eigen::VectorXd& y) const;
 
-  /// g, g', g'', g''' of a guard.
+  /// g, g', g'', g''' of a guard. Of a gap all are exact; of a force without inductance what the
+  /// coil's heating changes is left out, and of a fed input its third derivative.
   [[nodiscard]] GuardJet Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
   /// g alone.
   [[nodiscard]] double Value(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;

@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "sim/effect_bound.h"
 #include "sim/effective_scene.h"
 #include "sim/linear/steady_state.h"
+#include "sim/steady_run.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 
@@ -290,6 +295,137 @@ TEST(EffectChoice, WhatIsTooFastToLookForEventsIsNamed) {
     ASSERT_EQ(choice.error().numbers.size(), 1U);
     EXPECT_EQ(choice.error().numbers[0].name, settles ? "periods" : "at_s");
   }
+}
+
+// bounds of the three, least first
+std::vector<double> BoundsOf(const Scene& scene) {
+  EffectSet on = EffectSet(1);
+  for (const Effect effect : kDisturbances) on.set(PlaceOf(effect));
+  const PlayedScene base = PlayWith(scene, WithoutDisturbances(on));
+  const EffectBounds bounds = BoundEffects(scene, on, base.run);
+  std::vector<double> sorted;
+  for (const Effect effect : kDisturbances) sorted.push_back(bounds[PlaceOf(effect)]);
+  std::ranges::sort(sorted);
+  return sorted;
+}
+
+// the least ones first, as long as they are half of the tolerance together
+TEST(EffectChoice, LeavesOutAsManyAsHalfOfTheToleranceAllows) {
+  Scene scene = Disturbed();
+  scene.duration_s = 0.02;
+  const std::vector<double> bounds = BoundsOf(scene);
+  double sum = 0;
+  for (std::size_t count = 1; count <= 3; ++count) {
+    sum += bounds[count - 1];
+    ASSERT_LT(sum, 0.2) << "a tolerance is below 1";
+    for (const bool is_enough : {true, false}) {
+      scene.tolerance = 2 * sum * (is_enough ? 1.001 : 0.999);
+      const EffectChoice choice = Chosen(scene);
+      const std::size_t left_out = is_enough ? count : count - 1;
+      EXPECT_EQ(choice.on.count(), 4 - left_out) << "the inductance stays";
+      const double left = is_enough ? sum : sum - bounds[count - 1];
+      EXPECT_ABS(choice.change, left, 1e-12 * sum, "rounding of a sum") << count;
+      EXPECT_GE(choice.run.error_estimate, choice.change);
+      EXPECT_LE(choice.run.error_estimate, scene.tolerance);
+    }
+  }
+}
+
+// by 0.077 N on the bare case the motion repeats itself every fourth period: ten of them are no
+// whole number of its own, but 12 are, and 8 where the run is shorter
+TEST(EffectChoice, ARunEndsWithWholePeriodsOfItsOwn) {
+  Scene scene = tests::DirectScene();
+  scene.start = Start::kSteady;
+  scene.effects.contact_loss = ContactLoss{0.077};
+  const EffectSet on = EffectSet(1).set(PlaceOf(Effect::kContactLoss));
+  const auto played = [&](double periods) {
+    scene.duration_s = periods / 225;
+    return PlayWith(scene, on);
+  };
+  const PlayedScene longer = played(12.5), shorter = played(11.5), short_one = played(9.9);
+  ASSERT_TRUE(longer.answered && longer.end && shorter.answered && shorter.end);
+  EXPECT_EQ(longer.end->drive_periods, 4);
+  EXPECT_EQ(shorter.end->drive_periods, 4);
+  EXPECT_REL(longer.run.end_s - longer.run.begin_s, 12.0 / 225, 1e-12, "whole outputs");
+  EXPECT_REL(shorter.run.end_s - shorter.run.begin_s, 8.0 / 225, 1e-12, "whole outputs");
+  EXPECT_REL(longer.run.skin_rms_m, shorter.run.skin_rms_m, 1e-8, "the same whole periods");
+  EXPECT_GT(std::abs(longer.end->ten_periods_rms_m / longer.run.skin_rms_m - 1), 1e-4)
+      << "two and a half of its periods are another number";
+  EXPECT_FALSE(longer.end->window_uncertainty);
+  EXPECT_TRUE(short_one.answered);
+  EXPECT_FALSE(short_one.end) << "shorter than ten periods";
+}
+
+std::optional<double> NumberIn(const Finding& finding, std::string_view name) {
+  const auto found = std::ranges::find(finding.numbers, name, &FindingNumber::name);
+  if (found == finding.numbers.end()) return std::nullopt;
+  return std::get<double>(found->value);
+}
+
+// below the solver's rounding: what is reached, what was asked, and twice the first as advice
+TEST(EffectChoice, RefusesWhatItCannotPlayAsExactly) {
+  Scene scene = Disturbed();
+  scene.duration_s = 0.01;
+  scene.effects[Effect::kStiffening] = Wish::kOn;
+  scene.tolerance = 1e-13;
+  const auto choice = ChooseEffects(scene);
+  ASSERT_FALSE(choice);
+  EXPECT_EQ(choice.error().kind, FindingKind::kErrorTooLarge);
+  EXPECT_EQ(choice.error().severity, Severity::kRefusal);
+  const double error = NumberIn(choice.error(), "relative_error").value_or(0);
+  EXPECT_GT(error, 1e-12) << "the least that the solver states";
+  EXPECT_LT(error, 1e-10);
+  EXPECT_EQ(NumberIn(choice.error(), "tolerance"), 1e-13);
+  EXPECT_EQ(NumberIn(choice.error(), "least_tolerance"), 2 * error);
+  scene.tolerance = 2 * error;
+  EXPECT_TRUE(ChooseEffects(scene)) << "the advice";
+}
+
+// a run that begins in its steady motion has the error of both
+TEST(PlayedScene, OfASteadyStartHasTheErrorOfItsStart) {
+  Scene scene = tests::AdapterScene();
+  scene.effects.travel_stops =
+      TravelStops{.gap_up_m = 0.3e-3, .gap_down_m = 0.3e-3, .restitution = 0.5};
+  scene.start = Start::kSteady;
+  scene.duration_s = 11.0 / 225;
+  const EffectSet on = EffectSet(1).set(PlaceOf(Effect::kTravelStops));
+  const PlayedScene played = PlayWith(scene, on);
+  ASSERT_TRUE(played.answered);
+  const EffectiveScene effective = WithEffects(scene, on);
+  const SteadyRun steady = PlaySteady(effective);
+  ASSERT_TRUE(steady.run);
+  const SceneRun run = RunScene(effective, *scene.duration_s, steady.start);
+  EXPECT_REL(played.run.error_estimate, run.error_estimate + steady.run->error_estimate, 1e-14,
+             "rounding");
+  ASSERT_TRUE(played.end);
+  EXPECT_EQ(played.end->drive_periods, 1);
+  EXPECT_EQ(played.end->ten_periods_rms_m, played.run.skin_rms_m);
+}
+
+// a motion that does not repeat itself: by what its RMS varies over the windows before
+TEST(PlayedScene, OfAChaoticMotionIsUncertainByItsWindows) {
+  Scene scene = tests::DirectScene();
+  scene.start = Start::kRest;
+  scene.effects.contact_loss = ContactLoss{0.07};
+  scene.duration_s = 60.0 / 225;
+  const EffectSet on = EffectSet(1).set(PlaceOf(Effect::kContactLoss));
+  const PlayedScene played = PlayWith(scene, on);
+  ASSERT_TRUE(played.answered && played.end);
+  EXPECT_FALSE(played.end->drive_periods);
+  EXPECT_EQ(played.end->window_uncertainty, WindowUncertainty(played.run, 10));
+  EXPECT_GT(played.end->window_uncertainty.value_or(0), 1e-4) << "it stays in two bands";
+  EXPECT_EQ(played.end->ten_periods_rms_m, played.run.skin_rms_m);
+}
+
+TEST(PlayedScene, OfAPreloadThatDoesNotPressIsRefused) {
+  Scene scene = tests::DirectScene();
+  scene.duration_s = 0.01;
+  scene.effects.contact_loss = ContactLoss{0.0};
+  const EffectSet on = EffectSet(1).set(PlaceOf(Effect::kContactLoss));
+  const PlayedScene played = PlayWith(scene, on);
+  EXPECT_FALSE(played.answered);
+  ASSERT_TRUE(played.refusal);
+  EXPECT_EQ(played.refusal->kind, FindingKind::kNothingHolds);
 }
 
 }  // namespace

@@ -4,8 +4,12 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
 
 #include "sim/linear/excitation.h"
+#include "sim/linear/steady_state.h"
 #include "sim/scene_run.h"
 #include "sim/waveforms.h"
 #include "tests/residual.h"
@@ -101,6 +105,131 @@ TEST(OutputRate, NothingRingsDownWithoutDamping) {
   scene.actuator.force_constant_n_per_a = 1e-9;
   scene.skin.damping_n_s_per_m = 0;
   EXPECT_FALSE(RingDownS(scene).has_value());
+}
+
+// a mover by itself, in a case that is held: sqrt(Kv / Mv) and Bv / (2 Mv) are its poles
+Scene HeldMover(double own_hz, double decay_per_s) {
+  Scene scene = tests::ConeScene();
+  scene.grip.holds = true;
+  Actuator& actuator = scene.actuator;
+  actuator.force_constant_n_per_a = 0;
+  actuator.inductance_h = 0;
+  actuator.stiffness_n_per_m = actuator.moving_mass_kg * std::pow(2 * std::numbers::pi * own_hz, 2);
+  actuator.damping_n_s_per_m = 2 * actuator.moving_mass_kg * decay_per_s;
+  return scene;
+}
+
+TEST(OutputRate, FollowsOwnFrequenciesUpTo100KHz) {
+  for (const auto& [own_hz, counted_hz] : {std::pair{0.995e5, 0.995e5}, std::pair{1.005e5, 1e5}}) {
+    Scene scene = HeldMover(own_hz, 0);
+    scene.drive = {.amplitude_v = 1, .kind = DriveKind::kPulse, .hold_s = 1e-3};
+    EXPECT_REL(OutputRateHz(scene), 64 * counted_hz, 1e-10, "rounding of the poles");
+  }
+}
+
+TEST(OutputRate, IsAThousandHertzWhereNothingHasAFrequency) {
+  Scene scene = HeldMover(100, 5000);  // it does not ring
+  scene.drive = {.amplitude_v = 1, .kind = DriveKind::kPulse, .hold_s = 1e-3};
+  EXPECT_EQ(OutputRateHz(scene), 1000);
+  scene.finger.tones = {{.amplitude = 1e-6, .frequency_hz = 15}};
+  EXPECT_EQ(OutputRateHz(scene), 1000) << "64 looks in 1/15 s are fewer";
+  scene.finger.tones[0].frequency_hz = 16;
+  EXPECT_EQ(OutputRateHz(scene), 1024);
+}
+
+TEST(OutputRate, HasAMostOfSteps) {
+  Scene scene = tests::AdapterScene();
+  EXPECT_EQ(MostSteps(scene), 1e8);
+  for (const DriveKind kind : {DriveKind::kPulse, DriveKind::kTones, DriveKind::kChirp}) {
+    scene.drive.kind = kind;
+    EXPECT_EQ(MostSteps(scene), 1e7) << "all outputs are kept";
+  }
+}
+
+// ln 1000 over the slowest decay, down to 1e-13 of the fastest pole, here the held case's
+TEST(OutputRate, ARingDownIsThatOfTheSlowestPole) {
+  EXPECT_REL(RingDownS(HeldMover(225, 11.5)).value(), std::log(1000) / 11.5, 1e-10,
+             "rounding of the poles");
+  const double fastest_per_s = 2 * std::numbers::pi * 1000;
+  EXPECT_TRUE(RingDownS(HeldMover(1000, 1.05e-13 * fastest_per_s)).has_value());
+  EXPECT_FALSE(RingDownS(HeldMover(1000, 0.95e-13 * fastest_per_s)).has_value());
+}
+
+// what pulls may just not exceed what presses
+TEST(SteadyMotion, IsFreeWhileContactHolds) {
+  const Scene scene = tests::ConeScene();
+  const SteadyState steady = SolveSteadyState(scene);
+  EffectiveScene effective{.scene = scene, .piecewise = {}};
+  EXPECT_TRUE(SteadyMotionIsFree(effective, steady));
+  effective.piecewise.contact_loss = ContactLoss{-steady.skin_force_least_n * (1 + 1e-9)};
+  EXPECT_TRUE(SteadyMotionIsFree(effective, steady));
+  effective.piecewise.contact_loss = ContactLoss{-steady.skin_force_least_n * (1 - 1e-9)};
+  EXPECT_FALSE(SteadyMotionIsFree(effective, steady));
+}
+
+// an error of a tenth takes a tenth of each gap and of the preload
+TEST(SteadyMotion, IsFreeByMoreThanItsError) {
+  const Scene scene = tests::ConeScene();
+  SteadyTones steady;
+  steady.mover_peak_m = 5e-4;
+  steady.mean_travel_m = 1e-4;  // from -3e-4 to 5e-4
+  steady.skin_force_least_n = -0.2;
+  steady.error_estimate = 0.1;
+  EffectiveScene effective{.scene = scene, .piecewise = {}};
+  const auto is_free = [&](double gap_up_m, double gap_down_m, double preload_n) {
+    effective.piecewise.stops = TravelStops{.gap_up_m = gap_up_m, .gap_down_m = gap_down_m};
+    effective.piecewise.contact_loss = ContactLoss{preload_n};
+    return SteadyMotionIsFree(effective, steady);
+  };
+  constexpr double kMore = 1.0001 / 0.9, kLess = 0.9999 / 0.9;
+  EXPECT_TRUE(is_free(5e-4 * kMore, 3e-4 * kMore, 0.2 * kMore));
+  EXPECT_FALSE(is_free(5e-4 * kLess, 3e-4 * kMore, 0.2 * kMore));
+  EXPECT_FALSE(is_free(5e-4 * kMore, 3e-4 * kLess, 0.2 * kMore));
+  EXPECT_FALSE(is_free(5e-4 * kMore, 3e-4 * kMore, 0.2 * kLess));
+  effective.smooth.spring = StiffeningSpring{.cubic_n_per_m3 = 1};
+  EXPECT_FALSE(is_free(1, 1, 1)) << "a spring bends it";
+}
+
+// a steady motion under the drive alone is not that of a finger that moves
+TEST(SteadyMotion, OfADriveIsNotThatOfATremor) {
+  Scene scene = tests::ConeScene();
+  scene.finger.tones = {{.amplitude = 1e-9, .frequency_hz = 9}};
+  const EffectiveScene effective{.scene = scene, .piecewise = {}};
+  EXPECT_FALSE(SteadyMotionIsFree(effective, SolveSteadyState(scene)));
+  EXPECT_TRUE(SteadyMotionIsFree(effective, Superpose(scene)));
+}
+
+TEST(Rest, NeedsAPreloadAndASkinThatCarriesIt) {
+  EffectiveScene effective{.scene = tests::ConeScene(), .piecewise = {}};
+  EXPECT_TRUE(CanRest(effective));
+  effective.piecewise.contact_loss = ContactLoss{1e-9};
+  EXPECT_TRUE(CanRest(effective));
+  for (const Skin& skin : {Skin{600, 0}, Skin{0, 0.75}}) {
+    effective.scene.skin = skin;
+    EXPECT_TRUE(CanRest(effective)) << skin.stiffness_n_per_m;
+  }
+  effective.scene.skin = {};
+  EXPECT_FALSE(CanRest(effective));
+  effective.scene.skin = {600, 0.75};
+  for (const double preload_n : {0.0, -0.1}) {
+    effective.piecewise.contact_loss = ContactLoss{preload_n};
+    EXPECT_FALSE(CanRest(effective)) << preload_n;
+  }
+}
+
+// g (Mv + Mc + Ma1 + Ma2), with the mover's preload; a held case carries both
+TEST(Rest, PressesByWeightAndPreload) {
+  Scene scene = tests::AdapterScene();
+  scene.effects.gravity_m_per_s2 = -4;
+  scene.mover_preload_n = 0.5;
+  EXPECT_REL(Weight(scene), -4 * 6.6e-3, 1e-14, "rounding");
+  EXPECT_REL(PressOnSkin(scene, true), 0.5 - 4 * 6.6e-3, 1e-14, "rounding");
+  EXPECT_EQ(PressOnSkin(scene, false), 0.5);
+  scene.adapter.reset();
+  EXPECT_REL(Weight(scene), -4 * 2e-3, 1e-14, "rounding");
+  scene.grip.holds = true;
+  EXPECT_EQ(Weight(scene), 0);
+  EXPECT_EQ(PressOnSkin(scene, true), 0);
 }
 
 }  // namespace

@@ -112,6 +112,28 @@ TEST(PeriodicMotion, ACoilsTemperatureNeedsNoWaiting) {
              (1 - 10 * slope) / (1e4 * scene.drive.frequency_hz), 1e-8, "noise of the differences");
 }
 
+// A coil that its current makes three times as resistive: its way to that temperature is no linear
+// decay that could be foretold, and takes 10^4 s, so the search has to lead it there.
+TEST(PeriodicMotion, ACoilIsLedToATemperatureFarFromItsStart) {
+  Scene scene = FromRest(tests::ConeScene());
+  scene.actuator.force_constant_n_per_a = 0;
+  scene.actuator.inductance_h = 0;
+  // Rth P(theta) = theta at alpha theta = 2: P = V^2 / (2 R0) / 3
+  const double theta_k = 2 / CoilHeating::kCopperPerK;
+  const double power_w = 12.5 / scene.actuator.resistance_ohm / 3;
+  const double k_per_w = theta_k / power_w;
+  const CoilHeating heating{.heat_capacity_j_per_k = 1e4 / k_per_w,
+                            .thermal_resistance_k_per_w = k_per_w};
+  const PeriodMap map(AssembleSmooth(scene, {}, {.heating = heating}), scene.drive,
+                      {.tolerance = 1e-10});
+  const PeriodicSearch search =
+      FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 3});
+  ASSERT_TRUE(search.found.has_value());
+  EXPECT_TRUE(search.found->stable);
+  EXPECT_REL(search.found->point.x(search.found->point.x.size() - 1), theta_k, 1e-6,
+             "a period's error of 1e-13 where 4.4e-7 is lost in it; the ripple's square");
+}
+
 // ------------------------------------------------------------------------------ harmonic balance
 
 // A periodic motion of the scene with the spring by itself: d at 64 times of a period solves
@@ -430,6 +452,69 @@ TEST(PeriodicMotion, WhatIsNotFoundIsSaid) {
   EXPECT_FALSE(stalled.found.has_value());
   ASSERT_TRUE(stalled.refusal);
   EXPECT_EQ(stalled.refusal->kind, FindingKind::kBodiesTooFast);
+}
+
+// Multipliers on the unit circle are not within it by more than their error, on whichever side
+// rounding puts them.
+TEST(PeriodicMotion, IsNotStableWhereNothingDamps) {
+  for (const double frequency_hz : {31.0, 47.0, 83.0, 120.0, 190.0, 260.0, 333.0, 410.0}) {
+    Scene scene = tests::DirectScene();
+    scene.actuator.damping_n_s_per_m = 0;
+    scene.actuator.force_constant_n_per_a = 1e-9;
+    scene.skin.damping_n_s_per_m = 0;
+    scene.drive.frequency_hz = frequency_hz;
+    scene.start = Start::kSteady;
+    const PeriodMap map = ExactMap(scene, {});
+    const PeriodicSearch search = FindPeriodicMotion(
+        map, RestOf(scene, map), {.transient_periods = 2, .most_periods = 2, .most_steps = 400});
+    EXPECT_FALSE(search.found) << frequency_hz;
+    ASSERT_TRUE(search.refusal) << frequency_hz;
+    EXPECT_LT(NumberOf(*search.refusal, "nearest_recurrence").value_or(1), 1e-6)
+        << "it repeats itself all the same";
+  }
+}
+
+// deviations of a linear motion fall as its slowest pole does, ln |exp(p / f)| each period; the
+// search has 32 x 32 periods for it, beside those of its transient
+TEST(PeriodicMotion, MeasuresTheGrowthOfDeviations) {
+  for (const Scene& scene : {FromRest(tests::AdapterScene()), FromRest(tests::DirectScene())}) {
+    const PeriodMap map = ExactMap(scene, {});
+    const PeriodicSearch none = FindPeriodicMotion(
+        map, RestOf(scene, map), {.transient_periods = 8, .most_periods = 8, .newton_steps = 0});
+    ASSERT_TRUE(none.refusal);
+    const double slowest = AssembleModel(scene).a.eigenvalues().real().maxCoeff();
+    EXPECT_ABS(NumberOf(*none.refusal, "growth").value_or(0), slowest / scene.drive.frequency_hz,
+               0.01, "ln 1e4 of how a deviation turns into that of the slowest mode, over 1024");
+    const double uncertainty = NumberOf(*none.refusal, "growth_uncertainty").value_or(1);
+    EXPECT_GT(uncertainty, 0);
+    EXPECT_LT(uncertainty, 0.05);
+    EXPECT_EQ(NumberOf(*none.refusal, "transient_periods"), 8 + 32 * 32);
+    EXPECT_EQ(NumberOf(*none.refusal, "most_periods"), 32);
+    EXPECT_EQ(NumberOf(*none.refusal, "periods"), static_cast<double>(none.periods_played));
+    EXPECT_EQ(NumberOf(*none.refusal, "steps"), static_cast<double>(none.steps));
+  }
+}
+
+// with other settings it is the same motion, to the smaller error
+TEST(PeriodicMotion, IsFoundAgainFromBesideIt) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const PeriodMap map = ExactMap(
+      scene, {.stops = TravelStops{.gap_up_m = 0.3e-3, .gap_down_m = 0.3e-3, .restitution = 0.5}});
+  const PeriodicSearch search = FindPeriodicMotion(map, RestOf(scene, map));
+  ASSERT_TRUE(search.found);
+  PeriodicMotion beside = *search.found;
+  const Eigen::VectorXd scale = map.ScaleOf(beside.point);
+  beside.point.x += 1e-5 * scale;
+  PeriodicSearch work;
+  const auto again = RefinePeriodicMotion(map, beside, {}, work);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->stable);
+  EXPECT_ABS((again->point.x - search.found->point.x).cwiseQuotient(scale).cwiseAbs().maxCoeff(), 0,
+             1e-11, "what both state of their places");
+  EXPECT_GT(work.periods_played, 0);
+  EXPECT_REL(again->means.power_w, search.found->means.power_w, 1e-10, "the same motion");
+  beside.drive_periods = 2;
+  EXPECT_FALSE(RefinePeriodicMotion(map, beside, {}, work)) << "it is one of one period";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -350,6 +351,228 @@ TEST(PlayedMotion, IsTheRunsMotion) {
   const trial::Displacement linear = MotionOf(scene, SensorTarget::kMover);
   for (const double t_s : {0.0123456, 0.05, 0.0999}) {
     EXPECT_ABS(far(t_s), linear(t_s), 1e-13, "a quintic over 1/64 period of 0.5 mm");
+  }
+}
+
+// the last period's end is an output also where duration times rate is rounded up
+TEST(SceneRun, OfWholeStepsHasNoOtherStep) {
+  bool is_rounded = false;
+  for (const double frequency_hz : {225.0, 190.0, 70.0, 53.0, 29.0}) {
+    for (int periods = 1; periods <= 9; ++periods) {
+      Scene scene = WithStops(1);
+      scene.drive.frequency_hz = frequency_hz;
+      const double duration_s = periods / frequency_hz;
+      scene.duration_s = duration_s;
+      const double rate_hz = OutputRateHz(scene);
+      const double steps = std::round(periods * rate_hz / frequency_hz);
+      is_rounded = is_rounded || duration_s * rate_hz > steps;
+      const SceneRun run = RunScene(WithEffects(scene, Only({})), duration_s);
+      EXPECT_EQ(static_cast<double>(run.skin_m.size()), steps + 1) << frequency_hz;
+      EXPECT_EQ(run.begin_s, 0);
+      EXPECT_EQ(run.skin_m(0), 0) << "at rest";
+    }
+  }
+  EXPECT_TRUE(is_rounded) << "else any rounding up would do";
+}
+
+// ------------------------------------------------------------------------- errors of two runs
+
+SceneRun SomeRun() {
+  SceneRun run;
+  run.skin_rms_m = 1e-4;
+  run.case_rms_m = 2e-4;
+  run.current_rms_a = 0.1;
+  run.power_w = -0.3;
+  run.mover_peak_m = 3e-4;
+  run.mover_peak_of_run_m = 4e-4;
+  run.temperature_rise_k = 5;
+  run.temperature_peak_k = 6;
+  run.skin_m = Eigen::VectorXd::LinSpaced(5, -1e-4, 0.5e-4);
+  run.solver_tolerance = 1e-8;
+  run.work.steps = 1000;
+  return run;
+}
+
+// 1e-12, 4.4e-16 a step and 5e-4 of the tolerance, as the header states
+constexpr double kRoundingOfSomeRun = 1e-12 + 1000 * 0x1p-51 + 5e-4 * 1e-8;
+
+// of each number 1e-3: 64 / n of that, or what the coarser run states and that
+TEST(ErrorOfRuns, IsThePartThatLessToleranceLeaves) {
+  constexpr double kApart = 1e-3;
+  const SceneRun run = SomeRun();
+  for (double SceneRun::* number :
+       {&SceneRun::skin_rms_m, &SceneRun::case_rms_m, &SceneRun::current_rms_a, &SceneRun::power_w,
+        &SceneRun::mover_peak_m, &SceneRun::mover_peak_of_run_m, &SceneRun::temperature_rise_k,
+        &SceneRun::temperature_peak_k}) {
+    SceneRun coarse = run;
+    coarse.*number *= 1 + kApart;
+    coarse.error_estimate = 1;
+    EXPECT_REL(ErrorOf(run, coarse, 2048), kApart / 32 + kRoundingOfSomeRun, 1e-9, "64 of 2048");
+    coarse.error_estimate = 2e-6;
+    EXPECT_REL(ErrorOf(run, coarse, 2048), kApart / 32 + kRoundingOfSomeRun, 1e-9, "64 of 2048");
+    EXPECT_REL(ErrorOf(run, coarse, 64), kApart + kRoundingOfSomeRun, 1e-9, "all of it");
+    EXPECT_REL(ErrorOf(run, coarse, 32), kApart + 2e-6 + kRoundingOfSomeRun, 1e-9, "the other's");
+  }
+}
+
+// of the waveform over its peak, 1e-4 m
+TEST(ErrorOfRuns, HoldsForTheWaveform) {
+  const SceneRun run = SomeRun();
+  SceneRun coarse = run;
+  coarse.skin_m(3) -= 2e-7;
+  coarse.error_estimate = 1;
+  EXPECT_REL(Deviation(AskedQuantity::kSkinWaveform, coarse, run), 2e-3, 1e-9, "a difference");
+  EXPECT_REL(ErrorOf(run, coarse, 2048), 2e-3 / 32 + kRoundingOfSomeRun, 1e-9, "64 of 2048");
+  coarse.skin_m.conservativeResize(4);
+  EXPECT_TRUE(std::isinf(Deviation(AskedQuantity::kSkinWaveform, coarse, run)));
+}
+
+TEST(ErrorOfRuns, OfEqualRunsIsTheirRounding) {
+  const SceneRun run = SomeRun();
+  EXPECT_REL(ErrorOf(run, run, 2), kRoundingOfSomeRun, 1e-9, "nothing else differs");
+  SceneRun coarse = run;
+  coarse.error_estimate = 3e-7;
+  EXPECT_EQ(ErrorOf(run, coarse, 1), 3e-7) << "the same tolerance shows nothing";
+  EXPECT_LT(ErrorOf(run, coarse, 1.01), 1e-11);
+}
+
+TEST(ErrorOfRuns, OfARunThatEndedEarlyIsUnknown) {
+  const SceneRun run = SomeRun();
+  SceneRun stalled = run, broken = run;
+  stalled.stalled_at_s = 0.1;
+  broken.power_w = std::numeric_limits<double>::quiet_NaN();
+  for (const SceneRun& bad : {stalled, broken}) {
+    EXPECT_TRUE(std::isinf(ErrorOf(run, bad, 2048)));
+    EXPECT_TRUE(std::isinf(ErrorOf(bad, run, 2048)));
+  }
+}
+
+TEST(ErrorOfRuns, IsFiniteWithAllNumbers) {
+  EXPECT_TRUE(SomeRun().IsFinite());
+  for (double SceneRun::* number :
+       {&SceneRun::skin_rms_m, &SceneRun::case_rms_m, &SceneRun::current_rms_a, &SceneRun::power_w,
+        &SceneRun::mover_peak_of_run_m, &SceneRun::temperature_rise_k}) {
+    SceneRun run = SomeRun();
+    run.*number = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(run.IsFinite());
+  }
+  SceneRun run = SomeRun();
+  run.skin_m(2) = std::nan("");
+  EXPECT_FALSE(run.IsFinite());
+}
+
+// each relative to the second run; the case and the power have no AskedQuantity
+TEST(DeviationOfRuns, IsRelativeToTheReference) {
+  const SceneRun reference = SomeRun();
+  SceneRun run = reference;
+  run.skin_rms_m = 1.5e-4;
+  run.mover_peak_m = 1.5e-4;
+  run.current_rms_a = 0.125;
+  EXPECT_DOUBLE_EQ(Deviation(AskedQuantity::kSkinRms, run, reference), 0.5);
+  EXPECT_DOUBLE_EQ(Deviation(AskedQuantity::kMoverPeak, run, reference), 0.5);
+  EXPECT_DOUBLE_EQ(Deviation(AskedQuantity::kCurrentRms, run, reference), 0.25);
+  EXPECT_EQ(Deviation(AskedQuantity::kSkinWaveform, run, reference), 0);
+  EXPECT_DOUBLE_EQ(LargestDeviation(run, reference), 0.5);
+  run = reference;
+  run.power_w = 0.3;
+  EXPECT_DOUBLE_EQ(LargestDeviation(run, reference), 2) << "of the other sign";
+}
+
+// a chirp's cubics, over its amplitude; other drives are exact
+TEST(DriveErrors, AreRelativeToTheAmplitude) {
+  Scene scene = tests::AdapterScene();
+  EXPECT_EQ(DriveError(scene), 0);
+  scene.drive = {.amplitude_v = 2,
+                 .frequency_hz = 100,
+                 .kind = DriveKind::kChirp,
+                 .end_frequency_hz = 300,
+                 .duration_s = 0.1234567,
+                 .hold_tolerance = 1e-6};
+  const double error = DriveError(scene);
+  EXPECT_LE(error, 1e-6);
+  EXPECT_GT(error, 0.9e-6) << "within one of some thousand cubics, to the fourth power";
+  scene.drive.amplitude_v = -6;
+  EXPECT_DOUBLE_EQ(DriveError(scene), error);
+}
+
+// Both bodies drift away at 1 m/s: what rounding leaves of their places is more of the travel
+// between them, some 0.1 mm, than of each.
+TEST(SceneRun, IsKnownAsLongAsItsTravelIs) {
+  Scene scene = tests::ConeScene();
+  scene.skin = {};
+  scene.start = Start::kRest;
+  scene.initial = {.mover_m_per_s = 1, .case_m_per_s = 1};
+  const EffectiveScene effective = WithEffects(scene, Only({}));
+  const SceneRun run = RunScene(effective, 0.02);
+  // 4e-13 of it are the same for every run
+  const double of_travel = run.error_estimate - 4e-13;
+  ASSERT_GT(of_travel, 1e-13) << "more than any other number of the run is wrong by";
+  scene.tolerance = of_travel / 2;
+  EXPECT_TRUE(RunScene(WithEffects(scene, Only({})), 0.02).known_until_s);
+}
+
+// Ends of whole periods, counted back from the run's end, 129 at most: their integrals are the
+// window's.
+TEST(SceneRun, MarksTheEndsOfItsPeriods) {
+  const Scene scene = WithStops(1);
+  const EffectiveScene effective = WithEffects(scene, Only({}));
+  for (const auto& [periods, marks] : {std::pair{12.0, 12U}, std::pair{12.25, 13U},
+                                       std::pair{129.0, 129U}, std::pair{140.0, 129U}}) {
+    const SceneRun run = RunScene(effective, periods / 225);
+    ASSERT_EQ(run.marks.size(), marks) << periods;
+    const PeriodMark& last = run.marks.back();
+    EXPECT_EQ(last.positions(4), run.skin_m(run.skin_m.size() - 1)) << "the skin at the end";
+    const double before = run.marks[marks - 11].skin_square_m2_s;
+    EXPECT_REL(run.skin_rms_m, std::sqrt((last.skin_square_m2_s - before) / (10 / 225.0)), 1e-12,
+               "differences of the same integrals");
+  }
+}
+
+// of an exact run rounding and the chirp's cubics
+TEST(SceneRun, OfAChirpHasItsCubicsInItsError) {
+  Scene scene = WithStops(1);
+  const double rounding = RunScene(WithEffects(scene, Only({})), 0.05).error_estimate;
+  EXPECT_GE(rounding, 4e-13) << "of every number, as measured of peaks";
+  EXPECT_LT(rounding, 1e-10) << "some hundred outputs of a linear motion";
+  scene.drive = {.amplitude_v = 5,
+                 .frequency_hz = 100,
+                 .kind = DriveKind::kChirp,
+                 .end_frequency_hz = 300,
+                 .duration_s = 0.05,
+                 .hold_tolerance = 1e-6};
+  const SceneRun run = RunScene(WithEffects(scene, Only({})), 0.05);
+  EXPECT_GE(run.error_estimate, DriveError(scene) + 4e-13);
+  EXPECT_LT(run.error_estimate, DriveError(scene) + 1e-10);
+}
+
+// A coil in which nothing moves has its current without an error: what is left is 1e-14 of |v| |i|
+// over the power, for the integrals, beside the 4e-13 of every number.
+TEST(SceneRun, HasTheRoundingOfItsPowerInItsError) {
+  Scene scene = WithStops(1);
+  scene.actuator.inductance_h = 0;
+  scene.actuator.force_constant_n_per_a = 0;
+  scene.drive = {.amplitude_v = 3, .kind = DriveKind::kPulse, .hold_s = 1};
+  const SceneRun run = RunScene(WithEffects(scene, Only({})), 0.05);
+  const double R = scene.actuator.resistance_ohm;
+  EXPECT_REL(run.power_w, 9 / R, 1e-13, "V^2 / R");
+  EXPECT_REL(run.current_rms_a, 3 / R, 1e-13, "V / R");
+  EXPECT_ABS(run.error_estimate, 4.1e-13, 1e-16, "rounding of the ratio");
+}
+
+// A coil of 1 H that nothing moves in takes 1e-5 of |v| |i| as power, whose error is as much
+// larger; outputs of one phase in each period do not hide it.
+TEST(SceneRun, OfSmallPowersTheErrorHoldsTheirs) {
+  for (const double duration_s : {0.1, 0.1234567}) {
+    Scene scene = tests::AdapterScene();
+    scene.start = Start::kSteady;
+    scene.actuator.force_constant_n_per_a = 0;
+    scene.actuator.inductance_h = 1;
+    scene.actuator.resistance_ohm = 1e-2;
+    const SceneRun run = RunScene(WithEffects(scene, Only({Effect::kInductance})), duration_s);
+    const double w = 2 * std::numbers::pi * 225;
+    const double power_w = 12.5 * 1e-2 / (1e-4 + w * w);  // R V^2 / (2 |Z|^2)
+    EXPECT_LE(std::abs(run.power_w / power_w - 1), run.error_estimate) << duration_s;
+    EXPECT_LT(run.error_estimate, 1e-5);
   }
 }
 

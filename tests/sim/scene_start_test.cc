@@ -390,5 +390,49 @@ TEST(MoverPreload, RestsAsDeepInACompliantStopAsCarriesIt) {
   }
 }
 
+// F = Kv d + K3 d^3 + k (|d| - gap) to either side, where the cubic takes half of it: the first
+// step of an iteration from the linear spring is a fifth off
+TEST(MoverPreload, IsInBalanceToTheLastDigitsInACompliantStop) {
+  for (const double side : {1.0, -1.0}) {
+    Scene scene = tests::ConeScene();
+    scene.start = Start::kRest;
+    scene.mover_preload_n = 2 * side;
+    scene.effects.travel_stops =
+        TravelStops{.gap_up_m = 5e-5, .gap_down_m = 6e-5, .stiffness_n_per_m = 2e4};
+    scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 3e12};
+    EffectSet on;
+    on.set(PlaceOf(Effect::kTravelStops)).set(PlaceOf(Effect::kStiffening));
+    const EffectiveScene effective = WithEffects(scene, on);
+    ASSERT_TRUE(RestsOnStop(effective));
+    const double travel_m = MotionIn(effective, 1e4)->Positions()(kMover);
+    const double d = side * (MoverSag(scene, false, true) + travel_m);
+    const double gap_m = side > 0 ? 5e-5 : 6e-5;
+    EXPECT_GT(d, gap_m);
+    EXPECT_REL(2800 * d + 3e12 * d * d * d + 2e4 * (d - gap_m), 2.0, 1e-13,
+               "some roundings of sums whose terms are 2 N");
+  }
+}
+
+// a start that is stated is not moved to the stop on which the mover would rest
+TEST(MoverPreload, LeavesAStatedStartWhereItIs) {
+  Scene scene = tests::ConeScene();
+  scene.start = Start::kRest;
+  scene.mover_preload_n = 0.5;
+  scene.effects.travel_stops = TravelStops{.gap_up_m = 5e-5, .gap_down_m = 5e-5};
+  EffectSet on;
+  on.set(PlaceOf(Effect::kTravelStops));
+  for (double InitialState::* place : {&InitialState::mover_m, &InitialState::case_m}) {
+    scene.initial = {};
+    scene.initial.*place = -1e-5;
+    const EffectiveScene effective = WithEffects(scene, on);
+    ASSERT_TRUE(RestsOnStop(effective));
+    const PiecewiseStart start = StartIn(effective);
+    EXPECT_EQ(start.mode, 0U);
+    EXPECT_EQ(start.x, PiecewiseStartOf(effective.scene).x);
+  }
+  scene.initial = {};
+  EXPECT_NE(StartIn(WithEffects(scene, on)).mode, 0U) << "it rests at the stop";
+}
+
 }  // namespace
 }  // namespace haptometer::sim

@@ -144,5 +144,35 @@ TEST(SimulatedRecord, BeyondTheRangeHasNoValue) {
   EXPECT_GT(under, 20U);
 }
 
+// whole readings also where duration times rate is rounded
+TEST(SimulatedRecord, HasTheReadingsOfItsDuration) {
+  Scene scene = SensedScene();
+  for (const double rate_hz : {1e4, 2500.0, 312.5}) {
+    scene.sensor->rate_hz = rate_hz;
+    EXPECT_EQ(SamplesPerReading(*scene.sensor), std::llround(1e4 / rate_hz));
+    for (std::size_t rows = 1; rows <= 40; ++rows) {
+      const double duration_s = static_cast<double>(rows) / rate_hz;
+      EXPECT_EQ(SimulateRecord(scene, duration_s).rows, rows) << rate_hz;
+      EXPECT_EQ(SimulateRecord(scene, duration_s + 0.999 / rate_hz).rows, rows) << rate_hz;
+    }
+  }
+}
+
+// with an offset the motion is played, and its mean is that of the statics: none at the skin, and
+// the coil's force over Kv between mover and case
+TEST(Motion, UnderAnOffsetHasItsMean) {
+  Scene scene = tests::AdapterScene();
+  const trial::Displacement plain = MotionOf(scene, SensorTarget::kMover);
+  const trial::Displacement skin = MotionOf(scene, SensorTarget::kSkin);
+  scene.drive.offset_v = 2;
+  const trial::Displacement pushed = MotionOf(scene, SensorTarget::kMover);
+  const double peak_m = SolveSteadyState(scene).mover_peak_m;
+  for (const double t_s : {0.0, 1.7e-3, 0.03}) {
+    EXPECT_ABS(pushed(t_s) - plain(t_s), -2.0 / 27 / 2800, 1e-9 * peak_m, "a quintic's 2e-11");
+    EXPECT_ABS(MotionOf(scene, SensorTarget::kSkin)(t_s), skin(t_s), 1e-9 * peak_m,
+               "a quintic's 2e-11");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::sim

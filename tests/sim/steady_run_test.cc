@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "sim/linear/linear_model.h"
 #include "sim/scene_run.h"
 #include "tests/residual.h"
+#include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {
 namespace {
@@ -43,6 +46,87 @@ TEST(WindowUncertainty, IsTheRelativeDeviationFromWindowToWindow) {
   for (std::size_t k = 0; k < 5; ++k) run.marks[k].skin_square_m2_s = square_m2_s[k];
   EXPECT_REL(*WindowUncertainty(run, 2), std::sqrt(0.5) / 1.5, 1e-14, "rounding");
   EXPECT_EQ(WindowUncertainty(run, 3), std::nullopt) << "one window has no deviation";
+}
+
+// marks that repeat themselves every k periods and not sooner
+SceneRun RepeatingAfter(std::size_t k, std::size_t marks) {
+  std::vector<double> positions_m;
+  for (std::size_t i = 0; i < marks; ++i) {
+    positions_m.push_back(1e-3 * static_cast<double>(1 + i % k));
+  }
+  return EndingAt(positions_m);
+}
+
+// up to 32, and only where twice as many periods are marked
+TEST(PeriodAtEnd, NeedsTwoPeriodsOfTheMotion) {
+  for (const std::size_t k : {2U, 7U, 31U, 32U}) {
+    EXPECT_EQ(PeriodAtEnd(RepeatingAfter(k, 2 * k + 1)), static_cast<int>(k));
+    EXPECT_EQ(PeriodAtEnd(RepeatingAfter(k, 2 * k)), std::nullopt) << k;
+  }
+  EXPECT_EQ(PeriodAtEnd(RepeatingAfter(33, 129)), std::nullopt);
+}
+
+// a position that is 0 throughout, as that of a held case, does not matter
+TEST(PeriodAtEnd, OfWhatRestsIsThatOfTheOthers) {
+  SceneRun run = RepeatingAfter(3, 9);
+  for (PeriodMark& mark : run.marks) mark.positions(1) = 0;
+  EXPECT_EQ(PeriodAtEnd(run), 3);
+}
+
+// every window counts back from the end: RMS of 3, 2, 1 um deviate by 1 um
+TEST(WindowUncertainty, IsOfAllWindowsThatAreMarked) {
+  SceneRun run = EndingAt({0, 0, 0, 0});
+  const double square_m2_s[] = {0, 9e-12, 13e-12, 14e-12};
+  for (std::size_t k = 0; k < 4; ++k) run.marks[k].skin_square_m2_s = square_m2_s[k];
+  EXPECT_REL(*WindowUncertainty(run, 1), 0.5, 1e-14, "a deviation of 1 um about 2 um");
+  for (PeriodMark& mark : run.marks) mark.skin_square_m2_s = 1;
+  EXPECT_EQ(WindowUncertainty(run, 1), 0) << "nothing moves";
+  run.marks.pop_back();
+  run.marks.pop_back();
+  EXPECT_EQ(WindowUncertainty(run, 1), std::nullopt);
+}
+
+// What a run of eight periods is wrong by, once for each period that a deviation needs to decay,
+// and ten times what the motion's place is.
+TEST(SteadyRun, StatesTheErrorOfAMotionWithoutEnd) {
+  const Scene scene = tests::AdapterScene();
+  EffectiveScene effective{.scene = scene, .piecewise = {}};
+  effective.piecewise.stops =
+      TravelStops{.gap_up_m = 0.3e-3, .gap_down_m = 0.3e-3, .restitution = 0.5};
+  const SteadyRun steady = PlaySteady(effective);
+  ASSERT_TRUE(steady.run && steady.periodic);
+  ASSERT_EQ(steady.periodic->drive_periods, 1);
+  EXPECT_REL(steady.run->end_s, 8.0 / 225, 1e-15, "eight periods");
+  effective.window_periods = 8;
+  const SceneRun once = RunScene(effective, 8.0 / 225, steady.start);
+  const double stays = std::abs(steady.periodic->multipliers(0));
+  EXPECT_GT(stays, 0.5) << "a deviation needs some periods to decay";
+  EXPECT_REL(steady.run->error_estimate,
+             once.error_estimate / (1 - stays) + 10 * steady.periodic->error, 1e-12, "rounding");
+  EXPECT_EQ(steady.run->skin_rms_m, once.skin_rms_m);
+}
+
+// The averages of a chaotic motion, with the largest of their relative standard uncertainties: an
+// RMS is a root, which halves that of its square.
+TEST(SteadyRun, OfAChaoticMotionIsItsAverages) {
+  const EffectiveScene effective{.scene = tests::DirectScene(),
+                                 .piecewise = {.contact_loss = ContactLoss{0.07}}};
+  const SteadyRun steady = PlaySteady(effective);
+  ASSERT_TRUE(steady.run && steady.chaotic);
+  const PeriodMeans& means = steady.chaotic->means;
+  const PeriodMeans& uncertain = steady.chaotic->standard_uncertainties;
+  constexpr Eigen::Index kCase = LinearModel::kCase;  // on the skin itself
+  EXPECT_REL(steady.run->skin_rms_m, std::sqrt(means.mean_squares(kCase)), 1e-15, "its root");
+  EXPECT_EQ(steady.run->case_rms_m, steady.run->skin_rms_m);
+  EXPECT_REL(steady.run->current_rms_a, std::sqrt(means.coil_w / 27), 1e-15, "P = R I^2");
+  EXPECT_EQ(steady.run->power_w, means.power_w);
+  const double largest =
+      std::max({uncertain.mean_squares(kCase) / means.mean_squares(kCase) / 2,
+                uncertain.coil_w / means.coil_w / 2, uncertain.power_w / means.power_w});
+  EXPECT_REL(steady.run->error_estimate, largest, 1e-12, "rounding");
+  EXPECT_REL(steady.run->end_s, 512.0 / 225, 1e-15, "the run of its peak");
+  // energy: what is taken from the source goes into coil, dampers and skin
+  EXPECT_LT(means.coil_w, means.power_w);
 }
 
 }  // namespace

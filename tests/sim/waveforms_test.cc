@@ -150,5 +150,45 @@ TEST(Waveforms, KnowWhatPressesAtRest) {
              "rounding");
 }
 
+// effects that may act count as those that do; a held case carries all
+TEST(Waveforms, KnowWhatMayPressAtRest) {
+  Scene scene = tests::AdapterScene();
+  scene.mover_preload_n = 0.3;
+  scene.effects[Effect::kGravity] = Wish::kAuto;
+  EXPECT_REL(RestingForceN({.scene = scene, .piecewise = {}}), 0.3 + 6.6e-3 * 9.80665, 1e-12,
+             "rounding");
+  const EffectiveScene breaking{.scene = scene, .piecewise = {.contact_loss = ContactLoss{0.07}}};
+  EXPECT_EQ(RestingForceN(breaking), 0.07) << "all of it is in an effective preload";
+  scene.adapter.reset();
+  scene.grip.holds = true;
+  EXPECT_EQ(RestingForceN({.scene = scene, .piecewise = {}}), 0);
+}
+
+// between rows too: three a period and a little more see other places of it each time
+TEST(Waveforms, KnowTheLeastForceBetweenTheirRows) {
+  Scene scene = tests::ConeScene();
+  scene.start = Start::kSteady;
+  scene.effects.contact_loss = ContactLoss{0.2};
+  const EffectiveScene effective{.scene = scene, .piecewise = {}};
+  const double least_n = 0.2 + SolveSteadyState(scene).skin_force_least_n;
+  const Waveforms waves =
+      PlayWaveforms(effective, BeginningOf(effective), 0.1, 64 * 225.0 * 0.99, true);
+  ASSERT_TRUE(waves.force_least_n);
+  EXPECT_REL(*waves.force_least_n, least_n, 1e-9, "a peak between 63 outputs, to 1e-10");
+  EXPECT_FALSE(PlayWaveforms(effective, BeginningOf(effective), 0.01, 1000).force_least_n);
+}
+
+// rows 0 to floor(duration rate)
+TEST(Waveforms, HaveTheRowsOfTheirDuration) {
+  const EffectiveScene effective{.scene = tests::ConeScene(), .piecewise = {}};
+  const auto rows = [&](double duration_s) {
+    return PlayWaveforms(effective, BeginningOf(effective), duration_s, 1000).rows();
+  };
+  for (int count = 1; count <= 60; ++count) {
+    EXPECT_EQ(rows(count / 1000.0), count + 1);
+    EXPECT_EQ(rows((count + 0.999) / 1000.0), count + 1);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::sim

@@ -209,21 +209,32 @@ TEST_F(SimulateVerb, GivesTheSameTrialTwiceButForItsProvenance) {
 TEST_F(SimulateVerb, TremorAddsToASteadyMotion) {
   const std::string tremor =
       "[tremor]\namplitude_m = 1e-4\nfrequency_hz = 8.3\n[effects]\ntremor = true\n";
-  const auto rms_m = [&](const std::string& scene) {
-    return json::parse(Simulate({scene, "--json"}).out).at("skin_rms_m").get<double>();
+  const auto answer = [&](const std::string& scene) {
+    return json::parse(Simulate({scene, "--json"}).out);
   };
-  const double both_m = rms_m(Scene(tremor));
-  EXPECT_THAT(json::parse(Simulate({Scene(tremor), "--json"}).out).at("method").get<std::string>(),
-              HasSubstr("linear model, superposed"));
-  const double drive_m = rms_m(Scene(""));
+  const auto number = [](const json& of, const char* key) { return of.at(key).get<double>(); };
+  const json both = answer(Scene(tremor));
+  EXPECT_THAT(both.at("method").get<std::string>(), HasSubstr("linear model, superposed"));
+  const json drive = answer(Scene(""));
   std::ifstream written(Scene(tremor));
   std::string text(std::istreambuf_iterator<char>(written), {});
   const std::size_t at = text.find("amplitude_v");
   text.replace(at, text.find('\n', at) - at, "amplitude_v = 1e-9");
   std::ofstream(Path("still.toml")) << text;
-  const double tremor_m = rms_m(Path("still.toml"));
+  const json still = answer(Path("still.toml"));
+  const double tremor_m = number(still, "skin_rms_m");
   EXPECT_GT(tremor_m, 5e-5);
-  EXPECT_REL(both_m, std::hypot(drive_m, tremor_m), 1e-12, "superposition");
+  EXPECT_REL(number(both, "skin_rms_m"), std::hypot(number(drive, "skin_rms_m"), tremor_m), 1e-12,
+             "superposition");
+  // once in a while both forces are least together; 1e-9 V adds 2e-10 of the drive's
+  EXPECT_REL(number(both, "contact_force_least_n"),
+             number(drive, "contact_force_least_n") + number(still, "contact_force_least_n"), 1e-9,
+             "superposition");
+  // powers of two frequencies add: those of skin and source
+  const auto skin_w = [&](const json& of) {
+    return number(of, "efficiency") * number(of, "power_w");
+  };
+  EXPECT_REL(skin_w(both), skin_w(drive) + skin_w(still), 1e-9, "superposition");
 }
 
 TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {

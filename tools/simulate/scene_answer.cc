@@ -153,6 +153,10 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
     share = answer.scene.skin.damping_n_s_per_m * speed * speed / answer.steady->power_w;
   } else if (answer.tones) {
     share = answer.tones->skin_power_w / answer.tones->power_w;
+  } else if (IsSuperposed(answer)) {
+    // over all time: the run is a part of the tremor's period
+    const sim::SteadyTones motion = sim::Superpose(EffectiveOf(answer).scene);
+    share = motion.skin_power_w / motion.power_w;
   } else if (const sim::SceneRun* run = RunOf(answer)) {
     constexpr auto kSkin = static_cast<std::size_t>(sim::SceneElement::kSkin);
     share = run->ledger.dissipated_j[kSkin] / run->ledger.input_j;
@@ -163,7 +167,7 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
 // least force on the contact in N; below 0 the contact would break
 std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
   // of a run: static force plus the least dynamic force
-  if (const sim::SceneRun* run = RunOf(answer); run != nullptr && !IsSuperposed(answer)) {
+  if (const sim::SceneRun* run = RunOf(answer)) {
     return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
   }
   if (played != nullptr) return played->force_least_n;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "sim/linear/linear_model.h"
 #include "tests/residual.h"
@@ -41,6 +43,30 @@ TEST(Balancing, IsASimilarityByPowersOfTwo) {
   EXPECT_EQ(back, a);
   // 1.68e7 in SI units
   EXPECT_LT(balanced.matrix.cwiseAbs().colwise().sum().maxCoeff(), 2.2e5);
+}
+
+// a change of units leaves the diagonal as it is, so it does not count
+TEST(Balancing, CountsNoDiagonal) {
+  const Eigen::MatrixXd even = Matrix({{1000, 1}, {1, -1000}});
+  EXPECT_EQ(Balance(even).matrix, even);
+  const BalancedMatrix balanced = Balance(Matrix({{3, 64}, {1, 5}}));
+  EXPECT_EQ(balanced.matrix, Matrix({{3, 8}, {8, 5}}));
+  EXPECT_EQ(balanced.scale(0), 8 * balanced.scale(1));
+}
+
+TEST(DriveSequence, GivesTheSineOfAnySampleInAnyOrder) {
+  constexpr double kStartS = 0.0123;
+  DriveSequence sequence(225, kStartS, 1e4);
+  for (const std::uint64_t sample : {0U, 31U, 32U, 33U, 1000003U, 5U, 64U}) {
+    const long double cycles =
+        225 * (static_cast<long double>(kStartS) + static_cast<long double>(sample) / 1e4L);
+    const auto part = static_cast<double>(cycles - std::round(cycles));
+    const Eigen::Vector2d drive = sequence.At(sample);
+    // the turn of two phases, and cycles of 64 bits
+    const double bar = 2e-15 + 2 * std::numbers::pi * 0x1p-63 * static_cast<double>(cycles);
+    EXPECT_ABS(drive[0], std::sin(2 * std::numbers::pi * part), bar, "rounding");
+    EXPECT_ABS(drive[1], std::cos(2 * std::numbers::pi * part), bar, "rounding");
+  }
 }
 
 TEST(MatrixExponential, OfMolersMatrix) {

@@ -44,6 +44,46 @@ TEST(ExcitationPiece, SignalsStayWithinTheirBounds) {
   }
 }
 
+TEST(ExcitationPiece, TonesAreBoundedByOneAndRampsByTheirLength) {
+  const ExcitationTerm tone{.amplitude = 7, .frequency_hz = 50};
+  ExcitationTerm ramped = tone;
+  ramped.kind = ExcitationTerm::Kind::kRampedTone;
+  const Eigen::VectorXd largest =
+      LargestSignals({.begin_s = 1, .end_s = 1.25L, .terms = {ramped, tone}});
+  Eigen::VectorXd expected(6);
+  expected << 1, 0, 0.25, 0, 1, 0;
+  EXPECT_EQ(largest, expected);
+}
+
+// amplitudes of tones and the degree of a polynomial stand in the matrices, phases do not
+TEST(SameShape, AsksForWhatTheMatricesHold) {
+  using Kind = ExcitationTerm::Kind;
+  const auto same = [](const ExcitationTerm& one, const ExcitationTerm& other) {
+    return SameShape({.terms = {one}}, {.terms = {other}});
+  };
+  const ExcitationTerm tone{
+      .kind = Kind::kRampedTone, .amplitude = 1, .amplitude_per_s = 2, .frequency_hz = 3};
+  ExcitationTerm other = tone;
+  other.phase_rad = other.origin_s = 0.5;
+  EXPECT_TRUE(same(tone, other));
+  (other = tone).kind = Kind::kTone;
+  EXPECT_FALSE(same(tone, other));
+  (other = tone).input = kFinger;
+  EXPECT_FALSE(same(tone, other));
+  (other = tone).amplitude = 1.01;
+  EXPECT_FALSE(same(tone, other));
+  (other = tone).amplitude_per_s = 2.01;
+  EXPECT_FALSE(same(tone, other));
+  (other = tone).frequency_hz = 3.01;
+  EXPECT_FALSE(same(tone, other));
+  EXPECT_FALSE(SameShape({.terms = {tone}}, {.terms = {tone, tone}}));
+  const ExcitationTerm cubic{.kind = Kind::kPolynomial, .degree = 3, .derivatives = {1, 2, 3, 4}};
+  (other = cubic).derivatives = {4, 3, 2, 1};
+  EXPECT_TRUE(same(cubic, other));
+  other.degree = 2;
+  EXPECT_FALSE(same(cubic, other));
+}
+
 Scene WithDrive(Scene scene, Drive drive) {
   scene.start = Start::kRest;
   scene.drive = std::move(drive);
@@ -108,6 +148,42 @@ TEST(CubicsOf, AChirpWhoseFrequencyRisesWithinAPeriodCountsItsRate) {
                     .duration_s = 0.0105,
                     .hold_tolerance = 1e-9};
   EXPECT_EQ(CubicsOf(chirp), 311);
+}
+
+// a bound of |v^(4)| over the amplitude, with w the larger frequency and a the rate of its change
+double FourthDerivative(const Drive& chirp) {
+  const double w = kTwoPi * std::max(chirp.frequency_hz, chirp.end_frequency_hz);
+  const double a = kTwoPi * (chirp.end_frequency_hz - chirp.frequency_hz) / chirp.duration_s;
+  return std::pow(w, 4) + 6 * std::abs(a) * w * w + 3 * a * a;
+}
+
+TEST(CubicsOf, AreAsManyAsTheToleranceAsksForAndTheSameInEachMillisecond) {
+  for (const double tolerance : {1e-5, 1e-8}) {
+    Drive chirp = Chirp(tolerance);
+    const auto least = [&] {
+      return chirp.duration_s * std::pow(FourthDerivative(chirp) / (384 * tolerance), 0.25);
+    };
+    // 30 ms
+    EXPECT_EQ(std::fmod(CubicsOf(chirp), 30), 0);
+    EXPECT_GE(CubicsOf(chirp), least());
+    EXPECT_LT(CubicsOf(chirp), least() + 31);
+    chirp.duration_s = 0.0304;
+    EXPECT_EQ(CubicsOf(chirp), std::ceil(least()));
+    std::swap(chirp.frequency_hz, chirp.end_frequency_hz);
+    EXPECT_EQ(CubicsOf(chirp), std::ceil(least())) << "downwards";
+  }
+}
+
+TEST(Excitation, AChirpsErrorIsThatOfItsCubics) {
+  for (const double tolerance : {1e-5, 1e-8}) {
+    Drive chirp = Chirp(tolerance);
+    chirp.amplitude_v = -2;
+    const double step_s = chirp.duration_s / CubicsOf(chirp);
+    EXPECT_REL(Excitation(chirp, {}).voltage_error_v(),
+               2 * FourthDerivative(chirp) * std::pow(step_s, 4) / 384, 1e-13,
+               "h^4/384 max |v^(4)|, rounding");
+  }
+  EXPECT_EQ(Excitation(Burst(0), {}).voltage_error_v(), 0);
 }
 
 TEST(Excitation, OfOneToneIsTheSine) {
@@ -260,6 +336,47 @@ TEST(Excitation, SamplesAreJoinedByLines) {
     EXPECT_LT(apart, before);
     before = apart;
   }
+}
+
+// what follows the last knot is no further interval
+TEST(Excitation, IsItsOffsetBeforeAndAfterWhatItHolds) {
+  Drive chirp = Chirp(1e-6);
+  chirp.offset_v = 0.7;
+  // from 1 ms to 31 ms, by more than 500 cubics
+  const Excitation excitation(chirp, {});
+  for (const double t_s : {0.0, 0.9999e-3, 0.031001, 0.03102, 1.0}) {
+    EXPECT_EQ(VoltageAt(excitation, t_s), 0.7) << t_s;
+  }
+  EXPECT_GT(std::abs(VoltageAt(excitation, 0.0309) - 0.7), 0.1);
+}
+
+// parts that last for no time are no pieces, which a motion would have to step over
+TEST(Excitation, HasNoPieceWithoutLength) {
+  EXPECT_EQ(Excitation(Pulse(0, 0.1), {}).size(), 2U);
+  EXPECT_EQ(Excitation(Pulse(0, 0), {}).size(), 1U);
+  EXPECT_EQ(Excitation(Pulse(1e-3, 0), {}).size(), 2U);
+  Drive burst = Burst(1e-3);
+  EXPECT_EQ(Excitation(burst, {}).size(), 5U);
+  burst.start_s = 0;
+  EXPECT_EQ(Excitation(burst, {}).size(), 4U);
+  burst.rise_s = 0;
+  EXPECT_EQ(Excitation(burst, {}).size(), 3U);
+  burst.fall_s = 0;
+  EXPECT_EQ(Excitation(burst, {}).size(), 2U);
+  burst.hold_s = 0;
+  EXPECT_EQ(Excitation(burst, {}).size(), 1U);
+}
+
+TEST(Excitation, SamplesEndWithTheLastOne) {
+  auto samples = std::make_shared<VoltageSamples>();
+  samples->rate_hz = 1000;
+  samples->voltages_v = {1, 3, -2};
+  const Excitation excitation({.kind = DriveKind::kSamples, .samples = samples, .offset_v = 0.5},
+                              {});
+  EXPECT_EQ(excitation.size(), 3U);
+  EXPECT_REL(VoltageAt(excitation, 0.25e-3), 0.5 + 1.5, 1e-14, "a quarter of the way from 1 to 3");
+  EXPECT_REL(VoltageAt(excitation, 1.75e-3), 0.5 - 0.75, 1e-13, "three quarters from 3 to -2");
+  for (const double t_s : {2.001e-3, 2.9e-3, 0.1}) EXPECT_EQ(VoltageAt(excitation, t_s), 0.5);
 }
 
 Scene Shaken(Scene scene) {

@@ -58,6 +58,26 @@ TEST(LinearModel, KeepsWhatRoundingLeavesOutOfAStiffMover) {
   }
 }
 
+// w = sqrt(Kv (1/Mv + 1/Mc1)) of mover and case alone
+TEST(LinearModel, KeepsRoundingOfMoversAboveTheStatedFrequency) {
+  Scene scene = tests::AdapterScene();
+  const double inverse_kg = 1 / 1.4e-3 + 1 / 0.85e-3;
+  for (const double part : {0.996, 1.004}) {
+    const double w = part * 2e4;
+    scene.actuator.stiffness_n_per_m = w * w / inverse_kg;
+    EXPECT_EQ(AssembleModel(scene).a_rest.size() > 0, part > 1);
+  }
+  // without the adapter's motor side, and against a case that is held
+  scene.adapter.reset();
+  scene.actuator.stiffness_n_per_m = 0.992 * 4e8 / (1 / 1.4e-3 + 1 / 0.6e-3);
+  EXPECT_EQ(AssembleModel(scene).a_rest.size(), 0);
+  scene.grip.holds = true;
+  scene.actuator.stiffness_n_per_m = 0.992 * 4e8 * 1.4e-3;
+  EXPECT_EQ(AssembleModel(scene).a_rest.size(), 0);
+  scene.actuator.stiffness_n_per_m = 1.008 * 4e8 * 1.4e-3;
+  EXPECT_GT(AssembleModel(scene).a_rest.size(), 0);
+}
+
 // The power that the back EMF takes from the coil is the power that the force pair puts in.
 TEST(LinearModel, CouplesCoilAndBodiesReciprocally) {
   const Scene scene = tests::AdapterScene();
@@ -135,6 +155,28 @@ TEST(LinearModel, WithARigidAdapterIsTheHeavierCase) {
 TEST(LinearModelDeath, NeedsMasses) {
   Scene scene = tests::ConeScene();
   scene.actuator.case_mass_kg = 0;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+  scene = tests::ConeScene();
+  scene.actuator.moving_mass_kg = 0;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+  scene = tests::AdapterScene();
+  scene.adapter->skin_side_mass_kg = 0;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+}
+
+TEST(LinearModelDeath, NeedsAResistanceAndNoNegativeInductance) {
+  Scene scene = tests::ConeScene();
+  scene.actuator.resistance_ohm = 0;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+  scene.actuator.resistance_ohm = 1e-9;
+  EXPECT_EQ(AssembleModel(scene).states(), 5);
+  scene.actuator.inductance_h = -1e-9;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+}
+
+TEST(LinearModelDeath, HoldsNoCaseUnderAnAdapter) {
+  Scene scene = tests::AdapterScene();
+  scene.grip.holds = true;
   EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
 }
 

@@ -55,6 +55,43 @@ TEST(MotorSource, MovesAsTheSevenStatesDo) {
 
 using Complex = std::complex<double>;
 
+// a case that a grip holds does not move: Xa = 0
+TEST(MotorSource, OfACaseThatIsHeldIsTheMoverAlone) {
+  Scene scene = tests::ConeScene();
+  scene.grip.holds = true;
+  for (const double frequency_hz : {50.0, 225.0, 900.0}) {
+    scene.drive.frequency_hz = frequency_hz;
+    const MotorSource source = SourceOf(scene.actuator, scene.drive);
+    const SteadyState steady = SolveSteadyState(scene);
+    EXPECT_REL(source.blocked_power_w, steady.power_w, 1e-13, "rounding");
+    EXPECT_REL(ElectricalPower(source, 0), steady.power_w, 1e-13, "rounding");
+    EXPECT_REL(std::abs(source.free_travel_m), steady.mover_peak_m, 1e-13, "rounding");
+    EXPECT_REL(MoverTravel(source, 0), steady.mover_peak_m, 1e-13, "rounding");
+  }
+}
+
+// k1 = Kv + j w Bv + Km^2 j w / (R + j w L)
+TEST(MotorSource, StatesWhatItsRoundingMayDo) {
+  const Actuator actuator = tests::AdapterScene().actuator;
+  const double R = actuator.resistance_ohm, L = actuator.inductance_h;
+  for (const double frequency_hz : {50.0, 225.0, 900.0}) {
+    const MotorSource source = SourceOf(actuator, {.amplitude_v = 5, .frequency_hz = frequency_hz});
+    const double w = 2 * std::numbers::pi * frequency_hz;
+    const double Km = actuator.force_constant_n_per_a;
+    const double damping =
+        w * actuator.damping_n_s_per_m + Km * Km * w * R / (R * R + w * w * L * L);
+    const double elastic =
+        actuator.stiffness_n_per_m + Km * Km * w * w * L / (R * R + w * w * L * L);
+    EXPECT_REL(source.coupling_damping_n_per_m, damping, 1e-13, "rounding");
+    const Complex k1(elastic, damping), d1 = k1 - actuator.moving_mass_kg * w * w;
+    const Complex kc = k1 - k1 * k1 / d1;
+    const double larger = 1 + std::abs(k1 / d1);
+    EXPECT_REL(source.rounding_allowance,
+               64 * 0x1p-52 * larger * larger * (1 + std::abs(kc) / kc.imag()), 1e-10,
+               "kc as a difference");
+  }
+}
+
 Complex SkinPhasor(const Scene& scene) {
   return SolveSteadyState(scene).phasors(AssembleModel(scene).skin());
 }

@@ -105,6 +105,24 @@ TEST(SteadyState, TakesThePowerThatItDissipates) {
   }
 }
 
+// what holds the case and what the source has inside dissipate as well
+TEST(SteadyState, TakesThePowerOfGripAndSource) {
+  for (Scene scene : {AdapterScene(), DirectScene()}) {
+    for (const double inductance_h : {130e-6, 0.0}) {
+      scene.actuator.inductance_h = inductance_h;
+      const double alone_w = SolveSteadyState(scene).power_w;
+      Scene held = scene;
+      held.grip = {.stiffness_n_per_m = 300, .damping_n_s_per_m = 0.8};
+      held.drive.source_resistance_ohm = 3;
+      const SteadyState steady = SolveSteadyState(held);
+      // Re(V conj(I)) / 2
+      EXPECT_REL(steady.power_w, held.drive.amplitude_v * steady.current_a.real() / 2, 1e-13,
+                 "a current nearly in phase; rounding");
+      EXPECT_GT(std::abs(steady.power_w / alone_w - 1), 1e-3);
+    }
+  }
+}
+
 TEST(SkinRmsUncertainty, OfACurrentDrivenActuatorIsThatOfKmOverR) {
   // through 1 Mohm the current is V / R whatever moves, so the RMS goes as Km / R
   Scene scene = AdapterScene();
@@ -221,6 +239,61 @@ TEST(SteadyState, AtAnUndampedResonanceSaysThatThereIsNone) {
              "closed form, a thousandfold cancellation");
 }
 
+// x'' + w0^2 x = sin w t, w = (1 + d) w0: X = -1 / (w0^2 (2 d + d^2)), a difference whose rounding
+// is eps / d
+TEST(SteadyState, BoundsItsErrorBesideAnUndampedResonance) {
+  LinearModel model;
+  model.a = -Eigen::MatrixXd::Identity(5, 5);
+  model.a(2, 2) = model.a(3, 3) = 0;
+  model.a(2, 3) = 1;
+  model.a(3, 2) = -64.0 * 64;
+  model.b = Eigen::VectorXd::Unit(5, 3);
+  model.current_row = Eigen::RowVectorXd::Zero(5);
+  model.power_rows = Eigen::MatrixXd::Zero(1, 6);
+  constexpr double kEps = 0x1p-52;
+  for (const double detuning : {1e-3, 1e-6, 1e-9}) {
+    const SineDrive drive{.amplitude_v = 1,
+                          .frequency_hz = 64 * (1 + detuning) / (2 * std::numbers::pi)};
+    const SteadyState steady = SolveSteadyState(model, drive, Skin{});
+    const double expected_m = 1 / (64 * 64 * detuning * (2 + detuning)) / std::numbers::sqrt2;
+    EXPECT_REL(steady.skin_rms_m, expected_m, steady.error_estimate, "as stated");
+    EXPECT_GT(steady.error_estimate, kEps / detuning);
+    EXPECT_LT(steady.error_estimate, 30 * kEps / detuning);
+  }
+}
+
+// x' = -x + sin t: X = (1 - j) / 2 without rounding. The equation may be off by eps (|M| |X| + |b|)
+// = 2 eps, which |M^-1| makes 2 eps of X; eps for the terms of a sum, and 8 eps of the sum itself.
+TEST(SteadyState, BoundsTheRoundingOfAnEquationThatHasNone) {
+  LinearModel model;
+  model.a = -Eigen::MatrixXd::Identity(5, 5);
+  model.b = Eigen::VectorXd::Unit(5, LinearModel::kCase);
+  model.current_row = Eigen::RowVectorXd::Unit(5, LinearModel::kCase);
+  model.power_rows = Eigen::MatrixXd::Zero(1, 6);
+  const SineDrive drive{.amplitude_v = 1, .frequency_hz = 1 / (2 * std::numbers::pi)};
+  constexpr double kEps = 0x1p-52;
+  const SteadyState steady = SolveSteadyState(model, drive, Skin{});
+  EXPECT_ABS(steady.skin_rms_m, 0.5, 1e-16, "sqrt(1/2) / sqrt(2)");
+  EXPECT_REL(steady.error_estimate, 11 * kEps, 1e-3, "nothing but the bound");
+  // twice the error of what is squared
+  model.power_rows(0, LinearModel::kCase) = 1;
+  EXPECT_REL(SolveSteadyState(model, drive, Skin{}).error_estimate, 22 * kEps, 1e-3,
+             "nothing but the bound");
+}
+
+TEST(IsHeldInPlace, BySkinGripOrAHeldCase) {
+  Scene scene = ConeScene();
+  EXPECT_TRUE(IsHeldInPlace(scene));
+  scene.skin.stiffness_n_per_m = 0;
+  EXPECT_FALSE(IsHeldInPlace(scene));
+  scene.grip.damping_n_s_per_m = 1;
+  EXPECT_FALSE(IsHeldInPlace(scene)) << "dampers hold nothing in its place";
+  scene.grip.stiffness_n_per_m = 1e-3;
+  EXPECT_TRUE(IsHeldInPlace(scene));
+  scene.grip = {.holds = true};
+  EXPECT_TRUE(IsHeldInPlace(scene));
+}
+
 Scene WithTones(Scene scene, std::vector<Tone> tones) {
   scene.drive = {.kind = DriveKind::kTones, .tones = std::move(tones)};
   return scene;
@@ -297,6 +370,29 @@ TEST(SteadyTones, WithoutACommonPeriodHaveTheSumAsBound) {
   const double peak_m = RunScene({.scene = played, .piecewise = {}}, 1).mover_peak_of_run_m;
   EXPECT_LE(peak_m, sum_m * (1 + 1e-9));
   EXPECT_GT(peak_m, 0.99 * sum_m);
+}
+
+// for a body that nothing holds under an offset only the period is given, without any peak
+double CommonPeriodOf(const std::vector<double>& frequencies_hz) {
+  std::vector<Tone> tones;
+  for (const double frequency_hz : frequencies_hz) tones.push_back({1, frequency_hz, 0});
+  Scene scene = WithTones(DirectScene(), tones);
+  scene.skin.stiffness_n_per_m = 0;
+  scene.drive.offset_v = 1;
+  const SteadyTones found = SolveSteadyTones(scene);
+  EXPECT_GE(found.error_estimate, 1);
+  return found.period_s;
+}
+
+TEST(SteadyTones, HaveACommonPeriodUpToTwoToTheTwentyOutputs) {
+  // 64 outputs in the shortest period: 1 048 512 and 1 048 640 in 100 s
+  EXPECT_REL(CommonPeriodOf({163.83, 0.01}), 100, 1e-15, "rounding");
+  EXPECT_EQ(CommonPeriodOf({163.85, 0.01}), 0);
+  EXPECT_REL(CommonPeriodOf({60, 90, 105}), 1 / 15.0, 1e-15, "rounding");
+  EXPECT_REL(CommonPeriodOf({0.000003, 0.000002}), 1e6, 1e-15, "one microhertz");
+  EXPECT_EQ(CommonPeriodOf({225.0000005}), 0) << "half a microhertz";
+  EXPECT_REL(CommonPeriodOf({1e9}), 1e-9, 1e-15, "1e15 microhertz");
+  EXPECT_EQ(CommonPeriodOf({1.01e9}), 0);
 }
 
 TEST(SteadyTones, SayWhereAResonanceIsUndamped) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string_view>
 
@@ -49,6 +51,60 @@ Scene WithInductance(double inductance_h) {
 
 Eigen::VectorXd Vector(const double (&values)[7]) {
   return Eigen::Map<const Eigen::VectorXd>(values, 7);
+}
+
+// the quintic c0 + c1 u + ... + c5 u^5, u = t / h, with its derivatives by time
+MotionJet JetOf(const std::array<double, 6>& c, double u, double h_s) {
+  MotionJet jet;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const auto power = static_cast<double>(k);
+    jet.x += c[k] * std::pow(u, power);
+    if (k >= 1) jet.v += c[k] * power * std::pow(u, power - 1) / h_s;
+    if (k >= 2) jet.a += c[k] * power * (power - 1) * std::pow(u, power - 2) / (h_s * h_s);
+  }
+  return jet;
+}
+
+HermiteQuintic QuinticOf(const std::array<double, 6>& c, double h_s) {
+  return {JetOf(c, 0, h_s), JetOf(c, 1, h_s), h_s};
+}
+
+TEST(HermiteQuintic, OfAQuinticIsThatQuintic) {
+  const std::array<double, 6> c{0.3, -1.1, 0.7, 1.9, -2.3, 0.9};
+  for (const double h_s : {0.02, 1.0, 3.0}) {
+    const HermiteQuintic quintic = QuinticOf(c, h_s);
+    for (const double u : {0.0, 0.1, 0.5, 0.8, 1.0}) {
+      EXPECT_ABS(quintic.At(u), JetOf(c, u, h_s).x, 1e-13, "sums of terms of some 20");
+    }
+  }
+}
+
+// x = u - 2^(k-1) u^k / k turns at u = 1/2, where it is 1/2 - 1/(2 k)
+TEST(HermiteQuintic, HasItsExtremeWhereItsRateIsZero) {
+  for (std::size_t k = 2; k <= 5; ++k) {
+    const auto power = static_cast<double>(k);
+    for (const double sign : {1.0, -1.0}) {
+      std::array<double, 6> c{0.25, sign, 0, 0, 0, 0};
+      c[k] = -sign * std::exp2(power - 1) / power;
+      const ValueRange range = QuinticOf(c, 0.02).Range();
+      const double turn = 0.25 + sign * (0.5 - 0.5 / power);
+      const double end = 0.25 + sign * (1 - std::exp2(power - 1) / power);
+      EXPECT_ABS(sign > 0 ? range.largest : range.least, turn, 1e-13, "rounding; flat there");
+      EXPECT_ABS(sign > 0 ? range.least : range.largest,
+                 sign > 0 ? std::min(0.25, end) : std::max(0.25, end), 1e-13, "an end");
+    }
+  }
+  const ValueRange rising = QuinticOf({0, 1, 0, 1, 0, 1}, 0.02).Range();
+  EXPECT_ABS(rising.least, 0, 1e-14, "an end");
+  EXPECT_ABS(rising.largest, 3, 1e-13, "an end");
+}
+
+// h^6 max |x^(6)| / 46080, met in the middle of a step over a sine's peak
+TEST(HermiteQuintic, IsWrongByItsStatedErrorInTheMiddle) {
+  const double step = 2 * std::numbers::pi / 64;
+  const auto jet = [](double t) { return MotionJet{std::cos(t), -std::sin(t), -std::cos(t)}; };
+  const HermiteQuintic quintic(jet(-step / 2), jet(step / 2), step);
+  EXPECT_REL(1 - quintic.At(0.5), std::pow(step, 6) / 46080, 0.01, "the cosine over the step");
 }
 
 TEST(TimeResponse, FromRestAgreesWithFiftyDigits) {
@@ -196,6 +252,17 @@ TEST(TimeResponse, EndsInThePhasor) {
       EXPECT_ABS(WorstError(scene, steady.StateAt(t_s), expected), 0, 3e-13, "rounding");
     }
   }
+}
+
+// powers of two up to 2^19 s
+TEST(TimeResponse, ReachesAsFarAsTwoToTheTwentySeconds) {
+  const Scene scene = AdapterScene();
+  const TimeResponse response = ResponseOf(scene, Start::kRest);
+  // a whole number of periods
+  EXPECT_ABS(WorstError(scene, response.StateAt(1048575), SolveSteadyState(scene).phasors.imag()),
+             0, 1e-12, "phase of 2^28 cycles in 64 bits, rounding");
+  EXPECT_DEATH(static_cast<void>(response.StateAt(0x1p20)), "check failed");
+  EXPECT_DEATH(static_cast<void>(response.StateAt(-1e-9)), "check failed");
 }
 
 TEST(TimeResponse, AnySplitOfTheIntervalGivesTheSame) {

@@ -21,6 +21,104 @@
 namespace haptometer::sim {
 namespace {
 
+Eigen::RowVectorXd Row(double first, double second) { return Eigen::RowVector2d(first, second); }
+
+TEST(MotionError, BoundsBy64StandardDeviations) {
+  MotionError error(2);
+  EXPECT_EQ(error.Bound(Row(1, 1)), 0);
+  error.Add(Eigen::Vector2d(3, -4));
+  EXPECT_REL(error.Bound(Row(1, 0)), 64 * 3, 1e-15, "rounding");
+  EXPECT_REL(error.Bound(Row(0, 1)), 64 * 4, 1e-15, "rounding");
+  EXPECT_ABS(error.Bound(Row(4, 3)), 0, 1e-5, "one deviation; the root of rounding");
+  EXPECT_REL(error.Bound(Row(2, -1)), 64 * 10, 1e-15, "rounding");
+  // another one, independent of the first
+  error.Add(Eigen::Vector2d(0, 5));
+  EXPECT_REL(error.Bound(Row(2, -1)), 64 * std::hypot(10, 5), 1e-15, "rounding");
+}
+
+TEST(MotionError, IsTurnedByStepsAndMaps) {
+  MotionError error(2);
+  error.Add(Eigen::Vector2d(3, 4));
+  Eigen::Matrix2d phi;
+  phi << 2, 1, 0, -1;
+  // to [10, -4], and rounding of each state by itself
+  error.Step(phi, Eigen::Vector2d(0.5, 6));
+  EXPECT_REL(error.Bound(Row(1, 0)), 64 * std::hypot(10, 0.5), 1e-15, "rounding");
+  EXPECT_REL(error.Bound(Row(0, 1)), 64 * std::hypot(4, 6), 1e-15, "rounding");
+  EXPECT_REL(error.Bound(Row(2, 5)), 64 * std::hypot(1, 30), 1e-14, "rounding");
+  // to one coordinate, with an error of its own
+  error.Map(Row(2, 5), Eigen::VectorXd::Constant(1, 7));
+  const Eigen::RowVectorXd one = Eigen::RowVectorXd::Ones(1);
+  EXPECT_REL(error.Bound(one), 64 * std::sqrt(1 + 900 + 49), 1e-14, "rounding");
+  error.Add(Eigen::VectorXd::Constant(1, HUGE_VAL));
+  EXPECT_EQ(error.Bound(one), HUGE_VAL);
+}
+
+// R = [1, 0; 0, -1/2], g' = -2, f+ - R f- = [3, 8]
+class Impact {
+ public:
+  explicit Impact(double curvature) : curvature_(curvature) {}
+  [[nodiscard]] EventJump Jump() const {
+    return {.map = map_,
+            .guard = guard_,
+            .guard_rate = -2,
+            .guard_curvature = curvature_,
+            .guard_rounding = 1e-3,
+            .rate_before = Eigen::Vector2d(1, 4),
+            .rate_after = Eigen::Vector2d(4, 6),
+            .step_of_state = {}};
+  }
+
+ private:
+  double curvature_;
+  Eigen::MatrixXd map_ = Eigen::Vector2d(1, -0.5).asDiagonal();
+  Eigen::RowVectorXd guard_ = Eigen::RowVector2d(-1, 0);
+};
+
+TEST(MotionError, IsTurnedBySaltationWhereAnEventIsSure) {
+  MotionError error(2);
+  error.Add(Eigen::Vector2d(0.01, 0.03));
+  const Impact impact(0);
+  error.Event(impact.Jump());
+  // S = R + [3, 8] [-1, 0] / -2 = [2.5, 0; 4, -0.5]; rounding of g by [3, 8] / -2
+  EXPECT_REL(error.Bound(Row(1, 0)), 64 * std::hypot(0.025, 1.5e-3), 1e-14, "rounding");
+  EXPECT_REL(error.Bound(Row(0, 1)), 64 * std::hypot(0.04 - 0.015, 4e-3), 1e-14, "rounding");
+}
+
+// the guard's error e over g'^2 / (2 |g''|): up to a twentieth the event is only moved
+TEST(MotionError, NearAGrazeTheEventItselfIsUncertain) {
+  // 2 e |g''| = 0.05 g'^2 at |g''| = 10
+  constexpr double kDeviation = 0.05 * 4 / (2 * 64 * 10);
+  for (const double sign : {1.0, -1.0}) {
+    MotionError sure(2), unsure(2);
+    for (MotionError* error : {&sure, &unsure}) error->Add(Eigen::Vector2d(kDeviation, 0));
+    const Impact below(sign * 9.95), above(sign * 10.05);
+    sure.Event(below.Jump());
+    EXPECT_REL(sure.Bound(Row(1, 0)), 64 * std::hypot(2.5 * kDeviation, 1.5e-3), 1e-14,
+               "S as above");
+    EventJump jump = above.Jump();
+    jump.step_of_state = Eigen::Vector2d(0, 0.2);
+    unsure.Event(jump);
+    // twice sqrt(2 e / |g''|) of the rates' jump, and all of the state's
+    const double time_s = std::sqrt(2 * 64 * kDeviation / 10.05);
+    EXPECT_REL(unsure.Bound(Row(1, 0)), std::hypot(64 * kDeviation, 2 * time_s * 3), 1e-14,
+               "rounding");
+    EXPECT_REL(unsure.Bound(Row(0, 1)), std::hypot(2 * time_s * 8, 0.2), 1e-14, "rounding");
+  }
+}
+
+TEST(MotionError, OfAGuardThatDoesNotMoveIsThatOfTheStatesJump) {
+  MotionError error(2);
+  error.Add(Eigen::Vector2d(1, 2));
+  const Impact impact(0);
+  EventJump jump = impact.Jump();
+  jump.guard_rate = 0;
+  jump.step_of_state = Eigen::Vector2d(5, 0);
+  error.Event(jump);
+  EXPECT_REL(error.Bound(Row(1, 0)), std::hypot(64, 5), 1e-14, "rounding");
+  EXPECT_REL(error.Bound(Row(0, 1)), 64, 1e-14, "rounding");
+}
+
 EffectSet With(std::initializer_list<Effect> effects) {
   EffectSet on;
   on.set(PlaceOf(Effect::kInductance));

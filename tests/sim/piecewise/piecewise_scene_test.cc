@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
 #include "sim/linear/time_response.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
@@ -210,6 +213,117 @@ TEST(PiecewiseScene, AStiffStopIsHalfASine) {
       EXPECT_REL(end(LinearModel::kMoverVelocity) - end(LinearModel::kCaseVelocity),
                  kSpeed * std::exp(-s * contact_s) * rate, 1e-11, "half a sine");
       EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-12, "sums of exact integrals");
+    }
+  }
+}
+
+// what a pad's damper takes is the stops', and nothing else takes any
+TEST(PiecewiseScene, WhatADampedStopTakesIsTheStops) {
+  const Scene scene = Drifting();
+  const double mass_kg = 1 / (1 / scene.actuator.moving_mass_kg + 1 / scene.actuator.case_mass_kg);
+  const double stiffness = 1e5;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(5);
+  x(LinearModel::kMoverVelocity) = 0.7;
+  for (const double side : {1.0, -1.0}) {
+    const double damping = 2 * 0.3 * std::sqrt(stiffness * mass_kg);
+    PiecewiseMotion motion(AssemblePiecewise(scene, {.stops = Compliant(1e-4, stiffness, damping)}),
+                           scene.drive, {.x = side * x}, 1e4, true);
+    RunTo(motion, 8);  // before it comes to the other stop
+    ASSERT_EQ(motion.events().size(), 3U);
+    const Eigen::VectorXd end = motion.Positions();
+    const double speed = end(LinearModel::kMoverVelocity) - end(LinearModel::kCaseVelocity);
+    const EnergyLedger ledger = motion.Ledger();
+    const auto stops = static_cast<std::size_t>(SceneElement::kStop);
+    EXPECT_REL(ledger.dissipated_j[stops], mass_kg * (0.49 - speed * speed) / 2, 1e-11,
+               "the relative motion's energy");
+    EXPECT_LT(std::abs(speed), 0.5);
+    for (std::size_t k = 0; k < ledger.dissipated_j.size(); ++k) {
+      EXPECT_EQ(ledger.dissipated_j[k] == 0, k != stops) << kSceneElements[k];
+    }
+  }
+}
+
+TEST(PiecewiseScene, NamesItsModes) {
+  using Names = std::vector<std::string_view>;
+  const auto names = [](const PiecewiseEffects& effects) {
+    Names found;
+    const PiecewiseLinearSystem system = AssemblePiecewise(AdapterScene(), effects);
+    for (const Mode& mode : system.modes) found.push_back(mode.name);
+    return found;
+  };
+  EXPECT_EQ(names({.stops = Rigid(1e-3, 0.5)}), (Names{"linear", "resting up", "resting down"}));
+  EXPECT_EQ(names({.stops = Compliant(1e-3, 1e5, 0)}),
+            (Names{"linear", "pressed up", "pressed down"}));
+  EXPECT_EQ(names({.stops = Compliant(1e-3, 1e5, 1)}),
+            (Names{"linear", "pressed up", "leaving up", "pressed down", "leaving down"}));
+  EXPECT_EQ(names({.contact_loss = ContactLoss{0.07}}), (Names{"linear", "flight"}));
+}
+
+// 1e-13 of half the room between two stops, or of the gap to the only one
+TEST(PiecewiseScene, BouncesEndBelowAPartOfTheTravel) {
+  const auto heights = [](double up_m, double down_m) {
+    std::vector<double> found;
+    const PiecewiseLinearSystem system = AssemblePiecewise(
+        AdapterScene(), {.stops = TravelStops{.gap_up_m = up_m, .gap_down_m = down_m}});
+    for (const Transition& way : system.transitions) {
+      if (way.bounce) found.push_back(way.bounce->rest_height);
+    }
+    return found;
+  };
+  const std::vector<double> two = heights(2e-4, 4e-4), up = heights(2e-4, TravelStops::kNone),
+                            down = heights(TravelStops::kNone, 5e-4);
+  ASSERT_EQ(two.size(), 2U);
+  for (const double height_m : two) EXPECT_REL(height_m, 3e-17, 1e-14, "rounding");
+  ASSERT_EQ(up.size(), 1U);
+  EXPECT_REL(up[0], 2e-17, 1e-14, "rounding");
+  ASSERT_EQ(down.size(), 1U);
+  EXPECT_REL(down[0], 5e-17, 1e-14, "rounding");
+}
+
+TEST(PiecewiseScene, BeginsWhereTheSceneSays) {
+  Scene scene = FromRest(AdapterScene());
+  scene.initial = {.mover_m = 1,
+                   .mover_m_per_s = 2,
+                   .case_m = 3,
+                   .case_m_per_s = 4,
+                   .skin_m = 5,
+                   .skin_m_per_s = 6,
+                   .current_a = 7};
+  const auto begin = [](const Scene& that) { return PiecewiseStartOf(that).x; };
+  EXPECT_EQ(begin(scene), (Eigen::Vector<double, 7>(1, 2, 3, 4, 5, 6, 7)));
+  EXPECT_EQ(begin(WithoutInductance(scene)), (Eigen::Vector<double, 6>(1, 2, 3, 4, 5, 6)));
+  scene.adapter.reset();
+  EXPECT_EQ(begin(scene), (Eigen::Vector<double, 5>(1, 2, 3, 4, 7)));
+  EXPECT_EQ(begin(WithoutInductance(scene)), Eigen::Vector4d(1, 2, 3, 4));
+  EXPECT_EQ(PiecewiseStartOf(scene).mode, 0U);
+}
+
+// xv - xa and Ks (xs - xg) + Bs (vs - vg), in flight the preload that is missing
+TEST(PiecewiseScene, WatchesTravelAndForceInEveryMode) {
+  for (Scene scene : {AdapterScene(), tests::DirectScene()}) {
+    scene.finger.tones = {{.amplitude = 1e-5, .frequency_hz = 9}};
+    const PiecewiseEffects effects{.stops = Rigid(1e-4, 0.5), .contact_loss = ContactLoss{0.07}};
+    PiecewiseLinearSystem system = AssemblePiecewise(scene, effects);
+    WatchTravelAndForce(scene, effects, system);
+    const Eigen::Vector3d inputs(5, 2e-4, 0.3);
+    const LinearModel model = AssembleModel(scene);
+    ASSERT_EQ(system.modes.size(), 6U);
+    for (std::size_t k = 0; k < system.modes.size(); ++k) {
+      const Mode& mode = system.modes[k];
+      Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(mode.a.rows(), 0.3, -1.7);
+      if (k > 0) x(x.size() - 1) = 1;
+      const Eigen::VectorXd at = mode.positions.size() > 0 ? mode.positions * x : x;
+      const auto value = [&](const WatchedNumber& number) {
+        const double feed = number.feed.size() > 0 ? number.feed.dot(inputs) : 0;
+        return number.row.dot(x) + number.offset + feed;
+      };
+      ASSERT_EQ(mode.watched.size(), 2U);
+      EXPECT_ABS(value(mode.watched[kWatchedTravel]),
+                 at(LinearModel::kMover) - at(LinearModel::kCase), 1e-14, "rounding");
+      const double force_n =
+          scene.skin.stiffness_n_per_m * (at(model.skin()) - inputs(kFinger)) +
+          scene.skin.damping_n_s_per_m * (at(model.skin_velocity()) - inputs(kFingerRate));
+      EXPECT_REL(value(mode.watched[kWatchedForce]), k < 3 ? force_n : -0.07, 1e-13, "rounding");
     }
   }
 }

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -116,6 +118,73 @@ TEST(ActuatorName, ThatIsNeitherBuiltInNorAFileSaysBoth) {
   EXPECT_EQ(stated.error().Text(),
             "thesis-c10: no such file; give an actuator file, or the built-in thesis-c10-100");
   EXPECT_EQ(stated.error().cause, Cause::kCannotAnswer);
+}
+
+// each number has its place: an uncertainty of 1 % of the first, 2 % of the second, ...
+TEST_F(ActuatorFile, HasACovarianceOfAllItsNumbersInTheirOrder) {
+  const auto stated = FindActuator(Write(
+      "moving_mass_kg = '1.00(1)g'\ncase_mass_kg = '1.00(2)g'\nstiffness_n_per_m = '1000(30)'\n"
+      "damping_n_s_per_m = '1.00(4)'\nforce_constant_n_per_a = '1.00(5) N/A'\n"
+      "resistance_ohm = '10.0(6)ohm'\ninductance_h = '100(7)uH'\n"
+      "[correlation]\nMv_Mc = 0.1\nMv_L = 0.2\nMc_R = -0.3\nBv_Km = 0.4\nR_L = 1\n"));
+  ASSERT_TRUE(stated) << stated.error().Text();
+  const ActuatorCovariance covariance = RelativeCovariance(*stated);
+  ActuatorCovariance expected{};
+  for (std::size_t k = 0; k < 7; ++k) {
+    expected[k][k] = std::pow(0.01 * static_cast<double>(k + 1), 2);
+  }
+  const auto set = [&](std::size_t i, std::size_t j, double correlation) {
+    expected[i][j] = expected[j][i] = correlation * 1e-4 * static_cast<double>((i + 1) * (j + 1));
+  };
+  set(0, 1, 0.1);
+  set(0, 6, 0.2);
+  set(1, 5, -0.3);
+  set(3, 4, 0.4);
+  set(5, 6, 1);
+  for (std::size_t i = 0; i < 7; ++i) {
+    for (std::size_t j = 0; j < 7; ++j) {
+      EXPECT_ABS(covariance[i][j], expected[i][j], 1e-16, "rounding of 1e-3") << i << ' ' << j;
+    }
+  }
+}
+
+TEST(ScaledActuator, HasOneNumberChangedByItsPlace) {
+  const Actuator actuator = ThesisC10100();
+  for (std::size_t place = 0; place < 7; ++place) {
+    const Actuator scaled = Scaled(actuator, place, 3);
+    for (std::size_t k = 0; k < 7; ++k) {
+      EXPECT_EQ(scaled.*kActuatorNumbers[k], actuator.*kActuatorNumbers[k] * (k == place ? 3 : 1));
+    }
+  }
+  EXPECT_EQ(Scaled(actuator, 0, 2).moving_mass_kg, 2.8e-3);
+  EXPECT_EQ(Scaled(actuator, 3, 2).damping_n_s_per_m, 0.0644);
+  EXPECT_EQ(Scaled(actuator, 6, 2).inductance_h, 260e-6);
+}
+
+TEST_F(ActuatorFile, TakesCorrelationsUpToTheirEnds) {
+  const auto reads = [&](const std::string& number) {
+    return FindActuator(Write(std::string(kDataSheet) + "[correlation]\nMv_Kv = " + number + "\n"))
+        .has_value();
+  };
+  EXPECT_TRUE(reads("1") && reads("-1"));
+  EXPECT_FALSE(reads("1.001"));
+  EXPECT_FALSE(reads("-1.001"));
+}
+
+// the error names the first of the three constants that an identification gives
+TEST_F(ActuatorFile, AsksForEachConstantThatIsMissing) {
+  const std::string all[] = {"stiffness_n_per_m = 2800\n", "damping_n_s_per_m = 0.03\n",
+                             "force_constant_n_per_a = 1\n"};
+  const std::string keys[] = {"stiffness_n_per_m", "damping_n_s_per_m", "force_constant_n_per_a"};
+  for (std::size_t missing = 0; missing < 3; ++missing) {
+    std::string text = kDataSheet;
+    for (std::size_t k = 0; k < 3; ++k) text += k == missing ? "" : all[k];
+    const auto stated = FindActuator(Write(text));
+    ASSERT_TRUE(stated) << stated.error().Text();
+    const auto actuator = Complete(*stated);
+    ASSERT_FALSE(actuator);
+    EXPECT_THAT(actuator.error().Text(), ::testing::HasSubstr(keys[missing] + " is missing"));
+  }
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -220,6 +223,61 @@ TEST_F(SamplesFile, ThatIsNotThereIsTold) {
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().Text().find("v.csv: no such file"), std::string::npos)
       << scene.error().Text();
+}
+
+// a sine as a chirp: error h^4 / 384 w^4 of cubics h apart, so w T (384 tolerance)^(-1/4) of them
+TEST(DriveFile, RefusesAChirpOfMoreThanTenMillionCubics) {
+  constexpr double kTolerance = 1e-12, kDurationS = 0.5;
+  const auto error_of = [&](double cubics) {
+    const double w = cubics * std::pow(384 * kTolerance, 0.25) / kDurationS;
+    const std::string hertz = fmt::format("{:.17g}", w / (2 * std::numbers::pi));
+    return ErrorOf("[drive]\nkind = 'chirp'\namplitude_v = 5\nfrequency_hz = " + hertz +
+                   "\nend_frequency_hz = " + hertz +
+                   "\nduration_s = 0.5\nhold_tolerance = 1e-12\n");
+  };
+  EXPECT_EQ(error_of(0.999e7), "none");
+  EXPECT_NE(error_of(1.001e7).find("duration_s: takes 1e+07 cubics"), std::string::npos);
+  EXPECT_NE(error_of(2e7).find("shorten it to 0.25 s"), std::string::npos) << error_of(2e7);
+}
+
+TEST(DriveFile, TakesHoldTolerancesUpToTheirEnds) {
+  const auto reads = [](const std::string& tolerance) {
+    return ErrorOf(
+               "[drive]\nkind = 'chirp'\namplitude_v = 5\nfrequency_hz = 50\n"
+               "end_frequency_hz = 60\nduration_s = 0.1\nhold_tolerance = " +
+               tolerance + "\n") == "none";
+  };
+  EXPECT_TRUE(reads("1e-13") && reads("0.1"));
+  EXPECT_FALSE(reads("0.99e-13"));
+  EXPECT_FALSE(reads("0.101"));
+}
+
+// a case that falls from h comes down with sqrt(2 g h)
+TEST(DriveFile, ReadsWhatHoldsTheCase) {
+  const std::string sine = "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 225\n";
+  const Scene drop = Read(sine + "[mounting]\nkind = 'drop'\nheight_m = '50mm'\n");
+  EXPECT_TRUE(drop.grip.holds);
+  EXPECT_DOUBLE_EQ(drop.initial.mover_m_per_s, std::sqrt(2 * 9.80665 * 0.05));
+  const Scene started =
+      Read(sine + "[mounting]\nkind = 'drop'\nheight_m = '50mm'\n[start]\nmover_m_per_s = 0.25\n");
+  EXPECT_DOUBLE_EQ(started.initial.mover_m_per_s, std::sqrt(2 * 9.80665 * 0.05) + 0.25);
+  const Scene held = Read(sine + "[mounting]\nkind = 'held'\n");
+  EXPECT_TRUE(held.grip.holds);
+  EXPECT_EQ(held.initial.mover_m_per_s, 0);
+  const Scene gripped =
+      Read(sine + "[mounting]\nkind = 'grip'\nstiffness_n_per_m = 300\ndamping_n_s_per_m = 0.2\n");
+  EXPECT_FALSE(gripped.grip.holds);
+  EXPECT_EQ(gripped.grip.stiffness_n_per_m, 300);
+  EXPECT_EQ(gripped.grip.damping_n_s_per_m, 0.2);
+  EXPECT_FALSE(Read(sine + "[mounting]\nkind = 'free'\n").grip.holds);
+}
+
+TEST_F(SamplesFile, TakesVoltagesUpToTheirEnds) {
+  const auto scene = With("voltage_v\n1e9\n-1e9\n");
+  ASSERT_TRUE(scene) << scene.error().Text();
+  EXPECT_EQ(scene->drive.samples->voltages_v, (std::vector<double>{1e9, -1e9}));
+  EXPECT_FALSE(With("voltage_v\n0\n1.001e9\n"));
+  EXPECT_FALSE(With("voltage_v\n0\n-1.001e9\n"));
 }
 
 }  // namespace

@@ -45,6 +45,10 @@ TEST(SkinUnderArea, OfTheBareCaseIsTheWorkedNumber) {
 TEST(SkinUnderAreaDeath, CoversOnlyItsAreas) {
   EXPECT_DEATH(static_cast<void>(SkinUnderArea(0.9e-6, SkinRange::kText)), "check failed");
   EXPECT_DEATH(static_cast<void>(SkinUnderArea(101e-6, SkinRange::kText)), "check failed");
+  EXPECT_DEATH(static_cast<void>(SkinUnderArea(0.999e-6, SkinRange::kText)), "check failed");
+  EXPECT_DEATH(static_cast<void>(SkinUnderArea(100.1e-6, SkinRange::kText)), "check failed");
+  EXPECT_GT(SkinUnderArea(1.001e-6, SkinRange::kText).stiffness_n_per_m, 600);
+  EXPECT_LT(SkinUnderArea(99.9e-6, SkinRange::kText).stiffness_n_per_m, 2000);
 }
 
 constexpr ReceptorField kCells{};
@@ -56,6 +60,21 @@ TEST(Receptors, AreFortyNineAsTheThesissDensityMakesThem) {
   EXPECT_REL(ReceptorPositions(kCells).back().x_m, 3 * 15e-3 / 7, 1e-15,
              "half a cell off the edge");
   EXPECT_EQ(ReceptorPositions(kEdges).front().y_m, -7.5e-3);
+}
+
+// side times the root of the density, to the nearest whole number, 1 at least
+TEST(Receptors, AreAsManyASideAsTheDensityMakesThem) {
+  const auto per_side = [](double side) {
+    return ReceptorsPerSide({.pad_side_m = 1e-3 * side, .density_per_m2 = 1e6});
+  };
+  EXPECT_EQ(per_side(7.49), 7U);
+  EXPECT_EQ(per_side(7.51), 8U);
+  EXPECT_EQ(per_side(0.01), 1U);
+  // one receptor lies in the middle, on either grid
+  const ReceptorField one{
+      .pad_side_m = 1e-3, .density_per_m2 = 1e6, .grid = ReceptorGrid::kEdgeToEdge};
+  ASSERT_EQ(ReceptorPositions(one).size(), 1U);
+  EXPECT_EQ(ReceptorPositions(one)[0].x_m, 0);
 }
 
 // counted in Python (tests/sim/tuning/adapter_reference.py counts them the same way)

@@ -2,22 +2,24 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "tests/residual.h"
 
 namespace haptometer::sim {
 namespace {
 
-// y' = A y + B u(t) + P g(R y), q' = first state
+// y' = A y + B u(t) + P g(R y), q' = p of the first state, or that state itself
 class Problem final : public SemilinearProblem {
  public:
   explicit Problem(Linear linear, std::function<double(double)> g = {},
-                   std::function<double(double)> u = {})
-      : linear_(std::move(linear)), g_(std::move(g)), u_(std::move(u)) {}
+                   std::function<double(double)> u = {}, std::function<double(double)> p = {})
+      : linear_(std::move(linear)), g_(std::move(g)), u_(std::move(u)), p_(std::move(p)) {}
 
   const Linear& linear() const override { return linear_; }
   int Linearise(const ConstVector& /*y*/) override { return 0; }
@@ -29,12 +31,12 @@ class Problem final : public SemilinearProblem {
   }
   Eigen::Index integrals() const override { return 1; }
   void IntegralRate(const ConstVector& /*u*/, const ConstVector& y, Vector rate) const override {
-    rate[0] = y[0];
+    rate[0] = p_ ? p_(y[0]) : y[0];
   }
 
  private:
   Linear linear_;
-  std::function<double(double)> g_, u_;
+  std::function<double(double)> g_, u_, p_;
 };
 
 SemilinearProblem::Linear LinearOf(const Eigen::MatrixXd& a) {
@@ -122,6 +124,84 @@ TEST(SemilinearSolver, InputsActThroughTheLinearPart) {
         (w * std::exp(-t_s) + std::sin(w * t_s) - w * std::cos(w * t_s)) / (1 + w * w);
     EXPECT_ABS(solver.At(t_s)[0], expected, 1e-13, "what is asked of 0.2, halved");
   }
+}
+
+// y' = cos w (t - 1/2 - shift) over [0, 1], a step of which may be odd or even about its middle, so
+// that one of the last two coefficients is zero and the other one alone shows what is missing
+TEST(SemilinearSolver, EitherOfTheLastTwoCoefficientsKeepsAStepShort) {
+  constexpr double w = 20;
+  for (const double shift : {0.0, std::numbers::pi / 2 / w}) {
+    SemilinearProblem::Linear linear = LinearOf(Eigen::MatrixXd::Zero(1, 1));
+    linear.inputs = Eigen::MatrixXd::Ones(1, 1);
+    Problem problem(linear, {}, [&](double t_s) { return std::cos(w * (t_s - 0.5 - shift)); });
+    SemilinearSolver solver(problem, 1e-6);
+    SemilinearSolver::Beginning start = From(Eigen::VectorXd::Zero(1), 1);
+    start.scale[0] = 1 / w;
+    solver.Begin(start);
+    while (solver.end_s() < 1) {
+      ASSERT_TRUE(solver.Step());
+      for (const double u : {0.2, 0.6, 1.0}) {
+        const double t_s = solver.begin_s() + u * (solver.end_s() - solver.begin_s());
+        const double y = (std::sin(w * (t_s - 0.5 - shift)) + std::sin(w * (0.5 + shift))) / w;
+        EXPECT_ABS(solver.At(t_s)[0] * w, y * w, 4e-6, "what four steps may leave out");
+      }
+    }
+    EXPECT_GE(solver.work().steps, 4) << "half a period each";
+  }
+}
+
+// y = t is exact at any step; q' = 1 / (1 + (5 (t - 1/2))^2)
+TEST(SemilinearSolver, AnIntegralKeepsStepsShortByItself) {
+  SemilinearProblem::Linear linear = LinearOf(Eigen::MatrixXd::Zero(1, 1));
+  linear.inputs = Eigen::MatrixXd::Ones(1, 1);
+  for (const double relative : {1e-4, 1e-8}) {
+    Problem problem(
+        linear, {}, [](double) { return 1.0; },
+        [](double y) { return 1 / (1 + 25 * (y - 0.5) * (y - 0.5)); });
+    SemilinearSolver solver(problem, relative);
+    SemilinearSolver::Beginning start = From(Eigen::VectorXd::Zero(1), 1);
+    start.scale[0] = 1;
+    solver.Begin(start);
+    while (solver.end_s() < 1) {
+      ASSERT_TRUE(solver.Step());
+      const double t_s = (solver.begin_s() + solver.end_s()) / 2;
+      const double area = (std::atan(5 * (t_s - 0.5)) + std::atan(2.5)) / 5;
+      EXPECT_ABS(solver.IntegralsAt(t_s)[0], area, relative, "what a few steps leave out, of 1");
+    }
+    EXPECT_REL(solver.IntegralsAt(solver.end_s())[0], 2 * std::atan(2.5) / 5, relative, "the same");
+    EXPECT_GT(solver.work().steps, 1);
+  }
+}
+
+// a step is 2^-k s, never longer than asked for
+TEST(SemilinearSolver, NoStepIsLongerThanTheLongest) {
+  for (const auto& [longest_s, step_s] :
+       {std::pair{0.2501, 0.25}, {0.2499, 0.125}, {4.0, 4.0}, {3.99, 2.0}}) {
+    Problem problem(LinearOf(Eigen::MatrixXd::Constant(1, 1, -1e-3)));
+    SemilinearSolver solver(problem, 1e-6);
+    solver.Begin(From(Eigen::VectorXd::Ones(1), longest_s));
+    double longest_taken_s = 0;
+    for (int step = 0; step < 20; ++step) {
+      ASSERT_TRUE(solver.Step());
+      longest_taken_s = std::max(longest_taken_s, solver.end_s() - solver.begin_s());
+    }
+    EXPECT_EQ(longest_taken_s, step_s);
+  }
+  Problem problem(LinearOf(Eigen::MatrixXd::Ones(1, 1)));
+  SemilinearSolver solver(problem, 1e-6);
+  EXPECT_DEATH(solver.Begin(From(Eigen::VectorXd::Ones(1), 0)), "check failed");
+  EXPECT_DEATH(solver.Begin(From(Eigen::VectorXd::Ones(1), HUGE_VAL)), "check failed");
+}
+
+TEST(SolverWork, AddsUp) {
+  SolverWork work{.steps = 1, .evaluations = 2, .rejected_steps = 3, .restarts = 4, .operators = 5};
+  work += SolverWork{
+      .steps = 10, .evaluations = 20, .rejected_steps = 30, .restarts = 40, .operators = 50};
+  EXPECT_EQ(work.steps, 11);
+  EXPECT_EQ(work.evaluations, 22);
+  EXPECT_EQ(work.rejected_steps, 33);
+  EXPECT_EQ(work.restarts, 44);
+  EXPECT_EQ(work.operators, 55);
 }
 
 // y' = y^2 from 1 is infinite at t = 1

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
 #include "sim/smooth/smooth_system.h"
 #include "tests/residual.h"
 #include "tests/sim/reference/smooth_reference.h"
@@ -233,6 +235,88 @@ TEST(SmoothMotion, RangesDoNotDependOnHowOftenTheyAreAskedFor) {
     outputs = {};
     go_to(begin + 2);
     expect_equal();
+  }
+}
+
+// d = A cos w t falls for half a period: between outputs within one step it comes to no other
+// values than those at its ends
+TEST(SmoothMotion, RangesEndWithTheOutput) {
+  const Scene scene = Alone();
+  constexpr double A = 0.5e-3;
+  SmoothSystem system = AssembleSmooth(scene, {}, {});
+  WatchTravelAndForce(scene, {}, system.linear);
+  SmoothMotion motion(system, scene.drive, DrawnApart(scene, A), 2e4, {.tolerance = 1e-10});
+  const double w = std::sqrt(scene.actuator.stiffness_n_per_m / ReducedMass(scene));
+  for (int i = 1; i * w / 2e4 < 3; ++i) {
+    motion.ForgetRanges();
+    const double before = Travel(motion);
+    motion.Next();
+    const ValueRange& travel = motion.Ranges()[kWatchedTravel];
+    EXPECT_ABS(travel.largest, before, 1e-14 * A, "rounding");
+    EXPECT_ABS(travel.least, A * std::cos(w * i / 2e4), 1e-9 * A, "the tolerance");
+  }
+}
+
+// solver's steps over 0.2 s of a linear scene that is steady from the first
+std::int64_t StepsUnder(const Drive& drive, double rate_hz, const SmoothSettings& settings = {}) {
+  Scene scene = FromRest(tests::AdapterScene());
+  scene.drive = drive;
+  SmoothMotion motion(AssembleSmooth(scene, {}, {}), Excitation(drive, {}), PiecewiseStartOf(scene),
+                      OutputGrid{.rate_hz = rate_hz}, settings);
+  RunTo(motion, static_cast<std::uint64_t>(0.2 * rate_hz));
+  return motion.steps();
+}
+
+// steps of 2^-10 s and of 2^-11 s; some thirty shorter ones at the beginning
+TEST(SmoothMotion, StepsAreAQuarterOfTheFastestPeriodAtMost) {
+  const auto steps = [](double frequency_hz) {
+    const Drive sine{.amplitude_v = 5, .frequency_hz = frequency_hz};
+    return StepsUnder(sine, 1000, {.tolerance = 1e-5});
+  };
+  EXPECT_GE(steps(255), 205) << "0.25 periods are 980 us";
+  EXPECT_LE(steps(255), 205 + 60);
+  EXPECT_GE(steps(257), 410) << "0.25 periods are 973 us";
+  EXPECT_LE(steps(257), 410 + 60);
+  // the faster of two tones
+  const Drive tones{
+      .kind = DriveKind::kTones,
+      .tones = {{.amplitude = 1, .frequency_hz = 257}, {.amplitude = 1, .frequency_hz = 20}}};
+  EXPECT_GE(StepsUnder(tones, 1000, {.tolerance = 1e-5}), 410);
+  // and as many as are set
+  const Drive sine{.amplitude_v = 5, .frequency_hz = 127};
+  EXPECT_GE(StepsUnder(sine, 1000, {.tolerance = 1e-5, .longest_step_periods = 0.12}), 205);
+}
+
+// without tones an output step, or a piece that is shorter
+TEST(SmoothMotion, StepsWithoutTonesAreOutputStepsAtMost) {
+  const Drive pulse{.amplitude_v = 5, .kind = DriveKind::kPulse, .hold_s = 0.2};
+  EXPECT_GE(StepsUnder(pulse, 1025, {.tolerance = 1e-5}), 410) << "steps of 2^-11 s";
+  EXPECT_LE(StepsUnder(pulse, 1023, {.tolerance = 1e-5}), 205 + 60) << "steps of 2^-10 s";
+  EXPECT_GE(StepsUnder(pulse, 1000, {.tolerance = 1e-5, .longest_step_periods = 0.125}), 410);
+}
+
+TEST(SmoothMotion, StatesTheToleranceThatRoundingLets) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  EXPECT_REL(MotionOf(scene, {}, {}, {.tolerance = 1e-9}).tolerance(), 1e-9, 1e-15, "as asked");
+  EXPECT_REL(MotionOf(scene, {}, {}, {.tolerance = 2e-13}).tolerance(), 2e-13, 1e-15, "as asked");
+  EXPECT_REL(MotionOf(scene, {}, {}, {.tolerance = 1e-13}).tolerance(), 1.9e-13, 0.003,
+             "as stated, two digits");
+}
+
+// rates of the steady motion are j w X, of the current as well
+TEST(SmoothMotion, RatesAreThoseOfTheSteadyMotion) {
+  for (const double inductance_h : {1e-3, 0.0}) {
+    Scene scene = tests::AdapterScene();
+    scene.start = Start::kSteady;
+    scene.actuator.inductance_h = inductance_h;
+    const SteadyState steady = SolveSteadyState(scene);
+    SmoothMotion motion = MotionOf(scene, {}, {}, {.tolerance = 1e-10});
+    RunTo(motion, 7);
+    const std::complex<double> jw(0, 2 * std::numbers::pi * 225);
+    const Eigen::VectorXcd rates = jw * std::exp(jw * 7e-4) * steady.phasors;
+    EXPECT_ABS(
+        (motion.Rates() - rates.imag()).cwiseQuotient(rates.cwiseAbs()).cwiseAbs().maxCoeff(), 0,
+        1e-7, "the current's rate: the tolerance times R/L over w");
   }
 }
 
@@ -560,6 +644,52 @@ TEST(SmoothEvents, AnEndlessToAndFroIsSaidToStall) {
   ASSERT_TRUE(motion.stalled_at_s().has_value());
   EXPECT_EQ(motion.stall_reason(), FindingKind::kEventsWithoutEnd);
   EXPECT_REL(*motion.stalled_at_s(), std::sqrt(1 / 9.81), 1e-8, "where the first event was");
+  // after a restart it stalls after as many
+  const std::size_t events = motion.events().size();
+  motion.Restart({.x = Eigen::Vector3d(1, 0, 1)}, 0);
+  EXPECT_FALSE(motion.stalled_at_s());
+  RunTo(motion, 100);
+  EXPECT_EQ(motion.events().size(), events);
+}
+
+// p' = 1 is set back by `apart_s` whenever it comes to 1/2; 151 times, counted by the second state
+SmoothSystem Ticking(double apart_s) {
+  SmoothSystem system = Ball(0);
+  Mode& ticking = system.linear.modes[0];
+  ticking.a = Eigen::MatrixXd::Zero(3, 3);
+  ticking.a(0, 2) = 1;
+  Mode quiet = ticking;
+  quiet.guards.clear();
+  ticking.guards = {{.row = Eigen::RowVector3d(-1, 0, 0), .offset = 0.5, .transition = 0},
+                    {.row = Eigen::RowVector3d(0, -1, 0), .offset = 150.5, .transition = 1}};
+  system.linear.modes[1] = quiet;
+  system.linear.transitions[0] = {.name = "back",
+                                  .mode = 0,
+                                  .map = Eigen::Matrix3d::Identity(),
+                                  .shift = Eigen::Vector3d(-apart_s, 1, 0)};
+  system.linear.transitions[1] = {.name = "end",
+                                  .mode = 1,
+                                  .map = Eigen::Matrix3d::Identity(),
+                                  .shift = Eigen::Vector3d::Zero()};
+  return system;
+}
+
+TEST(SmoothEvents, EventsWithin2ToTheMinus40OfAnOutputStepAreAStall) {
+  for (const double rate_hz : {1.0, 4.0}) {
+    const double limit_s = 0x1p-40 / rate_hz;
+    const auto motion_of = [&](double apart_s) {
+      return SmoothMotion(Ticking(apart_s), {}, {.x = Eigen::Vector3d(0.4, 0, 1)}, rate_hz,
+                          {.tolerance = 1e-12});
+    };
+    SmoothMotion crowded = motion_of(0.99 * limit_s);
+    RunTo(crowded, 1);
+    EXPECT_EQ(crowded.stall_reason(), FindingKind::kEventsWithoutEnd);
+    EXPECT_EQ(crowded.events().size(), 101U);
+    SmoothMotion apart = motion_of(1.01 * limit_s);
+    RunTo(apart, 1);
+    EXPECT_FALSE(apart.stall_reason());
+    EXPECT_EQ(apart.events().size(), 152U);
+  }
 }
 
 TEST(SmoothEvents, WhatIsNotANumberStalls) {

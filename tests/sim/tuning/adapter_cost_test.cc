@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <random>
@@ -156,6 +157,38 @@ TEST_P(AdapterCosts, OverTheWholeBoundsAreAMatchedLoads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PerResistance, AdapterCosts, ::testing::Bool());
+
+// lower + (upper - lower) x, its slope the width; the mean value form of a parabola in closed form
+TEST(MeanValueForm, IsTheMiddleWithTheSlopesOverTheBox) {
+  AdapterBox box;
+  box.fill({.lower = 0.25, .upper = 0.75});
+  const auto x = Between(10, 14, box, 1);
+  EXPECT_NEAR(x.value.lower, 11, 1e-14);
+  EXPECT_NEAR(x.value.upper, 13, 1e-14);
+  EXPECT_NEAR(x.by[1].lower, 4, 1e-14);
+  EXPECT_NEAR(x.by[1].upper, 4, 1e-14);
+  EXPECT_LT(x.by[0].magnitude(), 1e-300);
+  const AdapterBox middle = MiddleOf(box);
+  for (const Interval& axis : middle) {
+    EXPECT_EQ(axis.lower, 0.5);
+    EXPECT_EQ(axis.upper, 0.5);
+  }
+  // f = x^2 - 10 y + 50: 194 in the middle, slopes 8 x = 88 to 104 and -10
+  auto f = Square(x);
+  f = f + Between(0, 1, box, 2) * Interval::Of(-10) + Interval::Of(50);
+  const BoxCost cost = MeanValueBound(box, f, Interval::Of(12 * 12 - 5 + 50));
+  EXPECT_NEAR(cost.middle, 189, 1e-12);
+  EXPECT_NEAR(cost.lower, 121 - 7.5 + 50, 1e-12) << "that of f's own range is higher";
+  EXPECT_EQ(cost.trend, (std::array<int, kBoxAxes>{0, 1, -1, 0}));
+  EXPECT_NEAR(cost.spread[1], 104 * 0.5, 1e-12);
+  EXPECT_NEAR(cost.spread[2], 10 * 0.5, 1e-12);
+  EXPECT_NEAR(cost.spread[0], 0, 1e-12);
+  // without a range of its own: 189 - 104 / 4 - 10 / 4
+  f.value.lower = -1e9;
+  EXPECT_NEAR(MeanValueBound(box, f, Interval::Of(189)).lower, 189 - 26 - 2.5, 1e-12);
+  // no cost is below 0
+  EXPECT_EQ(MeanValueBound(box, f, Interval::Of(-5)).lower, 0);
+}
 
 }  // namespace
 }  // namespace haptometer::sim

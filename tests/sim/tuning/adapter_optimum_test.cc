@@ -214,5 +214,48 @@ TEST(SpringCost, OfAWrongSpringIsMostlyPaidBackByTheSkinSidesMass) {
              best.value, 1e-14, "the same point");
 }
 
+// with everything else held, the best mass is that of the resonance, or its bound
+TEST(SpringCost, IsThatOfTheWantedMass) {
+  const TuningProblem problem = ThesisProblem();
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const AdapterPoint point{.adapter = {.motor_side_mass_kg = 1e-3,
+                                       .skin_side_mass_kg = 4e-3,
+                                       .stiffness_n_per_m = 8000,
+                                       .damping_n_s_per_m = 0.03},
+                           .contact_area_m2 = 10e-6};
+  int at_a_bound = 0;
+  for (const double factor : {0.3, 0.8, 1.25, 6.0}) {
+    AdapterPoint other = point;
+    other.adapter.stiffness_n_per_m *= factor;
+    const SpringCost cost = CostOfSpring(Objective::kSkinRms, problem, {}, point, factor);
+    EXPECT_EQ(cost.factor, factor);
+    EXPECT_REL(cost.as_built, ValueOf(Objective::kSkinRms, problem, source, {}, other), 1e-14,
+               "the same point");
+    const double wanted_kg = WantedSkinSideMass(problem, source, other);
+    other.adapter.skin_side_mass_kg = std::clamp(wanted_kg, 0.25e-3, 10e-3);
+    at_a_bound += other.adapter.skin_side_mass_kg == wanted_kg ? 0 : 1;
+    EXPECT_REL(cost.rebalanced, ValueOf(Objective::kSkinRms, problem, source, {}, other), 1e-12,
+               "a maximum is flat");
+    EXPECT_GE(cost.rebalanced, cost.as_built);
+  }
+  EXPECT_LT(at_a_bound, 4);
+}
+
+// each at its mass, evenly over the bounds, and the best there is with it
+TEST(AdapterRidge, IsTheBestAtEachMass) {
+  const TuningProblem problem = ThesisProblem();
+  const auto ridge = RidgeOf(Objective::kSkinRms, problem, {}, 3);
+  ASSERT_EQ(ridge.size(), 3U);
+  const double masses_kg[] = {0.25e-3, 5.125e-3, 10e-3};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_DOUBLE_EQ(ridge[k].point.adapter.motor_side_mass_kg, masses_kg[k]);
+    TuningProblem held = problem;
+    held.bounds.motor_side_mass_kg = {masses_kg[k], masses_kg[k]};
+    const AdapterOptimum optimum = FindAdapterOptimum(Objective::kSkinRms, held, {});
+    EXPECT_REL(ridge[k].value, optimum.value, 1e-12, "a maximum is flat");
+    EXPECT_LT(optimum.upper_bound / ridge[k].value - 1, 1.1e-9) << "proved";
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::sim

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "sim/effective_scene.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "sim/tuning/travel_limit.h"
 #include "tests/repetitions.h"
@@ -160,6 +161,49 @@ TEST(LatencyLimit, IsBeatenByNoAdapterOfAGrid) {
     }
   }
   EXPECT_GT(prompt, 0);
+}
+
+// half a second or 40 periods, in whole milliseconds
+TEST(LatencyRun, LastsHalfASecondOrFortyPeriods) {
+  EXPECT_EQ(LatencyRunS(ProblemAt(225)), 0.5);
+  EXPECT_EQ(LatencyRunS(ProblemAt(80)), 0.5);
+  EXPECT_EQ(LatencyRunS(ProblemAt(79)), 0.507) << "506.3 ms";
+  EXPECT_EQ(LatencyRunS(ProblemAt(50)), 0.8);
+  EXPECT_EQ(LatencyRunS(ProblemAt(30)), 1.334) << "1333.3 ms";
+}
+
+// a million looks, of which a slow drive's run of 40 periods has 40 / f times the rate
+TEST(LatencyRun, IsTooLongFromAMillionLooksOn) {
+  const AdapterPoint point = PointOf(ThesisBounds(), CubePlace::Constant(0.5));
+  double longest = 0, shortest = 1e9;
+  for (double frequency_hz = 0.1; frequency_hz < 1; frequency_hz *= 1.004) {
+    const TuningProblem problem = ProblemAt(frequency_hz);
+    Scene scene;
+    scene.actuator = problem.actuator;
+    scene.adapter = point.adapter;
+    scene.skin = SkinOf(problem, point.contact_area_m2);
+    scene.drive = {.amplitude_v = 5, .frequency_hz = frequency_hz};
+    scene.duration_s = LatencyRunS(problem);
+    const double looks = *scene.duration_s * OutputRateHz(scene);
+    EXPECT_EQ(RunIsTooLong(problem, point), looks > 1e6) << looks;
+    if (looks > 1e6) shortest = std::min(shortest, looks);
+    if (looks <= 1e6) longest = std::max(longest, looks);
+  }
+  EXPECT_GT(longest, 0.99e6) << "both sides are tried closely";
+  EXPECT_LT(shortest, 1.01e6);
+}
+
+// The least uncertainty among the runs, also that of the answer. Under a tight limit the search
+// comes to light skin sides, whose faster bodies are looked at twice as often: their windows are
+// finer.
+TEST(LatencyLimit, HasTheLeastLimitThatCanBeKept) {
+  const TuningProblem problem = TwoFree();
+  const AdapterPoint free = BestWithinTravel(Objective::kSkinRms, problem, {}).point;
+  const double free_s = UncertaintyOf(problem, free);
+  const PromptBest best = BestWithinLatency(problem, 1.2e-3 + free_s, free);
+  EXPECT_LE(best.least_limit_s, best.rise.uncertainty_s);
+  EXPECT_LT(best.least_limit_s, free_s * (1 - 1e-4));
+  EXPECT_GT(best.least_limit_s, 0.9 * free_s) << "windows of three periods are nearly alike";
 }
 
 }  // namespace

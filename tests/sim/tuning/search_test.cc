@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/residual.h"
 
@@ -124,6 +125,55 @@ TEST(BoxSearch, StopsAtTheMostBoxes) {
       LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 3, 11);
   EXPECT_LE(least.cost, 2);
   EXPECT_EQ(least.boxes, 11U);
+}
+
+// just beyond 1e-11 a limit is not kept, just within it is
+TEST(BoundedClimb, KeepsALimitToOneInTheEleventhDigit) {
+  for (const auto& [excess, is_kept] :
+       {std::pair{0.99e-11, true}, std::pair{1.01e-11, false}, std::pair{-1.0, true}}) {
+    const double at_any_place = excess;
+    const auto view = [at_any_place](const CubePlace& x) {
+      return Bowl(x, CubePlace::Constant(0.5), at_any_place, CubePlace::Zero());
+    };
+    EXPECT_EQ(ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Zero()).kept,
+              is_kept)
+        << excess;
+  }
+}
+
+// a place with room left has no price; the summit has its cost
+TEST(BoundedClimb, WithRoomLeftHasNoPrice) {
+  const CubePlace top{0.3, 0.4, 0.5, 0.6, 0.7};
+  const auto view = [&](const CubePlace& x) {
+    LimitedView at = Bowl(x, top, x.sum() - 3, CubePlace::Ones());
+    at.cost += 7;
+    return at;
+  };
+  const LimitedSummit summit =
+      ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones());
+  EXPECT_ABS((summit.place - top).norm(), 0, 1e-12, "where slopes end");
+  EXPECT_EQ(summit.price, 0);
+  EXPECT_ABS(summit.cost, 7, 1e-14, "rounding");
+  EXPECT_TRUE(summit.kept);
+}
+
+// the answer has the box whose middle costs least, which is near the valley's least
+TEST(BoxSearch, HasTheBoxThatItReached) {
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 2 - 1e-6, 20'000);
+  EXPECT_ABS(least.reached[0].middle(), 0.3, 1e-2, "a valley of 1e-6 is 1e-3 wide");
+  EXPECT_ABS(least.reached[1].middle(), 0.3, 1e-2, "a valley of 1e-6 is 1e-3 wide");
+  EXPECT_EQ(least.reached[2].middle(), 0);
+  EXPECT_EQ(least.reached[3].middle(), 1);
+}
+
+// a bound that nothing can raise further ends the search: within 1e-10 of the cost itself
+TEST(BoxSearch, EndsWhereItsBoundIsTheCost) {
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.5); }, 3, 1'000'000);
+  EXPECT_LE(least.cost, 2);
+  EXPECT_GE(least.cost, 2 * (1 - 1.01e-10));
+  EXPECT_LT(least.boxes, 100'000U);
 }
 
 }  // namespace

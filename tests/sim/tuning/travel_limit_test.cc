@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 
@@ -227,6 +228,133 @@ TEST(TravelLimit, ThatIsNotReachedChangesNothing) {
   EXPECT_EQ(wide.upper_bound, free.upper_bound);
   EXPECT_EQ(wide.proof, Proof::kBranchAndBound);
   EXPECT_EQ(FindAdapterOptimum(Objective::kSkinRms, Limited(1e-6), {}).value, 0) << "none";
+}
+
+// |Xs| is largest there, and falls alike to either side: Ma2 is in one square only
+TEST(WantedMass, IsTheMiddleOfTheSkinsResonance) {
+  std::mt19937 random(8);
+  const TuningProblem problem = ThesisProblem();
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  for (int trial = 0; trial < 50; ++trial) {
+    AdapterPoint point = Anywhere(problem.bounds, random);
+    const double wanted_kg = WantedSkinSideMass(problem, source, point);
+    const Skin skin = SkinOf(problem, point.contact_area_m2);
+    const auto peak_m = [&](double kg) {
+      point.adapter.skin_side_mass_kg = kg;
+      return std::abs(MotionOf(source, point.adapter, skin).skin_m);
+    };
+    for (const double away_kg : {1e-4, 2e-3}) {
+      EXPECT_REL(peak_m(wanted_kg + away_kg), peak_m(wanted_kg - away_kg), 1e-10,
+                 "rounding, more at a light mass");
+      EXPECT_LT(peak_m(wanted_kg + away_kg), peak_m(wanted_kg));
+    }
+  }
+}
+
+// the coil's work |F| T less the mover's own q T^2, most at T = |F| / (2 q), in the skin's damper:
+// F = Km V / (R + j w L), q = w Bv + Im(Km^2 j w / (R + j w L))
+TEST(LimitedTravelBound, IsTheCoilsWorkInTheSkinsDamper) {
+  const double w = 2 * std::numbers::pi * 225;
+  const std::complex<double> coil(27, w * 130e-6);
+  const double F = std::abs(5.0 / coil);
+  const double q = w * 0.0322 + (std::complex<double>(0, w) / coil).imag();
+  const double longest_m = F / (2 * q);
+  for (const double limit_m : {1e-5, 2e-4, longest_m * 0.99, longest_m * 1.5}) {
+    const TuningProblem problem = Limited(limit_m);
+    const MotorSource source = SourceOf(problem.actuator, problem.drive);
+    const double T = std::min(limit_m, longest_m);
+    const double power_w = w * (F * T - q * T * T) / 2;
+    const double rms_m = std::sqrt(power_w / 0.75) / w;  // Bs w^2 rms^2, the least Bs
+    const auto bound = [&](Objective objective) {
+      return LimitedTravelBound(objective, problem, source, {});
+    };
+    constexpr const char* kAllowance = "the allowance of 2.5e-11 and 1e-11";
+    EXPECT_REL(bound(Objective::kSkinPower), power_w, 1e-10, kAllowance);
+    EXPECT_REL(bound(Objective::kSkinRms), rms_m, 1e-10, kAllowance);
+    EXPECT_REL(bound(Objective::kStimulus), 49 * rms_m, 1e-10, "all receptors of 100 mm2");
+    EXPECT_GE(bound(Objective::kSkinPower), power_w);
+    EXPECT_GE(bound(Objective::kSkinRms), rms_m);
+  }
+}
+
+// the same equation solved for p = Re kc - (Mc + Ma1) w^2: places on the lattice of Ka
+TEST(StartPlaces, LieOnTheRidgeByTheirMassToo) {
+  TuningProblem problem = ThesisProblem();
+  problem.bounds.stiffness_n_per_m = {2000, 30000};
+  problem.bounds.motor_side_mass_kg = {0.25e-3, 0.2};
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const double w = source.omega_rad_per_s, q = source.stiffness_n_per_m.imag();
+  std::size_t by_mass = 0;
+  for (const CubePlace& place : StartPlaces(problem, source)) {
+    const double eighths = place[1] * 8;
+    if (std::abs(eighths - std::round(eighths)) > 1e-12) continue;
+    const auto [adapter, area_m2] = PointOf(problem.bounds, place);
+    const double p = source.stiffness_n_per_m.real() -
+                     (source.case_mass_kg + adapter.motor_side_mass_kg) * w * w;
+    const double Ka = adapter.stiffness_n_per_m, e = adapter.damping_n_s_per_m * w;
+    const double b = SkinOf(problem, area_m2).damping_n_s_per_m * w;
+    const double left = b * ((Ka + p) * (Ka + p) + (e + q) * (e + q));
+    const double right = q * (Ka * Ka + e * e) + e * (p * p + q * q);
+    by_mass += std::abs(left - right) <= 1e-9 * right ? 1 : 0;
+  }
+  EXPECT_GT(by_mass, 100U);
+}
+
+// the view of a place against its motion: cost, the excess over the limit, and slopes by
+// differences
+TEST(LimitedClimb, HasTheCostsAndSlopesOfTheMotion) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> part(0.05, 0.95);
+  TuningProblem problem = Limited(0.3e-3);
+  problem.bounds.stiffness_n_per_m = {500, 5e5};  // wide: by its logarithm
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const ReceptorField soft{.edge_width_m = 1e-3};
+  for (const Objective objective :
+       {Objective::kSkinRms, Objective::kStimulus, Objective::kSkinPower, Objective::kRmsPerWatt}) {
+    const LimitedClimb climb(objective, problem, source, soft);
+    for (int trial = 0; trial < 10; ++trial) {
+      CubePlace place;
+      for (int axis = 0; axis < kCubeAxes; ++axis) place[axis] = part(random);
+      const AdapterPoint point = PointOf(problem.bounds, place);
+      const LimitedView view = climb.At(place);
+      // w Bs |Xs|^2 and the others mean their value squared, the power its value
+      const double value = ValueOf(objective, problem, source, soft, point);
+      const double w = source.omega_rad_per_s;
+      const double cost = objective == Objective::kSkinPower
+                              ? std::log(std::norm(source.force_n) * w / (2 * value))
+                              : std::log(std::norm(source.force_n) / (2 * value * value));
+      EXPECT_ABS(view.cost, cost, 1e-9, "the logarithm's rounding, and the source's");
+      EXPECT_ABS(view.excess, 2 * std::log(TravelOf(problem, point) / 0.3e-3), 1e-9, "the same");
+      for (int axis = 0; axis < kCubeAxes; ++axis) {
+        const CubePlace step = 1e-5 * CubePlace::Unit(axis);
+        const LimitedView after = climb.At(place + step), before = climb.At(place - step);
+        const double scale = 1e-4 * (1 + std::abs(view.cost_slopes[axis]));
+        EXPECT_ABS(view.cost_slopes[axis], (after.cost - before.cost) / 2e-5, scale,
+                   "1e-5 of a step, squared, near a resonance");
+        EXPECT_ABS(view.excess_slopes[axis], (after.excess - before.excess) / 2e-5,
+                   1e-4 * (1 + std::abs(view.excess_slopes[axis])), "the same");
+      }
+    }
+  }
+}
+
+// where skins vary, the excess is the other end's cost less this one's
+TEST(LimitedClimb, KnowsTheHardestSkin) {
+  TuningProblem problem = ThesisProblem();
+  problem.skin_variation = 0.2;
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const CubePlace place{0.3, 0.6, 0.2, 0.4, 0.5};
+  const AdapterPoint point = PointOf(problem.bounds, place);
+  const auto [softer, stiffer] = HardestSkins(problem, point.contact_area_m2);
+  const auto cost = [&](const Skin& skin) {
+    return std::log(std::norm(source.force_n / MotionOf(source, point.adapter, skin).skin_m));
+  };
+  const LimitedView low = LimitedClimb(Objective::kSkinRms, problem, source, {}, -1).At(place);
+  const LimitedView high = LimitedClimb(Objective::kSkinRms, problem, source, {}, 1).At(place);
+  EXPECT_ABS(low.cost, cost(softer), 1e-11, "rounding");
+  EXPECT_ABS(high.cost, cost(stiffer), 1e-11, "rounding");
+  EXPECT_ABS(low.excess, cost(stiffer) - cost(softer), 1e-11, "rounding");
+  EXPECT_ABS(high.excess, -low.excess, 1e-11, "rounding");
 }
 
 }  // namespace
