@@ -37,7 +37,7 @@ struct MissingRows {
 /// too short for a rate of their own take that of all, weighted by the cube of their rows.
 ///
 /// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
-/// promises; used for stretches too short to tell their own rate (fewer than three rows, or arrived
+/// promises; used where the longest stretch is too short for a rate (fewer than 32 rows, or arrived
 /// at one moment). `missing`: where rows are known to be missing, in any order; where their number
 /// is known, the stretches on both sides lie on one line. `is_numbered`: the source numbers its
 /// rows, so that `missing` holds every loss; only a pause of more than 0.25 s that it does not
@@ -51,7 +51,8 @@ struct MissingRows {
 
 /// The straight lines behind a polled sensor's times: midpoint of request and reply against row, by
 /// least squares; a new stretch begins at `breaks` and after an interval longer than eight times
-/// the median one. Stretches of fewer than three rows take their rate as above.
+/// the median one. Stretches of fewer than three rows have the median interval,
+/// or where that is 0 the nominal rate.
 ///
 /// time_uncertainty_s = sqrt(s^2 + mean((reply - request)^2) / 12): scatter about the line, and the
 /// reading being taken anywhere between request and reply (uniform distribution).

@@ -56,5 +56,32 @@ TEST_F(InputFile, TooLargeIsRefusedBeforeMemoryRunsOut) {
   EXPECT_EQ(ReadInputFile("/dev/zero", 1 << 20).error().what, "is larger than 1 MiB");
 }
 
+TEST_F(InputFile, OfExactlyTheLimitIsRead) {
+  constexpr std::uint64_t kLimit = 200'000;
+  EXPECT_TRUE(ReadInputFile(Write("at", std::string(kLimit, 'x')), kLimit));
+  EXPECT_FALSE(ReadInputFile(Write("above", std::string(kLimit + 1, 'x')), kLimit));
+}
+
+TEST_F(InputFile, InputsAreNotedOnceAndInTheirOrder) {
+  ForgetInputs();  // those that other tests of this process read
+  const std::string first = Write("z", "1"), second = Write("a", "2"), third = Write("m", "3");
+  fs::create_hard_link(first, directory_ / "link");
+  NoteInput(first);
+  NoteInput(second);
+  NoteInput(directory_ / "link");  // the first file by another name
+  NoteInput(directory_);           // no regular file
+  NoteInput(third);
+  const auto noted = NotedInputs();
+  struct stat status{};
+  ASSERT_EQ(stat((directory_ / "link").c_str(), &status), 0);
+  EXPECT_TRUE(IsNotedInput(status));
+  ForgetInputs();
+  EXPECT_FALSE(IsNotedInput(status));
+  ASSERT_EQ(noted.size(), 3U);
+  EXPECT_EQ(noted[0].path, first);
+  EXPECT_EQ(noted[1].path, second);
+  EXPECT_EQ(noted[2].path, third);
+}
+
 }  // namespace
 }  // namespace haptometer

@@ -3,7 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <set>
+#include <sstream>
 #include <string>
 
 namespace haptometer {
@@ -27,6 +33,37 @@ TEST(InstructionSet, OtherTextsLimitNothing) {
     EXPECT_EQ(WidestInstructionSet(text), widest) << text;
   }
 }
+
+#ifdef __x86_64__
+// what the system states of its first processor; empty where it has no such list
+std::set<std::string> ProcessorFlags() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("flags")) continue;
+    std::istringstream words(line);
+    return {std::istream_iterator<std::string>(words), {}};
+  }
+  return {};
+}
+
+TEST(InstructionSet, IsSupportedWhereTheSystemListsAllOfItsFlags) {
+  const std::set<std::string> flags = ProcessorFlags();
+  if (flags.empty()) GTEST_SKIP() << "no list of flags";
+  const auto has = [&](std::initializer_list<const char*> names) {
+    return std::ranges::all_of(names, [&](const char* name) { return flags.contains(name); });
+  };
+  EXPECT_TRUE(IsSupported(InstructionSet::kBaseline));
+  EXPECT_EQ(IsSupported(InstructionSet::kAvx2), has({"avx2", "pclmulqdq"}));
+  EXPECT_EQ(IsSupported(InstructionSet::kAvx512),
+            has({"avx512f", "avx512dq", "avx512vl", "avx512bw"}));
+}
+#else
+TEST(InstructionSet, OfOtherProcessorsOnlyTheBaselineIsSupported) {
+  for (const InstructionSet set : kInstructionSets) {
+    EXPECT_EQ(IsSupported(set), set == InstructionSet::kBaseline) << Name(set);
+  }
+}
+#endif
 
 // each in a process of its own, because the environment is read once
 TEST(InstructionSetDeathTest, ProcessesObeyTheEnvironment) {

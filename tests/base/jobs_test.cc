@@ -1,9 +1,14 @@
 #include "base/jobs.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <tuple>
 #include <vector>
 
 namespace haptometer {
@@ -87,6 +92,44 @@ TEST(RunJobs, NoJobIsNoWork) {
   EXPECT_TRUE(RunJobs(0, 3, [] {
     return [](std::size_t /*job*/) -> Result<void> { return Failed("", "called"); };
   }));
+}
+
+TEST(RunJobs, HasNoMoreThreadsThanJobs) {
+  for (const int jobs : {1, 2, 5}) {
+    std::atomic<int> workers = 0;
+    EXPECT_TRUE(RunJobs(static_cast<std::size_t>(jobs), 7, [&] {
+      ++workers;
+      return [](std::size_t /*job*/) -> Result<void> { return {}; };
+    }));
+    EXPECT_EQ(workers, jobs);
+  }
+}
+
+TEST(RunJobsDeathTest, NoThreadIsAnErrorOfTheProgrammer) {
+  const auto make_worker = [] { return [](std::size_t /*job*/) -> Result<void> { return {}; }; };
+  EXPECT_DEATH(std::ignore = RunJobs(1, 0, make_worker), "threads = 0");
+}
+
+TEST(ReportWork, IsToldToTheYoungestWatcherOfItsThread) {
+  std::vector<std::string> told;
+  const auto watcher = [&told](const char* name) {
+    return [&told, name](std::string_view what, double share) {
+      told.push_back(fmt::format("{} {} {}", name, what, share));
+    };
+  };
+  ReportWork("nobody watches", 0);
+  {
+    const WatchedWork older(watcher("older"));
+    ReportWork("a", 0.25);
+    {
+      const WatchedWork younger(watcher("younger"));
+      ReportWork("b", 0.5);
+      std::jthread([] { ReportWork("another thread", 1); }).join();
+    }
+    ReportWork("c", 1);
+  }
+  ReportWork("nobody watches", 1);
+  EXPECT_EQ(told, (std::vector<std::string>{"older a 0.25", "younger b 0.5", "older c 1"}));
 }
 
 }  // namespace

@@ -141,6 +141,91 @@ TEST(Quantity, MagnitudesAreBoundedInEveryDimension) {
   }
 }
 
+// the limits that the header states, which are those of docs/reference
+TEST(Quantity, EveryDimensionHasItsStatedLimitsAndItsUnit) {
+  struct Stated {
+    Dimension dimension;
+    const char* unit;
+    double least;
+    double largest;
+  };
+  constexpr Stated kStated[]{
+      {Dimension::kNone, "", 1e-30, 1e30},         {Dimension::kLength, "m", 1e-15, 1e6},
+      {Dimension::kMass, "kg", 1e-12, 1e6},        {Dimension::kInductance, "H", 1e-12, 1e6},
+      {Dimension::kTime, "s", 1e-12, 1e12},        {Dimension::kFrequency, "Hz", 1e-9, 1e12},
+      {Dimension::kVoltage, "V", 1e-15, 1e9},      {Dimension::kCurrent, "A", 1e-15, 1e9},
+      {Dimension::kResistance, "ohm", 1e-9, 1e15}, {Dimension::kStiffness, "N/m", 1e-9, 1e15},
+      {Dimension::kDamping, "N s/m", 1e-12, 1e12}, {Dimension::kForceConstant, "N/A", 1e-9, 1e9}};
+  for (const Stated& stated : kStated) {
+    EXPECT_EQ(SiUnit(stated.dimension), stated.unit);
+    EXPECT_EQ(PossibleMagnitudesOf(stated.dimension).least, stated.least) << stated.unit;
+    EXPECT_EQ(PossibleMagnitudesOf(stated.dimension).largest, stated.largest) << stated.unit;
+  }
+}
+
+struct UnitCase {
+  const char* symbol;
+  Dimension dimension;
+  double si;
+};
+
+class Units : public ::testing::TestWithParam<UnitCase> {};
+
+TEST_P(Units, CountForTheValueAndForItsUncertainty) {
+  const UnitCase& unit = GetParam();
+  for (const char* form : {"24(3){}", "24{} +- 3{}", "24 {0} ± 3", "24 ± 3 {0}"}) {
+    const std::string text = fmt::format(fmt::runtime(form), unit.symbol, unit.symbol);
+    const auto quantity = ParseQuantity(text, unit.dimension, "--x");
+    ASSERT_TRUE(quantity) << text;
+    EXPECT_REL(quantity->value, 24 * unit.si, 4e-16, "rounding of the unit's factor");
+    EXPECT_REL(quantity->standard_uncertainty, 3 * unit.si, 4e-16, "the same");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Units,
+    ::testing::Values(
+        UnitCase{"m", Dimension::kLength, 1}, UnitCase{"cm", Dimension::kLength, 1e-2},
+        UnitCase{"mm", Dimension::kLength, 1e-3}, UnitCase{"um", Dimension::kLength, 1e-6},
+        UnitCase{"nm", Dimension::kLength, 1e-9}, UnitCase{"kg", Dimension::kMass, 1},
+        UnitCase{"g", Dimension::kMass, 1e-3}, UnitCase{"mg", Dimension::kMass, 1e-6},
+        UnitCase{"H", Dimension::kInductance, 1}, UnitCase{"mH", Dimension::kInductance, 1e-3},
+        UnitCase{"uH", Dimension::kInductance, 1e-6}, UnitCase{"nH", Dimension::kInductance, 1e-9},
+        UnitCase{"s", Dimension::kTime, 1}, UnitCase{"ms", Dimension::kTime, 1e-3},
+        UnitCase{"us", Dimension::kTime, 1e-6}, UnitCase{"ns", Dimension::kTime, 1e-9},
+        UnitCase{"min", Dimension::kTime, 60}, UnitCase{"h", Dimension::kTime, 3600},
+        UnitCase{"Hz", Dimension::kFrequency, 1}, UnitCase{"kHz", Dimension::kFrequency, 1e3},
+        UnitCase{"MHz", Dimension::kFrequency, 1e6}, UnitCase{"GHz", Dimension::kFrequency, 1e9},
+        UnitCase{"V", Dimension::kVoltage, 1}, UnitCase{"mV", Dimension::kVoltage, 1e-3},
+        UnitCase{"uV", Dimension::kVoltage, 1e-6}, UnitCase{"kV", Dimension::kVoltage, 1e3},
+        UnitCase{"A", Dimension::kCurrent, 1}, UnitCase{"mA", Dimension::kCurrent, 1e-3},
+        UnitCase{"uA", Dimension::kCurrent, 1e-6}, UnitCase{"ohm", Dimension::kResistance, 1},
+        UnitCase{"mohm", Dimension::kResistance, 1e-3},
+        UnitCase{"kohm", Dimension::kResistance, 1e3},
+        UnitCase{"Mohm", Dimension::kResistance, 1e6}, UnitCase{"N/m", Dimension::kStiffness, 1},
+        UnitCase{"N/mm", Dimension::kStiffness, 1e3}, UnitCase{"N s/m", Dimension::kDamping, 1},
+        UnitCase{"Ns/m", Dimension::kDamping, 1}, UnitCase{"N*s/m", Dimension::kDamping, 1},
+        UnitCase{"N/A", Dimension::kForceConstant, 1}));
+
+// the example of a refusal is one that is read
+TEST(Quantity, ARefusalGivesAnExampleOfItsDimension) {
+  const std::string begin = "write it like ";
+  for (const Dimension dimension : kAll) {
+    const std::string remedy = ParseQuantity("x", dimension, "--x").error().remedy;
+    ASSERT_TRUE(remedy.starts_with(begin)) << remedy;
+    EXPECT_TRUE(ParseQuantity(remedy.substr(begin.size()), dimension, "--x")) << remedy;
+  }
+}
+
+TEST(Quantity, AnUncertaintyHasTheLimitsOfItsDimension) {
+  for (const char* text : {"31+-1e-9", "31+-1e15", "31(1e-9)"}) {
+    EXPECT_TRUE(ParseQuantity(text, Dimension::kResistance, "--x")) << text;
+  }
+  for (const char* text : {"31+-0.99e-9", "31+-1.01e15", "31(0.99e-9)"}) {
+    EXPECT_FALSE(ParseQuantity(text, Dimension::kResistance, "--x")) << text;
+  }
+}
+
 TEST(Quantity, AnUncertaintyIsBoundedAsItsValueIs) {
   EXPECT_FALSE(ParseQuantity("2.7g+-5e-319g", Dimension::kMass, "--x"));
   EXPECT_FALSE(ParseQuantity("2.7(5e-319)g", Dimension::kMass, "--x"));

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace haptometer {
@@ -31,6 +33,18 @@ TEST(Nearest, NamesThoseOfWhichTheWordIsAPart) {
   EXPECT_EQ(Nearest("--al", {"--al-foil", "--all"}), "--all");
 }
 
+TEST(Nearest, NamesUpToThreeOfWhichTheWordIsAPart) {
+  EXPECT_EQ(Nearest("x", {"x_um", "x_mm", "x_m"}), "x_um or x_mm or x_m");
+}
+
+// half of four letters are two, and of five two as well
+TEST(Nearest, LetsHalfOfTheLettersDiffer) {
+  EXPECT_EQ(Nearest("abcd", {"abxy"}), "abxy");
+  EXPECT_EQ(Nearest("abcd", {"axyz"}), "");
+  EXPECT_EQ(Nearest("abcde", {"abcxy"}), "abcxy");
+  EXPECT_EQ(Nearest("abcde", {"abxyz"}), "");
+}
+
 TEST(Nearest, SaysNothingWhereNothingIsNear) {
   EXPECT_EQ(Nearest("xyz", {"stiffness", "damping"}), "");
   EXPECT_EQ(Nearest("xyz", {}), "");
@@ -51,6 +65,57 @@ TEST(Printable, LeavesWhatStandsForItself) {
     EXPECT_TRUE(IsPrintable(text)) << text;
     EXPECT_EQ(Printable(text), text);
     EXPECT_EQ(PrintableLines(text), text);
+  }
+}
+
+// the ends of each row of table 3-7, and their neighbours
+TEST(Utf8CharacterBytes, HasTheBordersOfTheStandard) {
+  const std::vector<std::pair<std::size_t, std::vector<std::string>>> cases{
+      {1, {"\0"s, "\x7f", "a\x80"}},
+      {2, {"\xc2\x80", "\xdf\xbf", "\xc3\xbf\x80"}},
+      {3,
+       {"\xe0\xa0\x80", "\xe0\xbf\xbf", "\xe1\x80\x80", "\xec\xbf\xbf", "\xed\x80\x80",
+        "\xed\x9f\xbf", "\xee\x80\x80", "\xef\xbf\xbf"}},
+      {4,
+       {"\xf0\x90\x80\x80", "\xf0\xbf\xbf\xbf", "\xf1\x80\x80\x80", "\xf3\xbf\xbf\xbf",
+        "\xf4\x80\x80\x80", "\xf4\x8f\xbf\xbf"}},
+      {0,
+       {"",
+        "\x80",
+        "\xbf",
+        "\xc1\xbf",
+        "\xc2",
+        "\xc2\x7f",
+        "\xc2\xc0",
+        "\xe0\x9f\xbf",
+        "\xe1\x80",
+        "\xe1\x80\x7f",
+        "\xe1\x80\xc0",
+        "\xe1\x7f\x80",
+        "\xed\xa0\x80",
+        "\xf0\x8f\xbf\xbf",
+        "\xf1\x80\x80",
+        "\xf1\x80\x80\x7f",
+        "\xf1\x80\x80\xc0",
+        "\xf4\x90\x80\x80",
+        "\xf5\x80\x80\x80",
+        "\xff"}}};
+  for (const auto& [bytes, texts] : cases) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(Utf8CharacterBytes(text), bytes) << Printable(text);
+    }
+  }
+}
+
+// the neighbours of each range that is not printable
+TEST(Printable, HasTheBordersThatTheHeaderStates) {
+  for (const char* const text :
+       {" ", "~", "\u00a0", "\u2027", "\u202f", "\u2065", "\u206a", "\ufffd", "\U00010000"}) {
+    EXPECT_TRUE(IsPrintable(text)) << text;
+  }
+  for (const char* const text : {"\x1f", "\x7f", "\u0080", "\u009f", "\u2028", "\u202a", "\u202e",
+                                 "\u2066", "\u2069", "\xef\xbf\xbe", "\xef\xbf\xbf"}) {
+    EXPECT_FALSE(IsPrintable(text)) << Printable(text);
   }
 }
 

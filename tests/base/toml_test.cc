@@ -91,6 +91,15 @@ TEST(TomlShape, WhatIsAtTheLimitIsRead) {
   EXPECT_TRUE(TomlTable::ParseText(flat, "x.toml"));
 }
 
+TEST(TomlShape, OneMoreThanTheLimitIsRefused) {
+  EXPECT_EQ(Told(Repeated("a.", 16) + "a = 1\n"), kKey1);
+  EXPECT_EQ(Told("\na = " + Repeated("[", 17) + Repeated("]", 17)), kOpen2);
+  EXPECT_EQ(Told("\na = " + Repeated("{a = ", 17) + "1" + Repeated("}", 17)), kOpen2);
+  // what is closed is no longer open, and a surplus bracket opens nothing
+  EXPECT_EQ(Told("a = [" + Repeated("[[]],", 40) + "]"), "");
+  EXPECT_EQ(Told("]\na = " + Repeated("[", 17)), kOpen2);
+}
+
 TEST(TomlShape, ALargeTextIsRefused) {
   EXPECT_EQ(Told(std::string(kMostTomlBytes + 1, '\n')),
             "x.toml: is larger than 1 MiB; is it a TOML file of this program?");
@@ -125,6 +134,54 @@ TEST(TomlTable, UncertaintyComesAlong) {
   TomlTable table = Parsed(R"(moving_mass_kg = "1.40(3)g")");
   const Quantity mass = table.RequireQuantity("moving_mass_kg", Dimension::kMass);
   EXPECT_NEAR(mass.standard_uncertainty, 3e-5, 1e-19);
+}
+
+// no uncertainty is invented for a number without one
+TEST(TomlTable, ANumberWithoutAnUncertaintyIsExact) {
+  TomlTable table = Parsed("a_kg = 1.4e-3\nb_kg = 2\nc_kg = '3g'\n");
+  EXPECT_EQ(table.RequireQuantity("a_kg", Dimension::kMass), (Quantity{1.4e-3, 0}));
+  EXPECT_EQ(table.RequireQuantity("b_kg", Dimension::kMass), (Quantity{2, 0}));
+  EXPECT_EQ(table.RequireQuantity("c_kg", Dimension::kMass), (Quantity{3e-3, 0}));
+  EXPECT_TRUE(table.Finish());
+}
+
+TEST(TomlTable, ABareNumberHasTheLimitsOfItsDimension) {
+  const auto is_read = [](const char* text) {
+    TomlTable table = Parsed(text);
+    (void)table.Require("a_kg", Dimension::kMass);
+    return table.Finish().has_value();
+  };
+  for (const char* text : {"a_kg = 1e-12", "a_kg = 1e6", "a_kg = -1e6", "a_kg = 0"}) {
+    EXPECT_TRUE(is_read(text)) << text;
+  }
+  for (const char* text : {"a_kg = 0.99e-12", "a_kg = 1.01e6", "a_kg = -1.01e6"}) {
+    EXPECT_FALSE(is_read(text)) << text;
+  }
+}
+
+TEST(TomlTable, ReadsListsOfWholeNumbers) {
+  TomlTable table = Parsed("a = [0, -3, 65535]\nnone = []\n");
+  EXPECT_EQ(table.Integers("a"), (std::vector<long long>{0, -3, 65535}));
+  EXPECT_TRUE(table.Integers("none").empty());
+  EXPECT_TRUE(table.Integers("absent").empty());
+  EXPECT_TRUE(table.Finish());
+  for (const char* text : {"a = [1, 2.5]", "a = 1"}) {
+    TomlTable wrong = Parsed(text);
+    EXPECT_TRUE(wrong.Integers("a").empty()) << text;
+    EXPECT_EQ(wrong.Finish().error().Text(),
+              "x.toml:1: a: is not a list of whole numbers; write it as [0, 65535]");
+  }
+}
+
+TEST(TomlTable, TellsWhatStandsUnderAKey) {
+  TomlTable table = Parsed("text = 'a'\nflag = false\nnumber = 1\nlist = []\n[table]\n");
+  EXPECT_EQ(table.KindOf("text"), TomlKind::kText);
+  EXPECT_EQ(table.KindOf("flag"), TomlKind::kFlag);
+  EXPECT_EQ(table.KindOf("number"), TomlKind::kOther);
+  EXPECT_EQ(table.KindOf("list"), TomlKind::kOther);
+  EXPECT_EQ(table.KindOf("table"), TomlKind::kTable);
+  EXPECT_EQ(table.KindOf("absent"), TomlKind::kAbsent);
+  EXPECT_TRUE(table.Finish()) << "all of them were asked for";
 }
 
 TEST(TomlTable, AnUnknownKeyIsNamedWithTheNearestKnownOne) {

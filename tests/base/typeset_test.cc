@@ -30,6 +30,18 @@ TEST(Typeset, UnitsHaveTheirSignsAndStayWithTheirNumbers) {
   }
 }
 
+TEST(Typeset, EveryUnitStaysWithItsNumber) {
+  const std::string three = std::string("3") + kBlank;
+  for (const char* unit : {"mm", "ms", "mV", "mA", "mW", "mH", "Hz", "kHz", "kg", "rad", "dB",
+                           "VA", "m",  "s",  "g",  "V",  "A",  "N",  "W",   "H",  "K",   "%"}) {
+    EXPECT_EQ(Typeset(std::string("3 ") + unit), three + unit);
+  }
+  EXPECT_EQ(Typeset("3 us"), three + "µs");
+  EXPECT_EQ(Typeset("3 uH"), three + "µH");
+  EXPECT_EQ(Typeset("3 mm^3"), three + "mm³");
+  EXPECT_EQ(Typeset("3 m3"), three + "m³");
+}
+
 TEST(Typeset, OtherWordsStayAsTheyAre) {
   for (const char* text : {"", "um", "12 um.csv", "4 subjects", "16 trials", "um umbrella",
                            "3 umbrellas", "a um", "day1/m.csv", "/home/um/x", "x/y", "5 gaps",

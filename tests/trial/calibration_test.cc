@@ -44,6 +44,35 @@ TEST(CalibrationFile, TwoPointsAreALine) {
   EXPECT_EQ(calibration.name, "il030.toml");
 }
 
+// docs/reference/formats.md: a scale of 1 may be omitted
+TEST(CalibrationFile, WhatIsMeasuredInItsOwnUnitNeedsNoScale) {
+  const Calibration calibration = Read("[voltage]\noffset_v = 0.5\n");
+  EXPECT_EQ(calibration.channels.at("voltage").scale, 1);
+  EXPECT_EQ(calibration.channels.at("voltage").offset, 0.5);
+  EXPECT_EQ(Read("[voltage]\n").channels.at("voltage").offset, 0);
+}
+
+// where one uncertainty is not stated, there is no covariance
+TEST(CalibrationFile, ACovarianceNeedsBothUncertainties) {
+  const std::string line = "[displacement]\nscale_m_per_v = 0.001\n";
+  const std::string covariance = "scale_offset_covariance_m2_per_v = 1e-30\n";
+  for (const char* one :
+       {"scale_standard_uncertainty_m_per_v = 1\n", "offset_standard_uncertainty_m = 1\n"}) {
+    EXPECT_THAT(ErrorOf(line + one + covariance), HasSubstr("more than the product")) << one;
+  }
+}
+
+// both numbers of a pair are volts, so the input has a key of its own
+TEST(CalibrationFile, TwoPointsOfAVoltageAreALine) {
+  const Calibration calibration = Read(
+      "[voltage]\nfirst = { input_v = 1, voltage_v = 3 }\n"
+      "second = { input_v = 2, voltage_v = 14 }\n");
+  const ChannelCalibration& channel = calibration.channels.at("voltage");
+  EXPECT_EQ(channel.scale, 11);
+  EXPECT_EQ(channel.offset, -8);
+  EXPECT_EQ(channel.input_unit, "V");
+}
+
 TEST(CalibrationFile, AnUncertaintyOfTheGainIsKept) {
   const Calibration calibration = Read(
       "[displacement]\nscale_m_per_v = 1e-3\nrelative_standard_uncertainty = 0.004\n"
@@ -235,6 +264,97 @@ TEST(CalibrationFile, RefusesEvidenceThatCannotBe) {
   EXPECT_THAT(ErrorOf("averages = 0\n" + line), HasSubstr("is not 1 to 1e6"));
 }
 
+// each limit on both sides
+TEST(CalibrationFile, EvidenceHasTheStatedLimits) {
+  const std::string line = "[displacement]\nscale_m_per_v = 0.001\n";
+  const std::string sizes =
+      line + "scale_standard_uncertainty_m_per_v = 2e-6\noffset_standard_uncertainty_m = 3e-6\n";
+  for (const std::string& text :
+       {line + "degrees_of_freedom = 1\n", line + "degrees_of_freedom = 1e6\n",
+        line + "relative_standard_uncertainty = 0.2\n",
+        line + "relative_standard_uncertainty = 1e-9\n",
+        sizes + "scale_offset_covariance_m2_per_v = 6e-12\n",
+        sizes + "scale_offset_covariance_m2_per_v = -6e-12\n",
+        line + "scale_standard_uncertainty_m_per_v = 0\n", line + "hysteresis_m = -1e-6\n",
+        "averages = 1\n" + line, "averages = 1000000\nsampling_s = 1e-12\n" + line}) {
+    EXPECT_EQ(ErrorOf(text), "no error") << text;
+  }
+  for (const std::string& text :
+       {line + "degrees_of_freedom = 0.99\n", line + "degrees_of_freedom = 1.01e6\n",
+        line + "relative_standard_uncertainty = 0.201\n",
+        line + "relative_standard_uncertainty = -0.1\n",
+        sizes + "scale_offset_covariance_m2_per_v = 6.01e-12\n",
+        sizes + "scale_offset_covariance_m2_per_v = -6.01e-12\n", line + "nonlinearity_m = -1e-6\n",
+        line + "offset_standard_uncertainty_m = -1e-6\n",
+        "averages = 1000001\nsampling_s = 1e-3\n" + line, "averages = 2\n" + line,
+        "sampling_s = 0\n" + line}) {
+    EXPECT_NE(ErrorOf(text), "no error") << text;
+  }
+}
+
+TEST(CalibrationFile, HasItsRangesInOrder) {
+  const std::string line = "[displacement]\nscale_m_per_v = 0.001\n";
+  for (const char* names : {"calibrated_min_v calibrated_max_v", "range_min_m range_max_m",
+                            "bad_below_v bad_above_v", "daq_min_v daq_max_v"}) {
+    const std::string both(names);
+    const auto blank = both.find(' ');
+    const auto with = [&](const char* low, const char* high) {
+      return line + both.substr(0, blank) + " = " + low + "\n" + both.substr(blank + 1) + " = " +
+             high + "\n";
+    };
+    EXPECT_EQ(ErrorOf(with("1", "1.01")), "no error") << names;
+    EXPECT_THAT(ErrorOf(with("1", "1")), HasSubstr("is not below")) << names;
+  }
+}
+
+TEST(ParseGainUncertainty, IsAtMostTwentyPercent) {
+  for (const char* text : {"0.2", "20%", "1e-6"}) {
+    EXPECT_TRUE(ParseGainUncertainty(text, "here")) << text;
+  }
+  for (const char* text : {"0.201", "20.1%"}) {
+    EXPECT_FALSE(ParseGainUncertainty(text, "here")) << text;
+  }
+}
+
+// counts of 1 mV of which 0 stands for 0.5 V: 10 V are 9500 counts, and the highest count is one
+// step below
+TEST(CalibrationLimits, CountsFromAnotherZero) {
+  const Calibration calibration = Read(
+      "[displacement]\nscale_m_per_v = 2e-3\noffset_m = 1e-3\ndaq_min_v = -10\ndaq_max_v = 10\n"
+      "bad_below_v = -5\nbad_above_v = 5\n");
+  const ChannelCalibration& line = calibration.channels.at("displacement");
+  ChannelFormat counts{.name = "displacement", .encoding = Encoding::kI32};
+  const RawLimits limits = Calibrate(line, 1e-3, 0.5, &counts);
+  EXPECT_REL(counts.offset, 2e-3, 1e-15, "2 mm/V of 0.5 V, and 1 mm");
+  EXPECT_REL(counts.scale, 2e-6, 1e-15, "one product");
+  EXPECT_REL(limits.rail_max, 9499, 1e-15, "two roundings");
+  EXPECT_REL(limits.rail_min, -10'500, 1e-15, "two roundings");
+  EXPECT_REL(limits.bad_above, 4500, 1e-15, "two roundings");
+  EXPECT_REL(limits.bad_below, -5500, 1e-15, "two roundings");
+  EXPECT_REL(counts.range_max, 11e-3, 1e-15, "5 V");
+  EXPECT_REL(counts.range_min, -9e-3, 1e-15, "-5 V");
+  // numbers that are no counts reach the rail itself, and have the resolution that they had
+  ChannelFormat volts{.name = "displacement", .resolution = 0.25};
+  EXPECT_REL(Calibrate(line, 1e-3, 0.5, &volts).rail_max, 9500, 1e-15, "two roundings");
+  EXPECT_EQ(volts.resolution, 0.25);
+}
+
+TEST(CalibrationFields, OfAFallingLineHaveTheRangeInItsOrder) {
+  const auto fields = CalibrationFields(
+      Read("[displacement]\nscale_m_per_v = -0.5\noffset_m = 0.25\nhysteresis_m = -0.125\n"
+           "calibrated_min_v = -4\ncalibrated_max_v = 2\nbad_below_v = -5.25\n"));
+  Metadata metadata;
+  metadata.fields = fields;
+  EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->least, -0.75);
+  EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->most, 2.25);
+  EXPECT_EQ(fields.at("calibration.displacement.hysteresis_m"), "-0.125");
+  EXPECT_EQ(fields.at("calibration.displacement"),
+            "displacement = -0.5 per V x input + 0.25; measures from -5.25 V");
+  // what was edited to a range of no width is none
+  metadata.fields["calibration.displacement.calibrated_least"] = "2.25";
+  EXPECT_FALSE(CalibratedRangeOf(metadata, "displacement"));
+}
+
 // a table of volts becomes a displacement, with the statuses of the limits
 class CalibratedRecord : public tests::TemporaryFiles {
  protected:
@@ -279,6 +399,47 @@ TEST_F(CalibratedRecord, MillivoltsReadAsVoltsAreDoubted) {
   ASSERT_TRUE(CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_));
   ASSERT_TRUE(findings_.Has(FindingKind::kInputTooLarge));
   EXPECT_EQ(std::get<double>(findings_.list()[0].numbers[0].value), 3000);
+}
+
+// 10 V and 5 %
+TEST_F(CalibratedRecord, InputsOrRangesAboveTenAndAHalfVoltsAreDoubted) {
+  const std::string line = "[displacement]\nscale_m_per_v = 0.001\n";
+  for (const double most_v : {10.5, 10.51}) {
+    Record record = Volts({"CH1"});
+    record.channels[0].values = {0, 1, -most_v, 2};
+    Findings of_input;
+    ASSERT_TRUE(CalibrateRecord(File("c.toml", line), "t.csv", &record, &of_input));
+    EXPECT_EQ(of_input.Has(FindingKind::kInputTooLarge), most_v > 10.5) << most_v;
+    for (const auto& [low, high] : {std::pair{-most_v, 1.0}, std::pair{-1.0, most_v}}) {
+      const std::string range = line + "calibrated_min_v = " + std::to_string(low) +
+                                "\ncalibrated_max_v = " + std::to_string(high) + "\n";
+      Record other = Volts({"CH1"});
+      Findings of_range;
+      ASSERT_TRUE(CalibrateRecord(File("r.toml", range), "t.csv", &other, &of_range));
+      EXPECT_EQ(of_range.Has(FindingKind::kInputTooLarge), most_v > 10.5) << low << " " << high;
+    }
+  }
+}
+
+TEST_F(CalibratedRecord, WithoutAnyReadingItIsRefusedOnlyAboveTenAndAHalfVolts) {
+  const std::string path = File("c.toml", file_);
+  for (const double volts : {10.5, 10.51}) {
+    Record record = Volts({"CH1"});
+    record.channels[0].values = {volts, volts, volts, volts};
+    const auto done = CalibrateRecord(path, "t.csv", &record, &findings_);
+    EXPECT_EQ(done.has_value(), volts == 10.5);
+    if (done) continue;
+    EXPECT_EQ(done.error().cause, Cause::kCannotAnswer);
+    EXPECT_THAT(done.error().what, HasSubstr("reaches 10.51 V"));
+  }
+}
+
+TEST_F(CalibratedRecord, ItsResolutionIsThatOfTheVoltsTimesTheScale) {
+  Record record = Volts({"CH1"});
+  record.channels[0].resolution = 0.5;
+  const std::string path = File("c.toml", "[displacement]\nscale_m_per_v = -0.25\n");
+  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record, &findings_));
+  EXPECT_EQ(record.channels[0].resolution, 0.125);
 }
 
 TEST_F(CalibratedRecord, PairsInMillivoltsReadAsVoltsAreDoubted) {

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -10,6 +13,8 @@
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
 #include "trial/export/export.h"
+#include "trial/export/object_names.h"
+#include "trial/hdf5_id.h"
 #include "trial/import/read_recording.h"
 #include "trial/import/readers.h"
 #include "trial/trial_format.h"
@@ -107,6 +112,40 @@ TEST(Hdf5, TimesThatAreKnownStayKnown) {
   EXPECT_TRUE(again->record.times_are_known);
   EXPECT_TRUE(SameBits(again->record.raw_times_s, record->raw_times_s));
   std::remove(path.c_str());
+}
+
+// writes the flag `closed` of the trial t again, as `count` numbers of a type
+void SetClosed(const std::string& path, hid_t type, hsize_t count, const void* numbers) {
+  const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  const Hdf5Id group(H5Gopen2(file.id(), "t", H5P_DEFAULT), H5Gclose);
+  EXPECT_GE(H5Adelete(group.id(), objects::kClosed), 0);
+  if (count == 0) return;
+  const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Hdf5Id attribute(
+      H5Acreate2(group.id(), objects::kClosed, type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  EXPECT_GE(H5Awrite(attribute.id(), type, numbers), 0);
+}
+
+TEST(Hdf5, AFlagIsOneWholeNumberThatIsNotZero) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  const auto is_closed = [&path](hid_t type, hsize_t count, const void* numbers) {
+    Write(path, {{"t", Polled()}});
+    SetClosed(path, type, count, numbers);
+    const auto read = ReadRecording(path);
+    EXPECT_TRUE(read);
+    return read && read->report.closed;
+  };
+  constexpr std::array<std::int32_t, 2> kOnes{1, 1};
+  constexpr std::int32_t kZero = 0, kTwo = 2;
+  constexpr double kOne = 1;
+  EXPECT_TRUE(is_closed(H5T_NATIVE_INT32, 1, kOnes.data()));
+  EXPECT_TRUE(is_closed(H5T_NATIVE_INT32, 1, &kTwo));
+  EXPECT_FALSE(is_closed(H5T_NATIVE_INT32, 1, &kZero));
+  EXPECT_FALSE(is_closed(H5T_NATIVE_INT32, 2, kOnes.data()));
+  EXPECT_FALSE(is_closed(H5T_NATIVE_DOUBLE, 1, &kOne));
+  EXPECT_FALSE(is_closed(H5T_NATIVE_INT32, 0, nullptr)) << "none";
 }
 
 TEST(ReadRecording, WhatIsKnownAndNotReadIsNamed) {

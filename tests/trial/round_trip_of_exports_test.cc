@@ -14,6 +14,7 @@
 #include "tests/findings.h"
 #include "tests/trial/recordings.h"
 #include "tests/trial/trial_file.h"
+#include "trial/block.h"
 #include "trial/export/export.h"
 #include "trial/import/read_recording.h"
 #include "trial/import/readers.h"
@@ -204,6 +205,171 @@ TEST(WavExport, OfAStreamKeepsAllButTheTimesOfArrival) {
   ASSERT_TRUE(back) << back.error().Text();
   stream.record.raw_times_s.clear();
   ExpectSame(back->record, stream.record);
+}
+
+// --- the bytes of an export ------------------------------------------------------------------
+
+// what is handed to the sink, in one piece
+std::string BytesOf(const auto& write) {
+  std::string bytes;
+  const auto done = write([&](std::string_view piece) -> Result<void> {
+    bytes += piece;
+    return {};
+  });
+  EXPECT_TRUE(done) << (done ? "" : done.error().Text());
+  return bytes;
+}
+
+template <typename T>
+T NumberAt(const std::string& bytes, std::size_t at) {
+  return LoadLittleEndian<T>(BytesOfText(bytes).subspan(at, sizeof(T)).data());
+}
+
+// `channels` of one value each
+Recording OneRow(std::size_t channels) {
+  Recording recording;
+  recording.record.rows = 1;
+  recording.record.stretches = {{.rows = 1, .rate_hz = 100}};
+  for (std::size_t c = 0; c < channels; ++c) {
+    recording.record.channels.push_back(
+        {.name = "c", .values = {1}, .statuses = {SampleStatus::kOk}});
+  }
+  return recording;
+}
+
+// numpy/lib/format.py: the data begin at a multiple of 64, behind at most 63 blanks and a line end
+void ExpectNpyHead(const std::string& bytes) {
+  ASSERT_TRUE(bytes.starts_with("\x93NUMPY"));
+  const bool is_short = bytes[6] == 1;
+  const std::size_t before = is_short ? 10 : 12;
+  const std::size_t length =
+      is_short ? NumberAt<std::uint16_t>(bytes, 8) : NumberAt<std::uint32_t>(bytes, 8);
+  EXPECT_EQ((before + length) % 64, 0U);
+  const std::string dictionary = bytes.substr(before, length);
+  EXPECT_EQ(dictionary.back(), '\n');
+  const std::size_t last = dictionary.find_last_not_of(" \n");
+  EXPECT_EQ(dictionary[last], '}');
+  EXPECT_LE(dictionary.size() - last - 2, 63U) << "blanks";
+}
+
+TEST(NpyExport, ItsDataBeginAtAMultipleOf64) {
+  for (std::size_t channels = 1; channels <= 40; ++channels) {
+    const Recording recording = OneRow(channels);
+    const std::string bytes =
+        BytesOf([&](const PieceSink& sink) { return WriteNpy(recording, sink); });
+    ExpectNpyHead(bytes);
+    EXPECT_EQ(bytes[6], 1);
+    // the second array, of the description
+    ExpectNpyHead(bytes.substr(bytes.rfind("\x93NUMPY")));
+  }
+  const Recording wide = OneRow(2000);
+  const std::string bytes = BytesOf([&](const PieceSink& sink) { return WriteNpy(wide, sink); });
+  ExpectNpyHead(bytes);
+  EXPECT_EQ(bytes[6], 2) << "a head of 16 bits has no room for the names";
+}
+
+// the chunk `name` in bytes, from the byte behind its length
+std::size_t ChunkAt(const std::string& bytes, std::string_view name) {
+  std::size_t at = 12;
+  while (at + 8 <= bytes.size() && bytes.substr(at, 4) != name) {
+    const auto length = NumberAt<std::uint32_t>(bytes, at + 4);
+    at += 8 + length + length % 2;
+  }
+  EXPECT_EQ(bytes.substr(at, 4), name);
+  return at + 8;
+}
+
+// "Multimedia Programming Interface and Data Specifications 1.0", 1991, and WAVE_FORMAT_IEEE_FLOAT
+TEST(WavExport, ItsChunksHoldTheLengthsOfTheFormat) {
+  const Recording recording = TwoChannels();
+  const std::string bytes =
+      BytesOf([&](const PieceSink& sink) { return WriteWav(recording, sink); });
+  EXPECT_EQ(NumberAt<std::uint32_t>(bytes, 4), bytes.size() - 8);
+  const std::size_t format = ChunkAt(bytes, "fmt ");
+  EXPECT_EQ(NumberAt<std::uint16_t>(bytes, format), 3U);
+  EXPECT_EQ(NumberAt<std::uint16_t>(bytes, format + 2), 2U) << "channels";
+  EXPECT_EQ(NumberAt<std::uint32_t>(bytes, format + 4), 8000U) << "rows a second";
+  EXPECT_EQ(NumberAt<std::uint32_t>(bytes, format + 8), 8000U * 16) << "bytes a second";
+  EXPECT_EQ(NumberAt<std::uint16_t>(bytes, format + 12), 16U) << "bytes a row";
+  EXPECT_EQ(NumberAt<std::uint16_t>(bytes, format + 14), 64U) << "bits a sample";
+  EXPECT_EQ(NumberAt<std::uint32_t>(bytes, ChunkAt(bytes, "fact")), 2000U);
+  const std::size_t data = ChunkAt(bytes, "data");
+  EXPECT_EQ(NumberAt<std::uint32_t>(bytes, data - 4), 2000U * 16);
+  EXPECT_EQ(bytes.size() - data, 2000U * 16);
+  // the mean of the first channel is taken off
+  double mean = 0;
+  for (const double value : recording.record.channels[0].values) mean += value / 2000;
+  EXPECT_NEAR(NumberAt<double>(bytes, data), recording.record.channels[0].values[0] - mean, 1e-14)
+      << "rounding of 2000 sums";
+  // about 0 a mean would lose bits
+  EXPECT_EQ(NumberAt<double>(bytes, data + 8), recording.record.channels[1].values[0]);
+}
+
+// the chunk of statuses, a byte a value
+TEST(WavExport, HoldsStatusesWhereOneIsNotOk) {
+  const std::string chunk = std::string("stat\x03\0\0\0", 8);
+  Recording recording = OneRow(3);
+  auto& channels = recording.record.channels;
+  const auto bytes = [&] {
+    return BytesOf([&](const PieceSink& sink) { return WriteWav(recording, sink); });
+  };
+  EXPECT_EQ(bytes().find(chunk), std::string::npos);
+  channels[1].statuses = {SampleStatus::kRepeated};
+  EXPECT_NE(bytes().find(chunk + std::string("\0\1\0", 3)), std::string::npos);
+  for (auto& channel : channels) channel.statuses = {SampleStatus::kRepeated};
+  EXPECT_NE(bytes().find(chunk + "\1\1\1"), std::string::npos);
+}
+
+std::string ErrorOfWav(const Recording& recording) {
+  const auto done = WriteWav(recording, [](std::string_view /*piece*/) { return Result<void>(); });
+  return done ? "" : done.error().what;
+}
+
+TEST(WavExport, ItsRateIsAWholeNumberWithin100Ppm) {
+  Recording recording = OneRow(1);
+  for (const double share : {-1.01e-4, -0.99e-4, 0.0, 0.99e-4, 1.01e-4}) {
+    recording.record.stretches[0].rate_hz = 1000 * (1 + share);
+    EXPECT_EQ(ErrorOfWav(recording).empty(), std::abs(share) < 1e-4) << share;
+  }
+  for (const double rate_hz : {0.4, 3.3, 4e9}) {
+    recording.record.stretches[0].rate_hz = rate_hz;
+    EXPECT_THAT(ErrorOfWav(recording), HasSubstr("a whole number of hertz")) << rate_hz;
+  }
+}
+
+// 16 bits hold the bytes of a row: 9 for each of 7281 tracks
+TEST(WavExport, HasRoomFor7281ChannelsAnd4GiB) {
+  EXPECT_EQ(ErrorOfWav(OneRow(7281)), "");
+  EXPECT_THAT(ErrorOfWav(OneRow(7282)), HasSubstr("4 GiB"));
+  EXPECT_THAT(ErrorOfWav(OneRow(0)), HasSubstr("holds no samples"));
+  // 9 bytes a value: 4.19e9 and 4.20e9 bytes; the first is refused for another reason
+  Recording large = OneRow(1);
+  large.record.stretches.clear();
+  large.record.rows = 466'000'000;
+  EXPECT_THAT(ErrorOfWav(large), ::testing::Not(HasSubstr("4 GiB")));
+  large.record.rows = 467'000'000;
+  EXPECT_THAT(ErrorOfWav(large), HasSubstr("4 GiB"));
+}
+
+TEST(WavExport, CountsWhatIsNoMeasurement) {
+  Recording recording = TwoChannels();
+  recording.record.channels[0].statuses[3] = SampleStatus::kLate;
+  EXPECT_THAT(ErrorOfWav(recording), HasSubstr("holds 1 value that is no measurement"));
+  recording.record.channels[1].values[5] = std::nan("");
+  EXPECT_THAT(ErrorOfWav(recording), HasSubstr("holds 2 values that are no measurement"));
+}
+
+// 16 bytes of times and 9 a channel in each row: 25 bytes
+TEST(MatExport, OfMoreThanTwoGigabytesIsRefused) {
+  const ScratchDirectory directory;
+  auto writer = MatWriter::Create(directory.File("t.mat"));
+  ASSERT_TRUE(writer);
+  Recording large = OneRow(1);
+  large.record.rows = 80'800'000;
+  const auto refused = writer->Add("t", large);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(refused.error().what, HasSubstr("2 GiB"));
 }
 
 TEST(MatExport, OneOfSeveralIsReadByItsName) {

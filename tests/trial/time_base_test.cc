@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/median.h"
 #include "tests/residual.h"
 
 namespace haptometer::trial {
@@ -297,6 +298,132 @@ TEST(ArrivalTimes, APauseThatTheNumbersDoNotExplainBeginsAStretch) {
   EXPECT_EQ(FitArrivalTimes(times, 1000, std::vector<MissingRows>{{2000, 1000}}, true).size(), 2);
 }
 
+// --- thresholds, with lines that arrive when they are sent ------------------------------------
+
+// line j arrives j `period_ns` after the first, and `late_ns(j)` later
+std::vector<std::int64_t> Lines(std::size_t count, double period_ns, const auto& late_ns) {
+  std::vector<std::int64_t> times;
+  for (std::size_t j = 0; j < count; ++j) {
+    times.push_back(std::llround(static_cast<double>(j) * period_ns + late_ns(j)));
+  }
+  return times;
+}
+
+// all lines from `from` on are late by as much
+auto LateFrom(std::size_t from, double late_ns) {
+  return [=](std::size_t j) { return j < from ? 0.0 : late_ns; };
+}
+
+TEST(ArrivalTimes, APauseIsLongerThanAQuarterOfASecondAndEightPeriods) {
+  struct Case {
+    double period_ns;
+    double late_ns;
+    std::size_t stretches;
+  };
+  for (const Case& at : {Case{1e6, 0.249e9, 1}, Case{1e6, 0.251e9, 2}, Case{50e6, 0.397e9, 1},
+                         Case{50e6, 0.403e9, 2}}) {
+    const auto times = Lines(2000, at.period_ns, LateFrom(1000, at.late_ns));
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt, {}, true).size(), at.stretches) << at.late_ns;
+  }
+}
+
+// 1 s late from line 2000 on; then the lines come twice as fast until they are late by `end_ns`
+TEST(ArrivalTimes, APauseOfWhichHalfIsMadeUpForIsAStall) {
+  for (const double end_ns : {0.495e9, 0.505e9}) {
+    const auto times = Lines(8000, 1e6, [=](std::size_t j) {
+      return j < 2000 ? 0.0 : std::max(end_ns, 1e9 - 0.5e6 * static_cast<double>(j - 2000));
+    });
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt, {}, true).size(), end_ns > 0.5e9 ? 2U : 1U);
+  }
+}
+
+TEST(ArrivalTimes, ARiseExceedsHalfAPeriod) {
+  for (const double late_ns : {0.495e6, 0.505e6}) {
+    const auto times = Lines(4096, 1e6, LateFrom(2048, late_ns));
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt).size(), late_ns > 0.5e6 ? 2U : 1U) << late_ns;
+  }
+}
+
+// 5 ms late for `windows` windows of 128 lines; then the lines catch up within one
+TEST(ArrivalTimes, ARiseOutlastsTenWindows) {
+  for (const std::size_t windows : {9U, 10U}) {
+    const std::size_t end = 2048 + 128 * windows;
+    const auto times = Lines(6016, 1e6, [=](std::size_t j) {
+      if (j < 2048) return 0.0;
+      return j < end ? 5e6 : std::max(0.0, 5e6 - 0.8e6 * static_cast<double>(j - end));
+    });
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt).size(), windows < 10 ? 1U : 2U) << windows;
+  }
+}
+
+TEST(ArrivalTimes, AtTheEndARiseOutlastsTwoWindows) {
+  for (const std::size_t windows : {1U, 2U}) {
+    const auto times = Lines(4096, 1e6, LateFrom(4096 - 128 * windows, 5e6));
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt).size(), windows) << windows;
+  }
+}
+
+// windows of 128 lines that are in turn on time and 0.2 ms late: their differences have the
+// median 0.2 ms, of which the scatter is 1.4826 times as much
+TEST(ArrivalTimes, ARiseExceedsThreeTimesTheScatterOfTheMinima) {
+  const double least_ns = 3 * kDeviationsPerMedian * 0.2e6;
+  for (const double share : {0.99, 1.01}) {
+    const auto times = Lines(4096, 1e6, [=](std::size_t j) {
+      return (j / 128 % 2 == 1 ? 0.2e6 : 0.0) + (j < 2048 ? 0.0 : share * least_ns);
+    });
+    EXPECT_EQ(FitArrivalTimes(times, std::nullopt).size(), share > 1 ? 2U : 1U) << share;
+  }
+}
+
+// Five lines are lost before line 2000. Lines ahead of it are late by up to 6 ms, those behind it
+// by up to 9 ms more than the loss; the largest interval, 5 ms, is where the lines are missing.
+TEST(ArrivalTimes, AmongLateLinesTheLossIsAtTheLargestInterval) {
+  const auto times = Lines(4000, 1e6, [](std::size_t j) {
+    const auto place = static_cast<double>(j);
+    if (j < 1990) return 0.0;
+    if (j < 1996) return 0.7e6 * (place - 1989);
+    if (j < 2000) return 6e6;
+    if (j < 2003) return 10e6 + 2e6 * (place - 2000);
+    return std::max(5e6, 14e6 - 0.8e6 * (place - 2002));
+  });
+  const auto stretches = FitArrivalTimes(times, std::nullopt);
+  ASSERT_EQ(stretches.size(), 2);
+  EXPECT_EQ(stretches[1].first_row, 2000);
+  EXPECT_REL(stretches[1].rate_hz, 1000, 1e-12, "exact times on both sides");
+  EXPECT_ABS(stretches[1].start_s, 2.005, 1e-12, "exact times on both sides");
+}
+
+// The levels of the windows are 0, 20 and 40 us in turn: their median is 20 us, as is that of the
+// deviations from it, but for the first third, which are the line.
+TEST(ArrivalTimes, TheUncertaintyIsTheScatterOfTheMinimaAboutTheLine) {
+  const auto times = Lines(std::size_t{128} * 31, 1e6,
+                           [](std::size_t j) { return 20e3 * static_cast<double>(j / 128 % 3); });
+  const auto stretches = FitArrivalTimes(times, std::nullopt, {}, true);
+  ASSERT_EQ(stretches.size(), 1);
+  EXPECT_REL(stretches[0].rate_hz, 1000, 1e-12, "the line through the windows on time");
+  EXPECT_REL(stretches[0].time_uncertainty_s, 1.482602218505602 * 20e-6, 1e-9, "rounding of 4 s");
+}
+
+// 4000 lines at 1 kHz, and behind a break some of a source that is 1 % faster. The first window of
+// 128 rows behind the break does not count; ten windows show a rate of their own.
+TEST(ArrivalTimes, APieceOfTenWindowsHasItsOwnRateAndAShorterOneTheCommonOne) {
+  constexpr double kFastNs = 0.99e6;
+  const std::vector<MissingRows> missing{{.row = 4000}};
+  for (const std::size_t behind : {1400U, 1416U}) {
+    const auto times = Lines(4000 + behind, 1e6, [](std::size_t j) {
+      return j < 4000 ? 0.0 : (kFastNs - 1e6) * static_cast<double>(j - 4000);
+    });
+    const auto stretches = FitArrivalTimes(times, std::nullopt, missing, true);
+    ASSERT_EQ(stretches.size(), 2);
+    EXPECT_REL(stretches[0].rate_hz, 1000, 1e-12, "exact times");
+    // weighted by the cubes of the rows that count
+    const double first = std::pow(4000, 3), second = std::pow(1400 - 128, 3);
+    const double common_ns = (first * 1e6 + second * kFastNs) / (first + second);
+    const double period_ns = behind == 1400 ? common_ns : kFastNs;
+    EXPECT_REL(stretches[1].rate_hz, 1e9 / period_ns, 1e-9, "rounding of 4 s");
+  }
+}
+
 TEST(ArrivalTimes, FewRowsTakeTheNominalRate) {
   EXPECT_TRUE(FitArrivalTimes({}, 10).empty());
   const std::vector<std::int64_t> one{5 * kMs};
@@ -343,6 +470,87 @@ TEST(PolledTimes, HaveTheMeanRateAndTheUncertaintyOfTheWait) {
   EXPECT_ABS(stretches[0].start_s, 0.006, 1e-16, "the middle of request and reply");
   EXPECT_REL(stretches[0].time_uncertainty_s, 0.012 / std::sqrt(12.0), 1e-15,
              "uniform within the wait");
+}
+
+// Times of the readings are off the line by 1 ms in the pattern + - - +, whose sums with 1 and with
+// the row are 0; the waits are 2 and 10 ms in turn.
+TEST(PolledTimes, TheUncertaintyIsOfTheScatterAndOfTheWaits) {
+  std::vector<std::int64_t> requests;
+  std::vector<std::int64_t> replies;
+  for (std::int64_t j = 0; j < 40; ++j) {
+    const std::int64_t off = j % 4 == 0 || j % 4 == 3 ? kMs : -kMs;
+    const std::int64_t half_wait = j % 2 == 0 ? kMs : 5 * kMs;
+    const std::int64_t middle = 1000 * kMs + 20 * kMs * j + off;
+    requests.push_back(middle - half_wait);
+    replies.push_back(middle + half_wait);
+  }
+  const auto stretches = FitPolledTimes(requests, replies, std::nullopt);
+  ASSERT_EQ(stretches.size(), 1);
+  EXPECT_REL(stretches[0].rate_hz, 50, 1e-12, "rounding of 1 s");
+  EXPECT_ABS(stretches[0].start_s, 1, 1e-12, "rounding of 1 s");
+  // the mean square of the waits is (2^2 + 10^2) / 2 ms^2
+  EXPECT_REL(stretches[0].time_uncertainty_s, 1e-3 * std::sqrt(1 + 52.0 / 12), 1e-9, "the same");
+}
+
+TEST(PolledTimes, APauseIsLongerThanEightMedianIntervals) {
+  for (const std::int64_t pause_ms : {159, 160, 161}) {
+    auto times = Regular(100, 20);
+    for (std::size_t j = 60; j < 100; ++j) times[j] += (pause_ms - 20) * kMs;
+    EXPECT_EQ(FitPolledTimes(times, times, 50).size(), pause_ms > 160 ? 2U : 1U) << pause_ms;
+  }
+}
+
+TEST(PolledTimes, APauseBehindTheFirstRowOrBeforeTheLastBeginsAStretch) {
+  for (const std::size_t row : {1U, 99U}) {
+    auto times = Regular(100, 20);
+    for (std::size_t j = row; j < 100; ++j) times[j] += 500 * kMs;
+    const auto stretches = FitPolledTimes(times, times, 50);
+    ASSERT_EQ(stretches.size(), 2) << row;
+    EXPECT_EQ(stretches[1].first_row, row);
+    EXPECT_ABS(stretches[1].start_s, 0.5 + 0.02 * static_cast<double>(row), 1e-12, "exact times");
+  }
+}
+
+TEST(PolledTimes, TwoRowsTakeTheCommonRateAndThreeTheirOwn) {
+  auto times = Regular(100, 20);
+  // the last rows are 30 ms apart, behind a break
+  times[98] = times[97] + 30 * kMs;
+  times[99] = times[98] + 30 * kMs;
+  const std::vector<std::size_t> two{98}, three{97};
+  const auto with_two = FitPolledTimes(times, times, 50, two);
+  ASSERT_EQ(with_two.size(), 2);
+  EXPECT_REL(with_two[1].rate_hz, 50, 1e-12, "the median interval");
+  // the line goes through the mean of both
+  EXPECT_ABS(with_two[1].start_s, 1.97 + 0.015 - 0.01, 1e-12, "rounding of 2 s");
+  const auto with_three = FitPolledTimes(times, times, 50, three);
+  ASSERT_EQ(with_three.size(), 2);
+  EXPECT_REL(with_three[1].rate_hz, 1 / 0.03, 1e-12, "exact times");
+}
+
+TEST(PolledTimes, OneRowTakesTheNominalRate) {
+  const std::vector<std::int64_t> request{4 * kMs}, reply{6 * kMs};
+  const auto stretch = FitPolledTimes(request, reply, 25).at(0);
+  EXPECT_EQ(stretch.rate_hz, 25);
+  EXPECT_EQ(stretch.start_s, 0.005);
+  EXPECT_TRUE(std::isinf(FitPolledTimes(request, reply, std::nullopt).at(0).rate_hz));
+  EXPECT_TRUE(FitPolledTimes({}, {}, 25).empty());
+}
+
+TEST(UniformGrid, ABlockThatDoesNotFollowBeginsAStretch) {
+  UniformGrid grid(1000);
+  grid.Append(5, 10);
+  grid.Append(15, 2);  // follows
+  grid.Append(18, 4);  // one is missing
+  const auto& stretches = grid.stretches();
+  ASSERT_EQ(stretches.size(), 2);
+  EXPECT_EQ(stretches[0].first_row, 0);
+  EXPECT_EQ(stretches[0].rows, 12);
+  EXPECT_EQ(stretches[0].start_s, 0.005);
+  EXPECT_EQ(stretches[1].first_row, 12);
+  EXPECT_EQ(stretches[1].rows, 4);
+  EXPECT_EQ(stretches[1].start_s, 0.018);
+  EXPECT_EQ(stretches[1].rate_hz, 1000);
+  EXPECT_EQ(stretches[1].time_uncertainty_s, 0);
 }
 
 TEST(PolledTimes, APauseBeginsAStretch) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -235,6 +238,135 @@ TEST(TrialReader, EventsComeBackInTheirPlace) {
   // the stored time base counts, the raw times stay beside it
   EXPECT_EQ(TimeOf(read->record, 1), 0.125 + 1.0 / 3);
   EXPECT_EQ(read->record.raw_times_s[1], 9e-6);
+}
+
+// four rows 1 ms apart, with these stretches as the recorder's time base
+Recording WithTimeBase(const std::vector<Stretch>& stretches) {
+  MemoryDisk disk;
+  ManualClock clock;
+  auto writer = WriterInto(&disk, CountsHeader(Timing::kArrival), clock);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(AppendCounts(&writer, i, {.time_ns = i * std::int64_t{1'000'000}}));
+  }
+  for (const Stretch& stretch : stretches) {
+    EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kTimeBase, .stretch = stretch}));
+  }
+  EXPECT_TRUE(writer.Finish());
+  auto read = ReadBytes(disk.bytes);
+  EXPECT_TRUE(read);
+  return std::move(*read);
+}
+
+Stretch Part(std::size_t first_row, std::size_t rows, double rate_hz = 7) {
+  return {.first_row = first_row, .rows = rows, .start_s = 3, .rate_hz = rate_hz};
+}
+
+TEST(TrialReader, AStoredTimeBaseCountsWhereItCoversAllRows) {
+  const std::vector<std::vector<Stretch>> whole{
+      {Part(0, 4)}, {Part(0, 1), Part(1, 3)}, {Part(0, 3), Part(3, 1)}};
+  for (const auto& stretches : whole) {
+    const Record record = WithTimeBase(stretches).record;
+    ASSERT_EQ(record.stretches.size(), stretches.size());
+    EXPECT_EQ(record.stretches.back().first_row, stretches.back().first_row);
+    EXPECT_EQ(record.stretches.back().rows, stretches.back().rows);
+    EXPECT_EQ(TimeOf(record, 0), 3);
+  }
+  const std::vector<std::vector<Stretch>> others{{},
+                                                 {Part(0, 3)},
+                                                 {Part(0, 5)},
+                                                 {Part(1, 3)},
+                                                 {Part(0, 0), Part(0, 4)},
+                                                 {Part(0, 2), Part(1, 2)},
+                                                 {Part(0, 2), Part(3, 1)},
+                                                 {Part(0, 4, 0)},
+                                                 {Part(0, 4, -7)}};
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    const Record record = WithTimeBase(others[k]).record;
+    ASSERT_EQ(record.stretches.size(), 1U) << k;
+    EXPECT_NEAR(record.stretches[0].rate_hz, 1000, 1e-9) << k << ": of the times of arrival";
+  }
+}
+
+// 300 lines at 1 kHz; then three are missing, and the 100 behind them are 0.2 ms late. Returns when
+// the first of these left the source.
+double StartBehind(std::optional<std::uint64_t> missing) {
+  MemoryDisk disk;
+  ManualClock clock;
+  TrialHeader header = CountsHeader(Timing::kArrival);
+  header.metadata.fields[std::string(kLineNumbersField)] = "0 to 99";
+  auto writer = WriterInto(&disk, header, clock);
+  for (int i = 0; i < 400; ++i) {
+    if (i == 300) {
+      EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kGap, .missing = missing}));
+    }
+    const std::int64_t late_ns = i < 300 ? 0 : 3'200'000;
+    EXPECT_TRUE(AppendCounts(&writer, i, {.time_ns = i * std::int64_t{1'000'000} + late_ns}));
+  }
+  EXPECT_TRUE(writer.Finish());
+  const auto read = ReadBytes(disk.bytes);
+  EXPECT_TRUE(read);
+  EXPECT_EQ(read->record.stretches.size(), 2U);
+  EXPECT_EQ(read->record.stretches.back().first_row, 300U);
+  return read->record.stretches.back().start_s;
+}
+
+TEST(TrialReader, AKnownNumberOfMissingRowsPutsBothSidesOnOneLine) {
+  EXPECT_NEAR(StartBehind(3), 0.303, 1e-9) << "on the line of the first 300";
+  EXPECT_NEAR(StartBehind(std::nullopt), 0.3032, 1e-9) << "a line of its own";
+  EXPECT_NEAR(StartBehind(std::uint64_t{1} << 41), 0.3032, 1e-9) << "more than any recording has";
+}
+
+TEST(TrialReader, LaterEventsChangeLabelsAndExclusion) {
+  TrialHeader header = CountsHeader(Timing::kUniform);
+  header.metadata.labels = {{"subject", "1"}, {"rig", "A"}};
+  ReadReport report;
+  const auto exclusion = [&] { return ExclusionOf(MetadataOf(header, report)); };
+  EXPECT_EQ(exclusion(), std::nullopt);
+  report.events = {{.kind = EventKind::kLabels, .labels = {{"subject", "2"}}},
+                   {.kind = EventKind::kLabels, .labels = {{"subject", "3"}}},
+                   {.kind = EventKind::kExcluded, .text = "loose"}};
+  EXPECT_EQ(MetadataOf(header, report).labels,
+            (std::map<std::string, std::string>{{"subject", "3"}, {"rig", "A"}}));
+  EXPECT_EQ(exclusion(), "loose");
+  report.events.push_back({.kind = EventKind::kIncluded, .text = "it was not"});
+  EXPECT_EQ(exclusion(), std::nullopt);
+  report.events.push_back({.kind = EventKind::kExcluded});
+  EXPECT_EQ(exclusion(), "not stated");
+}
+
+TEST(TrialReader, ALossIsToldWithItsNumbers) {
+  const Loss one{.offset = 100, .bytes = 50, .block = 3, .first_row = 7, .rows = 1};
+  EXPECT_EQ(tests::NumbersOf(FindingOfLoss(one)), "block=3 from_byte=100 to_byte=149 row=7");
+  Loss loss = one;
+  loss.last_block = 5;
+  loss.rows = 2;
+  EXPECT_EQ(tests::NumbersOf(FindingOfLoss(loss)),
+            "first_block=3 last_block=5 from_byte=100 to_byte=149 first_row=7 last_row=8");
+  loss.bytes = 0;
+  loss.rows = std::nullopt;
+  EXPECT_EQ(tests::NumbersOf(FindingOfLoss(loss)), "first_block=3 last_block=5 after_row=7");
+  loss.rows = 0;
+  EXPECT_EQ(tests::NumbersOf(FindingOfLoss(loss)), "first_block=3 last_block=5");
+  ReadReport report;
+  EXPECT_EQ(report.RowsLost(), 0U);
+  report.losses = {one, one};
+  EXPECT_EQ(report.RowsLost(), 2U);
+  report.losses.push_back({.rows = std::nullopt});
+  EXPECT_EQ(report.RowsLost(), std::nullopt);
+}
+
+TEST(ReadReport, IsInterruptedByItsRemarkOrWithoutItsEnd) {
+  ReadReport report;
+  report.closed = true;
+  report.events = {{.kind = EventKind::kRemark, .text = "knocked"}};
+  EXPECT_FALSE(report.IsInterrupted());
+  EXPECT_FALSE(report.AllFindings().Has(FindingKind::kNotFinished));
+  report.events.push_back({.kind = EventKind::kRemark, .text = std::string(kInterruptedText)});
+  EXPECT_TRUE(report.IsInterrupted());
+  report.events.clear();
+  report.closed = false;
+  EXPECT_TRUE(report.IsInterrupted());
+  EXPECT_TRUE(report.AllFindings().Has(FindingKind::kNotFinished));
 }
 
 TEST(TrialReader, StreamsInTheMemoryOfOneChunk) {

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -162,6 +163,25 @@ TEST(TrialRows, OfFiveBytesToo) {
   ExpectAsReadRecord(ShortRowsTrial(Encoding::kF32));
 }
 
+// The lower bytes of the counts are 0, so that none of them looks like a status; one status is not
+// ok, at each place of the rows that are decoded at once.
+TEST(TrialRows, OfFiveBytesWithOneStatusThatIsNotOkToo) {
+  for (int bad = 0; bad < 16; ++bad) {
+    MemoryDisk disk;
+    ManualClock clock;
+    TrialHeader header{.timing = Timing::kUniform, .rate_hz = 1000};
+    header.channels = {Channel(Encoding::kI32, 1e-7, 0.03)};
+    auto writer = WriterInto(&disk, header, clock);
+    for (int i = 0; i < 40; ++i) {
+      const std::array samples{
+          Sample{RawValue::Counts(i << 24), i == bad ? SampleStatus::kOver : SampleStatus::kOk}};
+      EXPECT_TRUE(writer.Append({.index = i, .samples = samples}));
+    }
+    EXPECT_TRUE(writer.Finish());
+    ExpectAsReadRecord(disk.bytes);
+  }
+}
+
 TEST(TrialRows, OfACutOrDamagedFileToo) {
   const std::string whole = RichTrial();
   for (std::size_t cut = 0; cut < whole.size(); cut += 97) {
@@ -171,6 +191,58 @@ TEST(TrialRows, OfACutOrDamagedFileToo) {
     flipped[cut] = static_cast<char>(flipped[cut] ^ 4);
     ExpectAsReadRecord(flipped);
   }
+}
+
+// what a record says beside its columns
+Record DescribedRecord() {
+  Record record;
+  record.rows = 3;
+  record.timing = Timing::kPolled;
+  record.stretches = {{.rows = 3, .start_s = 0.5, .rate_hz = 10}};
+  record.raw_times_s = {0.5, 0.61, 0.7};
+  record.metadata.source = "simulated";
+  record.channels = {{.name = "a",
+                      .role = ChannelRole::kVoltage,
+                      .unit = "V",
+                      .values = {1, 2, 3},
+                      .statuses = {SampleStatus::kOk, SampleStatus::kRepeated, SampleStatus::kOk},
+                      .range_min = -4,
+                      .range_max = 5,
+                      .resolution = 0.25}};
+  return record;
+}
+
+TEST(RecordRows, SayAllButTheColumns) {
+  Record record = DescribedRecord();
+  for (const bool are_known : {false, true}) {
+    record.times_are_known = are_known;
+    const RecordRows rows(record);
+    const Record& head = rows.head();
+    ExpectSameHead(head, record);
+    EXPECT_EQ(head.times_are_known, are_known);
+    EXPECT_EQ(head.raw_times_s, are_known ? record.raw_times_s : std::vector<double>{});
+    EXPECT_EQ(head.metadata.source, "simulated");
+    EXPECT_EQ(head.channels[0].role, ChannelRole::kVoltage);
+    EXPECT_EQ(head.channels[0].unit, "V");
+    EXPECT_EQ(head.channels[0].range_min, -4);
+    EXPECT_EQ(head.channels[0].range_max, 5);
+    EXPECT_EQ(head.channels[0].resolution, 0.25);
+    for (const std::size_t size : {1U, 2U, 3U}) ExpectSameRows(rows, record, size);
+    const auto all = ReadAllRows(rows);
+    ASSERT_TRUE(all);
+    EXPECT_EQ(all->channels[0].values, record.channels[0].values);
+    EXPECT_EQ(all->channels[0].statuses, record.channels[0].statuses);
+  }
+}
+
+TEST(RecordRowsDeathTest, RowsBehindTheLastAreAnErrorOfTheProgrammer) {
+  const Record record = DescribedRecord();
+  const RecordRows rows(record);
+  std::vector<double> values(2);
+  std::vector<SampleStatus> statuses(2);
+  EXPECT_TRUE(rows.Read(0, 1, values, statuses));
+  EXPECT_DEATH(std::ignore = rows.Read(0, 2, values, statuses), "rows 2 \\+ 2 of 3");
+  EXPECT_DEATH(std::ignore = rows.Read(1, 0, values, statuses), "channel 1");
 }
 
 TEST(TrialRows, AFileThatShrinksIsAnError) {

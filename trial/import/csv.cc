@@ -60,9 +60,9 @@ std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except
   std::vector<std::vector<double>> columns;
   std::size_t count = 0;
   for (; count < kRows && !rows.empty(); ++count) {
-    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
-    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
-    rows.remove_prefix(end + 1);
+    const std::size_t end = std::min(rows.find('\n'), rows.size());
+    const auto cells = SplitCells(Trimmed(rows.substr(0, end)), separator);
+    rows.remove_prefix(std::min(end + 1, rows.size()));
     if (columns.empty()) columns.resize(cells.size());
     if (cells.size() != columns.size()) return 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {

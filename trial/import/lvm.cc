@@ -16,6 +16,7 @@
 #include "trial/import/table/named_columns.h"
 #include "trial/import/table/printed_times.h"
 #include "trial/import/table/row_times.h"
+#include "trial/import/table/stated_clock.h"
 #include "trial/import/table/table_cells.h"
 #include "trial/import/table/written_twice.h"
 
@@ -354,8 +355,7 @@ class Parser {
     clock.start_s = Number(ValueOf(segment_.keys, "X0", channel)).value_or(0);
     clock.interval_s = Number(ValueOf(segment_.keys, "Delta_X", channel)).value_or(0);
     clock.samples = Number(ValueOf(segment_.keys, "Samples", channel));
-    const bool is_sound = clock.interval_s > 0 && std::isfinite(1 / clock.interval_s) &&
-                          std::isfinite(clock.interval_s) && std::isfinite(clock.start_s);
+    const bool is_sound = IsSampleInterval(clock.interval_s) && std::isfinite(clock.start_s);
     // a single sample has no interval, regardless of Delta_X
     if (!is_sound || (clock.samples && *clock.samples <= 1)) return std::nullopt;
     return clock;
@@ -471,6 +471,7 @@ class Parser {
     if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     // rows are excluded last, because their numbers are those of the whole record
     std::move(times_).Complete(&record_);
+    HAPTOMETER_TRY(CheckRate(name_, options_, record_));
     LeaveOutRows(left_out_, &record_);
     return std::move(record_);
   }

@@ -32,8 +32,8 @@ class Reader {
     HAPTOMETER_TRY(options_.columns.empty() ? NameColumns() : NameByOptions());
     NumberChannels(&columns_);
     HAPTOMETER_TRY(NumberStatuses());
-    HAPTOMETER_TRY(ApplyScales(options_, &columns_));
     HAPTOMETER_TRY(KeepChannel(options_, name_, &columns_));
+    HAPTOMETER_TRY(ApplyScales(options_, &columns_));
     HAPTOMETER_TRY(AddChannels());
     HAPTOMETER_TRY(SetTimes());
     HAPTOMETER_TRY(CheckRate(name_, options_, record_));

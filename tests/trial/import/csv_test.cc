@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/export/export.h"
 #include "trial/import/readers.h"
@@ -243,6 +246,112 @@ TEST(Csv, AnExportSaysWhatThereIs) {
             "# source = imported\n# times = grid\n# stretch = 0 3 0 2 0\n"
             "# channel.1.name = displacement\n"
             "time_s,displacement_m,status\n0,1e-06,ok\n0.5,,late\n1,3e-06,ok\n");
+}
+
+TEST(Csv, EachPrefixOfAUnitIsItsFactor) {
+  const Record record = Parsed(
+      "time_ns,displacement_nm,displacement_2_cm,current_ma,current_2_ua,voltage_uv,voltage_2_kv\n"
+      "0,1,2,3,4,5,6\n500,1,2,3,4,5,6\n");
+  ASSERT_EQ(record.channels.size(), 6U);
+  const std::vector<double> factors{1e-9, 1e-2, 1e-3, 1e-6, 1e-6, 1e3};
+  for (std::size_t c = 0; c < factors.size(); ++c) {
+    EXPECT_REL(record.channels[c].values[0], static_cast<double>(c + 1) * factors[c], 4e-16,
+               "one product");
+  }
+  EXPECT_EQ(record.channels[2].role, ChannelRole::kCurrent);
+  EXPECT_EQ(record.channels[2].unit, "A");
+  EXPECT_REL(record.stretches.at(0).rate_hz, 2e6, 1e-15, "printed times");
+}
+
+TEST(Csv, NumbersOfTheMetadataAreRead) {
+  const Record record = Parsed(
+      "# sampling_s = 1e-4\n# nominal_rate_hz = 2\n# drive_frequency_hz = 225\n"
+      "# drive_amplitude_v = 1.5\n# tare_m = -0.25\n# averages = "
+      "1\ntime_s,voltage_v\n0,1\n0.5,2\n");
+  EXPECT_EQ(record.metadata.sampling_s, 1e-4);
+  EXPECT_EQ(record.metadata.nominal_rate_hz, 2);
+  EXPECT_EQ(record.metadata.drive_frequency_hz, 225);
+  EXPECT_EQ(record.metadata.drive_amplitude_v, 1.5);
+  EXPECT_EQ(record.metadata.tare_m, -0.25);
+  EXPECT_EQ(record.metadata.averages, 1);
+}
+
+TEST(Csv, AveragesAreAWholeNumberUpToABillion) {
+  const auto text = [](const char* averages) {
+    return fmt::format("# averages = {}\ntime_s,voltage_v\n0,1\n1,2\n", averages);
+  };
+  EXPECT_EQ(Parsed(text("1e9")).metadata.averages, 1'000'000'000);
+  for (const char* averages : {"0", "-1", "1.5", "1000000001", "nan", "inf"}) {
+    EXPECT_THAT(ErrorOf(text(averages)),
+                HasSubstr(fmt::format("'averages = {}' is not a number", averages)));
+  }
+}
+
+TEST(Csv, WhatIsSaidOfAChannelIsKept) {
+  const Record record = Parsed(
+      "# channel.1.unit = N\n# channel.1.range_min = -0.5\n# channel.1.range_max = 0.75\n"
+      "# channel.1.resolution = 1e-6\n# channel.2.unit = N\n# channel.2.range_min = low\n"
+      "time_s,force,voltage_v\n0,1,2\n1,2,3\n");
+  EXPECT_EQ(record.channels.at(0).unit, "N");
+  EXPECT_EQ(record.channels[0].range_min, -0.5);
+  EXPECT_EQ(record.channels[0].range_max, 0.75);
+  EXPECT_EQ(record.channels[0].resolution, 1e-6);
+  EXPECT_EQ(record.channels.at(1).unit, "V") << "its name states it";
+  EXPECT_EQ(record.channels[1].range_min, -std::numeric_limits<double>::infinity());
+}
+
+// --- a column that looks like the times ----------------------------------------------------------
+
+// times that fall at once, above eight or fewer rows in whose second column numbers grow by 1 from
+// 3 on, but for the fifth, which is `late`
+std::string FallingTimes(int rows_below, double late) {
+  std::string text = "time_s,displacement_m,voltage_v\n9,0,0.5\n8,1,0.5\n";
+  for (int i = 0; i < rows_below; ++i) {
+    text += fmt::format("{},{},0.5\n", 7 - i, 3 + (i == 4 ? i + late : i));
+  }
+  return text;
+}
+
+TEST(Csv, AColumnThatGrowsEvenlyIsNamedWhereTheTimesFall) {
+  constexpr const char* kHint =
+      "time 8 s does not grow (the row before is at 9 s); column 2 grows in even steps as times do";
+  // steps of 1 s to 5 %, in eight rows
+  EXPECT_THAT(ErrorOf(FallingTimes(8, 0.0495)), HasSubstr(kHint));
+  EXPECT_THAT(ErrorOf(FallingTimes(8, -0.0495)), HasSubstr(kHint));
+  EXPECT_THAT(ErrorOf(FallingTimes(8, 0.0505)), HasSubstr("sort the rows"));
+  EXPECT_THAT(ErrorOf(FallingTimes(8, -0.0505)), HasSubstr("sort the rows"));
+  EXPECT_THAT(ErrorOf(FallingTimes(7, 0)), HasSubstr("sort the rows"));
+  // the last column, with and without an end of the last line
+  std::string two = "time_s,displacement_m\n";
+  for (int i = 0; i < 10; ++i) two += fmt::format("{},{}\n", 9 - i, i);
+  EXPECT_THAT(ErrorOf(two), HasSubstr("column 2 grows in even steps"));
+  two.pop_back();
+  EXPECT_THAT(ErrorOf(two), HasSubstr("column 2 grows in even steps"));
+}
+
+TEST(Csv, TheColumnOfTheTimesIsNotTheOneThatLooksLikeThem) {
+  // below the fall the times grow evenly themselves
+  std::string text = "time_s,displacement_m,voltage_v\n9,0,7\n";
+  for (int i = 0; i < 9; ++i) text += fmt::format("{},{},{}\n", i, i * i, 7 - i);
+  EXPECT_THAT(ErrorOf(text), HasSubstr("time 0 s does not grow (the row before is at 9 s); sort "
+                                       "the rows"))
+      << "neither squares nor a column that falls";
+}
+
+TEST(Csv, AUnitThatTheColumnsReplaceIsFoundWithBothFactors) {
+  const std::string text = "Time (s),Laser (um),Coil (V),Grip\n0,1,2,3\n1,2,3,4\n";
+  const auto found = [&](const std::vector<std::string>& columns) {
+    Findings findings;
+    EXPECT_TRUE(ParseCsv(text, "f.csv", {.columns = columns}, &findings));
+    return tests::NumbersOf(findings, FindingKind::kUnitOverridden);
+  };
+  EXPECT_EQ(found({"time_s", "displacement_mm", "voltage_v", "grip"}),
+            "column=2 file_factor=1e-06 file_unit=m given_factor=0.001 given_unit=m");
+  EXPECT_EQ(found({"time_ms", "displacement_um", "voltage_v", "grip"}),
+            "column=1 file_factor=1 file_unit=s given_factor=0.001 given_unit=s");
+  EXPECT_EQ(found({"time_s", "displacement_um", "current_a", "-"}),
+            "column=3 file_factor=1 file_unit=V given_factor=1 given_unit=A");
+  EXPECT_EQ(found({"time_s", "laser", "-", "voltage_v"}), "none");
 }
 
 // --- one meaning of time_s -----------------------------------------------------------------------

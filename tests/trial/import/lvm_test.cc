@@ -154,8 +154,107 @@ TEST(Lvm, WhatCannotBeReadIsExplained) {
               HasSubstr("neither X values nor a Delta_X"));
 }
 
-// --- the header's clock, and what is said of the columns
-// ------------------------------------------
+// the second segment's X begins again at 0.25 s, 2.25 s on the wall behind the first one's at 0.5 s
+TEST(Lvm, ASegmentLiesBehindTheFirstAsItsTimeSays) {
+  const auto dated = [](const char* x0, const char* date, const char* time) {
+    return Changed(kSegment, "X0\t0\t0",
+                   fmt::format("Date\t{}\t{}\nTime\t{}\nX0\t{}\t{}", date, date, time, x0, x0));
+  };
+  const std::string first =
+      dated("0.5", "2024/05/06", "12:00:00.5") + "0.500\t1\t2\n0.501\t2\t3\n0.502\t3\t4\n\n";
+  const std::string rows = "0.250\t5\t6\n0.251\t7\t8\n";
+  const Record record =
+      ParsedLvm(Lvm("", first + dated("0.25", "2024/05/06", "12:00:02.75") + rows));
+  ASSERT_EQ(record.stretches.size(), 2U);
+  EXPECT_EQ(record.stretches[0].start_s, 0.5);
+  EXPECT_EQ(record.stretches[1].start_s, 2.75);
+  EXPECT_EQ(record.stretches[1].first_row, 3U);
+  // of another day the time alone says nothing
+  EXPECT_THAT(LvmErrorOf(Lvm("", first + dated("0.25", "2024/05/07", "12:00:02.75") + rows)),
+              HasSubstr("whose Date and Time do not state when"));
+}
+
+TEST(Lvm, OneRowIsNoMeasurement) {
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", kSegment + "\t1\t2\n")),
+              HasSubstr("holds 1 row; a measurement needs at least two"));
+}
+
+TEST(Lvm, CommentsAreCountedByTheirRows) {
+  const Record record =
+      ParsedLvm(Lvm("", kSegment + "0\t1\t2\n0.001\t1\t2\tknocked\n0.002\t1\t2\n\n" + kSegment +
+                            "0.1\t1\t2\tagain\n0.101\t1\t2\n"));
+  EXPECT_THAT(record.metadata.notes, ElementsAre("row 1: knocked", "row 3: again"));
+}
+
+TEST(Lvm, XInTheUnitThatItsNameSays) {
+  const std::string text =
+      Lvm("", "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t5\n4\t6\n8\t7\n");
+  EXPECT_REL(ParsedLvm(text).stretches.at(0).rate_hz, 0.25, 1e-12, "printed X");
+  EXPECT_REL(ParsedLvm(text, {.columns = {"time_ms", "voltage_v"}}).stretches.at(0).rate_hz, 250,
+             1e-12, "printed X");
+}
+
+// two channels at 1 kHz, the second with an X0 and a Delta_X of its own
+std::string WithClock(const char* x0, const char* delta) {
+  return Lvm("", Changed(Changed(kSegment, "X0\t0\t0", fmt::format("X0\t0\t{}", x0)),
+                         "0.001\t0.001", fmt::format("0.001\t{}", delta)) +
+                     "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n");
+}
+
+TEST(Lvm, ChannelsShareAClockToHalfAnIntervalAndAMillionth) {
+  for (const char* x0 : {"0.000499", "-0.000499"}) {
+    EXPECT_EQ(ParsedLvm(WithClock(x0, "0.001")).channels.size(), 2U) << x0;
+  }
+  for (const char* x0 : {"0.000501", "-0.000501"}) {
+    EXPECT_THAT(LvmErrorOf(WithClock(x0, "0.001")), HasSubstr("have clocks of their own")) << x0;
+  }
+  for (const char* delta : {"0.00100000099", "0.00099999901"}) {
+    EXPECT_EQ(ParsedLvm(WithClock("0", delta)).channels.size(), 2U) << delta;
+  }
+  for (const char* delta : {"0.00100000101", "0.00099999899"}) {
+    EXPECT_THAT(LvmErrorOf(WithClock("0", delta)), HasSubstr("have clocks of their own")) << delta;
+  }
+}
+
+TEST(Lvm, TwoSamplesHaveAClockAndOneHasNone) {
+  const auto text = [](const char* samples, const char* delta) {
+    return Lvm("X_Columns\tNo\n",
+               fmt::format("Samples\t{}\nDelta_X\t{}\n***End_of_Header***\nX_Value\tA\n\t1\n\t2\n",
+                           samples, delta));
+  };
+  EXPECT_EQ(ParsedLvm(text("2", "0.25")).stretches.at(0).rate_hz, 4);
+  EXPECT_EQ(ParsedLvm(text("", "0.25")).stretches.at(0).rate_hz, 4);
+  for (const auto& bad :
+       {text("1", "0.25"), text("2", "0"), text("2", "-0.25"), text("2", "inf")}) {
+    EXPECT_THAT(LvmErrorOf(bad), HasSubstr("neither X values nor a Delta_X above 0"));
+  }
+}
+
+TEST(Lvm, ARateAgainstTheTimesIsRefused) {
+  const std::string text =
+      Lvm("", "Channels\t1\nDelta_X\t0.001\n***End_of_Header***\nX_Value\tA\n0\t1\n0.001\t2\n");
+  EXPECT_EQ(ParsedLvm(text, {.rate_hz = 1009}).stretches.at(0).rate_hz, 1000) << "within 1 %";
+  EXPECT_THAT(LvmErrorOf(text, {.rate_hz = 1011}), HasSubstr("give 1000 rows per second"));
+  EXPECT_THAT(LvmErrorOf(text, {.rate_hz = 500}), HasSubstr("<rate> gives 500 Hz"));
+}
+
+TEST(Lvm, AThousandAndTwentyFourChannelsAreTaken) {
+  const auto text = [](int channels) {
+    std::string names = "X_Value";
+    std::string row;
+    for (int c = 0; c < channels; ++c) {
+      names += "\tA";
+      row += fmt::format("\t{}", c);
+    }
+    return Lvm("", "Channels\t1\n***End_of_Header***\n" + names + "\n0" + row + "\n1" + row + "\n");
+  };
+  const Record record = ParsedLvm(text(1024));
+  ASSERT_EQ(record.channels.size(), 1024U);
+  EXPECT_EQ(record.channels.back().values[1], 1023);
+  EXPECT_THAT(LvmErrorOf(text(1025)), HasSubstr("names no channel, or too many"));
+}
+
+// --- the header's clock, and what is said of the columns -----------------------------------------
 
 // two channels with a header each and a row a sample; `x` prints X
 std::string TwoChannels(const std::string& header, std::size_t rows,
@@ -291,6 +390,22 @@ TEST(Lvm, ChannelsOfOtherClocksAreReadOneByOne) {
   EXPECT_EQ(slow.stretches.at(0).start_s, 0.5);
   EXPECT_EQ(slow.stretches[0].rate_hz, 2);
   EXPECT_TRUE(slow.raw_times_s.empty());
+}
+
+// channel A has no interval; those of B and C are compared
+TEST(Lvm, ClocksThatDifferAreThoseOfTheirOwnChannels) {
+  const auto text = [](const char* third) {
+    return Lvm("Decimal_Separator\t.\nX_Columns\tNo\n",
+               fmt::format("Channels\t3\nX0\t9\t0.25\t{}\nDelta_X\t0\t0.5\t0.5\n"
+                           "***End_of_Header***\nX_Value\tA\tB\tC\n\t1\t2\t3\n\t4\t5\t6\n",
+                           third));
+  };
+  EXPECT_THAT(LvmErrorOf(text("0.75")),
+              HasSubstr("'B' begins at 0.25 s with a sample every 0.5 s (Delta_X), 'C' at 0.75 s "
+                        "with one every 0.5 s"));
+  const Record record = ParsedLvm(text("0.375"));
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 2);
+  EXPECT_EQ(record.stretches[0].start_s, 0.25);
 }
 
 TEST(Lvm, ASpectrumIsNoSignalOverTime) {

@@ -87,7 +87,7 @@ Result<void> AddPxiClock(const TableBeginning& beginning, const std::string& nam
     // one table of rows needs one clock for all channels
     const bool differs = table->clock && (table->clock->interval_s != clock.interval_s ||
                                           table->clock->start_s != clock.start_s);
-    if (!(*interval_s > 0) || !std::isfinite(1 / *interval_s) || differs) {
+    if (!IsSampleInterval(*interval_s) || differs) {
       return CannotAnswer(name, "has channels of different clocks, or one without",
                           "write channels of one clock into one file");
     }
@@ -255,7 +255,7 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
   // time of row i: Start + (number in the first column) * Increment
   const SequenceHead head = SequenceHeadOf(beginning);
   if (!head.start_s || !head.increment_s || !std::isfinite(*head.start_s) ||
-      !std::isfinite(1 / *head.increment_s) || !(*head.increment_s > 0)) {
+      !IsSampleInterval(*head.increment_s)) {
     return CannotAnswer(name, "has no Start and Increment beside its names, or invalid ones",
                         "give <format> plain with <columns> and <rate>");
   }

@@ -201,11 +201,8 @@ class Head {
   // no line names the columns: one column needs no name where the rate is known; of several, the
   // first may be the time
   Result<void> WithoutNames() {
-    std::size_t width = Width();
-    // empty columns at the end do not count
-    while (width > 1 && IsEmptyBelow(width - 1)) --width;
     std::vector<std::size_t> filled;
-    for (std::size_t i = 0; i < width; ++i) {
+    for (std::size_t i = 0; i < Width(); ++i) {
       if (!IsEmptyBelow(i)) filled.push_back(i);
     }
     const bool is_infiniium = facts_.format == TableFormat::kKeysightInfiniium;

@@ -150,7 +150,7 @@ Result<std::optional<StatedClock>> ReadClockKey(const IntervalKey& known, const 
     }
     clock.interval_s *= *unit_s;
   }
-  if (!(clock.interval_s > 0) || !std::isfinite(1 / clock.interval_s)) return std::nullopt;
+  if (!IsSampleInterval(clock.interval_s)) return std::nullopt;
   return clock;
 }
 
@@ -215,6 +215,10 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
   }
   if (clock) clock->start_s = StartOf(keys, clock->interval_s);
   return clock;
+}
+
+bool IsSampleInterval(double interval_s) {
+  return interval_s > 0 && std::isfinite(interval_s) && std::isfinite(1 / interval_s);
 }
 
 bool MayGroupThousands(const StatedClock& clock, bool has_decimal_commas) {

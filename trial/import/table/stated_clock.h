@@ -34,6 +34,9 @@ struct StatedClock {
   std::string printed{};            ///< the number: "1,000"
 };
 
+/// Whether an interval and its rate are finite and above 0.
+[[nodiscard]] bool IsSampleInterval(double interval_s);
+
 /// Whether the number of `clock` may group thousands, so that the clock may be another by a factor
 /// of 1000: by a comma, or by a point where the numbers below have decimal commas.
 [[nodiscard]] bool MayGroupThousands(const StatedClock& clock, bool has_decimal_commas);

@@ -1,9 +1,13 @@
 // What other programs write: oscilloscopes, DAQs, LabVIEW.
+#include "trial/import/table/foreign_table.h"
+
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "tests/findings.h"
 #include "tests/residual.h"
@@ -205,6 +209,35 @@ TEST(ForeignTable, ADateAndATimeOfDay) {
   EXPECT_REL(midnight.stretches.at(0).rate_hz, 2, 1e-9, "printed times");
 }
 
+TEST(ForeignTable, EachMidnightAddsADay) {
+  // every seven hours from 20 o'clock on: 63 hours later it is the third day's 11 o'clock
+  std::string text = "Date,Time,Coil (V)\n";
+  for (int i = 0; i < 10; ++i) {
+    const int hours = 20 + 7 * i;
+    text += fmt::format("2024-05-{:02},{:02}:00:00,{}\n", 6 + hours / 24, hours % 24, i);
+  }
+  const Record record = Parsed(text);
+  EXPECT_TRUE(record.raw_times_s.empty());
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].rows, 10U);
+  EXPECT_REL(record.stretches[0].rate_hz, 1 / 25'200.0, 1e-12, "whole seconds");
+  EXPECT_EQ(TimeOf(record, 9) - TimeOf(record, 0), 63 * 3600);
+}
+
+// a time of day that falls by more than twelve hours is the next day's
+TEST(ForeignTable, AMidnightIsAFallOfMoreThanHalfADay) {
+  const auto text = [](const char* first, const char* second) {
+    return fmt::format(
+        "Date,Time,Coil (V)\n2024-05-06,{}:00,1\n2024-05-06,{}:01,2\n2024-05-06,{}:00,3\n"
+        "2024-05-06,{}:01,4\n",
+        first, first, second, second);
+  };
+  const Record record = Parsed(text("18:00", "05:59"));
+  ASSERT_EQ(record.rows, 4U);
+  EXPECT_EQ(TimeOf(record, 2) - TimeOf(record, 0), 12 * 3600 - 60);
+  EXPECT_THAT(ErrorOf(text("18:00", "06:01")), HasSubstr("its times begin again at line 4"));
+}
+
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"),
               HasSubstr("no column is a time and no line above states the sample interval"));
@@ -288,6 +321,76 @@ TEST(ForeignTable, ARateThatIsSaidReplacesTheHeadersWhereThereAreNoTimes) {
   EXPECT_EQ(record->stretches.at(0).rate_hz, 500);
   EXPECT_EQ(NumbersOf(findings, FindingKind::kRateReplaced),
             "rate_hz=500 stated_hz=1000 stated_by=Sample Interval");
+}
+
+// rows a step of 1 apart, in the unit in which they come at the rate that is said
+TEST(ForeignTable, TheUnitOfTheTimesIsTheOneOfTheRateToOnePercent) {
+  const std::string text = "Time,CH1 (V)\n0,1\n1,2\n2,3\n";
+  for (const double rate_hz : {1.0, 1e3, 1e6, 1e9}) {
+    EXPECT_REL(Parsed(text, {.rate_hz = rate_hz}).stretches.at(0).rate_hz, rate_hz, 1e-12,
+               "one product");
+    EXPECT_REL(Parsed(text, {.rate_hz = 1.0099 * rate_hz}).stretches.at(0).rate_hz, rate_hz, 1e-12,
+               "one product");
+    for (const double factor : {1.0101, 0.9899}) {
+      EXPECT_THAT(ErrorOf(text, {.rate_hz = factor * rate_hz}),
+                  HasSubstr("column 'Time' does not state its unit"));
+    }
+  }
+}
+
+TEST(ForeignTable, RowsThatTheHeaderPromisesAndDoesNotHoldAreADoubt) {
+  const auto found = [](int stated) {
+    Findings findings;
+    EXPECT_TRUE(ParseCsv(fmt::format("Record Length,{}\nTime (s),CH1 (V)\n0,1\n1,2\n2,3\n", stated),
+                         "f", {}, &findings));
+    return NumbersOf(findings, FindingKind::kStatedRowsDiffer);
+  };
+  EXPECT_EQ(found(3), "none");
+  EXPECT_EQ(found(4), "stated_rows=4 rows=3");
+  EXPECT_EQ(found(2), "stated_rows=2 rows=3");
+}
+
+TEST(ForeignTable, IsLookedForInAThousandLines) {
+  const auto is_found = [](int words) {
+    std::string text;
+    for (int i = 0; i < words; ++i) text += "word\n";
+    const auto found = FindTableBeginning(text + "1,2\n3,4\n");
+    EXPECT_TRUE(!found || found->line == static_cast<std::size_t>(words));
+    return found.has_value();
+  };
+  EXPECT_TRUE(is_found(998));
+  EXPECT_FALSE(is_found(999));
+}
+
+// 0, 1, ... above numbers that are not whole: a header where a number differs by 1 or more
+TEST(ForeignTable, NumbersOfColumnsDifferByOneFromAReading) {
+  const auto rows = [](const char* first) {
+    const std::string text = fmt::format("0,1\n0.5,{}\n1.5,2.5\n2.5,2.5\n", first);
+    return Parsed(text, {.columns = {"time_s", "displacement_mm"}}).rows;
+  };
+  EXPECT_EQ(rows("1.995"), 4U);
+  EXPECT_EQ(rows("2.0"), 3U);
+  EXPECT_EQ(rows("0.005"), 4U);
+  EXPECT_EQ(rows("0.0"), 3U);
+}
+
+TEST(ForeignTable, AStatedUnitIsOfAllChannelsOrOfEachInTurn) {
+  const auto first_values = [](const char* key, const char* names) {
+    const Record record = Parsed(fmt::format("{}\nTime (s),{}\n0,1,2,3\n1,1,2,3\n", key, names));
+    std::vector<double> values;
+    for (const Channel& channel : record.channels) values.push_back(channel.values.at(0));
+    return values;
+  };
+  EXPECT_THAT(first_values("Vertical Units,mV", "A,B,C"), ElementsAre(1e-3, 2e-3, 3e-3));
+  EXPECT_THAT(first_values("Vertical Units,mV,V,kV", "A,B,C"), ElementsAre(1e-3, 2, 3e3));
+  EXPECT_THAT(first_values("VUnit,mV,V,kV", "A (uV),B,C"), ElementsAre(1e-6, 2, 3e3));
+  EXPECT_THAT(first_values("YUnits,mV,kV", "A,B,C"), ElementsAre(1e-3, 2e3, 3)) << "of two";
+}
+
+TEST(ForeignTable, AChannelIsChosenByANameOfItsOwn) {
+  EXPECT_THAT(ErrorOf("Time (s),A (V),A (V)\n0,1,2\n1,3,4\n", {.channel = "a"}),
+              HasSubstr("f.csv: has several channels called 'a' (its channels: A, A); give "
+                        "<columns>, with - for the others"));
 }
 
 TEST(ForeignTable, TimesThatGoBackEverywhereAreNone) {

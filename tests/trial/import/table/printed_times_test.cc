@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <vector>
 
 #include "tests/findings.h"
 #include "tests/residual.h"
@@ -80,6 +81,13 @@ INSTANTIATE_TEST_SUITE_P(
         FloatTimes{"fewest_digits",
                    [](auto i) { return fmt::format("{}", static_cast<float>(At(i, -0.4, 4e-5))); },
                    -0.4, 4e-5},
+        // a step that is no decimal number: the digits alone say less than the fewest that give
+        // the float back
+        FloatTimes{"fewest_digits_of_fractions",
+                   [](auto i) {
+                     return fmt::format("{}", static_cast<float>(At(i, -7.0 / 17, 1.0 / 24'000)));
+                   },
+                   -7.0 / 17, 1.0 / 24'000},
         // row times interval is rounded before the offset is added
         FloatTimes{"offset_in_floats",
                    [](auto i) {
@@ -267,6 +275,259 @@ TEST(PrintedTimes, ARateThatDriftsIsNoGrid) {
   EXPECT_EQ(record.raw_times_s.size(), 20'000);
 }
 
+// --- where a bound lies --------------------------------------------------------------------------
+//
+// A float leaves 2^-24 (largest + span) out, which counts here whatever the digits, because it is
+// below a thousandth of an interval; half a unit of the ninth decimal comes on top.
+
+double Resolution(double largest_s, double span_s) {
+  return 0x1p-24 * (largest_s + span_s) + 0.5e-9;
+}
+
+std::string Rows(const std::vector<double>& times_s, std::string_view head) {
+  return Table(times_s.size(), [&](auto i) { return fmt::format("{:.9f}", times_s[i]); }, head);
+}
+
+// two rows a second apart: each may be off by 1.0001 resolutions and a millionth of the interval
+TEST(PrintedTimeBounds, AStatedIntervalIsTakenToTheResolutionOfBothRows) {
+  constexpr const char* kHead = "Sample Interval,1\nTime (s),CH1 (V)\n";
+  const double most_s = 2 * (1.0001 * Resolution(1, 1) + 1e-6);
+  EXPECT_EQ(Parsed(Rows({0, 1 + 0.995 * most_s}, kHead)).stretches.at(0).rate_hz, 1);
+  EXPECT_EQ(Parsed(Rows({0, 1 - 0.995 * most_s}, kHead)).stretches.at(0).rate_hz, 1);
+  for (const double late_s : {1.005 * most_s, -1.005 * most_s}) {
+    EXPECT_REL(Parsed(Rows({0, 1 + late_s}, kHead)).stretches.at(0).rate_hz, 1 / (1 + late_s),
+               0.6e-9, "the ninth decimal");
+  }
+}
+
+// the start may differ by twice the resolution and a millionth of the interval more than that
+TEST(PrintedTimeBounds, AStatedStartIsTakenToThreeResolutionsAndTwoMillionths) {
+  const auto start_s = [](double stated_s) {
+    const std::string head =
+        fmt::format("Sample Interval,1\nXOrg,{:.12f}\nTime (s),CH1 (V)\n", stated_s);
+    return Parsed(Rows({0, 1}, head)).stretches.at(0).start_s;
+  };
+  const double most_s = 3.0001 * Resolution(1, 1) + 2e-6;
+  for (const double sign : {1.0, -1.0}) {
+    const double within_s = sign * 0.995 * most_s;
+    EXPECT_ABS(start_s(within_s), within_s, 1e-12, "the twelfth decimal");
+    EXPECT_EQ(start_s(sign * 1.005 * most_s), 0) << "the first row's own time";
+  }
+}
+
+// without a stated start the first row has its own time, or the middle of what the rows allow
+TEST(PrintedTimeBounds, WithoutAStartTheFirstRowsTimeOrTheMiddleOfWhatAllRowsAllow) {
+  constexpr const char* kHead = "Sample Interval,1\nTime (s),CH1 (V)\n";
+  EXPECT_EQ(Parsed(Rows({0.25, 1.25}, kHead)).stretches.at(0).start_s, 0.25);
+  // the second row allows starts from -bound + late to bound + late, the first from -bound to bound
+  const double bound_s = 1.0001 * Resolution(1, 1) + 1e-6;
+  const double late_s = 1.5 * bound_s;
+  EXPECT_ABS(Parsed(Rows({0, 1 + late_s}, kHead)).stretches.at(0).start_s, late_s / 2, 1e-9,
+             "the ninth decimal");
+}
+
+// three rows, of which the middle one is late: its digits count, those of the ends, and a millionth
+TEST(PrintedTimeBounds, AGridIsTakenToTwoResolutionsAndAMillionth) {
+  constexpr const char* kHead = "Time (s),CH1 (V)\n";
+  const double most_s = 2 * Resolution(2, 2) + 1e-6;
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_TRUE(Parsed(Rows({0, 1 + sign * 0.995 * most_s, 2}, kHead)).raw_times_s.empty());
+    EXPECT_EQ(Parsed(Rows({0, 1 + sign * 1.005 * most_s, 2}, kHead)).raw_times_s.size(), 3U);
+  }
+}
+
+// Five digits from 0.5 s to 19.5 s: half a unit of the last one is 50 us below 10 s and 500 us from
+// there on, and 2^-24 of 38.5 s come on top. The bound of the row at 9.5 s is 556 us, and that of
+// the row at 10.5 s is 1006 us.
+TEST(PrintedTimeBounds, DigitsCountForTheirOwnRowAndAtTheEndsForAll) {
+  const auto is_grid = [](double late_s, std::size_t late_row) {
+    std::string text = "Time (s),CH1 (V)\n";
+    for (std::size_t i = 0; i < 20; ++i) {
+      text += fmt::format("{:.4e},1\n", At(i, 0.5, 1) + (i == late_row ? late_s : 0));
+    }
+    return Parsed(text).raw_times_s.empty();
+  };
+  // the last row's half digit counts for all, each row's own beside it
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_TRUE(is_grid(sign * 5e-4, 9));
+    EXPECT_FALSE(is_grid(sign * 6e-4, 9)) << "the row behind it is coarser";
+    EXPECT_TRUE(is_grid(sign * 1e-3, 10));
+    EXPECT_FALSE(is_grid(sign * 2e-3, 10));
+  }
+}
+
+// the first row is the coarsest: from -19.5 s to -0.5 s the bound of the row at -4.5 s is 556 us
+TEST(PrintedTimeBounds, TheCoarserEndCounts) {
+  const auto is_grid = [](double late_s) {
+    std::string text = "Time (s),CH1 (V)\n";
+    for (std::size_t i = 0; i < 20; ++i) {
+      text += fmt::format("{:.4e},1\n", At(i, -19.5, 1) + (i == 15 ? late_s : 0));
+    }
+    return Parsed(text).raw_times_s.empty();
+  };
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_TRUE(is_grid(sign * 5e-4));
+    EXPECT_FALSE(is_grid(sign * 6e-4));
+  }
+}
+
+TEST(PrintedTimeBounds, AnIntervalOfOneAndAHalfPeriodsBeginsAStretch) {
+  const auto with_interval = [](double interval_s) {
+    std::vector<double> times_s;
+    for (int i = 0; i < 60; ++i) times_s.push_back(i < 40 ? i : 39 + interval_s + (i - 40));
+    return Parsed(Rows(times_s, "Time (s),CH1 (V)\n"));
+  };
+  // rounding adds 2^-24 of 240 s to the bound, 14 us
+  EXPECT_EQ(with_interval(1.499).raw_times_s.size(), 60U);
+  const Record apart = with_interval(1.501);
+  EXPECT_TRUE(apart.raw_times_s.empty());
+  ASSERT_EQ(apart.stretches.size(), 2U);
+  EXPECT_EQ(apart.stretches[1].first_row, 40U);
+  EXPECT_EQ(apart.stretches[1].rows, 20U);
+  EXPECT_EQ(apart.stretches[1].start_s, 40.501);
+}
+
+// half a unit of either time is a whole period: without a limit no missing row would be seen
+TEST(PrintedTimeBounds, AMissingRowIsSeenWhereAPeriodIsOneUnitOfTheLastDigit) {
+  std::string text = "Time (s),CH1 (V)\n";
+  for (int i = 0; i < 40; ++i) text += fmt::format("{},0.5\n", i < 20 ? i : i + 1);
+  const Record record = Parsed(text);
+  ASSERT_EQ(record.stretches.size(), 2U);
+  EXPECT_EQ(record.stretches[1].first_row, 20U);
+  EXPECT_EQ(record.stretches[1].start_s, 21);
+  EXPECT_EQ(record.stretches[0].rate_hz, 1);
+}
+
+// n rows from 0 on: 2^-23 (n - 1) intervals are a thousandth of (n - 1) / n up to n = 8388
+TEST(PrintedTimeBounds, AFloatsRoundingCountsUpToAThousandthOfAnInterval) {
+  const auto raw_times = [](std::size_t rows) {
+    // digits of no float, and one row late by 1.5 thousandths
+    const auto print = [](std::size_t i) {
+      return fmt::format("{:.12f}", At(i, 0, 1e-4) + (i == 4000 ? 1.5e-7 : 0));
+    };
+    return Parsed(Table(rows, print)).raw_times_s.size();
+  };
+  EXPECT_EQ(raw_times(8388), 0U);
+  EXPECT_EQ(raw_times(8389), 8389U);
+}
+
+// --- times coarser than a period -----------------------------------------------------------------
+
+TEST(CoarseTimes, SixteenRowsProveAGrid) {
+  const auto text = [](int rows) {
+    std::string lines = "Time (s),CH1 (V)\n";
+    for (int i = 0; i < rows; ++i) lines += fmt::format("{},{}.5\n", i / 2, i);
+    return lines;
+  };
+  const Record record = Parsed(text(16));
+  EXPECT_TRUE(record.raw_times_s.empty());
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].rows, 16U);
+  // least squares through pairs at 0, 1, ..., 7: sum(x t) / sum(x^2) = 168 / 340 s a row
+  EXPECT_REL(record.stretches[0].rate_hz, 340.0 / 168, 1e-12, "rounding of the sums");
+  EXPECT_THAT(ErrorOf(text(15)), HasSubstr("no uniform grid explains it"));
+}
+
+// the rate of 2e307 Hz is a number, and that of 2e309 Hz is none
+TEST(CoarseTimes, AnIntervalHasAFiniteInverse) {
+  const auto text = [](int exponent) {
+    std::string lines = "Time (s),CH1 (V)\n";
+    for (int i = 0; i < 16; ++i) lines += fmt::format("{}e{},{}.5\n", i / 2, exponent, i);
+    return lines;
+  };
+  EXPECT_REL(Parsed(text(-307)).stretches.at(0).rate_hz, 340.0 / 168 * 1e307, 1e-3,
+             "sums of subnormal numbers");
+  EXPECT_THAT(ErrorOf(text(-309)), HasSubstr("no uniform grid explains it"));
+}
+
+// four digits of times that end at 0: the last rows are the finest, and the line goes through them
+TEST(CoarseTimes, TheFinestRowsCountMost) {
+  constexpr int kRows = 1500;
+  constexpr double kPeriodS = 9e-6;
+  std::string text = "Time (s),CH1 (V)\n";
+  for (int k = 0; k < kRows; ++k) text += fmt::format("{:.3e},1\n", (k - kRows + 1) * kPeriodS);
+  const Record record = Parsed(text);
+  EXPECT_TRUE(record.raw_times_s.empty());
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_REL(record.stretches[0].rate_hz, 1 / kPeriodS, 3.5e-6,
+             "a unit of 1 us over the 1000 rows of 9 ms: sqrt(1 / 12) us sqrt(12 / 1000) / 9 ms");
+  EXPECT_ABS(TimeOf(record, kRows - 1), 0, 4.3e-9,
+             "twice half a unit of the ninth decimal and 2^-24 of twice 13.5 ms");
+}
+
+// The first row is finer than the others, and its bound is 2 (0.05 ns + 2^-24 27 ms) = 3.3 ns and a
+// millionth of an interval; the line follows it by 2.5 ns.
+TEST(CoarseTimes, ARowOffItsDigitsLiesOnNoLine) {
+  const auto text = [](const char* first) {
+    std::string lines = fmt::format("Time (s),CH1 (V)\n{},1\n", first);
+    for (int k = 1; k < 1500; ++k) lines += fmt::format("{:.3e},1\n", k * 9e-6);
+    return lines;
+  };
+  EXPECT_TRUE(Parsed(text("5.8e-09")).raw_times_s.empty());
+  EXPECT_THAT(ErrorOf(text("5.9e-09")), HasSubstr("no uniform grid explains it"));
+}
+
+// --- stated stretches ----------------------------------------------------------------------------
+
+// a table of our own with a stretch of 1 Hz from 0 s on, whose uncertainty shows that it was taken
+Record OfStretch(const std::string& head, const std::vector<double>& times_s) {
+  return Parsed(head + Rows(times_s, "time_s,voltage_v\n"));
+}
+
+TEST(StatedStretches, DescribeTimesOnTheirGridToAMillionth) {
+  constexpr const char* kHead = "# stretch = 0 3 0 1 0.25\n";
+  EXPECT_EQ(OfStretch(kHead, {0, 1, 2 + 0.995e-6}).stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_EQ(OfStretch(kHead, {0, 1, 2 - 0.995e-6}).stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_EQ(OfStretch(kHead, {0, 1, 2 + 1.005e-6}).stretches.at(0).time_uncertainty_s, 0);
+  EXPECT_EQ(OfStretch(kHead, {0, 1, 2 - 1.005e-6}).stretches.at(0).time_uncertainty_s, 0);
+}
+
+// rows are below 10^15, and a start may be later
+TEST(StatedStretches, MayBeginAtAnyTime) {
+  const Record record = OfStretch("# stretch = 0 3 2e15 1 0.25\n", {2e15, 2e15 + 1, 2e15 + 2});
+  EXPECT_EQ(record.stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_EQ(record.stretches[0].start_s, 2e15);
+}
+
+TEST(StatedStretches, DescribePolledTimesToASecond) {
+  constexpr const char* kHead = "# times = polled\n# stretch = 0 3 2 1 0.25\n";
+  EXPECT_EQ(OfStretch(kHead, {2, 3, 4.995}).stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_NE(OfStretch(kHead, {2, 3, 5.005}).stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_EQ(OfStretch(kHead, {1.005, 3, 4}).stretches.at(0).time_uncertainty_s, 0.25);
+  EXPECT_NE(OfStretch(kHead, {0.995, 3, 4}).stretches.at(0).time_uncertainty_s, 0.25);
+}
+
+// a host that stalls may hold half of the lines for more than a second, and lets none come early
+TEST(StatedStretches, DescribeArrivalsOfWhichHalfWereHeld) {
+  constexpr const char* kHead = "# times = arrived\n# stretch = 0 4 2 1 0.25\n";
+  const auto uncertainty_s = [&](const std::vector<double>& times_s) {
+    return OfStretch(kHead, times_s).stretches.at(0).time_uncertainty_s;
+  };
+  EXPECT_EQ(uncertainty_s({2, 3.995, 5.005, 6.005}), 0.25);
+  EXPECT_NE(uncertainty_s({2, 4.005, 5.005, 6.005}), 0.25);
+  EXPECT_EQ(uncertainty_s({1.005, 3, 4, 5}), 0.25);
+  EXPECT_NE(uncertainty_s({0.995, 3, 4, 5}), 0.25);
+}
+
+TEST(StatedStretches, CoverAllRowsInOrder) {
+  const std::vector<double> times_s{0, 1, 2, 3};
+  for (const char* good :
+       {"# stretch = 0 4 0 1 0.25\n", "# stretch = 0 2 0 1 0.25\n# stretch = 2 2 2 1 0.25\n"}) {
+    EXPECT_EQ(OfStretch(good, times_s).stretches.at(0).time_uncertainty_s, 0.25) << good;
+  }
+  for (const char* bad :
+       {"# stretch = 0 3 0 1 0.25\n", "# stretch = 0 5 0 1 0.25\n", "# stretch = 1 3 1 1 0.25\n",
+        "# stretch = 0 2 0 1 0.25\n# stretch = 3 1 3 1 0.25\n",
+        "# stretch = 0 2 0 1 0.25\n# stretch = 2 3 2 1 0.25\n", "# stretch = 0 4 0 1\n",
+        "# stretch = 0 4 0 1 0.25 7\n", "# stretch = 0 4 0 -1 0.25\n",
+        "# stretch = 0 4 0 1 -0.25\n", "# stretch = 0 4 x 1 0.25\n"}) {
+    const Record record = OfStretch(bad, times_s);
+    ASSERT_EQ(record.stretches.size(), 1U) << bad;
+    EXPECT_EQ(record.stretches[0].rows, 4U) << bad;
+    EXPECT_EQ(record.stretches[0].time_uncertainty_s, 0) << bad;
+  }
+}
+
 // --- times that repeat ---------------------------------------------------------------------------
 
 TEST(PrintedTimes, TheFewRowsThatRepeatATimeOfUnevenOnesAreLeftOut) {
@@ -286,6 +547,23 @@ TEST(PrintedTimes, TheFewRowsThatRepeatATimeOfUnevenOnesAreLeftOut) {
   EXPECT_EQ(record->raw_times_s.size(), 1999);
   EXPECT_REL(record->stretches.at(0).rate_hz, 100, 1e-3, "a row in 2000 is missing");
   EXPECT_EQ(NumbersOf(findings, FindingKind::kRowsExcluded), "excluded=1 rows=2000 line=1236");
+}
+
+TEST(PrintedTimes, OneRowInAHundredMayRepeatATime) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> jitter(-1e-3, 1e-3);
+  const auto text = [&](std::size_t rows) {
+    std::string last;
+    return Table(
+        rows,
+        [&](std::size_t i) {
+          if (i != 50) last = fmt::format("{:.9f}", At(i, 0.5, 0.01) + jitter(random));
+          return last;
+        },
+        "Time (s),Acceleration (m/s^2)\n");
+  };
+  EXPECT_EQ(Parsed(text(100)).rows, 99U);
+  EXPECT_THAT(ErrorOf(text(99)), HasSubstr("1 of 99 rows has the time of the row before"));
 }
 
 TEST(PrintedTimes, OurOwnColumnsAreTreatedAlike) {
