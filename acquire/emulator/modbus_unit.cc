@@ -246,8 +246,11 @@ std::uint32_t ModbusUnit::BitsAt(std::int64_t sample, const Fault* fault) const 
   const SensorProfile& profile = setup_.profile;
   const SampleStatus forced = fault != nullptr ? fault->status : SampleStatus::kOk;
   if (forced == SampleStatus::kOver && profile.most_number) {
-    // beyond the upper limit of the profile
+    // beyond a limit of the profile
     return BitsOf(*profile.most_number + 1, profile.type).value_or(InvalidBits());
+  }
+  if (forced == SampleStatus::kUnder && profile.least_number) {
+    return BitsOf(*profile.least_number - 1, profile.type).value_or(InvalidBits());
   }
   if (forced != SampleStatus::kOk) return InvalidBits();
   // number = (distance / unit_m - offset) / scale

@@ -84,6 +84,61 @@ TEST(Capability, NoiseInTheBandIsItsShareOfHalfTheRate) {
   EXPECT_FALSE(Judge(slow, {}).noise_in_band_m);
 }
 
+// whether a sensor that is `fast` but for one number can answer
+bool CanAnswer(const SensorAbility& sensor) { return Judge(sensor, {}).can_answer; }
+
+TEST(Capability, ARateMayFallShortByRoundingAlone) {
+  // 1280 readings/s are needed; one part in 10^9 is left to rounding
+  SensorAbility sensor = kFast;
+  sensor.rate_hz = 1280 * (1 - 0.99e-9);
+  EXPECT_TRUE(CanAnswer(sensor));
+  sensor.rate_hz = 1280 * (1 - 1.01e-9);
+  EXPECT_FALSE(CanAnswer(sensor));
+}
+
+TEST(Capability, StepsMayExceedTheWishByRoundingAlone) {
+  SensorAbility sensor = kFast;
+  sensor.resolution_m = 1e-6 * (1 + 0.99e-9);
+  EXPECT_TRUE(CanAnswer(sensor));
+  sensor.resolution_m = 1e-6 * (1 + 1.01e-9);
+  EXPECT_FALSE(CanAnswer(sensor));
+}
+
+TEST(Capability, AveragingMayTakeThreeDecibels) {
+  // a mean of two samples leaves cos(pi f T), which is 1 / sqrt(2) at f T = 1/4: 0.5 ms at 500 Hz
+  SensorAbility sensor = kFast;
+  sensor.averages = 2;
+  sensor.sampling_s = 0.4975e-3;
+  EXPECT_TRUE(CanAnswer(sensor));
+  sensor.sampling_s = 0.5025e-3;
+  EXPECT_FALSE(CanAnswer(sensor));
+}
+
+TEST(Capability, NothingIsAveragedAtZeroHertz) {
+  SensorAbility averaged = kFast;
+  averaged.sampling_s = 1e-3;
+  averaged.averages = 16;
+  EXPECT_EQ(Judge(averaged, {.lower_hz = 0, .upper_hz = 10}).gain_lower, 1);
+}
+
+TEST(Capability, SaysTheNoiseAndTheSmallestRms) {
+  // 5e-7 sqrt(480 / 5000) = 1.549193e-7; times sqrt(0.1074032): 5.077084e-8
+  EXPECT_EQ(tests::NumbersOf(Judge(kFast, {}).reason),
+            "rate_hz=10000 observable_hz=3906.25 noise_m=1.54919e-07 smallest_m=5.07708e-08 "
+            "record_s=10");
+  SensorAbility silent = kFast;
+  silent.noise_rms_m.reset();
+  EXPECT_EQ(tests::NumbersOf(Judge(silent, {}).reason), "rate_hz=10000 observable_hz=3906.25");
+}
+
+TEST(Capability, NoNoiseNeedsNoSmallestRms) {
+  SensorAbility sensor = kFast;
+  sensor.noise_rms_m = 0;
+  const Capability capability = Judge(sensor, {});
+  EXPECT_EQ(capability.noise_in_band_m, 0);
+  EXPECT_FALSE(capability.smallest_rms_10_percent_m);
+}
+
 TEST(KnownSensors, SayWhatTheirManualsAllow) {
   // 48.4 readings/s at 9600 baud, 122 at 38400; 7.8 ms of processing are 128/s
   EXPECT_REL(Of("IL-030 through a DL-RS1A, 9600").sensor.rate_hz, 48.4, 1e-3, "three digits");
@@ -92,6 +147,78 @@ TEST(KnownSensors, SayWhatTheirManualsAllow) {
   EXPECT_EQ(Of("lines of 9 characters sent without request, 921600 baud").sensor.rate_hz, 10'240);
   // 15 characters at 115200 baud
   EXPECT_REL(Of("LK-G").sensor.rate_hz, 768, 1e-5, "rounded to nanoseconds");
+}
+
+// what the makers print of the IL-030: 1 um, 20 to 45 mm about 30 mm, and 11 um of noise a sample,
+// which 16 averages make 11 um / 4
+void ExpectAFactoryIl030(const SensorAbility& sensor) {
+  EXPECT_EQ(sensor.sampling_s, 1e-3) << sensor.name;
+  EXPECT_EQ(sensor.averages, 16) << sensor.name;
+  EXPECT_EQ(sensor.resolution_m, 1e-6) << sensor.name;
+  EXPECT_REL(sensor.noise_rms_m.value(), 2.75e-6, 1e-15, "a root and a quotient");
+  EXPECT_EQ(sensor.range_min_m, -15e-3) << sensor.name;
+  EXPECT_EQ(sensor.range_max_m, 10e-3) << sensor.name;
+}
+
+TEST(KnownSensors, AUnitHasTheTimesOfItsWireAndOfItsBuffer) {
+  // 16 characters of 10 bits and 4 ms of processing; the buffer is renewed every 7 ms
+  for (const int baud : {2400, 4800, 9600, 19200, 38400}) {
+    const SensorAbility rs1a =
+        Of("IL-030 through a DL-RS1A, " + std::to_string(baud) + " baud").sensor;
+    ExpectAFactoryIl030(rs1a);
+    EXPECT_REL(rs1a.wire_s, 160.0 / baud + 4e-3, 1e-6, "rounded to nanoseconds");
+    EXPECT_EQ(rs1a.refresh_s, 7e-3);
+    EXPECT_REL(rs1a.rate_hz, 1 / rs1a.wire_s, 1e-15, "the wire is slower than the buffer");
+    EXPECT_EQ(rs1a.limit, RateLimit::kWire);
+    EXPECT_TRUE(rs1a.is_polled);
+  }
+  const SensorAbility en1 = Of("IL-030 through a DL-EN1").sensor;
+  ExpectAFactoryIl030(en1);
+  EXPECT_REL(en1.refresh_s, 7.8e-3, 1e-12, "two quotients");
+  EXPECT_EQ(en1.limit, RateLimit::kUnitProcessing);
+  EXPECT_TRUE(en1.is_polled);
+}
+
+TEST(KnownSensors, AnLkgAndAStreamHaveTheStepOfTheirLastDigit) {
+  // +01.2345 in mm
+  const SensorAbility lkg = Of("LK-G").sensor;
+  EXPECT_EQ(lkg.resolution_m, 1e-7);
+  EXPECT_EQ(lkg.limit, RateLimit::kWireAlone);
+  EXPECT_REL(lkg.wire_s, 150.0 / 115200, 1e-6, "rounded to nanoseconds");
+  EXPECT_TRUE(lkg.is_polled);
+  for (const int baud : {9600, 115200, 230400, 460800, 921600}) {
+    const SensorAbility stream =
+        Of("lines of 9 characters sent without request, " + std::to_string(baud) + " baud").sensor;
+    EXPECT_REL(stream.resolution_m.value(), 1e-7, 1e-15, "one division");
+    EXPECT_REL(stream.wire_s, 90.0 / baud, 1e-15, "a quotient");
+    EXPECT_FALSE(stream.is_polled);
+  }
+}
+
+TEST(KnownSensors, AnAnalogOutputIsRenewedWithEachRawSample) {
+  const SensorAbility analog = AnalogOutput(2e-3, 4);
+  EXPECT_EQ(analog.name, "IL-030, analog output and a DAQ, 2 ms, 4 averages");
+  EXPECT_EQ(analog.rate_hz, 500);
+  EXPECT_EQ(analog.averages, 4);
+  EXPECT_EQ(analog.sampling_s, 2e-3);
+  EXPECT_REL(analog.noise_rms_m.value(), 5.5e-6, 1e-15, "11 um / sqrt(4)");
+  EXPECT_FALSE(analog.resolution_m) << "that of a converter which is not stated";
+  EXPECT_EQ(analog.limit, RateLimit::kAmplifierSampling);
+}
+
+TEST(KnownSensors, AModbusSensorsWireAndPeriodAreApart) {
+  // 8 + 7 characters of 11 bits at 9600 baud and two intervals of 38.5 bits: 242 bits
+  const SensorAbility riftek = Of("RIFTEK RF602, Modbus").sensor;
+  EXPECT_REL(riftek.rate_hz, 9600.0 / 242, 1e-6, "rounded to nanoseconds");
+  EXPECT_REL(riftek.wire_s, 242 / 9600.0, 1e-6, "rounded to nanoseconds");
+  EXPECT_EQ(riftek.refresh_s, 5e-3) << "sampling period as delivered";
+  EXPECT_EQ(riftek.limit, RateLimit::kWireAndSensor);
+  EXPECT_TRUE(riftek.is_polled);
+  EXPECT_EQ(Of("WIT-motion, DFRobot WT53R").sensor.resolution_m, 1e-3);
+  EXPECT_EQ(Of("WIT-motion, DFRobot WT53R").sensor.refresh_s, 0) << "the maker states none";
+  // as delivered 100 readings/s, which the wire exceeds
+  EXPECT_EQ(Of("Benewake").sensor.rate_hz, 100);
+  EXPECT_EQ(Of("Benewake").sensor.resolution_m, 1e-2);
 }
 
 TEST(KnownSensors, WhoAnswers20To500Hz) {
@@ -147,6 +274,24 @@ TEST(SmallestRms, WorkedExample) {
   EXPECT_REL(SmallestRms(kIl030, 0.1), 6e-6 * std::sqrt(0.107403), 1e-5, "six digits");
   // s = 1.92, q = (1 + sqrt(4.84)) / 1.92 = 1.6666...
   EXPECT_REL(SmallestRms(kIl030, 0.01), 6e-6 * std::sqrt(3.2 / 1.92), 1e-14, "a few roundings");
+}
+
+// half of 41 Hz is 0.5 Hz above the band's lower edge: of the band 0.5 Hz is left
+TEST(SmallestRms, ABandNarrowerThanOneHertzHasOneToo) {
+  SensorAbility slow = kFast;
+  slow.rate_hz = 41;
+  const Capability capability = Judge(slow, {.lower_hz = 20, .upper_hz = 500, .record_s = 100});
+  const NoiseInBand noise{.rms_m = 5e-7 * std::sqrt(0.5 / 20.5),
+                          .bandwidth_hz = 0.5,
+                          .record_s = 100,
+                          .noise_record_s = 100};
+  EXPECT_REL(capability.noise_in_band_m.value(), noise.rms_m, 1e-14, "a root");
+  EXPECT_REL(RelativeUncertainty(noise, capability.smallest_rms_10_percent_m.value()), 0.1, 1e-13,
+             "a few roundings");
+  EXPECT_REL(RelativeUncertainty(noise, capability.smallest_rms_1_percent_m.value()), 0.01, 1e-13,
+             "a few roundings");
+  slow.rate_hz = 40;
+  EXPECT_FALSE(Judge(slow, {.lower_hz = 20, .upper_hz = 500}).noise_in_band_m);
 }
 
 TEST(SmallestRms, IsTheRootOfTheUncertainty) {

@@ -69,6 +69,7 @@ class CountingSensor final : public Sensor {
   std::vector<trial::SampleStatus> statuses;  ///< in turn; empty: all ok
   bool waits_for_us = false;
   trial::Metadata& metadata() { return header_.metadata; }
+  trial::ChannelFormat& channel() { return header_.channels[0]; }
   std::optional<std::uint64_t>
       gap_at{};  ///< row before which rows of an unknown number are missing
   std::vector<std::int64_t> lost_before;  ///< in turn; empty: none

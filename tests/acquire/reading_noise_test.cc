@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/residual.h"
 
@@ -110,6 +111,45 @@ TEST(UnfoldedRateHz, IsTheLowestThatFoldsNothing) {
 TEST(UnfoldedRateHz, EndsWhereAnImageIsInTheBandByItself) {
   EXPECT_LE(UnfoldedRateHz({.sampling_s = 1e-3, .frequency_hz = 484}, 20, 550, 0.01, 1400),
             200'000);
+}
+
+// f / (k / T -+ 212 Hz) >= 0.01 up to k / T = 21 200 +- 212 Hz: k T^-1 of 7 below and of 6 above
+TEST(ImagesInBand, AreAllThatHaveEnoughOfTheTone) {
+  const auto images = ImagesInBand({0.33e-3, 212, 1000}, 0, 500, 0.01);
+  ASSERT_EQ(images.size(), 13U);
+  EXPECT_REL(images.front().relative, 212 / (1 / 0.33e-3 - 212), 1e-12, "a quotient");
+  EXPECT_REL(images.back().relative, 212 / (7 / 0.33e-3 - 212), 1e-12, "a quotient");
+  // 225 / 3255.30 = 0.06912
+  EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 20, 500, 0.0690).size(), 2U);
+  EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 20, 500, 0.0692).size(), 1U);
+}
+
+TEST(ImagesInBand, AreWithinTheBand) {
+  // folded to 194.70 and 255.30 Hz
+  EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 194, 256, 0.05).size(), 2U);
+  EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 195, 256, 0.05).size(), 1U);
+  EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 194, 255, 0.05).size(), 1U);
+}
+
+TEST(ImagesInBand, AreAboveHalfTheRateOfTheConverter) {
+  // 3255.30 Hz is above half of 6500 Hz and below half of 6520 Hz
+  const auto folded = ImagesInBand({0.33e-3, 225, 6500}, 3000, 4000, 0.05);
+  ASSERT_EQ(folded.size(), 1U);
+  EXPECT_REL(folded[0].folded_hz, 6500 - 3255.3030303, 1e-9, "ten digits");
+  EXPECT_TRUE(ImagesInBand({0.33e-3, 225, 6520}, 3000, 4000, 0.05).empty());
+}
+
+TEST(UnfoldedRateHz, IsAtLeastWhatIsAsked) {
+  // nothing has all of the tone's amplitude, so nothing is ever folded
+  const HeldOutput held{.sampling_s = 0.33e-3, .frequency_hz = 225};
+  for (const auto& [least_hz, rate_hz] : {std::pair(990.0, 1000.0),
+                                          {1000.0, 1000.0},
+                                          {1010.0, 2000.0},
+                                          {2000.0, 2000.0},
+                                          {4990.0, 5000.0},
+                                          {5010.0, 10'000.0}}) {
+    EXPECT_EQ(UnfoldedRateHz(held, 20, 500, 1, least_hz), rate_hz) << least_hz;
+  }
 }
 
 }  // namespace

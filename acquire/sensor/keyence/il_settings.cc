@@ -144,8 +144,8 @@ void UnitSettings::AddFields(trial::Metadata& metadata, std::string_view suffix)
 }
 
 double UnitSettings::ResponseSeconds() const {
-  // response time in s = sampling cycle * averages; 0 where one of them is not known
-  return SamplingSeconds().value_or(0) * Averages().value_or(0);
+  // the sampling cycle "default" is the head's: the slowest at most
+  return SamplingSeconds().value_or(dl_rs1a::kSamplings_s.back()) * Averages().value_or(0);
 }
 
 Findings UnitSettings::Found() const {

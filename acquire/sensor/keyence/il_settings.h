@@ -67,7 +67,8 @@ class UnitSettings {
   /// Adds every answer as it came, under its number and `suffix`: `keyence_data_133_01`.
   void AddFields(trial::Metadata& metadata, std::string_view suffix) const;
 
-  /// How long one reading takes: averages x sampling period, in s; 0 where they are not known.
+  /// How long one reading takes at most: averages x sampling period, in s; 0 where the averages are
+  /// not known.
   [[nodiscard]] double ResponseSeconds() const;
 
   /// What these settings do to a recording, in sentences; empty where nothing is unusual or known.

@@ -25,7 +25,7 @@ struct KeyenceIlSetup {
   std::optional<double> rate_hz{};          ///< polls on the grid k / rate_hz; empty: no pause
   std::vector<il_setting::Write> writes{};  ///< to every amplifier; each is read back
   bool device_zero = false;                 ///< shifts the zero of every amplifier
-  std::optional<int> decimals{};            ///< DL-EN1: where the unit does not tell them (0 to 6)
+  std::optional<int> decimals{};            ///< DL-EN1: where the unit does not tell them (0 to 9)
 };
 
 /// What the main amplifier measures and puts out at one time.

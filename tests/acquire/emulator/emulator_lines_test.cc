@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/lkg_unit.h"
@@ -44,6 +45,14 @@ INSTANTIATE_TEST_SUITE_P(
                       Exchange{"SR,01,200\r\n", "SR,01,200,EMULATED\r\n"},
                       Exchange{"FR,01,037\r\n", "FR,01,037,+000000003\r\n"},
                       Exchange{"FR,02,037\r\n", "FR,02,037,+000000002\r\n"},
+                      Exchange{"FR,02,038\r\n", "FR,02,038,+000000002\r\n"},
+                      Exchange{"FR,02,042\r\n", "FR,02,042,+000000003\r\n"},  // millivolts
+                      Exchange{"FR,01,195\r\n", "FR,01,195,+000000000\r\n"},  // a code
+                      Exchange{"FR,00,037\r\n", "ER,FR,022\r\n"},
+                      Exchange{"FR,03,037\r\n", "ER,FR,022\r\n"},
+                      Exchange{"FR,01,999\r\n", "ER,FR,020\r\n"},
+                      Exchange{"SR,01,193\r\n", "SR,01,193,+000004022\r\n"},
+                      Exchange{"SR,02,193\r\n", "SR,02,193,+000004023\r\n"},
                       Exchange{"SR,00,195\r\n", "ER,SR,022\r\n"},  // 00 is the unit itself
                       Exchange{"SR,03,195\r\n", "ER,SR,022\r\n"},
                       Exchange{"SR,01,999\r\n", "ER,SR,020\r\n"},
@@ -86,6 +95,47 @@ TEST(LkgUnit, AnswersInItsModes) {
   EXPECT_EQ(Ask(unit, clock, "R0\r"), "R0\r");
   EXPECT_EQ(Ask(unit, clock, "M1\r"), "M1,+01.2340\r");
   EXPECT_EQ(Ask(unit, clock, std::string(40, 'x') + "\r"), "ER,xx,20\r");
+}
+
+// what OUT1 shows for a target at `position_m`, of a head without an end
+std::string ShownAt(double position_m, int decimals) {
+  MovingHead head = StillHead(position_m);
+  head.head.resolution_m = 0;
+  head.head.range_min_m = -1e6;
+  head.head.range_max_m = 1e6;
+  ManualClock clock;
+  LkgUnit unit({.heads = {head}, .decimals = decimals});
+  return Ask(unit, clock, "M1\r");
+}
+
+TEST(LkgUnit, ShowsOverAndUnderBeyondItsDisplay) {
+  // seven characters: six digits and a point, or seven digits
+  EXPECT_EQ(ShownAt(99.9999e-3, 4), "M1,+99.9999\r");
+  EXPECT_EQ(ShownAt(100e-3, 4), "M1,+FFFFFFF\r");
+  EXPECT_EQ(ShownAt(-99.9999e-3, 4), "M1,-99.9999\r");
+  EXPECT_EQ(ShownAt(-100e-3, 4), "M1,-FFFFFFF\r");
+  EXPECT_EQ(ShownAt(99.9999, 1), "M1,+99999.9\r");
+  EXPECT_EQ(ShownAt(100, 1), "M1,+FFFFFFF\r");
+  EXPECT_EQ(ShownAt(9999.999, 0), "M1,+9999999\r");
+  EXPECT_EQ(ShownAt(10'000, 0), "M1,+FFFFFFF\r");
+}
+
+TEST(LkgUnit, AnswersAfterItsProcessing) {
+  // 3 characters, 3 ms, 12 characters of 10 bits at 9600 baud
+  ManualClock clock;
+  LkgUnit unit({.heads = {StillHead(0)}});
+  unit.Receive("M1\r", 0);
+  const auto bytes = RunUntil(unit, clock, kNsPerS);
+  ASSERT_EQ(bytes.size(), 12U);
+  EXPECT_ABS(static_cast<double>(bytes.back().time), 3e6 + 15e10 / 9600, 2,
+             "two times rounded down to a nanosecond");
+}
+
+TEST(LkgUnit, TheSecondOutputIsTheSecondHead) {
+  ManualClock clock;
+  LkgUnit unit({.heads = {StillHead(1.234e-3), StillHead(-5.678e-3)}});
+  EXPECT_EQ(Ask(unit, clock, "M2\r"), "M2,-05.6780\r");
+  EXPECT_EQ(Ask(unit, clock, "M0\r"), "M0,+01.2340,-05.6780\r");
 }
 
 TEST(LkgUnit, IsRefusedWithoutHeads) {
@@ -141,6 +191,18 @@ TEST(DlRs1aAmplifiers, ShowNothingUntilAChangeHasSettled) {
   // so does a change of the hold
   ASSERT_EQ(Ask(unit, clock, "SW,00,136,1\r\n"), "SW,00,136\r\n");
   EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,-99.998,-02.500,+003.00\r\n");
+}
+
+TEST(DlRs1aAmplifiers, AreFifteenAtMost) {
+  DlRs1aSetup setup{.head = StillHead(0)};
+  setup.expansions.assign(14, StillHead(0));
+  EXPECT_TRUE(Validate(setup));
+  setup.expansions.push_back(StillHead(0));
+  EXPECT_FALSE(Validate(setup));
+  DlEn1Setup en1{.heads = std::vector<MovingHead>(15, StillHead(0))};
+  EXPECT_TRUE(Validate(en1));
+  en1.heads.push_back(StillHead(0));
+  EXPECT_FALSE(Validate(en1));
 }
 
 TEST(DlRs1aAmplifiers, ShiftTheirZeroAtTheEdge) {

@@ -157,6 +157,18 @@ TEST(EmulatorOnPty, IsARawTerminalThatAnswers) {
   EXPECT_EQ(running.Stop()->bytes, 20U * 12);
 }
 
+TEST(EmulatorOnPty, OpensWhereStandardInputIsClosed) {
+  // the terminal is descriptor 0 then
+  const int kept = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  close(STDIN_FILENO);
+  const bool is_open = OpenPty("").has_value();
+  if (kept >= 0) {
+    dup2(kept, STDIN_FILENO);
+    close(kept);
+  }
+  EXPECT_TRUE(is_open);
+}
+
 TEST(EmulatorOnPty, LosesNoLineForOneWhoReads) {
   constexpr int kLinesPerS = 2000;
   const auto begin = std::chrono::steady_clock::now();

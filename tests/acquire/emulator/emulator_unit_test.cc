@@ -14,6 +14,8 @@
 namespace haptometer::acquire::emulator {
 namespace {
 
+using trial::SampleStatus;
+
 constexpr MonotonicNs kMs = 1'000'000;
 constexpr MonotonicNs kSecond = kNsPerS;
 
@@ -105,6 +107,90 @@ TEST(IlAmplifier, TakesTheCodesOfItsSettings) {
   }
 }
 
+SampleStatus StatusAt(const IlAmplifier& amplifier, MonotonicNs time_ns) {
+  return amplifier.ReadingAt(time_ns, time_ns).status;
+}
+
+// data 132 and 133 and what two means of as many samples take, in ns
+struct Settling {
+  int number;
+  int code;
+  MonotonicNs two_means_ns;
+};
+
+TEST(IlAmplifier, ShowsNoValueForTwoMeansAfterAChange) {
+  // an amplifier that begins with 1 ms and one average; 0 is the default, 1 ms; 13 is a filter
+  for (const auto& [number, code, two_means_ns] : {Settling{133, 4, 32 * kMs},
+                                                   {133, 12, 8192 * kMs},
+                                                   {132, 1, 660'000},
+                                                   {132, 0, 2 * kMs},
+                                                   {132, 4, 10 * kMs},
+                                                   {133, 13, 2 * kMs},
+                                                   {136, 2, 2 * kMs}}) {
+    IlAmplifier amplifier(Still(1e-3).head, true);
+    EXPECT_EQ(amplifier.Write(number, code, kSecond), IlWriteOutcome::kDone);
+    EXPECT_EQ(StatusAt(amplifier, kSecond + two_means_ns - 1), SampleStatus::kInvalid) << number;
+    EXPECT_EQ(StatusAt(amplifier, kSecond + two_means_ns), SampleStatus::kOk)
+        << number << ' ' << code;
+  }
+  // bank, memory of the zero shift, cutoff
+  for (const int number : {98, 152, 159}) {
+    IlAmplifier amplifier(Still(1e-3).head, true);
+    EXPECT_EQ(amplifier.Write(number, 1, kSecond), IlWriteOutcome::kDone);
+    EXPECT_EQ(StatusAt(amplifier, kSecond), SampleStatus::kOk) << number;
+  }
+}
+
+TEST(IlAmplifier, AZeroShiftIsAddedToTheOneBefore) {
+  // 1 mm at rest up to 10 s, then 3 mm
+  IlAmplifier amplifier(Quiet([](double t_s) { return t_s < 10 ? 1e-3 : 3e-3; }).head, true);
+  for (const MonotonicNs now : {1 * kSecond, 11 * kSecond}) {
+    EXPECT_EQ(amplifier.Write(1, 0, now), IlWriteOutcome::kDone);
+    EXPECT_EQ(amplifier.Write(1, 1, now), IlWriteOutcome::kDone);
+    EXPECT_EQ(amplifier.ReadingAt(now, now).counts, 0);
+  }
+  EXPECT_EQ(amplifier.ReadingAt(kSecond, 11 * kSecond).counts, -2000) << "3 mm are 0 now";
+}
+
+// millivolts of data 042 where the value is `counts`
+int AnalogMv(const char* head, int counts, int decimals, const AnalogOutput& analog = {}) {
+  MovingHead moving = Still(0).head;
+  moving.head.name = head;
+  moving.analog = analog;
+  const IlAmplifier amplifier(moving, true);
+  EXPECT_EQ(amplifier.decimals(), decimals);
+  return amplifier.Read(42, {.counts = counts, .decimals = decimals})->number;
+}
+
+TEST(IlAmplifier, ItsOutputIsFiveVoltsAtTheEndOfTheLinearRange) {
+  // linear within 5, 10 and 140 mm of the reference; 5 mm where the range is not known
+  EXPECT_EQ(AnalogMv("IL-030", 1234, 3), 1234);
+  EXPECT_EQ(AnalogMv("IL-030", -4999, 3), -4999);
+  EXPECT_EQ(AnalogMv("IL-065", 1000, 3), 500);
+  EXPECT_EQ(AnalogMv("IL-300", 2800, 2), 1000);
+  EXPECT_EQ(AnalogMv("IL-2000", 10, 1), 1000);
+  // beyond, it stays
+  EXPECT_EQ(AnalogMv("IL-030", 5001, 3), 5000);
+  EXPECT_EQ(AnalogMv("IL-030", -7000, 3), -5000);
+}
+
+TEST(IlAmplifier, ItsOutputHasTheErrorThatIsStated) {
+  const AnalogOutput analog{.gain_error = 1.01, .offset_error_v = 0.002};
+  EXPECT_EQ(AnalogMv("IL-030", 1000, 3, analog), 1012);
+  EXPECT_EQ(AnalogMv("IL-030", 7000, 3, analog), 5052);
+  EXPECT_EQ(AnalogMv("IL-030", -7000, 3, analog), -5048);
+}
+
+TEST(AnalogVolts, AreFiveAndAHalfBeyondTheRange) {
+  const trial::SensorHead head = trial::Il030();
+  EXPECT_REL(AnalogVolts(head, 1.234e-3), 1.234, 1e-15, "a product");
+  EXPECT_REL(AnalogVolts(head, -4.9e-3), -4.9, 1e-15, "a product");
+  EXPECT_EQ(AnalogVolts(head, 10e-3), 5) << "within the range, beyond the linear part";
+  EXPECT_EQ(AnalogVolts(head, -15e-3), -5);
+  EXPECT_EQ(AnalogVolts(head, 10.001e-3), 5.5);
+  EXPECT_EQ(AnalogVolts(head, -15.001e-3), 5.5);
+}
+
 TEST(DlRs1aUnit, RefusesALineTooLongAndUnderstandsTheNext) {
   ManualClock clock;
   DlRs1aUnit unit(Still(0));
@@ -133,6 +219,21 @@ TEST(SerialLine, CarriesOneByteAfterTheOther) {
   EXPECT_EQ(line.Send(30'000), 40'000);
   EXPECT_EQ(line.Send(45'000), 55'000);
   EXPECT_EQ(line.Send(45'001), 65'000);
+}
+
+TEST(MovingHead, ASampleIsThereFromItsTimeOn) {
+  for (const double sampling_s : {0.33e-3, 1e-3, 1e-4, 1.0 / 3}) {
+    MovingHead head = Still(0).head;
+    head.head.sampling_s = sampling_s;
+    for (const std::int64_t number : {1, 2, 3, 1000, 123'457}) {
+      const MonotonicNs time_ns = head.SampleTime(number);
+      EXPECT_ABS(static_cast<double>(time_ns), static_cast<double>(number) * sampling_s * 1e9, 0.5,
+                 "rounded to a nanosecond");
+      EXPECT_EQ(head.LastSample(time_ns), number);
+      EXPECT_EQ(head.LastSample(time_ns - 1), number - 1);
+    }
+    EXPECT_EQ(head.LastSample(0), 0);
+  }
 }
 
 struct Pace {
@@ -194,6 +295,20 @@ TEST(DlRs1aUnit, CountsProcessingFromTheEndOfTheDelimiter) {
   EXPECT_EQ(Ask(unit, clock, "M0\r"), "M0,+00.000\r\n");
 }
 
+TEST(DlRs1aUnit, ALineFeedWithinTheProcessingBeginsItAnew) {
+  // 3 characters at 9600 baud are 3.125 ms and processing is 4 ms: a LF 1 ns before 7.125 ms is on
+  // the wire for a character, and 4 ms later the answer begins
+  ManualClock clock;
+  DlRs1aUnit unit(Still(0));
+  unit.Receive("M0\r", 0);
+  (void)RunUntil(unit, clock, 7'124'999);
+  unit.Receive("\n", 7'124'999);
+  const auto bytes = RunUntil(unit, clock, kSecond);
+  ASSERT_EQ(bytes.size(), 12U);
+  EXPECT_ABS(static_cast<double>(bytes.front().time), 7'124'999 + 4e6 + 2e10 / 9600, 2,
+             "two times rounded down to a nanosecond");
+}
+
 TEST(DlRs1aUnit, GivesNothingToOneWhoDoesNotWaitForTheAnswer) {
   ManualClock clock;
   DlRs1aUnit unit(Still(0));
@@ -220,6 +335,30 @@ TEST(DlRs1aUnit, TakesLongerForADirectRead) {
   const auto bytes = RunUntil(unit, clock, kSecond);
   EXPECT_ABS(static_cast<double>(bytes.back().time), 13e6 + (11 + 19) * 1e10 / 9600, 2,
              "two times rounded down");
+}
+
+// when the last byte of the answer to `request` has come, sent at 0
+double LastByteNs(const DlRs1aSetup& setup, std::string_view request) {
+  ManualClock clock;
+  DlRs1aUnit unit(setup);
+  unit.Receive(request, 0);
+  const auto bytes = RunUntil(unit, clock, 2 * kSecond);
+  return bytes.empty() ? 0 : static_cast<double>(bytes.back().time);
+}
+
+TEST(DlRs1aUnit, EachCommandHasItsProcessingTime) {
+  // T4: M0 and MS 4 ms, SR and SW 13 ms, AW 57 ms; refused ones too. Characters of both ways
+  struct Timed {
+    const char* request;
+    double processing_ns;
+    int characters;
+  };
+  for (const auto& [request, processing_ns, characters] :
+       {Timed{"MS\r\n", 4e6, 4 + 15}, Timed{"SW,00,001,1\r\n", 13e6, 13 + 10},
+        Timed{"AW,001,1\r\n", 57e6, 10 + 10}, Timed{"FR,00,037\r\n", 13e6, 11 + 10}}) {
+    EXPECT_ABS(LastByteNs(Still(0), request), processing_ns + characters * 1e10 / 9600, 2,
+               "two times rounded down to a nanosecond");
+  }
 }
 
 // --- readings --------------------------------------------------------------------------------
@@ -325,6 +464,21 @@ TEST(DlRs1aFaults, LateAnswersComeAfterTheManualsBound) {
   EXPECT_ABS(static_cast<double>(bytes.back().time), 1.5e9 + 4e6 + 16e10 / 9600, 2, "rounding");
 }
 
+TEST(DlRs1aFaults, SlowAnswersAndPausesLastAsLongAsTheySay) {
+  EXPECT_ABS(LastByteNs(Faulty("slow"), "M0\r\n"), 0.4e9 + 4e6 + 16e10 / 9600, 2, "rounding");
+  // the second half is ready 0.3 s after the first; six characters of it then cross the wire
+  EXPECT_ABS(LastByteNs(Faulty("byte-gap"), "M0\r\n"), 0.3e9 + 4e6 + (4 + 6) * 1e10 / 9600, 2,
+             "rounding");
+}
+
+TEST(DlRs1aFaults, WithoutATargetTheAlarmIsOut) {
+  EXPECT_EQ(Ask(Faulty("invalid"), "MS\r\n"), "MS,08,-99.998\r\n");
+  EXPECT_EQ(Ask(Faulty("invalid"), "SR,00,036\r\n"), "SR,00,036,08\r\n");
+  EXPECT_EQ(Ask(Faulty("invalid"), "SR,00,042\r\n"), "SR,00,042,+5.500\r\n");
+  EXPECT_EQ(Ask(Faulty("over"), "SR,00,036\r\n"), "SR,00,036,01\r\n");
+  EXPECT_EQ(Ask(Faulty("under"), "SR,00,036\r\n"), "SR,00,036,02\r\n");
+}
+
 TEST(DlRs1aFaults, StrikeEverySoManyAnswers) {
   ManualClock clock;
   DlRs1aUnit unit(Faulty("silent:3"));
@@ -358,6 +512,29 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
     ASSERT_FALSE(every) << text;
     EXPECT_EQ(every.error().remedy, "give silent:EVERY with a whole number from 1");
   }
+}
+
+TEST(Damaged, IsHalfOrNoneOrNoiseOfTheText) {
+  EXPECT_EQ(Damaged("M0,+01\r\n", Damage::kNone, 1), "M0,+01\r\n");
+  EXPECT_EQ(Damaged("M0,+01\r\n", Damage::kMissing, 1), "");
+  EXPECT_EQ(Damaged("M0,+01\r\n", Damage::kTruncated, 1), "M0,");
+  EXPECT_EQ(Damaged("M0,+0\r", Damage::kTruncated, 1), "M0") << "five characters and an end";
+  const std::string noise = Damaged("M0,+01\r\n", Damage::kGarbled, 1);
+  EXPECT_TRUE(noise.ends_with("\r\n"));
+  EXPECT_EQ(noise.size(), 8U);
+  EXPECT_EQ(noise, Damaged("M0,+99\r\n", Damage::kGarbled, 1)) << "of its number alone";
+  EXPECT_NE(noise, Damaged("M0,+01\r\n", Damage::kGarbled, 2));
+}
+
+TEST(Faults, ThoseOfAnswersNeedAQuestion) {
+  std::string asked;
+  std::string modbus;
+  for (const Fault& fault : Faults()) {
+    if (NeedsAQuestion(fault)) asked += std::string(fault.name) + " ";
+    if (fault.is_modbus) modbus += std::string(fault.name) + " ";
+  }
+  EXPECT_EQ(asked, "slow late byte-gap merged wrong-id error ");
+  EXPECT_EQ(modbus, "crc slave transaction word-order ");
 }
 
 // --- settings --------------------------------------------------------------------------------

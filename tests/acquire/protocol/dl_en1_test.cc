@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace haptometer::acquire::dl_en1 {
 namespace {
@@ -97,6 +100,39 @@ TEST(DlEn1Tables, ErrorsAndTimes) {
   EXPECT_EQ(RefreshNs(1), 7'800'000);
   EXPECT_EQ(RefreshNs(8), 27'800'000);
   EXPECT_EQ(RefreshNs(15), 27'800'000);
+}
+
+TEST(DlEn1Tables, RefreshesOfOneToEightAmplifiers) {
+  // DL-EN1 User's Manual (633GB), data processing time without calculation, in tenths of ms
+  const std::array<MonotonicNs, 8> printed{78, 98, 138, 158, 198, 218, 258, 278};
+  for (std::size_t i = 0; i < printed.size(); ++i)
+    EXPECT_EQ(RefreshNs(i + 1), printed[i] * 100'000);
+}
+
+TEST(DlEn1Tables, TheLongestLineIsMsOfFifteenAmplifiers) {
+  const std::vector<Value> values(15, Value{-56'789, 0, {}});
+  const std::string line = dl::FormatMsReply(Spelling(), std::vector<int>(15, 16), values);
+  EXPECT_EQ(kLongestLine, line.size() - 2);
+  EXPECT_EQ(Parse(std::string_view(line).substr(0, line.size() - 2))->units, 15U);
+}
+
+TEST(DlEn1Tables, EachErrorNumberHasItsWords) {
+  for (const int number : {9, 12, 14, 16, 20, 22, 31, 254, 255}) {
+    EXPECT_NE(ErrorText(number), "unknown error") << number;
+  }
+}
+
+TEST(DlEn1Value, SpecialValuesOfTheAmplifierAreWrittenToo) {
+  for (const auto& [text, counts, status] :
+       {SpecialValue{"+000099999", 0, SampleStatus::kOver},
+        SpecialValue{"-000099999", 0, SampleStatus::kUnder},
+        SpecialValue{"-000099998", 0, SampleStatus::kInvalid},
+        SpecialValue{"+000100000", 0, SampleStatus::kDeviceError},
+        SpecialValue{"-000012345", -12'345, SampleStatus::kOk}}) {
+    EXPECT_EQ(FormatIlValue({counts, 0, status}), text);
+  }
+  EXPECT_EQ(FormatNumber(999'999'999), "+999999999");
+  EXPECT_EQ(FormatNumber(-1), "-000000001");
 }
 
 TEST(DlEn1Port, IsAddedToABareHost) {

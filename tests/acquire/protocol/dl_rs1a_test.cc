@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "tests/residual.h"
 
 namespace haptometer::acquire::dl_rs1a {
@@ -233,6 +238,127 @@ TEST(DlRs1aTables, HeadsSettingsErrors) {
   EXPECT_EQ(HighPassHz(10), std::nullopt);
   EXPECT_NE(ErrorText(67).find("R/W switch"), std::string_view::npos);
   EXPECT_EQ(ErrorText(1), "unknown error");
+}
+
+struct CatalogueHead {
+  int code;
+  std::string_view name;
+  int decimals;
+  double reference_mm, nearest_mm, farthest_mm;
+};
+
+TEST(DlRs1aTables, HeadsHaveTheDistancesOfTheCatalogue) {
+  // Keyence AS_98890_IL: reference distance and measuring range
+  for (const CatalogueHead& printed :
+       {CatalogueHead{1, "IL-030", 3, 30, 20, 45}, CatalogueHead{2, "IL-065", 3, 65, 55, 105},
+        CatalogueHead{3, "IL-100", 3, 100, 75, 130}, CatalogueHead{4, "IL-300", 2, 300, 160, 450},
+        CatalogueHead{5, "IL-600", 2, 600, 200, 1000},
+        CatalogueHead{106, "IL-S025", 3, 25, 20, 30}}) {
+    const Head* head = FindHead(printed.name);
+    ASSERT_NE(head, nullptr) << printed.name;
+    EXPECT_EQ(head, FindHead(printed.code));
+    EXPECT_EQ(head->decimals, printed.decimals) << printed.name;
+    EXPECT_EQ(head->reference_mm, printed.reference_mm) << printed.name;
+    EXPECT_EQ(head->nearest_mm, printed.nearest_mm) << printed.name;
+    EXPECT_EQ(head->farthest_mm, printed.farthest_mm) << printed.name;
+  }
+  EXPECT_EQ(FindHead(107)->name, "IL-S065");
+  EXPECT_EQ(FindHead(208)->name, "IL-S100");
+}
+
+TEST(DlRs1aTables, EveryCodeOfASettingHasItsValue) {
+  const std::array samplings_s{0.33e-3, 1e-3, 2e-3, 5e-3};
+  for (std::size_t i = 0; i < samplings_s.size(); ++i) {
+    const int code = static_cast<int>(i) + 1;
+    EXPECT_EQ(SamplingSeconds(code), samplings_s[i]);
+    EXPECT_EQ(SamplingCode(samplings_s[i]), code);
+  }
+  for (int code = 0; code <= 12; ++code) {
+    EXPECT_EQ(Averages(code), 1 << code);
+    EXPECT_EQ(AveragingCode(1 << code), code);
+  }
+  EXPECT_EQ(AveragingCode(8192), std::nullopt);
+  EXPECT_EQ(AveragingCode(3), std::nullopt);
+  // 1, 2 and 5 in each decade from 0.1 Hz
+  const std::array cutoffs_hz{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0};
+  for (std::size_t i = 0; i < cutoffs_hz.size(); ++i) {
+    EXPECT_EQ(HighPassHz(static_cast<int>(i)), cutoffs_hz[i]);
+  }
+  EXPECT_EQ(HighPassHz(-1), std::nullopt);
+  EXPECT_EQ(HoldName(-1), "");
+  EXPECT_EQ(HoldName(3), "peak-to-peak");
+}
+
+TEST(DlRs1aTables, ASamplingPeriodIsKnownWithinANanosecond) {
+  for (const double known_s : {0.33e-3, 1e-3, 2e-3, 5e-3}) {
+    for (const double side : {-1.0, 1.0}) {
+      EXPECT_TRUE(SamplingCode(known_s + side * 0.99e-9)) << known_s;
+      EXPECT_FALSE(SamplingCode(known_s + side * 1.01e-9)) << known_s;
+    }
+  }
+}
+
+TEST(DlRs1aTables, EachErrorNumberHasItsWords) {
+  for (const int number : {0, 20, 21, 22, 29, 65, 66, 67}) {
+    EXPECT_NE(ErrorText(number), "unknown error") << number;
+  }
+  EXPECT_NE(ErrorText(65).find("identification number"), std::string_view::npos);
+  EXPECT_NE(ErrorText(29).find("baud rate"), std::string_view::npos);
+}
+
+TEST(DlRs1aTables, TheLongestLineIsMsOfFifteenAmplifiers) {
+  const std::vector<Value> values(15, Value{-99'999, 3, {}});
+  const std::string line = dl::FormatMsReply(Spelling(), std::vector<int>(15, 16), values);
+  EXPECT_EQ(kLongestLine, Line(line).size());
+  const auto reply = dl::ParseReply(Spelling(), Line(line));
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->units, 15U);
+  EXPECT_EQ(reply->outputs[14], 16);
+}
+
+// a reply's bytes are those of a written one; MS may have outputs of one digit
+TEST(DlRs1aTables, NoExchangeIsShorterThanItsBytes) {
+  for (const std::size_t units : {1U, 3U, 15U}) {
+    const std::vector<Value> values(units, Value{1, 3, {}});
+    const std::vector<int> outputs(units, 4);
+    const std::size_t m0 = 4 + dl::FormatM0Reply(Spelling(), values).size();
+    const std::size_t ms = 4 + dl::FormatMsReply(Spelling(), outputs, values).size();
+    EXPECT_EQ(LeastExchangeNs(9600, units), WireTimeNs(m0, 9600));
+    EXPECT_EQ(LeastExchangeNs(9600, units, Command::kMs), WireTimeNs(ms - units, 9600));
+    EXPECT_EQ(PollPeriodNs(19200, units), WireTimeNs(m0, 19200) + 4'000'000);
+    EXPECT_EQ(PollPeriodNs(19200, units, Command::kMs), WireTimeNs(ms, 19200) + 4'000'000);
+  }
+}
+
+TEST(DlRs1aTables, RefreshesOfOneToEightAmplifiers) {
+  // IB and GT-70A Editions, in ms
+  const std::array<MonotonicNs, 8> printed_ms{7, 9, 13, 15, 19, 21, 25, 27};
+  for (std::size_t i = 0; i < printed_ms.size(); ++i) {
+    EXPECT_EQ(RefreshNs(i + 1), printed_ms[i] * 1'000'000);
+  }
+}
+
+TEST(DlNumber, IsAWholeNumberWithOrWithoutASign) {
+  EXPECT_EQ(dl::NumberOf("+000000004"), 4);
+  EXPECT_EQ(dl::NumberOf("-12"), -12);
+  EXPECT_EQ(dl::NumberOf("007"), 7);
+  for (const std::string_view text : {"", "+", "1x", "1.5", " 1", "99999999999"}) {
+    EXPECT_FALSE(dl::NumberOf(text)) << text;
+  }
+}
+
+TEST(DlRs1aReply, AnErrorAnswersTheCommandThatItNamesLast) {
+  const auto error = [](std::string_view line) { return dl::ParseReply(Spelling(), line).value(); };
+  EXPECT_TRUE(dl::Answers(error("ER,M0,00"), Command::kM0));
+  EXPECT_TRUE(dl::Answers(error("ER,SRM0,00"), Command::kM0)) << "half a command stood before it";
+  EXPECT_FALSE(dl::Answers(error("ER,M0,00"), Command::kMs));
+  EXPECT_TRUE(dl::Answers(error("SW,00,132"), Command::kSw));
+  EXPECT_FALSE(dl::Answers(error("SW,00,132"), Command::kSr));
+}
+
+TEST(DlRs1aReply, HasTenCharactersOfDataAtMost) {
+  EXPECT_EQ(dl::ParseReply(Spelling(), "SR,00,200,1234567890")->data, "1234567890");
+  EXPECT_FALSE(dl::ParseReply(Spelling(), "SR,00,200,12345678901"));
 }
 
 TEST(DlRs1aTables, PollPeriods) {

@@ -109,6 +109,17 @@ TEST(LineFramer, ResetForgetsTheUnfinishedLine) {
   EXPECT_EQ(framer.Next().text, "a");
 }
 
+TEST(Wire, NumbersHaveOneToNineDigits) {
+  EXPECT_EQ(ParseDigits("0"), 0);
+  EXPECT_EQ(ParseDigits("019"), 19);
+  EXPECT_EQ(ParseDigits("999999999"), 999'999'999);
+  for (const char* text : {"", "1000000000", "-1", "+1", "1 ", "1.0", "/", ":"}) {
+    EXPECT_FALSE(ParseDigits(text)) << text;
+  }
+  EXPECT_EQ(PowerOfTen(0), 1);
+  EXPECT_EQ(PowerOfTen(9), 1'000'000'000);
+}
+
 TEST(Wire, ACharacterIsTenBits) {
   EXPECT_EQ(WireTimeNs(96, 9600), 100'000'000);  // 960 bits at 9600 bit/s
   EXPECT_EQ(WireTimeNs(9, 921600), 97'656);      // 90 bits: 97.65625 us

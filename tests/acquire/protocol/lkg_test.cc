@@ -70,6 +70,43 @@ TEST(LkgReply, RefusesWhatIsNoReply) {
   }
 }
 
+TEST(LkgReply, AnErrorAnswersTheCommandThatItNamesLast) {
+  const auto error = [](std::string_view line) { return ParseReply(line).value(); };
+  EXPECT_TRUE(Answers(error("ER,SM1,00"), Command::kM1)) << "half a command stood before it";
+  EXPECT_TRUE(Answers(error("ER,m1,00"), Command::kM1));
+  EXPECT_FALSE(Answers(error("ER,SM1,00"), Command::kM2));
+  EXPECT_FALSE(Answers(error("ER,1,00"), Command::kM1)) << "shorter than a command";
+  EXPECT_FALSE(Answers(error("G1,+01.2345"), Command::kM1)) << "asked by nobody";
+}
+
+TEST(LkgTables, TheLongestLineHasTwoValues) {
+  const std::array values{Value{-12'345, 4, {}}, Value{12'345, 4, {}}};
+  EXPECT_EQ(kLongestLine, FormatReply(Command::kM0, values).size() - 1);
+}
+
+TEST(LkgTables, EachCommandHasItsValuesAndEachErrorItsWords) {
+  EXPECT_EQ(ValuesOf(Command::kM0), 2U);
+  EXPECT_EQ(ValuesOf(Command::kM1), 1U);
+  EXPECT_EQ(ValuesOf(Command::kM2), 1U);
+  EXPECT_EQ(ValuesOf(Command::kQ0), 0U);
+  EXPECT_EQ(ValuesOf(Command::kR0), 0U);
+  for (const int number : {0, 1, 20, 21, 22, 88, 99}) {
+    EXPECT_NE(ErrorText(number), "unknown error") << number;
+  }
+  EXPECT_EQ(ErrorText(2), "unknown error");
+}
+
+TEST(LkgValue, EveryPlaceOfThePointSurvivesTheWire) {
+  for (int decimals = 0; decimals <= 5; ++decimals) {
+    const std::int32_t most = decimals == 0 ? 9'999'999 : 999'999;
+    for (const std::int32_t counts : {-most, -1, 0, 7, most}) {
+      const Value value{counts, decimals, SampleStatus::kOk};
+      EXPECT_EQ(FormatValue(value).size(), 8U);
+      EXPECT_EQ(ParseValue(FormatValue(value)), value) << FormatValue(value);
+    }
+  }
+}
+
 TEST(LkgRequest, IsUnderstoodInEitherCase) {
   EXPECT_EQ(FormatRequest(Command::kM1), "M1\r");
   EXPECT_EQ(ParseRequest("M1"), Command::kM1);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "tests/residual.h"
 
@@ -74,6 +75,42 @@ TEST(ModbusValue, KnowsSignsAndSwappedBytesOfOneRegister) {
             0xFEFF);
   EXPECT_EQ(NumberOf(0xFFFFFFFF, RegisterType::kI32), -1);
   EXPECT_EQ(NumberOf(0xFFFFFFFF, RegisterType::kU32), 4294967295.0);
+}
+
+TEST(ModbusValue, OneRegisterIsWrittenInTwoOrders) {
+  for (const RegisterType type : {RegisterType::kU16, RegisterType::kI16}) {
+    for (const auto& [order, expected] : {std::pair(WordOrder::kAbcd, 0x1234),
+                                          {WordOrder::kCdab, 0x1234},
+                                          {WordOrder::kBadc, 0x3412},
+                                          {WordOrder::kDcba, 0x3412}}) {
+      std::array<std::uint16_t, 1> word{};
+      BitsTo(0x1234, type, order, word);
+      EXPECT_EQ(word[0], expected) << Name(order);
+      EXPECT_EQ(BitsFrom(word, type, order), 0x1234U) << Name(order);
+    }
+  }
+}
+
+struct IntegerEnds {
+  RegisterType type;
+  double least, most;
+};
+
+TEST(ModbusValue, EachTypeHoldsItsEndsAndNoMore) {
+  for (const auto& [type, least, most] :
+       {IntegerEnds{RegisterType::kU16, 0, 65535}, IntegerEnds{RegisterType::kI16, -32768, 32767},
+        IntegerEnds{RegisterType::kU32, 0, 4294967295.0},
+        IntegerEnds{RegisterType::kI32, -2147483648.0, 2147483647.0}}) {
+    for (const double end : {least, most}) {
+      ASSERT_TRUE(BitsOf(end, type)) << end;
+      EXPECT_EQ(NumberOf(*BitsOf(end, type), type), end);
+    }
+    // rounded to the nearest: 0.4 beyond the end is the end, 0.6 is not
+    EXPECT_TRUE(BitsOf(least - 0.4, type)) << least;
+    EXPECT_TRUE(BitsOf(most + 0.4, type)) << most;
+    EXPECT_FALSE(BitsOf(least - 0.6, type)) << least;
+    EXPECT_FALSE(BitsOf(most + 0.6, type)) << most;
+  }
 }
 
 TEST(ModbusValue, RoundsOnlyWhatTheTypeHolds) {
@@ -215,6 +252,81 @@ TEST(ModbusFrame, WaitsForTheRestOfATcpFrame) {
   }
   EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, bytes).bytes, 12U);
   EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, "GET / HTTP/1.1\r\n").state, AduState::kBadLength);
+}
+
+TEST(ModbusFrame, ARepliesLengthIsThatOfItsFrame) {
+  for (const std::size_t count : {1U, 13U, 125U}) {
+    const std::string data(1 + 2 * count, static_cast<char>(2 * count));
+    for (const ModbusFraming framing : {ModbusFraming::kRtu, ModbusFraming::kTcp}) {
+      std::string frame;
+      AppendAdu(framing, {.unit = 1, .function = 3, .data = data}, frame);
+      EXPECT_EQ(ReplyBytes(framing, count), frame.size());
+    }
+  }
+}
+
+// serial line 256 bytes with slave and CRC, TCP 260 with its header; 252 bytes of data in both
+TEST(ModbusFrame, TheLongestFrameIsRead) {
+  const std::string data(252, 'x');
+  for (const ModbusFraming framing : {ModbusFraming::kRtu, ModbusFraming::kTcp}) {
+    std::string frame;
+    AppendAdu(framing, {.unit = 1, .function = 3, .data = data}, frame);
+    const ParsedAdu parsed = ParseAdu(framing, frame);
+    EXPECT_EQ(parsed.state, AduState::kWhole);
+    EXPECT_EQ(parsed.adu.data, data);
+  }
+  std::string long_rtu = std::string(255, 'x');
+  const std::uint16_t crc = ModbusCrc(long_rtu);
+  long_rtu += static_cast<char>(crc & 0xFFU);
+  long_rtu += static_cast<char>(crc >> 8U);
+  EXPECT_EQ(ParseAdu(ModbusFraming::kRtu, long_rtu).state, AduState::kBadLength) << "257 bytes";
+}
+
+TEST(ModbusFrame, ATcpHeaderStatesALengthThatExists) {
+  const auto state = [](unsigned protocol, unsigned length) {
+    return ParseAdu(ModbusFraming::kTcp,
+                    Bytes({0, 1, 0, protocol, length >> 8U, length & 0xFFU, 1, 3}))
+        .state;
+  };
+  // unit and function are 2; 254 make 260 bytes with the six before them
+  EXPECT_EQ(state(0, 1), AduState::kBadLength);
+  EXPECT_EQ(state(0, 2), AduState::kWhole);
+  EXPECT_EQ(state(0, 254), AduState::kNeedMore);
+  EXPECT_EQ(state(0, 255), AduState::kBadLength);
+  EXPECT_EQ(state(1, 2), AduState::kBadLength);
+}
+
+TEST(ModbusFrame, ShorterThanFourBytesIsNoSerialFrame) {
+  std::string frame = Bytes({1, 3});
+  const std::uint16_t crc = ModbusCrc(frame);
+  frame += static_cast<char>(crc & 0xFFU);
+  frame += static_cast<char>(crc >> 8U);
+  EXPECT_EQ(ParseAdu(ModbusFraming::kRtu, frame).state, AduState::kWhole);
+  EXPECT_EQ(ParseAdu(ModbusFraming::kRtu, frame.substr(0, 3)).state, AduState::kBadLength);
+}
+
+TEST(ModbusFrame, ExceptionsHaveTheNamesOfTheStandard) {
+  // Modbus Application Protocol V1.1b3, section 7
+  EXPECT_EQ(ModbusExceptionText(1), "illegal function");
+  EXPECT_EQ(ModbusExceptionText(3), "illegal data value");
+  EXPECT_EQ(ModbusExceptionText(4), "device failure");
+  EXPECT_EQ(ModbusExceptionText(6), "device busy");
+  EXPECT_EQ(ModbusExceptionText(11), "gateway target silent");
+  for (const int code : {-1, 0, 9, 12}) EXPECT_EQ(ModbusExceptionText(code), "unknown") << code;
+}
+
+TEST(ModbusFrame, ACharacterHasTenToTwelveBits) {
+  EXPECT_EQ(BitsPerCharacter({.parity = Parity::kNone, .stop_bits = 1}), 10);
+  EXPECT_EQ(BitsPerCharacter({.parity = Parity::kNone, .stop_bits = 2}), 11);
+  EXPECT_EQ(BitsPerCharacter({.parity = Parity::kEven, .stop_bits = 1}), 11);
+  EXPECT_EQ(BitsPerCharacter({.parity = Parity::kOdd, .stop_bits = 2}), 12);
+}
+
+TEST(ModbusFrame, ASilentIntervalFollowsTheBaudRateUpTo19200) {
+  // 3.5 characters of 11 bits; beyond 19200 baud the standard fixes 1.75 ms
+  EXPECT_EQ(SilentIntervalNs({.baud = 19200}), 2'005'208);
+  EXPECT_EQ(SilentIntervalNs({.baud = 19201}), 1'750'000);
+  EXPECT_EQ(SilentIntervalNs({.baud = 4000, .parity = Parity::kNone}), 8'750'000);
 }
 
 TEST(ModbusFrame, ASilentIntervalIsThreeAndAHalfCharactersOr1750Us) {

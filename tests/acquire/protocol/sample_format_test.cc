@@ -127,5 +127,18 @@ TEST(SampleFormat, NamesAreThoseOfTheOption) {
   EXPECT_FALSE(SampleFormatFromName("f16"));
 }
 
+TEST(SampleFormat, ALineHas48CharactersAChannelAtMost) {
+  for (const std::size_t channels : {1U, 3U}) {
+    std::string row = "1";
+    for (std::size_t channel = 1; channel < channels; ++channel) row += ",1";
+    const std::string fits = std::string(48 * channels - row.size(), ' ') + row;
+    EXPECT_EQ(Parse(SampleFormat::kText, channels, fits + "\n").statuses,
+              Statuses(channels, SampleStatus::kOk));
+    const Parsed parsed = Parse(SampleFormat::kText, channels, " " + fits + "\n");
+    EXPECT_EQ(parsed.statuses, Statuses(channels, SampleStatus::kBadFrame));
+    EXPECT_EQ(parsed.discarded, 48 * channels + 2) << "with its end";
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::acquire

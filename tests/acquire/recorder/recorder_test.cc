@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "acquire/recorder/recording_statistics.h"
 #include "tests/acquire/recorder_fixture.h"
@@ -28,6 +29,7 @@ TEST_F(RecorderTest, StopsAtTheNumberOfReadings) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 250U);
   EXPECT_EQ(summary->distinct(), 250U);
+  EXPECT_REL(summary->elapsed_s, 0.249, 1e-15, "a quotient");
   EXPECT_EQ(summary->discarded_bytes, 17U);
   EXPECT_REL(summary->rate_hz.value(), 1000.0, 1e-15, "249 intervals in 249 ms");
   EXPECT_ABS(summary->interval_sd_s.value(), 0.0, 1e-15, "rounding of the running mean");
@@ -82,6 +84,37 @@ TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 5U);
   EXPECT_FALSE(summary->connection_lost);
+  EXPECT_EQ(clock_.Now(), 2000 * kMs);
+}
+
+TEST_F(RecorderTest, StopsAtAnInstantOfTheClock) {
+  // a source without a row is asked every 100 ms
+  for (const auto& [after_ns, end_ns] :
+       {std::pair(300 * kMs, 300 * kMs), {300 * kMs + 1, 400 * kMs}}) {
+    const MonotonicNs begin_ns = clock_.Now();
+    CountingSensor sensor(clock_, Timing::kArrival, 5, Outcome::kNothing);
+    const auto summary = Run(sensor, {.until_ns = begin_ns + after_ns});
+    ASSERT_TRUE(summary);
+    EXPECT_EQ(clock_.Now() - begin_ns, end_ns);
+    EXPECT_EQ(summary->readings, 5U);
+    EXPECT_FALSE(summary->interrupted);
+    std::filesystem::remove(path_);
+  }
+}
+
+TEST_F(RecorderTest, AStopIsAnInterruptionWhereAnEndWasAskedFor) {
+  const std::atomic<bool> stop{true};
+  const auto is_interrupted = [&](const RecordingLimits& limits) {
+    CountingSensor sensor(clock_, Timing::kArrival, 5, Outcome::kNothing);
+    const bool interrupted = Run(sensor, limits, stop).value().interrupted;
+    std::filesystem::remove(path_);
+    return interrupted;
+  };
+  EXPECT_FALSE(is_interrupted({}));
+  EXPECT_TRUE(is_interrupted({.duration_ns = 1000 * kMs}));
+  EXPECT_TRUE(is_interrupted({.readings = 10}));
+  EXPECT_TRUE(is_interrupted({.until_ns = clock_.Now() + kNsPerS}));
+  EXPECT_TRUE(is_interrupted({.trigger = TriggerSetup{}}));
 }
 
 TEST_F(RecorderTest, StopsAtTheFlagAndFinishesTheFile) {
@@ -126,6 +159,7 @@ TEST_F(RecorderTest, CountsByStatus) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 60U);
   EXPECT_EQ(summary->bad(), 30U);
+  EXPECT_EQ(summary->measured, 30U) << "ok and repeated";
   EXPECT_EQ(summary->repeated(), 10U);
   EXPECT_EQ(summary->distinct(), 20U);
   EXPECT_EQ(summary->statuses[static_cast<std::size_t>(SampleStatus::kLate)], 20U);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,6 +56,57 @@ TEST(IntervalStatistics, KnownLossesCountAsIntervals) {
   EXPECT_TRUE(statistics.Explains(4300 * kMs, 299));
   EXPECT_FALSE(statistics.Explains(5000 * kMs, 299));
   EXPECT_FALSE(statistics.Explains(4001 * kMs, 299)) << "a damaged number";
+}
+
+TEST(IntervalStatistics, LostRowsExplainAQuarterOfASecondMoreAndATwentiethLess) {
+  IntervalStatistics statistics;
+  EXPECT_TRUE(statistics.Explains(0, 5)) << "nothing came before";
+  statistics.Add(0, 0);
+  EXPECT_FALSE(statistics.Explains(10 * kMs, 5)) << "no interval is known";
+  EXPECT_TRUE(statistics.Explains(10'000 * kMs, 0)) << "nothing is said to be lost";
+  statistics.Add(10 * kMs, 0);
+  // nine rows and the next: 100 ms
+  EXPECT_TRUE(statistics.Explains(10 * kMs + 349 * kMs, 9));
+  EXPECT_FALSE(statistics.Explains(10 * kMs + 351 * kMs, 9));
+  EXPECT_TRUE(statistics.Explains(10 * kMs + 51 * kMs, 9));
+  EXPECT_FALSE(statistics.Explains(10 * kMs + 49 * kMs, 9));
+}
+
+TEST(IntervalStatistics, BothEndsOfWhatIsExplainedBelongToIt) {
+  // rows every 250 ms, one of which is lost: 500 ms, from 450 to 750 ms; none of these is rounded
+  // away
+  IntervalStatistics statistics;
+  statistics.Add(0, 0);
+  statistics.Add(250 * kMs, 0);
+  EXPECT_TRUE(statistics.Explains(1000 * kMs, 1));
+  EXPECT_FALSE(statistics.Explains(1000 * kMs + 1, 1));
+  EXPECT_TRUE(statistics.Explains(700 * kMs, 1));
+  EXPECT_FALSE(statistics.Explains(700 * kMs - 1, 1));
+}
+
+TEST(IntervalStatistics, AnIntervalOverLossesHasNoDeviation) {
+  // 10, 12 and 14 ms, and 23 ms over a lost row: mean 12, squares 8, of three; five places in 59 ms
+  IntervalStatistics statistics;
+  statistics.Add(0, 0);
+  statistics.Add(10 * kMs, 0);
+  statistics.Add(22 * kMs, 0);
+  statistics.Add(45 * kMs, 1);
+  statistics.Add(59 * kMs, 0);
+  EXPECT_REL(statistics.RateHz().value(), 5 / 0.059, 1e-15, "one division");
+  EXPECT_REL(statistics.DeviationSeconds().value(), 2e-3, 1e-12, "roundings of the recurrence");
+}
+
+TEST(IntervalStatistics, NeedTwoIntervalsForADeviation) {
+  IntervalStatistics statistics;
+  EXPECT_EQ(statistics.RateHz(), std::nullopt);
+  statistics.Add(0, 0);
+  EXPECT_EQ(statistics.RateHz(), std::nullopt);
+  statistics.Add(10 * kMs, 0);
+  EXPECT_REL(statistics.RateHz().value(), 100, 1e-15, "one division");
+  EXPECT_EQ(statistics.DeviationSeconds(), std::nullopt);
+  statistics.Add(30 * kMs, 0);
+  // 10 and 20 ms: 5 sqrt(2)
+  EXPECT_REL(statistics.DeviationSeconds().value(), std::sqrt(50) * 1e-3, 1e-12, "roundings");
 }
 
 TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {
@@ -159,6 +212,85 @@ TEST(GapCounter, WhatIsMeantToBeMissingIsNoGap) {
     gaps.Rows(1000, kMs, 5000 * kMs);
     EXPECT_EQ(gaps.Count(), 0U) << Name(timing);
   }
+}
+
+// gaps of rows `usual_ns` apart with one interval of `long_ns` among them
+std::uint64_t GapsWith(Timing timing, MonotonicNs usual_ns, MonotonicNs long_ns) {
+  Gaps gaps(timing);
+  gaps.Rows(1000, usual_ns, 0);
+  gaps.Rows(1000, usual_ns, long_ns);
+  return gaps.Count();
+}
+
+TEST(GapCounter, AGapIsLongerThanEightUsualIntervals) {
+  // a 79 ms silence of a free-running sensor brings too few rows as well, but is no silence yet
+  for (const Timing timing : {Timing::kPolled, Timing::kArrival}) {
+    EXPECT_EQ(GapsWith(timing, 10 * kMs, 79'500'000), 0U) << Name(timing);
+    EXPECT_EQ(GapsWith(timing, 10 * kMs, 80'500'000), 1U) << Name(timing);
+  }
+}
+
+TEST(GapCounter, ASilenceIsLongerThan50Ms) {
+  EXPECT_EQ(GapsWith(Timing::kArrival, kMs, 49'700'000), 0U);
+  EXPECT_EQ(GapsWith(Timing::kArrival, kMs, 50'300'000), 1U);
+  // a polled sensor has no bursts
+  EXPECT_EQ(GapsWith(Timing::kPolled, kMs, 7'950'000), 0U);
+  EXPECT_EQ(GapsWith(Timing::kPolled, kMs, 8'050'000), 1U);
+}
+
+TEST(GapCounter, SeveralLongIntervalsInARowAreOneGap) {
+  Gaps gaps(Timing::kPolled);
+  gaps.Rows(100, 8 * kMs, 0);
+  gaps.Rows(5, 500 * kMs, 500 * kMs);
+  EXPECT_EQ(gaps.Count(), 1U);
+  gaps.Rows(2, 8 * kMs, 8 * kMs);
+  gaps.Rows(1, 0, 500 * kMs);
+  EXPECT_EQ(gaps.Count(), 2U) << "a usual interval lay between them";
+}
+
+// 400 ms of silence at a row a ms; `late` rows then come at once, after `before` usual ones
+std::uint64_t GapsAfterASilence(int late, int before) {
+  Gaps gaps(Timing::kArrival);
+  gaps.Rows(1000, kMs, 0);
+  gaps.Rows(1 + before, kMs, 400 * kMs);
+  if (late > 0) gaps.Rows(late, 0, 0);
+  gaps.Rows(1000, kMs, kMs);
+  return gaps.Count();
+}
+
+TEST(GapCounter, HalfOfTheRowsMakeUpForASilence) {
+  // 399 rows are missing; of 400 at least half
+  EXPECT_EQ(GapsAfterASilence(199, 0), 1U);
+  EXPECT_EQ(GapsAfterASilence(200, 0), 0U);
+}
+
+TEST(GapCounter, HalfASecondLaterItIsTooLateToMakeUp) {
+  EXPECT_EQ(GapsAfterASilence(399, 499), 0U);
+  EXPECT_EQ(GapsAfterASilence(399, 500), 1U);
+}
+
+TEST(GapCounter, ASilenceAtTheEndIsMeasuredLikeAnother) {
+  const auto gaps_at_end = [](Timing timing, MonotonicNs usual_ns, MonotonicNs silence_ns) {
+    Gaps gaps(timing);
+    gaps.Rows(1000, usual_ns, 0);
+    gaps.EndAfter(silence_ns);
+    return gaps.Count();
+  };
+  EXPECT_EQ(gaps_at_end(Timing::kArrival, kMs, 49'700'000), 0U);
+  EXPECT_EQ(gaps_at_end(Timing::kArrival, kMs, 50'300'000), 1U);
+  EXPECT_EQ(gaps_at_end(Timing::kPolled, 10 * kMs, 79'500'000), 0U);
+  EXPECT_EQ(gaps_at_end(Timing::kPolled, 10 * kMs, 80'500'000), 1U);
+  EXPECT_EQ(gaps_at_end(Timing::kUniform, 10 * kMs, 5000 * kMs), 0U) << "rows have no arrival";
+}
+
+TEST(GapCounter, NumberedLinesHaveNoSilence) {
+  GapCounter counter(Timing::kArrival, true);
+  Reading reading;
+  for (int row = 0; row < 2000; ++row) {
+    reading.time_ns = (row + (row >= 1000 ? 300 : 0)) * kMs;
+    counter.Add(reading);
+  }
+  EXPECT_EQ(counter.gaps(), 0U);
 }
 
 }  // namespace

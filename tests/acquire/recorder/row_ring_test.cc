@@ -129,5 +129,22 @@ TEST(RowRing, SaysThatTheWriterGaveUp) {
   EXPECT_TRUE(ring.given_up());
 }
 
+TEST(RowRing, HoldsTheWholeRowsOfItsBytes) {
+  EXPECT_EQ(RowRing(3 * kBytesOfARow, 2).capacity(), 3U);
+  EXPECT_EQ(RowRing(3 * kBytesOfARow - 1, 2).capacity(), 2U);
+  // two instants, an index, a number and a status: 33 bytes of one channel
+  EXPECT_EQ(RowRing(33'000, 1).capacity(), 1000U);
+}
+
+TEST(RowRing, TakesNoRowWhileAThousandEventsWait) {
+  RowRing ring(10 * kBytesOfARow, 2);
+  for (int i = 0; i < 999; ++i) ring.PushEvent({});
+  EXPECT_EQ(ring.room(), 10U);
+  ring.PushEvent({});
+  EXPECT_EQ(ring.room(), 0U);
+  EXPECT_TRUE(ring.TakeEvent());
+  EXPECT_EQ(ring.room(), 10U);
+}
+
 }  // namespace
 }  // namespace haptometer::acquire

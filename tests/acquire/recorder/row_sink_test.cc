@@ -89,6 +89,36 @@ TEST_F(RotationTest, AUniformPartBeginsItsGridAnew) {
   ASSERT_EQ(recording->record.stretches.size(), 1U);
   EXPECT_EQ(recording->record.stretches[0].start_s, 0.0);
   EXPECT_EQ(recording->record.rows, 200U);
+  const auto& fields = recording->record.metadata.fields;
+  EXPECT_EQ(fields.at("part_start_s"), "0.300000000") << "row 300 of 1000 a second";
+}
+
+TEST_F(RotationTest, EventsAndRepliesCountFromTheirPart) {
+  const CountingSensor sensor(clock_, Timing::kPolled, 0, Outcome::kEnd);
+  auto rotation = TrialRotation::Begin([this](std::uint64_t part) { return Part(part); },
+                                       sensor.header(), {}, writer_clock_);
+  ASSERT_TRUE(rotation);
+  const std::vector<trial::Sample> samples{{trial::RawValue::Counts(1), {}}};
+  for (const MonotonicNs time_ns : {0 * kMs, 400 * kMs}) {
+    (*rotation)->RotateAtNextRow();
+    ASSERT_TRUE((*rotation)->AddEvent({.time_ns = time_ns + 100 * kMs, .text = "before the row"}));
+    ASSERT_TRUE((*rotation)->Append(
+        {.time_ns = time_ns, .reply_ns = time_ns + 7 * kMs, .samples = samples}));
+    ASSERT_TRUE((*rotation)->AddEvent({.time_ns = time_ns + 150 * kMs, .text = "behind the row"}));
+  }
+  ASSERT_TRUE((*rotation)->Finish());
+  Counts(Part(1));
+  ASSERT_EQ(events_.size(), 3U);
+  EXPECT_EQ(events_[2].time_ns, 500 * kMs) << "the part was not over";
+  Counts(Part(2));
+  ASSERT_EQ(events_.size(), 1U);
+  EXPECT_EQ(events_[0].time_ns, 150 * kMs);
+  auto reader = trial::TrialReader::Open(Part(2));
+  ASSERT_TRUE(reader);
+  const auto chunk = reader->Next();
+  ASSERT_TRUE(chunk && *chunk != nullptr);
+  EXPECT_EQ((*chunk)->TimeNs(0), 0);
+  EXPECT_EQ((*chunk)->ReplyNs(0), 7 * kMs);
 }
 
 TEST_F(RotationTest, BytesAreThoseOfTheRows) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "tests/acquire/recorder_fixture.h"
@@ -47,6 +49,29 @@ TEST(TriggerWatch, EdgesFireWhereTheThresholdIsCrossed) {
 TEST(TriggerWatch, WhatIsNoMeasurementNeitherFiresNorCountsAsTheOneBefore) {
   EXPECT_THAT(Firing(TriggerKind::kBelow, {-99, 11, -99}), ::testing::IsEmpty());
   EXPECT_THAT(Firing(TriggerKind::kRising, {11, -99, 12}), ::testing::IsEmpty());
+}
+
+TEST(TriggerWatch, WatchesItsChannelInTheUnitOfThat) {
+  trial::TrialHeader header = OneChannel(Timing::kArrival);
+  trial::ChannelFormat voltage = header.channels[0];
+  voltage.name = "voltage";
+  voltage.unit = "V";
+  voltage.scale = 0.5;
+  voltage.offset = -2;
+  header.channels.push_back(voltage);
+  TriggerSetup setup{.channel = 1, .kind = TriggerKind::kAbove, .threshold = 3};
+  TriggerWatch watch(setup, header);
+  EXPECT_EQ(watch.Text(), "voltage above 3 V");
+  Reading reading;
+  // 0.5 n - 2 is 3 at n = 10
+  reading.samples = {{trial::RawValue::Counts(1'000'000'000), SampleStatus::kOk},
+                     {trial::RawValue::Counts(10), SampleStatus::kOk}};
+  EXPECT_FALSE(watch.Fires(reading));
+  reading.samples = {{trial::RawValue::Counts(0), SampleStatus::kInvalid},
+                     {trial::RawValue::Counts(11), SampleStatus::kOk}};
+  EXPECT_TRUE(watch.Fires(reading));
+  setup.kind = TriggerKind::kFalling;
+  EXPECT_EQ(TriggerWatch(setup, header).Text(), "voltage falling through 3 V");
 }
 
 TEST(PreSamples, KeepsTheLastFewInOrder) {
@@ -104,6 +129,24 @@ TEST_F(TriggerTest, TheDurationCountsFromTheTrigger) {
   const std::vector<std::int32_t> counts = Counts(path_);
   ASSERT_EQ(counts.size(), 30U);
   EXPECT_EQ(counts.front(), 501);
+}
+
+TEST_F(TriggerTest, AShotWithoutRowsEndsByTheClock) {
+  // it begins with row 501 and lasts a second; behind row 599 the source is asked every 100 ms
+  for (const auto& [shots, end_ns] : {std::pair(1U, 1600 * kMs), {2U, 5000 * kMs}}) {
+    const MonotonicNs begin_ns = clock_.Now();
+    CountingSensor sensor(clock_, Timing::kArrival, 600, Outcome::kNothing);
+    RecordingLimits limits = Rising(500);
+    limits.trigger->shots = shots;
+    limits.duration_ns = 1000 * kMs;
+    limits.until_ns = begin_ns + 5000 * kMs;
+    const auto summary = Run(sensor, limits);
+    ASSERT_TRUE(summary);
+    EXPECT_EQ(summary->triggers, 1U);
+    EXPECT_EQ(summary->readings, 99U);
+    EXPECT_EQ(clock_.Now() - begin_ns, end_ns) << "a second trigger is waited for up to the end";
+    std::filesystem::remove(path_);
+  }
 }
 
 TEST_F(TriggerTest, SeveralShotsWaitForTheHoldOff) {

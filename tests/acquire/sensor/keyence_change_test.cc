@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "acquire/emulator/dl_unit.h"
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
+#include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
 #include "tests/findings.h"
 #include "tests/residual.h"
@@ -132,6 +136,13 @@ TEST_F(KeyenceChange, TheLongestAveragingIsWaitedFor) {
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
 }
 
+TEST_F(KeyenceChange, TheLongestAveragingOfADefaultCycleIsWaitedFor) {
+  // the emulated head's default is 1 ms
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"sampling=default", "averaging=4096"})}));
+  EXPECT_GE(clock_.Now(), NsFromSeconds(8.192));
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
+}
+
 TEST_F(KeyenceChange, WithoutATargetTheWaitEndsAndIsSaid) {
   device_ = std::make_unique<emulator::DlRs1aUnit>(emulator::DlRs1aSetup{
       .head = StillHead(0), .faults = *emulator::ParseFaultPlan("invalid"), .is_writable = true});
@@ -211,6 +222,176 @@ TEST_F(KeyenceChange, ATooHighRateLeavesSlotsOut) {
   for (int row = 1; row < 20; ++row) {
     EXPECT_ABS(SecondsFromNs(NextRow().time_ns - first_ns), row * 0.02, 1e-9, "rounded to ns");
   }
+}
+
+TEST_F(KeyenceChange, SeveralAmplifiersShareTheWireAndTheBuffer) {
+  // 8 + 3 x 8 characters of 10 bits and 4 ms; contents of three amplifiers are renewed every 13 ms
+  ASSERT_TRUE(StartRs1a({}));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitRate),
+            "device=DL-RS1A rate_hz=81.0811 observable_hz=30.0481 baud=38400 new_rate_hz=76.9231");
+  // MS has 8 + 3 x 11
+  ASSERT_TRUE(StartRs1a({.command = dl::Command::kMs}));
+  EXPECT_REL(metadata().nominal_rate_hz.value(), 1 / (410.0 / 38400 + 4e-3), 1e-6,
+             "rounded to nanoseconds");
+}
+
+TEST_F(KeyenceChange, AnEn1IsAsFastAsItsProcessing) {
+  // 9.8 ms with two amplifiers, 7.8 ms with one
+  ASSERT_TRUE(StartEn1({}));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitRate),
+            "device=DL-EN1 rate_hz=102.041 observable_hz=39.8597");
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitTooSlow),
+            "device=DL-EN1 rate_hz=128.205 needed_hz=1280");
+  EXPECT_EQ(metadata().nominal_rate_hz, std::nullopt) << "its response time is not stated";
+}
+
+// how long a start takes that sets the averaging of a head without a target
+double StartWithoutATarget(std::string_view averaging) {
+  ManualClock clock;
+  emulator::DlRs1aUnit unit({.baud = 38400,
+                             .head = StillHead(0),
+                             .faults = *emulator::ParseFaultPlan("invalid"),
+                             .is_writable = true});
+  KeyenceIl sensor(std::make_unique<tests::DeviceTransport>(unit, clock),
+                   {.baud = 38400, .writes = Writes({averaging})}, clock);
+  EXPECT_TRUE(sensor.Start(kNeverStop));
+  return SecondsFromNs(clock.Now());
+}
+
+TEST(KeyenceChangeWait, IsTwoMeansLongerWithALongerMean) {
+  // 2 s and two means: of 4096 ms, and of 2 ms
+  EXPECT_ABS(StartWithoutATarget("averaging=4096") - StartWithoutATarget("averaging=2"), 8.188,
+             0.02, "each ends with an exchange of 8.2 ms");
+}
+
+TEST_F(KeyenceChange, AnEn1sOutputIsReadInMillivolts) {
+  emulator::MovingHead head = StillHead(1.234e-3);
+  head.analog = {.gain_error = 1.01, .offset_error_v = 0.002};
+  device_ = std::make_unique<emulator::DlEn1Unit>(emulator::DlEn1Setup{.heads = {head}});
+  ASSERT_TRUE(Start({.unit = IlUnit::kDlEn1}));
+  const auto analog = sensor_->ReadAnalog(kNeverStop);
+  ASSERT_TRUE(analog) << analog.error().Text();
+  EXPECT_EQ(analog->status, SampleStatus::kOk);
+  EXPECT_REL(analog->displacement_m, 1.234e-3, 1e-15, "a product and a quotient");
+  EXPECT_REL(analog->volts, 1.248, 1e-15, "1.01 x 1.234 + 0.002 = 1.24834, in whole mV");
+}
+
+// --- the zero shift by its bytes -------------------------------------------------------------
+
+// A unit whose zero shift has these results (data 054), the last one for ever; "" is refused.
+class ShiftingUnit {
+ public:
+  explicit ShiftingUnit(std::vector<std::string> results) : results_(std::move(results)) {}
+
+  Result<void> Start() {
+    auto transport = std::make_unique<tests::ScriptedTransport>(
+        clock, [this](tests::ScriptedTransport& to, const std::string& request) {
+          to.Send(Answer(request), 10'000'000);
+        });
+    wire_ = transport.get();
+    sensor_ = std::make_unique<KeyenceIl>(
+        std::move(transport), KeyenceIlSetup{.baud = 38400, .device_zero = true}, clock);
+    return sensor_->Start(kNeverStop);
+  }
+  // the requests that write or ask for the result, "W0" for a 0 written and "R"
+  [[nodiscard]] std::string Requests() const {
+    std::string requests;
+    for (const std::string& request : wire_->written()) {
+      if (request.starts_with("SW,00,001,")) requests += "W" + request.substr(10, 1) + " ";
+      if (request.starts_with("SR,00,054")) requests += "R ";
+    }
+    return requests;
+  }
+  ManualClock clock;
+
+ private:
+  std::string Answer(const std::string& request) {
+    if (request == "M0\r\n") return "M0,+01.234\r\n";
+    if (request.starts_with("SW")) return "SW,00,001\r\n";
+    if (request.starts_with("SR,00,037")) return "SR,00,037,+01.234\r\n";
+    if (!request.starts_with("SR,00,054")) return "ER,SR,22\r\n";
+    const std::string& result = results_[std::min(asked_++, results_.size() - 1)];
+    return result.empty() ? "ER,SR,22\r\n" : "SR,00,054," + result + "\r\n";
+  }
+
+  std::vector<std::string> results_;
+  std::size_t asked_ = 0;
+  tests::ScriptedTransport* wire_ = nullptr;
+  std::unique_ptr<KeyenceIl> sensor_;
+};
+
+TEST(ZeroShift, IsWrittenAsZeroOneZeroAndItsEndIsAwaited) {
+  ShiftingUnit unit({"0", "0", "1"});
+  EXPECT_TRUE(unit.Start());
+  EXPECT_EQ(unit.Requests(), "W0 W1 W0 R R R ");
+}
+
+TEST(ZeroShift, AnAmplifierThatDoesNotSayItsEndIsBelieved) {
+  ShiftingUnit silent({""});
+  EXPECT_TRUE(silent.Start());
+  EXPECT_EQ(silent.Requests(), "W0 W1 W0 R ");
+  // one that stays busy is waited for during a second, of which each question takes 10 ms
+  ShiftingUnit busy({"0"});
+  EXPECT_TRUE(busy.Start());
+  EXPECT_EQ(busy.clock.Now() - silent.clock.Now(), 990'000'000);
+}
+
+TEST(ZeroShift, AFailedOneEndsTheStart) {
+  ShiftingUnit unit({"0", "2"});
+  const auto started = unit.Start();
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(started.error().Text(),
+              HasSubstr("amplifier 00 could not shift its zero; bring the"));
+}
+
+// --- a written code by its bytes -------------------------------------------------------------
+
+// What "averaging=4", code 2, is written as where data 133 reads `before`; "" is refused. `keeps`:
+// the amplifier acknowledges the code and keeps the old one.
+struct Written {
+  std::vector<std::string> requests;
+  std::string change;
+  std::string error;
+};
+
+Written WrittenWhere(std::string data, bool keeps = false) {
+  ManualClock clock;
+  Written written;
+  const auto answer = [&](tests::ScriptedTransport& to, const std::string& request) {
+    std::string reply = "ER,SR,22\r\n";
+    if (request == "M0\r\n") reply = "M0,+01.234\r\n";
+    if (request.starts_with("SR,00,133") && !data.empty()) reply = "SR,00,133," + data + "\r\n";
+    if (request.starts_with("SW")) {
+      written.requests.push_back(request);
+      if (!keeps) data = request.substr(10, request.size() - 12);
+      reply = "SW,00,133\r\n";
+    }
+    to.Send(reply, 10'000'000);
+  };
+  KeyenceIl sensor(std::make_unique<tests::ScriptedTransport>(clock, answer),
+                   {.baud = 38400, .writes = Writes({"averaging=4"})}, clock);
+  const auto started = sensor.Start(kNeverStop);
+  if (!started) written.error = started.error().Text();
+  const auto& fields = sensor.header().metadata.fields;
+  if (fields.contains("changed_averaging")) written.change = fields.at("changed_averaging");
+  return written;
+}
+
+TEST(WrittenCode, HasTheDigitsOfTheOneBefore) {
+  using Requests = std::vector<std::string>;
+  EXPECT_EQ(WrittenWhere("4").requests, Requests{"SW,00,133,2\r\n"});
+  EXPECT_EQ(WrittenWhere("0004").requests, Requests{"SW,00,133,0002\r\n"});
+  EXPECT_EQ(WrittenWhere("+04").requests, Requests{"SW,00,133,+02\r\n"});
+  EXPECT_EQ(WrittenWhere("").requests, Requests{"SW,00,133,2\r\n"}) << "not known";
+  EXPECT_EQ(WrittenWhere("02").requests, Requests{}) << "it is set already";
+  EXPECT_EQ(WrittenWhere("0004").change, "16 -> 4");
+  EXPECT_EQ(WrittenWhere("").change, "unknown -> 4");
+}
+
+TEST(WrittenCode, ThatWasNotTakenIsRefused) {
+  EXPECT_THAT(WrittenWhere("4", true).error,
+              HasSubstr("amplifier 00 was set to averaging = 4 but reports 16"));
 }
 
 // --- names -----------------------------------------------------------------------------------

@@ -2,8 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/scripted_il_unit.h"
+#include "tests/acquire/scripted_transport.h"
 #include "tests/findings.h"
 #include "tests/residual.h"
 
@@ -120,6 +127,113 @@ TEST_F(KeyenceIlTest, SaysWhatTheWireCannotObserve) {
               HasSubstr("averages=16 sampling_s=0.001 corner_hz=27.68"));
   EXPECT_EQ(NumbersOf(found, FindingKind::kHold), "hold=peak");
   EXPECT_EQ(NumbersOf(found, FindingKind::kAmplifierError), "flags=00004");
+}
+
+// --- the analog output ---
+
+class KeyenceAnalog : public KeyenceIlTest {
+ protected:
+  // data 038 and 042 as the amplifier sends them
+  Result<IlAnalog> Analog(const std::string& value, const std::string& output) {
+    unit_.settings["038"] = value;
+    unit_.settings["042"] = output;
+    return Started().ReadAnalog(kNeverStop);
+  }
+};
+
+TEST_F(KeyenceAnalog, IsTheValueAndItsVolts) {
+  const auto analog = Analog("-01.234", "-1.239");
+  ASSERT_TRUE(analog) << analog.error().Text();
+  EXPECT_EQ(analog->status, SampleStatus::kOk);
+  EXPECT_REL(analog->displacement_m, -1.234e-3, 1e-15, "a product and a quotient");
+  EXPECT_REL(analog->volts, -1.239, 1e-15, "a product");
+}
+
+TEST_F(KeyenceAnalog, FollowsThePointOfTheValue) {
+  const auto analog = Analog("+056.78", "+0.406");
+  ASSERT_TRUE(analog) << analog.error().Text();
+  EXPECT_REL(analog->displacement_m, 56.78e-3, 1e-15, "a product and a quotient");
+}
+
+TEST_F(KeyenceAnalog, FiveAndAHalfVoltsAreNoReading) {
+  EXPECT_EQ(Analog("+01.234", "+5.500")->status, SampleStatus::kInvalid);
+}
+
+TEST_F(KeyenceAnalog, AHighOutputIsOne) {
+  EXPECT_EQ(Analog("+01.234", "+5.499")->status, SampleStatus::kOk);
+}
+
+TEST_F(KeyenceAnalog, ASpecialValueIsItsStatus) {
+  EXPECT_EQ(Analog("+99.999", "+5.500")->status, SampleStatus::kOver);
+}
+
+TEST_F(KeyenceAnalog, ACurrentIsRefused) {
+  const auto current = Analog("+01.234", "12.00");
+  ASSERT_FALSE(current);
+  EXPECT_EQ(current.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(current.error().Text(), HasSubstr("the analog output is '12.00', no voltage"));
+}
+
+TEST_F(KeyenceAnalog, WhatTheUnitDoesNotKnowIsLate) {
+  EXPECT_EQ(Started().ReadAnalog(kNeverStop)->status, SampleStatus::kLate);
+}
+
+// --- a DL-EN1's decimals ---
+
+class En1Decimals : public ::testing::Test {
+ protected:
+  // two amplifiers, of which data 195 and the answers to FR are told; "" is refused
+  Result<void> Start(const std::array<std::string, 2>& heads, const std::array<std::string, 2>& fr,
+                     std::optional<int> decimals = {}) {
+    auto transport = std::make_unique<tests::ScriptedTransport>(
+        clock_, [=](tests::ScriptedTransport& to, const std::string& request) {
+          to.Send(Answer(request, heads, fr), 2 * kMs);
+        });
+    sensor_ = std::make_unique<KeyenceIl>(
+        std::move(transport), KeyenceIlSetup{.unit = IlUnit::kDlEn1, .decimals = decimals}, clock_);
+    return sensor_->Start(kNeverStop);
+  }
+  static std::string Answer(const std::string& request, const std::array<std::string, 2>& heads,
+                            const std::array<std::string, 2>& fr) {
+    if (request == "M0\r\n") return "M0,+000001234,-000000056\r\n";
+    const std::string line = request.substr(0, request.size() - 2);
+    const std::size_t place = request[4] == '1' ? 0 : 1;
+    const bool asks_head = line.ends_with(",195");
+    const std::string data = request.starts_with("FR") ? fr[place] : asks_head ? heads[place] : "";
+    return data.empty() ? "ER," + line.substr(0, 2) + ",020\r\n" : line + "," + data + "\r\n";
+  }
+  double Scale(std::size_t channel) const { return sensor_->header().channels.at(channel).scale; }
+
+  ManualClock clock_;
+  std::unique_ptr<KeyenceIl> sensor_;
+};
+
+TEST_F(En1Decimals, AreThoseOfTheUserThenOfFrThenOfTheHead) {
+  // code 4 is an IL-300, of two decimals
+  ASSERT_TRUE(Start({"+000000001", "+000000004"}, {"+000000004", ""}));
+  EXPECT_REL(Scale(0), 1e-7, 1e-14, "a power");
+  EXPECT_REL(Scale(1), 1e-5, 1e-14, "a power");
+  ASSERT_TRUE(Start({"+000000001", "+000000004"}, {"+000000004", ""}, 1));
+  EXPECT_REL(Scale(0), 1e-4, 1e-14, "a power");
+  EXPECT_REL(Scale(1), 1e-4, 1e-14, "a power");
+}
+
+TEST_F(En1Decimals, AreZeroToNine) {
+  ASSERT_TRUE(Start({"", ""}, {"+000000000", "+000000009"}));
+  EXPECT_REL(Scale(0), 1e-3, 1e-14, "a power");
+  EXPECT_REL(Scale(1), 1e-12, 1e-14, "a power");
+  EXPECT_FALSE(Start({"", ""}, {"+000000000", "+000000010"}));
+  EXPECT_FALSE(Start({"", ""}, {"-000000001", "+000000003"}));
+}
+
+TEST_F(En1Decimals, TheAmplifierThatDoesNotTellThemIsNamed) {
+  const auto first = Start({"", "+000000001"}, {"", ""});
+  ASSERT_FALSE(first);
+  EXPECT_THAT(first.error().Text(),
+              HasSubstr("amplifier 01 does not report its decimal places; give them with"));
+  const auto second = Start({"+000000001", ""}, {"", ""});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().Text(), HasSubstr("amplifier 02 does not report its decimal places"));
 }
 
 }  // namespace

@@ -204,6 +204,20 @@ TEST_F(KeyenceIlTest, ALineThatNeverFallsSilentGivesABadRowASecond) {
   EXPECT_EQ(Counts(reading), 3) << "and then the unit is heard again";
 }
 
+TEST_F(KeyenceIlTest, BadRowsOfABabblingLineAreASecondAnd20MsApart) {
+  Started();
+  std::vector<ScriptedIlUnit::Answer> babble;
+  for (int i = 0; i < 3000; ++i) babble.push_back({"?\r\n", 2 * kMs * i});
+  unit_.to_m0.push_back(babble);
+  MonotonicNs last_ns = NextRow().reply_ns;
+  for (int row = 0; row < 3; ++row) {
+    const Reading reading = NextRow();
+    EXPECT_EQ(RowStatus(reading), SampleStatus::kBadFrame);
+    EXPECT_EQ(reading.reply_ns - last_ns, 1022 * kMs) << "the first line behind 1020 ms";
+    last_ns = reading.reply_ns;
+  }
+}
+
 TEST_F(KeyenceIlTest, AHardwareTriggersLineIsNoReply) {
   Started();
   unit_.to_m0.push_back({{"DR,04,+77.777\r\n", 4 * kMs}, {"M0,-00.007\r\n", 9 * kMs}});
@@ -238,6 +252,68 @@ TEST_F(KeyenceIlTest, RepeatedReadingsAreMarkedInTheRow) {
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
   EXPECT_THAT(NumbersOf(sensor_->Found(), FindingKind::kUnitRate), HasSubstr("new_rate_hz=50"));
+}
+
+TEST_F(KeyenceIlTest, ABufferSlowerThanTheWireLimitsWhatIsObserved) {
+  // 8.1667 ms an exchange; 25 ms a content: 40 new readings/s, of which 40 / 2.56 Hz
+  Started({.baud = 38400, .refresh_ns = 25 * kMs});
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitRate),
+            "device=DL-RS1A rate_hz=122.449 observable_hz=15.625 baud=38400 new_rate_hz=40");
+}
+
+TEST_F(KeyenceIlTest, ARateBelowTheWiresLimitsWhatIsObserved) {
+  Started({.baud = 38400, .rate_hz = 25.6});
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitRate),
+            "device=DL-RS1A rate_hz=25.6 observable_hz=10 baud=38400");
+  EXPECT_EQ(sensor_->header().metadata.nominal_rate_hz, 25.6);
+}
+
+TEST_F(KeyenceIlTest, TheBestOfTheUnitIsOneAmplifierAtTheHighestBaudRate) {
+  Started({.baud = 9600});
+  // 16 characters of 10 bits and 4 ms
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitRate),
+            "device=DL-RS1A rate_hz=48.3871 observable_hz=18.9012 baud=9600");
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kUnitTooSlow),
+            "device=DL-RS1A rate_hz=122.449 needed_hz=1280");
+}
+
+TEST_F(KeyenceIlTest, MsHasTheOutputsOfEachAmplifierInOrder) {
+  unit_.to_m0.push_back({{"M0,-00.007,+00.018\r\n"}});
+  unit_.to_ms = "MS,04,-00.008,02,+00.019\r\n";
+  Started({.baud = 38400, .command = dl::Command::kMs});
+  const Reading reading = NextRow();
+  ASSERT_EQ(reading.samples.size(), 4U);
+  EXPECT_EQ(Counts(reading.samples[0]), -8);
+  EXPECT_EQ(Counts(reading.samples[1]), 19);
+  EXPECT_EQ(Counts(reading.samples[2]), 4);
+  EXPECT_EQ(Counts(reading.samples[3]), 2);
+}
+
+TEST_F(KeyenceIlTest, AReplyIsHeldBelowNineTenthsOfTheFastestOnly) {
+  Started();
+  for (int i = 0; i < 64; ++i) ExpectSoundFrom(2 + i);
+  // 0.9 x 8 ms, and then 0.9 x 7.2 ms less 1 ns; a held reply is given after 1.5 x 8 ms
+  unit_.to_m0.push_back({{"M0,+00.500\r\n", 7'200'000}});
+  unit_.to_m0.push_back({{"M0,+00.600\r\n", 6'479'999}});
+  const Reading at_once = NextRow();
+  const Reading held = NextRow();
+  EXPECT_EQ(held.time_ns - at_once.time_ns, 7'200'000);
+  EXPECT_EQ(Counts(held), 600);
+  EXPECT_EQ(held.reply_ns - held.time_ns, 6'479'999);
+  EXPECT_EQ(NextRow().time_ns - held.time_ns, 12 * kMs);
+}
+
+TEST_F(KeyenceIlTest, ARepliesTimeIsTooShortBelowItsWiresAlone) {
+  Started();
+  const MonotonicNs wire_ns = dl_rs1a::LeastExchangeNs(38400, 1);
+  unit_.to_m0.push_back({{"M0,+00.500\r\n", wire_ns}});
+  EXPECT_EQ(Counts(NextRow()), 500);
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRepliesTooSoon));
+  unit_.to_m0.push_back({{"M0,+00.600\r\n", wire_ns - 1}});
+  EXPECT_EQ(Counts(NextRow()), 600);
+  // 160 bits at 38400 baud
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kRepliesTooSoon),
+            "too_soon=1 replies=2 wire_s=0.00416667 rate_hz=240");
 }
 
 }  // namespace

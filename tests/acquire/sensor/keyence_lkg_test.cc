@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
 
 #include "acquire/emulator/lkg_unit.h"
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
 #include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
@@ -109,6 +111,54 @@ TEST_F(KeyenceLkgTest, SilenceAndGarbageAreToldApart) {
   EXPECT_THAT(StartScripted({""}, {}).error().Text(), HasSubstr("nothing answers at 9600 baud"));
   EXPECT_THAT(StartScripted({"\x80\x81\r"}, {}).error().Text(),
               HasSubstr("bytes come at 9600 baud, but no reply of an LK-G"));
+}
+
+TEST_F(KeyenceLkgTest, ANumberThatItsStepDoesNotHoldIsABadFrame) {
+  // 10^9 steps of a micrometre are a kilometre
+  for (const auto& [shown, counts] :
+       {std::pair("M1,+1000000\r", 1'000'000'000), {"M1,-1000000\r", -1'000'000'000}}) {
+    ASSERT_TRUE(StartScripted({"M1,+0000012\r", shown}, {.decimals = 3}));
+    EXPECT_EQ(Counts(NextRow().samples[0]), counts);
+  }
+  for (const char* shown : {"M1,+1000001\r", "M1,-1000001\r"}) {
+    ASSERT_TRUE(StartScripted({"M1,+0000012\r", shown}, {.decimals = 3}));
+    EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kBadFrame) << shown;
+  }
+}
+
+TEST_F(KeyenceLkgTest, SaysWhatItsWireCarries) {
+  // 3 + 12 characters of 10 bits at 9600 baud; both outputs have 3 + 21
+  ASSERT_TRUE(StartScripted({"M1,+01.2345\r"}, {}));
+  EXPECT_EQ(tests::NumbersOf(sensor_->Found(), FindingKind::kLkgRate),
+            "baud=9600 rate_hz=64 observable_hz=25");
+  EXPECT_EQ(sensor_->header().metadata.nominal_rate_hz, std::nullopt);
+  ASSERT_TRUE(StartScripted({"M0,+01.2345,+01.2345\r"}, {.command = lkg::Command::kM0}));
+  EXPECT_EQ(tests::NumbersOf(sensor_->Found(), FindingKind::kLkgRate),
+            "baud=9600 rate_hz=40 observable_hz=15.625");
+  ASSERT_TRUE(StartScripted({"M1,+01.2345\r"}, {.rate_hz = 12.8}));
+  EXPECT_EQ(tests::NumbersOf(sensor_->Found(), FindingKind::kLkgRate),
+            "baud=9600 rate_hz=12.8 observable_hz=5");
+  EXPECT_EQ(sensor_->header().metadata.nominal_rate_hz, 12.8);
+}
+
+TEST_F(KeyenceLkgTest, TheSecondOutputAloneHasItsName) {
+  ASSERT_TRUE(StartScripted({"M2,+0.12345\r"}, {.command = lkg::Command::kM2}));
+  EXPECT_EQ(sensor_->header().channels.at(0).name, "displacement_OUT2");
+  EXPECT_REL(sensor_->header().channels.at(0).scale, 1e-8, 1e-15, "five decimals of a mm");
+  EXPECT_EQ(Counts(NextRow().samples[0]), 12'345);
+}
+
+TEST_F(KeyenceLkgTest, TheFirstNumberOfEitherOutputHasTheDecimals) {
+  ASSERT_TRUE(StartScripted({"M0,XXXXXXXX,+012.345\r"}, {.command = lkg::Command::kM0}));
+  EXPECT_REL(sensor_->header().channels.at(0).scale, 1e-6, 1e-15, "three decimals of a mm");
+  const Reading row = NextRow();
+  EXPECT_EQ(row.samples[0].status, SampleStatus::kInvalid);
+  EXPECT_EQ(Counts(row.samples[1]), 12'345);
+}
+
+TEST_F(KeyenceLkgTest, ALineOfTheTimingInputIsNoReply) {
+  ASSERT_TRUE(StartScripted({"M1,+01.2345\r", "G1,+09.9999\rM1,+00.0007\r"}, {}));
+  EXPECT_EQ(Counts(NextRow().samples[0]), 7);
 }
 
 }  // namespace

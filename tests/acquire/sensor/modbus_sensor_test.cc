@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <optional>
+#include <utility>
+
 #include "tests/acquire/scripted_modbus_device.h"
 #include "tests/findings.h"
 #include "tests/residual.h"
@@ -210,6 +214,27 @@ TEST_F(ModbusSensorTest, SilenceAtTheStartSaysWhatToCheck) {
                         "baud, parity even; check that the sensor is on, <slave>"));
 }
 
+TEST_F(ModbusSensorTest, EachRequestAtTheStartWaitsForTheLongestReply) {
+  device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
+  device_->script = [](bool) { return ScriptedModbusDevice::Answer{.is_missing = true}; };
+  SensorProfile profile = Plain();
+  profile.longest_reply_ns = 1500 * kMs;
+  ModbusSensor sensor(device_->Link(), {profile, {}}, clock_);
+  ASSERT_FALSE(sensor.Start(kNeverStop));
+  EXPECT_EQ(clock_.Now(), 4500 * kMs);
+}
+
+TEST_F(ModbusSensorTest, AScaleRegisterOfZeroIsRefused) {
+  const SensorProfile profile = BuiltInProfiles()[1];
+  ASSERT_EQ(profile.name, "riftek-rf602");
+  device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
+  ModbusSensor sensor(device_->Link(), {profile, {}}, clock_);
+  const auto started = sensor.Start(kNeverStop);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(started.error().Text(), HasSubstr("register 5, which scales its values, holds 0"));
+}
+
 TEST_F(ModbusSensorTest, AnExceptionAtTheStartIsTold) {
   device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
   device_->script = [](bool) { return ScriptedModbusDevice::Answer{.exception = 2}; };
@@ -229,6 +254,249 @@ TEST_F(ModbusSensorTest, FindsWhatTheWireAllows) {
   Started(Plain(), {}, ModbusFraming::kTcp);
   EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRegistersRate));
   EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRegistersTooSlow));
+}
+
+// --- how long nothing is asked ---
+
+using Answer = ScriptedModbusDevice::Answer;
+
+// The answer to the first reading of the recording is `answer`; checks are refused where there are
+// none.
+class ModbusPauses : public ModbusSensorTest {
+ protected:
+  // from the row's request, and from its reply, to the request of the next row
+  struct Pause {
+    MonotonicNs from_request_ns, from_reply_ns;
+  };
+  Pause After(const Answer& answer, bool has_checks, ModbusFraming framing = ModbusFraming::kRtu) {
+    script_ = [=](bool is_reading) {
+      return Answer{.exception = is_reading || has_checks ? 0 : 2};
+    };
+    Started(Plain(), {}, framing);
+    int number = 0;
+    device_->script = [this, answer, number](bool is_reading) mutable {
+      return is_reading && ++number == 1 ? answer : script_(is_reading);
+    };
+    const Reading row = NextRow();
+    EXPECT_NE(RowStatus(row), SampleStatus::kOk);
+    const Reading next = NextRow();
+    EXPECT_EQ(RowStatus(next), SampleStatus::kOk);
+    return {next.time_ns - row.time_ns, next.time_ns - row.reply_ns};
+  }
+};
+
+// a reading and a check, each answered after 2 ms and followed by a silent interval of 1.75 ms
+constexpr MonotonicNs kTwoStepsNs = 7'500'000;
+
+TEST_F(ModbusPauses, AfterAnExceptionTheWireIsSilentFor20MsAndTheStepsFollow) {
+  EXPECT_EQ(After({.exception = 4}, true).from_reply_ns, 20 * kMs + kTwoStepsNs);
+  EXPECT_EQ(After({.exception = 4}, false).from_reply_ns, 1'750'000) << "no step is known";
+  EXPECT_EQ(After({.exception = 4}, false, ModbusFraming::kTcp).from_reply_ns, 0);
+}
+
+TEST_F(ModbusPauses, AfterDamageTheWireIsSilentFor20MsAndTheStepsFollow) {
+  EXPECT_EQ(After({.fault = ModbusFault::kCrc}, true).from_reply_ns, 20 * kMs + kTwoStepsNs);
+  // without a step no reply may come any more
+  EXPECT_EQ(After({.fault = ModbusFault::kCrc}, false).from_request_ns, kNsPerS);
+}
+
+TEST_F(ModbusPauses, AfterSilenceTheLongestReplyIsWaitedFor) {
+  EXPECT_EQ(After({.is_missing = true}, true).from_request_ns, kNsPerS + kTwoStepsNs);
+  EXPECT_EQ(After({.is_missing = true}, false).from_request_ns, kNsPerS);
+  // over TCP the identifier tells a late reply: half a second of patience
+  EXPECT_EQ(After({.is_missing = true}, false, ModbusFraming::kTcp).from_request_ns, kNsPerS / 2);
+}
+
+TEST_F(ModbusSensorTest, ASecondBeginningWaitsForWhatWasAskedBefore) {
+  script_ = [](bool is_reading) { return Answer{.exception = is_reading ? 0 : 2}; };
+  Started(Plain());
+  MonotonicNs asked_ns = 0;
+  device_->script = [&](bool) {
+    const bool is_first = asked_ns == 0;
+    if (is_first) asked_ns = clock_.Now();
+    return Answer{.is_missing = is_first};
+  };
+  Reading reading;
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
+  (void)sensor_->Begin();
+  EXPECT_EQ(NextRow().time_ns - asked_ns, kNsPerS);
+}
+
+// --- what is thrown away ---
+
+TEST_F(ModbusSensorTest, ASecondReplyIsCountedWithItsBytes) {
+  // it comes before the next request, or while that one is answered
+  for (const MonotonicNs again_after_ns : {kMs, 4 * kMs}) {
+    Started(Plain());
+    int number = 0;
+    std::uint64_t twice = 0;
+    device_->script = [&](bool is_reading) {
+      ++number;
+      const bool is_twice = is_reading && number > 70 && number < 290 && number % 5 == 0;
+      twice += is_twice ? 1 : 0;
+      return Answer{.after_ns = 9 * kMs, .again_after_ns = is_twice ? again_after_ns : 0};
+    };
+    for (int row = 0; row < 300; ++row) EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+    EXPECT_EQ(twice, 43U);
+    EXPECT_EQ(sensor_->discarded_bytes(), 7 * twice) << "a frame of one register has 7 bytes";
+    EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kSurplusReplies), "replies=43");
+  }
+}
+
+TEST_F(ModbusSensorTest, AReplyToAnotherTransactionIsCountedWithItsBytes) {
+  Started(Plain(), {}, ModbusFraming::kTcp);
+  int number = 0;
+  device_->script = [&](bool) { return Answer{.off_by = ++number == 1 ? -1 : 0}; };
+  EXPECT_EQ(NextStatus(), SampleStatus::kBadFrame);
+  EXPECT_EQ(sensor_->discarded_bytes(), 11U) << "7 of the header and 4";
+}
+
+TEST_F(ModbusSensorTest, RepliesSoonerThanTheWireAreFound) {
+  // 15 characters of 11 bits at 115200 baud are 1.432 ms
+  Started(Plain());
+  device_->script = [](bool) { return Answer{.after_ns = kMs}; };
+  for (int row = 0; row < 5; ++row) (void)NextRow();
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kRepliesTooSoon),
+            "too_soon=5 replies=5 wire_s=0.00143229 rate_hz=698.182");
+}
+
+TEST_F(ModbusSensorTest, AReplyIsHeldBelowNineTenthsOfTheFastestOnly) {
+  Started(Plain());
+  MonotonicNs after_ns = 10 * kMs;
+  device_->script = [&](bool) { return Answer{.after_ns = after_ns}; };
+  for (int row = 0; row < 64; ++row) EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+  // 0.9 x 10 ms, and then 0.9 x 9 ms less 1 ns; a held reply is given after 1.5 x 10 ms
+  after_ns = 9 * kMs;
+  const Reading at_once = NextRow();
+  after_ns = 8'099'999;
+  const Reading held = NextRow();
+  EXPECT_EQ(held.time_ns - at_once.time_ns, 9 * kMs + 1'750'000) << "and the silent interval";
+  EXPECT_EQ(held.reply_ns - held.time_ns, 8'099'999);
+  EXPECT_EQ(held.samples[0].raw.bits(), device_->readings);
+  EXPECT_EQ(NextRow().time_ns - held.time_ns, 15 * kMs);
+}
+
+TEST_F(ModbusSensorTest, ARepliesTimeIsTooShortBelowItsWiresAlone) {
+  Started(Plain());
+  MonotonicNs after_ns = RtuExchangeNs(Plain());
+  device_->script = [&](bool) { return Answer{.after_ns = after_ns}; };
+  (void)NextRow();
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kRepliesTooSoon));
+  --after_ns;
+  (void)NextRow();
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kRepliesTooSoon),
+            "too_soon=1 replies=2 wire_s=0.00143229 rate_hz=698.182");
+}
+
+// --- the channel ---
+
+TEST_F(ModbusSensorTest, TheChannelIsThatOfTheProfile) {
+  // (number x 0.5 + 3) cm, of 2 to 100
+  SensorProfile profile = Plain();
+  profile.unit_m = 1e-2;
+  profile.scale = 0.5;
+  profile.offset = 3;
+  profile.least_number = 2;
+  profile.most_number = 100;
+  trial::ChannelFormat channel = Started(profile).header().channels.at(0);
+  EXPECT_REL(channel.scale, 5e-3, 1e-15, "a product");
+  EXPECT_REL(channel.offset, 0.03, 1e-15, "a product");
+  EXPECT_REL(channel.resolution, 5e-3, 1e-15, "one count");
+  EXPECT_REL(channel.range_min, 0.04, 1e-15, "a product and a sum");
+  EXPECT_REL(channel.range_max, 0.53, 1e-15, "a product and a sum");
+  // what the maker states comes first
+  profile.resolution_m = 1e-4;
+  profile.range_min_m = 0.05;
+  profile.range_max_m = 0.5;
+  channel = Started(profile).header().channels.at(0);
+  EXPECT_EQ(channel.resolution, 1e-4);
+  EXPECT_EQ(channel.range_min, 0.05);
+  EXPECT_EQ(channel.range_max, 0.5);
+}
+
+TEST_F(ModbusSensorTest, AFallingChannelHasAStepAndNoRange) {
+  SensorProfile profile = Plain();
+  profile.scale = -2;
+  profile.least_number = 2;
+  const trial::ChannelFormat& channel = Started(profile).header().channels.at(0);
+  EXPECT_REL(channel.scale, -2e-3, 1e-15, "a product");
+  EXPECT_REL(channel.resolution, 2e-3, 1e-15, "one count");
+  EXPECT_EQ(channel.range_min, trial::ChannelFormat{}.range_min);
+}
+
+TEST_F(ModbusSensorTest, TheLimitsOfTheNumberAreWithinTheRange) {
+  SensorProfile profile = Plain();
+  profile.count = 3;
+  profile.value_address = 1;
+  profile.type = RegisterType::kI16;
+  profile.least_number = -2;
+  profile.most_number = 100;
+  registers_[1] = 50;
+  Started(profile);
+  for (const auto& [number, status] : {std::pair(-3, SampleStatus::kUnder),
+                                       {-2, SampleStatus::kOk},
+                                       {100, SampleStatus::kOk},
+                                       {101, SampleStatus::kOver}}) {
+    device_->registers[1] = static_cast<std::uint16_t>(number);
+    const Reading reading = NextRow();
+    EXPECT_EQ(RowStatus(reading), status) << number;
+    EXPECT_EQ(Counts(reading), number);
+  }
+}
+
+TEST_F(ModbusSensorTest, AStatusBitMayMeanAnError) {
+  SensorProfile profile = Plain();
+  profile.count = 2;
+  profile.status_address = 1;
+  profile.status_mask = 0x8000;
+  profile.status_meaning = StatusMeaning::kDeviceError;
+  registers_[1] = 0x7FFF;
+  Started(profile);
+  EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+  device_->registers[1] = 0x8000;
+  EXPECT_EQ(NextStatus(), SampleStatus::kDeviceError);
+}
+
+TEST_F(ModbusSensorTest, EqualReadingsWithinTheSensorsPeriodAreRepeated) {
+  // polls are 3.75 ms apart: a reply after 2 ms and the silent interval; 10 ms are 2.67 of them
+  SensorProfile profile = Plain();
+  profile.count = 3;
+  profile.value_address = 1;
+  profile.fastest_rate_hz = 100;
+  Started(profile);
+  for (int row = 0; row < 9; ++row) {
+    EXPECT_EQ(NextStatus(), row % 3 == 0 ? SampleStatus::kOk : SampleStatus::kRepeated) << row;
+  }
+}
+
+TEST_F(ModbusSensorTest, TheNominalRateIsTheLeastOfWireSensorAndWish) {
+  const auto nominal_hz = [&](std::optional<double> sensor_hz, std::optional<double> wish_hz,
+                              ModbusFraming framing) {
+    SensorProfile profile = Plain();
+    profile.fastest_rate_hz = sensor_hz;
+    return Started(profile, wish_hz, framing).header().metadata.nominal_rate_hz;
+  };
+  // 165 bits at 115200 baud and 3.5 ms
+  EXPECT_REL(nominal_hz({}, {}, ModbusFraming::kRtu).value(), 1 / (165 / 115200.0 + 3.5e-3), 1e-6,
+             "rounded to nanoseconds");
+  EXPECT_EQ(nominal_hz(200, {}, ModbusFraming::kRtu), 200);
+  EXPECT_EQ(nominal_hz(200, 50, ModbusFraming::kRtu), 50);
+  EXPECT_EQ(nominal_hz({}, {}, ModbusFraming::kTcp), std::nullopt);
+  EXPECT_EQ(nominal_hz(1000, {}, ModbusFraming::kTcp), 1000);
+  EXPECT_EQ(nominal_hz({}, 300, ModbusFraming::kTcp), 300);
+}
+
+TEST_F(ModbusSensorTest, TheHeaderHasTheRequestOfTheWire) {
+  SensorProfile profile = Plain();
+  profile.address_base = 1;
+  profile.address = 1;
+  profile.value_address = 1;
+  const auto& fields = Started(profile).header().metadata.fields;
+  EXPECT_EQ(fields.at("modbus_address_on_the_wire"), "0");
+  EXPECT_EQ(fields.at("modbus_count"), "1");
+  EXPECT_EQ(fields.at("modbus_slave"), "1");
+  EXPECT_EQ(fields.at("modbus_function"), "3");
+  EXPECT_EQ(fields.at("modbus_value"), "u16 ABCD at 1");
 }
 
 }  // namespace

@@ -252,6 +252,26 @@ TEST_F(PipeSensorTest, SaysWhatDoesNotFit) {
   EXPECT_THAT(StartError(), HasSubstr("no line is a row of 2 x text: \"1,2,3\""));
 }
 
+TEST_F(PipeSensorTest, AHeadingHasAHundredLinesAtMost) {
+  for (const int lines : {100, 101}) {
+    Make("voltage:V", SampleFormat::kText);
+    std::string text;
+    for (int line = 0; line < lines; ++line) text += "volts\n";
+    pipe_->Send(text + "1\n", kMs);
+    pipe_->HangUp(2 * kMs);
+    EXPECT_EQ(sensor_->Start(kNeverStop).has_value(), lines == 100) << lines;
+  }
+}
+
+TEST_F(PipeSensorTest, StatesWhatItsRateObserves) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kStatedRate),
+            "rate_hz=10000 observable_hz=3906.25 half_rate_hz=5000");
+  EXPECT_EQ(sensor_->header().metadata.nominal_rate_hz, 10'000);
+}
+
 TEST_F(PipeSensorTest, GivesUpOnEndlessText) {
   Make("voltage:V", SampleFormat::kText);
   std::string lines;

@@ -3,7 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include "tests/acquire/scripted_transport.h"
+#include "tests/findings.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -69,6 +77,86 @@ TEST(ResponseDeadline, IsTheMakersSecondUntilTheUnitIsKnown) {
   EXPECT_EQ(deadline.WaitNs(), kNsPerS);
   for (int i = 0; i < 64; ++i) deadline.Note(8 * kMs);
   EXPECT_EQ(deadline.WaitNs(), 50 * kMs);
+}
+
+TEST(ResponseDeadline, AReplyIsTooSoonBelowNineTenthsOfTheFastest) {
+  for (const auto& [wire_ns, earliest_ns] :
+       {std::pair(5 * kMs, 7'200'000), {7 * kMs, 7'200'000}, {MonotonicNs{7'250'000}, 7'250'000}}) {
+    ResponseDeadline deadline(wire_ns);
+    for (int i = 0; i < 63; ++i) deadline.Note(10 * kMs);
+    EXPECT_EQ(deadline.EarliestNs(), wire_ns) << "63 exchanges are too few";
+    deadline.Note(8 * kMs);
+    EXPECT_EQ(deadline.EarliestNs(), earliest_ns);
+  }
+}
+
+TEST(ResponseDeadline, AUsualExchangeIsOneAndAHalfMedians) {
+  ResponseDeadline deadline(3 * kMs);
+  for (int i = 0; i < 31; ++i) deadline.Note(10 * kMs);
+  EXPECT_EQ(deadline.UsualNs(), 3 * kMs) << "31 exchanges are too few";
+  for (int i = 0; i < 33; ++i) deadline.Note(20 * kMs);
+  EXPECT_EQ(deadline.UsualNs(), 30 * kMs);
+  // of 64 the median is 10 ms again
+  for (int i = 0; i < 40; ++i) deadline.Note(10 * kMs);
+  EXPECT_EQ(deadline.UsualNs(), 15 * kMs);
+  // never before a reply can come at all
+  ResponseDeadline slow(16 * kMs);
+  for (int i = 0; i < 64; ++i) slow.Note(10 * kMs);
+  EXPECT_EQ(slow.UsualNs(), 16 * kMs);
+}
+
+TEST(DoubtfulReplies, StateTheRateOfTheWire) {
+  EXPECT_TRUE(DoubtfulReplies({.taken = 10}, 20 * kMs).list().empty());
+  const Findings found = DoubtfulReplies({.taken = 10, .surplus = 3, .too_soon = 2}, 20 * kMs);
+  EXPECT_EQ(tests::NumbersOf(found, FindingKind::kSurplusReplies), "replies=3");
+  EXPECT_EQ(tests::NumbersOf(found, FindingKind::kRepliesTooSoon),
+            "too_soon=2 replies=10 wire_s=0.02 rate_hz=50");
+}
+
+// a device whose only reading is P
+class OneLetter final : public LineDialect {
+ public:
+  std::string_view PollRequest() const override { return "P\r"; }
+  std::string_view StepRequest() const override { return "S\r"; }
+  bool AnswersStep(std::string_view line) const override { return line == "S"; }
+  LineMeaning Read(std::string_view line, std::span<trial::Sample> samples) const override {
+    if (line != "P") return LineMeaning::kDamaged;
+    samples[0] = {trial::RawValue::Counts(1), SampleStatus::kOk};
+    return LineMeaning::kReading;
+  }
+};
+
+// when 100 rows were requested, on a grid of 50 Hz, each answered after `exchange_ns`
+std::vector<MonotonicNs> RequestTimes(MonotonicNs exchange_ns) {
+  ManualClock clock;
+  clock.Advance(123'456'789);
+  const OneLetter dialect;
+  PolledLine line(std::make_unique<tests::ScriptedTransport>(
+                      clock, [=](tests::ScriptedTransport& to,
+                                 const std::string& request) { to.Send(request, exchange_ns); }),
+                  clock, Delimiter::kCr, 8);
+  const MonotonicNs begin_ns = line.Begin(dialect, {.rate_hz = 50});
+  std::vector<MonotonicNs> times;
+  Reading reading;
+  for (int call = 0; call < 1000 && times.size() < 100; ++call) {
+    if (line.Next(reading) == Outcome::kReading) times.push_back(reading.time_ns - begin_ns);
+  }
+  return times;
+}
+
+TEST(PolledLine, PollsLieOnTheGridAndNoSlotIsUsedTwice) {
+  // a reply at once, within a slot, at the next slot's instant, and just behind it
+  for (const auto& [exchange_ns, slots] : {std::pair(MonotonicNs{0}, 1),
+                                           {5 * kMs, 1},
+                                           {20 * kMs, 1},
+                                           {20 * kMs + 1, 2},
+                                           {40 * kMs, 2}}) {
+    const std::vector<MonotonicNs> times = RequestTimes(exchange_ns);
+    ASSERT_EQ(times.size(), 100U);
+    for (std::size_t row = 0; row < times.size(); ++row) {
+      EXPECT_EQ(times[row], 20 * kMs * slots * static_cast<MonotonicNs>(row)) << exchange_ns;
+    }
+  }
 }
 
 }  // namespace

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <utility>
+#include <vector>
+
 #include "tests/acquire/recorder_fixture.h"
 #include "tests/findings.h"
 
@@ -27,6 +31,7 @@ class Plug {
       absent_until_ns = clock_.Now() + away_ns;
       auto sensor = std::make_unique<CountingSensor>(clock_, timing, rows, Outcome::kGone);
       sensor->metadata().averages = averages;
+      if (change) change(*sensor);
       return sensor;
     };
   }
@@ -34,6 +39,7 @@ class Plug {
   std::uint64_t rows = 10;
   Timing timing = Timing::kPolled;
   int averages = 1;
+  std::function<void(CountingSensor&)> change{};  ///< of what is plugged in
   std::vector<MonotonicNs> tries_ns;
   MonotonicNs absent_until_ns = 0;
 
@@ -123,6 +129,83 @@ TEST_F(ReconnectingTest, IsGivenUpWhenItStaysAway) {
   ASSERT_EQ(events_.size(), 2U);
   EXPECT_EQ(events_[0].text, "the connection was lost");
   EXPECT_EQ(events_[1].text, "waiting for the device ended");
+}
+
+// `sensor` is asked until it is one of the two
+Outcome AskUntil(Sensor& sensor, Outcome one, Outcome other) {
+  Reading reading;
+  for (int call = 0; call < 10'000; ++call) {
+    const Outcome outcome = sensor.Next(reading);
+    if (outcome == one || outcome == other) return outcome;
+  }
+  ADD_FAILURE() << "neither came";
+  return Outcome::kNothing;
+}
+
+TEST_F(ReconnectingTest, TheLongestAbsenceCountsFromTheLoss) {
+  // tries 50, 150, 350, 600 ms after the loss, and so on to 2850 and 3100; looks every 100 ms
+  // behind each of them
+  for (const auto& [longest_ns, given_up_ns] :
+       {std::pair(3050 * kMs, 3050 * kMs), {3050 * kMs + 1, 3100 * kMs}}) {
+    Plug plug(clock_);
+    plug.away_ns = 1'000'000 * kMs;
+    ReconnectingSensor sensor(plug.Opener(), longest_ns, clock_);
+    ASSERT_TRUE(sensor.Start(kNeverStop));
+    ASSERT_EQ(AskUntil(sensor, Outcome::kAway, Outcome::kGone), Outcome::kAway);
+    const MonotonicNs lost_ns = clock_.Now();
+    ASSERT_EQ(AskUntil(sensor, Outcome::kBack, Outcome::kGone), Outcome::kGone);
+    EXPECT_EQ(clock_.Now() - lost_ns, given_up_ns);
+  }
+}
+
+using Change = std::function<void(CountingSensor&)>;
+
+// whether what was `before` is taken where it comes back as `after`
+bool IsTakenAgain(const Change& before, const Change& after) {
+  ManualClock clock;
+  Plug plug(clock);
+  plug.change = before;
+  ReconnectingSensor sensor(plug.Opener(), 2000 * kMs, clock);
+  EXPECT_TRUE(sensor.Start(kNeverStop));
+  plug.change = after;
+  EXPECT_EQ(AskUntil(sensor, Outcome::kAway, Outcome::kGone), Outcome::kAway);
+  return AskUntil(sensor, Outcome::kBack, Outcome::kGone) == Outcome::kBack;
+}
+
+TEST(Reconnecting, TheSameDeviceSendsTheSameChannels) {
+  const Change as_it_is = [](CountingSensor&) {};
+  EXPECT_TRUE(IsTakenAgain(as_it_is, as_it_is));
+  for (const Change& other :
+       {Change([](CountingSensor& sensor) { sensor.channel().name = "displacement_2"; }),
+        Change([](CountingSensor& sensor) { sensor.channel().scale = 1.01e-7; }),
+        Change([](CountingSensor& sensor) { sensor.channel().offset = 1e-9; }),
+        Change(
+            [](CountingSensor& sensor) { sensor.channel().encoding = trial::Encoding::kF64; })}) {
+    EXPECT_FALSE(IsTakenAgain(as_it_is, other));
+    EXPECT_TRUE(IsTakenAgain(other, other));
+  }
+}
+
+TEST(Reconnecting, WhatIsNotKnownOfTheAveragingIsNoDifference) {
+  const auto head = [](std::string name) {
+    return Change(
+        [name = std::move(name)](CountingSensor& sensor) { sensor.metadata().head = name; });
+  };
+  const auto sampling = [](std::optional<double> sampling_s) {
+    return Change([=](CountingSensor& sensor) { sensor.metadata().sampling_s = sampling_s; });
+  };
+  const auto averages = [](std::optional<int> number) {
+    return Change([=](CountingSensor& sensor) { sensor.metadata().averages = number; });
+  };
+  EXPECT_FALSE(IsTakenAgain(head("IL-030"), head("IL-065")));
+  EXPECT_TRUE(IsTakenAgain(head("IL-030"), head("")));
+  EXPECT_TRUE(IsTakenAgain(head(""), head("IL-065")));
+  EXPECT_FALSE(IsTakenAgain(sampling(1e-3), sampling(2e-3)));
+  EXPECT_TRUE(IsTakenAgain(sampling(1e-3), sampling({})));
+  EXPECT_TRUE(IsTakenAgain(sampling({}), sampling(2e-3)));
+  EXPECT_FALSE(IsTakenAgain(averages(16), averages(15)));
+  EXPECT_TRUE(IsTakenAgain(averages(16), averages({})));
+  EXPECT_TRUE(IsTakenAgain(averages({}), averages(15)));
 }
 
 TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {

@@ -247,6 +247,30 @@ TEST_F(StreamSensorTest, SaysWhenLinesAreOfAnotherForm) {
   EXPECT_THAT(StartError(), HasSubstr("sends lines of another form at 921600 baud: \"+1.2\"; "));
 }
 
+TEST_F(StreamSensorTest, WaitsForItsFirstLineForThreeSeconds) {
+  wire_->Send("2345\r+00.0001\r", 2999 * kMs);
+  EXPECT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(clock_.Now(), 2999 * kMs);
+  EXPECT_TRUE(wire_->written().empty()) << "nothing is written to a hardware port";
+  auto transport = std::make_unique<ScriptedTransport>(clock_);
+  transport->Send("2345\r+00.0001\r", 3001 * kMs);
+  sensor_ = std::make_unique<StreamSensor>(std::move(transport), StreamSetup{}, clock_);
+  EXPECT_FALSE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(clock_.Now(), 5999 * kMs);
+}
+
+TEST_F(StreamSensorTest, ShowsTheBeginningOfALineOfAnotherForm) {
+  // 24 characters of it; four lines of nine characters together are one line of another form
+  wire_->Send("abcdefghijklmnopqrstuvwxyz0123456789\r", kMs);
+  EXPECT_THAT(StartError(), HasSubstr("baud: \"abcdefghijklmnopqrstuvwx\"; give"));
+  auto transport = std::make_unique<ScriptedTransport>(clock_);
+  transport->Send("abcdefghijklmnopqrstuvwxyz0123456789+\r", kMs);
+  StreamSensor longer(std::move(transport), {}, clock_);
+  const auto started = longer.Start(kNeverStop);
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().Text(), HasSubstr("bytes come at 921600 baud, but no line; give"));
+}
+
 TEST_F(StreamSensorTest, SaysWhenNoLineEndComes) {
   wire_->Send("\xF8\x80\x78", kMs);
   EXPECT_THAT(StartError(), HasSubstr("bytes come at 921600 baud, but no line; give the sensor's"));
@@ -259,6 +283,48 @@ TEST_F(StreamSensorTest, SaysWhatTheWireCanCarry) {
   StreamSensor slow(std::make_unique<ScriptedTransport>(clock_), {.baud = 9600, .format = {}},
                     clock_);
   EXPECT_EQ(NumbersOf(slow.Found(), FindingKind::kLinesTooSlow), "needed_hz=1280");
+}
+
+TEST_F(StreamSensorTest, TheRangeIsThatOfTheDigits) {
+  Start();
+  const trial::ChannelFormat& channel = sensor_->header().channels.at(0);
+  EXPECT_REL(channel.range_max, 99.9999e-3, 1e-15, "a product");
+  EXPECT_REL(channel.range_min, -99.9999e-3, 1e-15, "a product");
+  // 9 characters of 10 bits at 921600 baud
+  EXPECT_EQ(sensor_->header().metadata.fields.at(std::string(kLatencyField)), "9.7656e-05");
+}
+
+TEST_F(StreamSensorTest, LinesOnANarrowWireAreTooSlow) {
+  // 1280 lines/s are needed: 115200 baud carry them exactly
+  StreamSensor enough(std::make_unique<ScriptedTransport>(clock_), {.baud = 115200, .format = {}},
+                      clock_);
+  EXPECT_FALSE(enough.Found().Has(FindingKind::kLinesTooSlow));
+  StreamSensor less(std::make_unique<ScriptedTransport>(clock_), {.baud = 115199, .format = {}},
+                    clock_);
+  EXPECT_TRUE(less.Found().Has(FindingKind::kLinesTooSlow));
+}
+
+// `lines` at once, 0.1 s after the beginning, at 9600 baud
+Findings FoundAfter(int lines) {
+  ManualClock clock;
+  auto transport = std::make_unique<ScriptedTransport>(clock);
+  ScriptedTransport* wire = transport.get();
+  StreamSensor sensor(std::move(transport), {.baud = 9600, .format = {}}, clock);
+  wire->Send("2345\r+00.0001\r", kMs);
+  EXPECT_TRUE(sensor.Start(kNeverStop));
+  (void)sensor.Begin();
+  std::string text;
+  for (int line = 0; line < lines; ++line) text += "+00.0001\r";
+  wire->Send(text, 100 * kMs);
+  for (int line = 0; line < lines; ++line) (void)NextRowOf(sensor);
+  return sensor.Found();
+}
+
+TEST(StreamSensorRate, MoreLinesThanTheWireCarriesAreFound) {
+  // 9.375 ms a line; what the port held from before the beginning is a second's at most
+  EXPECT_FALSE(FoundAfter(117).Has(FindingKind::kLinesTooSoon)) << "1.097 s of 1.1 s";
+  EXPECT_EQ(NumbersOf(FoundAfter(118), FindingKind::kLinesTooSoon),
+            "lines=118 elapsed_s=0.1 baud=9600 wire_s=1.10625");
 }
 
 }  // namespace

@@ -226,6 +226,49 @@ TEST(ModbusPort, AHangUpIsSeenAtOnce) {
   }
 }
 
+TEST(ModbusPort, AFullPortIsWaitedFor) {
+  const tests::PtyPair pair;
+  auto link = OpenModbusPort(pair.path(), {});
+  ASSERT_TRUE(link) << link.error().Text();
+  // more than a terminal holds; the other end begins to read when it is full
+  constexpr std::size_t kBytes = 200'000;
+  std::atomic<bool> stop{false};
+  std::size_t taken = 0;
+  std::thread reader([&] {
+    usleep(50'000);
+    std::array<char, 4096> bytes{};
+    while (!stop && taken < kBytes) {
+      pollfd watched{.fd = pair.master(), .events = POLLIN, .revents = 0};
+      if (poll(&watched, 1, 20) <= 0) continue;
+      const ssize_t size = read(pair.master(), bytes.data(), bytes.size());
+      if (size > 0) taken += static_cast<std::size_t>(size);
+    }
+  });
+  const bool is_sent = (*link)->Send(std::string(kBytes, 'x'));
+  if (!is_sent) stop = true;
+  reader.join();
+  EXPECT_TRUE(is_sent);
+  EXPECT_EQ(taken, kBytes);
+}
+
+TEST(ModbusPort, AReplyThatStillGrowsIsLeftInThePort) {
+  const tests::PtyPair pair;
+  ModbusWire wire;
+  wire.baud = 1200;
+  auto link = OpenModbusPort(pair.path(), wire);
+  ASSERT_TRUE(link) << link.error().Text();
+  std::string reply;
+  AppendAdu(kRtu, {.unit = 1, .function = 3, .data = std::string_view("\x02\x00\x05", 3)}, reply);
+  pair.Send(reply);
+  EXPECT_EQ((*link)->Receive(reply.size(), tests::In(10)).arrival, ModbusArrival::kFrame);
+  // six more characters take 55 ms; at the second look nothing has been added
+  pair.Send(reply.substr(0, 1));
+  EXPECT_EQ((*link)->Receive(reply.size(), tests::In(0.005)).arrival, ModbusArrival::kNothing);
+  const ModbusReply cut = (*link)->Receive(reply.size(), tests::In(0.005));
+  EXPECT_EQ(cut.arrival, ModbusArrival::kDamaged);
+  EXPECT_EQ(cut.fault, ModbusFault::kLength);
+}
+
 TEST(ModbusPort, APortThatIsInUseIsRefused) {
   const tests::PtyPair pair;
   const auto first = OpenModbusPort(pair.path(), {});

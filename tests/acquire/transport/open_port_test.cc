@@ -8,9 +8,11 @@
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <array>
+#include <cerrno>
 #include <filesystem>
 
 #include "acquire/transport/descriptor.h"
@@ -118,6 +120,20 @@ TEST(SerialPort, LibserialportMovesBytesAndSeesTheHangUp) {
   EXPECT_EQ(settings.c_cflag & (PARENB | CSTOPB | CRTSCTS), 0U);
   EXPECT_EQ(settings.c_iflag & (IXON | IXOFF), 0U);
   ExpectAWorkingLine(**port, device);
+}
+
+TEST(SerialPort, LeavesStandardOutputOpen) {
+  struct stat before{};
+  ASSERT_EQ(fstat(STDOUT_FILENO, &before), 0);
+  {
+    const PtyPair device;
+    const PortLink link(device.path());
+    EXPECT_TRUE(OpenSerialPort(link.name(), "/dev/ttyUSB0", 38400));
+  }
+  struct stat after{};
+  ASSERT_EQ(fstat(STDOUT_FILENO, &after), 0);
+  EXPECT_EQ(after.st_dev, before.st_dev);
+  EXPECT_EQ(after.st_ino, before.st_ino);
 }
 
 void ExpectBusy(const Result<std::unique_ptr<Transport>>& second, const std::string& name) {
@@ -287,6 +303,67 @@ TEST(TcpStream, SaysWhyItDoesNotConnect) {
   const auto unknown = OpenPort("no-such-host.invalid:64000", 9600);
   ASSERT_FALSE(unknown);
   EXPECT_THAT(unknown.error().Text(), HasSubstr("the host is not known"));
+}
+
+TEST(CommandPipe, HandsOutWhatTheCommandWritesAndThenItsEnd) {
+  auto pipe = OpenCommandPipe("printf abcdefgh");
+  ASSERT_TRUE(pipe) << pipe.error().Text();
+  EXPECT_EQ(ReadAll(**pipe, 8), "abcdefgh");
+  EXPECT_EQ(StateOf(**pipe, In(kLong_s)), ReadState::kGone);
+  EXPECT_EQ((*pipe)->Source(), "piped in by: printf abcdefgh");
+  EXPECT_FALSE((*pipe)->Write("x", In(kLong_s)));
+}
+
+TEST(CommandPipe, EndsItsCommand) {
+  auto pipe = OpenCommandPipe("echo $$; exec sleep 60");
+  ASSERT_TRUE(pipe) << pipe.error().Text();
+  std::string number;
+  while (!number.ends_with('\n')) number += ReadAll(**pipe, 1);
+  const auto process = static_cast<pid_t>(std::stoi(number));
+  EXPECT_EQ(kill(process, 0), 0) << "it runs";
+  pipe->reset();
+  EXPECT_EQ(kill(process, 0), -1);
+  EXPECT_EQ(errno, ESRCH);
+}
+
+TEST(NetworkName, IsSplitAtItsLastColon) {
+  const auto parts = [](const std::string& name) {
+    const NetworkName split = SplitNetworkName(name);
+    return split.host + " " + split.service;
+  };
+  EXPECT_EQ(parts("localhost:64000"), "localhost 64000");
+  EXPECT_EQ(parts("[::1]:502"), "::1 502");
+  EXPECT_EQ(parts("::1:502"), "::1 502");
+  EXPECT_EQ(parts("[::1:502"), "[::1 502") << "one bracket alone is left";
+}
+
+TEST(Descriptor, SaysWhyAPortDoesNotOpen) {
+  const auto text = [](int error_number) { return PortDoesNotOpen("tty", error_number).Text(); };
+  for (const int gone : {ENOENT, ENODEV, ENXIO}) {
+    EXPECT_THAT(text(gone), HasSubstr("tty: is not there; plug"));
+  }
+  for (const int refused : {EACCES, EPERM}) {
+    EXPECT_THAT(text(refused), HasSubstr("tty: may not be opened by this user; join its group"));
+  }
+  EXPECT_THAT(text(EBUSY), HasSubstr("tty: is busy: another program holds it; end that program"));
+  EXPECT_THAT(text(EIO), HasSubstr("tty: does not open: "));
+}
+
+TEST(TcpPort, IsANumberUpTo65535) {
+  EXPECT_EQ(TcpPort("0"), 0);
+  EXPECT_EQ(TcpPort("65535"), 65535);
+  for (const char* text : {"65536", "-1", "", "80 ", "http"}) EXPECT_FALSE(TcpPort(text)) << text;
+}
+
+TEST(OpenPort, APortOfZeroIsNone) {
+  EXPECT_EQ(KindOfPort("127.0.0.1:1").value(), PortKind::kNetwork);
+  EXPECT_EQ(KindOfPort("127.0.0.1:65535").value(), PortKind::kNetwork);
+  for (const char* name : {"127.0.0.1:0", "127.0.0.1:65536"}) {
+    const auto kind = KindOfPort(name);
+    ASSERT_FALSE(kind) << name;
+    EXPECT_EQ(kind.error().cause, Cause::kUsage);
+    EXPECT_THAT(kind.error().Text(), HasSubstr("a port from 1 to 65535"));
+  }
 }
 
 TEST(OpenPort, NamesThePortTheFaultAndTheRemedy) {

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "tests/findings.h"
 #include "tests/residual.h"
@@ -85,6 +86,8 @@ TEST_F(DeviceTree, ATimerIsANumberOfEightBits) {
   }
   SetTimer("1\n");
   EXPECT_EQ(Timer(), kMs);
+  SetTimer("255\n");
+  EXPECT_EQ(Timer(), 255 * kMs);
 }
 
 TEST(PortList, ListsThisComputersPorts) {
@@ -101,12 +104,28 @@ TEST(LatencyTimer, CostsItsTimeInEveryExchange) {
   EXPECT_REL(PolledRateHz(8'166'667, 0), 122.4, 1e-3, "four digits");
 }
 
+TEST(LatencyTimer, IsSaidInWholeMillisecondsWhereItIsKnown) {
+  EXPECT_EQ(LatencyWords(16 * kMs, true), ", latency timer 16 ms");
+  EXPECT_EQ(LatencyWords(kMs, false), ", latency timer 1 ms");
+  EXPECT_EQ(LatencyWords(std::nullopt, true), ", low latency");
+  EXPECT_EQ(LatencyWords(std::nullopt, false), "");
+}
+
+TEST(LatencyTimer, CostsNothingUpToAMillisecond) {
+  EXPECT_TRUE(LatencyCostOf("/dev/ttyUSB3", 0, 8 * kMs).list().empty());
+  EXPECT_TRUE(LatencyCostOf("/dev/ttyUSB3", kMs, 8 * kMs).list().empty());
+  EXPECT_FALSE(LatencyCostOf("/dev/ttyUSB3", kMs + 1, 8 * kMs).list().empty());
+}
+
 TEST(LatencyTimer, FindsTheCost) {
   const Findings found = LatencyCostOf("/dev/ttyUSB3", 16 * kMs, 8'166'667);
   EXPECT_THAT(NumbersOf(found, FindingKind::kLatencyTimer),
               HasSubstr("port=ttyUSB3 latency_s=0.016 rate_hz=41.37"));
   EXPECT_THAT(NumbersOf(found, FindingKind::kLatencyTimer), HasSubstr(" rate_at_1_ms_hz=109.0"));
   EXPECT_TRUE(LatencyCostOf("/dev/ttyUSB3", kMs, 8'166'667).list().empty());
+  // an exchange of 8 ms: 100 a second with 2 ms more, 111.1 with 1 ms
+  EXPECT_EQ(NumbersOf(LatencyCostOf("/dev/ttyUSB3", 2 * kMs, 8 * kMs), FindingKind::kLatencyTimer),
+            "port=ttyUSB3 latency_s=0.002 rate_hz=100 rate_at_1_ms_hz=111.111");
 }
 
 }  // namespace
