@@ -436,8 +436,8 @@ FrictionSolution FitFriction(const RingSamples& samples, const RingBackground& b
 // From the linear solution over all samples. A displacement stays where friction ends the motion,
 // which a descent takes for a lesser minimum: over a 32nd, a 16th ... and a half of the samples
 // first it may end in a better one.
-FrictionSolution FitFriction(const RingSamples& samples, const RingBackground& background,
-                             std::vector<double> linear) {
+FrictionSolution FitFrictionFromLinear(const RingSamples& samples, const RingBackground& background,
+                                       std::vector<double> linear) {
   linear.push_back(0);
   const std::size_t all = samples.values_v.size();
   FrictionSolution at_once = FitFriction(samples, background, all, linear);
@@ -522,7 +522,7 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   // residuals and slopes of every sample, condensed or not
   fit.jacobian = Linearise(whole, point);
   if (background.has_friction) {
-    FrictionSolution solution = FitFriction(samples, background, point);
+    FrictionSolution solution = FitFrictionFromLinear(samples, background, point);
     fit.converged = solution.converged;
     point = std::move(solution.point);
     const FrictionFit rubbing(samples, columns);
