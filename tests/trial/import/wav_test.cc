@@ -38,7 +38,8 @@ struct Form {
 };
 
 std::string FormatOf(const Form& form) {
-  const std::size_t row = form.row_bytes > 0 ? form.row_bytes : form.channels * (form.bits / 8U);
+  const std::size_t row =
+      form.row_bytes > 0 ? form.row_bytes : std::size_t{form.channels} * (form.bits / 8U);
   return Le(form.tag, 2) + Le(form.channels, 2) + Le(form.rate_hz, 4) + Le(row * form.rate_hz, 4) +
          Le(row, 2) + Le(form.bits, 2);
 }
