@@ -253,12 +253,12 @@ std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> value
 
 // Readings [first, last), the most of `times_s` without a pause of ten intervals between them.
 std::pair<std::size_t, std::size_t> WithoutPause(std::span<const double> times_s) {
-  constexpr double kPause = 10;
+  constexpr double kPauseIntervals = 10;
   std::vector<double> intervals_s;
   for (std::size_t k = 1; k < times_s.size(); ++k) {
     intervals_s.push_back(times_s[k] - times_s[k - 1]);
   }
-  const double longest_s = kPause * UpperMedian(intervals_s);
+  const double longest_s = kPauseIntervals * UpperMedian(intervals_s);
   std::pair<std::size_t, std::size_t> best{0, 0};
   std::size_t first = 0;
   for (std::size_t k = 1; k <= times_s.size(); ++k) {
@@ -276,8 +276,11 @@ std::optional<SineFit> BetterNearby(std::span<const double> values, std::span<co
                                     const SineFit& at) {
   constexpr std::size_t kMost = std::size_t{1} << 14U;
   constexpr int kSteps = 40;
+  // noise alone halves what is left at one of 80 frequencies with 80 0.5^((40 - 5)/2) = 4e-4
+  constexpr std::size_t kLeastBeside = 40;
   const auto [first, last] = WithoutPause(times_s);
   const std::size_t count = std::min(last - first, kMost);
+  if (count < kLeastBeside) return std::nullopt;
   const auto looked = values.subspan(first, count);
   const auto looked_s = times_s.subspan(first, count);
   const double bin_hz = 1 / (looked_s.back() - looked_s.front());

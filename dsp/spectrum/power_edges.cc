@@ -15,9 +15,9 @@ std::size_t WidthOf(const PowerCells& cells) {
   return static_cast<std::size_t>(std::max(1.0, std::round(cells.window_s / cells.cell_s)));
 }
 
-// means over `width` values that follow each other
-// Each window ends one block of `width` values and begins the next: sums of both parts only, as
-// differences of a running sum leave a rest where all values are 0.
+// Means over `width` values that follow each other. Each window ends one block of `width` values
+// and begins the next; both parts are summed, as a running sum leaves a rest where all values are
+// 0.
 std::vector<double> MovingMeans(std::span<const double> values, std::size_t width) {
   std::vector<double> to_end(values.size());
   std::vector<double> from_begin(values.size());

@@ -21,7 +21,7 @@ MATHEMATICS = {
     "drive_states.cc": {"kTwoPi"},
     "hum.cc": {"kTwoPi"},
     "hum.h": {"kMainsHz"},
-    "record_facts.cc": {"kScalloped", "kPause"},
+    "record_facts.cc": {"kScalloped", "kPauseIntervals", "kLeastBeside"},  # what a pause is; chance below 1e-3
     "rms_estimate.cc": {"kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge

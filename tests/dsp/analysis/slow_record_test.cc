@@ -192,6 +192,27 @@ TEST(SlowRecord, AToneNearbyThatExplainsMoreIsADoubt) {
   EXPECT_FALSE(Elsewhere(150, 2e-7).findings.Has(FindingKind::kKnownToneElsewhere));
 }
 
+// bursts of 39 and of 40 readings with pauses of nine times their length, in which 10 um, 2.5 bins
+// of a burst from the stated 150 Hz, gain 25 turns on that
+TEST(SlowRecord, AToneIsNotSoughtInAFewReadings) {
+  for (const std::size_t burst : {std::size_t{39}, std::size_t{40}}) {
+    const double bin_hz = 400 / static_cast<double>(burst - 1);
+    trial::Record record = RecordOf(std::vector<double>(30 * burst), 400);
+    record.metadata.drive_frequency_hz = 150;
+    record.stretches.clear();
+    for (std::size_t k = 0; k < 30; ++k) {
+      record.stretches.push_back({k * burst, burst, static_cast<double>(k) * 10 / bin_hz, 400, 0});
+    }
+    for (std::size_t k = 0; k < record.rows; ++k) {
+      const double turns = (150 + 2.5 * bin_hz) * trial::TimeOf(record, k);
+      record.channels[0].values[k] = 0.03 + 1e-5 * std::sin(2 * std::numbers::pi * turns);
+    }
+    const BandAnalysis analysis = Answer(record);
+    ASSERT_TRUE(analysis.known_tone) << burst;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kKnownToneElsewhere), burst == 40) << burst;
+  }
+}
+
 // Above half the rate of new readings, 200 Hz.
 TEST(SlowRecord, ATonesAliasIsSaidAboveHalfTheRate) {
   for (const double frequency_hz : {199.0, 201.0}) {
