@@ -109,6 +109,7 @@ enum class FindingKind : std::uint8_t {
   kDampingChangesLater,    ///< share, skipped_s
   kStiffnessChangesLater,  ///< share, skipped_s
   kManyImpacts,            ///< impacts
+  kTapsScatter,            ///< constant, birge_ratio, degrees_of_freedom
 };
 
 using Finding = FindingOf<FindingKind>;

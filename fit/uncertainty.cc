@@ -24,6 +24,11 @@ FittedValue FromLogarithm(double logarithm, double statistical_variance, double 
   return fitted;
 }
 
+bool Scatters(double birge_ratio, double degrees) {
+  constexpr double kByChance = 0.01;
+  return degrees * birge_ratio * birge_ratio > dsp::ChiSquareQuantile(1 - kByChance, degrees);
+}
+
 double ScatterCoverage(double variance, double scatter_variance, double degrees) {
   // beyond so many degrees of freedom the factor is a normal distribution's to 2e-6
   constexpr double kMany = 1e6;

@@ -22,6 +22,10 @@ namespace haptometer::fit {
 [[nodiscard]] FittedValue FromLogarithm(double logarithm, double statistical_variance,
                                         double input_variance, std::string unit);
 
+/// Whether n values scatter by more than what they state explains: a Birge ratio (consistency.h)
+/// beyond which 1 of 100 sets lies by chance, chi^2 = (n - 1) R^2 above its 99 % quantile.
+[[nodiscard]] bool Scatters(double birge_ratio, double degrees);
+
 /// The 95 % coverage factor of a result whose variance V, all causes, holds a part S that was
 /// found from the scatter of few values, n - 1 of them free (GUM, G.4.1: Welch and Satterthwaite):
 ///

@@ -241,6 +241,14 @@ void Explain(AdapterFit* fit) {
   if (!fit->damping.determined) {
     findings.Refuse(kBaBelow, {{"at_most_n_s_per_m", *fit->damping.at_most}});
   }
+  const double degrees = static_cast<double>(fit->taps.size()) - 1;
+  for (const auto& [constant, ratio] :
+       {std::pair{"Ka", fit->stiffness_birge_ratio}, {"Ba", fit->damping_birge_ratio}}) {
+    if (degrees < 1 || !Scatters(ratio, degrees)) continue;
+    findings.Doubt(kTapsScatter, {{"constant", std::string(constant)},
+                                  {"birge_ratio", ratio},
+                                  {"degrees_of_freedom", std::lround(degrees)}});
+  }
   DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value,
                sim::kPlausibleResonanceHz, findings);
   DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, sim::kPlausibleAdapterMassKg,

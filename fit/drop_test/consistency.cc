@@ -7,17 +7,16 @@
 #include <optional>
 #include <utility>
 
-#include "dsp/statistics/distributions.h"
 #include "fit/drop_test/ring_fit.h"
 #include "fit/residuals.h"
+#include "fit/uncertainty.h"
 
 namespace haptometer::fit {
 namespace {
 
 constexpr double kSamplesPerPeriod = 16;
 constexpr std::size_t kLeastBlocks = 64;
-constexpr double kMostDamping = 0.3;  // of critical
-constexpr double kSignificance = 0.01;
+constexpr double kMostDamping = 0.3;   // of critical
 constexpr double kDeviations = 4;      // of a difference that is reported
 constexpr double kMostFriction = 0.1;  // of the spring's force, of a part that is compared
 constexpr double kLeastKnown = 0.25;   // of a decay rate
@@ -118,8 +117,8 @@ DropScatter ScatterOf(const std::vector<Estimate>& estimates) {
     chi_square += std::pow((value - sum / weight) / deviation, 2);
   }
   const auto degrees = static_cast<double>(estimates.size() - 1);
-  const double limit = dsp::ChiSquareQuantile(1 - kSignificance, degrees);
-  return chi_square > limit ? DropScatter{std::sqrt(chi_square / degrees), degrees} : DropScatter{};
+  const double ratio = std::sqrt(chi_square / degrees);
+  return Scatters(ratio, degrees) ? DropScatter{ratio, degrees} : DropScatter{};
 }
 
 // by how many deviations, and by which share, the later fit differs from the whole

@@ -31,6 +31,14 @@ TEST(FromLogarithm, IsDeterminedBelowAQuarterOfScatterWhateverIsGiven) {
   EXPECT_FALSE(of(0.01, std::numeric_limits<double>::infinity()));
 }
 
+// 99 % quantiles of chi-squared, 6.634897 with one degree of freedom and 11.344867 with three
+TEST(Scatters, BeyondWhatOneOfAHundredSetsReaches) {
+  EXPECT_FALSE(Scatters(std::sqrt(6.6348), 1));
+  EXPECT_TRUE(Scatters(std::sqrt(6.6350), 1));
+  EXPECT_FALSE(Scatters(std::sqrt(11.3448 / 3), 3));
+  EXPECT_TRUE(Scatters(std::sqrt(11.3449 / 3), 3));
+}
+
 TEST(ScatterCoverage, IsStudentsFactorOfTheEffectiveDegreesOfFreedom) {
   EXPECT_EQ(ScatterCoverage(2, 0, 1), kCoverage95) << "no scatter";
   EXPECT_EQ(ScatterCoverage(0, 0, 1), kCoverage95) << "no variance";

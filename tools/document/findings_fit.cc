@@ -263,6 +263,10 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kManyImpacts, "many-impacts",
        "{impacts} impacts were excluded: several small ones in a row are usually a spring that "
        "is not linear at this amplitude, or a joint that rubs; tap more softly"},
+      {kTapsScatter, "taps-scatter",
+       "{constant} of the taps scatters {birge_ratio} times as much as their noise explains (Birge "
+       "ratio): its uncertainty is widened to that, its interval by Student's factor for "
+       "{degrees_of_freedom} degrees of freedom too"},
   };
   return document::SentenceIn(kSentences, kind);
 }

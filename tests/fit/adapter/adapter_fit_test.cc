@@ -219,6 +219,7 @@ TEST(AdapterFit, TapsThatDisagreeWidenTheResult) {
       (fit->damping.upper - fit->damping.value) / fit->damping.combined_standard_uncertainty;
   EXPECT_LE(factor, 4.3031);
   EXPECT_GT(factor, 3.5);
+  EXPECT_TRUE(fit->findings.Has(FindingKind::kTapsScatter));
 }
 
 // 0.1 % to 2 % of the spring's force at the first swing, of which 2 % end the motion

@@ -369,6 +369,10 @@ const std::vector<Case> kCases{
      "many-impacts",
      {{"impacts", 3}},
      "impacts were excluded: several small ones in a row are usually a"},
+    {kTapsScatter,
+     "taps-scatter",
+     {{"constant", "Ka"}, {"birge_ratio", 3.25}, {"degrees_of_freedom", 2}},
+     "Ka of the taps scatters 3.25 times as much as their noise explains"},
 };
 
 std::string Said(const Case& found) {
@@ -384,7 +388,7 @@ TEST(FitFindings, EachKindHasItsNameAndItsSentence) {
     EXPECT_THAT(Said(found), Not(HasSubstr("(not known)"))) << "a number is missing";
     EXPECT_THAT(Said(found), Not(::testing::EndsWith("."))) << found.name;
   }
-  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kManyImpacts) + 1) << "all kinds";
+  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kTapsScatter) + 1) << "all kinds";
 }
 
 TEST(FitFindings, ValuesOfKmThatContradictEachOtherStateByHowMuch) {
