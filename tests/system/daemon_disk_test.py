@@ -1,5 +1,6 @@
 """A daemon on a small disk (a tmpfs in a namespace of its own; skipped where that is not allowed):
 its trials are closed before the disk is full, and it goes on once there is room."""
+import errno
 import os
 import subprocess
 import sys
@@ -18,11 +19,23 @@ def free_bytes(directory):
     return disk.f_bavail * disk.f_frsize
 
 
+def take_room(file, leave):
+    """Takes the disk's room but `leave` bytes in one step; true where no more than that is left.
+    The daemon writes meanwhile: what it takes between the question and the step is asked again."""
+    size = free_bytes(os.path.dirname(file.name)) - leave
+    if size > 0:
+        try:
+            os.posix_fallocate(file.fileno(), os.fstat(file.fileno()).st_size, size)
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                raise
+    return free_bytes(os.path.dirname(file.name)) <= leave
+
+
 def fill(path, leave):
-    """Takes all of the disk's room but `leave` bytes, at once."""
-    size = free_bytes(os.path.dirname(path)) - leave
+    """Takes all of the disk's room but `leave` bytes."""
     with open(path, "wb") as file:
-        os.posix_fallocate(file.fileno(), 0, size)
+        wait_for("a full disk", lambda: take_room(file, leave))
 
 
 def check_file(path, closed=True):
