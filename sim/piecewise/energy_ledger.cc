@@ -127,7 +127,7 @@ void PiecewiseMotion::TakeStock(const Point& from, int level, const Point& to) {
   if (with_energy_) CountEnergy(from, level);
   if (!flow_.ranges.empty()) Watch(from, level, to);
   // before the first event the error is carried in long steps (CarryErrorFar)
-  if (flow_.error && !events_.empty()) CarryError(from, level, to);
+  if (flow_.error && flow_.error_by_steps) CarryError(from, level, to);
 }
 
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "sim/piecewise/piecewise_motion.h"
 
@@ -68,6 +69,20 @@ constexpr std::size_t kFarPower = 6;
 // the steps of an event's place beyond these halvings
 constexpr int kStillLevels = 12;
 constexpr double kStillSteps = 8;  // the root of their number, and more
+// a guard that turns so near zero, as a part of its terms, may come within the error
+constexpr double kNearZero = 0x1p-30;
+
+// a guard that turns between two points
+struct Turn {
+  double least = 0;
+  double bend = 0;  // g'' as a difference
+};
+
+std::optional<Turn> TurnBetween(const GuardJet& begin, const GuardJet& end, double h_s) {
+  if (begin[1] >= 0 || end[1] <= 0) return {};
+  const HermiteQuintic between({begin[0], begin[1], begin[2]}, {end[0], end[1], end[2]}, h_s);
+  return Turn{between.Range().least, (end[1] - begin[1]) / h_s};
+}
 
 }  // namespace
 
@@ -88,18 +103,35 @@ Eigen::VectorXd PiecewiseMotion::RoundingOf(const Point& from, int level, const 
 void PiecewiseMotion::CarryError(const Point& from, int level, const Point& to) {
   // so short a step turns nothing by more than a hundredth; its rounding is included in the event's
   if (level > Stepper().CoarsestLevel() + kStillLevels) return;
-  NoticeNearMiss(from, level, to);
+  NoticeNearMiss(from, to);
   flow_.error->Step(Stepper().Step(level).leftCols(from.x.size()), RoundingOf(from, level, to));
 }
 
 // Over outputs in which nothing happened.
 void PiecewiseMotion::CarryErrorFar() {
   constexpr std::uint64_t kFar = std::uint64_t{1} << kFarPower;
-  if (!flow_.error || !events_.empty() || index_ % kFar != 0) return;
-  const Eigen::Index n = now_.x.size();
-  const Eigen::MatrixXd far = Stepper().LongStep(kFarPower).leftCols(n).cast<double>();
-  // the rounding of kFar steps, as if all had the same sign
-  flow_.error->Step(far, static_cast<double>(kFar) * RoundingOf(now_, 0, now_));
+  if (!flow_.error || flow_.error_by_steps || index_ % kFar != 0) return;
+  CarryErrorTo(index_);
+}
+
+// in as few long steps as the number of outputs has binary digits that are set
+void PiecewiseMotion::CarryErrorTo(std::uint64_t output) {
+  for (std::size_t power = kFarPower + 1; power-- > 0;) {
+    const std::uint64_t outputs = std::uint64_t{1} << power;
+    if (flow_.error_index + outputs > output) continue;
+    const Eigen::Index n = now_.x.size();
+    const Eigen::MatrixXd far = Stepper().LongStep(power).leftCols(n).cast<double>();
+    // the rounding of that many steps, as if all had the same sign
+    flow_.error->Step(far, static_cast<double>(outputs) * RoundingOf(now_, 0, now_));
+    flow_.error_index += outputs;
+  }
+}
+
+// From the output before now on.
+void PiecewiseMotion::CarryErrorBySteps() {
+  if (!flow_.error || flow_.error_by_steps) return;
+  CarryErrorTo(index_);
+  flow_.error_by_steps = true;
 }
 
 Eigen::VectorXd PiecewiseMotion::RateIn(std::size_t mode, const Point& point) const {
@@ -149,26 +181,36 @@ void PiecewiseMotion::CarryErrorToRest(const Transition& rest, const Bounce& bou
   flow_.error->Map(rest.map, tail);
 }
 
+// Whether a guard turns where the error may decide whether it falls.
+bool PiecewiseMotion::TurnsNearZero(const Point& from, const Point& to) {
+  const double h_s = std::ldexp(static_cast<double>(to.tick - from.tick) / rate_hz_, -kFinestLevel);
+  const std::vector<GuardBound>& guards = Stepper().Guards();
+  for (std::size_t k = 0; k < guards.size(); ++k) {
+    const Guard& guard = Stepper().mode().guards[k];
+    const double terms = guard.row.cwiseAbs().dot(from.x.cwiseAbs()) + std::abs(guard.offset);
+    const auto turn =
+        TurnBetween(guards[k].Jet(from.x, from.drive), guards[k].Jet(to.x, to.drive), h_s);
+    if (turn && turn->least <= kNearZero * terms) return true;
+  }
+  return false;
+}
+
 // A guard that turns just above zero may have fallen: the jump of that event, added as an error.
-void PiecewiseMotion::NoticeNearMiss(const Point& from, int level, const Point& to) {
-  const double h_s = std::ldexp(1 / rate_hz_, -level);
+void PiecewiseMotion::NoticeNearMiss(const Point& from, const Point& to) {
+  const double h_s = std::ldexp(static_cast<double>(to.tick - from.tick) / rate_hz_, -kFinestLevel);
   const std::vector<GuardBound>& guards = Stepper().Guards();
   for (std::size_t k = 0; k < guards.size(); ++k) {
     const Guard& guard = Stepper().mode().guards[k];
     const Transition& way = system_.transitions[guard.transition];
     if (way.mode != mode_) continue;
-    const GuardJet begin = guards[k].Jet(from.x, from.drive);
-    if (begin[1] >= 0) continue;
-    const GuardJet end = guards[k].Jet(to.x, to.drive);
-    if (end[1] <= 0) continue;
-    const HermiteQuintic between({begin[0], begin[1], begin[2]}, {end[0], end[1], end[2]}, h_s);
+    const auto turn =
+        TurnBetween(guards[k].Jet(from.x, from.drive), guards[k].Jet(to.x, to.drive), h_s);
+    if (!turn) continue;
     const double error = flow_.error->Bound(guard.row);
-    if (between.Range().least > error) continue;
-    // g'' as a difference
-    const double bend = (end[1] - begin[1]) / h_s;
+    if (turn->least > error) continue;
     // jump of the rate at the event that may have occurred, over twice the uncertainty of its time
     const Eigen::VectorXd rate = RateIn(mode_, from);
-    flow_.error->Add(2 * std::sqrt(2 * error / bend) / MotionError::kSafety *
+    flow_.error->Add(2 * std::sqrt(2 * error / turn->bend) / MotionError::kSafety *
                      (way.map * rate - rate));
   }
 }

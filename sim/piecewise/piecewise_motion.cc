@@ -226,10 +226,17 @@ void PiecewiseMotion::Play() {
 // An output step without guards, split at ends of pieces only.
 void PiecewiseMotion::Pass() {
   while (PieceEndsWithin()) {
-    if (now_.tick < piece_end_tick_) now_ = Travelled(now_, piece_end_tick_ - now_.tick, true);
+    if (now_.tick < piece_end_tick_) PassOver(piece_end_tick_ - now_.tick);
     BeginPiece(place_ + 1);
   }
-  now_ = Travelled(now_, kTicks - now_.tick, true);
+  PassOver(kTicks - now_.tick);
+}
+
+void PiecewiseMotion::PassOver(std::uint64_t ticks) {
+  if (flow_.error && !flow_.error_by_steps && TurnsNearZero(now_, Travelled(now_, ticks, false))) {
+    CarryErrorBySteps();
+  }
+  now_ = Travelled(now_, ticks, true);
 }
 
 long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
@@ -358,6 +365,7 @@ void PiecewiseMotion::Fire(std::size_t guard) {
   const Transition& transition = system_.transitions[place];
   const Point before = now_;
   const std::size_t mode_before = mode_;
+  CarryErrorBySteps();
   const double error = flow_.error ? flow_.error->Bound(Stepper().mode().guards[guard].row) : 0;
   Follow(place, time_s, rate);
   if (flow_.error) CarryErrorOver(guard, transition, before, mode_before);

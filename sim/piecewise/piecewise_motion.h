@@ -139,7 +139,8 @@ class PiecewiseMotion {
   void ForgetRanges();
   /// Bounds of what rounding, located events and bounces that were not played leave uncertain
   /// (motion_error.h) of a number, row x over the positions, and of the current; at the last
-  /// output, where nothing happened yet of the last multiple of 64. Need `with_energy`.
+  /// output, or of the last multiple of 64 where nothing happened yet and no guard turned within
+  /// 1e-9 of its terms. Need `with_energy`.
   [[nodiscard]] double ErrorOf(const Eigen::RowVectorXd& positions_row) const;
   [[nodiscard]] double ErrorOfCurrent() const;
   /// How many intervals may be judged one by one, each in some 1 us, until that output.
@@ -173,6 +174,8 @@ class PiecewiseMotion {
     std::vector<long double> squares;
     std::vector<ValueRange> ranges;  // no sums, but gathered in the same places
     std::optional<MotionError> error;
+    std::uint64_t error_index = 0;  // the output up to which it is carried in long steps
+    bool error_by_steps = false;    // from there on with every step
   };
 
   struct Shape {  // pieces that share their matrices
@@ -191,16 +194,20 @@ class PiecewiseMotion {
   [[nodiscard]] bool PlainSine() const;
   [[nodiscard]] Eigen::Index OutputsUnwatched();
   void Pass();
+  void PassOver(std::uint64_t ticks);
   [[nodiscard]] long double TimeAt(std::uint64_t tick) const;
   void Step(const Point& from, int level, Point& to);  // not in place
   [[nodiscard]] Point Travelled(Point from, std::uint64_t ticks, bool take_stock);
   void TakeStock(const Point& from, int level, const Point& to);
   void CarryError(const Point& from, int level, const Point& to);
   void CarryErrorFar();
+  void CarryErrorTo(std::uint64_t output);
+  void CarryErrorBySteps();
   void CarryErrorOver(std::size_t guard, const Transition& way, const Point& before,
                       std::size_t mode_before);
   void CarryErrorToRest(const Transition& rest, const Bounce& bounce, const Eigen::VectorXd& step);
-  void NoticeNearMiss(const Point& from, int level, const Point& to);
+  void NoticeNearMiss(const Point& from, const Point& to);
+  [[nodiscard]] bool TurnsNearZero(const Point& from, const Point& to);
   [[nodiscard]] Eigen::VectorXd RateIn(std::size_t mode, const Point& point) const;
   [[nodiscard]] Eigen::VectorXd RoundingOf(const Point& from, int level, const Point& to);
   void CountEnergy(const Point& from, int level);

@@ -418,17 +418,17 @@ TEST(PiecewiseMotion, AnEventsErrorHoldsTheTickToWhichItIsLocated) {
 }
 
 // x = 1, v = sqrt(2 part): the saltation takes errors of x by 2/v; those of x are 2^-50 of the
-// steps that locate an event and 2^-51 of the guard's two terms
+// steps that locate an event and 2^-51 of the guard's two terms; within the first output step
 TEST(PiecewiseMotion, BeforeAGrazeAnEventsErrorGrowsAsTheInverseSpeed) {
   const double speed = std::sqrt(2 * 1e-9);
-  EXPECT_REL(ErrorBehindAWall(1 - 1e-9, 1e4), 64 * 2 / speed * std::hypot(0x1p-50, 0x1p-51), 0.02,
+  EXPECT_REL(ErrorBehindAWall(1 - 1e-9, 800), 64 * 2 / speed * std::hypot(0x1p-50, 0x1p-51), 0.02,
              "ticks, and x less than 1");
 }
 
 // within a twentieth of g'^2 / (2 g'') of the guard's error e = 64 x 2^-50 an event may not come at
 // all: its time is unknown by sqrt(2 e) / w, in which the rates' jump of 2 w counts twice
 TEST(PiecewiseMotion, AtAGrazeAnEventsErrorIsThatOfItsTime) {
-  EXPECT_REL(ErrorBehindAWall(1 - 1e-13, 1e4), 4 * std::sqrt(2 * 64 * 0x1p-50), 0.02,
+  EXPECT_REL(ErrorBehindAWall(1 - 1e-13, 800), 4 * std::sqrt(2 * 64 * 0x1p-50), 0.02,
              "x less than 1, and rounding of what follows");
 }
 
@@ -447,12 +447,27 @@ double ErrorBehindAMissedWall(double missed_by) {
   return motion.ErrorOf(Eigen::RowVector2d(0, 1));
 }
 
+// the same without an event before it
+double ErrorBehindAWallMissedFirst(double missed_by) {
+  const Guard wall{
+      .row = -Eigen::RowVectorXd::Unit(2, 0), .offset = 1 + missed_by, .transition = 0};
+  PiecewiseLinearSystem system = Swing(2 * std::numbers::pi * 225, {wall});
+  system.transitions[0].mode = 0;
+  system.transitions[0].map = Eigen::Vector2d(1, -1).asDiagonal();
+  PiecewiseMotion motion(system, kNoDrive, {.x = State({0, 1})}, 1e5, true);
+  RunTo(motion, 128);
+  EXPECT_TRUE(motion.events().empty());
+  return motion.ErrorOf(Eigen::RowVector2d(0, 1));
+}
+
 // with 444 outputs a period the quintic through a step has the least value to 2e-16
 TEST(PiecewiseMotion, AWallThatIsMissedWithinTheErrorMayHaveBeenMet) {
-  // the reflection is sqrt(2 e) / w long, e some 1e-13 behind a hundred steps: 4 sqrt(2 e) of v
-  EXPECT_GT(ErrorBehindAMissedWall(5e-14), 1e-7);
-  EXPECT_LT(ErrorBehindAMissedWall(5e-14), 1e-5);
-  EXPECT_LT(ErrorBehindAMissedWall(1e-10), 1e-11);
+  for (const auto& error_behind : {ErrorBehindAMissedWall, ErrorBehindAWallMissedFirst}) {
+    // the reflection is sqrt(2 e) / w long, e some 1e-13 behind a hundred steps: 4 sqrt(2 e) of v
+    EXPECT_GT(error_behind(5e-14), 1e-7);
+    EXPECT_LT(error_behind(5e-14), 1e-5);
+    EXPECT_LT(error_behind(1e-10), 1e-11);
+  }
 }
 
 // r' = k h of a ball at height h: the flights that are not played would have moved it by k I,
