@@ -102,6 +102,17 @@ TEST(PowerEdges, BehindAShortDriveZeroIsOff) {
   EXPECT_ABS(edges[1].time_s, 2.62, 0.0261, "half a window");
 }
 
+// One cell of 40 times the step, 47.5 ms before it, is a peak of p = 0.8 of the step there; 75 ms
+// before it remains 0.36, so that the middle is 0.68. The smoothed powers cross it behind the peak
+// and at the step, where 1 - (1 - t/w)^2 / 2 = 0.68: t = 10 ms.
+TEST(RefinedEdges, OfSeveralCrossingsTheNearestCounts) {
+  std::vector<double> power = Step(0, 0.5, 2);
+  power[452] += 40;
+  const auto edges = RefinedEdges(power, kCells, 1e-4, {{2.5, true, 0.014}});
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_ABS(edges[0].time_s, 2.51, 1e-3, "a cell");
+}
+
 // an edge that falls has the same uncertainty as one that rises
 TEST(RefinedEdges, NoiseAddsToTheUncertaintyOfEveryEdge) {
   const std::vector<double> power = Step(0.2, 0.3, 0.7);

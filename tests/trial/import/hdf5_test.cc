@@ -166,6 +166,21 @@ TEST(Hdf5Tables, WhatAFileHoldsIsSaidWithItsShape) {
   EXPECT_THAT(ErrorOf(path), HasSubstr("the group c, the group d and more;"));
 }
 
+TEST(Hdf5Tables, ObjectsOfLongerNamesThan1023BytesAreIgnored) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  const auto error_of = [&](std::size_t length) {
+    {
+      Maker maker(path);
+      maker.Numbers("a_cube", {2, 3, 4}, std::vector<double>(24));
+      maker.Group(std::string(length, 'v').c_str());
+    }
+    return ErrorOf(path);
+  };
+  EXPECT_THAT(error_of(1023), HasSubstr("(2 x 3 x 4), the group " + std::string(1023, 'v') + ";"));
+  EXPECT_THAT(error_of(1024), HasSubstr("it holds the dataset a_cube (2 x 3 x 4); name"));
+}
+
 // a group that holds a header is a trial's
 TEST(Hdf5Tables, TheFirstEightOfSeveralTrialsAreNamed) {
   const ScratchDirectory directory;
