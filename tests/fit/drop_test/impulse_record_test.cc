@@ -187,6 +187,7 @@ TEST(ConverterStep, IsTheDistanceOfNeighbouringCodes) {
   EXPECT_DOUBLE_EQ(ConverterStep(RingDown(0.0078125, 2)), 0.0078125);
   EXPECT_EQ(ConverterStep(RingDown(0, 2)), 0) << "not rounded";
   EXPECT_EQ(ConverterStep({1, 1, 1}), 0) << "one value has no neighbour";
+  EXPECT_EQ(ConverterStep({0.25, 0.5, 0.25}), 0.25) << "two are neighbours";
   EXPECT_DOUBLE_EQ(ConverterStep({0, 2, 6, std::nan("")}), 2) << "codes may be missing";
   EXPECT_EQ(ConverterStep({0, 2, 5}), 0) << "2.5 steps of 2 are none";
 }

@@ -160,12 +160,17 @@ TEST(RingStart, AContactsLengthLiesBetweenItsLimits) {
   const double step_s = 2 * M_PI / std::sqrt(2e6) / 3 / 47;
   for (const double contact_s : {0.7e-3, 1.0e-3, 1.3e-3}) {
     SCOPED_TRACE(contact_s);
-    const auto start = FindRingStart(AfterContact(contact_s));
+    const ImpulseRecord record = AfterContact(contact_s);
+    const auto start = FindRingStart(record);
     ASSERT_TRUE(start) << start.error().Text();
     EXPECT_LE(start->shortest_contact_s, 0.7 * contact_s);
     EXPECT_GE(start->shortest_contact_s, 0.7 * (contact_s - 3 * step_s));
     EXPECT_GE(start->longest_contact_s, 1.3 * contact_s);
     EXPECT_LE(start->longest_contact_s, 1.3 * (contact_s + 3 * step_s));
+    // no sample is fitted that the longest contact may reach
+    const double first_s =
+        record.start_s + static_cast<double>(start->first_sample) * record.step_s;
+    EXPECT_GE(first_s, start->impact_s + start->longest_contact_s / 2);
     // the ring-down is one that begins at once in the contact's middle
     EXPECT_ABS(start->impact_s, contact_s / 2, 5e-6, "noise; d T to first order");
     const double angle = std::sqrt(2e6) * contact_s;
