@@ -662,7 +662,7 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
   Disturbances whole = Search(record, start, false);
   if (!whole.no_ring_down.empty()) return part;
   whole.found.Add(About(record.name, Severity::kNote, FindingKind::kOtherMode,
-                        {{"misfit_share", std::max(whole.evidence.misfit_share, 0.0)}}));
+                        {{"unexplained_share", whole.evidence.UnexplainedShare()}}));
   return whole;
 }
 

@@ -203,7 +203,7 @@ std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
     return fmt::format(
         "is not a single decaying oscillation: {:.2g} % of the power at {:.4g} Hz is not explained "
         "by one{}",
-        100 * evidence.misfit_share, NaturalHz(fit.poles), Other(samples, fit));
+        100 * evidence.UnexplainedShare(), NaturalHz(fit.poles), Other(samples, fit));
   }
   // power that does not decay with the oscillation
   if (evidence.lasting_share > kMostLasting &&

@@ -34,6 +34,11 @@ struct RingEvidence {
   double damping_ratio = 0;     ///< of critical
   std::size_t cuts = 0;         ///< later blows at which the record was cut
   bool begins = false;          ///< something quiet precedes the oscillation
+
+  /// Part of all power that is not the ringing's, m / (1 + m) with m = `misfit_share`: 0 to 1.
+  [[nodiscard]] double UnexplainedShare() const {
+    return misfit_share > 0 ? misfit_share / (1 + misfit_share) : 0;
+  }
 };
 
 /// `floor_v`: of the noise of one of the samples, where something is known of it.

@@ -32,7 +32,7 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kDrift, "drift",
        "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: included in the fit"},
       {kOtherMode, "other-mode",
-       "a single decaying oscillation does not explain {misfit_share %} of its power: there is "
+       "a single decaying oscillation does not explain {unexplained_share %} of the power: there is "
        "another mode or a slow tail"},
       {kHeightWithoutImpact, "height-without-impact",
        "no quiet part before it: the drop height is not used"},
@@ -150,11 +150,11 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kFrequenciesScatter, "frequencies-scatter",
        "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
        "(Birge ratio): the statistical uncertainties of Kv and f0 are widened to that, their "
-       "intervals by Student's factor for {degrees_of_freedom} degrees of freedom too"},
+       "intervals by Student's factor too (degrees of freedom: {degrees_of_freedom})"},
       {kDecaysScatter, "decays-scatter",
        "the drops' decays scatter {birge_ratio} times as much as their noise explains (Birge "
        "ratio): the statistical uncertainties of Bv, Km and Q are widened to that, their "
-       "intervals by Student's factor for {degrees_of_freedom} degrees of freedom too"},
+       "intervals by Student's factor too (degrees of freedom: {degrees_of_freedom})"},
       {kResidualsCorrelated, "residuals-correlated",
        "the residuals are correlated: a second resonance, a spring that is not linear, losses "
        "of the coil that grow with frequency, or another actuator's constants; the intervals "
@@ -265,8 +265,8 @@ document::Sentence SentenceOf(FindingKind kind) {
        "is not linear at this amplitude, or a joint that rubs; tap more softly"},
       {kTapsScatter, "taps-scatter",
        "{constant} of the taps scatters {birge_ratio} times as much as their noise explains (Birge "
-       "ratio): its uncertainty is widened to that, its interval by Student's factor for "
-       "{degrees_of_freedom} degrees of freedom too"},
+       "ratio): its uncertainty is widened to that, its interval by Student's factor too "
+       "(degrees of freedom: {degrees_of_freedom})"},
   };
   return document::SentenceIn(kSentences, kind);
 }

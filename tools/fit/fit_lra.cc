@@ -270,10 +270,12 @@ Section SearchSection(const DropTestFit& fit) {
   search.Add(document::kIterations, fit.iterations);
   search.Add({"chi_square_per_degree", "chi^2 over degrees of freedom"},
              PositiveOrNaN(fit.chi_square_per_degree));
-  AddRatio(search, {"frequency_birge_ratio", "Birge ratio of the drops' frequencies"},
-           fit.frequency_birge_ratio);
-  AddRatio(search, {"decay_birge_ratio", "Birge ratio of their decay rates"},
-           fit.decay_birge_ratio);
+  ShowDigits(search.Add({"frequency_birge_ratio", "Birge ratio of the drops' frequencies"},
+                        fit.frequency_birge_ratio),
+             3);
+  ShowDigits(search.Add({"decay_birge_ratio", "Birge ratio of their decay rates"},
+                        fit.decay_birge_ratio),
+             3);
   search.Add({"coverage_factor", "coverage factor"}, fit::kCoverage95);
   return search;
 }

@@ -340,6 +340,7 @@ TEST(NoRingDown, AMisfitCountsBeyondItsShareAndFiveDeviations) {
   };
   EXPECT_EQ(reason(0.01495, 1e-9), "");
   EXPECT_THAT(reason(0.01505, 1e-9), HasSubstr("1.5 % of the power at 130 Hz is not explained"));
+  EXPECT_THAT(reason(4, 1e-9), HasSubstr("80 % of the power at 130 Hz is not explained"));
   EXPECT_NE(reason(0.01505, 0), "") << "without noise any misfit is certain";
   // deviations of ln(1 + misfit over noise), whose own is sqrt(2.62 sum g^2)/sum g
   double sum = 0;
