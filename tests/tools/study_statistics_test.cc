@@ -13,6 +13,7 @@
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 #include "tools/document/render.h"
+#include "tools/study/alike_names.h"
 #include "tools/study/study_document.h"
 
 namespace haptometer::tools {
@@ -149,7 +150,7 @@ TEST(FindDeviations, NamesEachOnceWithItsTrials) {
   trials[2].findings.Note(StudyFinding::kOrderLowered, {{"order", 2}});
   StudyResult study;
   study.table = MakeStudyTable(trials, {});
-  const auto deviations = FindDeviations(study.table);
+  const auto deviations = FindDeviations(study.table.trials);
   ASSERT_EQ(deviations.size(), 3U) << "another order is another deviation";
   EXPECT_EQ(deviations[0].finding.kind, StudyFinding::kNoNoiseCorrection);
   EXPECT_EQ(deviations[0].files.size(), 3U);
@@ -211,6 +212,94 @@ TextTable MatchingTable(const std::vector<std::vector<std::string>>& rows) {
     table.lines.push_back(r + 2);
   }
   return table;
+}
+
+// values of `treatment` and `control` of a subject each, as a study that was analysed
+StudyResult StudyOf(const std::vector<double>& treatment, const std::vector<double>& control) {
+  std::vector<StudyTrial> trials;
+  for (std::size_t s = 0; s < treatment.size(); ++s) {
+    trials.push_back(Answered(static_cast<int>(s), "a", 1, treatment[s]));
+  }
+  for (std::size_t s = 0; s < control.size(); ++s) {
+    trials.push_back(Answered(static_cast<int>(s), "b", 1, control[s]));
+  }
+  StudyResult study;
+  study.table = MakeStudyTable(std::move(trials), {});
+  EXPECT_TRUE(study.Compare({{"a", "b"}}));
+  return study;
+}
+
+TEST(CompareConditions, RefusesAPairTwiceInEitherOrder) {
+  const StudyTable table = MakeStudyTable(FullStudy(3), {});
+  for (const PlannedContrast& again : {PlannedContrast{"a", "b"}, PlannedContrast{"b", "a"}}) {
+    const auto contrasts = CompareConditions(table, {{"a", "b"}, {"a", "c"}, again});
+    ASSERT_FALSE(contrasts) << "Holm's correction would count it twice";
+    EXPECT_EQ(
+        contrasts.error().Text(),
+        NameOf(again) + ": is a pair of conditions that is planned twice; write each pair once");
+  }
+}
+
+// the methods state no test that was not made, and count those that were
+TEST(MethodsText, NamesTestedAndUntestedContrasts) {
+  const std::string alone = MethodsText(StudyOf({2e-5}, {1e-5}), {});
+  EXPECT_THAT(alone, Not(HasSubstr("paired t")));
+  EXPECT_THAT(alone, HasSubstr("Not tested, as of fewer than 2 subjects or without scatter over "
+                               "them: a against b. "));
+  std::vector<StudyTrial> trials = FullStudy(3);
+  // one subject has the third condition
+  std::erase_if(trials, [](const StudyTrial& trial) {
+    return trial.condition == "c" && trial.subject != "1";
+  });
+  StudyResult study;
+  study.table = MakeStudyTable(std::move(trials), {});
+  ASSERT_TRUE(study.Compare({}));
+  const std::string methods = MethodsText(study, {});
+  EXPECT_THAT(methods, HasSubstr("Conditions against the first, unplanned (b against a) were"));
+  EXPECT_THAT(methods, HasSubstr("Holm's method over 1 test. "));
+  EXPECT_THAT(methods, HasSubstr("over them: c against a. "));
+}
+
+// a mean of 2 with a standard uncertainty of 1: t(2) = 2 < 4.3, so that the ratio may be anything
+TEST(StudyDocument, StatesWhyARatioOfMeansHasNoInterval) {
+  const double spread = std::sqrt(3.0);
+  const auto text = [](const std::vector<double>& control) {
+    return TextOf(StudyDocument(StudyOf({5e-6, 5.1e-6, 5.2e-6}, control), false));
+  };
+  EXPECT_THAT(
+      text({(2 - spread) * 1e-6, 2e-6, (2 + spread) * 1e-6}),
+      ContainsRegex("ratio of means +2.55, 95 %, by Fieller: unbounded, the control's mean"));
+  EXPECT_THAT(text({2e-6, 2.01e-6, 2.02e-6}), Not(HasSubstr("unbounded")));
+}
+
+TEST(StudyDocument, StatesWhyRepeatsAreNotAssessed) {
+  const auto text = [](std::vector<StudyTrial> trials) {
+    StudyResult study;
+    study.table = MakeStudyTable(std::move(trials), {});
+    EXPECT_TRUE(study.Compare({}));
+    return TextOf(StudyDocument(study, false));
+  };
+  std::vector<StudyTrial> trials = FullStudy(2);
+  EXPECT_THAT(text(trials), Not(HasSubstr("ICC and variation within cells not determined")));
+  trials.pop_back();  // of condition b
+  EXPECT_THAT(text(trials), HasSubstr("note: b: ICC and variation within cells not determined"));
+  std::erase_if(trials, [](const StudyTrial& trial) { return trial.repeat != "1"; });
+  EXPECT_THAT(text(trials), Not(HasSubstr("within cells not determined"))) << "nothing to assess";
+}
+
+// one name in two encodings looks alike on every page
+TEST(LikenessOf, IsOfAccentsAndTheirEncoding) {
+  const std::string composed = "J\u00f6rg";
+  for (const std::string other : {"Jo\u0308rg", "Jorg", "J\u00d6RG", "jo\u0308 rg"}) {
+    EXPECT_EQ(LikenessOf(composed, other), Likeness::kAccents) << other;
+    EXPECT_EQ(LikenessOf(other, composed), Likeness::kAccents) << other;
+  }
+  EXPECT_EQ(LikenessOf("\u0160imon", "Simon"), Likeness::kAccents);
+  EXPECT_EQ(LikenessOf("rig\u00a0a", "rig a"), Likeness::kSpelling);
+  EXPECT_EQ(LikenessOf("J\u00f6rg", "J\u00fcrg"), Likeness::kNone) << "other letters";
+  EXPECT_EQ(LikenessOf("\u03b1", "\u03b2"), Likeness::kNone);
+  EXPECT_EQ(LikenessOf("\u00d7", "\u00f7"), Likeness::kNone) << "no letters";
+  EXPECT_EQ(WordsOf(Likeness::kAccents), "case, accents or their encoding");
 }
 
 TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
@@ -331,6 +420,19 @@ TEST(AnalyzeLinearity, FindsThatSubjectsBendAlike) {
   EXPECT_THAT(TextOf(document),
               ContainsRegex("b, subject 9\n(    .*\n)*    note: curvature not determined"));
   EXPECT_THAT(document::JsonOf(document), HasSubstr("\"curvature_p\": null"));
+}
+
+TEST(AnalyzeLinearity, SortsSubjectsByNumberAndNamesThoseAlike) {
+  std::vector<DriveReading> readings;
+  for (const char* subject : {"s10", "s2", "S2"}) {
+    for (int v = 1; v <= 4; ++v) readings.push_back({subject, "a", 1.0 * v, 1e-5 * v});
+  }
+  const LinearityResult result = AnalyzeLinearity(readings, 1e-7);
+  ASSERT_EQ(result.lines.size(), 3U);
+  EXPECT_EQ(result.lines[1].subject, "s2");
+  EXPECT_EQ(result.lines[2].subject, "s10");
+  EXPECT_THAT(TextOf(LinearityDocument(result, false)),
+              HasSubstr("doubt: the subjects S2 and s2 differ by case, blanks or zeros in front"));
 }
 
 TEST(AnalyzeLinearity, SubtractsTheFloorInPower) {

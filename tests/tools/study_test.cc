@@ -31,6 +31,15 @@ using Json = nlohmann::json;
 
 Outcome Study(const std::vector<std::string>& words) { return Captured(RunStudy, "study", words); }
 
+// the file or place of the document's first finding of that kind; "none": there is none
+std::string SubjectOf(const Json& document, const std::string& kind) {
+  for (const Json& finding : document["findings"]) {
+    if (finding["kind"] != kind) continue;
+    return finding["subject"].is_null() ? "" : finding["subject"].get<std::string>();
+  }
+  return "none";
+}
+
 std::string ContentOf(const fs::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -238,6 +247,55 @@ TEST_F(StudyVerb, NamesWhatIsMissingAndAnswersTheRest) {
   EXPECT_THAT(outcome.out, HasSubstr("no contrast is planned, so every condition is compared"));
 }
 
+// one recording under three labels counts three times: named, and not dropped
+TEST_F(StudyVerb, FilesOfEqualContentAreADoubt) {
+  WriteNamedTrials();
+  const fs::path methods = directory_ / "methods.md";
+  const std::vector<std::string> words{directory(),  "--pattern", "s{subject}_{condition}",
+                                       "--json",     "--methods", methods,
+                                       "--overwrite"};
+  const auto equal_files = [&] {
+    std::vector<Json> found;
+    const Json document = Json::parse(Study(words).out);
+    for (const Json& finding : document["findings"]) {
+      if (finding["kind"] == "equal-files") found.push_back(finding);
+    }
+    return found;
+  };
+  EXPECT_TRUE(equal_files().empty());
+  for (const char* copy : {"s9_b.csv", "s10_a.csv"}) {
+    fs::copy_file(directory_ / "s9_a.csv", directory_ / copy, fs::copy_options::overwrite_existing);
+  }
+  const auto found = equal_files();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0]["severity"], "doubt");
+  EXPECT_EQ(found[0]["numbers"]["files"], 3);
+  const std::string folder = directory() + "/";
+  const std::string names = folder + "s10_a.csv, " + folder + "s9_a.csv, " + folder + "s9_b.csv";
+  EXPECT_EQ(found[0]["subject"], names);
+  EXPECT_THAT(ContentOf(methods), HasSubstr("- " + names + ": 3 files of equal content"));
+  EXPECT_EQ(Json::parse(Study(words).out)["counts"]["answered"], 6) << "nothing is dropped";
+}
+
+TEST_F(StudyVerb, AConditionOfTheManifestThatNoTrialHasIsNamed) {
+  WriteNamedTrials();
+  const std::string pattern = "pattern = \"s{subject}_{condition}\"\n";
+  EXPECT_THAT(Study({Write("m.toml", "conditions = [\"b\", \"aa\"]\n" + pattern)}).out,
+              HasSubstr("note: aa: stands in the conditions of the manifest, and is the condition "
+                        "of no trial\n"));
+  EXPECT_THAT(Study({Write("m.toml", "conditions = [\"b\", \"a\"]\n" + pattern)}).out,
+              ::testing::Not(HasSubstr("stands in the conditions")));
+}
+
+TEST_F(StudyVerb, APatternReplacesThoseOfTheManifestsGroups) {
+  WriteNamedTrials();
+  const std::string manifest =
+      Write("m.toml", "[[trials]]\nfiles = \"*.csv\"\npattern = \"s{subject}_{condition}\"\n");
+  const Json study =
+      Json::parse(Study({manifest, "--pattern", "s{condition}_{subject}", "--json"}).out);
+  EXPECT_EQ(study["subjects"], Json({"a", "b"}));
+}
+
 TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   Trial("1.csv", 10, "# label.subject = x\n# label.condition = a\n");
   Trial("2.csv", 10, "# label.subject = x\n");
@@ -434,6 +492,60 @@ TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
   const Json line = Json::parse(trials.out)["lines"].at(0);
   EXPECT_EQ(line["readings"], 1);
   EXPECT_TRUE(line["slope_m_per_v"].is_null());
+}
+
+// a folder stands for its recordings, as of study; tables of results are named and not read
+TEST_F(StudyVerb, LinearityTakesAFolder) {
+  std::vector<std::string> words{"linearity"};
+  for (int v = 1; v <= 3; ++v) {
+    words.push_back(Trial(fmt::format("d{}.csv", v), 8.0 * v + (v == 2 ? 0.1 : 0),
+                          fmt::format("# drive_amplitude_v = {}\n", v)));
+  }
+  words.emplace_back("--json");
+  const std::string table = Write("table.csv", "drive_v,rms_m\n1,1\n2,2\n3,3\n");
+  const Json files = Json::parse(Study(words).out);
+  const Outcome outcome = Study({"linearity", directory(), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json folder = Json::parse(outcome.out);
+  EXPECT_EQ(folder["lines"], files["lines"]);
+  EXPECT_EQ(SubjectOf(folder, "table-ignored"), table);
+  // a copy counts as a further reading
+  fs::copy_file(directory_ / "d2.csv", directory_ / "d4.csv");
+  EXPECT_THAT(Study({"linearity", directory()}).out,
+              HasSubstr("d4.csv: 2 files of equal content, so that the same data count 2 times"));
+}
+
+// a slope rests on its trials, and their doubts are stated as study states them
+TEST_F(StudyVerb, LinearityStatesWhatIsDoubtfulOfItsTrials) {
+  std::vector<std::string> words{"linearity"};
+  for (int v = 1; v <= 4; ++v) {
+    const std::string averaging = v == 3 ? "" : "# averages = 1\n# sampling_s = 0.0005\n";
+    words.push_back(Trial(fmt::format("d{}.csv", v), 8.0 * v,
+                          averaging + fmt::format("# drive_amplitude_v = {}\n", v),
+                          v == 2 ? 255 : 250));
+  }
+  words.emplace_back("--json");
+  const Json document = Json::parse(Study(words).out);
+  EXPECT_EQ(SubjectOf(document, "averaging-unknown"), words[3]);
+  EXPECT_EQ(SubjectOf(document, "other-frequency"), words[2]);
+  EXPECT_EQ(SubjectOf(document, "no-noise-correction"), "none") << "the line has its own";
+}
+
+// a table of readings is not analysed, so that these options would do nothing
+TEST_F(StudyVerb, LinearityRefusesOptionsOfTrialsForTables) {
+  const std::string table = Write("sweep.csv", "drive_v,rms_m\n1,8e-6\n2,16e-6\n3,24e-6\n");
+  const std::vector<std::pair<std::string, std::string>> options{
+      {"--band", "30-400Hz"}, {"--order", "4"}, {"--scale", "2mm"}};
+  for (const auto& [option, value] : options) {
+    const Outcome outcome = Study({"linearity", table, option, value});
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_THAT(outcome.err, HasSubstr(option + ": is for trials, and all files are tables"));
+  }
+  EXPECT_EQ(Study({"linearity", table, "--floor", "-1um"}).status, 2);
+  EXPECT_EQ(Study({"linearity", table, Trial("t.csv", 8, "# drive_amplitude_v = 4\n"), "--band",
+                   "30-400Hz"})
+                .status,
+            0);
 }
 
 TEST_F(StudyVerb, LinearitySaysWhichColumnIsInAnotherUnit) {

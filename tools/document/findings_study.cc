@@ -37,6 +37,9 @@ document::Sentence SentenceOf(StudyFinding kind) {
       {kTableIgnored, "table-ignored", "a table of results, no trial: ignored"},
       // completeness and outliers, which are reported and retained
       {kTrialsMissing, "trials-missing", "{answered} of {expected} trial{expected s} with a value"},
+      {kEqualFiles, "equal-files",
+       "{files} files of equal content, so that the same data count {files} times: take the copies "
+       "out"},
       {kOutlyingTrial, "outlying-trial",
        "possible outlier: {times} times the mean of the other repeats of its cell, studentized "
        "residual {studentized}, p = {p} over the study; retained"},
@@ -52,6 +55,8 @@ document::Sentence SentenceOf(StudyFinding kind) {
        "(--contrast TREATMENT:CONTROL selects others)"},
       {kContrastNotYet, "contrast-not-yet",
        "planned, and not possible yet: one of its conditions has no trial that is included"},
+      {kConditionWithoutTrial, "condition-without-trial",
+       "stands in the conditions of the manifest, and is the condition of no trial"},
       {kSessionLogDamaged, "session-log-damaged",
        "{what}: a decision may be missing, as a rejection; restore log.csv from a copy"},
       {kSessionTrialMissing, "session-trial-missing",
@@ -60,10 +65,14 @@ document::Sentence SentenceOf(StudyFinding kind) {
       {kAllExcluded, "all-excluded", "all {trials} trial{trials s} are excluded"},
       {kTooFewSubjects, "too-few-subjects",
        "not tested: {subjects} subject{subjects s}, 2 are needed"},
-      {kNoSpread, "no-spread", "not tested: the values of all {subjects} subjects are equal"},
+      {kNoSpread, "no-spread", "not tested: no scatter over the {subjects} subjects"},
       {kAnovaNotDetermined, "anova-not-determined",
        "analysis of variance not determined: it needs 2 conditions, and 2 subjects that have "
        "all of them and differ ({subjects} have)"},
+      {kRepeatsNotDetermined, "repeats-not-determined",
+       "ICC and variation within cells not determined: they need 2 subjects or more, as many "
+       "trials "
+       "of each, and scatter of these"},
       {kCalibrationExcluded, "calibration-excluded",
        "uncertainties exclude sensor calibration and linearity"},
       {kCalibrationInTrials, "calibration-in-trials",
@@ -79,7 +88,7 @@ document::Sentence SentenceOf(StudyFinding kind) {
       {kReadingsBelowFloor, "readings-below-floor",
        "{readings} reading{readings s} below the noise floor: excluded"},
       {kTooFewReadings, "too-few-readings",
-       "no line: {readings} reading{readings s} above the noise, 3 of different drive are needed"},
+       "no line: {readings} reading{readings s} above the noise, and 3 at 2 levels are needed"},
       {kCurvatureNotDetermined, "curvature-not-determined",
        "curvature not determined: 4 readings at 3 levels are needed"},
   };

@@ -18,16 +18,50 @@ bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; 
 bool IsUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
+// the no-break space, in UTF-8
+constexpr std::string_view kNoBreakSpace = "\u00a0";
+
 // without case, blanks and the zeros in front of numbers
 std::string Folded(std::string_view name) {
   std::string folded;
   for (std::size_t at = 0; at < name.size(); ++at) {
     const bool follows_digit = !folded.empty() && IsDigit(folded.back());
     const bool leads = at + 1 < name.size() && IsDigit(name[at + 1]);
+    if (name.substr(at).starts_with(kNoBreakSpace)) {
+      ++at;
+      continue;
+    }
     if (name[at] == ' ' || (name[at] == '0' && leads && !follows_digit)) continue;
     folded += Lower(name[at]);
   }
   return folded;
+}
+
+// the letters of U+00C0 to U+017F without case and accent; a blank: not one of a to z
+constexpr std::string_view kPlainLetters =
+    "aaaaaa ceeeeiiii nooooo ouuuuy  aaaaaa ceeeeiiii nooooo ouuuuy y"
+    "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiiii  jjkk llllll "
+    " llnnnnnn   oooooo  rrrrrrsssssssstttt  uuuuuuuuuuuuwwyyyzzzzzz ";
+static_assert(kPlainLetters.size() == 0x180 - 0xC0);
+
+// the letters of Latin scripts without accents, whether these are part of a letter or follow it
+std::string WithoutAccents(std::string_view name) {
+  std::string plain;
+  for (std::size_t at = 0; at < name.size(); ++at) {
+    const auto byte = static_cast<unsigned char>(name[at]);
+    // U+0080 to U+07FF is two bytes
+    if ((byte & 0xE0U) != 0xC0U || at + 1 == name.size()) {
+      plain += name[at];
+      continue;
+    }
+    const unsigned code = (byte & 0x1FU) << 6U | (static_cast<unsigned char>(name[at + 1]) & 0x3FU);
+    const bool is_mark = code >= 0x300 && code < 0x370;
+    const char letter = code >= 0xC0 && code < 0x180 ? kPlainLetters[code - 0xC0] : ' ';
+    if (letter != ' ') plain += letter;
+    if (letter == ' ' && !is_mark) plain += name.substr(at, 2);
+    ++at;
+  }
+  return plain;
 }
 
 // whether the letter is a word of its own: "a" in "rig a", "B" in "padB"
@@ -55,13 +89,23 @@ bool DifferByOneLetter(std::string_view longer, std::string_view shorter) {
 }  // namespace
 
 std::string_view WordsOf(Likeness likeness) {
-  if (likeness == Likeness::kNone) return {};
-  return likeness == Likeness::kOneLetter ? "one letter" : "case, blanks or zeros in front";
+  switch (likeness) {
+    case Likeness::kSpelling:
+      return "case, blanks or zeros in front";
+    case Likeness::kAccents:
+      return "case, accents or their encoding";
+    case Likeness::kOneLetter:
+      return "one letter";
+    case Likeness::kNone:
+      break;
+  }
+  return {};
 }
 
 Likeness LikenessOf(std::string_view one, std::string_view other) {
   if (one == other) return Likeness::kNone;
   if (Folded(one) == Folded(other)) return Likeness::kSpelling;
+  if (Folded(WithoutAccents(one)) == Folded(WithoutAccents(other))) return Likeness::kAccents;
   const bool is_longer = one.size() >= other.size();
   return DifferByOneLetter(is_longer ? one : other, is_longer ? other : one) ? Likeness::kOneLetter
                                                                              : Likeness::kNone;

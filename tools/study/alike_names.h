@@ -12,10 +12,12 @@ namespace haptometer::tools {
 enum class Likeness : std::uint8_t {
   kNone,
   kSpelling,   ///< they differ by case, blanks or zeros in front alone
+  kAccents,    ///< and by accents on Latin letters, or how these are encoded
   kOneLetter,  ///< one letter is another, is missing or is too much: "cone", "cones"
 };
 
-/// "case, blanks or zeros in front", "one letter"; empty of kNone.
+/// "case, blanks or zeros in front", "case, accents or their encoding", "one letter"; empty of
+/// kNone.
 [[nodiscard]] std::string_view WordsOf(Likeness likeness);
 
 /// kOneLetter is of names of 3 characters at least, without regard to case. A digit is

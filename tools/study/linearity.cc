@@ -10,6 +10,9 @@
 #include <set>
 #include <utility>
 
+#include "base/mapped.h"
+#include "base/text.h"
+#include "tools/cli/recording_files.h"
 #include "tools/document/keys.h"
 #include "tools/study/study_document.h"
 #include "tools/study/study_table.h"
@@ -73,33 +76,74 @@ Result<DriveReading> ReadingOf(const StudyTrial& trial) {
   return DriveReading{trial.subject, trial.condition, *trial.drive_v, *trial.rms_with_floor_m};
 }
 
+// what is doubtful of the trials, but for their own noise, in place of which the line's is
+// subtracted
+StudyFindings FindingsOf(const std::vector<StudyTrial>& trials) {
+  StudyFindings all;
+  AddDeviations(trials, all);
+  StudyFindings findings;
+  for (const FindingOf<StudyFinding>& finding : all.list()) {
+    const bool is_of_noise = finding.kind == StudyFinding::kNoNoiseCorrection ||
+                             finding.kind == StudyFinding::kFloorDoubtful;
+    if (!is_of_noise) findings.Add(finding);
+  }
+  findings.AddAll(FindOtherFrequencies(trials));
+  return findings;
+}
+
 }  // namespace
 
-DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
-                                const dsp::BandQuestion& question,
+Result<DriveFiles> FindDriveFiles(const std::vector<std::string>& words) {
+  DriveFiles files;
+  for (const std::string& word : words) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(word, ignored)) {
+      (IsSweepTable(word) ? files.tables : files.trials).push_back(word);
+      continue;
+    }
+    HAPTOMETER_LET(const auto found, cli::RecordingsIn(word));
+    for (const cli::RecordingFile& file : found) {
+      (file.is_table ? files.ignored : files.trials).push_back(file.path);
+    }
+  }
+  return files;
+}
+
+DriveReadings ReadDriveReadings(const DriveFiles& files, const dsp::BandQuestion& question,
                                 const trial::ImportOptions& import) {
   DriveReadings taken;
   std::set<document::DataSource> sources;
-  std::vector<TrialFile> trials;
-  for (const std::string& path : files) {
-    if (!IsSweepTable(path)) {
-      trials.push_back({.path = path});
-    } else if (auto read = TakeTable(path, taken); !read) {
+  std::vector<std::string> used;
+  for (const std::string& path : files.tables) {
+    if (auto read = TakeTable(path, taken); !read) {
       taken.errors.push_back(read.error());
-    } else {
-      // a table's origin is not stated in it
-      sources.insert(document::DataSource::kImported);
+      continue;
     }
+    // a table's origin is not stated in it
+    sources.insert(document::DataSource::kImported);
+    used.push_back(path);
   }
-  for (const StudyTrial& trial : AnalyzeTrials(trials, question, import)) {
-    if (auto reading = ReadingOf(trial)) {
-      taken.readings.push_back(*std::move(reading));
-      sources.insert(trial.sources.begin(), trial.sources.end());
-    } else {
+  const auto trials =
+      Mapped(files.trials, [](const std::string& path) { return TrialFile{.path = path}; });
+  const std::vector<StudyTrial> analyzed = AnalyzeTrials(trials, question, import);
+  std::vector<StudyTrial> of_readings;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    auto reading = ReadingOf(analyzed[i]);
+    if (!reading) {
       taken.errors.push_back(reading.error());
+      continue;
     }
+    taken.readings.push_back(*std::move(reading));
+    sources.insert(analyzed[i].sources.begin(), analyzed[i].sources.end());
+    used.push_back(trials[i].path);
+    of_readings.push_back(analyzed[i]);
   }
   taken.sources.assign(sources.begin(), sources.end());
+  taken.findings = FindingsOf(of_readings);
+  AddEqualFiles(used, taken.findings);
+  for (const std::string& table : files.ignored) {
+    taken.findings.Add({Severity::kNote, StudyFinding::kTableIgnored, {}, Printable(table)});
+  }
   return taken;
 }
 
@@ -163,6 +207,9 @@ LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
     const auto& curvature = result.lines.back().curvature;
     if (curvature) curvatures[name.first].push_back(curvature->quadratic);
   }
+  std::ranges::sort(result.lines, {}, [](const DriveLine& line) {
+    return std::pair(NaturalKey(line.condition), NaturalKey(line.subject));
+  });
   // means over subjects need two lines of a condition
   for (const auto& [condition, values] : slopes) {
     if (values.size() < 2) continue;
@@ -291,6 +338,13 @@ Section SlopeSection(const SlopeOverSubjects& over) {
   return section;
 }
 
+// the names in the lines, each once
+std::vector<std::string> NamesOf(const LinearityResult& result, std::string DriveLine::* name) {
+  std::set<std::string> names;
+  for (const DriveLine& line : result.lines) names.insert(line.*name);
+  return {names.begin(), names.end()};
+}
+
 }  // namespace
 
 document::Document LinearityDocument(const LinearityResult& result, bool has_figures) {
@@ -304,6 +358,10 @@ document::Document LinearityDocument(const LinearityResult& result, bool has_fig
   if (has_figures) {
     root.figures = {{.caption = "RMS against drive", .panels = LinearityPanels(result)}};
   }
+  StudyFindings findings = result.findings;
+  AddLabelsAlike("subject", NamesOf(result, &DriveLine::subject), findings);
+  AddLabelsAlike("condition", NamesOf(result, &DriveLine::condition), findings);
+  document::AddFindings(root, findings);
   return document;
 }
 

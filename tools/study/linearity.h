@@ -9,6 +9,7 @@
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/regression.h"
 #include "tools/document/provenance.h"
+#include "tools/study/study_findings.h"
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {
@@ -21,16 +22,28 @@ struct DriveReading {
   double rms_m = 0;
 };
 
+/// The files of a drive sweep.
+struct DriveFiles {
+  std::vector<std::string> tables;   ///< with drive_v and without times
+  std::vector<std::string> trials;   ///< all others
+  std::vector<std::string> ignored;  ///< tables of results that lie in a folder of trials
+};
+
+/// The files that `words` name: a folder stands for the recordings in it, as of `study`. Errors: as
+/// cli::RecordingsIn.
+[[nodiscard]] Result<DriveFiles> FindDriveFiles(const std::vector<std::string>& words);
+
 /// The readings of files, where their data come from, and the errors of the files that gave none.
 struct DriveReadings {
   std::vector<DriveReading> readings;
   std::vector<document::DataSource> sources;
+  StudyFindings findings;  ///< of files that gave readings, and of those ignored
   std::vector<Error> errors;
 };
 
 /// Reads tables with drive_v and rms_m (and subject, condition), and analyses trials that state
 /// their drive_amplitude_v, without a correction for noise.
-[[nodiscard]] DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
+[[nodiscard]] DriveReadings ReadDriveReadings(const DriveFiles& files,
                                               const dsp::BandQuestion& question,
                                               const trial::ImportOptions& import);
 
@@ -57,6 +70,7 @@ struct SlopeOverSubjects {
 
 struct LinearityResult {
   std::vector<document::DataSource> sources;  ///< of the readings
+  StudyFindings findings{};                   ///< of their files
   std::vector<DriveLine> lines;
   std::vector<SlopeOverSubjects> slopes;  ///< conditions with 2 subjects or more
 };

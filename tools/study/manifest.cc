@@ -249,4 +249,16 @@ Result<void> CheckConditions(const PlannedContrast& planned,
   return {};
 }
 
+Result<void> CheckContrasts(const std::vector<PlannedContrast>& planned,
+                            const std::vector<std::string>& conditions) {
+  std::set<std::set<std::string>> pairs;
+  for (const PlannedContrast& contrast : planned) {
+    HAPTOMETER_TRY(CheckConditions(contrast, conditions));
+    if (pairs.insert({contrast.treatment, contrast.control}).second) continue;
+    return Usage(NameOf(contrast), "is a pair of conditions that is planned twice",
+                 "write each pair once");
+  }
+  return {};
+}
+
 }  // namespace haptometer::tools

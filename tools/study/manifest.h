@@ -40,6 +40,11 @@ struct PlannedContrast {
 [[nodiscard]] Result<void> CheckConditions(const PlannedContrast& planned,
                                            const std::vector<std::string>& conditions);
 
+/// The same of all. Errors also: a pair of conditions twice, in whichever order, whose test Holm's
+/// correction would count twice.
+[[nodiscard]] Result<void> CheckContrasts(const std::vector<PlannedContrast>& planned,
+                                          const std::vector<std::string>& conditions);
+
 /// Recordings that are found alike: [[trials]] of a manifest.
 struct TrialGroup {
   std::string files;      ///< a glob, relative to the manifest

@@ -185,12 +185,12 @@ MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& setti
 // contrasts with Holm's correction over those that have a test
 Result<std::vector<MatchedContrast>> ContrastsOf(const std::vector<PlannedContrast>& planned,
                                                  const Settings& settings) {
+  HAPTOMETER_TRY(CheckContrasts(planned, settings.conditions));
   std::vector<MatchedContrast> contrasts;
   contrasts.reserve(planned.size());
   std::vector<MatchedRatio*> ratios;
   ratios.reserve(planned.size());
   for (const PlannedContrast& pair : planned) {
-    HAPTOMETER_TRY(CheckConditions(pair, settings.conditions));
     contrasts.push_back(ContrastOf(pair, settings));
     if (auto& overall = contrasts.back().overall) ratios.push_back(&*overall);
   }
@@ -376,9 +376,9 @@ Section MatchedContrastSection(const MatchedContrast& contrast) {
 document::Document MatchingDocument(const MatchingResult& result, bool has_figures) {
   document::Document document{
       .verb = "study",
-      .title = fmt::format("{}: {} settings, {} subjects; geometric means of matched / reference, "
-                           "one value a subject",
-                           result.source, result.settings, result.subjects.size())};
+      .title = fmt::format(
+          "{}: {}, {}; geometric means of matched / reference, one value a subject", result.source,
+          Counted(result.settings, "setting"), Counted(result.subjects.size(), "subject"))};
   Section& root = document.root;
   root.sources = {document::DataSource::kImported};
   root.Add(document::kFile, result.source);

@@ -1,7 +1,11 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "base/text.h"
 #include "dsp/statistics/distributions.h"
 #include "tools/study/alike_names.h"
 #include "tools/study/study_document.h"
@@ -55,6 +59,40 @@ void AddLabelsAlike(const std::string& label, const std::vector<std::string>& na
                                                 {"one", pair.one},
                                                 {"other", pair.other},
                                                 {"how", std::string(WordsOf(pair.likeness))}});
+  }
+}
+
+void AddDeviations(const std::vector<StudyTrial>& trials, StudyFindings& findings) {
+  const auto answered =
+      static_cast<std::size_t>(std::ranges::count_if(trials, &StudyTrial::answered));
+  for (Deviation& deviation : FindDeviations(trials)) {
+    // number of trials that it concerns, and their files unless it concerns all
+    FindingOf<StudyFinding>& finding = deviation.finding;
+    finding.numbers.emplace_back("trials", deviation.files.size());
+    finding.numbers.emplace_back("of_trials", answered);
+    if (deviation.files.size() < answered) {
+      finding.subject = fmt::format("{}", fmt::join(deviation.files, ", "));
+    }
+    findings.Add(std::move(finding));
+  }
+}
+
+void AddEqualFiles(const std::vector<std::string>& paths, StudyFindings& findings) {
+  std::map<std::string, std::size_t> places;  // by SHA-256
+  std::vector<std::vector<std::string>> groups;
+  for (const std::string& path : paths) {
+    const std::string sha256 = document::HashOfInput(path);
+    if (sha256.empty()) continue;
+    const auto [place, is_new] = places.try_emplace(sha256, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[place->second].push_back(Printable(path));
+  }
+  for (const std::vector<std::string>& group : groups) {
+    if (group.size() < 2) continue;
+    findings.Add({Severity::kDoubt,
+                  StudyFinding::kEqualFiles,
+                  {{"files", group.size()}},
+                  fmt::format("{}", fmt::join(group, ", "))});
   }
 }
 

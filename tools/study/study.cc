@@ -112,8 +112,11 @@ Result<void> FindFiles(const StudyWords& wanted, Task& task) {
   if (!is_folder) {
     HAPTOMETER_LET(task.manifest, ReadManifest(wanted.source));
   }
-  // a pattern on the command line replaces the manifest's common one
-  if (!wanted.pattern.empty()) task.manifest.pattern = wanted.pattern;
+  // a pattern on the command line replaces those of the manifest
+  if (!wanted.pattern.empty()) {
+    task.manifest.pattern = wanted.pattern;
+    for (TrialGroup& group : task.manifest.groups) group.pattern.clear();
+  }
   // all patterns are checked before any file is read
   std::vector<std::string> patterns{task.manifest.pattern};
   for (const TrialGroup& group : task.manifest.groups) patterns.push_back(group.pattern);
@@ -376,9 +379,24 @@ constexpr std::string_view kLinearity = "study linearity";
 constexpr cli::VerbText kLinearityText{
     .name = kLinearity,
     .summary = "Test whether the RMS is linear in the drive's amplitude.",
-    .examples = {"haptometer study linearity sweep/*.bin",
+    .examples = {"haptometer study linearity sweep/",
                  "haptometer study linearity sweep.csv --floor 0.8um --plot linearity.svg",
                  "haptometer study linearity sweep/*.bin --json"}};
+
+// a table of readings holds RMS values, which no option of an analysis changes
+Result<void> CheckTrialOptions(const cli::BandWords& band, const cli::ImportWords& import,
+                               const DriveFiles& files) {
+  const auto rule = [&](bool is_given, std::string_view option) -> cli::Rule {
+    return {is_given && files.trials.empty(), option,
+            "is for trials, and all files are tables of RMS", "leave it out, or give trials"};
+  };
+  return cli::CheckRules(
+      {rule(!band.band.empty(), "--band"), rule(!!band.order, "--order"),
+       rule(!band.corner.empty(), "--corner"), rule(!import.columns.empty(), "--columns"),
+       rule(!!import.rate_hz, "--rate"), rule(!!import.scale_m, "--scale"),
+       rule(!import.calibration.empty(), "--calibration"), rule(!import.format.empty(), "--format"),
+       rule(!import.channel.empty(), "--channel"), rule(!!import.segment, "--segment")});
+}
 
 int RunStudyLinearity(int argc, const char* const* argv) {
   cli::Options options(kLinearityText);
@@ -388,9 +406,10 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   cli::BandWords band;
   cli::ImportWords words;
   options.Positionals("files", &files,
-                      "Trials that state their drive_amplitude_v, or CSV with drive_v,rms_m");
+                      "Trials that state their drive_amplitude_v, or folders of them, or CSV with "
+                      "drive_v,rms_m");
   options
-      .Number("--floor", &floor_m, Dimension::kLength, cli::Bounds{},
+      .Number("--floor", &floor_m, Dimension::kLength, cli::AtLeast(0),
               "RMS with the drive off, subtracted in mean square")
       .Default("the readings at 0 V");
   document::DeclareOutputs(
@@ -400,13 +419,16 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   cli::DeclareImport(&options, &words);
   const auto answer = [&]() -> Result<int> {
     HAPTOMETER_LET(const auto question, cli::BandQuestionOf(band));
-    HAPTOMETER_LET(const auto import, cli::ImportOf(words, files));
+    HAPTOMETER_LET(const auto found, FindDriveFiles(files));
+    HAPTOMETER_TRY(CheckTrialOptions(band, words, found));
+    HAPTOMETER_LET(const auto import, cli::ImportOf(words, found.trials));
     // errors of single files are reported, the others are used
-    const DriveReadings taken = ReadDriveReadings(files, question, import);
+    DriveReadings taken = ReadDriveReadings(found, question, import);
     const int status = cli::ReportErrors(kLinearity, taken.errors);
     if (taken.readings.empty()) return status;
     LinearityResult result = AnalyzeLinearity(taken.readings, floor_m);
-    result.sources = taken.sources;
+    result.sources = std::move(taken.sources);
+    result.findings = std::move(taken.findings);
     const document::Document document = LinearityDocument(result, outputs.HasFigures());
     return cli::WorseStatus(status, document::Present(document, outputs, argc, argv));
   };
@@ -439,6 +461,17 @@ Result<StudyResult> AnswerStudy(
   RemarkOnCache(kVerb, results, task.files.size());
   study.changed = results.ChangeErrors();
   study.table = MakeStudyTable(std::move(trials), task.manifest.conditions);
+  // conditions of a session's plan may come later, those of a manifest are wrong
+  for (const std::string& name : task.manifest.conditions) {
+    if (task.manifest.is_session || study.table.Condition(name)) continue;
+    study.without_trial.push_back(name);
+  }
+  // trials stand in the order of the files
+  std::vector<std::string> counted;
+  for (std::size_t i = 0; i < task.files.size(); ++i) {
+    if (study.table.trials[i].answered) counted.push_back(task.files[i].path);
+  }
+  AddEqualFiles(counted, study.equal_files);
   HAPTOMETER_TRY(study.Compare(task.manifest.contrasts, task.manifest.is_session
                                                             ? task.manifest.conditions
                                                             : std::vector<std::string>{}));

@@ -71,6 +71,9 @@ StudyFindings FindingsOf(const StudyResult& study) {
   for (const PlannedContrast& contrast : study.not_yet) {
     findings.Add({Severity::kNote, StudyFinding::kContrastNotYet, {}, NameOf(contrast)});
   }
+  for (const std::string& condition : study.without_trial) {
+    findings.Add({Severity::kNote, StudyFinding::kConditionWithoutTrial, {}, condition});
+  }
   // a contrast of fewer than two subjects has no test
   for (const Contrast& contrast : study.contrasts) {
     RefuseUntested(NameOf(contrast.planned), contrast.difference, findings);
@@ -220,10 +223,12 @@ Section FurtherSection(const Contrast& contrast) {
     fieller = means->interval;
     resolution = ResolutionBy((fieller->upper - fieller->lower) / 4);
   }
-  section.Add({"ratio_of_means", "ratio of means"}, MemberOf(means, &dsp::RatioOfMeans::ratio))
-      .resolution = resolution;
-  section.Add({"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller).resolution = resolution;
+  Item& of_means =
+      section.Add({"ratio_of_means", "ratio of means"}, MemberOf(means, &dsp::RatioOfMeans::ratio));
+  of_means.resolution = resolution;
   // Fieller's interval is unbounded where the control's mean does not differ from 0
+  if (means && !fieller) of_means.note = "95 %, by Fieller: unbounded, the control's mean may be 0";
+  section.Add({"ratio_of_means_interval_95", "95 %, by Fieller"}, fieller).resolution = resolution;
   Item& unbounded = section.Add({"ratio_of_means_unbounded"}, Value());
   if (means) unbounded.value = !means->interval;
   return section;
@@ -317,6 +322,10 @@ Section AllConditions(const StudyResult& study) {
   // subjects that have a value in every condition are too few
   if (!further.anova) {
     findings.Note(StudyFinding::kAnovaNotDetermined, {{"subjects", further.whole_subjects}});
+  }
+  for (const ConditionSummary& condition : further.conditions) {
+    if (condition.repeats || condition.trials == condition.subjects.n) continue;
+    findings.Add({Severity::kNote, StudyFinding::kRepeatsNotDetermined, {}, condition.name});
   }
   document::AddFindings(all, findings);
   return all;
@@ -488,19 +497,8 @@ std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
 
 StudyFindings ExceptionsOf(const StudyResult& study) {
   StudyFindings findings;
-  // deviations concern trials with a value only
-  const std::size_t answered = study.CountAnswered([](const StudyTrial&) { return true; });
-  for (Deviation& deviation : FindDeviations(study.table)) {
-    // number of trials that it concerns, and their files unless it concerns all
-    FindingOf<StudyFinding>& finding = deviation.finding;
-    finding.numbers.emplace_back("trials", deviation.files.size());
-    finding.numbers.emplace_back("of_trials", answered);
-    if (deviation.files.size() < answered) {
-      finding.subject = fmt::format("{}", fmt::join(deviation.files, ", "));
-    }
-    findings.Add(std::move(finding));
-  }
-  findings.AddAll(FindOtherFrequencies(study.table));
+  AddDeviations(study.table.trials, findings);
+  findings.AddAll(FindOtherFrequencies(study.table.trials));
   // exclusions are the user's own, each with its reason
   for (const StudyTrial& trial : study.table.trials) {
     if (!trial.excluded) continue;
@@ -518,6 +516,7 @@ StudyFindings ExceptionsOf(const StudyResult& study) {
                   {{"trials", without_drive.size()}, {"of_trials", study.table.trials.size()}},
                   fmt::format("{}", fmt::join(without_drive, ", "))});
   }
+  findings.AddAll(study.equal_files);
   AddLabelsAlike("subject", study.table.subjects, findings);
   AddLabelsAlike("condition", study.table.conditions, findings);
   // place of a subject's mean in a message

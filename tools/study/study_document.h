@@ -93,6 +93,13 @@ inline constexpr document::Key kContrasts{"contrasts"};
 void AddLabelsAlike(const std::string& label, const std::vector<std::string>& names,
                     StudyFindings& findings);
 
+/// Adds how the analyses of trials with a value differ from what was asked, each difference once.
+void AddDeviations(const std::vector<StudyTrial>& trials, StudyFindings& findings);
+
+/// Adds a doubt for each group of files whose contents are equal, in the order of `paths`; a file
+/// that cannot be read is equal to none. Cost: a SHA-256 a file, which the provenance then has.
+void AddEqualFiles(const std::vector<std::string>& paths, StudyFindings& findings);
+
 /// Refuses a test that `sample` has not, as it is of too few subjects or without spread.
 void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
                     StudyFindings& findings);

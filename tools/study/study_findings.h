@@ -26,17 +26,20 @@ enum class StudyFinding : std::uint8_t {
   kWithoutDrive,           ///< trials, of_trials
   kTableIgnored,           ///< a table of results among the trials
   kTrialsMissing,          ///< answered, expected
+  kEqualFiles,             ///< files: of equal content, each of which counts
   kOutlyingTrial,          ///< times, studentized, p
   kOutlyingCell,           ///< times, studentized, p
   kLabelsAlike,            ///< label, one, other, how
   kContrastsNotPlanned,    ///< control
   kContrastNotYet,         ///< a condition of it has no trial yet
+  kConditionWithoutTrial,  ///< the manifest orders a condition that no trial has
   kAllExcluded,            ///< trials
   kSessionLogDamaged,      ///< what: so the session may have forgotten attempts and decisions
   kSessionTrialMissing,    ///< a trial that counts by the session's log is not there
   kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects
+  kRepeatsNotDetermined,   ///< of a condition with repeats: ICC and variation within cells
   kCalibrationExcluded,    ///< of all uncertainties
   kCalibrationInTrials,    ///< of all uncertainties but those of trials that state it
   kNoSetting,              ///< of a subject at a level

@@ -128,9 +128,18 @@ std::string SubjectsText(const StudyResult& study, std::size_t all) {
 
 // tests and intervals of the contrasts, with their methods
 std::string ContrastsText(const StudyResult& study) {
-  if (study.contrasts.empty()) return {};
-  const auto names =
-      Mapped(study.contrasts, [](const Contrast& contrast) { return NameOf(contrast.planned); });
+  std::vector<std::string> tested;
+  std::vector<std::string> untested;
+  for (const Contrast& contrast : study.contrasts) {
+    (contrast.difference.test ? tested : untested).push_back(NameOf(contrast.planned));
+  }
+  const std::string rest =
+      untested.empty() ? ""
+                       : fmt::format(
+                             "Not tested, as of fewer than 2 subjects or without scatter over "
+                             "them: {}. ",
+                             fmt::join(untested, "; "));
+  if (tested.empty()) return rest;
   return fmt::format(
       "{} ({}) were tested with two-sided paired t tests of the subjects' means, with exact p "
       "values "
@@ -139,9 +148,9 @@ std::string ContrastsText(const StudyResult& study) {
       "geometric means, with intervals from the paired t on logarithms; effect sizes are d_z and "
       "Hedges' g "
       "(exact correction) with intervals of the population's effect from the noncentral t "
-      "distribution. ",
-      study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
-      fmt::join(names, "; "), names.size(), names.size() == 1 ? "" : "s");
+      "distribution. {}",
+      study.planned ? "Planned contrasts" : "Conditions against the first, unplanned",
+      fmt::join(tested, "; "), tested.size(), tested.size() == 1 ? "" : "s", rest);
 }
 
 // outlying values are named and retained; limits from study_table.h

@@ -68,10 +68,10 @@ void CorrectByHolm(std::vector<Contrast>& contrasts) {
 
 Result<std::vector<Contrast>> CompareConditions(const StudyTable& table,
                                                 const std::vector<PlannedContrast>& planned) {
+  HAPTOMETER_TRY(CheckContrasts(planned, table.conditions));
   std::vector<Contrast> contrasts;
   contrasts.reserve(planned.size());
   for (const PlannedContrast& pair : planned) {
-    HAPTOMETER_TRY(CheckConditions(pair, table.conditions));
     contrasts.push_back(
         Compare(table, pair, *table.Condition(pair.treatment), *table.Condition(pair.control)));
   }

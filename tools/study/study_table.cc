@@ -31,9 +31,7 @@
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
-namespace {
 
-// a name without the digits at its end, and their number: s2 sorts before s10
 std::tuple<std::string_view, double, std::string_view> NaturalKey(const std::string& name) {
   std::size_t digits = name.size();
   while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1])) != 0) --digits;
@@ -41,6 +39,8 @@ std::tuple<std::string_view, double, std::string_view> NaturalKey(const std::str
   const double number = digits < name.size() ? std::strtod(name.c_str() + digits, nullptr) : -1;
   return {std::string_view(name).substr(0, digits), number, name};
 }
+
+namespace {
 
 std::vector<std::string> Sorted(const std::set<std::string>& names) {
   std::vector<std::string> sorted(names.begin(), names.end());
@@ -461,9 +461,9 @@ std::vector<MissingTrials> FindMissing(const StudyTable& table) {
   return missing;
 }
 
-std::vector<Deviation> FindDeviations(const StudyTable& table) {
+std::vector<Deviation> FindDeviations(const std::vector<StudyTrial>& trials) {
   std::vector<Deviation> deviations;
-  for (const StudyTrial& trial : table.trials) {
+  for (const StudyTrial& trial : trials) {
     if (!trial.answered) continue;
     for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
       const auto is_it = [&](const Deviation& known) { return IsSame(known.finding, finding); };
@@ -475,24 +475,24 @@ std::vector<Deviation> FindDeviations(const StudyTable& table) {
   return deviations;
 }
 
-StudyFindings FindOtherFrequencies(const StudyTable& table) {
+StudyFindings FindOtherFrequencies(const std::vector<StudyTrial>& trials) {
   StudyFindings findings;
   // the answered trials of each condition that have a tone
   std::map<std::string, std::vector<const StudyTrial*>> conditions;
-  for (const StudyTrial& trial : table.trials) {
+  for (const StudyTrial& trial : trials) {
     if (trial.answered && trial.tone_hz) conditions[trial.condition].push_back(&trial);
   }
-  for (const auto& [name, trials] : conditions) {
-    if (trials.size() < 3) continue;
+  for (const auto& [name, own] : conditions) {
+    if (own.size() < 3) continue;
     const double median_hz =
-        Median(Mapped(trials, [](const StudyTrial* trial) { return *trial->tone_hz; }));
+        Median(Mapped(own, [](const StudyTrial* trial) { return *trial->tone_hz; }));
     const auto is_other = [&](const StudyTrial* trial) {
       return std::abs(*trial->tone_hz / median_hz - 1) > kOtherFrequencyShare;
     };
     // a condition of many frequencies has no median that its trials should have
-    const auto others = static_cast<std::size_t>(std::ranges::count_if(trials, is_other));
-    if (2 * others >= trials.size()) continue;
-    for (const StudyTrial* trial : trials) {
+    const auto others = static_cast<std::size_t>(std::ranges::count_if(own, is_other));
+    if (2 * others >= own.size()) continue;
+    for (const StudyTrial* trial : own) {
       if (!is_other(trial)) continue;
       findings.Add({Severity::kDoubt,
                     StudyFinding::kOtherFrequency,

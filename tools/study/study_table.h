@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
@@ -21,6 +23,11 @@
 #include "trial/trial_reader.h"
 
 namespace haptometer::tools {
+
+/// What names are sorted by, s2 before s10: a name without the digits at its end, their number (-1
+/// without any), and the name.
+[[nodiscard]] std::tuple<std::string_view, double, std::string_view> NaturalKey(
+    const std::string& name);
 
 /// One trial of a study: whose it is, and the one number that is compared.
 struct StudyTrial {
@@ -148,7 +155,7 @@ struct Deviation {
 };
 
 /// Each deviation of answered trials once, in the order of its first trial.
-[[nodiscard]] std::vector<Deviation> FindDeviations(const StudyTable& table);
+[[nodiscard]] std::vector<Deviation> FindDeviations(const std::vector<StudyTrial>& trials);
 
 [[nodiscard]] std::vector<MissingTrials> FindMissing(const StudyTable& table);
 
@@ -164,7 +171,7 @@ struct Deviation {
 /// Trials whose tone is farther from the median of their condition than kOtherFrequencyShare, in
 /// conditions of three trials or more most of which agree.
 inline constexpr double kOtherFrequencyShare = 0.01;
-[[nodiscard]] StudyFindings FindOtherFrequencies(const StudyTable& table);
+[[nodiscard]] StudyFindings FindOtherFrequencies(const std::vector<StudyTrial>& trials);
 
 /// One condition against another, subject by subject.
 struct Contrast {
@@ -179,7 +186,7 @@ struct Contrast {
 };
 
 /// The contrasts, in their order, with Holm's correction over those that can be tested.
-/// Errors (Cause::kUsage): a condition that no trial has, with the nearest.
+/// Errors: as CheckContrasts.
 [[nodiscard]] Result<std::vector<Contrast>> CompareConditions(
     const StudyTable& table, const std::vector<PlannedContrast>& planned);
 
@@ -217,6 +224,8 @@ struct StudyResult {
   StudyTable table;
   std::vector<Error> changed{};                ///< TrialResults::ChangeErrors()
   std::vector<std::string> ignored;            ///< tables of results that lie among the trials
+  StudyFindings equal_files{};                 ///< of trials with a value
+  std::vector<std::string> without_trial{};    ///< conditions of the manifest that no trial has
   std::string session_damage{};                ///< what of a session's log is damaged, in words
   std::vector<std::string> session_missing{};  ///< trials that its log counts, and are not there
   std::string scene{};                         ///< that the session's source plays; empty: none
