@@ -43,6 +43,7 @@ enum class FindingKind : std::uint8_t {
   // --- what was seen
   kHeadingLines,    ///< lines, first
   kLinesTooSoon,    ///< lines, elapsed_s, baud, wire_s
+  kRowRateDiffers,  ///< rate_hz (of arrival), elapsed_s, stated_hz
   kSurplusReplies,  ///< replies
   kRepliesTooSoon,  ///< too_soon, replies, wire_s, rate_hz
   kWireErrors,      ///< errors

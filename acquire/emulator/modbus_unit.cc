@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -47,6 +48,21 @@ ModbusUnit::ModbusUnit(ModbusUnitSetup setup)
       host_to_unit_(setup_.profile.wire.baud, BitsPerCharacter(setup_.profile.wire)),
       unit_to_host_(setup_.profile.wire.baud, BitsPerCharacter(setup_.profile.wire)) {
   HAPTOMETER_CHECK(WhatIsWrong(setup_.profile).empty(), "{}", WhatIsWrong(setup_.profile));
+}
+
+bool ModbusUnit::Shows(const Fault& fault) const {
+  const SensorProfile& profile = setup_.profile;
+  // faults of the frame, and a status register, show by themselves
+  if (fault.status == SampleStatus::kOk) return true;
+  if (profile.status_address && fault.status == SampleStatus::kInvalid) return true;
+  // otherwise by a number that means no reading
+  const std::uint32_t bits = BitsAt(0, &fault);
+  const double number = NumberOf(bits, profile.type);
+  const bool is_listed =
+      std::ranges::find(profile.invalid_bits, bits) != profile.invalid_bits.end();
+  return is_listed || !std::isfinite(number) ||
+         (profile.least_number && number < *profile.least_number) ||
+         (profile.most_number && number > *profile.most_number);
 }
 
 void ModbusUnit::Receive(std::string_view bytes, MonotonicNs now) {

@@ -47,6 +47,10 @@ class ModbusUnit final : public Device {
   /// `setup.profile` has nothing wrong with it (WhatIsWrong).
   explicit ModbusUnit(ModbusUnitSetup setup);
 
+  /// Whether a reading under `fault` differs from a good one. Where a limit of the profile is the
+  /// end of its type's range, no number lies beyond it.
+  [[nodiscard]] bool Shows(const Fault& fault) const;
+
   void Receive(std::string_view bytes, MonotonicNs now) override;
   void Advance(MonotonicNs now, std::string& out) override;
   [[nodiscard]] std::optional<MonotonicNs> NextDue() const override;

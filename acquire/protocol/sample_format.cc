@@ -154,6 +154,14 @@ bool SampleParser::ReadLine(std::string_view line, std::span<Sample> row) const 
   return line.empty();
 }
 
+bool SampleParser::IsRowWithDecimalCommas() const {
+  if (!line_.contains(',')) return false;
+  std::string line(line_);
+  std::ranges::replace(line, ',', '.');
+  std::vector<Sample> row(limits_.size());
+  return ReadLine(line, row);
+}
+
 std::size_t SampleParser::waiting_bytes() const {
   return format_ == SampleFormat::kText ? framer_.waiting_bytes() : buffer_.size() - row_begin_;
 }

@@ -56,6 +56,9 @@ class SampleParser {
 
   /// The text line of the last row, valid until the next Feed(); empty for binary rows.
   [[nodiscard]] std::string_view line() const { return line_; }
+  /// Whether line() is a row where its commas are decimal signs: "1,5;2,5", and "1,5" of one
+  /// channel.
+  [[nodiscard]] bool IsRowWithDecimalCommas() const;
   /// Bytes of a row that is not whole yet.
   [[nodiscard]] std::size_t waiting_bytes() const;
   /// Bytes of the bad rows so far.

@@ -294,11 +294,14 @@ Ending Reader::Run() {
   return ending;
 }
 
-// the sensor's findings so far, as sentences
+// the sensor's findings so far, as texts of remarks: "doubt: errors on the wire: 1 timeout"
 std::vector<std::string> Sentences(const Sensor& sensor, const RecordingHooks& hooks) {
   std::vector<std::string> sentences;
   if (!hooks.say) return sentences;
-  for (const Finding& found : sensor.Found().list()) sentences.push_back(hooks.say(found));
+  for (const Finding& found : sensor.Found().list()) {
+    const bool is_doubt = found.severity == Severity::kDoubt;
+    sentences.push_back(std::string(is_doubt ? trial::kDoubtMark : "") + hooks.say(found));
+  }
   return sentences;
 }
 

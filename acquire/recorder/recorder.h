@@ -61,8 +61,8 @@ struct RecordingSummary {
 struct RecordingHooks {
   std::function<void(const Reading&)> reading{};  ///< each reading that comes, recorded or not
   std::function<void(const RecordingSummary&)> progress{};  ///< about twice a second of the clock
-  /// What a finding says, for the trial's remarks; empty: none of those that the sensor makes only
-  /// at the end are written.
+  /// What a finding says, for the trial's remarks, where "doubt: " stands before a doubt; empty:
+  /// none of those that the sensor makes only at the end are written.
   std::function<std::string(const Finding&)> say{};
 };
 

@@ -220,7 +220,51 @@ std::string FormName(const PipeSetup& setup) {
   return fmt::format("{} x {}", setup.channels.formats.size(), Name(setup.format));
 }
 
+// a span lasts 0.25 s at least
+constexpr MonotonicNs kShortestSpanNs = kNsPerS / 4;
+// rows that come over ten times as fast as stated are those of a file
+constexpr double kFastestLive = 10;
+// a rate within 5 % of the stated one is no other rate
+constexpr double kTolerance = 0.05;
+// a single stall is one span: three show a rate
+constexpr std::uint64_t kLeastSpans = 3;
+
 }  // namespace
+
+void RowPace::AddWait(std::int64_t rows, MonotonicNs last_ns, MonotonicNs waited_ns) {
+  // no row yet: the first span begins with the first one
+  if (rows == 0) return;
+  const RowsInTime span{.spans = 1, .rows = rows - begin_rows_, .ns = last_ns - begin_ns_};
+  if (spans_begun_ == 0 || span.ns >= kShortestSpanNs) {
+    // the first span is not judged
+    if (++spans_begun_ > 2) Judge(span);
+    begin_rows_ = rows;
+    begin_ns_ = last_ns;
+    waited_ns_ = 0;
+  }
+  // this wait belongs to the span that is open now
+  waited_ns_ += waited_ns;
+}
+
+void RowPace::Judge(const RowsInTime& span) {
+  const double rate = static_cast<double>(span.rows) / SecondsFromNs(span.ns) / stated_hz_;
+  const bool is_live = 2 * waited_ns_ >= span.ns && rate <= kFastestLive;
+  if (!is_live) return;
+  ++live_spans_;
+  if (std::abs(rate - 1) <= kTolerance) return;
+  RowsInTime& other = rate > 1 ? faster_ : slower_;
+  other.spans += span.spans;
+  other.rows += span.rows;
+  other.ns += span.ns;
+}
+
+std::optional<RowsInTime> RowPace::AtOtherRate() const {
+  for (const RowsInTime& other : {faster_, slower_}) {
+    const bool are_most = 2 * other.spans > live_spans_ && other.spans >= kLeastSpans;
+    if (are_most && other.ns >= kNsPerS) return other;
+  }
+  return std::nullopt;
+}
 
 PipeSensor::PipeSensor(std::unique_ptr<Transport> transport, PipeSetup setup, Clock& clock)
     : setup_(std::move(setup)),
@@ -228,7 +272,8 @@ PipeSensor::PipeSensor(std::unique_ptr<Transport> transport, PipeSetup setup, Cl
       transport_(std::move(transport)),
       parser_(setup_.format, setup_.channels.limits),
       chunk_(kChunkBytes),
-      row_(setup_.channels.formats.size()) {
+      row_(setup_.channels.formats.size()),
+      pace_(setup_.rate_hz) {
   HAPTOMETER_CHECK(std::isfinite(setup_.rate_hz) && setup_.rate_hz > 0, "rate_hz = {}",
                    setup_.rate_hz);
   HAPTOMETER_CHECK(setup_.channels.limits.size() == row_.size(), "{} limits, {} channels",
@@ -256,10 +301,11 @@ Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
       heading_bytes_ = parser_.discarded_bytes();
       return {};
     }
-    // the last heading line is shown where no row follows
+    // the last heading line is shown where no row follows, or the first with decimal commas
     if (state == RowState::kBadRow) {
       ++heading_lines_;
-      heading_ = Printable(parser_.line().substr(0, kMostShown));
+      if (!has_decimal_commas_) heading_ = Printable(parser_.line().substr(0, kMostShown));
+      has_decimal_commas_ = has_decimal_commas_ || parser_.IsRowWithDecimalCommas();
     } else if (has_ended_) {
       return std::unexpected(NoRow("ended before a whole row came"));
     }
@@ -271,6 +317,14 @@ Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
 }
 
 Error PipeSensor::NoRow(std::string what) const {
+  if (has_decimal_commas_) {
+    return {Cause::kCannotAnswer, transport_->name(),
+            fmt::format("a comma separates numbers, and \"{}\" is a row of {} only where it is the "
+                        "decimal sign",
+                        heading_, FormName(setup_)),
+            "write decimal points, e.g. with tr , . behind the program; where commas do separate, "
+            "state each number by <channels>"};
+  }
   if (heading_lines_ > 0) {
     what = fmt::format("no line is a row of {}: \"{}\"", FormName(setup_), heading_);
   } else if (parser_.waiting_bytes() > 0) {
@@ -301,16 +355,41 @@ void PipeSensor::Describe() {
   }
 }
 
+Findings PipeSensor::Found() const {
+  Findings found = found_;
+  if (const auto other = pace_.AtOtherRate()) {
+    const double elapsed_s = SecondsFromNs(other->ns);
+    found.Doubt(FindingKind::kRowRateDiffers,
+                {{"rate_hz", static_cast<double>(other->rows) / elapsed_s},
+                 {"elapsed_s", elapsed_s},
+                 {"stated_hz", setup_.rate_hz}});
+  }
+  return found;
+}
+
 RowState PipeSensor::Read(MonotonicNs deadline) {
   // rows that are already in the parser come before new bytes
-  const RowState state = parser_.Next(row_);
-  if (state != RowState::kNeedMore || has_ended_) return state;
-  const ReadOutcome outcome = transport_->Read(chunk_, deadline);
+  RowState state = parser_.Next(row_);
+  if (state == RowState::kNeedMore && !has_ended_ && Fetch(deadline)) state = parser_.Next(row_);
+  if (state != RowState::kNeedMore) ++rows_read_;
+  return state;
+}
+
+// bytes for the parser; false where none came
+bool PipeSensor::Fetch(MonotonicNs deadline) {
+  const MonotonicNs now = clock_.Now();
+  ReadOutcome outcome = transport_->Read(chunk_, now);
+  // nothing is there: all rows so far had come with the bytes before, and the source is waited for
+  if (outcome.state == ReadState::kTimeout) {
+    outcome = transport_->Read(chunk_, deadline);
+    pace_.AddWait(rows_read_, last_bytes_ns_, clock_.Now() - now);
+  }
   has_ended_ = outcome.state == ReadState::kGone;
-  if (outcome.state != ReadState::kBytes) return RowState::kNeedMore;
+  if (outcome.state != ReadState::kBytes) return false;
+  last_bytes_ns_ = clock_.Now();
   bytes_read_ += outcome.bytes;
   parser_.Feed(std::string_view(chunk_.data(), outcome.bytes));
-  return parser_.Next(row_);
+  return true;
 }
 
 MonotonicNs PipeSensor::Begin() {

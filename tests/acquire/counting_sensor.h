@@ -44,6 +44,7 @@ class CountingSensor final : public Sensor {
   Findings Found() const override {
     Findings found;
     found.Note(FindingKind::kLinesNumbered, {{"last", 99}});
+    if (next_ > 0) found.Doubt(FindingKind::kWireErrors, {{"errors", "1 timeout"}});
     return found;
   }
   MonotonicNs Begin() override { return origin_ns_ = clock_.Now(); }

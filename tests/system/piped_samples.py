@@ -101,6 +101,39 @@ def test_any_pieces_give_the_same_rows(directory):
     assert rows_of(path)[1]["value2"].tolist() == list(range(2, 300, 3))
 
 
+def live(directory, name, options):
+    """Two columns at 5000 rows/s by the clock, in blocks of 50 ms, into acquire."""
+    path = os.path.join(directory, name + ".bin")
+    acquire = subprocess.Popen([program("acquire"), "--sensor", "pipe", "--format", "f64", "--json", "-o", path,
+                                *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    begin = time.monotonic()
+    try:
+        for block in range(36):
+            acquire.stdin.write(np.zeros((250, 2)).tobytes())
+            acquire.stdin.flush()
+            time.sleep(max(0, begin + 0.05 * (block + 1) - time.monotonic()))
+    except BrokenPipeError:
+        pass
+    # closes standard input too
+    out, _ = acquire.communicate(timeout=DEADLINE_S)
+    assert acquire.returncode == 0, acquire.returncode
+    doubts = [found for found in json.loads(out)["findings"] if found["severity"] == "doubt"]
+    remarks = [event["text"] for event in rows_of(path)[2] if event["text"].startswith("doubt: rows came at ")]
+    assert len(doubts) == len(remarks), (doubts, remarks)
+    return doubts
+
+
+def test_another_rate_than_the_stated_one_is_a_doubt(directory):
+    both = ["--channels", "displacement:um,voltage:V"]
+    for options, rate_hz in [(["--rate", "10kHz", *both], 5e3),
+                             (["--rate", "5kHz", "--channels", "displacement:um"], 10e3)]:
+        [doubt] = live(directory, f"other_{rate_hz:g}", options)
+        assert doubt["kind"] == "row-rate-differs", doubt
+        # spans of 0.25 s on a machine with other work
+        assert abs(doubt["numbers"]["rate_hz"] / rate_hz - 1) < 0.1, doubt
+    assert live(directory, "as_stated", ["--rate", "5kHz", *both]) == []
+
+
 def test_a_replay_takes_its_time_and_gives_the_same_rows(directory):
     first, _ = pipe(directory, "first", np.sin(np.arange(500)).tobytes(),
                     ["--format", "f64", "--rate", "1kHz", "--channels", "displacement:mm"])

@@ -138,6 +138,55 @@ TEST(RecordingDocument, SaysWhatCameOfIt) {
   EXPECT_EQ(document["lost"], 0);
 }
 
+TEST(RecordingDocument, TheLengthIsThatOfTheRowsAndTheWaitIsBesideIt) {
+  // 12500 rows at 5 kHz, of which the first was the 7500th
+  acquire::RecordingSummary summary;
+  summary.readings = 12'500;
+  summary.rate_hz = 5000;
+  summary.elapsed_s = 19'999 / 5000.0;
+  summary.triggers = 1;
+  const document::Document made = RecordingDocument("t.bin", Emulated(), summary, {}, {});
+  EXPECT_THAT(TextOf(made), ::testing::StartsWith("t.bin: 12500 readings in 2.500 s, after 1.500 s "
+                                                  "of waiting for the trigger\n"));
+  EXPECT_EQ(Parsed(made)["duration_s"], 2.5);
+  EXPECT_EQ(Parsed(made)["elapsed_s"], 3.9998);
+  summary.triggers = 3;
+  EXPECT_THAT(TextOf(RecordingDocument("t.bin", Emulated(), summary, {}, {})),
+              HasSubstr("after 1.500 s of waiting for triggers\n"));
+  // the trigger fired at the first row
+  summary.elapsed_s = 12'499 / 5000.0;
+  EXPECT_THAT(TextOf(RecordingDocument("t.bin", Emulated(), summary, {}, {})),
+              ::testing::StartsWith("t.bin: 12500 readings in 2.500 s\n"));
+  // one row has no length
+  summary = {};
+  summary.readings = 1;
+  summary.elapsed_s = 0.2;
+  const document::Document single = RecordingDocument("t.bin", Emulated(), summary, {}, {});
+  EXPECT_THAT(TextOf(single), ::testing::StartsWith("t.bin: 1 reading\n"));
+  EXPECT_TRUE(Parsed(single)["duration_s"].is_null());
+}
+
+TEST(RecordingDocument, ADoubtIsInTheAnswer) {
+  acquire::Findings found;
+  found.Doubt(acquire::FindingKind::kWireErrors, {{"errors", "1 timeout"}});
+  EXPECT_THAT(TextOf(RecordingDocument("t.bin", Emulated(), Summary(), {}, found)),
+              HasSubstr("  doubt: errors on the wire: 1 timeout\n"));
+}
+
+TEST(RecordingDocument, ATrialWithTheNameOfATableIsNoted) {
+  for (const char* file :
+       {"a.csv", "b.TXT", "c.tsv", "d.npy", "e.mat", "f.wav", "g.h5", "h.hdf5"}) {
+    const std::string text = TextOf(RecordingDocument(file, Emulated(), Summary(), {}, {}));
+    EXPECT_THAT(text, HasSubstr("note: the file is a trial, though its name ends in .")) << file;
+    EXPECT_THAT(text, HasSubstr("haptometer trial export FILE -o OUT.csv")) << file;
+  }
+  for (const char* file : {"a.bin", "csv", "", "a.csv.bin", "d.csv/t.bin"}) {
+    EXPECT_THAT(TextOf(RecordingDocument(file, Emulated(), Summary(), {}, {})),
+                Not(HasSubstr("the file is a trial")))
+        << file;
+  }
+}
+
 TEST(RecordingDocument, ShowsAnInterruptionAndWhatIsNotKnown) {
   acquire::RecordingSummary summary = Summary();
   summary.interrupted = true;

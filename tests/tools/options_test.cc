@@ -115,6 +115,46 @@ TEST(Options, RefuseWhatLiesOutsideAndStateTheBounds) {
   }
 }
 
+TEST(Options, TheNameOfAnOptionIsNoValue) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--note", "--drop", "1mm", "-o", "a.csv"}, "--note: has no value; write --note TEXT"},
+      {{"--drop", "--note=x"}, "--drop: has no value; write --drop m"},
+      {{"--skin", "--json"}, "--skin: has no value; write --skin text|table"},
+      {{"a.bin", "-o", "--all"}, "-o: has no value; write -o FILE"},
+      {{"--label", "-o", "a.csv"}, "--label: has no value"},
+      {{"--load", "--all"}, "--load: has no value; write --load OHM FILE"},
+      {{"--all", "--note"}, "--note: has no value"}};
+  for (const auto& [typed, said] : cases) {
+    const Outcome outcome = Typed(typed);
+    EXPECT_EQ(outcome.status, 2) << said;
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+  }
+  // negative numbers, "-", words that are no option, and names that are meant
+  for (const char* value : {"-1mm", "-", "--drops", "files", "note"}) {
+    EXPECT_EQ(Typed({"--note", value, "--all"}).status, 0) << value;
+    EXPECT_EQ(words.note, value);
+  }
+  EXPECT_EQ(Typed({"--note=--all"}).status, 0);
+  EXPECT_EQ(words.note, "--all");
+  EXPECT_EQ(Typed({"--status", "--all"}).status, 0) << "its value may be left out";
+  EXPECT_EQ(Typed({"--all", "--", "--drop"}).status, 0) << "a file behind --";
+}
+
+int WithoutFiles(int argc, const char* const* argv) {
+  std::string output;
+  Options options({.name = "alone", .summary = "No file.", .examples = {"one", "two", "three"}});
+  options.Output("-o,--output", &output, "FILE", "Write it");
+  return options.Parse(argc, argv).value_or(0);
+}
+
+TEST(Options, AWordThatIsLeftOverIsNamed) {
+  const Outcome word = tools::Captured(WithoutFiles, "alone", {"1s", "-o", "a.csv"});
+  EXPECT_EQ(word.status, 2);
+  EXPECT_THAT(word.err, AllOf(HasSubstr("1s"), Not(HasSubstr("-o: "))));
+  EXPECT_THAT(tools::Captured(WithoutFiles, "alone", {"--outptu", "a.csv"}).err,
+              HasSubstr("--outptu: is not an option; did you mean --output?"));
+}
+
 TEST(Options, HelpStatesBoundsAndDefaults) {
   const std::string help = Typed({"--help"}).out;
   for (const char* said :

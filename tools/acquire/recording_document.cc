@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
@@ -25,8 +26,8 @@ using trial::SampleStatus;
 
 // --- findings ---
 
-// what is reported of a fitted time base
-enum class RecordingFinding : std::uint8_t { kTimesStraightened, kLatencyUnknown };
+// what is reported of a fitted time base, and of the file's name
+enum class RecordingFinding : std::uint8_t { kTimesStraightened, kLatencyUnknown, kNamedAsTable };
 
 document::Sentence SentenceOf(RecordingFinding kind) {
   using enum RecordingFinding;
@@ -37,6 +38,9 @@ document::Sentence SentenceOf(RecordingFinding kind) {
       {kLatencyUnknown, "latency-unknown",
        "all times have one constant delay of at least {latency_at_least_s}, whose value is not "
        "known"},
+      {kNamedAsTable, "named-as-table",
+       "the file is a trial, though its name ends in {ending}; haptometer trial export FILE -o "
+       "OUT.csv makes a table of it (.h5, .npy, .wav, .mat: a file of that format)"},
   };
   return document::SentenceIn(kSentences, kind);
 }
@@ -55,7 +59,35 @@ Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,
   return findings;
 }
 
+// a trial whose name ends as that of a file that `trial export` writes, or of another table
+Findings<RecordingFinding> NameFindings(const std::string& file) {
+  constexpr std::array<std::string_view, 8> kEndings{".csv", ".txt", ".tsv", ".npy",
+                                                     ".mat", ".wav", ".h5",  ".hdf5"};
+  const std::string ending = trial::LowerCase(std::filesystem::path(file).extension().string());
+  Findings<RecordingFinding> findings;
+  if (std::ranges::find(kEndings, ending) != kEndings.end()) {
+    findings.Note(RecordingFinding::kNamedAsTable, {{"ending", ending}});
+  }
+  return findings;
+}
+
 // --- a recording ---
+
+// "12500 readings in 2.500 s, after 1.500 s of waiting for the trigger"
+std::string CountAndLength(const RecordingSummary& summary, std::optional<double> duration_s) {
+  std::string words =
+      fmt::format("{} reading{}", summary.readings, summary.readings == 1 ? "" : "s");
+  // one reading has no length
+  if (!duration_s) return words;
+  words += fmt::format(" in {:.3f} s", *duration_s);
+  // the time up to the last row, without the n - 1 intervals of the rows
+  const double waited_s =
+      summary.elapsed_s - static_cast<double>(summary.readings - 1) / *summary.rate_hz;
+  constexpr double kShortest = 0.5e-3;  // shown as 0.001 s
+  if (summary.triggers == 0 || waited_s < kShortest) return words;
+  return words + fmt::format(", after {:.3f} s of waiting for {}", waited_s,
+                             summary.triggers == 1 ? "the trigger" : "triggers");
+}
 
 // the counts by status, and in words "1 late, 2 bad_frame"
 Section BadByKind(const RecordingSummary& summary, std::string& words) {
@@ -187,20 +219,28 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
                                      const RecordingSummary& summary,
                                      const std::optional<TimeBaseReview>& time_base,
                                      const acquire::Findings& found) {
-  document::Document document{
-      .verb = "acquire",
-      .title = fmt::format("{}: {} readings in {:.3f} s", file.empty() ? "nothing kept" : file,
-                           summary.readings, summary.elapsed_s)};
+  std::optional<double> duration_s, observable_hz, uncertainty_s;
+  if (summary.rate_hz) {
+    // length of what is recorded, without waits and absences
+    duration_s = static_cast<double>(summary.readings) / *summary.rate_hz;
+    // f_s / 2.56, the highest frequency that the rate can observe
+    observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
+  }
+  document::Document document{.verb = "acquire",
+                              .title = fmt::format("{}: {}", file.empty() ? "nothing kept" : file,
+                                                   CountAndLength(summary, duration_s))};
   Section& root = document.root;
   root.sources = trial::SourcesOf(metadata, {.closed = !summary.interrupted});
-  std::optional<double> observable_hz, uncertainty_s;
-  // f_s / 2.56, the highest frequency that the rate can observe
-  if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
   if (time_base) uncertainty_s = time_base->uncertainty_s;
   std::string bad_words;
-  // counts by status, then the sensor's findings, which are shown with --all only
+  // counts by status, then the sensor's findings, of which without --all doubts alone are shown
   root.sections = {BadByKind(summary, bad_words), {.detail = document::Detail::kAll}};
-  document::AddFindings(root.sections.back(), found);
+  acquire::Findings doubts, others;
+  for (const acquire::Finding& finding : found.list()) {
+    (finding.severity == Severity::kDoubt ? doubts : others).Add(finding);
+  }
+  document::AddFindings(root, doubts);
+  document::AddFindings(root.sections.back(), others);
 
   // the summary in text; keys without a label stand in JSON alone
   root.Add(document::kFile, TextOrNotKnown(file));
@@ -218,11 +258,13 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   AddRare(root, kReconnectsKey, summary.reconnects);
   AddRare(root, {"triggers", "triggers"}, summary.triggers);
   AddRare(root, {"discarded_bytes", "bytes that formed no reading"}, summary.discarded_bytes);
+  root.Add({document::kDuration.name}, duration_s);
   root.Add({"elapsed_s"}, summary.elapsed_s);
   root.Add({"connection_lost"}, summary.connection_lost);
   root.Add({"interrupted"}, summary.interrupted);
   root.Add({document::kTimeUncertainty.name}, uncertainty_s);
   if (time_base) document::AddFindings(root, FindingsOf(*time_base, metadata));
+  document::AddFindings(root, NameFindings(file));
   return document;
 }
 

@@ -222,6 +222,11 @@ struct Options::State {
     }
     return names;
   }
+  // the option whose name `word` is, "--port" or "-o"; nullptr for any other word
+  const CLI::Option* Named(std::string_view word) const {
+    // without dashes it could be the name of a positional
+    return word.starts_with("-") ? app.get_option_no_throw(std::string(word)) : nullptr;
+  }
   bool IsGiven(const std::string& name) const { return app.count(name) > 0; }
   bool IsOutput(const CLI::Option* option) const {
     return std::ranges::find(outputs, option) != outputs.end();
@@ -235,6 +240,8 @@ struct Options::State {
   std::optional<Error> Excluded() const;
   // the first word of an option, other than of files, that is not printable
   std::optional<Error> NotPrintable() const;
+  // the first option that is followed by another option, or by nothing, in place of its value
+  std::optional<Error> MissingValue(int argc, const char* const* argv) const;
   // a message in the form of all errors for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
@@ -329,6 +336,23 @@ std::optional<Error> Options::State::NotPrintable() const {
   return std::nullopt;
 }
 
+// CLI11 takes any word behind an option as its value, the name of the next option too
+std::optional<Error> Options::State::MissingValue(int argc, const char* const* argv) const {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    // words behind it are plain
+    if (word == "--") return std::nullopt;
+    const CLI::Option* option = Named(word);
+    if (option == nullptr || option->get_items_expected_min() == 0) continue;
+    // the next word is its value, other than the name of an option, perhaps with a value of its own
+    const std::string_view next = ++i < argc ? argv[i] : "";
+    if (i < argc && Named(next.substr(0, next.find('='))) == nullptr) continue;
+    return Error{Cause::kUsage, std::string(word), "has no value",
+                 fmt::format("write {} {}", word, option->get_type_name())};
+  }
+  return std::nullopt;
+}
+
 Error Options::State::Explain(const CLI::ParseError& error, int argc,
                               const char* const* argv) const {
   const std::string help_remedy = fmt::format("see haptometer {} --help", verb.name);
@@ -337,7 +361,7 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     for (int i = 1; i < argc; ++i) {
       const std::string word(argv[i], std::strcspn(argv[i], "="));
-      if (word.starts_with("-") && std::ranges::find(names, word) == names.end()) {
+      if (word.starts_with("-") && Named(word) == nullptr) {
         const std::string nearest = Nearest(word, names);
         return {Cause::kUsage, word, "is not an option",
                 nearest.empty() ? help_remedy : fmt::format("did you mean {}?", nearest)};
@@ -621,6 +645,11 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& parse_error) {
     is_incomplete = dynamic_cast<const CLI::RequiredError*>(&parse_error) != nullptr;
     error = state_->Explain(parse_error, argc, argv);
+  }
+  // the cause of other errors, as where the next option's value is left over
+  if (auto missing = state_->MissingValue(argc, argv)) {
+    error = std::move(missing);
+    is_incomplete = false;
   }
   if (state_->version) {
     fmt::print("haptometer {}\n", HAPTOMETER_VERSION);

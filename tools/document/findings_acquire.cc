@@ -83,6 +83,10 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"lines-too-soon",
      "{lines} lines came in {elapsed_s}, and {baud} baud carry them in {wire_s} at least: the port "
      "is not a serial line of this rate, or the sensor has another baud rate"},
+    {"row-rate-differs",
+     "rows came at {rate_hz} in {elapsed_s} by the clock of this computer, and {stated_hz} is "
+     "stated: if the source sends them as it measures them, --rate or --channels is wrong, and "
+     "with it every frequency"},
     {"surplus-replies",
      "replies to requests that had been answered were discarded ({replies}): the device answers "
      "more than once"},

@@ -323,7 +323,14 @@ Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
     remark += fmt::format("; at {} baud at most {:.1f} readings/s", setup.profile.wire.baud,
                           1 / SecondsFromNs(acquire::RtuPeriodNs(setup.profile)));
   }
-  return Played{std::make_unique<emulator::ModbusUnit>(std::move(setup)), std::move(remark)};
+  const std::string profile = setup.profile.name;
+  auto unit = std::make_unique<emulator::ModbusUnit>(std::move(setup));
+  if (faults.fault != nullptr && !unit->Shows(*faults.fault)) {
+    return Usage("--fault",
+                 fmt::format("{} has no number that means '{}'", profile, faults.fault->name),
+                 "give another fault or profile");
+  }
+  return Played{std::move(unit), std::move(remark)};
 }
 
 // device of the protocol with faults, and in front of its head a scene or a trial

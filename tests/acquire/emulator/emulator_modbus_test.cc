@@ -318,6 +318,24 @@ TEST(ModbusUnit, FaultsOfTheValueAreInItsRegisters) {
   EXPECT_EQ(AskForReading(Faulty(Plain(), "error")).exception, 4);
 }
 
+TEST(ModbusUnit, AFaultOfTheValueNeedsANumberForIt) {
+  const auto shows = [](SensorProfile profile, std::string_view name) {
+    const FaultPlan plan = ParseFaultPlan(name).value();
+    return ModbusUnit({.profile = std::move(profile), .head = HeadAt(0), .faults = plan})
+        .Shows(*plan.fault);
+  };
+  SensorProfile profile{.name = "u16", .least_number = 0, .most_number = 65'535};
+  for (const char* name : {"over", "under", "invalid", "amplifier-error"}) {
+    EXPECT_FALSE(shows(profile, name)) << name;
+  }
+  EXPECT_TRUE(shows(profile, "silent"));
+  profile.most_number = 65'534;
+  EXPECT_TRUE(shows(profile, "over"));
+  profile.most_number = 65'535;
+  profile.invalid_bits = {0xFFFF};
+  for (const char* name : {"over", "under", "invalid"}) EXPECT_TRUE(shows(profile, name)) << name;
+}
+
 TEST(ModbusUnit, AFloatWithoutAReadingIsNotANumber) {
   ModbusUnitSetup setup = Plain();
   setup.profile.type = RegisterType::kF32;

@@ -107,6 +107,22 @@ TEST(SampleFormat, AWrongLineIsABadRowAndTheNextIsRead) {
   }
 }
 
+TEST(SampleFormat, CommasMayBeMeantAsDecimalSigns) {
+  const auto is_row = [](std::size_t channels, const std::string& line) {
+    SampleParser parser(SampleFormat::kText, std::vector<trial::RawLimits>(channels));
+    std::vector<trial::Sample> row(channels);
+    parser.Feed(line + "\n");
+    (void)parser.Next(row);
+    return parser.IsRowWithDecimalCommas();
+  };
+  EXPECT_TRUE(is_row(2, "-0,326;0,0000"));
+  EXPECT_TRUE(is_row(2, "1,5\t2"));
+  EXPECT_TRUE(is_row(1, "1,5e-3"));
+  for (const char* line : {"1.5;2.5;3", "Weg,1;Spannung", "1,2,3", "1,5;2,5;3,5", "1,5", ""}) {
+    EXPECT_FALSE(is_row(2, line)) << line;
+  }
+}
+
 TEST(SampleFormat, ALineWithoutEndIsOneBadRow) {
   std::string line(5000, '1');
   const Parsed parsed = Parse(SampleFormat::kText, 1, line.append("\n2\n"));

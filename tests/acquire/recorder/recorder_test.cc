@@ -49,6 +49,20 @@ TEST_F(RecorderTest, StopsAtTheDurationByTheRowsTimes) {
   EXPECT_ABS(recording->record.raw_times_s.back(), 0.499, 1e-12, "nanoseconds in seconds");
 }
 
+TEST_F(RecorderTest, WhatTheSensorFindsAtTheEndIsARemarkOfTheTrial) {
+  CountingSensor sensor(clock_, Timing::kArrival, 10, Outcome::kEnd);
+  trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
+  const auto say = [](const Finding& found) {
+    return found.kind == FindingKind::kWireErrors ? std::string("errors on the wire") : "cut short";
+  };
+  ASSERT_TRUE(Record(sensor, sink, clock_, kNeverStop, {}, {.say = say}));
+  EXPECT_EQ(Counts(path_), CountTo(10));
+  ASSERT_EQ(events_.size(), 1U);
+  EXPECT_EQ(events_[0].kind, trial::EventKind::kRemark);
+  EXPECT_EQ(events_[0].text, "doubt: errors on the wire");
+}
+
 // 1000 rows, the last at 0.999 s
 TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
   const auto ends_early = [&](const RecordingLimits& limits) {

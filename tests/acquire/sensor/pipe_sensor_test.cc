@@ -6,9 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "acquire/transport/descriptor.h"
 #include "acquire/transport/open_port.h"
@@ -312,6 +314,100 @@ TEST_F(PipeSensorTest, SilenceIsNothing) {
   const MonotonicNs before = clock_.Now();
   EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
   EXPECT_EQ(clock_.Now() - before, 100 * kMs);
+}
+
+TEST_F(PipeSensorTest, ADecimalCommaIsNamed) {
+  Make("displacement:um,voltage:V", SampleFormat::kText);
+  pipe_->Send("Weg;Spannung\n-0,326;0,0000\n1,5;0,5\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("\"-0,326;0,0000\" is a row of 2 x text only where it is the "
+                                      "decimal sign; write decimal points"));
+}
+
+// --- the rate at which rows come ---
+
+// rows that come together, some time after the beginning
+struct Block {
+  MonotonicNs at_ns;
+  std::size_t rows;
+};
+
+// `rows` every 50 ms from `first_ns` on, up to `last_ns`
+std::vector<Block> Every50Ms(std::size_t rows, MonotonicNs first_ns, MonotonicNs last_ns) {
+  std::vector<Block> blocks;
+  for (MonotonicNs at_ns = first_ns; at_ns <= last_ns; at_ns += 50 * kMs) {
+    blocks.push_back({at_ns, rows});
+  }
+  return blocks;
+}
+
+class RowRate : public PipeSensorTest {
+ protected:
+  // what is found of the blocks at 10 kHz, as stated, by a reader that takes `a_row_ns` for a row
+  std::string FoundOf(const std::vector<Block>& blocks, MonotonicNs a_row_ns = 0) {
+    clock_ = {};
+    Make("voltage:V", SampleFormat::kF64);
+    for (const Block& block : blocks) {
+      pipe_->Send(std::string(sizeof(double) * block.rows, '\0'), block.at_ns);
+    }
+    pipe_->HangUp(blocks.back().at_ns);
+    EXPECT_TRUE(sensor_->Start(kNeverStop));
+    Reading reading;
+    (void)sensor_->Begin();
+    while (sensor_->Next(reading) != Outcome::kEnd) clock_.Advance(a_row_ns);
+    return NumbersOf(sensor_->Found(), FindingKind::kRowRateDiffers);
+  }
+};
+
+// a span ends with the first block after 0.25 s; the first one, from 50 to 300 ms, is not judged
+TEST_F(RowRate, OfASourceThatIsLiveIsComparedWithTheStatedOne) {
+  EXPECT_EQ(FoundOf(Every50Ms(250, 50 * kMs, 3050 * kMs)),
+            "rate_hz=5000 elapsed_s=2.5 stated_hz=10000");
+  EXPECT_EQ(FoundOf(Every50Ms(1000, 50 * kMs, 1600 * kMs)),
+            "rate_hz=20000 elapsed_s=1.25 stated_hz=10000");
+  EXPECT_EQ(FoundOf(Every50Ms(530, 50 * kMs, 1600 * kMs)),
+            "rate_hz=10600 elapsed_s=1.25 stated_hz=10000");
+  for (const std::size_t rows : {480U, 500U, 520U}) {
+    EXPECT_EQ(FoundOf(Every50Ms(rows, 50 * kMs, 9000 * kMs)), "none") << rows;
+  }
+}
+
+TEST_F(RowRate, IsJudgedOverOneSecondAtLeast) {
+  EXPECT_EQ(FoundOf(Every50Ms(250, 50 * kMs, 1300 * kMs)), "none");
+  EXPECT_NE(FoundOf(Every50Ms(250, 50 * kMs, 1350 * kMs)), "none");
+}
+
+// a file: all at once, or over seconds at what its disk gives; and a reader slower than the source
+TEST_F(RowRate, OfAFileOrASlowReaderIsNotJudged) {
+  EXPECT_EQ(FoundOf({{kMs, 100'000}}), "none");
+  EXPECT_EQ(FoundOf(Every50Ms(5500, 50 * kMs, 1600 * kMs)), "none") << "eleven times as fast";
+  EXPECT_EQ(FoundOf(Every50Ms(2000, 50 * kMs, 1600 * kMs), 24'000), "none")
+      << "busy for 48 of 50 ms";
+  EXPECT_EQ(FoundOf({{kMs, 10'000}}, kMs), "none") << "1 kHz by the reader";
+  EXPECT_EQ(FoundOf(Every50Ms(500, 50 * kMs, 3000 * kMs), kMs / 5), "none")
+      << "5 kHz by the reader";
+}
+
+TEST_F(RowRate, IsThatOfMostOfTheTime) {
+  for (const MonotonicNs changed_ns : {1500 * kMs, 3000 * kMs}) {
+    std::vector<Block> blocks = Every50Ms(500, 50 * kMs, changed_ns);
+    std::ranges::copy(Every50Ms(250, changed_ns + 50 * kMs, 4500 * kMs),
+                      std::back_inserter(blocks));
+    EXPECT_EQ(FoundOf(blocks) == "none", changed_ns == 3000 * kMs);
+  }
+}
+
+TEST_F(RowRate, AStallIsNoOtherRate) {
+  // at the start, with and without the rows that came meanwhile
+  for (const std::size_t meanwhile : {1U, 30'000U}) {
+    std::vector<Block> blocks{{kMs, 10}, {3000 * kMs, meanwhile}};
+    std::ranges::copy(Every50Ms(500, 3050 * kMs, 4500 * kMs), std::back_inserter(blocks));
+    EXPECT_EQ(FoundOf(blocks), "none") << meanwhile;
+  }
+  // in the middle, for longer than all the rest
+  std::vector<Block> blocks = Every50Ms(500, 50 * kMs, 1000 * kMs);
+  std::ranges::copy(Every50Ms(500, 6000 * kMs, 7000 * kMs), std::back_inserter(blocks));
+  EXPECT_EQ(FoundOf(blocks), "none");
 }
 
 // --- the pipe itself ---

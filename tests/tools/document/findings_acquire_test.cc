@@ -116,6 +116,11 @@ const std::vector<Case> kCases{
      {{"lines", 100}, {"elapsed_s", 0.5}, {"baud", 9600}, {"wire_s", 1.0}},
      "100 lines came in 500 ms, and 9600 baud carry them in 1 s at least: the port is not a serial "
      "line of this rate, or the sensor has another baud rate"},
+    {kRowRateDiffers,
+     {{"rate_hz", 1e4}, {"elapsed_s", 1.65}, {"stated_hz", 5e3}},
+     "rows came at 10000 Hz in 1.65 s by the clock of this computer, and 5000 Hz is stated: if the "
+     "source sends them as it measures them, --rate or --channels is wrong, and with it every "
+     "frequency"},
     {kSurplusReplies,
      {{"replies", 3}},
      "replies to requests that had been answered were discarded (3): the device answers more than "
