@@ -22,18 +22,21 @@ enum class FindingKind : std::uint8_t {
   kDamagedFromBlock,  ///< and nothing sound follows
   kNotFinished,       ///< by its writer
 
+  // --- the recording
+  kDoubtedAtRecording,  ///< text: what a sensor doubted at the end of it
+
   // --- tables of other programs
   kFormatFound,       ///< format, title, channels, separator (where it is blanks)
   kFormatGiven,       ///< likewise: by the user
   kFormatNotUsed,     ///< the file has one layout
-  kUnitOverridden,    ///< column, file_factor, file_unit, given_factor, given_unit
+  kUnitOverridden,    ///< column, file_factor, file_unit / unknown_unit, given_factor, given_unit
   kStatedRowsDiffer,  ///< stated_rows, rows
   kRateContradicted,  ///< rate_hz of the times, stated_hz, stated_by: the user's rate decides
   kTimesInOtherUnit,  ///< rate_hz of the times, stated_hz: a power of 1000 apart
   kRateReplaced,      ///< rate_hz of the user, stated_hz, stated_by
   kStartAssumed,      ///< the first row is put at 0 s
   kRowsExcluded,      ///< excluded, rows, line: with the time of the row before
-  kTimesRebuilt,      ///< repeated, rows
+  kTimesRebuilt,      ///< repeated, rows, rate_hz, rate_uncertainty_hz (standard)
   kChannelsApart,     ///< apart_s: all are put at the first one's times
   kTransitionsOnly,   ///< rows of digital channels are no samples
   kValueUnitAssumed,  ///< title, unit

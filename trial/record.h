@@ -74,7 +74,8 @@ struct Stretch {
   double start_s = 0;
   double rate_hz = 0;
   /// How far a row's true time may lie from this straight line (one standard deviation); 0 for a
-  /// clocked source. A polled sensor's readings are of unknown age, so it is milliseconds there.
+  /// clocked source whose times are exact, not rounded. A polled sensor's readings are of unknown
+  /// age, so it is milliseconds there.
   double time_uncertainty_s = 0;
 };
 

@@ -133,6 +133,9 @@ struct Event {
 inline constexpr std::string_view kInterruptedText =
     "interrupted: stopped before the end that was asked for";
 
+/// What the text of a remark begins with where its sensor doubts what was recorded.
+inline constexpr std::string_view kDoubtMark = "doubt: ";
+
 /// The metadata field of a source that numbers its rows, "0 to 99": every loss, up to whole turns
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";

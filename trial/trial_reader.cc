@@ -162,6 +162,10 @@ Findings ReadReport::AllFindings() const {
   Findings all;
   for (const Loss& loss : losses) all.Add(FindingOfLoss(loss));
   if (!closed) all.Doubt(FindingKind::kNotFinished);
+  for (const Event& event : events) {
+    if (event.kind != EventKind::kRemark || !event.text.starts_with(kDoubtMark)) continue;
+    all.Doubt(FindingKind::kDoubtedAtRecording, {{"text", event.text.substr(kDoubtMark.size())}});
+  }
   all.AddAll(findings);
   return all;
 }

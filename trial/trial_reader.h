@@ -73,8 +73,8 @@ struct ReadReport {
   [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
   /// Whether the recording did not reach its end: the file is not finished, or has the remark.
   [[nodiscard]] bool IsInterrupted() const;
-  /// A finding for each loss, one where the writer did not finish the file, and `findings`; to be
-  /// shown to the user.
+  /// A finding for each loss, one where the writer did not finish the file, one for each remark
+  /// that begins with kDoubtMark, and `findings`; to be shown to the user.
   [[nodiscard]] Findings AllFindings() const;
 };
 

@@ -278,7 +278,8 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
                         meant.empty() ? "give a trial or a CSV with time_s,displacement_m"
                                       : "name the adapter's channel");
   }
-  if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
+  if (record.stretches.size() != 1 ||
+      (record.timing != trial::Timing::kUniform && record.stretches[0].time_uncertainty_s > 0)) {
     return CannotAnswer(name, "has gaps or a non-uniform time base",
                         "record the tap with a clocked source, without lost rows");
   }

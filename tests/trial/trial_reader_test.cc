@@ -369,6 +369,16 @@ TEST(ReadReport, IsInterruptedByItsRemarkOrWithoutItsEnd) {
   EXPECT_TRUE(report.AllFindings().Has(FindingKind::kNotFinished));
 }
 
+TEST(ReadReport, ADoubtOfTheSensorIsAFinding) {
+  ReadReport report;
+  report.closed = true;
+  report.events = {{.kind = EventKind::kRemark, .text = "knocked"},
+                   {.kind = EventKind::kRemark, .text = "doubt: errors on the wire"}};
+  EXPECT_EQ(tests::DoubtsOf(report.AllFindings()), std::vector{FindingKind::kDoubtedAtRecording});
+  EXPECT_EQ(tests::NumbersOf(report.AllFindings(), FindingKind::kDoubtedAtRecording),
+            "text=errors on the wire");
+}
+
 TEST(TrialReader, StreamsInTheMemoryOfOneChunk) {
   const std::string bytes = CountingTrial(100'000, 100'000);
   auto reader = TrialReader::OpenFrom(MakeMemorySource(bytes), "t.bin");

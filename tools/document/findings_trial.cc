@@ -26,6 +26,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"ends-in-block", "the file ends inside block {block}"},
     {"damaged-from-block", "the file is damaged from block {block} on"},
     {"not-finished", "the file was not finished by its writer"},
+    {"doubted-at-recording", "at the recording: {text}"},
     {"format-found",
      "the file is read as {title} (found; --format {format})[, cells separated by {separator}], "
      "channels {channels}"},
@@ -34,8 +35,9 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{channels}"},
     {"format-not-used", "the file has a layout of its own; --format is not used"},
     {"unit-overridden",
-     "column {column} is in units of {file_factor} {file_unit} by the file and of {given_factor} "
-     "{given_unit} by --columns or --scale, which is used"},
+     "column {column} is in units of[ {file_factor} {file_unit}][ '{unknown_unit}'] by the file "
+     "and "
+     "of {given_factor} {given_unit} by --columns or --scale, which is used"},
     {"stated-rows-differ", "the file states {stated_rows} rows and holds {rows}"},
     {"rate-contradicted",
      "the times give {rate_hz} and '{stated_by}' gives {stated_hz}; --rate decides"},
@@ -49,7 +51,9 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{line}"},
     {"times-rebuilt",
      "{repeated} of {rows} times equal that of the row before, because they have too few digits; "
-     "they are replaced by the uniform grid that explains all of them"},
+     "they are replaced by the uniform grid that explains all of them, whose rate of {rate_hz} has "
+     "a "
+     "standard uncertainty of {rate_uncertainty_hz}"},
     {"channels-apart",
      "the channels begin up to {apart_s} apart (t0); all are given the times of the first one"},
     {"transitions-only",

@@ -36,21 +36,33 @@ bool GrowsEvenly(const std::vector<double>& values) {
   return true;
 }
 
+// the unit of a column in the file where the options read it in another one; none where nothing is
+// overridden
+std::vector<FindingNumber> OverriddenUnit(const CsvColumn& said, const CsvColumn& read,
+                                          bool has_scale) {
+  if (!said.unit.empty()) {
+    if (said.unit == read.unit && said.factor == read.factor) return {};
+    return {{"file_factor", said.factor}, {"file_unit", said.unit}};
+  }
+  // a scale states what a unit is that is not known
+  if (said.unknown_unit.empty() || read.unit.empty() || has_scale) return {};
+  return {{"unknown_unit", said.unknown_unit}};
+}
+
 // finds each column whose unit in the options (`read`) differs from that in the file (`said`);
 // none where the numbers of columns differ. What the options name without a unit keeps the file's
 void FindOverriddenUnits(const std::vector<CsvColumn>& said, std::vector<CsvColumn>& read,
-                         Findings& findings) {
+                         bool has_scale, Findings& findings) {
   if (said.size() != read.size()) return;
   for (std::size_t i = 0; i < read.size(); ++i) {
-    // no unit in the file, so nothing is overridden
-    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
+    if (read[i].kind == CsvColumnKind::kLeftOut) continue;
     KeepStatedUnit(said[i], &read[i]);
-    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
-    findings.Doubt(FindingKind::kUnitOverridden, {{"column", i + 1},
-                                                  {"file_factor", said[i].factor},
-                                                  {"file_unit", said[i].unit},
-                                                  {"given_factor", read[i].factor},
-                                                  {"given_unit", read[i].unit}});
+    auto numbers = OverriddenUnit(said[i], read[i], has_scale);
+    if (numbers.empty()) continue;
+    numbers.insert(numbers.begin(), {"column", i + 1});
+    numbers.emplace_back("given_factor", read[i].factor);
+    numbers.emplace_back("given_unit", read[i].unit);
+    findings.Add({Severity::kDoubt, FindingKind::kUnitOverridden, std::move(numbers)});
   }
 }
 
@@ -181,7 +193,7 @@ class Parser {
     own_words.scale_v.reset();
     const auto own = FindForeignTable(whole_, name_, own_words);
     if (!own || !*own) return;
-    FindOverriddenUnits((*own)->columns, columns, findings_);
+    FindOverriddenUnits((*own)->columns, columns, options_.scale_m || options_.scale_v, findings_);
   }
 
   // a row; where its time does not grow, a column of the rows below may look like the times

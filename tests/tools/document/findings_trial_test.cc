@@ -36,6 +36,7 @@ const std::vector<Case> kCases{
      "the file ends inside block 3: what followed row 20 is lost"},
     {kDamagedFromBlock, {{"block", 3}}, "the file is damaged from block 3 on"},
     {kNotFinished, {}, "the file was not finished by its writer"},
+    {kDoubtedAtRecording, {{"text", "errors on the wire"}}, "at the recording: errors on the wire"},
     {kFormatFound,
      {{"format", "plain"}, {"title", "plain table"}, {"channels", "CH1 [V]"}},
      "the file is read as plain table (found; --format plain), channels CH1 [V]"},
@@ -67,9 +68,10 @@ const std::vector<Case> kCases{
      {{"excluded", 1}, {"rows", 300}, {"line", 203}},
      "rows with the time of the row before are excluded: 1 of 300, the first in line 203"},
     {kTimesRebuilt,
-     {{"repeated", 7}, {"rows", 300}},
+     {{"repeated", 7}, {"rows", 300}, {"rate_hz", 500.0}, {"rate_uncertainty_hz", 0.02}},
      "7 of 300 times equal that of the row before, because they have too few digits; they are "
-     "replaced by the uniform grid that explains all of them"},
+     "replaced by the uniform grid that explains all of them, whose rate of 500 Hz has a standard "
+     "uncertainty of 0.02 Hz"},
     {kChannelsApart,
      {{"apart_s", 1.5e-3}},
      "the channels begin up to 1.5 ms apart (t0); all are given the times of the first one"},
@@ -102,6 +104,14 @@ TEST(FindingsOfTrials, EachKindHasItsSentence) {
     EXPECT_TRUE(names.insert(SentenceOf(kind).kind).second) << SentenceOf(kind).kind;
   }
   EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kNotedAtExport) + 1);
+}
+
+TEST(FindingsOfTrials, AUnitThatIsNotKnownIsQuoted) {
+  const std::vector<FindingNumber> numbers{
+      {"column", 2}, {"unknown_unit", "mm/s"}, {"given_factor", 1e-6}, {"given_unit", "m"}};
+  EXPECT_EQ(Fill(SentenceOf(kUnitOverridden).text, numbers),
+            "column 2 is in units of 'mm/s' by the file and of 1e-06 m by --columns or --scale, "
+            "which is used");
 }
 
 }  // namespace

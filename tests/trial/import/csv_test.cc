@@ -281,7 +281,14 @@ TEST(Csv, AveragesAreAWholeNumberUpToABillion) {
     return fmt::format("# averages = {}\ntime_s,voltage_v\n0,1\n1,2\n", averages);
   };
   EXPECT_EQ(Parsed(text("1e9")).metadata.averages, 1'000'000'000);
-  for (const char* averages : {"0", "-1", "1.5", "1000000001", "nan", "inf"}) {
+  for (const char* averages : {"0", "-1", "1.5", "1000000001"}) {
+    EXPECT_THAT(
+        ErrorOf(text(averages)),
+        HasSubstr(fmt::format("'averages = {}' is no count of readings; write a whole number "
+                              "from 1 to 1000000000",
+                              averages)));
+  }
+  for (const char* averages : {"nan", "inf"}) {
     EXPECT_THAT(ErrorOf(text(averages)),
                 HasSubstr(fmt::format("'averages = {}' is not a number", averages)));
   }
@@ -352,6 +359,33 @@ TEST(Csv, AUnitThatTheColumnsReplaceIsFoundWithBothFactors) {
   EXPECT_EQ(found({"time_s", "displacement_um", "current_a", "-"}),
             "column=3 file_factor=1 file_unit=V given_factor=1 given_unit=A");
   EXPECT_EQ(found({"time_s", "laser", "-", "voltage_v"}), "none");
+}
+
+TEST(Csv, AUnitThatIsNotKnownIsDoubtedAsOthersAre) {
+  const auto found = [](const std::string& header, const ImportOptions& options) {
+    Findings findings;
+    EXPECT_TRUE(ParseCsv(header + "\n0,1\n1,2\n", "f.csv", options, &findings)) << header;
+    EXPECT_LE(tests::DoubtsOf(findings).size(), 1U);
+    return tests::NumbersOf(findings, FindingKind::kUnitOverridden);
+  };
+  const ImportOptions told{.columns = {"time_s", "displacement_um"}};
+  for (const char* unit : {"mm/s", "m/s^2", "N", "a.u."}) {
+    const std::string numbers =
+        fmt::format("column=2 unknown_unit={} given_factor=1e-06 given_unit=m", unit);
+    EXPECT_EQ(found(fmt::format("Time (s),Laser ({})", unit), told), numbers);
+    EXPECT_EQ(found(fmt::format("Time,Laser\n(s),({})", unit), told), numbers);
+  }
+  EXPECT_EQ(found("Time (s),Laser (mil)", told),
+            "column=2 file_factor=2.54e-05 file_unit=m given_factor=1e-06 given_unit=m");
+  // no unit, words, Siglent's word for none, and a channel that is told no unit
+  for (const char* header : {"Time (s),Laser", "Time (s),Laser (left side)", "Second,Value"}) {
+    EXPECT_EQ(found(header, told), "none") << header;
+  }
+  EXPECT_EQ(found("Time (s),Laser (N)", {.columns = {"time_s", "force"}}), "none");
+  EXPECT_EQ(
+      found("Time (s),Laser (counts)", {.columns = {"time_s", "displacement"}, .scale_m = 2e-6}),
+      "none")
+      << "the scale states what a count is";
 }
 
 // --- one meaning of time_s -----------------------------------------------------------------------

@@ -200,7 +200,9 @@ Result<bool> TakeNumber(std::string_view key, std::string_view value, const std:
   }
   // averages is a count of raw samples, so a whole number
   if (*number < 1 || *number > 1e9 || *number != std::floor(*number)) {
-    return NoNumber(where, key, value);
+    return CannotAnswer(
+        where, fmt::format("'averages = {}' is no count of readings", value),
+        "write a whole number from 1 to 1000000000 (1: the sensor does not average)");
   }
   metadata->averages = static_cast<int>(*number);
   return true;

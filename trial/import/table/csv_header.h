@@ -31,6 +31,8 @@ struct CsvColumn {
   /// among the file's channels, where it is known.
   std::size_t channel = 0;
   std::string printed{};  ///< the whole cell that named it: "CH1 (V)", "voltage_v"
+  /// As printed, where `unit` is empty because it is not known: "mm/s".
+  std::string unknown_unit{};
 };
 
 /// Gives a value column a unit, its factor, and the role of what is measured in it.

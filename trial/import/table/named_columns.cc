@@ -33,11 +33,29 @@ struct NameAndUnit {
   std::string_view unit;
 };
 
-// "Time [ms]", "Voltage (V)", "t / s", "C1 in V" or "t_s" split into name and unit
+// "t/s" or "x/um" split into quantity and unit (ISO 80000-1); a quotient of units ("mm/s", "N/mm")
+// is none of a quantity. The symbol s is a path, too.
+std::optional<NameAndUnit> SplitQuantity(std::string_view cell) {
+  const std::size_t slash = cell.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const NameAndUnit split{Trimmed(cell.substr(0, slash)), Trimmed(cell.substr(slash + 1))};
+  const auto unit = FindUnit(split.unit);
+  // what counts per second is no time
+  if (!unit || (unit->si_unit == "s" && !IsTimeName(split.name))) return std::nullopt;
+  const bool is_unit = (FindUnit(split.name) && split.name != "s") ||
+                       IsOneOf(split.name, {"", "1", "n", "kn", "mn", "g", "kg", "deg", "rad"});
+  if (is_unit) return std::nullopt;
+  return split;
+}
+
+// "Time [ms]", "Voltage (V)", "v/(mm/s)", "t / s", "x/um", "C1 in V" or "t_s" split into name and
+// unit
 NameAndUnit SplitUnit(std::string_view cell) {
   const std::size_t open = cell.find_last_of("[(");
   if (open != std::string_view::npos && (cell.ends_with(']') || cell.ends_with(')'))) {
-    return {Trimmed(cell.substr(0, open)), Trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+    std::string_view name = Trimmed(cell.substr(0, open));
+    if (name.ends_with('/')) name = Trimmed(name.substr(0, name.size() - 1));
+    return {name, Trimmed(cell.substr(open + 1, cell.size() - open - 2))};
   }
   for (const std::string_view sign : {" / ", " in "}) {
     const std::size_t at = cell.rfind(sign);
@@ -45,6 +63,7 @@ NameAndUnit SplitUnit(std::string_view cell) {
     return {Trimmed(cell.substr(0, at)), Trimmed(cell.substr(at + sign.size()))};
   }
   if (cell.starts_with("in ")) return {"", Trimmed(cell.substr(3))};
+  if (const auto split = SplitQuantity(cell)) return *split;
   // an underscore separates a unit only behind a time: other names may contain it
   const std::size_t bar = cell.rfind('_');
   if (bar != std::string_view::npos && IsTimeName(cell.substr(0, bar)) &&
@@ -292,11 +311,18 @@ class Head {
     // a first column in a unit of time is the time, regardless of its name
     // so are times of day behind their dates
     const bool is_clock = number == 1 && HasDates();
-    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed)) || is_clock;
+    // "x" may be a path
+    const bool is_named_time = IsTimeName(title) && (!unit || unit->si_unit == "s");
+    const bool is_time = is_named_time || (number == 0 && IsUnitOfTime(printed)) || is_clock;
     if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
     CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell),
                      .printed = std::string(cell)};
-    if (unit) SetUnit(*unit, &column);
+    if (unit) {
+      SetUnit(*unit, &column);
+    } else if (!printed.contains(' ') && !IsOneOf(printed, {"value"})) {
+      // words, and Siglent's "Second,Value", are no units
+      column.unknown_unit = printed;
+    }
     return column;
   }
 

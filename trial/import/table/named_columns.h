@@ -35,14 +35,14 @@ struct TableWords {
   std::optional<StatedClock> clock{};  ///< as the lines above state it
 };
 
-/// Reads names and units: "Time [ms]", "Laser (mm)", "t / s", "C1 in V", or a line of units below
-/// the names ("(ms),(V)", "second,Volt"); else the keys above (Tektronix's "Vertical Units"); else
-/// what the format is known for, which is remarked upon. Names may stand in the # line right above
-/// the numbers, if they name a time there, and in Yokogawa's key "TraceName". A time without a unit
-/// has the one in which the rows come at options.rate_hz or at the stated clock. A column of a unit
-/// of time is the time; columns of a spectrum beside the table (Hz, dB) and a row number ("nr",
-/// "sample") are left out; a unit of length makes a displacement, one of voltage or current a
-/// voltage or current. options.columns replaces all this.
+/// Reads names and units: "Time [ms]", "Laser (mm)", "t / s", "x/um", "C1 in V", or a line of units
+/// below the names ("(ms),(V)", "second,Volt"); else the keys above (Tektronix's "Vertical Units");
+/// else what the format is known for, which is remarked upon. Names may stand in the # line right
+/// above the numbers, if they name a time there, and in Yokogawa's key "TraceName". A time without
+/// a unit has the one in which the rows come at options.rate_hz or at the stated clock. A column of
+/// a unit of time is the time; columns of a spectrum beside the table (Hz, dB) and a row number
+/// ("nr", "sample") are left out; a unit of length makes a displacement, one of voltage or current
+/// a voltage or current. options.columns replaces all this.
 ///
 /// Errors (Cause::kCannotAnswer), naming `name`: a time without a unit and columns without names
 /// (both readings are named), decimal commas that cannot be told from separators.

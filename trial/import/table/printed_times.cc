@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -53,111 +54,236 @@ std::vector<Run> Runs(std::span<const double> times_s, std::span<const double> r
   return runs;
 }
 
-// whether first + j * period gives every time of `run` back within its digits
-bool Fits(const Run& run, double period_s, std::span<const double> times_s,
-          std::span<const double> resolutions_s) {
-  const std::size_t last = run.first + run.rows - 1;
-  // the grid begins at a printed time, so the end points' digits count too
-  const double ends_s = std::max(resolutions_s[run.first], resolutions_s[last]);
-  for (std::size_t j = 0; j < run.rows; ++j) {
-    const double grid_s = times_s[run.first] + AsDouble(j) * period_s;
-    // a millionth of a period for clocks that were summed up
-    const double bound_s = ends_s + resolutions_s[run.first + j] + 1e-6 * period_s;
-    if (std::abs(times_s[run.first + j] - grid_s) > bound_s) return false;
+// Printed times, and how far each may lie from what was meant.
+struct Printed {
+  std::span<const double> times_s;
+  std::span<const double> resolutions_s;
+  double rounding_s = 0;  // what a float's rounding adds to half a digit in each of resolutions_s
+
+  [[nodiscard]] std::size_t rows() const { return times_s.size(); }
+  [[nodiscard]] Printed Of(const Run& run) const {
+    return {times_s.subspan(run.first, run.rows), resolutions_s.subspan(run.first, run.rows),
+            rounding_s};
+  }
+  // (last - first) / (n - 1)
+  [[nodiscard]] double MeanPeriod() const {
+    return (times_s.back() - times_s.front()) / AsDouble(rows() - 1);
+  }
+};
+
+// by how much a line may miss a time: factor * resolution + more_s
+struct Bound {
+  double factor = 1;
+  double more_s = 0;
+
+  [[nodiscard]] double At(const Printed& printed, std::size_t row) const {
+    return factor * printed.resolutions_s[row] + more_s;
+  }
+};
+
+// a millionth of a period for clocks that were summed up
+double Slack(double period_s) { return 1e-6 * period_s; }
+
+// times that are not rounded: the millionth, and the rounding of doubles
+Bound OfExactTimes(const Printed& printed, double period_s) {
+  const double largest_s =
+      std::max(std::abs(printed.times_s.front()), std::abs(printed.times_s.back()));
+  return {0, Slack(period_s) + 0x1p-51 * largest_s};
+}
+
+// a grid begins at a printed time, so the end points' digits count too
+Bound WithEnds(const Printed& printed, double period_s) {
+  const double ends_s = std::max(printed.resolutions_s.front(), printed.resolutions_s.back());
+  return {1, ends_s + Slack(period_s)};
+}
+
+// the bounds that rows may keep, from the least: half a digit, a float's rounding beside it, and
+// `widest`
+std::array<Bound, 3> BoundsOf(const Printed& printed, double period_s, const Bound& widest) {
+  const double slack_s = Slack(period_s);
+  return {Bound{1, slack_s - printed.rounding_s}, Bound{1, slack_s}, widest};
+}
+
+// whether the line from the first time on misses no time by more than `bound`
+bool FitsFromFirst(const Printed& printed, double period_s, const Bound& bound) {
+  for (std::size_t j = 0; j < printed.rows(); ++j) {
+    const double line_s = printed.times_s[0] + AsDouble(j) * period_s;
+    if (!(std::abs(printed.times_s[j] - line_s) <= bound.At(printed, j))) return false;
   }
   return true;
 }
 
-// The straight line through times whose digits are coarser than the period: least squares, each
-// time weighted by its digits, because most printers keep a number of digits, so that times near 0
-// are the finest. Nothing where it does not give every time back within its digits.
-std::optional<Stretch> LineThroughCoarse(std::span<const double> times_s,
-                                         std::span<const double> resolutions_s) {
+// the starts of lines of one period that all rows allow, and the rows that limit them
+struct Starts {
+  double least_s = -std::numeric_limits<double>::infinity();
+  double most_s = std::numeric_limits<double>::infinity();
+  std::size_t least_row = 0;
+  std::size_t most_row = 0;
+};
+
+Starts StartsAt(const Printed& printed, double period_s, const Bound& bound) {
+  Starts starts;
+  for (std::size_t j = 0; j < printed.rows(); ++j) {
+    const double start_s = printed.times_s[j] - AsDouble(j) * period_s;
+    const double bound_s = bound.At(printed, j);
+    if (start_s - bound_s > starts.least_s) {
+      starts.least_s = start_s - bound_s;
+      starts.least_row = j;
+    }
+    if (start_s + bound_s < starts.most_s) {
+      starts.most_s = start_s + bound_s;
+      starts.most_row = j;
+    }
+  }
+  return starts;
+}
+
+// The longest (`sign` 1) or the shortest (-1) period of the lines that miss no time by more than
+// `bound`; nothing where there is none. What the rows leave of the starts is a concave function of
+// the period, piecewise linear, of slope least_row - most_row. Newton's method from outside takes
+// the zero of one piece after the other, of rows that lie closer and closer: some five turns.
+std::optional<double> OutermostPeriod(const Printed& printed, const Bound& bound, double sign) {
+  const std::size_t last = printed.rows() - 1;
+  // no line of a longer (shorter) period keeps the bounds of the end points
+  const double ends_s = bound.At(printed, 0) + bound.At(printed, last);
+  double period_s = printed.MeanPeriod() + sign * ends_s / AsDouble(last);
+  for (double apart = AsDouble(printed.rows());;) {
+    const Starts starts = StartsAt(printed, period_s, bound);
+    if (starts.least_s <= starts.most_s) return period_s;
+    const double between = AsDouble(starts.most_row) - AsDouble(starts.least_row);
+    if (!(sign * between > 0)) return std::nullopt;
+    // rows that are no closer: what is left is rounding
+    if (sign * between >= apart) return period_s;
+    apart = sign * between;
+    period_s += (starts.most_s - starts.least_s) / between;
+  }
+}
+
+// a straight line, and the standard uncertainties of its period and of its start at that period
+struct Line {
+  double start_s = 0;
+  double period_s = 0;
+  double period_uncertainty_s = 0;
+  double start_uncertainty_s = 0;
+};
+
+// half the width of a rectangular distribution as a standard deviation (GUM 4.3.7)
+double Rectangular(double width) { return width / 2 / std::numbers::sqrt3; }
+
+// The line in the middle of those of `period_s` that keep the least of the bounds that any keeps;
+// from the first time on where that gives all times back exactly.
+Line LineOfPeriod(const Printed& printed, double period_s, const Bound& widest) {
+  Line line{.start_s = printed.times_s[0], .period_s = period_s};
+  if (FitsFromFirst(printed, period_s, OfExactTimes(printed, period_s))) return line;
+  for (const Bound& bound : BoundsOf(printed, period_s, widest)) {
+    const Starts starts = StartsAt(printed, period_s, bound);
+    if (!(starts.least_s <= starts.most_s)) continue;
+    line.start_s = std::midpoint(starts.least_s, starts.most_s);
+    line.start_uncertainty_s = Rectangular(starts.most_s - starts.least_s);
+    break;
+  }
+  return line;
+}
+
+// The line in the middle of all that keep the least of the bounds that any keeps. Rounding errors
+// follow each other without chance where digits are coarse, so none of these lines is excluded, and
+// the period is as likely anywhere between theirs.
+std::optional<Line> MiddleLine(const Printed& printed, const Bound& widest) {
+  const double mean_s = printed.MeanPeriod();
+  if (FitsFromFirst(printed, mean_s, OfExactTimes(printed, mean_s))) {
+    return Line{.start_s = printed.times_s[0], .period_s = mean_s};
+  }
+  for (const Bound& bound : BoundsOf(printed, mean_s, widest)) {
+    const auto least_s = OutermostPeriod(printed, bound, -1);
+    const auto most_s = OutermostPeriod(printed, bound, 1);
+    if (!least_s || !most_s) continue;
+    Line line = LineOfPeriod(printed, std::midpoint(*least_s, *most_s), bound);
+    line.period_uncertainty_s = Rectangular(*most_s - *least_s);
+    return line;
+  }
+  return std::nullopt;
+}
+
+// The uncertainty of the times that gives the rate of `rows` its own: that of either end of the
+// line, sqrt(2) of which is that of the span. A start common to all rows leaves the rate as it is.
+double TimeUncertainty(const Line& line, std::size_t rows) {
+  return line.period_uncertainty_s * AsDouble(rows) / std::numbers::sqrt2;
+}
+
+// The line through times whose digits are coarser than the period, or nothing where none gives
+// every time back within twice its resolution.
+std::optional<Stretch> LineThroughCoarse(const Printed& printed) {
   // fewer repeated times prove no grid
   constexpr std::size_t kFewest = 16;
-  if (times_s.size() < kFewest) return std::nullopt;
-  double sum = 0;
-  double sum_x = 0;
-  double sum_t = 0;
-  // weight 1 / resolution^2, relative to the last row's, limited for times of exact digits
-  const auto weight = [&](std::size_t i) {
-    const double relative = resolutions_s.back() / std::max(resolutions_s[i], 1e-300);
-    return std::clamp(relative * relative, 1e-12, 1e12);
-  };
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    // weighted means of row and time
-    sum += weight(i);
-    sum_x += weight(i) * AsDouble(i);
-    sum_t += weight(i) * times_s[i];
-  }
-  double sum_xx = 0;
-  double sum_xt = 0;
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    // about the means: period = sum(w x t) / sum(w x^2)
-    const double x = AsDouble(i) - sum_x / sum;
-    sum_xx += weight(i) * x * x;
-    sum_xt += weight(i) * x * (times_s[i] - sum_t / sum);
-  }
-  const double period_s = sum_xt / sum_xx;
-  const double start_s = sum_t / sum - period_s * (sum_x / sum);
-  if (!(period_s > 0) || !std::isfinite(1 / period_s)) return std::nullopt;
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    // twice, as some printers cut digits off where others round
-    const double bound_s = 2 * resolutions_s[i] + 1e-6 * period_s;
-    if (!(std::abs(times_s[i] - start_s - AsDouble(i) * period_s) <= bound_s)) return std::nullopt;
+  if (printed.rows() < kFewest) return std::nullopt;
+  // twice, as some printers cut digits off where others round
+  const Bound twice{2, Slack(printed.MeanPeriod())};
+  const auto line = MiddleLine(printed, twice);
+  if (!line || !(line->period_s > 0) || !std::isfinite(1 / line->period_s)) return std::nullopt;
+  for (std::size_t i = 1; i < printed.rows(); ++i) {
     // rounding makes two times equal only where they are closer than a unit of the last digit
-    const bool is_repeated = i > 0 && times_s[i] == times_s[i - 1];
-    if (is_repeated && period_s > bound_s) return std::nullopt;
+    const bool is_repeated = printed.times_s[i] == printed.times_s[i - 1];
+    if (is_repeated && line->period_s > twice.At(printed, i)) return std::nullopt;
   }
-  return Stretch{.rows = times_s.size(), .start_s = start_s, .rate_hz = 1 / period_s};
+  return Stretch{.rows = printed.rows(),
+                 .start_s = line->start_s,
+                 .rate_hz = 1 / line->period_s,
+                 .time_uncertainty_s = TimeUncertainty(*line, printed.rows())};
 }
 
 // The clocked segments behind printed times, or nothing where the times' resolution does not
 // explain how they differ from grids.
 //
 // A new segment begins where an interval is more than half a period longer than the median one.
-// Within a segment of n rows the period is (last - first) / (n - 1); short segments take the
-// longest one's period where it fits them. A time may differ from its grid by its own
-// resolution and the end points', plus a millionth of a period for clocks that were summed up.
+// Short segments take the longest one's period where it fits them. A time may differ from the grid
+// through its segment's end points by its own resolution and the end points', plus a millionth of
+// a period for clocks that were summed up. Times that such a grid gives back to that millionth are
+// exact; else the line is in the middle of all that give the times back within half a digit, or
+// if there is none within the resolution (MiddleLine), and time_uncertainty_s is what they leave
+// uncertain of the rate, and of the starts where there are several segments.
 //
-// Times that repeat, because their digits are coarser than the period, are one segment on the
-// least-squares line, each time weighted by its resolution, if that gives every time back within
-// twice that and its period is not above a unit of their last digits; rows that are missing cannot
-// be detected there.
+// Times that repeat, because their digits are coarser than the period, are one segment on such a
+// line, within twice the resolution if need be, if its period is not above a unit of their last
+// digits; rows that are missing cannot be detected there.
 //
-// `times_s`: at least two, not falling; `resolutions_s`: how far each may lie from what was
-// meant (PrintedTimes). Cost: O(rows).
-std::optional<std::vector<Stretch>> PrintedGrid(std::span<const double> times_s,
-                                                std::span<const double> resolutions_s) {
+// `printed`: at least two, not falling. Cost: O(rows).
+std::optional<std::vector<Stretch>> PrintedGrid(const Printed& printed) {
   // repeated times: digits coarser than the period
-  if (std::ranges::adjacent_find(times_s) != times_s.end()) {
-    const auto line = LineThroughCoarse(times_s, resolutions_s);
+  if (std::ranges::adjacent_find(printed.times_s) != printed.times_s.end()) {
+    const auto line = LineThroughCoarse(printed);
     if (!line) return std::nullopt;
     return std::vector<Stretch>{*line};
   }
-  const std::vector<Run> runs = Runs(times_s, resolutions_s);
-  // (last - first) / (n - 1)
-  auto own_period_s = [&](const Run& run) {
-    return (times_s[run.first + run.rows - 1] - times_s[run.first]) / AsDouble(run.rows - 1);
+  const std::vector<Run> runs = Runs(printed.times_s, printed.resolutions_s);
+  const auto own_line = [](const Printed& part) -> std::optional<Line> {
+    const double period_s = part.MeanPeriod();
+    const Bound bound = WithEnds(part, period_s);
+    return FitsFromFirst(part, period_s, bound) ? MiddleLine(part, bound) : std::nullopt;
   };
+  // the longest run has the smallest error of the period
   const Run& longest = *std::ranges::max_element(runs, {}, &Run::rows);
   if (longest.rows < 2) return std::nullopt;
-  // the longest run has the smallest error of the period: 2 resolutions / (n - 1)
-  const double common_period_s = own_period_s(longest);
+  const auto common = own_line(printed.Of(longest));
+  if (!common) return std::nullopt;
   std::vector<Stretch> stretches;
   for (const Run& run : runs) {
-    double period_s = common_period_s;
-    if (!Fits(run, period_s, times_s, resolutions_s)) {
+    const Printed part = printed.Of(run);
+    std::optional<Line> line = common;
+    if (run.first != longest.first) {
       // a run that the common period does not fit may have another rate
-      period_s = own_period_s(run);
-      if (!Fits(run, period_s, times_s, resolutions_s)) return std::nullopt;
+      const Bound bound = WithEnds(part, common->period_s);
+      const bool is_common = FitsFromFirst(part, common->period_s, bound);
+      line = is_common ? LineOfPeriod(part, common->period_s, bound) : own_line(part);
+      if (line && is_common) line->period_uncertainty_s = common->period_uncertainty_s;
     }
-    if (!std::isfinite(1 / period_s)) return std::nullopt;
-    stretches.push_back({.first_row = run.first,
-                         .rows = run.rows,
-                         .start_s = times_s[run.first],
-                         .rate_hz = 1 / period_s,
-                         .time_uncertainty_s = 0});
+    if (!line || !std::isfinite(1 / line->period_s)) return std::nullopt;
+    const double start_s = runs.size() > 1 ? line->start_uncertainty_s : 0;
+    stretches.push_back(
+        {.first_row = run.first,
+         .rows = run.rows,
+         .start_s = line->start_s,
+         .rate_hz = 1 / line->period_s,
+         .time_uncertainty_s = std::hypot(TimeUncertainty(*line, run.rows), start_s)});
   }
   return stretches;
 }
@@ -282,6 +408,7 @@ bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
 
 // what a 32-bit float leaves out of a time, where there may be one behind the digits; else 0
 double PrintedTimes::FloatRounding() const {
+  if (is_count_) return 0;
   const double span_s = times_s_.back() - times_s_.front();
   const double largest_s = std::max(std::abs(times_s_.front()), std::abs(times_s_.back()));
   // half a unit in the last place of a 24-bit significand
@@ -299,29 +426,31 @@ double PrintedTimes::FloatRounding() const {
 }
 
 // how far each time may lie from the meant one, s: half its last digit and a float's rounding
-std::vector<double> PrintedTimes::Resolutions() const {
-  const double rounding_s = is_count_ ? 0 : FloatRounding();
+std::vector<double> PrintedTimes::Resolutions(double rounding_s) const {
   Decade decade;
   return Mapped<double>(
       times_s_, [&](const double time_s) { return HalfDigit(time_s, &decade) + rounding_s; });
 }
 
+std::optional<std::vector<Stretch>> PrintedTimes::Grid() const {
+  const double rounding_s = FloatRounding();
+  const std::vector<double> resolutions_s = Resolutions(rounding_s);
+  return PrintedGrid({times_s_, resolutions_s, rounding_s});
+}
+
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
-  const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
-  const std::vector<double> resolutions_s = Resolutions();
-  // the interval of starts that all rows allow; digits that are cut off instead of rounded
-  // move the start alone; a little more for the arithmetic on clock times
-  double least_s = -std::numeric_limits<double>::infinity();
-  double most_s = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < times_s_.size(); ++i) {
-    const double bound_s = (1 + 1e-4) * resolutions_s[i] + 1e-6 * clock.interval_s;
-    least_s = std::max(least_s, times_s_[i] - bound_s - at(i));
-    most_s = std::min(most_s, times_s_[i] + bound_s - at(i));
-  }
+  const double rounding_s = FloatRounding();
+  const std::vector<double> resolutions_s = Resolutions(rounding_s);
+  // digits that are cut off instead of rounded move the start alone; a little more for the
+  // arithmetic on clock times
+  const Starts starts = StartsAt({times_s_, resolutions_s, rounding_s}, clock.interval_s,
+                                 {1 + 1e-4, Slack(clock.interval_s)});
+  const double least_s = starts.least_s;
+  const double most_s = starts.most_s;
   if (!(least_s <= most_s)) return std::nullopt;
   Stretch stretch{.rows = times_s_.size(), .rate_hz = 1 / clock.interval_s};
   // a stated start may be printed with fewer digits than the rows
-  const double slack_s = 2 * resolutions_s[0] + 1e-6 * clock.interval_s;
+  const double slack_s = 2 * resolutions_s[0] + Slack(clock.interval_s);
   if (clock.start_s) {
     if (*clock.start_s < least_s - slack_s || *clock.start_s > most_s + slack_s) {
       return std::nullopt;
@@ -398,14 +527,14 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
     return left_out;
   }
   if (!times_are_raw) {
-    auto grid = has_copies ? std::nullopt : PrintedGrid(times_s_, Resolutions());
+    auto grid = has_copies ? std::nullopt : Grid();
     // a few repeated times may mask a grid: those rows are excluded
     if (!grid && !repeated_.empty()) {
       if (!HasFewRepeated()) return std::nullopt;
       left_out = std::move(repeated_);
       times_s_.erase(std::ranges::unique(times_s_).begin(), times_s_.end());
       record->rows = times_s_.size();
-      grid = PrintedGrid(times_s_, Resolutions());
+      grid = Grid();
     }
     if (grid) {
       record->stretches = std::move(*grid);

@@ -81,7 +81,8 @@ class PrintedTimes {
   [[nodiscard]] double HalfDigit(double time_s, Decade* decade) const;
   [[nodiscard]] bool MayBeFloats(double scale, double origin_s) const;
   [[nodiscard]] double FloatRounding() const;
-  [[nodiscard]] std::vector<double> Resolutions() const;
+  [[nodiscard]] std::vector<double> Resolutions(double rounding_s) const;
+  [[nodiscard]] std::optional<std::vector<Stretch>> Grid() const;
 
   std::vector<double> times_s_{};
   Digits most_{};  // a file prints a number of decimals or of digits, and drops zeros at the end

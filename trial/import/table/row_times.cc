@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "trial/import/table/written_twice.h"
@@ -58,10 +59,23 @@ std::unexpected<Error> NoTimes(const std::string& name, const Repeats& repeats) 
                       "is missing, leave the times out (<columns>) and give <rate>");
 }
 
-void NoteExcluded(std::size_t excluded, std::size_t rows, std::size_t repeat_line,
-                  Findings& findings) {
-  findings.Doubt(FindingKind::kRowsExcluded,
-                 {{"excluded", excluded}, {"rows", rows}, {"line", repeat_line}});
+// what became of times that repeat: their rows are left out, or a grid of `part` explains them
+void NoteRepeats(const Repeats& repeats, std::size_t left_out, const Record& part,
+                 Findings& findings) {
+  if (left_out > 0) {
+    findings.Doubt(FindingKind::kRowsExcluded,
+                   {{"excluded", left_out}, {"rows", repeats.rows}, {"line", repeats.line}});
+  } else if (repeats.repeated > 0 && part.timing == Timing::kUniform) {
+    // times that repeat are one segment; either end's uncertainty is one of its span
+    const Stretch& line = part.stretches.front();
+    const double span_s = static_cast<double>(line.rows) / line.rate_hz;
+    findings.Note(FindingKind::kTimesRebuilt,
+                  {{"repeated", repeats.repeated},
+                   {"rows", repeats.rows},
+                   {"rate_hz", line.rate_hz},
+                   {"rate_uncertainty_hz",
+                    line.rate_hz * std::numbers::sqrt2 * line.time_uncertainty_s / span_s}});
+  }
 }
 
 // times of one or several segments of a table, by printed times and stated clock
@@ -124,13 +138,7 @@ class TimeSetter {
     if (!left_out) return NoTimes(name_, repeats);
     // rows of the segment become rows of the record
     for (const std::size_t row : *left_out) left_out_.push_back(segment.first_row + row);
-    if (!left_out->empty()) {
-      NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, findings_);
-    } else if (repeats.repeated > 0) {
-      // repeated times that a grid explains are replaced by it
-      findings_.Note(FindingKind::kTimesRebuilt,
-                     {{"repeated", repeats.repeated}, {"rows", segment.rows}});
-    }
+    NoteRepeats(repeats, left_out->size(), part, findings_);
     return Agree(std::move(part), first_s);
   }
 
@@ -278,9 +286,7 @@ Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Str
   if (!left_out) return NoTimes(name, repeats);
   record->rows = segment.rows;
   LeaveOutRows(*left_out, record);
-  if (!left_out->empty()) {
-    NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, *findings);
-  }
+  NoteRepeats(repeats, left_out->size(), *record, *findings);
   return {};
 }
 

@@ -62,6 +62,34 @@ TEST(ForeignTable, NamesAndUnitsAsWordsAndAPreamble) {
   EXPECT_REL(german.Find(ChannelRole::kDisplacement)->values[1], 2.5e-6, 1e-15, "one product");
 }
 
+TEST(ForeignTable, AQuantityByItsUnit) {
+  for (const char* header :
+       {"t/s\tx/um", "time/s\tx/\u00b5m", "Zeit/s\tx / um", "t/s\tx/(\u03bcm)"}) {
+    const Record record = Parsed(std::string(header) + "\n0\t1,5\n0,5\t2,5\n");
+    ASSERT_EQ(record.channels.size(), 1U) << header;
+    EXPECT_EQ(record.channels[0].name, "x") << header;
+    EXPECT_EQ(record.channels[0].role, ChannelRole::kDisplacement) << header;
+    EXPECT_REL(record.channels[0].values[1], 2.5e-6, 1e-15, "one product");
+    EXPECT_EQ(record.stretches.at(0).rate_hz, 2) << header;
+  }
+  const Record german = Parsed("t/ms;s/mm;U/V;I/mA\n0;1;2;3\n1;2;3;4\n");
+  ASSERT_EQ(german.channels.size(), 3U);
+  EXPECT_EQ(german.channels[0].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(german.channels[1].role, ChannelRole::kVoltage);
+  EXPECT_EQ(german.channels[2].role, ChannelRole::kCurrent);
+  EXPECT_REL(german.channels[2].values[1], 4e-3, 1e-15, "one product");
+}
+
+TEST(ForeignTable, AQuotientOfUnitsIsNoQuantityByItsUnit) {
+  for (const char* name : {"mm/s", "V/s", "mV/V", "N/mm", "g/V", "rad/s", "1/s", "Samples/s",
+                           "V/div", "/V", "a/m/s^2"}) {
+    const Record record = Parsed(fmt::format("Time (s),{}\n0,1\n1,2\n", name));
+    EXPECT_EQ(record.channels.at(0).name, name);
+    EXPECT_EQ(record.channels[0].role, ChannelRole::kOther) << name;
+    EXPECT_EQ(record.channels[0].unit, "") << name;
+  }
+}
+
 TEST(ForeignTable, ColumnsRateAndScaleOverrideWhatTheFileSays) {
   const Record bare = Parsed("0,1,7\n1,2,8\n", {.columns = {"time_ms", "displacement_um", "-"}});
   ASSERT_EQ(bare.channels.size(), 1);

@@ -423,8 +423,10 @@ TEST(CoarseTimes, SixteenRowsProveAGrid) {
   EXPECT_TRUE(record.raw_times_s.empty());
   ASSERT_EQ(record.stretches.size(), 1U);
   EXPECT_EQ(record.stretches[0].rows, 16U);
-  // least squares through pairs at 0, 1, ..., 7: sum(x t) / sum(x^2) = 168 / 340 s a row
-  EXPECT_REL(record.stretches[0].rate_hz, 340.0 / 168, 1e-12, "rounding of the sums");
+  // pairs at 0, 1, ..., 7: the longest period is of the line through rows 1 and 14, off by half a
+  // digit at either, and the shortest of that through rows 0 and 15: 6 to 8 s over 13 to 15 rows
+  EXPECT_REL(record.stretches[0].rate_hz, 2 / (8.0 / 15 + 6.0 / 13), 1e-5,
+             "a millionth of a period");
   EXPECT_THAT(ErrorOf(text(15)), HasSubstr("no uniform grid explains it"));
 }
 
@@ -435,7 +437,7 @@ TEST(CoarseTimes, AnIntervalHasAFiniteInverse) {
     for (int i = 0; i < 16; ++i) lines += fmt::format("{}e{},{}.5\n", i / 2, exponent, i);
     return lines;
   };
-  EXPECT_REL(Parsed(text(-307)).stretches.at(0).rate_hz, 340.0 / 168 * 1e307, 1e-3,
+  EXPECT_REL(Parsed(text(-307)).stretches.at(0).rate_hz, 2 / (8.0 / 15 + 6.0 / 13) * 1e307, 1e-3,
              "sums of subnormal numbers");
   EXPECT_THAT(ErrorOf(text(-309)), HasSubstr("no uniform grid explains it"));
 }
@@ -449,22 +451,23 @@ TEST(CoarseTimes, TheFinestRowsCountMost) {
   const Record record = Parsed(text);
   EXPECT_TRUE(record.raw_times_s.empty());
   ASSERT_EQ(record.stretches.size(), 1U);
-  EXPECT_REL(record.stretches[0].rate_hz, 1 / kPeriodS, 3.5e-6,
-             "a unit of 1 us over the 1000 rows of 9 ms: sqrt(1 / 12) us sqrt(12 / 1000) / 9 ms");
+  EXPECT_REL(record.stretches[0].rate_hz, 1 / kPeriodS, 2e-6,
+             "half a unit of 1 ns at the row before the last, and of 10 ns at the hundredth");
   EXPECT_ABS(TimeOf(record, kRows - 1), 0, 4.3e-9,
              "twice half a unit of the ninth decimal and 2^-24 of twice 13.5 ms");
 }
 
-// The first row is finer than the others, and its bound is 2 (0.05 ns + 2^-24 27 ms) = 3.3 ns and a
-// millionth of an interval; the line follows it by 2.5 ns.
+// The first row is finer than the others, and its bound is 2 (0.05 ns + 2^-24 27 ms) = 3.3 ns. The
+// line may follow it by 5.2 ns: 4.2 ns above the second row (0.5 ns is half of its last digit), it
+// falls to 103 ns below row 111 (50 ns).
 TEST(CoarseTimes, ARowOffItsDigitsLiesOnNoLine) {
   const auto text = [](const char* first) {
     std::string lines = fmt::format("Time (s),CH1 (V)\n{},1\n", first);
     for (int k = 1; k < 1500; ++k) lines += fmt::format("{:.3e},1\n", k * 9e-6);
     return lines;
   };
-  EXPECT_TRUE(Parsed(text("5.8e-09")).raw_times_s.empty());
-  EXPECT_THAT(ErrorOf(text("5.9e-09")), HasSubstr("no uniform grid explains it"));
+  EXPECT_TRUE(Parsed(text("8.4e-09")).raw_times_s.empty());
+  EXPECT_THAT(ErrorOf(text("8.6e-09")), HasSubstr("no uniform grid explains it"));
 }
 
 // --- stated stretches ----------------------------------------------------------------------------

@@ -23,16 +23,40 @@ struct Unit {
 };
 
 // the factors of the SI prefixes
-constexpr Unit kUnits[]{{"s", "s", 1},          {"Second", "s", 1},        {"ms", "s", 1e-3},
-                        {"msec", "s", 1e-3},    {"us", "s", 1e-6},         {"\u00b5s", "s", 1e-6},
-                        {"\u03bcs", "s", 1e-6}, {"ns", "s", 1e-9},         {"ps", "s", 1e-12},
-                        {"m", "m", 1},          {"cm", "m", 1e-2},         {"mm", "m", 1e-3},
-                        {"um", "m", 1e-6},      {"\u00b5m", "m", 1e-6},    {"microns", "m", 1e-6},
-                        {"nm", "m", 1e-9},      {"nanometers", "m", 1e-9}, {"V", "V", 1},
-                        {"Volts", "V", 1},      {"mV", "V", 1e-3},         {"uV", "V", 1e-6},
-                        {"\u03bcV", "V", 1e-6}, {"kV", "V", 1e3},          {"A", "A", 1},
-                        {"Amps", "A", 1},       {"mA", "A", 1e-3},         {"uA", "A", 1e-6},
-                        {"\u00b5A", "A", 1e-6}};
+constexpr Unit kUnits[]{{"s", "s", 1},
+                        {"Second", "s", 1},
+                        {"ms", "s", 1e-3},
+                        {"msec", "s", 1e-3},
+                        {"us", "s", 1e-6},
+                        {"\u00b5s", "s", 1e-6},
+                        {"\u03bcs", "s", 1e-6},
+                        {"ns", "s", 1e-9},
+                        {"ps", "s", 1e-12},
+                        {"m", "m", 1},
+                        {"cm", "m", 1e-2},
+                        {"mm", "m", 1e-3},
+                        {"um", "m", 1e-6},
+                        {"\u00b5m", "m", 1e-6},
+                        {"microns", "m", 1e-6},
+                        {"nm", "m", 1e-9},
+                        {"nanometers", "m", 1e-9},
+                        {"V", "V", 1},
+                        {"Volts", "V", 1},
+                        {"mV", "V", 1e-3},
+                        {"uV", "V", 1e-6},
+                        {"\u03bcV", "V", 1e-6},
+                        {"kV", "V", 1e3},
+                        {"A", "A", 1},
+                        {"Amps", "A", 1},
+                        {"mA", "A", 1e-3},
+                        {"uA", "A", 1e-6},
+                        {"\u00b5A", "A", 1e-6},
+                        // an inch is 25.4 mm, and a mil a thousandth of it
+                        {"in", "m", 25.4e-3},
+                        {"Inches", "m", 25.4e-3},
+                        {"mil", "m", 25.4e-6},
+                        {"mils", "m", 25.4e-6},
+                        {"thou", "m", 25.4e-6}};
 
 TEST(Units, EachHasTheFactorOfItsPrefix) {
   for (const Unit& unit : kUnits) {
