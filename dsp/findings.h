@@ -16,7 +16,7 @@ enum class FindingKind : std::uint8_t {
   kClipped,             ///< count, readings, first_s; the next three size_m as well
   kMayBeClipped,        ///< share: at an extreme, by clipping or by harmonics
   kHeld,                ///< the same reading again and again, then a jump
-  kNoReadingCodes,      ///< value_m, readings: that hold it or another code
+  kNoReadingCodes,      ///< value_m, readings: that hold it
   kSpikes,              ///< readings far from their neighbours: excluded
   kSteps,               ///< the level jumps and stays
   kStuck,               ///< readings: all are the same
@@ -55,7 +55,8 @@ enum class FindingKind : std::uint8_t {
   kTooShort,           ///< settled_s, order, needed_s, record_s; lower_hz where a lower order leaks
   kBelowBand,          ///< amplitude_m, frequency_hz, leaked_m
   kBelowBandModelled,  ///< the same, subtracted
-  kAboveBand,          ///< amplitude_m, frequency_hz: stronger than all that is in the band
+  kToneBelowBand,      ///< amplitude_m, frequency_hz: stronger than all that is in the band
+  kAboveBand,          ///< the same, of a tone above it
   // drive and window; the first four say how a window was chosen (UsedPart::why)
   kAllSettled,
   kWindowAsked,  ///< from_s, to_s
@@ -93,7 +94,8 @@ enum class FindingKind : std::uint8_t {
   // the numbers
   kRmsTooLarge,           ///< rms_m
   kRmsTooSmall,           ///< rms_m
-  kWideInterval,          ///< share: half of the 95 % interval, of the RMS
+  kWideInterval,          ///< share: half of the 95 % interval, of the RMS; noise_share or another:
+                          ///< of the largest cause (RmsCause) in the variance, to a hundredth
   kQuantised,             ///< share, step_m: of the RMS that steps without noise may hide
   kGainInBand,            ///< least, greatest
   kGainTooLow,            ///< gain, frequency_hz, least_gain, averages: that leave it

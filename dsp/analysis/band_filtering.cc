@@ -58,7 +58,7 @@ Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
   std::vector<BandSignal> all;
   all.reserve(segments.parts.size());
   for (const Segment& segment : segments.parts) {
-    if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    if (segment.rate_hz < (1 - kOneRate) * kLeastRatePerUpperCorner * band.upper_hz) continue;
     if (!LongEnough(segment, band.lower_hz)) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());
@@ -130,8 +130,8 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
   // the middle of a long segment represents it
   const std::size_t size = std::min(signal.size(), kMostSearched);
   // two periods are required by the search for a tone
-  const double least_hz = 2 * signal.rate_hz() / static_cast<double>(size);
-  if (least_hz >= lower_hz) return std::nullopt;
+  const double bin_hz = signal.rate_hz() / static_cast<double>(size);
+  if (2 * bin_hz >= lower_hz) return std::nullopt;
   // a band far below the rate: decimated samples suffice
   const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(),
                                                  kSearchedRatePerLower * lower_hz, kLeastSearched),
@@ -140,7 +140,8 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
                  Decimated(signal.samples(), (signal.size() - size) / 2, size, decimator));
   const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow.size());
   const auto tone = StrongestTone(slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
-  if (!tone) return std::nullopt;
+  // within half a bin of the corner it is in the band as well
+  if (!tone || tone->frequency_hz > lower_hz - 0.5 * bin_hz) return std::nullopt;
   // the decimator's gain divided out, then |H|^2 of both passes for the leakage
   const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
   const double amplitude_m = tone->amplitude / decimator.GainAt(tone->frequency_hz);

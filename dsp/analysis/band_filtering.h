@@ -40,7 +40,8 @@ struct Displacement {
 [[nodiscard]] double SettledSeconds(const BandSignal& signal);
 
 /// The strongest tone below the band, of at most 2^21 samples in the middle, and what two passes
-/// leave of it.
+/// leave of it. Nothing where it lies within half a bin (1 / duration) of the lower corner: it is
+/// in the band as well.
 [[nodiscard]] Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal,
                                                              double lower_hz);
 

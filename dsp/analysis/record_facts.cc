@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,10 +24,31 @@ namespace haptometer::dsp {
 
 using trial::SampleStatus;
 
+namespace {
+
+// the channels with their units, such as "'Laser (in)' (unit not known), 'voltage' (V)"
+std::string NamesOf(const std::vector<trial::Channel>& channels) {
+  std::string names;
+  for (const trial::Channel& channel : channels) {
+    names += fmt::format("{}'{}' ({})", names.empty() ? "" : ", ", channel.name,
+                         channel.unit.empty() ? "unit not known" : channel.unit);
+  }
+  return names;
+}
+
+}  // namespace
+
 Result<std::size_t> AnalyzedChannel(const trial::Record& head) {
   const trial::Channel* first = head.Find(trial::ChannelRole::kDisplacement);
-  if (first == nullptr) {
+  if (first == nullptr && head.channels.empty()) {
     return CannotAnswer("", "holds no displacement channel", "name one displacement_m");
+  }
+  if (first == nullptr) {
+    return CannotAnswer(
+        "", fmt::format("holds no displacement channel, but {}", NamesOf(head.channels)),
+        "name a displacement by the unit of its numbers, as displacement_m, displacement_mm or "
+        "displacement_um, after a conversion from any other unit; a calibration gives the "
+        "displacement of a sensor's voltage");
   }
   if (const auto channel = trial::DisplacementChannel(head)) return *channel;
   return CannotAnswer("", fmt::format("its displacement has the unit '{}'", first->unit),
@@ -100,7 +122,7 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
 void CheckNewReadings(const BandPass& band, BandAnalysis* analysis) {
   const RecordFacts& facts = analysis->record;
   const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
-  if (facts.fresh_rate_hz < needed_hz) {
+  if (facts.fresh_rate_hz < (1 - kOneRate) * needed_hz) {
     analysis->findings.Refuse(FindingKind::kTooFewReadings,
                               {{"new_readings_per_s", facts.fresh_rate_hz},
                                {"observable_hz", facts.observable_upper_hz},
@@ -130,8 +152,7 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
 void RemarkArtifacts(const CleanChannel& clean, BandAnalysis* analysis) {
   using enum FindingKind;
   for (const NoReadingCode& code : clean.codes) {
-    analysis->findings.Note(kNoReadingCodes,
-                            {{"value_m", code.value}, {"readings", clean.code_rows}});
+    analysis->findings.Note(kNoReadingCodes, {{"value_m", code.value}, {"readings", code.rows}});
   }
   constexpr std::array<std::pair<FaultKind, FindingKind>, kFaultKindCount> kKinds{
       {{FaultKind::kClipped, kClipped},

@@ -17,7 +17,7 @@
 namespace haptometer::dsp {
 
 /// The number of the channel that an analysis is of: trial::DisplacementChannel.
-/// Errors (Cause::kCannotAnswer): there is none, or none in metres.
+/// Errors (Cause::kCannotAnswer), naming what is there: there is none, or none in metres.
 [[nodiscard]] Result<std::size_t> AnalyzedChannel(const trial::Record& head);
 
 /// Adds a note where the record holds further displacements beside `channel`, which is analysed.
@@ -28,12 +28,12 @@ void NoteOtherDisplacements(const trial::Record& head, std::size_t channel, Find
 void DescribeRecord(const trial::Record& head, const Segments& segments, const RawSummary& summary,
                     BandAnalysis* analysis);
 
-/// Refuses a record whose new readings are fewer than 2.56 a period of the upper corner.
+/// Refuses a record whose new readings are fewer than 2.56 a period of the upper corner, by more
+/// than a clock may be off (kOneRate).
 void CheckNewReadings(const BandPass& band, BandAnalysis* analysis);
 
 /// Adds to `analysis.reasons` what speaks against the band before any filtering: too few new
 /// readings, or times of unknown age.
-
 void CheckObservable(const trial::Record& head, const Segments& segments, const BandPass& band,
                      BandAnalysis* analysis);
 

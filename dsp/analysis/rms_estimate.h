@@ -25,7 +25,7 @@ enum class RmsCause : std::uint8_t {
   kNoiseFloor,    ///< scatter of the floor that is taken off
   kBelowBand,     ///< motion there: its amplitude times |H|^2, as power and as a beat with the tone
   kQuantisation,  ///< step / sqrt(12), white up to half the rate
-  kBridged,       ///< readings: the expanded error of the interpolation
+  kBridged,       ///< readings: power of interpolation's errors in the band, and their beat
   kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
   kBeat,          ///< of the tone with the next one: a window holds a part of one
   kDriveEdges,    ///< what a shorter window, or one without all that may be bumps, would change

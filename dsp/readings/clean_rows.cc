@@ -25,7 +25,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // clocks of their own one in five passes, and is then late by 6 % of a period at 0.4 of the rate
 constexpr double kWholeRows = 0.1;
 constexpr double kRoundingRows = 1e-6;  // of times in doubles, after a day
-constexpr double kOneRate = 1e-4;       // relative difference of rates on one clock
 // rows before and after a block that a visitor may need
 constexpr std::size_t kMarginRows = kFaultMarginRows + 2;
 static_assert(kPassRows % kFaultBlockRows == 0);
@@ -166,12 +165,13 @@ std::vector<NoReadingCode> CodesOf(const Extremes& extremes, std::size_t measure
         if (!IsCode(low[k], least - low[k].value, most - least)) break;
         rows += low[k].rows;
         const bool is_invalid = fmt::format("{:.4e}", low[k].value).starts_with("-9.9998");
-        found.push_back({low[k].value, is_invalid ? SampleStatus::kInvalid : SampleStatus::kUnder});
+        found.push_back({low[k].value, is_invalid ? SampleStatus::kInvalid : SampleStatus::kUnder,
+                         low[k].rows});
       }
       for (std::size_t k = 0; k < above; ++k) {
         if (!IsCode(high[k], high[k].value - most, most - least)) break;
         rows += high[k].rows;
-        found.push_back({high[k].value, SampleStatus::kOver});
+        found.push_back({high[k].value, SampleStatus::kOver, high[k].rows});
       }
       if (found.size() == below + above && 2 * rows < measured) codes = std::move(found);
     }
@@ -217,6 +217,11 @@ void Merge(const Faults& pass, Faults& all) {
   std::erase_if(all.list, [](const Fault& f) { return f.kind == kStep || f.kind == kClipped; });
   all.list.insert(all.list.end(), pass.list.begin(), pass.list.end());
   std::ranges::sort(all.list, {}, &Fault::first_row);
+  std::array<std::size_t, kFaultKindCount> listed{};
+  std::erase_if(all.list, [&](const Fault& fault) {
+    return ++listed[static_cast<std::size_t>(fault.kind)] > kMostListed;
+  });
+  all.clipped = pass.clipped;
   for (std::size_t k = 0; k < kFaultKindCount; ++k) {
     const auto kind = static_cast<FaultKind>(k);
     const bool adds = kind == kSpike || kind == kHeld;
@@ -381,11 +386,9 @@ Result<CleanChannel> Clean(const trial::RowSource& source, std::size_t channel, 
   // codes first: nothing else may be judged beside them
   clean.codes = CodesOf(pass->extremes, pass->counts.measured);
   if (!clean.codes.empty()) {
-    const std::size_t measured = pass->counts.measured;
     clean.rows->ExcludeValues(clean.codes);
     pass = PassOver(*clean.rows, channel, threads);
     if (!pass) return std::unexpected(pass.error());
-    clean.code_rows = measured - pass->counts.measured;
   }
   clean.faults = pass->faults;
   // a spike beside another is seen once the other is gone

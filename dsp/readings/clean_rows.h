@@ -22,6 +22,7 @@ inline constexpr std::size_t kPassRows = std::size_t{1} << 16U;
 struct NoReadingCode {
   double value = 0;
   trial::SampleStatus status = trial::SampleStatus::kInvalid;
+  std::size_t rows = 0;  ///< that hold it
 };
 
 /// The rows of a source with a place for each that is absent, and without those of a channel that
@@ -79,7 +80,6 @@ struct CleanChannel {
   RawSummary summary{};  ///< of what is left
   Faults faults{};
   std::vector<NoReadingCode> codes{};
-  std::size_t code_rows = 0;  ///< that hold one of them
 };
 
 /// Takes artifacts out of channel number `channel`: absent rows, codes, spikes and held readings

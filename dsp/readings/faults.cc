@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -107,6 +108,64 @@ std::pair<Fault, double> BestFault(const CubicErrors& error) {
     }
   }
   return {best, least};
+}
+
+// The two spikes of one row, one of them about the middle and none in the shape's first or last
+// row, whose own errors fit `error` best, if they leave at most `most_rest` squares; their rows
+// count from the shape's first.
+std::optional<std::array<Fault, 2>> BestPair(const CubicErrors& error, double most_rest) {
+  std::optional<std::array<Fault, 2>> best;
+  double least = most_rest;
+  for (std::size_t at = kShapeReach - 2; at <= kShapeReach + 2; ++at) {
+    const CubicErrors first = ErrorOf(at, 1);
+    const Fit alone = Project(error, first);
+    for (std::size_t other = 1; other + 1 < kShapeRows; ++other) {
+      if (other == at) continue;
+      // what is left of the errors and of the other shape beside the first, and of these the rest
+      const CubicErrors second = ErrorOf(other, 1);
+      const Fit shared = Project(second, first);
+      CubicErrors left = error;
+      CubicErrors own = second;
+      for (std::size_t k = 0; k < kShapeRows; ++k) {
+        left[k] -= alone.height * first[k];
+        own[k] -= shared.height * first[k];
+      }
+      const Fit fit = Project(left, own);
+      if (!(fit.rest < least)) continue;
+      least = fit.rest;
+      const Fault one{FaultKind::kSpike, at, 1, alone.height - fit.height * shared.height};
+      const Fault two{FaultKind::kSpike, other, 1, fit.height};
+      best = at < other ? std::array{one, two} : std::array{two, one};
+    }
+  }
+  return best;
+}
+
+// Whether `height` at row `at` is the kink of a clipped wave: four equal values, beside which two
+// rows move on in one direction, one of them by the height at least.
+bool IsKinkAtRail(std::span<const double> values, std::size_t at, double height) {
+  constexpr std::size_t kNear = 4;  // rows from the kink to a fault that is fitted to it
+  constexpr std::size_t kFlat = 4;
+  constexpr std::size_t kRows = kFlat + 2;
+  // from row `first` on four equal values and two that move on, or the reverse
+  const auto is_kink = [&](std::size_t first, bool flat_first) {
+    if (first + kRows > values.size()) return false;
+    const auto value = [&](std::size_t k) {
+      return values[first + (flat_first ? k : kRows - 1 - k)];
+    };
+    for (std::size_t k = 1; k < kFlat; ++k) {
+      if (value(k) != value(0)) return false;
+    }
+    const double leaves = value(kFlat) - value(kFlat - 1);
+    const double goes_on = value(kFlat + 1) - value(kFlat);
+    return leaves * goes_on > 0 &&
+           std::abs(height) <= std::max(std::abs(leaves), std::abs(goes_on));
+  };
+  for (std::size_t edge = at - std::min(at, kNear); edge <= at + kNear; ++edge) {
+    if (edge >= kFlat && is_kink(edge - kFlat, true)) return true;
+    if (edge >= kRows - kFlat && is_kink(edge - (kRows - kFlat), false)) return true;
+  }
+  return false;
 }
 
 // Whether motion begins or ends at `center`, so that what looks like a fault of `height` is a drive
@@ -262,7 +321,7 @@ bool FaultScanner::FeedPlain(std::span<const double> values, const RowRepeats& r
 Faults FaultScanner::Finish() {
   EndRun(0);
   FeedClipped(fed_, false);
-  FinishExtremes();
+  FinishClipped();
   FinishHeld();
   faults_.runs = runs_;
   std::ranges::sort(faults_.list, {}, [](const Fault& fault) {
@@ -286,7 +345,7 @@ void FaultScanner::FeedClipped(std::size_t row, bool clipped) {
   if (clipped) {
     if (clipped_.rows++ == 0) clipped_.first_row = row;
   } else if (clipped_.rows > 0) {
-    Add(clipped_);
+    faults_.clipped.push_back({clipped_.first_row, clipped_.first_row + clipped_.rows});
     clipped_.rows = 0;
   }
 }
@@ -330,11 +389,10 @@ void FaultScanner::EndRun(double jump_after) {
 void FaultScanner::TakeExtreme(const Fault& run, double value, bool highest) {
   Extreme& extreme = extremes_[highest ? 1 : 0];
   if (value != extreme.value) extreme = {value, {}};
-  if (run.rows < kLeastAtExtreme || extreme.runs.size() >= kMostCandidates) return;
-  extreme.runs.push_back(run);
+  if (run.rows >= kLeastAtExtreme) extreme.runs.push_back(run);
 }
 
-void FaultScanner::FinishExtremes() {
+void FaultScanner::FinishClipped() {
   const double least = std::max(static_cast<double>(kLeastAtExtreme), LengthOfRepeats());
   for (Extreme& extreme : extremes_) {
     // at an end of the range they are listed already; else two steep runs at least are clipping
@@ -343,7 +401,14 @@ void FaultScanner::FinishExtremes() {
       return !IsSteep(run) || static_cast<double>(run.rows) < least;
     });
     if (extreme.runs.size() < kLeastExtremeRuns) continue;
-    for (const Fault& run : extreme.runs) Add({FaultKind::kClipped, run.first_row, run.rows, 0});
+    for (const Fault& run : extreme.runs) {
+      faults_.clipped.push_back({run.first_row, run.first_row + run.rows});
+    }
+  }
+  // of both ends, in order of rows
+  std::ranges::sort(faults_.clipped, {}, &RowRange::begin);
+  for (const RowRange& range : faults_.clipped) {
+    Add({FaultKind::kClipped, range.begin, range.rows(), 0});
   }
 }
 
@@ -362,15 +427,12 @@ void FaultScanner::FinishHeld() {
   if (p > 0 && p < 1) {
     length = std::max(length, 1 + std::log(kFalseHolds / static_cast<double>(fed_)) / std::log(p));
   }
-  // at the extremes they are clipped already
-  const auto clipped = [&](const Fault& run) {
-    return std::ranges::any_of(faults_.list, [&](const Fault& fault) {
-      return fault.kind == FaultKind::kClipped && fault.first_row <= run.first_row &&
-             run.first_row < fault.first_row + fault.rows;
-    });
-  };
+  // at the extremes they are clipped already; both are in order of rows
+  auto clipped = faults_.clipped.begin();
   for (const Fault& run : held_) {
-    if (static_cast<double>(run.rows) >= length && IsSteep(run) && !clipped(run)) Add(run);
+    while (clipped != faults_.clipped.end() && clipped->end <= run.first_row) ++clipped;
+    if (clipped != faults_.clipped.end() && clipped->begin <= run.first_row) continue;
+    if (static_cast<double>(run.rows) >= length && IsSteep(run)) Add(run);
   }
 }
 
@@ -430,22 +492,42 @@ std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   if (!(off_[center - window_first_] > std::max(limit, local))) return row + 1;
   // errors about the centre; rows that are not held or not measured count as zero
   CubicErrors error{};
+  bool is_whole = true;
   for (std::size_t k = 0; k < kShapeRows; ++k) {
     const std::size_t at = center + k < kShapeReach ? 0 : center + k - kShapeReach;
-    const double e = at < window_first_ ? 0 : ErrorAt(at);
+    const double e = at < window_first_ ? kNaN : ErrorAt(at);
+    is_whole = is_whole && !std::isnan(e);
     error[k] = std::isnan(e) ? 0 : e;
   }
   auto [fault, rest] = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
-  // a kink of a motion without noise, where a bump begins, is no spike: small, and of another shape
   const double noise = kKinkDeviations * kDeviationsPerMedian * LocalMedian(center);
-  const bool is_kink = fault.kind == FaultKind::kSpike &&
-                       rest > static_cast<double>(kShapeRows) * noise * noise &&
+  const double most_rest = static_cast<double>(kShapeRows) * noise * noise;
+  // two spikes near each other, each of which is among the other's neighbours; none a second time,
+  // and none that is too small beside the other
+  const double most_of_pair = std::max(most_rest, std::pow(kKinkShare * fault.size, 2));
+  const auto pair = is_whole && rest > most_of_pair ? BestPair(error, most_of_pair) : std::nullopt;
+  if (pair && center + pair->front().first_row + 2 >= row + kShapeReach) {
+    for (Fault one : *pair) {
+      one.first_row = center + one.first_row - kShapeReach;
+      AddJump(one, one.first_row);
+      fault = one;
+    }
+    return std::max(center + 3, fault.first_row + 3);
+  }
+  // a kink of a motion without noise, where a bump begins, is no spike: small, and of another shape
+  const bool is_kink = fault.kind == FaultKind::kSpike && rest > most_rest &&
                        std::abs(fault.size) < kKinkShare * LocalSpan(center);
   if (is_kink) return center + 3;
   // the begin of a drive has such errors too, but is followed by motion
-  if (!IsEdgeOfMotion(window_, center - window_first_, fault.size)) Add(fault);
+  AddJump(fault, center);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
+}
+
+// a spike or a step about `center`, unless it is an edge of motion that is no fault
+void FaultScanner::AddJump(const Fault& fault, std::size_t center) {
+  if (IsEdgeOfMotion(window_, center - window_first_, fault.size)) return;
+  if (!IsKinkAtRail(window_, fault.first_row - window_first_, fault.size)) Add(fault);
 }
 
 // copies the rows that the judgement of rows [scanned_, end) needs, and their |e|
@@ -472,18 +554,14 @@ void FaultScanner::Judge(const RowBlock& block, std::size_t end) {
   }
 }
 
-// clipped rows in a part; rows that are not listed count as inside, so the number is an upper bound
 std::size_t ClippedRows(const Faults& faults, std::size_t first_row, std::size_t rows) {
-  std::size_t listed = 0;
+  const std::size_t end_row = first_row + rows;
   std::size_t inside = 0;
-  for (const Fault& fault : faults.list) {
-    if (fault.kind != FaultKind::kClipped) continue;
-    listed += fault.rows;
-    const std::size_t begin = std::max(fault.first_row, first_row);
-    const std::size_t end = std::min(fault.first_row + fault.rows, first_row + rows);
-    if (end > begin) inside += end - begin;
+  auto range = std::ranges::upper_bound(faults.clipped, first_row, {}, &RowRange::end);
+  for (; range != faults.clipped.end() && range->begin < end_row; ++range) {
+    inside += std::min(range->end, end_row) - std::max(range->begin, first_row);
   }
-  return std::min(rows, inside + (faults.Rows(FaultKind::kClipped) - listed));
+  return inside;
 }
 
 double StepPower(const Faults& faults, std::size_t first_row, std::size_t rows,

@@ -43,6 +43,7 @@ struct Faults {
   std::array<std::size_t, kFaultKindCount> count{};  ///< faults of each kind, listed or not
   std::array<std::size_t, kFaultKindCount> rows{};   ///< rows that they cover
   std::size_t runs = 0;  ///< of equal readings, one reading long at least: 1 for a constant
+  std::vector<RowRange> clipped;  ///< rows that are clipped, listed or not, in order
   /// Rows that are no measurement although they say so, listed or not, in order: those of spikes,
   /// and all but the first of held readings of at most FaultScale::longest_hold rows.
   std::vector<RowRange> excluded;
@@ -57,8 +58,7 @@ struct Faults {
 
 inline constexpr std::size_t kMostListed = 1000;
 
-/// Rows of a window that are clipped. Those beyond the list's end (kMostListed) are not known by
-/// place: they count as if all of them were in the window.
+/// Rows of a window that are clipped, listed or not. Cost: linear in the clipped runs within it.
 [[nodiscard]] std::size_t ClippedRows(const Faults& faults, std::size_t first_row,
                                       std::size_t rows);
 
@@ -111,10 +111,13 @@ struct FaultLook {
 /// through the neighbours leaves. Larger than 8 deviations, by the median of |e| over a block of
 /// 4096 rows (every eighth of them) and over the 64 rows about it, and than 4 steps, it is a
 /// candidate. Of a spike of one, two or three rows and a step, each at five places, the one whose
-/// own e fits best is reported, with the height that fits. No fault is where motion begins or ends:
-/// the median change from row to row on one side, over 32 rows, is four times that on the other,
-/// and the height no more than three times the largest such change on that side. Rows without a
-/// measurement end a run and are nobody's neighbours.
+/// own e fits best is reported, with the height that fits; two spikes of one row, five rows apart
+/// at most, where these leave no more than noise and one fault leaves more. No fault is where
+/// motion begins or ends: the median change from row to row on one side, over 32 rows, is four
+/// times that on the other, and the height no more than three times the largest such change on that
+/// side; nor at the edge of a clipped wave: four equal rows, beside which two rows move on in one
+/// direction, one of them by the height at least. Rows without a measurement end a run and are
+/// nobody's neighbours.
 ///
 /// The result depends on the rows alone, not on how they were fed. Where nothing may be a fault,
 /// which Look tells on any thread, Feed does next to nothing. Cost: one pass, 6 flops
@@ -157,7 +160,7 @@ class FaultScanner {
   void TakeExtreme(const Fault& run, double value, bool highest);
   void FeedClipped(std::size_t row, bool clipped);
   [[nodiscard]] double LengthOfRepeats() const;
-  void FinishExtremes();
+  void FinishClipped();
   void FinishHeld();
   void Judge(const RowBlock& block, std::size_t end);
   void Hold(const RowBlock& block, std::size_t end);
@@ -166,6 +169,7 @@ class FaultScanner {
   [[nodiscard]] double LocalMedian(std::size_t row) const;
   [[nodiscard]] double LocalSpan(std::size_t row) const;
   [[nodiscard]] std::size_t JudgeRow(std::size_t row, double limit);
+  void AddJump(const Fault& fault, std::size_t center);
   void Add(const Fault& fault);
   [[nodiscard]] double Step() const;
   [[nodiscard]] bool IsSteep(const Fault& run) const;

@@ -190,8 +190,9 @@ std::optional<std::vector<Interpolated>> Interpolate(std::span<const double> sam
   for (Eigen::Index i = 0; i < size; ++i) {
     const std::size_t sample = problem.unknown[static_cast<std::size_t>(i)];
     if (sample < begin || sample >= end) continue;
-    found.push_back({mean + filled[i], variance * inverse(i, i)});
-    if (!std::isfinite(found.back().value) || !std::isfinite(found.back().error_square)) {
+    found.push_back(
+        {mean + filled[i], variance * inverse(i, i), variance * inverse.row(i).cwiseAbs().sum()});
+    if (!std::isfinite(found.back().value) || !std::isfinite(found.back().covariance_sum)) {
       return std::nullopt;
     }
   }

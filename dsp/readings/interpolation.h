@@ -20,6 +20,9 @@ inline constexpr std::size_t kModelOrder = 64;
 struct Interpolated {
   double value = 0;
   double error_square = 0;  ///< expected square of its error
+  /// Sum of the absolute covariances of its error with those of all missing samples, its own square
+  /// included: error_square where errors are independent, as of white noise.
+  double covariance_sum = 0;
 };
 
 /// Samples [begin, end) of `samples`, where they are missing (NaN): an autoregressive model of the

@@ -94,10 +94,9 @@ class Splitter {
     for (const Interpolated& sample : samples) square_sum += sample.error_square;
     if (!(square_sum <= most * static_cast<double>(hole.rows()))) return false;
     for (std::size_t k = 0; k < hole.rows(); ++k) {
-      segment_.bridges.push_back({hole.begin + k - segment_.first_row, samples[k].value});
+      segment_.bridges.push_back({hole.begin + k - segment_.first_row, samples[k].value,
+                                  samples[k].error_square, samples[k].covariance_sum});
     }
-    // expanded by k = 2
-    segment_.bridged_error_square_sum += 4 * square_sum;
     return true;
   }
 

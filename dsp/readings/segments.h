@@ -16,6 +16,8 @@ namespace haptometer::dsp {
 struct Bridge {
   std::size_t sample = 0;  ///< counted from the segment's first
   double value = 0;
+  double error_square = 0;    ///< as Interpolated states them
+  double covariance_sum = 0;  ///< of the errors of the samples interpolated with it
 };
 
 /// Rows that can be filtered as one: measured at one rate, short holes interpolated.
@@ -26,8 +28,6 @@ struct Segment {
   double rate_hz = 0;
   double time_uncertainty_s = 0;  ///< of the stretch it comes from
   std::vector<Bridge> bridges;    ///< in the order of samples
-  /// Sum over the interpolated samples of the squares of their expanded errors (k = 2).
-  double bridged_error_square_sum = 0;
 };
 
 /// How a channel falls into segments.
@@ -37,6 +37,10 @@ struct Segments {
   std::size_t measured = 0;    ///< rows that hold a measurement
   std::array<std::size_t, trial::kSampleStatusCount> by_status{};  ///< rows of each status
 };
+
+/// Rates that differ by no more than this part may be one: clocks of quartz are right to 1e-4, and
+/// the times of a table are rounded.
+inline constexpr double kOneRate = 1e-4;
 
 /// The longest hole that is interpolated, where 256 rows (four times the model's order) are not
 /// less: about what a tone of 225 Hz with noise of 10 % is known over to 10 %.
@@ -74,9 +78,10 @@ class SegmentSamples {
   /// The same with NaN in place of the interpolated samples.
   [[nodiscard]] Result<void> ReadMeasured(std::size_t first, std::span<double> out) const;
 
- private:
+  /// The interpolated ones of samples [first, first + size).
   [[nodiscard]] std::span<const Bridge> BridgesWithin(std::size_t first, std::size_t size) const;
 
+ private:
   const trial::RowSource* source_;
   std::size_t channel_;
   const Segment* segment_;

@@ -319,6 +319,51 @@ TEST_F(AnalyzeVerb, ATableHasARowForEachTrialOfAFolder) {
   EXPECT_THAT(Analyze({empty}).err, HasSubstr("holds no recording"));
 }
 
+// Times since 1970 are 1.7e9 s: six digits of both ends of a window would be the same.
+TEST_F(AnalyzeVerb, TimesSinceAnEpochAreToldApart) {
+  const std::string path = directory_ / "epoch.csv";
+  std::ofstream file(path);
+  file << "time_s,displacement_um\n";
+  for (int k = 0; k < 10'000; ++k) {
+    file << 1'700'000'000 + k / 5000 << '.' << std::to_string(10'000 + 2 * (k % 5000)).substr(1)
+         << ',' << 30 * std::sin(2 * std::numbers::pi * 225 * k / 5000) << '\n';
+  }
+  file.close();
+  const Outcome outcome = Analyze({path, "--all"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("window +1700000000\\.[0-9]{4} to 1700000001\\.[0-9]{4} "
+                                         "s, the drive is on throughout\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("1700000000\\.[0-9]{4} s +1700000001\\.[0-9]{4} s +on"));
+  EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("e+09 to")));
+  const Json trial = Json::parse(Analyze({path, "--json"}).out)["trials"].at(0);
+  const double length_s =
+      trial["window_s"].at(1).get<double>() - trial["window_s"].at(0).get<double>();
+  EXPECT_GT(length_s, 1);
+  EXPECT_LT(length_s, 2);
+  const Outcome asked = Analyze({path, "--window", "1700000000.5:1700000001.5"});
+  EXPECT_THAT(asked.out, ContainsRegex("window +1700000000\\.5000 to 1700000001\\.[0-9]{4} s, "
+                                       "requested\n"));
+}
+
+// What makes the interval wide is named, as in the note of what would halve it: the drive is
+// strong.
+TEST_F(AnalyzeVerb, AWideIntervalStatesItsCause) {
+  const std::string path = directory_ / "falls.csv";
+  std::ofstream file(path);
+  file << "time_s,displacement_um\n";
+  for (int k = 0; k < 6000; ++k) {
+    const double t_s = k * 5e-4;
+    file << t_s << ',' << 30 * (1 - 0.1 * t_s) * std::sin(2 * std::numbers::pi * 225 * t_s) << '\n';
+  }
+  file.close();
+  const Outcome outcome = Analyze({path});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("doubt: the RMS is known to .* % of the variance is due "
+                                         "to the change of the amplitude: drive at a constant"));
+  EXPECT_THAT(outcome.out, HasSubstr("what none changes is due to change of the amplitude most"));
+  EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("drive harder")));
+}
+
 TEST_F(AnalyzeVerb, AViolatedExpectationIsADoubtAndStatus3) {
   const std::string path = Trial("a.csv", 10'000, 2);
   EXPECT_EQ(Analyze({path, "--expect", "tone=225Hz+-1Hz, change<5%, source=imported"}).status, 0);
@@ -341,6 +386,11 @@ TEST_F(AnalyzeVerb, AViolatedExpectationIsADoubtAndStatus3) {
   EXPECT_EQ(slow.status, 3);
   EXPECT_THAT(slow.out, HasSubstr("expected-quantity-not-determined"));
   EXPECT_EQ(Analyze({path, "--expect", "tone=230Hz"}).status, 2);
+  // repeats are of a session, as the list of the error says
+  const Outcome repeats = Analyze({path, "--expect", "repeats<10%"});
+  EXPECT_EQ(repeats.status, 2);
+  EXPECT_THAT(repeats.err, HasSubstr("for a session"));
+  EXPECT_THAT(Analyze({path, "--expect", "moon"}).err, HasSubstr("of a session, repeats<10%"));
 }
 
 TEST_F(AnalyzeVerb, TooSlowIsSaidInWords) {

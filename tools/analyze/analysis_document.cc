@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -35,6 +36,7 @@ constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertain
 
 constexpr double kPartOfMotion = 1e-6;
 constexpr double kPartOfStep = 0.1;  // of the input's step: a mean of many readings resolves it
+constexpr double kFarTimeS = 1e5;    // six digits of it show no fraction of a second
 // limits of LatencyVerdict(), s
 constexpr double kLatencyCostsS = 0.025;
 constexpr double kLatencyPerceivedS = 0.050;
@@ -93,6 +95,33 @@ void LimitDigits(const AnalyzedFile& file, Section& section) {
     }
   }
   for (Section& inner : section.sections) LimitDigits(file, inner);
+}
+
+// Far times, as of a record whose times count from an epoch: text shows them in words, to a sample,
+// because six digits do not distinguish them. The numbers stay under their names.
+void SpellFarTimes(double rate_hz, Section& section) {
+  const int places = static_cast<int>(std::ceil(std::log10(std::max(rate_hz, 1.0))));
+  const auto spell = [&](const Item& item) -> std::string {
+    if (item.label.empty() || item.unit.ending != document::kSecond.ending) return {};
+    if (const auto* time = std::get_if<double>(&item.value); time && *time >= kFarTimeS) {
+      return fmt::format("{:.{}f} s", *time, places);
+    }
+    const auto* range = std::get_if<document::Range>(&item.value);
+    if (!range || range->upper < kFarTimeS) return {};
+    return fmt::format("{:.{}f} to {:.{}f} s", range->lower, places, range->upper, places);
+  };
+  std::vector<Item> items;
+  for (Item& item : section.items) {
+    std::string words = spell(item);
+    if (!words.empty()) {
+      items.push_back({.label = std::exchange(item.label, ""),
+                       .value = std::move(words),
+                       .note = std::exchange(item.note, "")});
+    }
+    items.push_back(std::move(item));
+  }
+  section.items = std::move(items);
+  for (Section& inner : section.sections) SpellFarTimes(rate_hz, inner);
 }
 
 // --- the answer ---
@@ -222,7 +251,9 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
 // the numbers of the window; all keys exist without analysis too, with empty values
 Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.is_known = analysis.numbers.has_value()};
-  const std::string because = document::TextOf(numbers.part.why);
+  dsp::Finding why = numbers.part.why;
+  if (numbers.part.window.end_s >= kFarTimeS) why.numbers.clear();  // its times, to four digits
+  const std::string because = document::TextOf(why);
   AddRms(analysis, numbers, section);
   section.Add(document::kWindowS, RangeOf(numbers.part.window)).note = because;
   section.Add({"window_because"}, because);
@@ -231,6 +262,7 @@ Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
       .note = "including filter transients at the ends, and pauses";
   AddTone(analysis, numbers, section);
   section.sections.push_back(OnsetSection(numbers.onset));
+  SpellFarTimes(analysis.record.rate_hz, section);
   return section;
 }
 
@@ -374,6 +406,7 @@ Section DriveSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& 
     row.Add({"drift", "change of amplitude", document::kShare}, one.drift);
   }
   section.sections.push_back(std::move(states));
+  SpellFarTimes(analysis.record.rate_hz, section);
   return section;
 }
 

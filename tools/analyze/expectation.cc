@@ -16,8 +16,8 @@ namespace {
 constexpr std::string_view kOption = "--expect";
 constexpr std::string_view kForm =
     "write it as tone=225Hz+-1Hz, amplitude=20um+-2um, rms=14um+-1um, distance=30mm+-2mm, "
-    "change<5%, bad<1%, repeats<10%, tremor<20um, steady>2s, averaging=16 or source=device, with "
-    "commas between";
+    "change<5%, bad<1%, tremor<20um, steady>2s, averaging=16, source=device or, of a session, "
+    "repeats<10%, with commas between";
 
 struct Row {
   ExpectationFinding kind;

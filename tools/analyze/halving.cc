@@ -1,11 +1,11 @@
 #include "tools/analyze/halving.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "dsp/analysis/window/window_remarks.h"
 #include "tools/document/findings_dsp.h"
 
 namespace haptometer::tools {
@@ -19,14 +19,13 @@ struct Parts {
   double noise = 0;
   double floor = 0;
   double rest = 0;
-  double largest = 0;
 };
 
 }  // namespace
 
 Halving HowToHalve(const dsp::BandNumbers& numbers) {
-  Halving halving;
   Parts parts;
+  std::vector<dsp::UncertaintyLine> fixed;
   for (const dsp::UncertaintyLine& line : numbers.rms.budget) {
     const double square = std::pow(line.standard_uncertainty_m, 2);
     // a beat falls with the length, faster than noise
@@ -36,8 +35,7 @@ Halving HowToHalve(const dsp::BandNumbers& numbers) {
       parts.floor += square;
     } else {
       parts.rest += square;
-      if (square > parts.largest) halving.largest = line.cause;
-      parts.largest = std::max(parts.largest, square);
+      fixed.push_back(line);
     }
   }
   const bool has_file = numbers.floor && numbers.floor->from == dsp::NoiseSource::kFile;
@@ -47,6 +45,8 @@ Halving HowToHalve(const dsp::BandNumbers& numbers) {
   const double window_s = numbers.part.window.end_s - numbers.part.window.begin_s;
   const double for_window = wanted - parts.floor - parts.rest;
   const double for_floor = wanted - parts.noise - parts.rest;
+  Halving halving;
+  if (!fixed.empty()) halving.largest = dsp::LargestLine(fixed).cause;
   if (for_window > 0) halving.window_s = window_s * parts.noise / for_window;
   if (has_file && for_floor > 0)
     halving.floor_s = numbers.floor->duration_s * parts.floor / for_floor;

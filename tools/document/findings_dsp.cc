@@ -14,7 +14,7 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kRepeated, "readings-repeated",
        "{repeated} of {readings} readings are repeated: the sensor had no new value"},
       {kInterpolated, "readings-interpolated",
-       "{interpolated} reading{interpolated s} interpolated, which adds {rms_m} RMS at most"},
+       "{interpolated} reading{interpolated s} interpolated, with an error of {rms_m} RMS at most"},
       {kClipped, "clipped",
        "clipped in {count} place{count s}, {readings} readings in all, the first at {first_s}; not "
        "corrected"},
@@ -133,7 +133,7 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "band, {leaked_m} RMS, is modelled beyond both ends of the record and subtracted"},
       // how a window was chosen
       {kAllSettled, "all-settled", "all that is free of filter transients"},
-      {kWindowAsked, "window-asked", "requested: {from_s} to {to_s}"},
+      {kWindowAsked, "window-asked", "requested[: {from_s} to {to_s}]"},
       {kSteadyDrive, "steady-drive", "the longest steady interval of the drive"},
       {kOneState, "one-state", "the drive is on throughout"},
       // the states of the drive
@@ -182,6 +182,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kCornerLoss, "corner-loss",
        "the tone at {frequency_hz} is near a corner of the band, where the filter passes {gain %} "
        "of its amplitude: without the filter the RMS is {rms_m}; a wider --band avoids this"},
+      {kToneBelowBand, "tone-below-band",
+       "a tone of {amplitude_m} at {frequency_hz}, below the band, is stronger than all that is in "
+       "it: where it is the drive, give a --band that holds it"},
       {kAboveBand, "above-band",
        "a tone of {amplitude_m} at {frequency_hz}, above the band, is stronger than all that is in "
        "it: where it is the drive, give a --band that holds it"},
@@ -225,8 +228,34 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another unit "
        "than it states?"},
       {kWideInterval, "wide-interval",
-       "the RMS is known to {share 2%} only (half of its 95 % interval): the drive is weak beside "
-       "the noise; drive harder, record longer, or reduce the noise"},
+       "the RMS is known to {share 2%} only (half of its 95 % interval)"
+       "[; {noise_share %} of the variance is due to noise: drive harder, record longer, or "
+       "reduce the noise]"
+       "[; {noise_floor_share %} of the variance is due to the scatter of the noise floor: drive "
+       "harder, or record the floor longer]"
+       "[; {below_band_share %} of the variance is due to motion below the band: choose a --band "
+       "that holds it, or one that begins farther above it]"
+       "[; {quantisation_share %} of the variance is due to the steps of the readings: use a "
+       "finer resolution, or a smaller range]"
+       "[; {bridged_share %} of the variance is due to interpolated readings: record without "
+       "missing readings and spikes, at uniform times]"
+       "[; {filter_ends_share %} of the variance is due to what lay beyond the ends: record "
+       "longer before and after the window]"
+       "[; {beat_share %} of the variance is due to the beat of two tones: record longer, or "
+       "remove one of them]"
+       "[; {drive_edges_share %} of the variance is due to how much the RMS changes with the ends "
+       "of the window and with bumps: drive longer at a constant amplitude, or choose an interval "
+       "with --window FROM:TO]"
+       "[; {steps_share %} of the variance is due to steps of the level: choose an interval "
+       "without them with --window FROM:TO]"
+       "[; {foot_share %} of the variance is due to motion at the lower corner: choose a --band "
+       "that begins higher, or record an interval with the drive off]"
+       "[; {hum_share %} of the variance is due to hum of the mains: record an interval with the "
+       "drive off, or reduce the hum]"
+       "[; {drift_share %} of the variance is due to the change of the amplitude: drive at a "
+       "constant amplitude, or choose a shorter interval with --window FROM:TO]"
+       "[; {calibration_share %} of the variance is due to the calibration: calibrate the sensor "
+       "more accurately]"},
       {kQuantised, "quantised",
        "steps of {step_m} without noise to smooth them may change the RMS by {share %}: use a "
        "finer resolution, or a smaller range"},
@@ -354,7 +383,8 @@ CauseText TextOf(dsp::RmsCause cause) {
       {"noise floor", "scatter of the floor that is subtracted"},
       {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
       {"quantisation", "step / sqrt(12), white up to half the rate"},
-      {"interpolated readings", "expanded error (k = 2) of what is interpolated"},
+      {"interpolated readings",
+       "power in the band of the errors of interpolation, and their product with the signal"},
       {"filter's ends", "what lay beyond the ends, as far as it may still show"},
       {"beat", "of the tone with the next one: the window ends within a period of it"},
       {"drive's edges",

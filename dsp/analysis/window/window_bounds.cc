@@ -29,6 +29,25 @@ double BeatBound(const MeasuredWindow& window, double rms) {
          (2 * rms * std::numbers::pi * apart_hz * window.duration_s());
 }
 
+// Half width of what errors e of interpolated samples change of the RMS, by the mean of 2 s e + e^2
+// over the window. Interpolation gives what is to be expected of a sample: the mean square lacks
+// the errors' own in the band, of which their spectrum is nowhere above their absolute covariances.
+// The sum of s e has at most 2 rms^2, a tone's largest square, times these covariances as its
+// variance, of which twice the root counts.
+double BridgedBound(const MeasuredWindow& window, double rms) {
+  double square_sum = 0;
+  double covariance_sum = 0;
+  for (const Bridge& bridge :
+       window.signal().samples().BridgesWithin(window.chosen.begin, window.rows)) {
+    square_sum += bridge.error_square;
+    covariance_sum += bridge.covariance_sum;
+  }
+  const double in_band =
+      std::min(square_sum, 2 * window.bandwidth_hz() / window.rate_hz() * covariance_sum);
+  return (in_band / (2 * rms) + 2 * std::sqrt(2 * covariance_sum)) /
+         static_cast<double>(window.rows);
+}
+
 // share of the window's power that steps inside it make
 double StepShare(const MeasuredWindow& window) {
   const UsedPart& part = window.numbers.part;
@@ -100,7 +119,7 @@ Result<std::vector<RmsBound>> BoundsOf(const MeasuredWindow& window) {
       window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
   add(RmsCause::kQuantisation,
       std::max(window.steps_m, std::min(steps, steps * steps / (2 * rms))));
-  add(RmsCause::kBridged, numbers.bridged_rms_m);
+  add(RmsCause::kBridged, BridgedBound(window, rms));
   add(RmsCause::kFilterEnds, kSettledError * rms);
   if (numbers.tone) add(RmsCause::kBeat, BeatBound(window, rms));
   HAPTOMETER_LET(const double edges_m, EdgeBound(window));

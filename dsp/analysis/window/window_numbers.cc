@@ -15,11 +15,22 @@
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"
 #include "dsp/spectrum/kinematics.h"
+#include "dsp/spectrum/slow_motion.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kBesideRows = 128;  // twice the most taps of a differentiator
+
+// the stated errors (k = 2) of what was interpolated in the window, as RMS over it
+double BridgedRms(const MeasuredWindow& window) {
+  double square_sum = 0;
+  for (const Bridge& bridge :
+       window.signal().samples().BridgesWithin(window.chosen.begin, window.rows)) {
+    square_sum += bridge.error_square;
+  }
+  return 2 * std::sqrt(square_sum / static_cast<double>(window.rows));
+}
 
 // what the sensor's averaging did at the tone, and whether it is divided out
 void DescribeSensor(MeasuredWindow& window) {
@@ -139,14 +150,40 @@ Result<void> DescribeMotion(MeasuredWindow& window) {
   return {};
 }
 
-// without a tone in the band: a drive above it may be all that there is
-Result<void> DoubtAboveBand(const MeasuredWindow& window, BandAnalysis* analysis) {
-  HAPTOMETER_LET(const auto above, FindAboveBand(*window.chosen.signal, window.band().upper_hz,
+// a line below the band that the window does not resolve from its tone is that tone, at the corner
+void DropOwnTone(MeasuredWindow& window) {
+  const auto& tone = window.numbers.tone;
+  auto& below = window.numbers.below_band;
+  if (!tone || !below) return;
+  const double apart_hz = std::abs(tone->fit.frequency_hz - below->frequency_hz);
+  if (apart_hz * window.samples.duration_s() < 1) below.reset();
+}
+
+// A tone beside the band, stronger than all in it, may be the drive: a doubt where the band has no
+// tone, and where most of what was measured is what the filter leaves of it. Neither is so where
+// the band's own tone is most of that.
+Result<void> DoubtBesideBand(const MeasuredWindow& window, BandAnalysis* analysis) {
+  const BandNumbers& numbers = window.numbers;
+  const double measured_m = numbers.rms.as_measured_m;
+  const double most_m = std::sqrt(kMajority) * measured_m;
+  if (numbers.tone && numbers.tone->sine_rms_m > most_m) return {};
+  const auto doubt = [&](FindingKind kind, double frequency_hz, double amplitude_m,
+                         bool may_be_drive) {
+    const double rms_m = amplitude_m / std::numbers::sqrt2;
+    const double left_m = rms_m * std::norm(Response(window.signal().design(), frequency_hz));
+    if (rms_m < measured_m || !(may_be_drive || left_m > most_m)) return;
+    analysis->findings.Doubt(kind, {{"amplitude_m", amplitude_m}, {"frequency_hz", frequency_hz}});
+  };
+  // a hand's tremor is no drive
+  if (const auto& below = numbers.below_band) {
+    doubt(FindingKind::kToneBelowBand, below->frequency_hz, below->amplitude_m,
+          !numbers.tone && below->frequency_hz > kTremorUpper_hz);
+  }
+  HAPTOMETER_LET(const auto above, FindAboveBand(window.signal(), window.band().upper_hz,
                                                  analysis->record.observable_upper_hz));
-  if (!above || above->amplitude / std::numbers::sqrt2 < window.numbers.rms.as_measured_m)
-    return {};
-  analysis->findings.Doubt(FindingKind::kAboveBand, {{"amplitude_m", above->amplitude},
-                                                     {"frequency_hz", above->frequency_hz}});
+  if (above) {
+    doubt(FindingKind::kAboveBand, above->frequency_hz, above->amplitude, !numbers.tone);
+  }
   return {};
 }
 
@@ -181,10 +218,9 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   };
   const int threads = displacement.threads;
   HAPTOMETER_TRY(RunBeside(threads, {describe_window, describe_below}));
+  DropOwnTone(window);
   window.numbers.whole_rms_m = WholeRms(all);
-  // squared errors of interpolation, as RMS over the window
-  window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
-                                           static_cast<double>(window.rows));
+  window.numbers.bridged_rms_m = BridgedRms(window);
   DescribeSensor(window);
   // floor and clipping are required by the estimate of the RMS, the estimate by the tone's share
   HAPTOMETER_TRY(TakeFloor(window));
@@ -194,7 +230,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, bounds);
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
-  if (!has_tone) HAPTOMETER_TRY(DoubtAboveBand(window, analysis));
+  HAPTOMETER_TRY(DoubtBesideBand(window, analysis));
   // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(
       threads,

@@ -1,19 +1,41 @@
 #include "dsp/analysis/window/window_remarks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <string_view>
 #include <utility>
+
+#include "base/error.h"
+#include "dsp/analysis/decision_limits.h"
 
 namespace haptometer::dsp {
 namespace {
 
-// a doubt where the interval is wide
+// a cause's share of the variance, by RmsCause
+constexpr std::array<std::string_view, kRmsCauseCount> kShareNames{
+    "noise_share",       "noise_floor_share", "below_band_share", "quantisation_share",
+    "bridged_share",     "filter_ends_share", "beat_share",       "drive_edges_share",
+    "steps_share",       "foot_share",        "hum_share",        "drift_share",
+    "calibration_share",
+};
+
+// a doubt where the interval is wide, with its largest cause
 void RemarkInterval(const ChosenPart& chosen, BandAnalysis* analysis) {
   const RmsEstimate& rms = analysis->numbers->rms;
   const double half_width_m = 0.5 * (rms.upper_m - rms.lower_m);
   if (!chosen.part.from_drive || rms.below_floor || half_width_m <= kWideShare * rms.rms_m) return;
-  analysis->findings.Doubt(FindingKind::kWideInterval, {{"share", half_width_m / rms.rms_m}});
+  Finding wide{.severity = Severity::kDoubt,
+               .kind = FindingKind::kWideInterval,
+               .numbers = {{"share", half_width_m / rms.rms_m}}};
+  if (rms.standard_uncertainty_m > 0) {
+    const UncertaintyLine& largest = LargestLine(rms.budget);
+    const double part = largest.standard_uncertainty_m / rms.standard_uncertainty_m;
+    wide.numbers.emplace_back(kShareNames.at(static_cast<std::size_t>(largest.cause)),
+                              kSameWithin * std::round(part * part / kSameWithin));
+  }
+  analysis->findings.Add(std::move(wide));
 }
 
 // notes on segments, excluded ends, interpolation and motion below the band
@@ -121,6 +143,11 @@ void RemarkFloor(BandAnalysis* analysis) {
 }
 
 }  // namespace
+
+const UncertaintyLine& LargestLine(std::span<const UncertaintyLine> budget) {
+  HAPTOMETER_CHECK(!budget.empty(), "a budget of {} lines", budget.size());
+  return *std::ranges::max_element(budget, {}, &UncertaintyLine::standard_uncertainty_m);
+}
 
 std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
   if (!drive_off.numbers) return std::nullopt;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,13 @@ namespace haptometer::dsp {
 
 /// Adds to `analysis`, which has numbers of `chosen`, what goes with them: the filter's slope at
 /// the tone, another drive than the one stated, hum, no drive, the floor, an interval wider
-/// than 2.5 % to either side, segments and their ends, and motion below the band.
+/// than 2.5 % to either side and the largest cause of that, segments and their ends, and motion
+/// below the band.
 void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
                   const BandQuestion& question, BandAnalysis* analysis);
+
+/// The line with the largest standard uncertainty; a budget of no lines is a programmer's error.
+[[nodiscard]] const UncertaintyLine& LargestLine(std::span<const UncertaintyLine> budget);
 
 /// The floor that a drive-off trial gives: all of its window's power, with its rate, its strongest
 /// tone and the refusals that speak against it. Nothing where it has none.

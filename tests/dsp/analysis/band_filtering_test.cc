@@ -58,6 +58,15 @@ TEST(FindBelowBand, NeedsTwoPeriodsOfTheCorner) {
   EXPECT_TRUE(FindBelowBand(Filtered(values, 10e3).signal, 20).value());
 }
 
+// A bin of 1 s is 1 Hz: a tone within half of it from the corner is found in the band as well.
+TEST(FindBelowBand, IsFartherThanHalfABinFromTheCorner) {
+  for (const double frequency_hz : {19.3, 19.45, 19.55, 19.9, 20.0, 20.3}) {
+    const Filtered made(Samples(2e3, 2000, 0.03, {{3e-5, frequency_hz, 0.7}}), 2e3);
+    EXPECT_EQ(FindBelowBand(made.signal, 20).value().has_value(), frequency_hz < 19.5)
+        << frequency_hz;
+  }
+}
+
 TEST(FindAboveBand, IsTheToneBetweenTheBandAndTheLimit) {
   const Filtered made(Samples(10e3, 10'000, 0.03, {{5e-6, 800.3, 0.7}, {9e-6, 100}}), 10e3);
   const auto tone = FindAboveBand(made.signal, 500, 3900).value();
@@ -87,6 +96,9 @@ struct Settled {
 TEST(FilterSettledEnough, SegmentsAreFastAndLongEnough) {
   EXPECT_EQ(Settled(RecordOf(Samples(1281, 4000, 0, {{1e-6, 100}}), 1281)).all.size(), 1U);
   EXPECT_TRUE(Settled(RecordOf(Samples(1279, 4000, 0, {{1e-6, 100}}), 1279)).all.empty());
+  // times that are printed to 0.1 us give 1280 Hz this rate: within what a clock may be off
+  constexpr double kPrinted = 1279.99993599;
+  EXPECT_EQ(Settled(RecordOf(Samples(kPrinted, 4000, 0, {{1e-6, 100}}), kPrinted)).all.size(), 1U);
   for (const std::size_t rows : {200U, 199U}) {
     trial::Record record = RecordOf(Samples(2e3, 8000 + rows, 0, {{1e-6, 100}}), 2e3);
     record.stretches = {{0, 8000, 0, 2e3, 0}, {8000, rows, 9, 2e3, 0}};

@@ -178,6 +178,32 @@ TEST(CheckObservable, NeedsTwoAndAHalfReadingsAPeriodAndTimesToATenth) {
   EXPECT_EQ(NumberOf(late.list()[0], "upper_hz"), 100);
 }
 
+// Times of six decimals give 1280 readings a second as 1279.99993599; a clock is right to 1e-4.
+TEST(CheckObservable, ARateWithinItsClocksUncertaintySuffices) {
+  const BandPass band{.lower_hz = 20, .upper_hz = 500};
+  EXPECT_TRUE(ObservableIn(1279.99993599, 0, band).list().empty());
+  EXPECT_TRUE(ObservableIn(1280 * (1 - 0.99e-4), 0, band).list().empty());
+  EXPECT_TRUE(ObservableIn(1280 * (1 - 1.01e-4), 0, band).Has(FindingKind::kTooFewReadings));
+}
+
+TEST(AnalyzedChannel, WithoutADisplacementNamesWhatIsThere) {
+  trial::Record record = RecordOf(std::vector<double>(10, 0.03), 1000);
+  record.channels[0].name = "Laser (in)";
+  record.channels[0].role = trial::ChannelRole::kOther;
+  record.channels[0].unit = "";
+  record.channels.push_back(record.channels[0]);
+  record.channels[1].name = "sensor";
+  record.channels[1].role = trial::ChannelRole::kVoltage;
+  record.channels[1].unit = "V";
+  const auto channel = AnalyzedChannel(record);
+  ASSERT_FALSE(channel);
+  EXPECT_EQ(channel.error().cause, Cause::kCannotAnswer);
+  EXPECT_EQ(channel.error().what,
+            "holds no displacement channel, but 'Laser (in)' (unit not known), 'sensor' (V)");
+  EXPECT_TRUE(channel.error().remedy.contains("by the unit of its numbers"));
+  EXPECT_TRUE(channel.error().remedy.contains("a calibration gives the displacement"));
+}
+
 // A fourth of 100 rows are handed out again, five are late, three have no number; the second
 // stretch lasts longer.
 TEST(DescribeRecord, CountsRowsAndNewReadings) {
@@ -245,6 +271,19 @@ TEST(RemarkArtifacts, CountsEachKindAndTimesTheFirst) {
   EXPECT_EQ(NumberOf(step, "count"), 2);
   EXPECT_EQ(NumberOf(step, "size_m"), 2e-3);
   EXPECT_REL(NumberOf(step, "first_s"), 2.7, 1e-15, "row 700");
+}
+
+TEST(RemarkArtifacts, EachCodeHasItsOwnReadings) {
+  trial::Record record = Tone(1);
+  for (std::size_t k = 0; k < 43; ++k) {
+    record.channels[0].values[100 + 200 * k] = k < 40 ? -9.999 : 9.9999;
+  }
+  std::vector<double> readings;
+  for (const Finding& found : Answer(record).findings.list()) {
+    if (found.kind != FindingKind::kNoReadingCodes) continue;
+    readings.push_back(NumberOf(found, "readings"));
+  }
+  EXPECT_EQ(readings, (std::vector<double>{40, 3}));
 }
 
 // ---- A part of 1 s at 1 kHz, from sample 500 of the record's second segment on, that changes

@@ -147,7 +147,7 @@ TEST(CleanRows, CodesOfNoReadingAreExcluded) {
         Case{999.99e-6, SampleStatus::kOver, 0}, Case{0.2, SampleStatus::kOver, 0.03},
         Case{31.5e-3, SampleStatus::kOver, 0.03}}) {
     for (const std::size_t rows : {5U, 60U, 700U}) {
-      trial::Record record = RecordOf(Vibration(15'000, rows), kRateHz);
+      trial::Record record = RecordOf(Vibration(15'000, 2), kRateHz);
       for (double& x : record.channels[0].values) x += one.offset_m - 0.03;
       for (std::size_t k = 0; k < rows; ++k) {
         record.channels[0].values[(k * 7919) % 15'000] = one.value_m;
@@ -254,7 +254,7 @@ std::size_t CodesAmong(double least, double step, double value, std::size_t coun
   }
   for (std::size_t k = 0; k < count; ++k) values[(50 + 7 * k) % 1000] = value;
   const Cleaned cleaned(RecordOf(values, kRateHz));
-  EXPECT_EQ(cleaned.clean.code_rows, cleaned.clean.codes.empty() ? 0 : count);
+  for (const NoReadingCode& code : cleaned.clean.codes) EXPECT_EQ(code.rows, count);
   return cleaned.clean.codes.size();
 }
 
@@ -351,9 +351,68 @@ TEST(CleanRows, EveryRowOfARailCountsOnce) {
       for (std::size_t k = 0; k < times; ++k) values[k == 0 ? row : 500 * k + 7] = 0.04;
       const Cleaned cleaned(RecordOf(values, kRateHz));
       ASSERT_EQ(cleaned.clean.codes.size(), times - 2) << row << ' ' << times;
-      EXPECT_EQ(cleaned.clean.code_rows, times == 3 ? 3U : 0U);
+      for (const NoReadingCode& code : cleaned.clean.codes) EXPECT_EQ(code.rows, 3U);
     }
   }
+}
+
+// 40 rows of one code and 3 of another, in blocks that are passed over on several threads
+TEST(CleanRows, EachCodeHasItsOwnRows) {
+  trial::Record record = RecordOf(Vibration(200'000, 5), kRateHz);
+  auto& values = record.channels[0].values;
+  for (std::size_t k = 0; k < 40; ++k) values[(k * 7919) % values.size()] = -9.999e-3;
+  for (std::size_t k = 1; k < 4; ++k) values[50'001 * k] = 9.9999;
+  for (const int threads : {1, 3}) {
+    const trial::RecordRows rows(record);
+    const CleanChannel clean = Clean(rows, 0, threads).value();
+    ASSERT_EQ(clean.codes.size(), 2U);
+    EXPECT_EQ(clean.codes[0].rows, 40U);
+    EXPECT_EQ(clean.codes[1].rows, 3U);
+  }
+}
+
+// 1600 spikes are excluded and interpolated; what is clipped beside them, at 7000 peaks, is the
+// same
+TEST(CleanRows, WhatIsClippedBesideManySpikesIsTheSame) {
+  std::vector<double> values = Vibration(200'000, 6);
+  for (double& x : values) x = std::min(std::round(x / 1e-8) * 1e-8, 0.030015);
+  const Cleaned plain(RecordOf(values, kRateHz));
+  std::size_t spikes = 0;
+  for (std::size_t row = 200; row < values.size() - 200; row += 124) {
+    // away from the peaks
+    if (values[row] > 0.03) continue;
+    values[row] -= 3e-4;
+    ++spikes;
+  }
+  const Cleaned cleaned(RecordOf(values, kRateHz));
+  const Faults& faults = cleaned.clean.faults;
+  EXPECT_EQ(faults.Count(FaultKind::kSpike), spikes);
+  EXPECT_EQ(faults.Count(FaultKind::kHeld), 0U);
+  EXPECT_GT(faults.Count(FaultKind::kClipped), 6 * kMostListed);
+  EXPECT_EQ(faults.Rows(FaultKind::kClipped), plain.clean.faults.Rows(FaultKind::kClipped));
+  EXPECT_EQ(ClippedRows(faults, 150'000, 10'000), ClippedRows(plain.clean.faults, 150'000, 10'000));
+}
+
+// three spikes near each other, of which some are found once the others are excluded
+TEST(CleanRows, TheFirstOfEachKindAreListed) {
+  std::vector<double> values = Vibration(200'000, 7);
+  for (std::size_t row = 200; row < values.size() - 200; row += 150) {
+    for (const std::size_t beside : {0U, 3U, 5U}) values[row + beside] += 3e-4;
+  }
+  const Faults faults = Cleaned(RecordOf(values, kRateHz)).clean.faults;
+  EXPECT_GT(faults.Count(FaultKind::kSpike), kMostListed);
+  EXPECT_EQ(std::ranges::count(faults.list, FaultKind::kSpike, &Fault::kind), 1000);
+}
+
+// at the end of the range: clipped, unless it is a spike, which is excluded
+TEST(CleanRows, ASpikeThatReachesTheRangeIsNotClipped) {
+  trial::Record record = RecordOf(Vibration(15'000, 7), kRateHz);
+  record.channels[0].range_max = 0.031;
+  record.channels[0].values[7000] = 0.031;
+  const Faults faults = Cleaned(record).clean.faults;
+  EXPECT_EQ(faults.Count(FaultKind::kSpike), 1U);
+  EXPECT_EQ(faults.Count(FaultKind::kClipped), 0U);
+  EXPECT_EQ(ClippedRows(faults, 0, 15'000), 0U);
 }
 
 }  // namespace

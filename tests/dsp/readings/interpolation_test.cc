@@ -150,6 +150,38 @@ TEST(Interpolate, StatesTheErrorOfAPrediction) {
   }
 }
 
+// Errors of white noise are independent; those of a slow process in a hole have one sign, and their
+// sum the variance that the covariances add up to.
+TEST(Interpolate, StatesTheCovariancesOfErrors) {
+  constexpr std::size_t kMissing = 10;
+  constexpr int kRecords = 200;
+  for (const double a : {0.0, 0.95}) {
+    Noise noise(9);
+    double squares = 0;
+    double covariances = 0;
+    double square_of_sum = 0;
+    for (int r = 0; r < kRecords; ++r) {
+      std::vector<double> samples = Process(a, noise);
+      const std::vector<double> truth = samples;
+      Spoil(samples, kMiddle, kMissing);
+      const auto found = Interpolate(samples, kMiddle, kMiddle + kMissing);
+      ASSERT_TRUE(found);
+      double sum = 0;
+      for (std::size_t k = 0; k < kMissing; ++k) {
+        squares += (*found)[k].error_square / kRecords;
+        covariances += (*found)[k].covariance_sum / kRecords;
+        sum += (*found)[k].value - truth[kMiddle + k];
+      }
+      square_of_sum += sum * sum / kRecords;
+    }
+    // coefficients scatter by 1 / sqrt(900): nine covariances of 0.03 beside each square
+    // ten of one sign give up to ten times their squares
+    const double factor = covariances / squares;
+    EXPECT_TRUE(a == 0 ? factor < 1.4 : factor > 4) << factor;
+    EXPECT_GT(covariances, 0.7 * square_of_sum) << "three deviations of 200: sqrt(2 / 200)";
+  }
+}
+
 // Of two samples in the same white noise, whose deviation is `deviation` about the first one: the
 // quotient of the stated squares, that of the first by that of the second.
 double QuotientOfSquares(double deviation, std::uint64_t seed) {

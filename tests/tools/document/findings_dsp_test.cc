@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,7 @@ const std::vector<Case> kCases{
     {kInterpolated,
      {{"interpolated", 1}, {"rms_m", 2.5e-09}},
      "readings-interpolated",
-     "1 reading interpolated, which adds 0.0025 um RMS at most"},
+     "1 reading interpolated, with an error of 0.0025 um RMS at most"},
     {kClipped,
      {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}},
      "clipped",
@@ -277,6 +278,11 @@ const std::vector<Case> kCases{
      "other-drive",
      "the tone is at 230 Hz, and the header states a drive of 225 Hz: check the generator, or "
      "correct the header"},
+    {kToneBelowBand,
+     {{"amplitude_m", 20e-6}, {"frequency_hz", 60.0}},
+     "tone-below-band",
+     "a tone of 20 um at 60 Hz, below the band, is stronger than all that is in it: where it is "
+     "the drive, give a --band that holds it"},
     {kAboveBand,
      {{"amplitude_m", 20e-6}, {"frequency_hz", 600.0}},
      "above-band",
@@ -309,10 +315,10 @@ const std::vector<Case> kCases{
      "quiet-has-drive",
      "where the drive is off, a tone of 0.25 um at 225 Hz remains: it is excluded from the noise"},
     {kWideInterval,
-     {{"share", 0.08412}},
+     {{"share", 0.08412}, {"noise_share", 0.97}},
      "wide-interval",
-     "the RMS is known to 8.4 % only (half of its 95 % interval): the drive is weak beside the "
-     "noise; drive harder, record longer, or reduce the noise"},
+     "the RMS is known to 8.4 % only (half of its 95 % interval); 97 % of the variance is due to "
+     "noise: drive harder, record longer, or reduce the noise"},
     {kQuantised,
      {{"share", 0.031}, {"step_m", 1e-06}},
      "quantised",
@@ -516,7 +522,45 @@ TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
   EXPECT_EQ(text(kNoDrive, {}),
             "no drive found: no tone exceeds the noise for long enough; --window all gives the RMS "
             "of all that is there");
+  EXPECT_EQ(text(kWindowAsked, {}), "requested");
   EXPECT_THAT(text(kNothingSteady, {}), ::testing::StartsWith("the drive is on, but no interval"));
+}
+
+// each cause of an interval's width has a remedy of its own, and it alone is in the text
+TEST(FindingsOfDsp, SayWhatMakesAnIntervalWideAndWhatWouldHelp) {
+  const std::vector<std::pair<std::string_view, std::string>> remedies{
+      {"noise_share", "noise: drive harder, record longer, or reduce the noise"},
+      {"noise_floor_share",
+       "the scatter of the noise floor: drive harder, or record the floor longer"},
+      {"below_band_share",
+       "motion below the band: choose a --band that holds it, or one that begins farther above it"},
+      {"quantisation_share",
+       "the steps of the readings: use a finer resolution, or a smaller range"},
+      {"bridged_share",
+       "interpolated readings: record without missing readings and spikes, at uniform times"},
+      {"filter_ends_share", "what lay beyond the ends: record longer before and after the window"},
+      {"beat_share", "the beat of two tones: record longer, or remove one of them"},
+      {"drive_edges_share",
+       "how much the RMS changes with the ends of the window and with bumps: drive longer at a "
+       "constant amplitude, or choose an interval with --window FROM:TO"},
+      {"steps_share", "steps of the level: choose an interval without them with --window FROM:TO"},
+      {"foot_share",
+       "motion at the lower corner: choose a --band that begins higher, or record an interval with "
+       "the drive off"},
+      {"hum_share", "hum of the mains: record an interval with the drive off, or reduce the hum"},
+      {"drift_share",
+       "the change of the amplitude: drive at a constant amplitude, or choose a shorter interval "
+       "with --window FROM:TO"},
+      {"calibration_share", "the calibration: calibrate the sensor more accurately"},
+  };
+  ASSERT_EQ(remedies.size(), dsp::kRmsCauseCount);
+  const std::string known = "the RMS is known to 4 % only (half of its 95 % interval)";
+  EXPECT_EQ(TextOf(dsp::Finding{.kind = kWideInterval, .numbers = {{"share", 0.04}}}), known);
+  for (const auto& [name, remedy] : remedies) {
+    EXPECT_EQ(
+        TextOf(dsp::Finding{.kind = kWideInterval, .numbers = {{"share", 0.04}, {name, 0.62}}}),
+        known + "; 62 % of the variance is due to " + remedy);
+  }
 }
 
 TEST(FindingsOfDsp, RefusalsStandForTheReasons) {

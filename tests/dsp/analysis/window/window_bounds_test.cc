@@ -59,14 +59,32 @@ TEST(WindowBounds, StepsOfTheSourceAddInSquaresUnlessTheyAreLarge) {
   }
 }
 
-TEST(WindowBounds, InterpolationAndEndsOfTheFilter) {
+TEST(WindowBounds, EndsOfTheFilter) {
   Bounded made;
-  made.window.numbers.bridged_rms_m = 3e-9;
-  EXPECT_EQ(HalfWidth(made.window, RmsCause::kBridged), 3e-9);
+  EXPECT_EQ(HalfWidth(made.window, RmsCause::kBridged), 0);
   EXPECT_REL(HalfWidth(made.window, RmsCause::kFilterEnds), 1e-4 * kRms, kRound, "kSettledError");
   // nothing is divided by an RMS of 0
   made.window.numbers.power.mean_square = 0;
   EXPECT_TRUE(BoundsOf(made.window).value().empty());
+}
+
+// Of the two samples that the window holds. Of errors that are independent 480 Hz of 5 kHz lie in
+// the band, of those with ten times their squares as covariances at most all.
+TEST(WindowBounds, InterpolationAddsItsPowerInTheBandAndItsProductWithTheTone) {
+  Bounded made;
+  made.chosen.begin = 100;
+  made.window.rows = 5000;
+  for (const double covariance : {1.0, 20.0}) {
+    made.segments.parts[0].bridges = {
+        {.sample = 99, .error_square = 1, .covariance_sum = 1},
+        {.sample = 100, .error_square = 4e-16, .covariance_sum = covariance * 4e-16},
+        {.sample = 5099, .error_square = 3e-16, .covariance_sum = covariance * 3e-16},
+        {.sample = 5100, .error_square = 1, .covariance_sum = 1}};
+    const double in_band = covariance < 10 ? 7e-16 * 480 / 5000 : 7e-16;
+    EXPECT_REL(HalfWidth(made.window, RmsCause::kBridged),
+               (in_band / (2 * kRms) + 2 * std::sqrt(2 * covariance * 7e-16)) / 5000, kRound,
+               "rounding");
+  }
 }
 
 // The mean of a1 a2 cos(2 pi df t) over T is a1 a2 / (pi df T) at most. A multiple of the tone is

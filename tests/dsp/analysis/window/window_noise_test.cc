@@ -162,8 +162,7 @@ TEST(NoiseOfQuiet, IsLeftOutWhereItIsTenTimesWhatTheDriveLeaves) {
 TEST(NoiseOfQuiet, IsLeftOutBesideWhatIsClipped) {
   Quiet made;
   const auto from = [&](std::size_t row) {
-    made.analysis.faults.list = {{FaultKind::kClipped, row, 1, 0}};
-    made.analysis.faults.rows[static_cast<std::size_t>(FaultKind::kClipped)] = 1;
+    made.analysis.faults.clipped = {{row, row + 1}};
     return made.Floor({{1.0, 1.5}}).from;
   };
   EXPECT_EQ(from(8749), NoiseSource::kQuiet);

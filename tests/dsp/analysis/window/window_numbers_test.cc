@@ -63,6 +63,119 @@ TEST(NarrowBand, TheIntervalHoldsTheRmsAndTheNoiseIsThatOfTheBand) {
   EXPECT_GE(held, 89) << "fewer once in 200 times at 95 %";
 }
 
+// 3 s of `sines` in noise of 1 um at 5 kHz, in a band
+BandAnalysis InNoise(const std::vector<Sine>& sines, const BandPass& band) {
+  auto values = Samples(5e3, 15'000, 0.03, sines);
+  Noise noise(5);
+  for (double& x : values) x += 1e-6 * noise();
+  BandQuestion question;
+  question.band = band;
+  return AnalyzeBand(RecordOf(values, 5e3), question).value();
+}
+
+// what two passes leave of a sine of 30 um at 225 Hz
+double Left(const BandPass& band) {
+  return 30e-6 / kRootTwo * std::norm(Response(Designed(band, 5e3), 225));
+}
+
+// Whether the corner lies half a bin of 1/3 Hz above the drive or below it, or a bin: the drive is
+// the band's tone, and no motion below the band.
+TEST(BelowBand, ADriveAtTheLowerCornerIsTheBandsOwn) {
+  for (const double lower_hz : {224.7, 224.9, 224.99, 225.0, 225.01, 225.1, 225.15}) {
+    const BandPass band{.lower_hz = lower_hz, .upper_hz = 500};
+    const BandAnalysis analysis = InNoise({{30e-6, 225}}, band);
+    ASSERT_TRUE(analysis.answered) << lower_hz;
+    const BandNumbers& numbers = *analysis.numbers;
+    EXPECT_FALSE(numbers.below_band) << lower_hz;
+    EXPECT_FALSE(analysis.findings.Has(FindingKind::kToneBelowBand)) << lower_hz;
+    EXPECT_FALSE(analysis.findings.Has(FindingKind::kWideInterval)) << lower_hz;
+    EXPECT_LE(numbers.rms.lower_m, Left(band)) << lower_hz;
+    EXPECT_GE(numbers.rms.upper_m, Left(band)) << lower_hz;
+    ASSERT_TRUE(numbers.tone) << lower_hz;
+    EXPECT_LE(numbers.tone->amplitude_lower_m, 30e-6) << lower_hz;
+    EXPECT_GE(numbers.tone->amplitude_upper_m, 30e-6) << lower_hz;
+    // noise of 1 um in 14 300 samples, behind the gain of the corner: 0.07 %
+    EXPECT_LT(numbers.tone->amplitude_uncertainty_m, 0.001 * 30e-6) << lower_hz;
+    EXPECT_LT(numbers.tone->fit.frequency_uncertainty_hz, 1e-3) << lower_hz;
+  }
+}
+
+// A window of a third of the record: its half bin is 0.5 Hz, that of the record 0.17 Hz. Between
+// the two the drive is found in the band and below it, as one line.
+TEST(BelowBand, AWindowsToneIsNoMotionBelowTheBand) {
+  BandQuestion question;
+  question.band = {.lower_hz = 225.4, .upper_hz = 500};
+  question.choice = WindowChoice::kGiven;
+  question.window = {1, 2};
+  auto values = Samples(5e3, 15'000, 0.03, {{30e-6, 225}});
+  Noise noise(5);
+  for (double& x : values) x += 1e-6 * noise();
+  const BandAnalysis analysis = AnalyzeBand(RecordOf(values, 5e3), question).value();
+  ASSERT_TRUE(analysis.answered);
+  ASSERT_TRUE(analysis.numbers->tone);
+  EXPECT_FALSE(analysis.numbers->below_band);
+  EXPECT_LT(analysis.numbers->tone->amplitude_uncertainty_m, 0.002 * 30e-6) << "white noise";
+  EXPECT_LE(analysis.numbers->rms.lower_m, Left(question.band));
+  EXPECT_GE(analysis.numbers->rms.upper_m, Left(question.band));
+}
+
+// Its leakage is no reason to keep an order of which too little settles.
+TEST(BelowBand, ADriveAtTheLowerCornerDoesNotLeak) {
+  const BandPass band{.lower_hz = 225, .upper_hz = 230};
+  const BandAnalysis analysis = InNoise({{30e-6, 225}}, band);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_LT(analysis.band.order, 6);
+  EXPECT_LE(analysis.numbers->rms.lower_m, 15e-6) << "-3 dB at each order";
+  EXPECT_GE(analysis.numbers->rms.upper_m, 15e-6);
+}
+
+// A drive outside of the band, on either side: what the filter leaves of it is the RMS.
+TEST(BesideBand, ADriveThatIsStrongerThanTheBandIsADoubt) {
+  for (const auto& [band, kind] :
+       {std::pair(BandPass{.lower_hz = 225.3, .upper_hz = 500}, FindingKind::kToneBelowBand),
+        std::pair(BandPass{.lower_hz = 226, .upper_hz = 500}, FindingKind::kToneBelowBand),
+        std::pair(BandPass{.lower_hz = 230, .upper_hz = 500}, FindingKind::kToneBelowBand),
+        std::pair(BandPass{.lower_hz = 400, .upper_hz = 500}, FindingKind::kToneBelowBand),
+        std::pair(BandPass{.upper_hz = 224}, FindingKind::kAboveBand),
+        std::pair(BandPass{.upper_hz = 100}, FindingKind::kAboveBand)}) {
+    const BandAnalysis analysis = InNoise({{30e-6, 225}}, band);
+    const Finding doubt = FirstOf(analysis.findings, kind);
+    EXPECT_EQ(doubt.severity, Severity::kDoubt);
+    EXPECT_REL(NumberOf(doubt, "amplitude_m"), 30e-6, 2e-3, "noise: five uncertainties");
+    EXPECT_ABS(NumberOf(doubt, "frequency_hz"), 225, 1e-3, "noise: five uncertainties");
+    if (!analysis.answered) continue;
+    EXPECT_LE(analysis.numbers->rms.lower_m, Left(band)) << band.lower_hz;
+    EXPECT_GE(analysis.numbers->rms.upper_m, Left(band)) << band.lower_hz;
+  }
+}
+
+// A weak tone in the band does not explain what is in it.
+TEST(BesideBand, AWeakToneInTheBandDoesNotHideTheDrive) {
+  const std::vector<Sine> sines{{30e-6, 225}, {1e-6, 450}, {1e-6, 80}};
+  const BandAnalysis above = InNoise(sines, {.lower_hz = 230, .upper_hz = 500});
+  EXPECT_TRUE(above.numbers->tone);
+  EXPECT_TRUE(above.findings.Has(FindingKind::kToneBelowBand));
+  const BandAnalysis below = InNoise(sines, {.upper_hz = 220});
+  EXPECT_TRUE(below.numbers->tone);
+  EXPECT_TRUE(below.findings.Has(FindingKind::kAboveBand));
+  // at a harmonic it is what the band is for
+  const BandAnalysis harmonic = InNoise(sines, {.lower_hz = 400, .upper_hz = 500});
+  EXPECT_FALSE(harmonic.findings.Has(FindingKind::kToneBelowBand));
+}
+
+// Tremor of a hand lies below every band, stronger than all in it: with a drive in the band and
+// without one it is no doubt. A tone above 13 Hz may be the drive.
+TEST(BesideBand, TremorIsNoDrive) {
+  const auto is_told = [](const std::vector<Sine>& sines) {
+    return InNoise(sines, {}).findings.Has(FindingKind::kToneBelowBand);
+  };
+  EXPECT_FALSE(is_told({{2e-4, 8.3, 0.7}, {3e-6, 225}}));
+  EXPECT_FALSE(is_told({{2e-4, 8.3, 0.7}}));
+  EXPECT_FALSE(is_told({{3e-5, 12.9, 0.7}}));
+  EXPECT_TRUE(is_told({{3e-5, 13.3, 0.7}}));
+  EXPECT_FALSE(is_told({{3e-5, 13.3, 0.7}, {3e-6, 225}}));
+}
+
 TEST(AboveBand, AToneThatIsStrongerThanTheBandIsTold) {
   for (const double frequency_hz : {225.0, 505.0, 600.0, 1500.0, 1700.0}) {
     auto values = Samples(4000, 12'000, 0.03, {{20e-6, frequency_hz}});

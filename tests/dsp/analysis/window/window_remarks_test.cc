@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -269,6 +270,33 @@ TEST(RemarkInterval, IsADoubtOfADriveBeyondTwoAndAHalfPercent) {
   made.chosen.part.from_drive = true;
   made.numbers().rms.upper_m = 0.68e-6 + 2 * 17.4e-9;
   EXPECT_FALSE(Has(made, FindingKind::kWideInterval));
+}
+
+// 3, 4 and 12 of 13: 144 of 169 parts of the variance.
+TEST(RemarkInterval, NamesTheLargestCauseWithItsShareOfTheVariance) {
+  constexpr const char* kNames[] = {"noise_share",        "noise_floor_share", "below_band_share",
+                                    "quantisation_share", "bridged_share",     "filter_ends_share",
+                                    "beat_share",         "drive_edges_share", "steps_share",
+                                    "foot_share",         "hum_share",         "drift_share",
+                                    "calibration_share"};
+  static_assert(std::size(kNames) == kRmsCauseCount);
+  for (std::size_t k = 0; k < kRmsCauseCount; ++k) {
+    Remarked made;
+    RmsEstimate& rms = made.numbers().rms;
+    rms.lower_m = 0.6e-6;
+    rms.upper_m = 0.8e-6;
+    const auto other = [&](std::size_t away) {
+      return static_cast<RmsCause>((k + away) % kRmsCauseCount);
+    };
+    rms.budget = {{other(1), Evaluation::kBound, 3e-9},
+                  {other(0), Evaluation::kBound, 12e-9},
+                  {other(2), Evaluation::kStatistical, 4e-9}};
+    rms.standard_uncertainty_m = 13e-9;
+    const Finding doubt = FirstOf(made.Remarks(), FindingKind::kWideInterval);
+    ASSERT_EQ(doubt.numbers.size(), 2U) << k;
+    EXPECT_REL(NumberOf(doubt, kNames[k]), 0.85, kRound, "144 / 169, to a hundredth");
+    EXPECT_EQ(LargestLine(rms.budget).cause, other(0));
+  }
 }
 
 TEST(RemarkSegments, SaysWhatHasNotSettledAndHowManyThereAre) {
