@@ -99,34 +99,36 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   return steady;
 }
 
-// The run of a chaotic motion, continued from the end of the search.
-void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const PiecewiseStart& start,
-                 SteadyRun& steady) {
-  ChaoticMotion& chaotic = *search.chaotic;
-  const double length_s = kChaosRunPeriods / scene.scene.drive.frequency_hz;
-  EffectiveScene whole = scene;
-  whole.window_periods = kChaosRunPeriods;
-  steady.start = start;
-  SceneRun run = RunScene(whole, length_s, start, steady.temperature_rise_k);
-  const PeriodMeans &means = chaotic.means, &uncertain = chaotic.standard_uncertainties;
-  const LinearModel model = AssembleModel(scene.scene);
-  const Eigen::Index skin = model.skin();
-  run.error_estimate = 0;
+// The largest relative standard uncertainty of a run's averages, by those of the mean squares and
+// of the powers.
+double RelativeUncertainty(const EffectiveScene& scene, const PeriodMeans& uncertain,
+                           const SceneRun& run) {
+  double largest = uncertain.power_w / std::abs(run.power_w);
   // rms = sqrt(mean square), so u(rms) / rms = u(mean square) / (2 mean square)
-  const auto take = [&](double mean, double uncertainty, double& rms) {
-    rms = std::sqrt(mean);
-    if (mean > 0) run.error_estimate = std::max(run.error_estimate, uncertainty / (2 * mean));
+  const auto take = [&largest](double uncertainty, double rms) {
+    if (rms > 0) largest = std::max(largest, uncertainty / (2 * rms * rms));
   };
-  take(means.mean_squares(skin), uncertain.mean_squares(skin), run.skin_rms_m);
-  take(means.mean_squares(LinearModel::kCase), uncertain.mean_squares(LinearModel::kCase),
-       run.case_rms_m);
+  take(uncertain.mean_squares(AssembleModel(scene.scene).skin()), run.skin_rms_m);
+  take(uncertain.mean_squares(LinearModel::kCase), run.case_rms_m);
   // the coil's power gives the current only where the resistance is constant
   const double R = scene.scene.actuator.resistance_ohm;
-  if (!scene.smooth.heating) take(means.coil_w / R, uncertain.coil_w / R, run.current_rms_a);
-  run.power_w = means.power_w;
-  run.error_estimate = std::max(run.error_estimate, uncertain.power_w / std::abs(means.power_w));
+  if (!scene.smooth.heating) take(uncertain.coil_w / R, run.current_rms_a);
+  return largest;
+}
+
+// The run of a chaotic motion over the periods of its averages, from where those began; under
+// smooth effects by one run of the solver, as no tolerance holds the motion itself.
+void PlayChaotic(const EffectiveScene& scene, ChaoticMotion chaotic, const SmoothSettings& settings,
+                 SteadyRun& steady) {
+  EffectiveScene whole = scene;
+  whole.window_periods = chaotic.periods;
+  const double length_s = chaotic.periods / scene.scene.drive.frequency_hz;
+  SceneRun run = scene.IsLinear() ? RunScene(whole, length_s, steady.start)
+                                  : RunSmoothly(whole, length_s, steady.start,
+                                                steady.temperature_rise_k, settings);
+  run.error_estimate = RelativeUncertainty(scene, chaotic.standard_uncertainties, run);
   steady.run = std::move(run);
-  steady.chaotic = std::move(search.chaotic);
+  steady.chaotic = std::move(chaotic);
 }
 
 // Of a periodic motion that was played for a few periods: rounding accumulates over as many periods
@@ -144,8 +146,8 @@ SteadyRun PlayLimited(const EffectiveScene& scene) {
   PeriodicSearch search = FindPeriodicMotion(map, map.PointOf(start.mode, start.x));
   steady.refusal = search.refusal;
   if (search.chaotic) {
-    const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
-    PlayChaotic(scene, std::move(search), in_it, steady);
+    steady.start = map.StartOf(search.chaotic->point);
+    PlayChaotic(scene, *std::move(search.chaotic), {}, steady);
     return steady;
   }
   if (!search.found) return steady;
@@ -193,11 +195,15 @@ class SmoothSearch {
   static constexpr double kSearchTolerance = 1e-8;
   static constexpr double kRefinedTolerance = 5e-12;  // 2048 times less, so that the maps differ
 
+  static SmoothSettings Within(SmoothSettings settings, double most) {
+    settings.tolerance = std::min(settings.tolerance, most);
+    return settings;
+  }
+
   // The tolerance of a search is bounded, also for a coarser answer: it compares states of
   // different periods, and Newton's method divides differences of them.
-  PeriodMap MapOf(SmoothSettings settings, double most) const {
-    settings.tolerance = std::min(settings.tolerance, most);
-    return {system_, scene_.scene.drive, settings};
+  PeriodMap MapOf(const SmoothSettings& settings, double most) const {
+    return {system_, scene_.scene.drive, Within(settings, most)};
   }
 
   SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, const SmoothSettings& settings) {
@@ -208,8 +214,8 @@ class SmoothSearch {
     steady.refusal = search.refusal;
     if (search.chaotic) {
       if (scene_.smooth.heating) return NoRun(FindingKind::kChaoticWhileWarming);
-      const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
-      PlayChaotic(scene_, std::move(search), in_it, steady);
+      steady.start = map.StartOf(search.chaotic->point);
+      PlayChaotic(scene_, *std::move(search.chaotic), Within(settings, kSearchTolerance), steady);
     } else if (search.found) {
       Play(map, std::move(*search.found), settings, steady);
     }

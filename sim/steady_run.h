@@ -15,17 +15,14 @@ struct SteadyRun {
   std::optional<SceneRun> run;  ///< absent: none was found
   /// How it repeats itself; absent where it is the linear steady motion, which nothing limits.
   std::optional<PeriodicMotion> periodic;
-  /// Present where the motion is chaotic: RMS values and power of `run` are then averages over
-  /// ChaoticMotion::periods and the mover's peak the largest in kChaosRunPeriods, of which the run
-  /// also is; error_estimate is the largest of the averages' relative standard uncertainties.
+  /// Present where the motion is chaotic: `run` is then over ChaoticMotion::periods, its numbers
+  /// are averages over all of them, and its error_estimate is the largest of their relative
+  /// standard uncertainties.
   std::optional<ChaoticMotion> chaotic{};
   PiecewiseStart start;            ///< at phase 0 of the drive, where there is a run
   double temperature_rise_k = 0;   ///< of the coil there
   std::optional<Finding> refusal;  ///< why there is no run
 };
-
-/// Periods of the drive in the run of a chaotic motion.
-inline constexpr int kChaosRunPeriods = 512;
 
 /// The motion that the transient from rest, or from the stated initial state, leads to: the linear
 /// steady motion where that transient and the motion itself stay clear of stops and keep contact,

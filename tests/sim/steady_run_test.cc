@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
 #include "sim/scene_run.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
@@ -106,27 +107,40 @@ TEST(SteadyRun, StatesTheErrorOfAMotionWithoutEnd) {
   EXPECT_EQ(steady.run->skin_rms_m, once.skin_rms_m);
 }
 
-// The averages of a chaotic motion, with the largest of their relative standard uncertainties: an
-// RMS is a root, which halves that of its square.
-TEST(SteadyRun, OfAChaoticMotionIsItsAverages) {
+// The run of a chaotic motion is over all periods of its averages, and so are all of its numbers:
+// RMS values, power, peak and events. It agrees with the batches that its uncertainties are of.
+TEST(SteadyRun, OfAChaoticMotionIsOverThePeriodsOfItsAverages) {
   const EffectiveScene effective{.scene = tests::DirectScene(),
                                  .piecewise = {.contact_loss = ContactLoss{0.07}}};
   const SteadyRun steady = PlaySteady(effective);
   ASSERT_TRUE(steady.run && steady.chaotic);
+  const SceneRun& run = *steady.run;
   const PeriodMeans& means = steady.chaotic->means;
   const PeriodMeans& uncertain = steady.chaotic->standard_uncertainties;
+  EXPECT_EQ(steady.chaotic->periods, 4096);
+  EXPECT_EQ(run.begin_s, 0);
+  EXPECT_REL(run.end_s, 4096.0 / 225, 1e-15, "a quotient");
+  // energies of the whole run over its length are its mean powers
+  constexpr auto kCoil = static_cast<std::size_t>(SceneElement::kCoil);
+  EXPECT_REL(run.ledger.input_j / run.end_s, run.power_w, 1e-14, "rounding");
+  EXPECT_REL(std::sqrt(run.ledger.dissipated_j[kCoil] / run.end_s / 27), run.current_rms_a, 1e-14,
+             "P = R I^2");
+  EXPECT_EQ(run.mover_peak_m, run.mover_peak_of_run_m) << "the window is the run";
+  // contact breaks about once in two periods
+  ASSERT_FALSE(run.events.empty());
+  EXPECT_GT(run.events[0].count, 4096U / 3);
+  // two averages over as many periods
   constexpr Eigen::Index kCase = LinearModel::kCase;  // on the skin itself
-  EXPECT_REL(steady.run->skin_rms_m, std::sqrt(means.mean_squares(kCase)), 1e-15, "its root");
-  EXPECT_EQ(steady.run->case_rms_m, steady.run->skin_rms_m);
-  EXPECT_REL(steady.run->current_rms_a, std::sqrt(means.coil_w / 27), 1e-15, "P = R I^2");
-  EXPECT_EQ(steady.run->power_w, means.power_w);
+  EXPECT_ABS(run.skin_rms_m * run.skin_rms_m, means.mean_squares(kCase),
+             5 * std::sqrt(2.0) * uncertain.mean_squares(kCase), "five standard deviations");
+  EXPECT_ABS(run.power_w, means.power_w, 5 * std::sqrt(2.0) * uncertain.power_w, "the same");
+  // an RMS is a root, which halves the relative uncertainty of its square
+  const double skin_m2 = run.skin_rms_m * run.skin_rms_m;
+  const double current_a2 = run.current_rms_a * run.current_rms_a;
   const double largest =
-      std::max({uncertain.mean_squares(kCase) / means.mean_squares(kCase) / 2,
-                uncertain.coil_w / means.coil_w / 2, uncertain.power_w / means.power_w});
-  EXPECT_REL(steady.run->error_estimate, largest, 1e-12, "rounding");
-  EXPECT_REL(steady.run->end_s, 512.0 / 225, 1e-15, "the run of its peak");
-  // energy: what is taken from the source goes into coil, dampers and skin
-  EXPECT_LT(means.coil_w, means.power_w);
+      std::max({uncertain.mean_squares(kCase) / skin_m2 / 2, uncertain.coil_w / 27 / current_a2 / 2,
+                uncertain.power_w / run.power_w});
+  EXPECT_REL(run.error_estimate, largest, 1e-12, "rounding");
 }
 
 }  // namespace

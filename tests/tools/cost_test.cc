@@ -104,6 +104,102 @@ TEST(PriceOf, PredictsABoundOfTheErrorThatIsStated) {
   }
 }
 
+// the adapter scene, its coil warming over a run or its spring stiffening in a steady motion
+sim::Scene SmoothScene(sim::Effect effect) {
+  auto scene = sim::ReadSceneFile(kFixtures + "/lra_adapter.toml").value();
+  scene.effects.wishes[sim::PlaceOf(effect)] = sim::Wish::kOn;
+  scene.effects.coil_heating =
+      sim::CoilHeating{.heat_capacity_j_per_k = 0.05, .thermal_resistance_k_per_w = 60};
+  scene.effects.stiffening = sim::StiffeningSpring{.cubic_n_per_m3 = 2e9};
+  if (effect == sim::Effect::kCoilHeating) scene.duration_s = 1;
+  return scene;
+}
+
+// the solver takes smaller tolerances until it keeps what is asked for, which a part of the run
+// does not show: ten times the part's error, in proportion to the length, is above
+TEST(PriceOf, OfASmoothMotionPredictsNoMoreThanIsAskedFor) {
+  for (const auto& [effect, accuracy] : {std::pair{sim::Effect::kCoilHeating, 1e-4},
+                                         {sim::Effect::kCoilHeating, 1e-7},
+                                         {sim::Effect::kCoilHeating, 1e-8},
+                                         {sim::Effect::kStiffening, 1e-5},
+                                         {sim::Effect::kStiffening, 1e-7}}) {
+    sim::Scene scene = SmoothScene(effect);
+    scene.tolerance = accuracy;
+    const auto price = PriceOf(scene, "smooth");
+    const auto answer = AnswerScene(scene, "smooth");
+    ASSERT_TRUE(price && answer) << accuracy;
+    EXPECT_LE(*price->predicted_error, accuracy);
+    EXPECT_GE(*price->predicted_error, ErrorOfAll(*answer)) << accuracy;
+  }
+}
+
+// an effect that "auto" leaves out changes no number by more than half of what is asked for,
+// however long the run is
+TEST(PriceOf, OfAnEffectThatIsLeftOutIsWithinWhatIsAskedFor) {
+  sim::Scene scene = SmoothScene(sim::Effect::kCoilHeating);
+  scene.effects.wishes[sim::PlaceOf(sim::Effect::kCoilHeating)] = sim::Wish::kAuto;
+  // R changes by 1e-5 within a second
+  scene.effects.coil_heating->heat_capacity_j_per_k = 1e4;
+  scene.tolerance = 2.5e-5;
+  const auto price = PriceOf(scene, "warm");
+  const auto answer = AnswerScene(scene, "warm");
+  ASSERT_TRUE(price && answer);
+  ASSERT_FALSE(answer->effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]);
+  EXPECT_LE(*price->predicted_error, scene.tolerance);
+  EXPECT_GE(*price->predicted_error, ErrorOfAll(*answer));
+}
+
+// rounding grows with the steps: 20 s of a coil that warms are known to 3e-11 by the least
+// tolerance of the solver, its first sixteenth to 1e-11
+TEST(PriceOf, DoesNotPromiseWhatTheLeastToleranceDoesNotReach) {
+  sim::Scene scene = SmoothScene(sim::Effect::kCoilHeating);
+  scene.duration_s = 20;
+  scene.tolerance = sim::kLeastTolerance;
+  const auto price = PriceOf(scene, "smooth");
+  ASSERT_TRUE(price) << price.error().Text();
+  EXPECT_GT(*price->predicted_error, sim::kLeastTolerance);
+}
+
+// what is solved whole states its error itself
+TEST(PriceOf, OfALinearSteadyStateIsTheErrorThatIsStated) {
+  const auto scene = sim::ReadSceneFile(kFixtures + "/lra_adapter.toml").value();
+  const auto price = PriceOf(scene, "linear");
+  const auto answer = AnswerScene(scene, "linear");
+  ASSERT_TRUE(price && answer);
+  EXPECT_EQ(*price->predicted_error, ErrorOfAll(*answer));
+}
+
+// no other program has solved the scene that is asked about
+TEST(CostOfSimulation, NamesTheSceneThatAnErrorIsOf) {
+  sim::Scene scene = SmoothScene(sim::Effect::kStiffening);
+  scene.tolerance = 1e-6;
+  const auto cost = CostOfSimulation(scene, Simulated::kSkinRms, "smooth", false);
+  ASSERT_TRUE(cost) << cost.error().Text();
+  ASSERT_GT(cost->methods.size(), 1U);
+  for (const CostedMethod& method : cost->methods) {
+    EXPECT_EQ(method.error_of, method.is_peer ? "the ladders' scene, smooth" : "this scene");
+    EXPECT_TRUE(method.answers) << method.method;
+  }
+}
+
+// the cell of a method's row that people read under a heading
+const document::Value& CellOf(const document::Document& cost, std::string_view label) {
+  const auto& items = cost.root.sections.at(0).sections.at(0).items;
+  const auto item = std::ranges::find(items, label, &document::Item::label);
+  HAPTOMETER_CHECK(item != items.end(), "no column {}", label);
+  return item->value;
+}
+
+// a bound above the accuracy beside an answer within it would contradict itself
+TEST(CostDocument, ShowsTheMeasuredErrorWhereThereIsOne) {
+  constexpr std::string_view kError = "relative error, at most";
+  CostAnswer answer{.question = "skin-rms", .subject = "a scene", .accuracy = 1e-6};
+  answer.methods = {{.method = "exact", .predicted_error = 1.77e-6, .answers = false}};
+  EXPECT_EQ(std::get<double>(CellOf(CostDocument(answer), kError)), 1.77e-6);
+  answer.methods[0].measured_error = 4.7e-8;
+  EXPECT_EQ(std::get<double>(CellOf(CostDocument(answer), kError)), 4.7e-8);
+}
+
 TEST(CostOfConstant, IsLimitedByTheScale) {
   // Kv is proportional to the mass: 0.01 g as limits of error of 1.4 g
   const double half = fit::kCoverage95 * 1e-5 / std::numbers::sqrt3 / 1.4e-3;

@@ -215,6 +215,7 @@ TEST_F(SimulateVerb, TremorAddsToASteadyMotion) {
   const auto number = [](const json& of, const char* key) { return of.at(key).get<double>(); };
   const json both = answer(Scene(tremor));
   EXPECT_THAT(both.at("method").get<std::string>(), HasSubstr("linear model, superposed"));
+  EXPECT_TRUE(both.at("run").at("window_s").is_null()) << "its numbers are over all time";
   const json drive = answer(Scene(""));
   std::ifstream written(Scene(tremor));
   std::string text(std::istreambuf_iterator<char>(written), {});
@@ -249,6 +250,10 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
   expect(Simulate({cone, "--duration", "-1s"}), 2, "--duration: -1 s is not between 0 and 1e6 s");
   expect(Simulate({cone, "--duraton", "1s"}), 2, "did you mean --duration?");
   expect(Simulate({Scene("[effects]\ntremor = true\n")}), 2, "tremor: needs [tremor]");
+  // options of another option that is not there
+  expect(Simulate({cone, "--quantity", "mover_peak_m"}), 2,
+         "--quantity: applies to --explain only");
+  expect(Simulate({cone, "--overwrite"}), 2, "--overwrite: applies to --output and --waveforms");
   expect(
       Simulate({Scene("[sensor]\nkind = 'ideal'\n"), "--duration", "100000s", "-o", Path("t.bin")}),
       2, "100000 s at 10000 Hz are 1e+09 readings");
@@ -352,10 +357,10 @@ TEST_F(SimulateVerb, AWaveformThatAStopMayChangeIsCompared) {
   std::ofstream scene(Path("auto.toml"));
   scene << base.rdbuf()
         << "[effects]\ntravel_stops = 'auto'\n[travel_stops]\ngap_m = '0.4mm'\n"
-           "stiffness_n_per_m = 1e6\ndamping_n_s_per_m = 0\n";
+           "stiffness_n_per_m = 1e6\ndamping_n_s_per_m = 0\n"
+           "[run]\nquantity = 'skin_waveform_m'\n";
   scene.close();
-  const Outcome outcome = Simulate(
-      {Path("auto.toml"), "--json", "--quantity", "skin_waveform_m", "--accuracy", "1e-6"});
+  const Outcome outcome = Simulate({Path("auto.toml"), "--json", "--accuracy", "1e-6"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(json::parse(outcome.out).at("periodic").at("drive_periods"), 6);
 }
@@ -417,6 +422,14 @@ TEST_F(SimulateVerb, AChaoticMotionIsAnsweredByAverages) {
   EXPECT_GE(answer.at("error_estimate").get<double>(), uncertainty_m / rms_m * (1 - 1e-9));
   EXPECT_EQ(FindingOfKind(answer, "chaotic").at("numbers").at("periods"),
             average.at("drive_periods"));
+  // all that stands under `run` is of these periods too
+  const json& run_of = answer.at("run");
+  const double span_s = average.at("drive_periods").get<double>() / 225;
+  EXPECT_EQ(run_of.at("window_s").at(0), 0);
+  EXPECT_REL(run_of.at("window_s").at(1).get<double>(), span_s, 1e-14, "a quotient");
+  EXPECT_EQ(run_of.at("skin_rms_m"), answer.at("skin_rms_m"));
+  const json& event = run_of.at("events").at(0);
+  EXPECT_GT(event.at("count").get<double>(), 100 * span_s) << "contact breaks once in two periods";
   // a long run of it has lost its digits
   const Outcome run = Simulate({Path("chaotic.toml"), "--duration", "2s"});
   EXPECT_EQ(run.status, 3);

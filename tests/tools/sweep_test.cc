@@ -328,6 +328,13 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
        "did you mean skin_rms_m?"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"},
        "cannot be combined with --resume"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--allow-mixed"},
+       "--allow-mixed: applies to --resume and --merge only"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--campaign", Path("folder")},
+       "--job-time, --campaign: apply to --slurm only"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--job-time", "60s"},
+       "--job-time, --campaign: apply to --slurm only"},
+      {{"--merge", kCone, "--job-time", "60s"}, "joins tables and computes nothing"},
       {{"--merge", kCone, "--threads", "2"}, "joins tables and computes nothing"}};
   for (const auto& [words, said] : faults) {
     const Outcome outcome = Sweep(words, "t.csv");

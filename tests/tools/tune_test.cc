@@ -386,6 +386,10 @@ TEST(TuneVerb, RefusesWhatItCannotMean) {
       {{"--latency", "25ms", "--mover-travel", "1mm"}, "cannot be combined with --mover-travel"},
       {{"--receptor-density", "1e9"}, "10 000 receptors"},
       {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--objective", "stimulus"}, "area"},
+      {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--contact-area", "1mm2"},
+       "--contact-area: changes nothing with --skin scene"},
+      {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--pad", "5mm"},
+       "--pad: change nothing with --skin scene"},
       {{kFixtures + "/lra_cone.toml", kFixtures + "/lra_cone.toml"}, "second scene"}};
   for (const auto& [words, said] : faults) {
     const Outcome outcome = Tune(words);

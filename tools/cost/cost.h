@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/drop_test/experiment_plan.h"
+#include "fit/experiment_plan.h"
 #include "sim/scene/scene.h"
 #include "tools/acquire/advise.h"
 #include "tools/cost/ladder.h"
@@ -38,9 +38,10 @@ struct CostedMethod {
   /// Relative: a bound of a simulation's, else the accuracy that is reached; absent: not known.
   std::optional<double> predicted_error{};
   std::optional<double> measured_error{};  ///< that the answer states
-  std::string limited_by{};                ///< "rounding", "moving mass", "wire"
-  bool answers = false;                    ///< within the accuracy
-  bool is_peer = false;                    ///< none of this program's
+  std::string error_of{};    ///< the scene that the error is of, "this scene"; empty: of no scene
+  std::string limited_by{};  ///< "rounding", "moving mass", "wire"
+  bool answers = false;      ///< within the accuracy: the measured error, where there is one
+  bool is_peer = false;      ///< none of this program's
 };
 
 /// An answered question: its methods, those that answer first, then the cheapest.
@@ -61,15 +62,17 @@ void SortMethods(std::vector<CostedMethod>& methods);
 /// line; ten times what the second states of its error, in proportion to the length, is the bound
 /// that is predicted. A linear steady state is solved: it takes microseconds. A steady motion under
 /// effects is priced by the periods that its search takes (sim/steady_run.h), its error by a
-/// hundred times that of a run. What is shorter than these is answered itself.
+/// hundred times that of a run. What is shorter than these is answered itself, and its error is the
+/// prediction. Under smooth effects no more is predicted than is asked for, which the solver keeps
+/// or refuses, unless its least tolerance does not reach that.
 ///
 /// @param where names the scene in errors
 /// Errors (Cause::kCannotAnswer): as AnswerScene, of the part that is played.
 [[nodiscard]] Result<CostedMethod> PriceOf(const sim::Scene& scene, const std::string& where);
 
 /// The methods for a simulated RMS or waveform: this program's, measured where `measure`, then each
-/// other method of the ladders by its cheapest rung that is good enough, scaled by the number of
-/// periods and by this machine.
+/// other method of the ladders by its cheapest rung that is good enough in the ladders' scene of
+/// the class, its time scaled by the number of periods and by this machine.
 [[nodiscard]] Result<CostAnswer> CostOfSimulation(const sim::Scene& scene, Simulated what,
                                                   const std::string& where, bool measure);
 

@@ -25,8 +25,12 @@ Section MethodSection(const CostedMethod& method) {
       row.Add({document::kRecording.name, "recording", document::kSecond}, method.recording_s), 2);
   ShowDigits(row.Add({"predicted_s", "computing", document::kSecond}, method.predicted_s), 2);
   ShowDigits(row.Add({"measured_s", "measured", document::kSecond}, method.measured_s), 2);
-  ShowDigits(row.Add({"predicted_error", "relative error, at most"}, method.predicted_error), 2);
-  ShowDigits(row.Add({"measured_error", "stated error"}, method.measured_error), 2);
+  row.Add({"predicted_error"}, method.predicted_error);
+  row.Add({"measured_error"}, method.measured_error);
+  // people read the error that decides: what was measured, else what is predicted
+  const auto error = method.measured_error ? method.measured_error : method.predicted_error;
+  ShowDigits(row.Add({"", "relative error, at most"}, error), 2);
+  row.Add({"error_of", "error of"}, document::TextOrNotKnown(method.error_of));
   row.Add({document::kLimitedBy.name, "limited by"}, document::TextOrNotKnown(method.limited_by));
   row.Add({"is_peer"}, method.is_peer);
   return row;

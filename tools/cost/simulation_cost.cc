@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "sim/linear/steady_state.h"
+#include "sim/scene_run.h"
+#include "sim/smooth/smooth_motion.h"
 #include "tools/cost/cost.h"
 #include "tools/reproduce/thesis_model.h"
 #include "tools/simulate/scene_answer.h"
@@ -64,7 +66,31 @@ double PeriodS(const sim::Scene& scene) {
   return scene.duration_s.value_or(1) / 1000;
 }
 
-double Bound(double error) { return std::max(kRounding, kErrorMargin * error); }
+// the error that an answer states, which a prediction of it equals
+double Stated(const SceneAnswer& answer) { return std::max(kRounding, ErrorOfAll(answer)); }
+
+// Whether the solver of a part has a smaller tolerance left for the whole.
+bool CanRefine(const sim::SceneRun& part) {
+  constexpr double kRounds = 1 + 1e-9;  // of a tolerance
+  return part.solver_tolerance > kRounds * sim::SolverLadder(0).settings().tolerance;
+}
+
+// A bound of what the whole states, which has `longer` times what a part states of its error. The
+// solver keeps what is asked for or refuses, as long as it has a smaller tolerance left.
+double Bound(const SceneAnswer& part, double longer) {
+  const double asked = part.scene.tolerance;
+  // the drive's cubics do not depend on the length, and what "auto" leaves out takes at most half
+  // of what is asked for
+  const double of_drive = sim::DriveError(part.scene);
+  const double of_auto = part.effects ? part.effects->change : 0;
+  const double whole = std::max(0.0, longer * (ErrorOfAll(part) - of_drive - of_auto));
+  const double bound = std::max(kRounding, kErrorMargin * whole) +
+                       std::min(kErrorMargin * longer * of_auto, asked / 2);
+  const sim::SceneRun* const run = RunOf(part);
+  const bool is_solved = run != nullptr && run->solver_tolerance > 0;
+  const bool is_kept = is_solved && (whole <= asked || CanRefine(*run));
+  return of_drive + (is_kept ? std::min(bound, asked) : bound);
+}
 
 // times a sixteenth and an eighth of the run, and continues the line
 Result<CostedMethod> PriceOfRun(const sim::Scene& scene, const std::string& where) {
@@ -82,7 +108,8 @@ Result<CostedMethod> PriceOfRun(const sim::Scene& scene, const std::string& wher
   const double slope =
       second_s > first_s ? std::max(0.0, second.seconds - first.seconds) / (second_s - first_s) : 0;
   method.predicted_s = second.seconds + slope * (whole_s - second_s);
-  method.predicted_error = Bound(ErrorOfAll(second.answer) * whole_s / second_s);
+  method.predicted_error =
+      second_s < whole_s ? Bound(second.answer, whole_s / second_s) : Stated(second.answer);
   return method;
 }
 
@@ -99,7 +126,7 @@ Result<CostedMethod> PriceOfSearch(const sim::Scene& scene, const std::string& w
   method.predicted_s = run.seconds * periods / kTimedPeriods;
   // what shooting adds to the error of a run
   constexpr double kOfSearch = 10;
-  method.predicted_error = Bound(kOfSearch * ErrorOfAll(run.answer));
+  method.predicted_error = Bound(run.answer, kOfSearch);
   return method;
 }
 
@@ -141,6 +168,7 @@ void AddPeers(const sim::Scene& scene, Simulated what, double ratio, CostAnswer&
                       .settings = rung.setting,
                       .predicted_s = rung.seconds * scale,
                       .predicted_error = error,
+                      .error_of = fmt::format("the ladders' scene, {}", NameOf(scene_class)),
                       .limited_by = "steps",
                       .answers = true,
                       .is_peer = true};
@@ -180,7 +208,7 @@ Result<CostedMethod> PriceOf(const sim::Scene& scene, const std::string& where) 
   HAPTOMETER_LET(const auto timed, Timed(scene, where, kTimedAnswers));
   CostedMethod method = MethodOf(timed.answer);
   method.predicted_s = timed.seconds;
-  method.predicted_error = Bound(ErrorOfAll(timed.answer));
+  method.predicted_error = Stated(timed.answer);
   return method;
 }
 
@@ -195,6 +223,7 @@ Result<CostAnswer> CostOfSimulation(const sim::Scene& scene, Simulated what,
     own.measured_s = timed.seconds;
     own.measured_error = ErrorOfAll(timed.answer);
   }
+  own.error_of = "this scene";
   own.answers = own.measured_error.value_or(*own.predicted_error) <= answer.accuracy;
   answer.methods.push_back(std::move(own));
   const double ratio = ProbeMachine(ClassOf(scene));
@@ -202,8 +231,9 @@ Result<CostAnswer> CostOfSimulation(const sim::Scene& scene, Simulated what,
   SortMethods(answer.methods);
   answer.notes.Find(
       Severity::kNote, "prices-of-ladders",
-      "other programs' times and errors are those of the thesis's adapter scene ({class}), "
-      "by the number of periods, times {ratio} for this machine",
+      "the ladders' scene is the thesis's adapter scene ({class}), 0.1 s from rest: other "
+      "programs' errors are of that scene alone, and their times are scaled by the number of "
+      "periods, times {ratio} for this machine",
       {{"class", std::string(NameOf(ClassOf(scene)))}, {"ratio", ratio}});
   return answer;
 }

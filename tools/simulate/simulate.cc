@@ -218,6 +218,11 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   }
   const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : 1;
   HAPTOMETER_TRY(cli::CheckRules({
+      {!wanted.quantity.empty() && !wanted.explain, "--quantity",
+       "applies to --explain only, which is not given", "add --explain"},
+      {wanted.overwrite && wanted.output.empty() && wanted.waveforms.empty(), "--overwrite",
+       "applies to --output and --waveforms only, neither of which is given",
+       "add -o FILE or --waveforms FILE"},
       {wanted.rate_hz && wanted.waveforms.empty(), "--rate",
        "applies to --waveforms only, which is not given", "add --waveforms FILE"},
       {!(rate_hz > 0), "--rate", fmt::format("{:g} Hz is not a rate", rate_hz),

@@ -255,8 +255,10 @@ Section RunSection(const SceneAnswer& solved) {
   const sim::SceneRun& run = *played;
   // numbers of the motion reached in the end are printed in the steady section instead
   if (SettledRun(solved) != nullptr || solved.steady) section.detail = Detail::kAll;
-  // interval of time that the numbers of the run are of
-  section.Add(document::kWindowS, document::Range{run.begin_s, run.end_s});
+  // interval of time that the numbers of the run are of; superposed ones are over all time
+  using Window = std::optional<document::Range>;
+  section.Add(document::kWindowS,
+              IsSuperposed(solved) ? Window() : Window({run.begin_s, run.end_s}));
   AddNumbers(RunNumbers(), solved, run.error_estimate, section);
   const sim::RunEnd end =
       solved.effects ? solved.effects->end.value_or(sim::RunEnd{}) : sim::RunEnd{};

@@ -44,6 +44,7 @@ struct TuneWords {
   std::string receptor_grid = "cell";
   std::optional<double> voltage_v, frequency_hz, receptors_per_mm2;
   std::optional<std::int64_t> grid;
+  bool has_area = false;  // bounds of the contact's area are given
   document::Outputs outputs;
 };
 
@@ -162,6 +163,21 @@ Result<void> CheckDrive(const TuneQuestion& question) {
       "give --voltage and --frequency above 0");
 }
 
+// options of the contact, which change nothing where the skin is the scene's
+Result<void> CheckContact(const TuneWords& words, const TuneQuestion& question) {
+  if (!question.problem.fixed_skin) return {};
+  const sim::ReceptorField &field = question.receptors, usual;
+  const bool has_receptors = field.grid != usual.grid || words.receptors_per_mm2 ||
+                             field.field_radius_m != usual.field_radius_m ||
+                             field.pad_side_m != usual.pad_side_m;
+  return cli::CheckRules({
+      {words.has_area, "--contact-area",
+       "changes nothing with --skin scene: that skin is the same at every area", "leave it out"},
+      {has_receptors, "--receptor-grid, --receptor-density, --field-radius, --pad",
+       "change nothing with --skin scene, which has no area of contact", "leave them out"},
+  });
+}
+
 // combinations of options that have no answer for an objective
 Result<void> CheckObjective(const TuneWords& words, const TuneQuestion& question) {
   using enum sim::Objective;
@@ -212,7 +228,10 @@ void DeclareBounds(cli::Options& options, TuneWords& words) {
   options
       .Parsed(
           "--contact-area", "LOW:HIGH",
-          [&bounds](const std::string& text) { return ReadAreas(text, bounds.contact_area_m2); },
+          [&words, &bounds](const std::string& text) {
+            words.has_area = true;
+            return ReadAreas(text, bounds.contact_area_m2);
+          },
           "Area of the contact, within 1 to 100 mm2")
       .Default(fmt::format("{:g}:{:g} mm2", bounds.contact_area_m2.lower / kM2PerMm2,
                            bounds.contact_area_m2.upper / kM2PerMm2));
@@ -310,6 +329,7 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   HAPTOMETER_TRY(CheckDrive(question));
   HAPTOMETER_TRY(CheckReceptors(question.receptors));
   HAPTOMETER_TRY(CheckObjective(words, question));
+  HAPTOMETER_TRY(CheckContact(words, question));
   return question;
 }
 
