@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/fit_tally.h"
-#include "fit/drop_test/experiment_plan.h"
+#include "fit/experiment_plan.h"
 #include "tests/fit/synthetic_drop.h"
 
 namespace haptometer::fit {

@@ -1,15 +1,17 @@
 #include "fit/residuals.h"
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <ranges>
 #include <utility>
 
 #include "base/error.h"
 #include "base/median.h"
+#include "dsp/readings/digitisation.h"
 #include "dsp/spectrum/fft.h"
 
 namespace haptometer::fit {
@@ -201,6 +203,8 @@ constexpr double kSettled = 1e-6;
 // relative residuals of a record without noise are rounding; below this nothing is weighed
 constexpr double kSmallestNoise = 1e-13;
 constexpr double kLeastDegrees = 0.5;
+// third order of the noises' uncertainty, see SolveGroups
+constexpr double kThirdOrder = 6;
 
 // residuals and slopes over their group's noise
 LeastSquares Weighted(const LeastSquares& problem, const NoiseGroups& groups,
@@ -260,6 +264,74 @@ bool Update(const NoiseGroups& groups, GroupedSolution* solution) {
   return settled;
 }
 
+// C A_g of each group: the shares of the parameters that it decides
+std::vector<Eigen::MatrixXd> SharesOf(const NoiseGroups& groups, const GroupedSolution& solution) {
+  const auto columns = static_cast<Eigen::Index>(solution.jacobian.columns);
+  const Eigen::Map<const RowMajor> slopes(
+      solution.jacobian.values.data(), static_cast<Eigen::Index>(solution.jacobian.rows), columns);
+  const Eigen::Map<const RowMajor> covariance(solution.seen.covariance.data(), columns, columns);
+  std::vector<Eigen::MatrixXd> shares(groups.least_noise.size(),
+                                      Eigen::MatrixXd::Zero(columns, columns));
+  for (std::size_t n = 0; n < groups.group_of.size(); ++n) {
+    const auto row = slopes.row(static_cast<Eigen::Index>(n));
+    shares[groups.group_of[n]] += row.transpose() * row;
+  }
+  for (auto& share : shares) share = covariance * share;
+  return shares;
+}
+
+// W; a group without degrees of freedom has no estimate that could be uncertain
+Eigen::MatrixXd NoiseCovariance(const NoiseGroups& groups, const GroupedSolution& solution,
+                                const std::vector<Eigen::MatrixXd>& shares) {
+  const auto size = std::ssize(shares);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t n = 0; n < groups.group_of.size(); ++n) {
+    const auto g = static_cast<Eigen::Index>(groups.group_of[n]);
+    information(g, g) += 0.5;
+  }
+  std::vector<Eigen::Index> estimated;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (solution.degrees[i] >= kLeastDegrees) estimated.push_back(row);
+    information(row, row) -= shares[i].trace();
+    for (std::size_t j = 0; j < shares.size(); ++j) {
+      information(row, static_cast<Eigen::Index>(j)) += (shares[i] * shares[j]).trace() / 2;
+    }
+  }
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  const Eigen::MatrixXd known = information(estimated, estimated);
+  const Eigen::MatrixXd inverse = known.inverse();
+  covariance(estimated, estimated) = inverse;
+  return covariance;
+}
+
+// what the noises' uncertainty adds to the covariance, and what the degrees of freedom follow from
+void AddNoiseUncertainty(const NoiseGroups& groups, GroupedSolution* solution) {
+  const auto shares = SharesOf(groups, *solution);
+  const Eigen::MatrixXd noise_covariance = NoiseCovariance(groups, *solution, shares);
+  solution->noise_covariance.assign(noise_covariance.data(),
+                                    noise_covariance.data() + noise_covariance.size());
+  solution->type_a = solution->seen;
+  const auto columns = static_cast<Eigen::Index>(solution->seen.columns);
+  const Eigen::Map<const RowMajor> covariance(solution->seen.covariance.data(), columns, columns);
+  Eigen::Map<RowMajor> type_a(solution->type_a.covariance.data(), columns, columns);
+  const auto scale = [&](std::size_t g) {
+    return std::sqrt(1 + kThirdOrder / std::max(solution->degrees[g], kLeastDegrees));
+  };
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const RowMajor part = shares[i] * covariance;
+    solution->parts.emplace_back(part.data(), part.data() + part.size());
+    for (std::size_t j = 0; j < shares.size(); ++j) {
+      // 2 L; one group decides all by itself: 0
+      const Eigen::MatrixXd both =
+          (i == j ? part : RowMajor::Zero(columns, columns)) - shares[i] * shares[j] * covariance;
+      const double weight =
+          noise_covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      if (shares.size() > 1) type_a += 2 * weight * scale(i) * scale(j) * both;
+    }
+  }
+}
+
 }  // namespace
 
 GroupedSolution SolveGroups(const LeastSquares& problem, const NoiseGroups& groups,
@@ -277,7 +349,66 @@ GroupedSolution SolveGroups(const LeastSquares& problem, const NoiseGroups& grou
     solution.seen = FindIdentifiability(solution.jacobian, is_free, is_logarithm);
     if (Update(groups, &solution)) break;
   }
+  AddNoiseUncertainty(groups, &solution);
   return solution;
+}
+
+double DegreesOf(const GroupedSolution& solution, const std::vector<double>& weights) {
+  const auto columns = static_cast<Eigen::Index>(solution.seen.columns);
+  const auto groups = std::ssize(solution.parts);
+  const Eigen::Map<const Eigen::VectorXd> of(weights.data(), columns);
+  Eigen::VectorXd parts(groups);
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const auto& part = solution.parts[static_cast<std::size_t>(g)];
+    parts[g] = of.dot(Eigen::Map<const RowMajor>(part.data(), columns, columns) * of);
+  }
+  const Eigen::Map<const RowMajor> covariance(solution.noise_covariance.data(), groups, groups);
+  const double all = std::accumulate(solution.degrees.begin(), solution.degrees.end(), 0.0);
+  const double effective = 2 * std::pow(parts.sum(), 2) / parts.dot(covariance * parts);
+  // not a number where nothing is fitted
+  return effective < all ? std::max(effective, 1.0) : std::max(all, 1.0);
+}
+
+std::vector<std::vector<double>> RoundingResponses(const GroupedSolution& solution,
+                                                   const NoiseGroups& groups,
+                                                   const TabulatedValues& tabulated) {
+  const auto& [values, slopes, first] = tabulated;
+  const double step = dsp::StepOf(values);
+  std::vector<std::vector<double>> responses;
+  if (step == 0) return responses;
+  std::vector<std::size_t> places(values.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::ranges::sort(places, {}, [&values](std::size_t n) { return values[n]; });
+  const auto differs = [&](std::size_t a, std::size_t b) {
+    return std::abs(values[b] - values[a]) > step / 2;
+  };
+  for (auto begin = places.begin(); begin != places.end();) {
+    auto end = std::next(begin);
+    while (end != places.end() && !differs(*std::prev(end), *end)) ++end;
+    const double common = step * std::sqrt((1 - 1 / static_cast<double>(end - begin)) / 12);
+    std::vector<double> change(solution.jacobian.rows, 0.0);
+    for (; begin != end; ++begin) {
+      // noise in the values' unit ahead of the rounding, which is part of the residuals
+      const double noise = solution.noise[groups.group_of[first + *begin]];
+      const double before = std::max(std::pow(noise / slopes[*begin] / step, 2) - 1.0 / 12, 0.0);
+      const double remains = std::exp(-2 * std::numbers::pi * std::numbers::pi * before);
+      change[first + *begin] = common * remains * slopes[*begin] / noise;
+    }
+    if (common > 0) responses.push_back(Response(solution.seen, solution.jacobian, change));
+  }
+  return responses;
+}
+
+double CovarianceBy(const std::vector<std::vector<double>>& responses,
+                    const std::vector<double>& first, const std::vector<double>& second) {
+  double sum = 0;
+  for (const auto& response : responses) {
+    const auto along = [&response](const std::vector<double>& weights) {
+      return std::inner_product(weights.begin(), weights.end(), response.begin(), 0.0);
+    };
+    sum += along(first) * along(second);
+  }
+  return sum;
 }
 
 }  // namespace haptometer::fit

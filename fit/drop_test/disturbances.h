@@ -38,8 +38,8 @@ struct Disturbances {
 /// 30 times the mean share of a degree of freedom (one false alarm in 10^5 records of white noise;
 /// dry friction, of one column with a known sign, 12 times: 1 in 4000), is included, and the fit
 /// repeated until none is left. Friction is judged by the swings above the converter's step: below
-/// it a record shows rest, as friction leaves behind.
-///
+/// it a record shows rest, as friction leaves behind. A tail of one code and its neighbours, below
+/// the converter's step, is cut off before anything is tried: its sudden end resembles an impact.
 ///
 /// - a line or a hum becomes further columns of the fit;
 /// - at a blow the record is cut. The part kept is the one that tells more of the decay, by its

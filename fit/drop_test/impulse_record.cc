@@ -129,7 +129,8 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   HAPTOMETER_LET(const auto found, FindSignal(record, name));
   const trial::Channel& signal = *found;
   // one segment on the source's own clock, because the fit needs a uniform grid
-  if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
+  if (record.stretches.size() != 1 ||
+      (record.timing != trial::Timing::kUniform && record.stretches[0].time_uncertainty_s > 0)) {
     return CannotAnswer(name, "has gaps or a non-uniform time base",
                         "export the whole oscilloscope record at its own sample interval");
   }

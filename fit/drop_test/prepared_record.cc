@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/median.h"
+#include "fit/drop_test/first_look.h"
 
 namespace haptometer::fit {
 namespace {
@@ -192,19 +193,24 @@ std::optional<double> PeriodOf(const std::vector<double>& values, double middle_
   return 1 / (*frequency_hz * step_s);
 }
 
-// where each drop's piece begins: half way from where the ringing had gone to the rise
-std::vector<std::size_t> Begins(const std::vector<double>& amplitudes, std::size_t period) {
+// Where each drop's piece begins: half way from where the ringing had gone to the rise. `noise` is
+// the deviation of each of an amplitude's two components.
+std::vector<std::size_t> Begins(const std::vector<double>& amplitudes, std::size_t period,
+                                double noise) {
   const double largest = *std::ranges::max_element(amplitudes);
+  const double fallen_below = kFallen * largest;
+  // noise alone lifts what had fallen by 5 deviations once in 3e5 periods: e^(-5^2/2)
+  const double risen_above = std::max(kRisen * largest, fallen_below + 5 * noise);
   std::vector<std::size_t> begins{0};
   bool rings = false;
   std::size_t fallen = 0;  // samples that the amplitude has been small for
   for (std::size_t n = 0; n < amplitudes.size(); ++n) {
-    // with hysteresis: it rings above kRisen of the largest amplitude, and has ended below kFallen
-    fallen = amplitudes[n] < kFallen * largest ? fallen + 1 : 0;
+    // with hysteresis: it rings above the one amplitude, and has ended below the other
+    fallen = amplitudes[n] < fallen_below ? fallen + 1 : 0;
     if (rings && fallen > period) {
       rings = false;
       begins.push_back(n);
-    } else if (!rings && amplitudes[n] > kRisen * largest) {
+    } else if (!rings && amplitudes[n] > risen_above) {
       // half way between the end of the previous ringing and this rise
       if (begins.size() > 1) begins.back() = (begins.back() + n) / 2;
       rings = true;
@@ -229,12 +235,15 @@ std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record) {
   const auto measured =
       std::ranges::count_if(record.voltage_v, [](double v) { return std::isfinite(v); });
   if (static_cast<std::size_t>(measured) < kLeastSplitSamples) return {record};
-  const std::vector<double> values = Filled(record.voltage_v);
+  const auto rest_v = WithoutWhatLasts(record.voltage_v, record.step_s);
+  const std::vector<double> values = Filled(rest_v ? *rest_v : record.voltage_v);
   const double middle_v = Median(values);
   const auto period = PeriodOf(values, middle_v, record.step_s);
   if (!period || kLeastPeriods * *period > static_cast<double>(values.size())) return {record};
   const auto amplitudes = FollowingAmplitude(values, middle_v, *period);
-  std::vector<std::size_t> begins = Begins(amplitudes, static_cast<std::size_t>(*period));
+  // a component is a sum over a period of noise times a cosine, whose square is a half on average
+  const double noise = NoiseOfSamples(values) * std::sqrt(*period / 2);
+  std::vector<std::size_t> begins = Begins(amplitudes, static_cast<std::size_t>(*period), noise);
   if (begins.size() < 2) return {record};
   begins.push_back(values.size());
   std::vector<ImpulseRecord> pieces;

@@ -31,10 +31,11 @@ struct PreparedRecord {
 /// The drops of a record that holds several, each with the quiet part before it; else the record.
 ///
 /// A further drop begins where the amplitude at the strongest frequency, fallen below a tenth of
-/// its largest for a period, rises beyond three tenths; what follows a blow sooner is a second
-/// impact of the same drop (disturbances.h). Pieces are named "FILE, drop 2". A stated drop height
-/// is that of the first drop: whether the others fell as far, nobody knows. Nothing is split where
-/// a piece would hold fewer than 6 periods.
+/// its largest for a period, rises beyond three tenths, and by five deviations of the noise above
+/// that tenth; slow courses and hum are taken off first (first_look.h). What follows a blow sooner
+/// is a second impact of the same drop (disturbances.h). Pieces are named "FILE, drop 2". A stated
+/// drop height is that of the first drop: whether the others fell as far, nobody knows. Nothing is
+/// split where a piece would hold fewer than 6 periods.
 [[nodiscard]] std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record);
 
 /// A record as means of blocks of equal length.

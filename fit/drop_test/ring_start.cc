@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "base/median.h"
+#include "fit/drop_test/first_look.h"
 #include "fit/drop_test/ring_fit.h"
 #include "fit/drop_test/ringing_model.h"
 #include "sim/ring_down.h"
@@ -433,9 +434,8 @@ Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const L
   return {};
 }
 
-}  // namespace
-
-Result<RingStart> FindRingStart(const ImpulseRecord& record) {
+// FindRingStart() of a record whose lasting parts are weak, or taken off
+Result<RingStart> StartOf(const ImpulseRecord& record) {
   const auto measured = static_cast<std::size_t>(std::count_if(
       record.voltage_v.begin(), record.voltage_v.end(), [](double v) { return std::isfinite(v); }));
   if (measured < kLeastSamples) {
@@ -494,66 +494,26 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   return start;
 }
 
-namespace {
-
-using Complex = std::complex<double>;
-
-// e^(-2 pi j n / period) as a product of two from tables: 64 first ones, and every 64th
-class Turn {
- public:
-  Turn(std::size_t count, double period_samples) {
-    const auto at = [period_samples](std::size_t n) {
-      return std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(n) / period_samples);
-    };
-    for (std::size_t n = 0; n < kFirst; ++n) first_.push_back(at(n));
-    for (std::size_t n = 0; n <= count / kFirst; ++n) further_.push_back(at(n * kFirst));
-  }
-
-  [[nodiscard]] Complex At(std::size_t n) const {
-    return further_[n / kFirst] * first_[n % kFirst];
-  }
-
- private:
-  static constexpr std::size_t kFirst = 64;
-  std::vector<Complex> first_;
-  std::vector<Complex> further_;
-};
+// mean square of what the quiet part and the ring-down leave of a record
+double LeftOver(const ImpulseRecord& record, const RingStart& start) {
+  const auto quiet = static_cast<double>(start.quiet_samples);
+  const auto ringing = static_cast<double>(record.voltage_v.size() - start.first_sample);
+  return (quiet * std::pow(start.quiet_noise_v, 2) + ringing * std::pow(start.residual_rms_v, 2)) /
+         (quiet + ringing);
+}
 
 }  // namespace
 
-std::vector<double> Filled(const std::vector<double>& values) {
-  std::vector<double> filled = values;
-  std::size_t last = values.size();
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    if (!std::isfinite(values[n])) continue;
-    const double from = last == values.size() ? values[n] : values[last];
-    const std::size_t first = last == values.size() ? 0 : last + 1;
-    for (std::size_t k = first; k < n; ++k) {
-      filled[k] = from + (values[n] - from) * static_cast<double>(k + 1 - first) /
-                             static_cast<double>(n + 1 - first);
-    }
-    last = n;
-  }
-  // behind the last sample: its value
-  for (std::size_t k = last + 1; k < values.size(); ++k) filled[k] = values[last];
-  return filled;
-}
-
-std::vector<double> FollowingAmplitude(const std::vector<double>& values, double middle_v,
-                                       double period_samples) {
-  const auto period = static_cast<std::size_t>(std::ceil(period_samples));
-  // running sum of v e^(-j w t): the sum over any period is a difference of two
-  const Turn turn(values.size(), period_samples);
-  std::vector<Complex> turned(values.size() + 1);
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    turned[n + 1] = turned[n] + (values[n] - middle_v) * turn.At(n);
-  }
-  std::vector<double> amplitudes;
-  amplitudes.reserve(values.size());
-  for (std::size_t n = 0; n + period < turned.size(); ++n) {
-    amplitudes.push_back(std::abs(turned[n + period] - turned[n]));
-  }
-  return amplitudes;
+Result<RingStart> FindRingStart(const ImpulseRecord& record) {
+  auto start = StartOf(record);
+  auto rest_v = WithoutWhatLasts(record.voltage_v, record.step_s);
+  if (!rest_v) return start;
+  // of the record as it is and without what lasts, what is explained better
+  ImpulseRecord rest = record;
+  rest.voltage_v = *std::move(rest_v);
+  auto other = StartOf(rest);
+  if (other && (!start || LeftOver(rest, *other) < LeftOver(record, *start))) return other;
+  return start;
 }
 
 }  // namespace haptometer::fit

@@ -35,6 +35,9 @@ struct RingStart {
 /// the two periods around the amplitude's rise), for a motion without oscillation the first sample
 /// beyond half of the largest distance from the median. What lies well before it is quiet and gives
 /// the noise; a record that begins with the blow has none.
+/// A slow course or a hum of the ring-down's own size hides it: where such parts last
+/// (fit/drop_test/first_look.h), the record is tried without them too, and the start that explains
+/// more of quiet part and ring-down is taken. Noise, offset and residual are then without them.
 /// From an eighth of a period behind the blow (contact lasts that long, and the coil's current has
 /// settled) the poles are estimated (poles.h) and amplitude, phase and offset follow by linear
 /// least squares. The impact is the zero of the motion nearest to the blow.
@@ -50,14 +53,5 @@ struct RingStart {
 /// fit (energy over noise density rho = A^2/(4 d dt s^2) below 50, where the decay rate alone is
 /// uncertain to 28 %).
 [[nodiscard]] Result<RingStart> FindRingStart(const ImpulseRecord& record);
-
-/// `values` with holes (NaN) bridged by straight lines: for start values only.
-[[nodiscard]] std::vector<double> Filled(const std::vector<double>& values);
-
-/// The amplitude at a resonance in the period that follows each sample, times half of its samples;
-/// shorter than `values` by a period. It begins to rise a period before a blow, and noise of any
-/// single sample does not move it. `middle_v` is taken off first.
-[[nodiscard]] std::vector<double> FollowingAmplitude(const std::vector<double>& values,
-                                                     double middle_v, double period_samples);
 
 }  // namespace haptometer::fit

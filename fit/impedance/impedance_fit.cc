@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -61,6 +62,7 @@ struct Solved {
   std::vector<bool> is_free;
   GroupedSolution solution;
   std::vector<Input> inputs;
+  std::vector<std::vector<double>> rounding;  // responses (fit/residuals.h)
   bool follows_one_point = false;
 };
 
@@ -154,8 +156,8 @@ Result<void> CheckResonance(const std::vector<ImpedancePoint>& points,
 
 // standard deviation of a parameter from the sweep's noise
 double Deviation(const Solved& solved, P parameter) {
-  return std::sqrt(
-      solved.solution.seen.covariance[Index(parameter) * kImpedanceParameters + Index(parameter)]);
+  return std::sqrt(solved.solution.type_a
+                       .covariance[Index(parameter) * kImpedanceParameters + Index(parameter)]);
 }
 
 // holds a parameter at what was stated; its response to that input follows from the residuals'
@@ -208,10 +210,10 @@ bool TellsResonance(const Solved& solved) {
 
 // by how many of the rest's standard uncertainties the resonance moves without a point, at most
 double MovedBy(const Solved& solved, const Solved& rest) {
-  const double degrees = rest.solution.degrees[0] + rest.solution.degrees[1];
-  const double student = dsp::StudentCritical(std::max(degrees, 1.0)) / kCoverage95;
   double most = 0;
   for (const P parameter : kResonance) {
+    const double degrees = DegreesOf(rest.solution, Power(parameter, 1));
+    const double student = dsp::StudentCritical(degrees) / kCoverage95;
     const double moved =
         std::abs(rest.parameters[Index(parameter)] - solved.parameters[Index(parameter)]);
     most = std::max(most, moved / (student * Deviation(rest, parameter)));
@@ -260,6 +262,23 @@ void AddHeldInput(P parameter, std::string name, std::string unit, const Quantit
   // the held parameter moves with the stated value, the others by their response
   input.response[Index(parameter)] += per_share;
   solved->inputs.push_back(std::move(input));
+}
+
+// what the table's rounding may move the parameters by
+void AddRounding(Solved* solved) {
+  const std::size_t count = solved->points.size();
+  // residuals ln(|Zmodel|/|Z|), then arg Zmodel - arg Z
+  TabulatedValues magnitudes{{}, {}, 0};
+  TabulatedValues phases{{}, std::vector<double>(count, -1.0), count};
+  for (const auto& point : solved->points) {
+    magnitudes.values.push_back(std::abs(point.ohm));
+    magnitudes.slopes.push_back(-1 / std::abs(point.ohm));
+    phases.values.push_back(std::arg(point.ohm));
+  }
+  for (const auto* tabulated : {&magnitudes, &phases}) {
+    auto responses = RoundingResponses(solved->solution, ImpedanceGroups(count), *tabulated);
+    std::ranges::move(responses, std::back_inserter(solved->rounding));
+  }
 }
 
 // the mass M and its inputs; nothing where it is not known
@@ -316,8 +335,12 @@ FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
   for (const auto& input : solved.inputs) {
     input_variance += std::pow(Share(input, product) * RelativeUncertainty(input), 2);
   }
-  FittedValue value = FromLogarithm(logarithm, Variance(solved.solution.seen, product.weights),
-                                    input_variance, product.unit);
+  input_variance += CovarianceBy(solved.rounding, product.weights, product.weights);
+  const double variance = Variance(solved.solution.type_a, product.weights);
+  FittedValue value = FromLogarithm(logarithm, variance, input_variance, product.unit);
+  SetIntervals(ScatterCoverage(variance + input_variance, variance,
+                               DegreesOf(solved.solution, product.weights)),
+               {&value});
   value.determined = value.determined && solved.solution.solver.converged &&
                      !solved.follows_one_point &&
                      Blur(solved.solution.seen, product.weights) < kMostBlur;
@@ -372,6 +395,8 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
     const double share = Share(input, {Power(P::kInductance, 1), 0, 1, "H"});
     variance += std::pow(share * RelativeUncertainty(input), 2);
   }
+  const Weights weights = Power(P::kInductance, 1);
+  variance += CovarianceBy(solved.rounding, weights, weights);
   const double combined = stated ? knowns.inductance_h->standard_uncertainty : std::sqrt(variance);
   fit->inductance = {.value = value,
                      .standard_uncertainty = own,
@@ -379,8 +404,12 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
                      .at_most = {},
                      .unit = "H",
                      .determined = stated || value > 3 * combined};
+  const double coverage =
+      stated ? kCoverage95
+             : ScatterCoverage(variance, own * own, DegreesOf(solved.solution, weights));
+  SetIntervals(coverage, {&fit->inductance});
   if (fit->inductance.determined) return;
-  fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * combined;
+  fit->inductance.at_most = std::max(value, 0.0) + coverage * combined;
   fit->findings.Note(FindingKind::kInductanceBelow, {{"at_most_h", *fit->inductance.at_most}});
 }
 
@@ -402,7 +431,8 @@ void ConcludeCovariance(const Solved& solved, ImpedanceFit* fit) {
       const auto& [other, of_other] = rows[j];
       if (!one->determined || !other->determined) continue;
       // type A by the solution's covariance, type B by the inputs that both share
-      double sum = Covariance(solved.solution.seen, of_one.weights, of_other.weights);
+      double sum = Covariance(solved.solution.type_a, of_one.weights, of_other.weights) +
+                   CovarianceBy(solved.rounding, of_one.weights, of_other.weights);
       for (const auto& input : solved.inputs) {
         const double relative = RelativeUncertainty(input);
         sum += Share(input, of_one) * Share(input, of_other) * relative * relative;
@@ -420,14 +450,17 @@ void Describe(const Solved& solved, ImpedanceFit* fit) {
   fit->magnitude_noise = solution.noise[0];
   fit->phase_noise_rad = solution.noise[1];
   fit->degrees_of_freedom = solution.degrees[0] + solution.degrees[1];
-  fit->coverage_95 = dsp::StudentCritical(std::max(fit->degrees_of_freedom, 1.0));
+  for (const P parameter : kResonance) {
+    fit->coverage_95 =
+        std::max(fit->coverage_95, dsp::StudentCritical(DegreesOf(solution, Power(parameter, 1))));
+  }
   fit->residuals = LookAtResiduals(solution.jacobian.residuals, fit->points);
   fit->farthest_hz = solved.points[fit->residuals.farthest].frequency_hz;
   fit->singular_values = solution.seen.singular_values;
   fit->parameters = solved.parameters;
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
-  fit->correlation = Correlations(solution.seen);
+  fit->correlation = Correlations(solution.type_a);
   // half width at half of the motion's largest amplitude: sqrt(3)/2 f0/Q
   const double half_width_hz =
       std::numbers::sqrt3 / 2 * fit->natural_frequency.value / fit->quality_factor.value;
@@ -472,15 +505,12 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
     solved.follows_one_point = true;
     fit.findings.Add(*found);
   }
+  AddRounding(&solved);
   const auto mass_kg = TakeMass(knowns, condition, &solved);
   Conclude(solved, mass_kg, &fit);
   Describe(solved, &fit);
   ConcludeInductance(solved, knowns, &fit);
   ConcludeCovariance(solved, &fit);
-  SetIntervals(fit.coverage_95,
-               {&fit.stiffness, &fit.damping, &fit.force_constant, &fit.stiffness_over_mass,
-                &fit.damping_over_mass, &fit.coupling_over_mass, &fit.natural_frequency,
-                &fit.quality_factor, &fit.resistance, &fit.inductance});
   AddImpedanceFindings(knowns, condition, solved.is_free[Index(P::kResistance)], &fit);
   return fit;
 }

@@ -30,10 +30,10 @@ struct ImpedanceFit {
   std::size_t points_near_resonance = 0;  ///< within half a bandwidth, sqrt(3) f0/Q
   double lowest_hz = 0;
   double highest_hz = 0;
-  double magnitude_noise = 0;  ///< standard deviation of a point's |Z| over |Z|
-  double phase_noise_rad = 0;  ///< standard deviation of a point's phase
-  double degrees_of_freedom = 0;
-  double coverage_95 = 0;               ///< Student's factor for these
+  double magnitude_noise = 0;           ///< standard deviation of a point's |Z| over |Z|
+  double phase_noise_rad = 0;           ///< standard deviation of a point's phase
+  double degrees_of_freedom = 0;        ///< of all residuals
+  double coverage_95 = 0;               ///< Student's factor: the largest of the parameters
   ResidualLook residuals;               ///< in the order of frequency
   double farthest_hz = 0;               ///< the frequency of the point with the largest residual
   std::vector<double> singular_values;  ///< of the column-scaled Jacobian, largest first
@@ -58,8 +58,9 @@ struct ImpedanceFit {
 /// theirs times its |Z|. The sweep alone contains Kv/M, Bv/M and Km^2/M, not M: without a mass
 /// nothing else is given. A stated resistance or inductance is taken where the sweep does not tell
 /// it (resistance: uncertain to more than 5 %; inductance: always, when stated); otherwise the
-/// resistance is compared. Type A: covariance with the estimated noises. Type B: masses, and what
-/// was taken as stated.
+/// resistance is compared. Type A: covariance with the estimated noises, which are uncertain
+/// themselves. Type B: masses, what was taken as stated, and magnitudes and phases that are rounded
+/// to more than their noise. Each interval has Student's factor of its own degrees of freedom.
 ///
 /// The six points nearest to the resonance are left out one at a time: where that moves a constant
 /// by more than five of the rest's standard uncertainties, the fit follows that point alone, and

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -29,10 +30,16 @@ class SkinProblem {
   /// The amplitudes that the parameters give.
   [[nodiscard]] std::vector<double> Amplitudes(const std::vector<double>& parameters) const;
 
+  /// What the rounding of displacements, drives and phases may move the parameters by.
+  [[nodiscard]] std::vector<std::vector<double>> Rounding(const GroupedSolution& solution) const;
+
   [[nodiscard]] const std::vector<SkinPoint>& points() const { return points_; }
   [[nodiscard]] const sim::Actuator& actuator() const { return actuator_; }
   [[nodiscard]] bool has_phases() const { return has_phases_; }
   [[nodiscard]] bool has_uncertainties() const { return has_uncertainties_; }
+
+  /// Of a magnitude's residual: the stated relative uncertainty, or 1.
+  [[nodiscard]] double UnitOf(const SkinPoint& point) const;
 
   /// Turns all phases by pi: a coil's polarity is free.
   void TurnPhases();
@@ -214,20 +221,31 @@ std::vector<Input> Inputs(const SkinProblem& problem, const sim::ActuatorCovaria
   std::vector<double> change(solution.jacobian.rows, 0.0);
   for (std::size_t n = 0; n < problem.points().size(); ++n) {
     const auto& point = problem.points()[n];
-    const double unit = problem.has_uncertainties()
-                            ? *point.displacement_standard_uncertainty_m / point.displacement_m
-                            : 1;
-    change[n] = -1 / unit / solution.noise[0];
+    change[n] = -1 / problem.UnitOf(point) / solution.noise[0];
   }
   inputs.push_back(
       {"displacement over drive", 0, Response(solution.seen, solution.jacobian, change)});
   return inputs;
 }
 
+// What the parameters depend on besides the points' noise.
+struct Given {
+  std::vector<Input> inputs;
+  sim::ActuatorCovariance covariance{};       // relative, of the first seven
+  std::vector<std::vector<double>> rounding;  // responses (fit/residuals.h)
+};
+
+// the weights of one parameter alone
+Weights Alone(P parameter) {
+  Weights weights(kContactParameters, 0.0);
+  weights[Index(parameter)] = 1;
+  return weights;
+}
+
 // g' C g (GUM 5.2.2): g responses of the parameter, C relative covariance of the actuator's numbers
-double InputVariance(const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
-                     P parameter) {
-  double variance = 0;
+double InputVariance(const Given& given, P parameter) {
+  const auto& [inputs, covariance, rounding] = given;
+  double variance = CovarianceBy(rounding, Alone(parameter), Alone(parameter));
   for (std::size_t i = 0; i < covariance.size(); ++i) {
     for (std::size_t k = 0; k < covariance.size(); ++k) {
       variance += inputs[i].response[Index(parameter)] * covariance[i][k] *
@@ -237,32 +255,38 @@ double InputVariance(const std::vector<Input>& inputs, const sim::ActuatorCovari
   return std::max(variance, 0.0);
 }
 
+// the interval of a constant whose parameter has these variances
+void SetInterval(const GroupedSolution& solution, P parameter, double variance,
+                 double input_variance, FittedValue* value) {
+  SetIntervals(
+      ScatterCoverage(variance + input_variance, variance, DegreesOf(solution, Alone(parameter))),
+      {value});
+}
+
 // Ks or Bs from its fitted logarithm
 FittedValue Logarithmic(const std::vector<double>& parameters, const GroupedSolution& solution,
-                        const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
-                        P parameter, std::string unit) {
-  Weights weights(kContactParameters, 0.0);
-  weights[Index(parameter)] = 1;
-  FittedValue value = FromLogarithm(parameters[Index(parameter)], Variance(solution.seen, weights),
-                                    InputVariance(inputs, covariance, parameter), std::move(unit));
-  value.determined =
-      value.determined && solution.solver.converged && Blur(solution.seen, weights) < kMostBlur;
+                        const Given& given, P parameter, std::string unit) {
+  const double variance = Variance(solution.type_a, Alone(parameter));
+  const double input_variance = InputVariance(given, parameter);
+  FittedValue value =
+      FromLogarithm(parameters[Index(parameter)], variance, input_variance, std::move(unit));
+  SetInterval(solution, parameter, variance, input_variance, &value);
+  value.determined = value.determined && solution.solver.converged &&
+                     Blur(solution.seen, Alone(parameter)) < kMostBlur;
   return value;
 }
 
 // the skin's mass m is fitted itself, not as a logarithm: it may be 0 or negative
 FittedValue Mass(double case_mass_kg, const std::vector<double>& parameters,
-                 const GroupedSolution& solution, const std::vector<Input>& inputs,
-                 const sim::ActuatorCovariance& covariance) {
-  Weights weights(kContactParameters, 0.0);
-  weights[Index(P::kMass)] = 1;
+                 const GroupedSolution& solution, const Given& given) {
   FittedValue value;
   value.unit = "kg";
   value.value = parameters[Index(P::kMass)];
-  const double variance = Variance(solution.seen, weights);
+  const double variance = Variance(solution.type_a, Alone(P::kMass));
+  const double input_variance = InputVariance(given, P::kMass);
   value.standard_uncertainty = std::sqrt(variance);
-  value.combined_standard_uncertainty =
-      std::sqrt(variance + InputVariance(inputs, covariance, P::kMass));
+  value.combined_standard_uncertainty = std::sqrt(variance + input_variance);
+  SetInterval(solution, P::kMass, variance, input_variance, &value);
   value.determined = solution.solver.converged && solution.seen.nullity == 0 &&
                      value.standard_uncertainty < kMostMassShare * (case_mass_kg + value.value);
   return value;
@@ -275,11 +299,14 @@ void Describe(const SkinProblem& problem, const std::vector<double>& parameters,
   fit->magnitude_noise = solution.noise[0];
   if (problem.has_phases()) fit->phase_noise_rad = solution.noise[1];
   for (const double degrees : solution.degrees) fit->degrees_of_freedom += degrees;
-  fit->coverage_95 = dsp::StudentCritical(std::max(fit->degrees_of_freedom, 1.0));
+  for (const P parameter : {P::kStiffness, P::kDamping, P::kMass}) {
+    fit->coverage_95 =
+        std::max(fit->coverage_95, dsp::StudentCritical(DegreesOf(solution, Alone(parameter))));
+  }
   fit->singular_values = solution.seen.singular_values;
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
-  std::ranges::copy(Correlations(solution.seen), fit->correlation.begin());
+  std::ranges::copy(Correlations(solution.type_a), fit->correlation.begin());
   fit->model_m = problem.Amplitudes(parameters);
   for (const auto& point : problem.points()) {
     fit->frequencies_hz.push_back(point.frequency_hz);
@@ -375,20 +402,19 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   const auto solution = SolveGroups(problem.Whole(), problem.Groups(), {true, true, true},
                                     {true, true, false}, &parameters);
   fit.actuator_covariance = sim::RelativeCovariance(stated);
-  const auto& covariance = fit.actuator_covariance;
   // type B: the actuator's constants and the displacement's scale through the solution's response
-  const auto inputs = Inputs(problem, covariance, parameters, solution);
-  fit.stiffness = Logarithmic(parameters, solution, inputs, covariance, P::kStiffness, "N/m");
-  fit.damping = Logarithmic(parameters, solution, inputs, covariance, P::kDamping, "N s/m");
-  fit.mass = Mass(actuator.case_mass_kg, parameters, solution, inputs, covariance);
+  const Given given{Inputs(problem, fit.actuator_covariance, parameters, solution),
+                    fit.actuator_covariance, problem.Rounding(solution)};
+  fit.stiffness = Logarithmic(parameters, solution, given, P::kStiffness, "N/m");
+  fit.damping = Logarithmic(parameters, solution, given, P::kDamping, "N s/m");
+  fit.mass = Mass(actuator.case_mass_kg, parameters, solution, given);
   // per percent of an input: percent of Ks and of Bs, kg of m
-  for (const auto& input : inputs) {
+  for (const auto& input : given.inputs) {
     fit.influences.push_back(
         {input.name, input.relative_standard_uncertainty, input.response[Index(P::kStiffness)],
          input.response[Index(P::kDamping)], input.response[Index(P::kMass)] / 100});
   }
   Describe(problem, parameters, solution, &fit);
-  SetIntervals(fit.coverage_95, {&fit.stiffness, &fit.damping, &fit.mass});
   ExplainUndetermined(&fit);
   NameSecondSolution(starts, &fit);
   AddDoubts(sweep, problem, &fit);
@@ -423,6 +449,10 @@ SkinProblem::SkinProblem(sim::Actuator actuator, DriveQuantity drive, std::vecto
       has_phases_(points_.front().phase_rad.has_value()),
       has_uncertainties_(points_.front().displacement_standard_uncertainty_m.has_value()) {}
 
+double SkinProblem::UnitOf(const SkinPoint& point) const {
+  return has_uncertainties_ ? *point.displacement_standard_uncertainty_m / point.displacement_m : 1;
+}
+
 std::size_t SkinProblem::Residuals() const { return points_.size() * (has_phases_ ? 2 : 1); }
 
 bool SkinProblem::Evaluate(const sim::Actuator& actuator, std::span<const double> at,
@@ -434,8 +464,7 @@ bool SkinProblem::Evaluate(const sim::Actuator& actuator, std::span<const double
     const SkinPoint& point = points_[n];
     const ContactValue model = ContactAt(actuator, drive_, parameters, point.frequency_hz);
     // magnitudes: ln(model/measured), in units of the stated relative uncertainty
-    const double unit =
-        has_uncertainties_ ? *point.displacement_standard_uncertainty_m / point.displacement_m : 1;
+    const double unit = UnitOf(point);
     residuals[n] = std::log(std::abs(model.motion) * point.drive / point.displacement_m) / unit;
     if (!std::isfinite(residuals[n])) return false;
     // phases: rad, in the rows behind the magnitudes
@@ -476,6 +505,27 @@ std::vector<double> SkinProblem::ResidualsWith(const sim::Actuator& actuator,
   const bool defined = Evaluate(actuator, parameters, residuals, {});
   if (!defined) std::ranges::fill(residuals, std::nan(""));
   return residuals;
+}
+
+std::vector<std::vector<double>> SkinProblem::Rounding(const GroupedSolution& solution) const {
+  // residuals ln(model drive/displacement), then arg(model) - phase
+  TabulatedValues displacements, drives;
+  TabulatedValues phases{{}, {}, points_.size()};
+  for (const auto& point : points_) {
+    displacements.values.push_back(point.displacement_m);
+    displacements.slopes.push_back(-1 / point.displacement_m / UnitOf(point));
+    drives.values.push_back(point.drive);
+    drives.slopes.push_back(1 / point.drive / UnitOf(point));
+    if (!has_phases_) continue;
+    phases.values.push_back(*point.phase_rad);
+    phases.slopes.push_back(-1);
+  }
+  std::vector<std::vector<double>> all;
+  for (const auto* tabulated : {&displacements, &drives, &phases}) {
+    auto responses = RoundingResponses(solution, Groups(), *tabulated);
+    std::ranges::move(responses, std::back_inserter(all));
+  }
+  return all;
 }
 
 std::vector<double> SkinProblem::Amplitudes(const std::vector<double>& parameters) const {

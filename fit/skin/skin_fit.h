@@ -97,10 +97,10 @@ struct SkinFit {
   double magnitude_noise = 0;  ///< relative, of a point; as a factor on stated uncertainties
   bool uncertainties_stated = false;
   std::optional<double> phase_noise_rad;  ///< where phases were measured
-  double degrees_of_freedom = 0;
-  double coverage_95 = 0;       ///< Student's factor for these
-  ResidualLook residuals;       ///< in the order of frequency
-  std::vector<double> model_m;  ///< amplitude at each point, in order of frequency
+  double degrees_of_freedom = 0;          ///< of all residuals
+  double coverage_95 = 0;                 ///< Student's factor: the largest of the parameters
+  ResidualLook residuals;                 ///< in the order of frequency
+  std::vector<double> model_m;            ///< amplitude at each point, in order of frequency
   std::vector<double> frequencies_hz;
   std::vector<double> measured_m;
   std::vector<SkinInfluence> influences;          ///< eight
@@ -116,8 +116,10 @@ struct SkinFit {
 /// of phase, weighted by noises that are estimated along (fit/residuals.h): a share of the
 /// amplitude where no uncertainty is stated, at least the stated ones otherwise. Amplitudes alone
 /// may leave two solutions, below and above a resonance; a second one that fits as well within nine
-/// units of chi-square is named. Type A: covariance. Type B: the actuator's numbers by central
-/// differences of the exact model (1e-4 of each, good to 1e-8), with their stated correlations.
+/// units of chi-square is named. Type A: covariance, with the noises' own uncertainty. Type B: the
+/// actuator's numbers by central differences of the exact model (1e-4 of each, good to 1e-8), with
+/// their stated correlations, and what is rounded to more than its noise. Each interval has
+/// Student's factor of its own degrees of freedom.
 ///
 /// Errors (Cause::kCannotAnswer): an actuator without Kv, Bv or Km; fewer than 5 points or 4
 /// different frequencies; a frequency, amplitude or drive that is not positive; phases or

@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "dsp/statistics/distributions.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "tests/findings.h"
 #include "tests/fit/pulls.h"
@@ -315,6 +319,123 @@ TEST(SolveGroups, ANoiseIsNeverBelowItsLeast) {
                                     {true}, {false}, &point);
   EXPECT_EQ(solution.noise[0], 0.5);
   EXPECT_GT(solution.noise[1], 1);
+}
+
+// C + 2 L and the degrees of freedom of a weighted mean: C = 1/(w + v), a = w C, b = v C
+TEST(SolveGroups, TheNoisesOwnUncertaintyWidensAWeightedMean) {
+  const std::vector<double> readings{0.9, 1.1, 1.05, 0.95, 3, -1, 0.5, 2, 1.9};
+  std::vector<double> point{0};
+  const auto solution =
+      SolveGroups(MeanOf(readings), {{0, 0, 0, 0, 1, 1, 1, 1, 1}, {0, 0}}, {true}, {false}, &point);
+  const double first = 4 / std::pow(solution.noise[0], 2);
+  const double second = 5 / std::pow(solution.noise[1], 2);
+  const double a = first / (first + second), b = second / (first + second);
+  // the last round's Jacobian is in units of the round before
+  constexpr double kSettled = 1e-4;
+  EXPECT_REL(solution.seen.covariance[0], 1 / (first + second), kSettled, "converges to 1e-6");
+  EXPECT_REL(solution.parts[0][0], a / (first + second), kSettled, "converges to 1e-6");
+  // I = ((4 - 2 a + a^2, a b), (a b, 5 - 2 b + b^2))/2
+  const double one = (4 - 2 * a + a * a) / 2, other = (5 - 2 * b + b * b) / 2;
+  const double both = a * b / 2, determinant = one * other - both * both;
+  const double W[]{other / determinant, -both / determinant, one / determinant};
+  const double c = std::sqrt(1 + 6 / (4 - a)), d = std::sqrt(1 + 6 / (5 - b));
+  const double share = (W[0] * c * c + W[2] * d * d - 2 * W[1] * c * d) * a * b;
+  EXPECT_REL(solution.type_a.covariance[0] / solution.seen.covariance[0], 1 + 2 * share, kSettled,
+             "a - a^2 = a b");
+  EXPECT_REL(DegreesOf(solution, {1}), 2 / (a * a * W[0] + 2 * a * b * W[1] + b * b * W[2]),
+             kSettled, "converges to 1e-6");
+}
+
+TEST(SolveGroups, OneGroupHasItsDegreesOfFreedomAndNothingMore) {
+  const std::vector<double> readings{0.9, 1.1, 1.05, 0.95, 3};
+  std::vector<double> point{0};
+  const auto solution =
+      SolveGroups(MeanOf(readings), {{0, 0, 0, 0, 0}, {0}}, {true}, {false}, &point);
+  EXPECT_REL(DegreesOf(solution, {1}), 4.0, 1e-12, "rounding");
+  EXPECT_EQ(solution.type_a.covariance, solution.seen.covariance);
+}
+
+// how often intervals of a line's two constants hold, whose first readings and others differ in
+// their noise
+std::array<double, 2> HeldByLine(std::size_t points, double first_noise, double second_noise,
+                                 int lines) {
+  const std::size_t rows = 2 * points;
+  NoiseGroups groups{std::vector<std::size_t>(rows, 0), {0, 0}};
+  std::fill(groups.group_of.begin() + static_cast<std::ptrdiff_t>(points), groups.group_of.end(),
+            1);
+  std::vector<double> readings(rows);
+  const LeastSquares line{.residuals = rows,
+                          .parameters = 2,
+                          .evaluate = [&](std::span<const double> at, std::span<double> residuals,
+                                          std::span<double> jacobian) {
+                            for (std::size_t n = 0; n < rows; ++n) {
+                              const double x = static_cast<double>(n % points);
+                              residuals[n] = at[0] + at[1] * x - readings[n];
+                              if (jacobian.empty()) continue;
+                              jacobian[2 * n] = 1;
+                              jacobian[2 * n + 1] = x;
+                            }
+                            return true;
+                          }};
+  std::mt19937_64 engine(1);
+  std::normal_distribution<double> noise;
+  std::array<double, 2> held{};
+  for (int k = 0; k < lines; ++k) {
+    for (std::size_t n = 0; n < rows; ++n) {
+      readings[n] = noise(engine) * (n < points ? first_noise : second_noise);
+    }
+    std::vector<double> at{0, 0};
+    const auto solution = SolveGroups(line, groups, {true, true}, {false, false}, &at);
+    for (std::size_t p = 0; p < 2; ++p) {
+      std::vector<double> weights(2, 0.0);
+      weights[p] = 1;
+      const double half = dsp::StudentCritical(DegreesOf(solution, weights)) *
+                          std::sqrt(Variance(solution.type_a, weights));
+      held[p] += std::abs(at[p]) <= half ? 1.0 / lines : 0;
+    }
+  }
+  return held;
+}
+
+TEST(SolveGroups, IntervalsOfFewPointsHoldTheTruth) {
+  const int lines = tests::Repetitions(300);
+  // 2.5 deviations of so many lines on either side of 93 and 97 %
+  const double slack = 2.5 * std::sqrt(0.95 * 0.05 / lines);
+  for (const std::size_t points : {4U, 6U, 12U}) {
+    for (const auto& [first, second] : {std::pair{1.0, 1.0}, {1.0, 5.0}, {5.0, 1.0}}) {
+      for (const double held : HeldByLine(points, first, second, lines)) {
+        std::printf("  %zu points, noise %g and %g: %.3f\n", points, first, second, held);
+        EXPECT_GE(held, 0.93 - slack);
+        EXPECT_LE(held, 0.97 + slack);
+      }
+    }
+  }
+}
+
+TEST(RoundingResponses, EqualReadingsErrTogether) {
+  // three equal ones, two equal ones and a single one, in steps of 0.1
+  const std::vector<double> readings{1.1, 1.0, 1.1, 1.3, 1.0, 1.1};
+  std::vector<double> point{0};
+  const NoiseGroups groups{{0, 0, 0, 0, 0, 0}, {0}};
+  auto solution = SolveGroups(MeanOf(readings), groups, {true}, {false}, &point);
+  const TabulatedValues tabulated{readings, std::vector<double>(6, -1.0), 0};
+  const auto square = [&](double noise) {
+    // slopes in units of the noise
+    solution.noise[0] = noise;
+    std::ranges::fill(solution.jacobian.values, 1 / noise);
+    solution.seen.covariance = {noise * noise / 6};
+    const auto responses = RoundingResponses(solution, groups, tabulated);
+    return CovarianceBy(responses, {1}, {1});
+  };
+  // the mean takes 3/6 of one error and 2/6 of another: q^2/12 (m - 1)/m (m/6)^2 each
+  const double whole = 0.01 / 12 * (6.0 + 2.0) / 36;
+  EXPECT_REL(square(0.1 / std::sqrt(12.0)), whole, 1e-12, "no noise but the rounding");
+  EXPECT_REL(square(0.01), whole, 1e-12, "less than that");
+  // of noise s the share exp(-2 pi^2 s^2/q^2) remains, squared here
+  const double s = 0.03, kPi = std::numbers::pi;
+  EXPECT_REL(square(std::hypot(s, 0.1 / std::sqrt(12.0))), whole * std::exp(-4 * kPi * kPi * 0.09),
+             1e-9, "closed form");
+  EXPECT_LT(square(0.1), 1e-10 * 0.01);
 }
 
 }  // namespace

@@ -422,7 +422,7 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
     const double mm2 = 1e6 * *contact.area_m2;
     points.x.push_back(mm2);
     points.y.push_back(contact.stiffness.value);
-    points.y_error.push_back(contact.coverage_95 * contact.stiffness.combined_standard_uncertainty);
+    points.y_error.push_back(contact.stiffness.upper - contact.stiffness.value);
     line.x.push_back(mm2);
     line.y.push_back(dependence.law.at_one_mm2 * std::pow(mm2, dependence.law.exponent));
   }

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "fit/drop_test/experiment_plan.h"
 #include "fit/drop_test/impulse_record.h"
+#include "fit/experiment_plan.h"
 #include "tools/document/document.h"
 #include "tools/fit/actuator.h"
 

@@ -182,6 +182,56 @@ TEST(SplitDrops, AFurtherDropFollowsAPeriodBelowATenthOfTheLargest) {
   EXPECT_EQ(SplitDrops(Train({1.0, 1.0}, 0.212, 0)).size(), 2U);
 }
 
+// a drop with 33 ohm across the terminals, of 0.24 V, half a second of it
+SyntheticDrop LoadedDrop(unsigned seed) {
+  SyntheticDrop drop;
+  drop.load_ohm = 33;
+  drop.step_s = 1e-4;
+  drop.quiet_s = 0.05;
+  drop.length_s = 0.45;
+  drop.seed = seed;
+  return drop;
+}
+
+TEST(SplitDrops, StrongNoiseIsNoFurtherDrop) {
+  // 0.1 V: of 100 periods of noise alone some rise beyond three tenths of the largest amplitude
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SyntheticDrop drop = LoadedDrop(seed);
+    drop.noise_v = 0.1;
+    EXPECT_EQ(SplitDrops(MakeRecord(drop)).size(), 1U) << seed;
+  }
+}
+
+TEST(SplitDrops, HumAndDriftDoNotHideFurtherDrops) {
+  const ImpulseRecord train = Train({1.0, 0.7, 1.2});
+  const auto expect = [&](double hum_v, double drift_v_per_s) {
+    ImpulseRecord record = train;
+    for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+      const double t = static_cast<double>(n) * record.step_s;
+      record.voltage_v[n] += hum_v * std::sin(2 * M_PI * 50 * t) + drift_v_per_s * t;
+    }
+    EXPECT_EQ(SplitDrops(record).size(), 3U) << hum_v << " V, " << drift_v_per_s << " V/s";
+  };
+  expect(0.2, 0);
+  expect(0, 3);
+  expect(0.2, -3);
+}
+
+// 0.24 V by steps of 0.06 V: the ringing ends at once where it falls below half of a step
+TEST(PrepareRecord, ACoarseConvertersSilentTailIsNoImpact) {
+  for (const double step_v : {0.02, 0.04, 0.055, 0.06, 0.0625}) {
+    SCOPED_TRACE(step_v);
+    SyntheticDrop drop = LoadedDrop(1);
+    drop.step_v = step_v;
+    drop.offset_v = 0.003;
+    const auto prepared = PrepareRecord(MakeRecord(drop));
+    ASSERT_TRUE(prepared) << prepared.error().Text();
+    EXPECT_TRUE(prepared->part.found.Has(FindingKind::kQuantisedTail));
+    EXPECT_FALSE(prepared->part.found.Has(FindingKind::kLaterImpact));
+    EXPECT_REL(prepared->part.poles.stiffness_per_s2, 2e6, 5e-3, "coarse rounding");
+  }
+}
+
 TEST(SplitDrops, APieceBeginsHalfWayBetweenTheRingingAndTheRise) {
   const auto train = Train({1.0, 1.0});
   const auto drops = SplitDrops(train);

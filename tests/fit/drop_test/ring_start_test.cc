@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
@@ -95,27 +94,60 @@ TEST(RingStart, TooShortARecordSaysWhatIsMissing) {
   EXPECT_FALSE(FindRingStart(empty));
 }
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-TEST(Filled, BridgesHolesByLinesAndContinuesTheEnds) {
-  EXPECT_EQ(Filled({kNan, kNan, 1, kNan, kNan, 7, 2, kNan, 4, kNan}),
-            (std::vector<double>{1, 1, 1, 3, 5, 7, 2, 3, 4, 4}));
-  EXPECT_EQ(Filled({1, 2, 3}), (std::vector<double>{1, 2, 3}));
+// samples with something added, f(time)
+template <typename Added>
+ImpulseRecord With(ImpulseRecord record, const Added& added) {
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    record.voltage_v[n] += added(record.start_s + static_cast<double>(n) * record.step_s);
+  }
+  return record;
 }
 
-TEST(FollowingAmplitude, IsHalfAPeriodsSamplesTimesTheAmplitude) {
-  // 3 V about 0.7 V with 20 samples a period, silent up to the 100th
-  std::vector<double> values(400, 0.7);
-  for (std::size_t n = 100; n < values.size(); ++n) {
-    values[n] += 3 * std::sin(2 * M_PI * static_cast<double>(n) / 20 + 0.3);
+// A constant sine of h has the stronger spectrum where h T exceeds A/d: here 0.08 V.
+TEST(RingStart, HumAndDriftLargerThanTheRingingDoNotHideIt) {
+  SyntheticDrop drop;
+  drop.noise_v = 2e-3;
+  drop.quiet_s = 0.1;
+  drop.length_s = 0.5;
+  const ImpulseRecord clean = MakeRecord(drop);
+  const auto expect = [](const ImpulseRecord& record) {
+    const auto start = FindRingStart(record);
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_REL(start->poles.stiffness_per_s2, 2e6, 1e-3, "start values; 0.1 % of the frequency");
+    EXPECT_REL(start->poles.decay_per_s, 11.5, 0.05, "start values");
+    EXPECT_ABS(start->impact_s, 0.37e-4, 1e-4, "start values: a fortieth of a period");
+    EXPECT_LT(start->quiet_noise_v, 6e-3) << "of 2 mV and what is left of the rest";
+  };
+  for (const double hum_v : {0.05, 0.1, 0.5}) {
+    for (const double hum_hz : {50.0, 60.0}) {
+      SCOPED_TRACE(hum_v);
+      expect(With(clean, [&](double t) { return hum_v * std::sin(2 * M_PI * hum_hz * t + 1); }));
+    }
   }
-  const auto amplitudes = FollowingAmplitude(values, 0.7, 20);
-  ASSERT_EQ(amplitudes.size(), 381U) << "a sum over 20 samples from each of the first ones";
-  for (const std::size_t n : {0U, 40U, 80U}) EXPECT_ABS(amplitudes[n], 0.0, 1e-12, "silence");
-  for (const std::size_t n : {100U, 237U, 380U}) {
-    EXPECT_ABS(amplitudes[n], 3 * 10.0, 1e-11, "the sum of 20 squares of a sine");
+  for (const double drift_v_per_s : {0.3, 3.0, -20.0}) {
+    SCOPED_TRACE(drift_v_per_s);
+    expect(With(clean, [&](double t) { return drift_v_per_s * t; }));
+    expect(With(clean, [&](double t) {
+      return drift_v_per_s * t + 0.1 * std::sin(2 * M_PI * 50 * t + 1);
+    }));
   }
-  EXPECT_GT(amplitudes[90], 10) << "half of the period";
+}
+
+TEST(RingStart, ARingingAtTheMainsOwnFrequencyIsNoHum) {
+  // 50 Hz within a tenth of a line of the spectrum, from two decay times to a fifth of one
+  for (const double decay_per_s : {4.0, 1.0, 0.4}) {
+    SCOPED_TRACE(decay_per_s);
+    SyntheticDrop drop;
+    drop.stiffness_n_per_m = drop.moving_mass_kg * std::pow(2 * M_PI * 50.2, 2);
+    drop.damping_n_s_per_m = 2 * drop.moving_mass_kg * decay_per_s;
+    drop.noise_v = 2e-3;
+    drop.quiet_s = 0.1;
+    drop.length_s = 0.5;
+    const auto start = FindRingStart(MakeRecord(drop));
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_REL(start->poles.stiffness_per_s2, std::pow(2 * M_PI * 50.2, 2), 1e-3, "noise");
+    EXPECT_REL(start->quiet_noise_v, 2e-3, 0.12, "490 samples, 3 sigma 10 %");
+  }
 }
 
 // The voltage behind a force of half a sine, `contact_s` long from time 0 on: its products with the

@@ -1,4 +1,4 @@
-#include "fit/drop_test/experiment_plan.h"
+#include "fit/experiment_plan.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
