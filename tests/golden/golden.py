@@ -7,7 +7,7 @@
 The program is that of HAPTOMETER_PROGRAMS (tests/programs.py). Commands run in a temporary folder with a
 link to fixtures/. A word of a command that is the name of an input has that input made there first. The
 samples of simulated inputs are pinned by commands of their own (scenes-trial-*): where an input changed,
-these differ too.
+these differ too. Folders of recordings and scenes of many kinds are made by varied.py.
 
 What a command gives is a set of values by path: the numbers, booleans and nulls of its JSON by JSON
 pointer, the length of each list as LIST/#, cells of its tables as /FILE/COLUMN/ROW, and what is in TOML,
@@ -53,7 +53,8 @@ import tomllib
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path[:0] = [str(ROOT / "tests"), str(FOLDER)]
+import varied  # noqa: E402
 from programs import DEADLINE_S, check, program  # noqa: E402
 
 LONGEST = 12          # entries of one list that are pinned
@@ -129,6 +130,12 @@ FORMS = {  # what makes an input, and the inputs that it needs
     "rows.txt": (lambda: "".join(f"{0.05 * math.sin(n / 7):.6f},{n / 100 - 2:.4f}\n" for n in range(500)),),
     "study": (study,),
     "drive_sweep.csv": (lambda: None, "study"),
+    "varied_records": (lambda: varied.tables("varied_records", 48, varied.record),),
+    "varied_tables": (lambda: varied.tables("varied_tables", 64, varied.table),),
+    "varied_drops": (lambda: varied.tables("varied_drops", 32, varied.drop),),
+    "varied_impedances": (lambda: varied.tables("varied_impedances", 16, varied.impedance),),
+    "varied_taps": (lambda: varied.tables("varied_taps", 16, varied.tap),),
+    "varied_scenes": (lambda: varied.scenes("varied_scenes", 56),),
 }
 
 
@@ -224,7 +231,7 @@ def run_once(words, outputs):
 def answer(command, inputs):
     """Exit status, and the values by path, of a command."""
     words, outputs = shlex.split(command["run"]), command.get("files", [])
-    inputs.want(words)
+    inputs.want([*words, command.get("each", "")])
     if "each" in command:
         status, values = 0, {}
         for path in sorted(pathlib.Path(command["each"]).iterdir()):

@@ -253,7 +253,7 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
   // options of another option that is not there
   expect(Simulate({cone, "--quantity", "mover_peak_m"}), 2,
          "--quantity: applies to --explain only");
-  expect(Simulate({cone, "--overwrite"}), 2, "--overwrite: applies to --output and --waveforms");
+  expect(Simulate({cone, "--overwrite"}), 2, "--overwrite: applies to files that are written");
   expect(
       Simulate({Scene("[sensor]\nkind = 'ideal'\n"), "--duration", "100000s", "-o", Path("t.bin")}),
       2, "100000 s at 10000 Hz are 1e+09 readings");

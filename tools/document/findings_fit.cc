@@ -32,7 +32,8 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kDrift, "drift",
        "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: included in the fit"},
       {kOtherMode, "other-mode",
-       "a single decaying oscillation does not explain {unexplained_share %} of the power: there is "
+       "a single decaying oscillation does not explain {unexplained_share %} of the power: there "
+       "is "
        "another mode or a slow tail"},
       {kHeightWithoutImpact, "height-without-impact",
        "no quiet part before it: the drop height is not used"},

@@ -103,9 +103,8 @@ Section BirgeOf(const fit::AdapterFit& fit) {
   const bool is_known = fit.taps.size() > 1;
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Section ratios{.name = document::kBirgeRatio.name};
-  ShowDigits(ratios.Add({kKa.name, "Birge ratio of Ka"},
-                        is_known ? fit.stiffness_birge_ratio : kNaN),
-             3);
+  ShowDigits(
+      ratios.Add({kKa.name, "Birge ratio of Ka"}, is_known ? fit.stiffness_birge_ratio : kNaN), 3);
   ShowDigits(ratios.Add({kBa.name, "Birge ratio of Ba"}, is_known ? fit.damping_birge_ratio : kNaN),
              3);
   return ratios;

@@ -217,11 +217,14 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
     HAPTOMETER_TRY(cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite));
   }
   const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : 1;
+  const document::Outputs& outputs = wanted.outputs;
+  const bool writes = !wanted.output.empty() || !wanted.waveforms.empty() ||
+                      !outputs.plot.empty() || !outputs.report.empty();
   HAPTOMETER_TRY(cli::CheckRules({
       {!wanted.quantity.empty() && !wanted.explain, "--quantity",
        "applies to --explain only, which is not given", "add --explain"},
-      {wanted.overwrite && wanted.output.empty() && wanted.waveforms.empty(), "--overwrite",
-       "applies to --output and --waveforms only, neither of which is given",
+      {wanted.overwrite && !writes, "--overwrite",
+       "applies to files that are written, of which none is given",
        "add -o FILE or --waveforms FILE"},
       {wanted.rate_hz && wanted.waveforms.empty(), "--rate",
        "applies to --waveforms only, which is not given", "add --waveforms FILE"},
