@@ -273,9 +273,9 @@ Section SearchSection(const DropTestFit& fit) {
   ShowDigits(search.Add({"frequency_birge_ratio", "Birge ratio of the drops' frequencies"},
                         fit.frequency_birge_ratio),
              3);
-  ShowDigits(search.Add({"decay_birge_ratio", "Birge ratio of their decay rates"},
-                        fit.decay_birge_ratio),
-             3);
+  ShowDigits(
+      search.Add({"decay_birge_ratio", "Birge ratio of their decay rates"}, fit.decay_birge_ratio),
+      3);
   search.Add({"coverage_factor", "coverage factor"}, fit::kCoverage95);
   return search;
 }
