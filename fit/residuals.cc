@@ -386,6 +386,10 @@ std::vector<std::vector<double>> RoundingResponses(const GroupedSolution& soluti
     auto end = std::next(begin);
     while (end != places.end() && !differs(*std::prev(end), *end)) ++end;
     const double common = step * std::sqrt((1 - 1 / static_cast<double>(end - begin)) / 12);
+    if (common == 0) {
+      begin = end;
+      continue;
+    }
     std::vector<double> change(solution.jacobian.rows, 0.0);
     for (; begin != end; ++begin) {
       // noise in the values' unit ahead of the rounding, which is part of the residuals
@@ -394,7 +398,7 @@ std::vector<std::vector<double>> RoundingResponses(const GroupedSolution& soluti
       const double remains = std::exp(-2 * std::numbers::pi * std::numbers::pi * before);
       change[first + *begin] = common * remains * slopes[*begin] / noise;
     }
-    if (common > 0) responses.push_back(Response(solution.seen, solution.jacobian, change));
+    responses.push_back(Response(solution.seen, solution.jacobian, change));
   }
   return responses;
 }

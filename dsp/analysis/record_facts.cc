@@ -26,7 +26,7 @@ using trial::SampleStatus;
 
 namespace {
 
-// the channels with their units, such as "'Laser (in)' (unit not known), 'voltage' (V)"
+// the channels with their units, such as "'Laser (mm/s)' (unit not known), 'voltage' (V)"
 std::string NamesOf(const std::vector<trial::Channel>& channels) {
   std::string names;
   for (const trial::Channel& channel : channels) {

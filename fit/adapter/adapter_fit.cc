@@ -182,6 +182,14 @@ Mean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
   return mean;
 }
 
+// what the record's time scale leaves open: d goes with the rate, q with its square
+void AddTimeScale(const ImpulseRecord& record, Logarithms* tap) {
+  if (!record.time_scale) return;
+  const double share = record.time_scale->standard_uncertainty;
+  tap->variances[0] += share * share;
+  tap->variances[1] += 4 * share * share;
+}
+
 void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
   const Mean decay = MeanOf(taps, 0);
   const Mean stiffness = MeanOf(taps, 1);
@@ -287,6 +295,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
   tap.name = name;
   tap.start_s = record.stretches[0].start_s;
   tap.step_s = 1 / record.stretches[0].rate_hz;
+  tap.time_scale = TimeScaleOf(record.stretches[0]);
   tap.voltage_v = meant[0]->values;
   tap.unit = meant[0]->unit;
   if (tap.unit == "m") tap.signal = RecordedSignal::kDisplacement;
@@ -317,6 +326,7 @@ Result<AdapterFit> FitAdapter(const std::vector<ImpulseRecord>& records, const Q
       continue;
     }
     taps.push_back(part->logarithms);
+    AddTimeScale(record, &taps.back());
     fit.taps.push_back(Told(*prepared, *part));
     CompareWithLater(*prepared, *part, &fit.findings);
   }

@@ -125,6 +125,14 @@ std::string_view Name(CaseCondition condition) {
   return condition == CaseCondition::kHeld ? "held" : "free";
 }
 
+std::optional<Quantity> TimeScaleOf(const trial::Stretch& stretch) {
+  constexpr double kLeast = 1e-7;
+  const double share = std::numbers::sqrt2 * stretch.time_uncertainty_s * stretch.rate_hz /
+                       static_cast<double>(stretch.rows);
+  if (!(share >= kLeast)) return std::nullopt;
+  return Quantity{1, share};
+}
+
 Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::string& name) {
   HAPTOMETER_LET(const auto found, FindSignal(record, name));
   const trial::Channel& signal = *found;
@@ -161,6 +169,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.added_mass_kg = header.Read("added_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.record.voltage_scale = header.Read("voltage_scale", Dimension::kNone, kSmallest, kLargest);
   file.record.time_scale = header.Read("time_scale", Dimension::kNone, kSmallest, kLargest);
+  if (!file.record.time_scale) file.record.time_scale = TimeScaleOf(record.stretches[0]);
   file.knowns.moving_mass_kg = header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.case_mass_kg = header.Read("case_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.resistance_ohm =

@@ -51,6 +51,10 @@ struct ImpulseRecord {
   std::string unit = "V";                 ///< of the values, for sentences; "m" of a tapped adapter
 };
 
+/// What a time base leaves open of its own scale: 1, with the relative standard uncertainty of its
+/// rate, sqrt(2) u_t rate/rows; nothing below 1e-7.
+[[nodiscard]] std::optional<Quantity> TimeScaleOf(const trial::Stretch& stretch);
+
 /// What is known of the actuator apart from its ring-downs. Absent: unknown.
 struct ActuatorKnowns {
   std::optional<Quantity> moving_mass_kg;  ///< Mv

@@ -22,6 +22,8 @@ namespace {
 
 constexpr std::size_t kLeastSamples = 32;
 constexpr double kLeastPeriods = 2;
+// of a ring-down of fewer periods the slow course takes swings, and leaves others that are none
+constexpr double kPeriodsBesideSlow = 10;
 constexpr double kLeastSamplesPerPeriod = 5;
 constexpr std::size_t kLeastQuietSamples = 16;
 // below this energy over noise density the decay rate is uncertain to 2/sqrt(50) = 28 %
@@ -494,6 +496,12 @@ Result<RingStart> StartOf(const ImpulseRecord& record) {
   return start;
 }
 
+// periods of the ring-down that the record is long
+double Periods(const ImpulseRecord& record, const RingStart& start) {
+  const double length_s = static_cast<double>(record.voltage_v.size()) * record.step_s;
+  return length_s * std::sqrt(start.poles.stiffness_per_s2) / (2 * std::numbers::pi);
+}
+
 // mean square of what the quiet part and the ring-down leave of a record
 double LeftOver(const ImpulseRecord& record, const RingStart& start) {
   const auto quiet = static_cast<double>(start.quiet_samples);
@@ -512,7 +520,8 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   ImpulseRecord rest = record;
   rest.voltage_v = *std::move(rest_v);
   auto other = StartOf(rest);
-  if (other && (!start || LeftOver(rest, *other) < LeftOver(record, *start))) return other;
+  if (!other || Periods(rest, *other) < kPeriodsBesideSlow) return start;
+  if (!start || LeftOver(rest, *other) < LeftOver(record, *start)) return other;
   return start;
 }
 

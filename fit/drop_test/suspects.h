@@ -28,7 +28,11 @@ inline constexpr double kLeastFrictionGain = 12;
 /// Each is tried by least squares of its own columns, with what the fitted columns already contain
 /// projected out. Friction comes before impacts, which a motion that it stops resembles. Impacts
 /// are tried half a period apart, then around the best of these.
+/// @param samples those that `fit` is of
+/// @param fit of a ring-down with its background
 /// @param background of the fit
+/// @param may_have_friction whether friction is tried
+/// @param may_have_blows whether impacts are
 [[nodiscard]] Suspect WorstSuspect(const RingSamples& samples, const RingFit& fit,
                                    const RingBackground& background, bool may_have_friction,
                                    bool may_have_blows);

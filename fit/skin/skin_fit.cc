@@ -509,19 +509,18 @@ std::vector<double> SkinProblem::ResidualsWith(const sim::Actuator& actuator,
 
 std::vector<std::vector<double>> SkinProblem::Rounding(const GroupedSolution& solution) const {
   // residuals ln(model drive/displacement), then arg(model) - phase
-  TabulatedValues displacements, drives;
+  // drives are set, so that equal ones are exact
+  TabulatedValues displacements;
   TabulatedValues phases{{}, {}, points_.size()};
   for (const auto& point : points_) {
     displacements.values.push_back(point.displacement_m);
     displacements.slopes.push_back(-1 / point.displacement_m / UnitOf(point));
-    drives.values.push_back(point.drive);
-    drives.slopes.push_back(1 / point.drive / UnitOf(point));
     if (!has_phases_) continue;
     phases.values.push_back(*point.phase_rad);
     phases.slopes.push_back(-1);
   }
   std::vector<std::vector<double>> all;
-  for (const auto* tabulated : {&displacements, &drives, &phases}) {
+  for (const auto* tabulated : {&displacements, &phases}) {
     auto responses = RoundingResponses(solution, Groups(), *tabulated);
     std::ranges::move(responses, std::back_inserter(all));
   }

@@ -329,7 +329,7 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"},
        "cannot be combined with --resume"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--allow-mixed"},
-       "--allow-mixed: applies to --resume and --merge only"},
+       "--allow-mixed: applies to --resume, --merge and --slurm only"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--campaign", Path("folder")},
        "--job-time, --campaign: apply to --slurm only"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--job-time", "60s"},

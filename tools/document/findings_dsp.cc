@@ -14,7 +14,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kRepeated, "readings-repeated",
        "{repeated} of {readings} readings are repeated: the sensor had no new value"},
       {kInterpolated, "readings-interpolated",
-       "{interpolated} reading{interpolated s} interpolated, with an error of {rms_m} RMS at most"},
+       "{interpolated} reading{interpolated s} interpolated[, with an error of {rms_m} RMS in the "
+       "window at most]"},
       {kClipped, "clipped",
        "clipped in {count} place{count s}, {readings} readings in all, the first at {first_s}; not "
        "corrected"},

@@ -68,7 +68,7 @@ Result<void> CheckWords(const SweepWords& words) {
       {words.resume && words.overwrite, "--overwrite", "cannot be combined with --resume",
        "give one of the two"},
       {words.is_mixed_allowed && !words.resume && !words.slurm.jobs, "--allow-mixed",
-       "applies to --resume and --merge only, neither of which is given", "leave it out"},
+       "applies to --resume, --merge and --slurm only, none of which is given", "leave it out"},
       {HasIdleCampaign(words.slurm), "--job-time, --campaign",
        "apply to --slurm only, which is not given", "add --slurm N"},
   });

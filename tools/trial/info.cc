@@ -224,8 +224,10 @@ Section EventsSection(const trial::ReadReport& report) {
     section.Add({kRow.name}, event.row);
     section.Add(document::kTime, time_s);
     Item& text = section.Add(document::kText, event.text);
-    // in the text those with a text; a time base has none, labels have a line each
-    const bool has_line = event.kind != EventKind::kTimeBase && event.kind != EventKind::kLabels;
+    // in the text those with a text; a time base has none, labels have a line each, and what was
+    // doubted is a finding
+    const bool has_line = event.kind != EventKind::kTimeBase && event.kind != EventKind::kLabels &&
+                          !event.text.starts_with(trial::kDoubtMark);
     if (has_line && !event.text.empty()) {
       text.label = Name(event.kind);
       text.note = event.utc.empty() ? fmt::format("before row {}", event.row) : event.utc;

@@ -175,9 +175,9 @@ Result<void> DoubtBesideBand(const MeasuredWindow& window, BandAnalysis* analysi
     analysis->findings.Doubt(kind, {{"amplitude_m", amplitude_m}, {"frequency_hz", frequency_hz}});
   };
   // a hand's tremor is no drive
-  if (const auto& below = numbers.below_band) {
-    doubt(FindingKind::kToneBelowBand, below->frequency_hz, below->amplitude_m,
-          !numbers.tone && below->frequency_hz > kTremorUpper_hz);
+  const auto& below = numbers.below_band;
+  if (below && below->frequency_hz > kTremorUpper_hz) {
+    doubt(FindingKind::kToneBelowBand, below->frequency_hz, below->amplitude_m, !numbers.tone);
   }
   HAPTOMETER_LET(const auto above, FindAboveBand(window.signal(), window.band().upper_hz,
                                                  analysis->record.observable_upper_hz));

@@ -52,8 +52,13 @@ void RemarkSegments(const std::vector<BandSignal>& all, const BandSignal& used,
        {"last_s", static_cast<double>(used.size() - used.settled_end()) / rate_hz},
        {"segment_s", static_cast<double>(used.size()) / rate_hz}});
   if (analysis->record.bridged > 0) {
-    analysis->findings.Note(FindingKind::kInterpolated, {{"interpolated", analysis->record.bridged},
-                                                         {"rms_m", numbers.bridged_rms_m}});
+    Finding found{.severity = Severity::kNote,
+                  .kind = FindingKind::kInterpolated,
+                  .numbers = {{"interpolated", analysis->record.bridged}},
+                  .subject = {}};
+    // none may lie in the window
+    if (numbers.bridged_rms_m > 0) found.numbers.emplace_back("rms_m", numbers.bridged_rms_m);
+    analysis->findings.Add(std::move(found));
   }
   if (!numbers.below_band) return;
   const BelowBand& below = *numbers.below_band;

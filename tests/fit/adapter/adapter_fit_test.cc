@@ -556,7 +556,24 @@ TEST(TapFromRecord, RefusesWhatCouldBeMeantTwiceAndWhatHasGaps) {
   EXPECT_THAT(TapFromRecord(gap, "t").error().Text(), HasSubstr("gaps"));
   auto uneven = Recording();
   uneven.stretches[0].time_uncertainty_s = 1e-6;
+  EXPECT_TRUE(TapFromRecord(uneven, "t")) << "of a clocked source they are rounded";
+  uneven.timing = trial::Timing::kArrival;
   EXPECT_THAT(TapFromRecord(uneven, "t").error().Text(), HasSubstr("non-uniform"));
+}
+
+// Ka goes with the square of the rate, Ba with the rate
+TEST(AdapterFit, AnUncertainTimeScaleWidensBothConstants) {
+  auto record = Record({});
+  const AdapterFit exact = FitAdapter({record}, {kMass, 0}).value();
+  record.time_scale = Quantity{1, 0.01};
+  const AdapterFit fit = FitAdapter({record}, {kMass, 0}).value();
+  const auto added = [](const FittedValue& wide, const FittedValue& narrow) {
+    return std::sqrt(std::pow(wide.standard_uncertainty, 2) -
+                     std::pow(narrow.standard_uncertainty, 2)) /
+           wide.value;
+  };
+  EXPECT_REL(added(fit.stiffness, exact.stiffness), 0.02, 1e-3, "of a logarithm, to first order");
+  EXPECT_REL(added(fit.damping, exact.damping), 0.01, 1e-3, "of a logarithm, to first order");
 }
 
 TEST(AdapterFit, UncertaintiesOfFewPeriodsAreThoseOfEachParameter) {

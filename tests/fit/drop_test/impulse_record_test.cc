@@ -122,6 +122,22 @@ TEST(ImpulseRecord, ARecordingWithoutAVoltageOrWithGapsIsRefused) {
   EXPECT_THAT(ErrorOf(recording), HasSubstr("no voltage"));
 }
 
+// times of 1000 rows at 1 kHz, each known to 7.07e-5 s: sqrt(2) of that over 1 s
+TEST(ImpulseRecord, RoundedTimesAreAnUncertainTimeScale) {
+  const trial::Stretch known{
+      .rows = 1000, .rate_hz = 1000, .time_uncertainty_s = 1e-4 / std::numbers::sqrt2};
+  ASSERT_TRUE(TimeScaleOf(known));
+  EXPECT_EQ(TimeScaleOf(known)->value, 1);
+  EXPECT_REL(TimeScaleOf(known)->standard_uncertainty, 1e-4, 1e-15, "rounding");
+  EXPECT_FALSE(TimeScaleOf({.rows = 1000, .rate_hz = 1000, .time_uncertainty_s = 7e-8}));
+  EXPECT_TRUE(TimeScaleOf({.rows = 1000, .rate_hz = 1000, .time_uncertainty_s = 7.1e-8}));
+  auto recording = MakeRecording();
+  recording.stretches[0].time_uncertainty_s = 1e-4;
+  const auto file = ImpulseFromRecord(recording, "t.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.time_scale, TimeScaleOf(recording.stretches[0]));
+}
+
 TEST(ImpulseRecord, WithoutAVoltageADisplacementIsTaken) {
   auto recording = MakeRecording();
   recording.channels[0].role = trial::ChannelRole::kDisplacement;

@@ -257,7 +257,12 @@ TEST(RingStart, WhatIsTooLittleIsReportedInDigitsThatDifferFromTheLimit) {
     drop.impact_s = -1e-6;
     drop.step_s = 1e-4;
     drop.length_s = 6.5e-3 + 5e-5 * k;
-    const auto number = NumberIn(FindRingStart(MakeRecord(drop)), "holds only ");
+    const auto start = FindRingStart(MakeRecord(drop));
+    // a slow course takes most of so few periods; what it leaves is no ring-down
+    if (start) {
+      EXPECT_REL(std::sqrt(start->poles.stiffness_per_s2), std::sqrt(2e6), 0.2, "few periods");
+    }
+    const auto number = NumberIn(start, "holds only ");
     if (number.first < 0 || number.first > 10) continue;
     ++refused;
     alike += number.second > 1 ? 1 : 0;

@@ -36,7 +36,7 @@ const std::vector<Case> kCases{
     {kInterpolated,
      {{"interpolated", 1}, {"rms_m", 2.5e-09}},
      "readings-interpolated",
-     "1 reading interpolated, with an error of 0.0025 um RMS at most"},
+     "1 reading interpolated, with an error of 0.0025 um RMS in the window at most"},
     {kClipped,
      {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}},
      "clipped",

@@ -369,7 +369,7 @@ TEST(Csv, AUnitThatIsNotKnownIsDoubtedAsOthersAre) {
     return tests::NumbersOf(findings, FindingKind::kUnitOverridden);
   };
   const ImportOptions told{.columns = {"time_s", "displacement_um"}};
-  for (const char* unit : {"mm/s", "m/s^2", "N", "a.u."}) {
+  for (const char* unit : {"mm/s", "m/s^2", "N", "a.u.", "in"}) {
     const std::string numbers =
         fmt::format("column=2 unknown_unit={} given_factor=1e-06 given_unit=m", unit);
     EXPECT_EQ(found(fmt::format("Time (s),Laser ({})", unit), told), numbers);
@@ -378,7 +378,8 @@ TEST(Csv, AUnitThatIsNotKnownIsDoubtedAsOthersAre) {
   EXPECT_EQ(found("Time (s),Laser (mil)", told),
             "column=2 file_factor=2.54e-05 file_unit=m given_factor=1e-06 given_unit=m");
   // no unit, words, Siglent's word for none, and a channel that is told no unit
-  for (const char* header : {"Time (s),Laser", "Time (s),Laser (left side)", "Second,Value"}) {
+  for (const char* header : {"Time (s),Laser", "Time (s),Laser (left side)",
+                             "Time (s),Laser (filtered)", "Time (s),Laser [CH1]", "Second,Value"}) {
     EXPECT_EQ(found(header, told), "none") << header;
   }
   EXPECT_EQ(found("Time (s),Laser (N)", {.columns = {"time_s", "force"}}), "none");

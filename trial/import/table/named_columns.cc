@@ -28,6 +28,16 @@ bool IsUnitOfTime(std::string_view text) {
   return unit && unit->si_unit == "s";
 }
 
+// whether a word that no unit is known for may be one: a quotient or power, or a usual name; not
+// "filtered", "CH1" or Siglent's "Value"
+bool MayBeUnit(std::string_view word) {
+  if (word.contains(' ')) return false;
+  return word.find_first_of("/^%.*") != std::string_view::npos ||
+         IsOneOf(word, {"in",    "ft",     "g",   "n",      "mn",    "kn",    "pa",  "kpa",
+                        "mpa",   "bar",    "k",   "c",      "deg",   "rad",   "ohm", "w",
+                        "count", "counts", "lsb", "digits", "steps", "pixels"});
+}
+
 struct NameAndUnit {
   std::string_view name;
   std::string_view unit;
@@ -319,8 +329,7 @@ class Head {
                      .printed = std::string(cell)};
     if (unit) {
       SetUnit(*unit, &column);
-    } else if (!printed.contains(' ') && !IsOneOf(printed, {"value"})) {
-      // words, and Siglent's "Second,Value", are no units
+    } else if (MayBeUnit(printed)) {
       column.unknown_unit = printed;
     }
     return column;

@@ -263,7 +263,7 @@ constexpr std::array kUnits{
     UnitNames{{"m", 1e-6},
               " um \u00b5m \u03bcm micrometer micrometers micrometre micrometres microns "},
     UnitNames{{"m", 1e-9}, " nm nanometer nanometers nanometres "},
-    UnitNames{{"m", 25.4e-3}, " in inch inches "},
+    UnitNames{{"m", 25.4e-3}, " inch inches "},
     UnitNames{{"m", 25.4e-6}, " mil mils thou "},
     UnitNames{{"V", 1}, " v volt volts "},
     UnitNames{{"V", 1e-3}, " mv millivolt millivolts "},

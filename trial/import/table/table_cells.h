@@ -62,8 +62,8 @@ struct PrintedUnit {
   double factor = 1;         ///< one printed unit in SI
 };
 
-/// "s", "second(s)", "ms", "us", "m", "mm", "um", "in", "mil", "V", "Volt(s)", "mV", "A", "Amp(s)",
-/// "mA" ...; upper and lower case are alike but for a leading M, which is no milli.
+/// "s", "second(s)", "ms", "us", "m", "mm", "um", "inch", "mil", "V", "Volt(s)", "mV", "A",
+/// "Amp(s)", "mA" ...; upper and lower case are alike but for a leading M, which is no milli.
 [[nodiscard]] std::optional<PrintedUnit> FindUnit(std::string_view text);
 
 /// What is measured in `si_unit`: "m" is a displacement, "V" a voltage, "A" a current.

@@ -52,7 +52,7 @@ constexpr Unit kUnits[]{{"s", "s", 1},
                         {"uA", "A", 1e-6},
                         {"\u00b5A", "A", 1e-6},
                         // an inch is 25.4 mm, and a mil a thousandth of it
-                        {"in", "m", 25.4e-3},
+                        {"inch", "m", 25.4e-3},
                         {"Inches", "m", 25.4e-3},
                         {"mil", "m", 25.4e-6},
                         {"mils", "m", 25.4e-6},
