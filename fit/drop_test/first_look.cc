@@ -126,6 +126,7 @@ double TypicalPower(const Eigen::VectorXd& values) {
   constexpr Eigen::Index kStretches = 16;
   const Eigen::Index length = values.size() / kStretches;
   std::vector<double> powers;
+  powers.reserve(kStretches);
   for (Eigen::Index k = 0; k < kStretches; ++k) {
     powers.push_back(values.segment(k * length, length).squaredNorm());
   }

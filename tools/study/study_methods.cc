@@ -133,12 +133,12 @@ std::string ContrastsText(const StudyResult& study) {
   for (const Contrast& contrast : study.contrasts) {
     (contrast.difference.test ? tested : untested).push_back(NameOf(contrast.planned));
   }
-  const std::string rest =
-      untested.empty() ? ""
-                       : fmt::format(
-                             "Not tested, as of fewer than 2 subjects or without scatter over "
-                             "them: {}. ",
-                             fmt::join(untested, "; "));
+  std::string rest = untested.empty()
+                         ? ""
+                         : fmt::format(
+                               "Not tested, as of fewer than 2 subjects or without scatter over "
+                               "them: {}. ",
+                               fmt::join(untested, "; "));
   if (tested.empty()) return rest;
   return fmt::format(
       "{} ({}) were tested with two-sided paired t tests of the subjects' means, with exact p "
