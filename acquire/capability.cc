@@ -11,6 +11,7 @@
 #include "acquire/protocol/stream_line.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/modbus_profile.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "base/mapped.h"
 #include "trial/sensor_head.h"
@@ -81,13 +82,12 @@ void AddNoise(const CapabilityQuestion& question, Capability* capability) {
 // why it cannot answer; nothing where it can
 std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQuestion& question) {
   const SensorAbility& sensor = capability.sensor;
-  // highest_hz = rate / 2.56
-  if (capability.highest_hz < question.upper_hz * (1 - kRounding)) {
+  if (!Observes(sensor.rate_hz, question.upper_hz)) {
     return Finding{.kind = FindingKind::kRateTooLow,
                    .numbers = {{"rate_hz", sensor.rate_hz},
                                {"observable_hz", capability.highest_hz},
                                {"asked_hz", question.upper_hz},
-                               {"needed_hz", kReadingsPerPeriod * question.upper_hz}}};
+                               {"needed_hz", NeededRateHz(question.upper_hz)}}};
   }
   if (capability.gain_upper < kLeastGain) {
     return Finding{.kind = FindingKind::kAveragingTooLong,

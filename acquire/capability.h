@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acquire/findings.h"
-#include "base/default_band.h"
+#include "base/band.h"
 
 namespace haptometer::acquire {
 

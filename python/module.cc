@@ -26,7 +26,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/zero_phase.h"

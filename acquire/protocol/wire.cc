@@ -12,9 +12,6 @@ MonotonicNs WireTimeNs(std::size_t bytes, int baud, int bits_per_character) {
   return static_cast<MonotonicNs>(bytes) * bits_per_character * kNsPerS / baud;
 }
 
-// the factor 2.56 leaves room for the slope of an anti-alias filter
-double HighestObservableHz(double rate_hz) { return rate_hz / kReadingsPerPeriod; }
-
 bool ConsistsOf(std::string_view text, char character) {
   return !text.empty() && std::ranges::all_of(text, [=](char c) { return c == character; });
 }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
+#include "base/band.h"
 #include "base/text.h"
 #include "base/toml.h"
 
@@ -218,7 +219,7 @@ Findings FindWireRate(const SensorProfile& profile) {
     found.Add(std::move(rate));
     // no RTU line reaches the rate that the 20-500 Hz band needs
     found.Note(FindingKind::kRegistersTooSlow,
-               {{"rate_hz", kMostRtuRateHz}, {"needed_hz", kNeededRateHz}});
+               {{"rate_hz", kMostRtuRateHz}, {"needed_hz", NeededRateHz(kDefaultUpperHz)}});
   } else if (profile.fastest_rate_hz) {
     found.Note(FindingKind::kProfileRate, {{"profile", profile.name},
                                            {"rate_hz", sensor_hz},

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
+#include "base/band.h"
 #include "base/text.h"
 #include "trial/import/table/csv_header.h"
 

@@ -7,6 +7,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/port_list.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "base/text.h"
 
@@ -144,8 +145,8 @@ Findings StreamSensor::Found() const {
                                        {"characters", LineBytes(setup_.format)},
                                        {"rate_hz", most_hz},
                                        {"observable_hz", band_hz}});
-  if (most_hz < kNeededRateHz) {
-    found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", kNeededRateHz}});
+  if (!Observes(most_hz, kDefaultUpperHz)) {
+    found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", NeededRateHz(kDefaultUpperHz)}});
   }
   if (setup_.format.counter_digits > 0) {
     found.Note(FindingKind::kLinesNumbered, {{"last", CounterTurn(setup_.format) - 1}});

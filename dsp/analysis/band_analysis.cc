@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/band.h"
 #include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
@@ -187,10 +188,10 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, BandQuestion qu
   RemarkArtifacts(clean, &analysis);
   HAPTOMETER_TRY(CheckCalibratedRange(*clean.rows, channel, clean.summary, &analysis.findings));
   const RecordFacts& facts = analysis.record;
-  RemarkPlausibility(head, clean.summary,
-                     {facts.rate_hz, facts.fresh_rate_hz, facts.duration_s,
-                      kLeastRatePerUpperCorner * question.band.upper_hz},
-                     &analysis.findings);
+  RemarkPlausibility(
+      head, clean.summary,
+      {facts.rate_hz, facts.fresh_rate_hz, facts.duration_s, NeededRateHz(question.band.upper_hz)},
+      &analysis.findings);
   // a record of one value has no vibration and no noise
   if (const auto stuck = WhyStuck(clean.summary)) {
     analysis.findings.Add(*stuck);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/band.h"
 #include "base/error.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
@@ -58,7 +59,7 @@ Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
   std::vector<BandSignal> all;
   all.reserve(segments.parts.size());
   for (const Segment& segment : segments.parts) {
-    if (segment.rate_hz < (1 - kOneRate) * kLeastRatePerUpperCorner * band.upper_hz) continue;
+    if (!Observes(segment.rate_hz, band.upper_hz)) continue;
     if (!LongEnough(segment, band.lower_hz)) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());

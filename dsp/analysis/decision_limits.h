@@ -64,9 +64,6 @@ inline constexpr std::size_t kFewest = 8;
 
 // ---- Band, filter and window
 
-/// New readings a cycle of the upper corner (the usual factor of vibration analysers). Test:
-/// BandAnalysis.TooSlowARecordIsNotAnswered
-inline constexpr double kLeastRatePerUpperCorner = 2.56;
 /// The shortest window, noise interval and block of a sweep, in periods of the lower frequency: of
 /// drives of 0.17 s and less none is answered, of 0.3 s all. Test:
 /// ShortDriveByItsChannel.IsAnsweredWhereAWindowFits

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/band.h"
 #include "base/median.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/window/window_choice.h"
@@ -106,7 +107,7 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
   const auto repeated = segments.by_status[static_cast<std::size_t>(SampleStatus::kRepeated)];
   facts.fresh_rate_hz =
       facts.rate_hz * (1 - static_cast<double>(repeated) / static_cast<double>(segments.measured));
-  facts.observable_upper_hz = facts.fresh_rate_hz / kLeastRatePerUpperCorner;
+  facts.observable_upper_hz = HighestObservableHz(facts.fresh_rate_hz);
 
   if (facts.measured < facts.rows) {
     analysis->findings.Note(FindingKind::kExcluded, {{"excluded", facts.rows - facts.measured},
@@ -121,14 +122,13 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
 
 void CheckNewReadings(const BandPass& band, BandAnalysis* analysis) {
   const RecordFacts& facts = analysis->record;
-  const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
-  if (facts.fresh_rate_hz < (1 - kOneRate) * needed_hz) {
+  if (!Observes(facts.fresh_rate_hz, band.upper_hz)) {
     analysis->findings.Refuse(FindingKind::kTooFewReadings,
                               {{"new_readings_per_s", facts.fresh_rate_hz},
                                {"observable_hz", facts.observable_upper_hz},
                                {"lower_hz", band.lower_hz},
                                {"upper_hz", band.upper_hz},
-                               {"needed_per_s", needed_hz}});
+                               {"needed_per_s", NeededRateHz(band.upper_hz)}});
   }
 }
 

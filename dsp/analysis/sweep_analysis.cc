@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/band.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_channel.h"
@@ -165,13 +166,12 @@ double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer&
          .numbers = std::move(numbers)});
   };
   double upper_hz = question.upper_hz;
-  if (const double observable_hz = fresh_rate_hz / kLeastRatePerUpperCorner;
-      upper_hz > observable_hz) {
-    upper_hz = observable_hz;
+  if (!Observes(fresh_rate_hz, upper_hz)) {
+    upper_hz = HighestObservableHz(fresh_rate_hz);
     limit(FindingKind::kSweepRateLimit, upper_hz,
           {{"upper_hz", upper_hz},
            {"new_readings_per_s", fresh_rate_hz},
-           {"needed_per_s", kLeastRatePerUpperCorner * question.upper_hz}});
+           {"needed_per_s", NeededRateHz(question.upper_hz)}});
   }
   if (GainOr1(answer.sensor, upper_hz) >= kLeastSensorGain) return upper_hz;
   // the gain falls from 1 at 0 Hz; bisection to where it is a half

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/sensor_gain.h"

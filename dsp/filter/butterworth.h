@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/error.h"
 
 namespace haptometer::dsp {

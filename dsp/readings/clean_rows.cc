@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "base/band.h"
 #include "base/error.h"
 #include "base/jobs.h"
 #include "dsp/readings/row_kernel.h"

@@ -38,10 +38,6 @@ struct Segments {
   std::array<std::size_t, trial::kSampleStatusCount> by_status{};  ///< rows of each status
 };
 
-/// Rates that differ by no more than this part may be one: clocks of quartz are right to 1e-4, and
-/// the times of a table are rounded.
-inline constexpr double kOneRate = 1e-4;
-
 /// The longest hole that is interpolated, where 256 rows (four times the model's order) are not
 /// less: about what a tone of 225 Hz with noise of 10 % is known over to 10 %.
 inline constexpr double kLongestHoleS = 0.02;

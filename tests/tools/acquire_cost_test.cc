@@ -10,6 +10,7 @@
 #include "acquire/capability.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
+#include "base/band.h"
 #include "tests/residual.h"
 #include "trial/sensor_head.h"
 
@@ -65,9 +66,9 @@ TEST(AcquireCost, EveryRowIsWhatTheProgramSays) {
     EXPECT_REL(acquire::SmallestRms(noise, 0.1) / row.gain(), row.tenth_m(), 1e-8, kDigits);
     EXPECT_REL(acquire::SmallestRms(noise, 0.01) / row.gain(), row.hundredth_m(), 1e-8, kDigits);
     if (row.upper_hz() < 500) {
-      EXPECT_REL(acquire::HighestObservableHz(row.rate_hz()), row.upper_hz(), 1e-9, kDigits);
+      EXPECT_REL(HighestObservableHz(row.rate_hz()), row.upper_hz(), 1e-9, kDigits);
     } else {
-      EXPECT_GE(acquire::HighestObservableHz(row.rate_hz()), 500);
+      EXPECT_GE(HighestObservableHz(row.rate_hz()), 500);
     }
   }
 }

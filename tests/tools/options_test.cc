@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/cli/shared_options.h"

@@ -12,6 +12,7 @@
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/filter/transient.h"
@@ -85,7 +86,7 @@ void AddRate(Considered& of) {
                            .frequency_hz = question.drive_hz,
                            .daq_rate_hz = question.daq_rate_hz.value_or(0)};
   // a rate at least as high as the amplifier's loses none of its samples
-  const double least_hz = std::max(sensor.rate_hz, acquire::kReadingsPerPeriod * question.upper_hz);
+  const double least_hz = std::max(sensor.rate_hz, NeededRateHz(question.upper_hz));
   const double unfolded_hz =
       acquire::UnfoldedRateHz(held, question.lower_hz, question.upper_hz, kLeastImage, least_hz);
   if (!question.daq_rate_hz) held.daq_rate_hz = unfolded_hz;
@@ -158,14 +159,13 @@ void AddNoise(Considered& of) {
 std::optional<acquire::Finding> ObstacleOf(Considered& of) {
   const auto& [question, sensor, route] = std::tie(of.question, of.sensor, of.route);
   const double new_hz = std::min(sensor.rate_hz, route.rate_hz);
-  const double needed_hz = acquire::kReadingsPerPeriod * question.upper_hz;
-  if (new_hz < needed_hz * (1 - 1e-9)) {
+  if (!Observes(new_hz, question.upper_hz)) {
     of.route.limited_by = IsAnalog(sensor) ? RouteLimit::kSampling : RouteLimit::kWire;
     return acquire::Finding{.kind = FindingKind::kRateTooLow,
                             .numbers = {{"rate_hz", new_hz},
-                                        {"observable_hz", acquire::HighestObservableHz(new_hz)},
+                                        {"observable_hz", HighestObservableHz(new_hz)},
                                         {"asked_hz", question.upper_hz},
-                                        {"needed_hz", needed_hz}}};
+                                        {"needed_hz", NeededRateHz(question.upper_hz)}}};
   }
   const double gain_at_upper = GainAt(sensor, question.upper_hz);
   if (gain_at_upper < acquire::kLeastGain) {

@@ -9,7 +9,7 @@
 #include "acquire/capability.h"
 #include "acquire/findings.h"
 #include "acquire/reading_noise.h"
-#include "base/default_band.h"
+#include "base/band.h"
 #include "dsp/statistics/distributions.h"
 
 namespace haptometer::tools {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/band.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/recording.h"
 #include "tools/acquire/recording_document.h"
@@ -117,7 +118,7 @@ Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band)
   section.Add(document::kDuration, findings.duration_s);
   section.Add(document::kNewReadings, findings.fresh_rate_hz);
   // f_s / 2.56 from new readings only: repeated ones hold no information
-  section.Add(document::kObservableUpper, findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner);
+  section.Add(document::kObservableUpper, HighestObservableHz(findings.fresh_rate_hz));
   section.Add(kJitterKey, summary.interval_sd_s);
   section.Add(document::kTimeUncertainty, findings.time_uncertainty_s);
   // lengths are rounded to a tenth of the sensor's step

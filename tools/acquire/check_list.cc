@@ -8,6 +8,7 @@
 #include "acquire/capability.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/port_list.h"
+#include "base/band.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/check.h"
@@ -173,12 +174,12 @@ CheckItem CheckAveraging(const Context& c) {
 // new readings per second f_s against the band: f_s / 2.56 is the highest observable frequency
 CheckItem CheckRate(const Context& c) {
   const CheckFindings& f = c.findings;
-  const double needed_hz = dsp::kLeastRatePerUpperCorner * c.question.band.upper_hz;
-  const double observable_hz = f.fresh_rate_hz / dsp::kLeastRatePerUpperCorner;
+  const double upper_hz = c.question.band.upper_hz;
+  const double observable_hz = HighestObservableHz(f.fresh_rate_hz);
   std::string finding =
       fmt::format("{:.6g} new readings/s show up to {:.6g} Hz (rate / 2.56); {:g} Hz needs {:.6g}",
-                  f.fresh_rate_hz, observable_hz, c.question.band.upper_hz, needed_hz);
-  if (f.fresh_rate_hz >= needed_hz) return Ok(std::move(finding));
+                  f.fresh_rate_hz, observable_hz, upper_hz, NeededRateHz(upper_hz));
+  if (Observes(f.fresh_rate_hz, upper_hz)) return Ok(std::move(finding));
   std::string remedy =
       "record the analog output with a DAQ (acquire --sensor pipe), or a head that sends faster";
   // rounded down to whole Hz, so that the proposed band is observable

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/band.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
@@ -132,12 +133,10 @@ void LiveMeter::Design(double rate_hz) {
   const double fresh = figures_.readings == 0 ? 1
                                               : 1 - static_cast<double>(repeated_) /
                                                         static_cast<double>(figures_.readings);
-  // condition f_s >= 2.56 f_upper for new readings
-  const double needed_hz = dsp::kLeastRatePerUpperCorner * band_.upper_hz;
-  if (rate_hz * fresh < needed_hz) {
+  if (!Observes(rate_hz * fresh, band_.upper_hz)) {
     figures_.no_band_because =
         fmt::format("{:g}-{:g} Hz needs {:.4g} new readings/s, {:.4g} come", band_.lower_hz,
-                    band_.upper_hz, needed_hz, rate_hz * fresh);
+                    band_.upper_hz, NeededRateHz(band_.upper_hz), rate_hz * fresh);
     return;
   }
   const auto design = dsp::DesignBandPass(band_, rate_hz);

@@ -10,7 +10,7 @@
 #include "acquire/recorder/recorder.h"
 #include "acquire/recorder/trigger.h"
 #include "acquire/sensor/sensor.h"
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "dsp/filter/butterworth.h"

@@ -9,6 +9,7 @@
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/stream_sensor.h"
+#include "base/band.h"
 #include "base/input_file.h"
 #include "tools/cli/shared_options.h"
 #include "trial/import/table/table_cells.h"
@@ -224,7 +225,7 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
     // length of what is recorded, without waits and absences
     duration_s = static_cast<double>(summary.readings) / *summary.rate_hz;
     // f_s / 2.56, the highest frequency that the rate can observe
-    observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
+    observable_hz = HighestObservableHz(*summary.rate_hz);
   }
   document::Document document{.verb = "acquire",
                               .title = fmt::format("{}: {}", file.empty() ? "nothing kept" : file,

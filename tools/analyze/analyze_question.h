@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "dsp/analysis/band_question.h"

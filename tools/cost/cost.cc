@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/default_band.h"
+#include "base/band.h"
 #include "base/jobs.h"
 #include "base/mapped.h"
 #include "sim/scene/scene_file.h"

@@ -10,6 +10,7 @@
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/port_list.h"
+#include "base/band.h"
 #include "base/text.h"
 
 namespace haptometer::acquire {
@@ -291,8 +292,9 @@ Findings KeyenceIl::Found() const {
   if (fresh_hz < poll_hz) rate.numbers.emplace_back("new_rate_hz", fresh_hz);
   Findings found;
   found.Add(std::move(rate));
-  found.Note(FindingKind::kUnitTooSlow,
-             {{"device", device}, {"rate_hz", best_hz}, {"needed_hz", kNeededRateHz}});
+  found.Note(
+      FindingKind::kUnitTooSlow,
+      {{"device", device}, {"rate_hz", best_hz}, {"needed_hz", NeededRateHz(kDefaultUpperHz)}});
   // cost of the adapter's latency timer per poll period
   if (is_serial) {
     found.AddAll(line_.link().transport().LatencyCost(

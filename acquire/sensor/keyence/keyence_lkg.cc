@@ -8,6 +8,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/port_list.h"
+#include "base/band.h"
 #include "base/error.h"
 
 namespace haptometer::acquire {

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/band.h"
 #include "base/jobs.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_channel.h"
@@ -83,7 +84,7 @@ void JudgeRepeats(MeasuredWindow& window, std::span<const double> samples) {
   const double angle = std::numbers::pi * frequency_hz / window.rate_hz();
   const double gain = std::abs(std::sin(held * angle) / (held * std::sin(angle)));
   record.fresh_rate_hz = std::min(record.fresh_rate_hz, window.rate_hz() / held);
-  record.observable_upper_hz = record.fresh_rate_hz / kLeastRatePerUpperCorner;
+  record.observable_upper_hz = HighestObservableHz(record.fresh_rate_hz);
   window.analysis.findings.Doubt(FindingKind::kSourceIsSlower,
                                  {{"share", share},
                                   {"new_readings_per_s", record.fresh_rate_hz},
