@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,12 +13,6 @@ using P = ImpedanceParameter;
 
 // what a grid of many thousand resonances can afford
 constexpr std::size_t kMostPoints = 500;
-
-// the linear least squares of Z/|Z| over the columns 1, j w L and the resonance, all over |Z|
-struct LinearShare {
-  std::array<double, 3> values{};  // R, L in ohm at the middle frequency, k
-  double cost = 0;
-};
 
 double Omega(double frequency_hz) { return 2 * std::numbers::pi * frequency_hz; }
 
@@ -39,36 +32,76 @@ Complex Admittance(double omega, double angular, double damping) {
   return Complex(0, omega) / Complex((angular - omega) * (angular + omega), omega * damping);
 }
 
-// `columns` of 1, j w / scale, admittance (2: without the resonance)
-LinearShare SolveLinear(const std::vector<ImpedancePoint>& points, double scale, int columns,
-                        double angular, double damping) {
-  // normal equations of real unknowns; a column that is not used has the identity
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  normal.topLeftCorner(columns, columns).setZero();
-  double whole = 0;
-  for (const auto& point : points) {
-    const double omega = Omega(point.frequency_hz);
-    // residuals relative to abs(Z)
-    const double weight = 1 / std::abs(point.ohm);
-    Eigen::Vector3cd basis(Complex(1, 0), Complex(0, omega / scale), Complex(0, 0));
-    // times g: of the order of 1 at the resonance
-    if (columns > 2) basis[2] = Admittance(omega, angular, damping) * damping;
-    basis *= weight;
-    const Complex target = point.ohm * weight;
-    for (int i = 0; i < columns; ++i) {
-      right[i] += (std::conj(basis[i]) * target).real();
-      for (int j = 0; j <= i; ++j) normal(i, j) += (std::conj(basis[i]) * basis[j]).real();
+// The linear least squares of Z/|Z| over the columns 1, j w L and k times the admittance, all over
+// |Z|. What the resonance does not change is summed once for a grid of resonances.
+class LinearShares {
+ public:
+  struct Share {
+    double resistance_ohm = 0;
+    double inductance_h = 0;
+    double coupling = 0;  // k
+    double cost = 0;      // square sum of the residuals
+  };
+
+  // the inductance's column is scaled by w / `scale`
+  LinearShares(const std::vector<ImpedancePoint>& points, double scale) : scale_(scale) {
+    for (const auto& point : points) {
+      const double omega = Omega(point.frequency_hz);
+      const double weight = 1 / std::norm(point.ohm);
+      const Complex target = point.ohm * weight;
+      const double scaled = omega / scale;
+      terms_.push_back({omega, scaled, weight, target});
+      normal_.diagonal() += Eigen::Vector3d(weight, weight * scaled * scaled, 0);
+      right_ += Eigen::Vector3d(target.real(), scaled * target.imag(), 0);
     }
-    whole += std::norm(target);
   }
-  const Eigen::Vector3d solved = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
-  LinearShare share;
-  share.values = {solved[0], solved[1] / scale, columns > 2 ? solved[2] * damping : 0};
-  // z'z - b'x, the residual's square sum
-  share.cost = whole - solved.head(columns).dot(right.head(columns));
-  return share;
-}
+
+  [[nodiscard]] Share WithoutResonance() const {
+    Eigen::Matrix3d normal = normal_;
+    normal(2, 2) = 1;
+    return Solve(normal, right_, 0);
+  }
+
+  // the column is g times the admittance, of the order of 1 at the resonance:
+  // j r / (x + j r) = (r + j x) r / (x^2 + r^2) with x = w0^2 - w^2, r = w g
+  [[nodiscard]] Share With(double angular, double damping) const {
+    Eigen::Matrix3d normal = normal_;
+    Eigen::Vector3d right = right_;
+    for (const Term& term : terms_) {
+      const double x = (angular - term.omega) * (angular + term.omega);
+      const double r = term.omega * damping;
+      const double share = r / (x * x + r * r);
+      const double real = share * r;
+      const double imaginary = share * x;
+      normal(2, 0) += term.weight * real;
+      normal(2, 1) += term.weight * term.scaled * imaginary;
+      normal(2, 2) += term.weight * (real * real + imaginary * imaginary);
+      right[2] += real * term.target.real() + imaginary * term.target.imag();
+    }
+    return Solve(normal, right, damping);
+  }
+
+ private:
+  struct Term {
+    double omega = 0;
+    double scaled = 0;  // w / scale
+    double weight = 0;  // 1 / |Z|^2
+    Complex target;     // Z / |Z|^2
+  };
+
+  [[nodiscard]] Share Solve(const Eigen::Matrix3d& normal, const Eigen::Vector3d& right,
+                            double damping) const {
+    const Eigen::Vector3d solved = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    // z'z - b'x, each |Z|/|Z| being 1
+    const double cost = static_cast<double>(terms_.size()) - solved.dot(right);
+    return {solved[0], solved[1] / scale_, solved[2] * damping, cost};
+  }
+
+  double scale_;
+  std::vector<Term> terms_;
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+};
 
 }  // namespace
 
@@ -131,7 +164,8 @@ std::optional<ImpedanceStart> StartImpedance(const std::vector<ImpedancePoint>& 
   const double scale = Omega(std::sqrt(lowest.frequency_hz * highest.frequency_hz));
   ImpedanceStart start;
   // cost of a coil without a resonance
-  start.plain_cost = start.cost = SolveLinear(picked, scale, 2, 0, 0).cost;
+  const LinearShares shares(picked, scale);
+  start.plain_cost = start.cost = shares.WithoutResonance().cost;
   // factor by which the grid exceeds the sweep at either end
   constexpr double kBeyond = 1.5;
   constexpr int kResonances = 300;
@@ -143,11 +177,10 @@ std::optional<ImpedanceStart> StartImpedance(const std::vector<ImpedancePoint>& 
     const double angular = Omega(first * std::pow(ratio, k / (kResonances - 1.0)));
     for (int octave = 0; octave < kQualities; ++octave) {
       const double damping = angular / std::ldexp(0.5, octave);
-      const auto share = SolveLinear(picked, scale, 3, angular, damping);
-      const auto [resistance, inductance, coupling] = share.values;
+      const auto [resistance, inductance, coupling, cost] = shares.With(angular, damping);
       // only a positive resistance and coupling have logarithms
-      if (!(share.cost < start.cost && resistance > 0 && coupling > 0)) continue;
-      start.cost = share.cost;
+      if (!(cost < start.cost && resistance > 0 && coupling > 0)) continue;
+      start.cost = cost;
       start.parameters = {std::log(angular), std::log(damping), std::log(coupling),
                           std::log(resistance), inductance};
     }
