@@ -321,6 +321,34 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
   CutQuantisedTail(record, start, fit, part);
 }
 
+// hum of the mains, or a slow course, becomes part of the background that is fitted
+void TakeIntoBackground(const ImpulseRecord& record, const Suspect& found, Disturbances* part) {
+  const FindingNumber amplitude{InUnit(record, "amplitude_v", "amplitude_m"), found.amplitude_v};
+  if (found.kind == Suspect::Kind::kHum) {
+    part->background.hum_hz = found.value;
+    part->found.Add(About(record.name, Severity::kNote, FindingKind::kHum,
+                          {{"frequency_hz", found.value}, amplitude}));
+  } else {
+    part->background.drifts = true;
+    part->found.Add(About(record.name, Severity::kNote, FindingKind::kDrift, {amplitude}));
+  }
+}
+
+// friction is accepted only if the fit with friction as a parameter confirms the first-order trial
+bool TakesFriction(const ImpulseRecord& record, const RingSamples& above, Disturbances* part) {
+  RingBackground rubbing = part->background;
+  const RingFit without = FitRing(above, part->poles, rubbing);
+  rubbing.has_friction = true;
+  const RingFit with = FitRing(above, part->poles, rubbing);
+  const bool holds = Holds(without, with, record.signal);
+  if (!holds && StopsAtOnce(without, with, record.signal)) {
+    part->no_ring_down = "is stopped by dry friction within its first swings";
+  }
+  part->background.has_friction = holds;
+  if (holds) part->poles = with.poles;
+  return holds;
+}
+
 // FindDisturbances(), with later impacts or as if there were none
 Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool may_have_blows) {
   constexpr double kLightDamping = 0.3;  // of critical
@@ -365,31 +393,14 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       may_have_friction = true;
       part.no_ring_down = OtherSide(record, before, part, fit);
       if (!part.no_ring_down.empty()) return part;
-    } else if (worst.kind == Suspect::Kind::kHum) {
-      part.background.hum_hz = worst.value;
-      part.found.Add(About(record.name, Severity::kNote, FindingKind::kHum,
-                           {{"frequency_hz", worst.value},
-                            {InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
-    } else if (worst.kind == Suspect::Kind::kDrift) {
-      part.background.drifts = true;
-      part.found.Add(About(record.name, Severity::kNote, FindingKind::kDrift,
-                           {{InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
+    } else if (worst.kind == Suspect::Kind::kHum || worst.kind == Suspect::Kind::kDrift) {
+      TakeIntoBackground(record, worst, &part);
     } else if (worst.kind == Suspect::Kind::kFriction) {
-      // accepted only if the fit with friction as a parameter confirms the first-order trial; a
-      // motion whose last swings the converter does not show resembles one that friction stops
+      // a motion whose last swings the converter does not show resembles one that friction stops
       above_step_end = EndAboveStep(record, start, fit, part);
-      const auto above = BlocksOf(record, part.first_sample, above_step_end, block);
-      RingBackground rubbing = part.background;
-      const RingFit without = FitRing(above, part.poles, rubbing);
-      rubbing.has_friction = true;
-      const RingFit with = FitRing(above, part.poles, rubbing);
-      may_have_friction = Holds(without, with, record.signal);
-      if (!may_have_friction && StopsAtOnce(without, with, record.signal)) {
-        part.no_ring_down = "is stopped by dry friction within its first swings";
-        return part;
-      }
-      part.background.has_friction = may_have_friction;
-      if (may_have_friction) part.poles = with.poles;
+      may_have_friction =
+          TakesFriction(record, BlocksOf(record, part.first_sample, above_step_end, block), &part);
+      if (!part.no_ring_down.empty()) return part;
     } else {
       part.evidence.cuts = cuts;
       Judge(record, start, samples, fit, &part);
