@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""The same numbers from each processor and compiler: the commands of golden.py under several environments.
+"""Pinned numbers, and the same ones from each processor and compiler: the commands of golden.py.
 
-    tests/golden/same_bytes.py --check             in each environment: simulate, sweep and tune (EXACT) give the very
-                                                   bits of digests.json; the others, in which FFTW, BLAS and Ceres take
-                                                   part, agree with the first within a thousandth of their standard
-                                                   uncertainties, or as golden.py allows
-    tests/golden/same_bytes.py --check --as-built  EXACT alone, in the environment as it is: for builds of other
-                                                   compilers and flags
-    tests/golden/same_bytes.py --make              writes digests.json, after a change of the arithmetic
+    tests/golden/same_bytes.py --check [GROUP ...]  what `golden.py --check` compares; simulate, sweep and tune (EXACT)
+                                                    give the very bits of digests.json; and all of it once more without
+                                                    what only some processors have: EXACT with the same bits, the
+                                                    others, in which FFTW, BLAS and Ceres take part, within a thousandth
+                                                    of their standard uncertainties, or as golden.py allows
+    tests/golden/same_bytes.py --as-built           EXACT's bits alone, in the environment as it is: for builds of other
+                                                    compilers and flags
+    tests/golden/same_bytes.py --make               writes digests.json, after a change of the arithmetic
 
 A digest is that of a command's exit status and all its values (golden.py says which), floats with all their digits.
-The environments are the processor's own, and what each x86-64 has: no variants of the C library's functions that use
-fused products, and the filters' kernels of SSE2. (Of the kernels of the other instruction sets dsp_filter
-ZeroPhaseBlocks.EveryInstructionSetGivesTheSameBytes.)
+Each x86-64 has neither the C library's functions that use fused products, nor kernels of the filters above SSE2. (Of
+the kernels of the other instruction sets dsp_filter ZeroPhaseBlocks.EveryInstructionSetGivesTheSameBytes.)
 """
 import hashlib
 import json
@@ -69,26 +69,38 @@ def disagreements(name, first, other, rules):
             yield f"{name}: {path}: {old!r} and {other[1][path]!r}"
 
 
+def as_pinned(commands, found, rules):
+    """Lines on the values that differ from those of expected/."""
+    for name in (command["name"] for command in commands):
+        expected = json.loads((golden.FOLDER / "expected" / f"{name}.json").read_text(encoding="utf-8"))
+        yield from list(golden.differences(name, expected, *found[name], rules))[:golden.MOST_LINES]
+
+
 def main():
-    check(sys.argv[1:] in (["--check"], ["--check", "--as-built"], ["--make"]), __doc__)
+    what, *groups = sys.argv[1:] or [""]
+    check(what == "--check" or what in ("--as-built", "--make") and not groups, __doc__)
     table = tomllib.loads((golden.FOLDER / "commands.toml").read_text())
     rules = golden.read_rules(table)
     os.environ["HAPTOMETER_PROGRAMS"] = os.path.dirname(program("haptometer"))
-    alone = sys.argv[1:] != ["--check"]
-    commands = [command for command in table["command"] if is_exact(command) or not alone]
+    commands = [command for command in table["command"] if is_exact(command) or what == "--check"]
+    every = sorted(command["name"] for command in commands if is_exact(command))
+    commands = [command for command in commands if not groups or command["name"].split("-")[0] in groups]
+    check(commands, f"no group is called {groups}")
     exact = [command["name"] for command in commands if is_exact(command)]
     first = answers(commands, table, rules, {})
-    if sys.argv[1] == "--make":
-        digests = {name: digest(first[name]) for name in sorted(exact)}
+    if what == "--make":
+        digests = {name: digest(first[name]) for name in every}
         DIGESTS.write_text(json.dumps(digests, indent=1) + "\n", encoding="utf-8")
         return
-    digests, lost = json.loads(DIGESTS.read_text(encoding="utf-8")), []
-    check(sorted(digests) == sorted(exact), "digests.json is of other commands; --make writes it anew")
-    for called, environment in [("as it is", {})] + ([] if alone else [("each x86-64", EACH_X86_64)]):
-        there = answers(commands, table, rules, environment) if environment else first
-        lost += [f"{called}: {name}: other bits" for name in exact if digest(there[name]) != digests[name]]
+    digests = json.loads(DIGESTS.read_text(encoding="utf-8"))
+    check(sorted(digests) == every, "digests.json is of other commands; --make writes it anew")
+    lost = [f"as it is: {name}: other bits" for name in exact if digest(first[name]) != digests[name]]
+    if what == "--check":
+        lost += as_pinned(commands, first, rules)
+        there = answers(commands, table, rules, EACH_X86_64)
+        lost += [f"each x86-64: {name}: other bits" for name in exact if digest(there[name]) != digests[name]]
         for name in there.keys() - set(exact):
-            lost += [f"{called}: {line}" for line in disagreements(name, first[name], there[name], rules)]
+            lost += [f"each x86-64: {line}" for line in disagreements(name, first[name], there[name], rules)]
     print("\n".join([*lost, f"{len(exact)} commands with the same bits, {len(commands) - len(exact)} that agree"]))
     sys.exit(1 if lost else 0)
 
