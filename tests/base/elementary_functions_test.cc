@@ -299,6 +299,8 @@ TEST(ElementaryFunctions, RootsOfSpecialValuesAreThoseOfC99) {
   EXPECT_SAME(Hypot(kNan, -kInfinite), kInfinite);
   EXPECT_SAME(Hypot(kNan, 1), kNan);
   EXPECT_SAME(Hypot(0, kNan), kNan);
+  EXPECT_SAME(Hypot(1e300, kNan), kNan);
+  EXPECT_SAME(Hypot(kLeast, kNan), kNan);
   EXPECT_SAME(Hypot(-0.0, -0.0), 0.0);
   EXPECT_SAME(Hypot(-kLeast, 0), kLeast);
   EXPECT_SAME(Hypot(kLargest, kLargest), kInfinite);
@@ -319,6 +321,7 @@ TEST(ElementaryFunctions, ComplexRootsOfSpecialValuesAreThoseOfC99) {
   EXPECT_ROOT(-kInfinite, 2.0, 0.0, kInfinite);
   EXPECT_ROOT(kInfinite, 2.0, kInfinite, 0.0);
   EXPECT_ROOT(kInfinite, kNan, kInfinite, kNan);
+  EXPECT_ROOT(-kInfinite, kNan, kNan, kInfinite);
   EXPECT_ROOT(kNan, kNan, kNan, kNan);
   EXPECT_ROOT(2.0, kNan, kNan, kNan);
   // exact roots; the sign of 0
@@ -327,6 +330,13 @@ TEST(ElementaryFunctions, ComplexRootsOfSpecialValuesAreThoseOfC99) {
   EXPECT_ROOT(3.0, 4.0, 2.0, 1.0);
   EXPECT_ROOT(-3.0, 4.0, 1.0, 2.0);
   EXPECT_ROOT(0x1.8p999, 0x1p1000, 0x1p500, 0x1p499);
+  // a part that is 0 is no smallest number
+  EXPECT_ROOT(0.0, 8.0, 2.0, 2.0);
+  EXPECT_ROOT(-0.0, 8.0, 2.0, 2.0);
+  EXPECT_ROOT(0.0, 0x1p-1073, 0x1p-537, 0x1p-537);
+  EXPECT_ROOT(0.0, 0x1p1023, 0x1p511, 0x1p511);
+  EXPECT_ROOT(0x1p-1074, 0.0, 0x1p-537, 0.0);
+  EXPECT_ROOT(-0x1p-1074, 0.0, 0.0, 0x1p-537);
 }
 
 TEST(ElementaryFunctions, ResultsThatAreDoublesAreExact) {
@@ -388,6 +398,10 @@ TEST(ElementaryFunctions, ScaledPowRoundsOnlyTheEnd) {
   const DoubleDouble thousand{1000, 0}, third = DoubleDouble{1, 0} / DoubleDouble{3, 0};
   EXPECT_SAME(ScaledPow(3000, thousand, third), 30000.0);
   EXPECT_SAME(ScaledPow(3000, thousand, {0, 0}), 3000.0);
+  // e^(+-745.9) and beyond
+  EXPECT_SAME(ScaledPow(1, thousand, {-107, 0}), Pow(10, -321));
+  EXPECT_SAME(ScaledPow(1, thousand, {-109, 0}), 0.0);
+  EXPECT_SAME(ScaledPow(1, thousand, {109, 0}), std::numeric_limits<double>::infinity());
 }
 
 // of a function's results, in order

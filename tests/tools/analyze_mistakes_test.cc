@@ -331,6 +331,20 @@ TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
   EXPECT_THAT(alone.err, HasSubstr("--resolution: applies to a spectrum or a sweep only"));
 }
 
+// they were ignored without a word
+TEST_F(AnalyzeMistakes, WordsOfACampaignThatIsNotAskedForAreRefused) {
+  const std::string trial = Steady();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--job-time", "60s"}, {"--campaign", "elsewhere"}}) {
+    const Outcome refused = Analyze({words[0], words[1], trial});
+    EXPECT_EQ(refused.status, 2) << words[0];
+    EXPECT_THAT(refused.err, HasSubstr("apply to --slurm only, which is not given"));
+  }
+  const Outcome mixed = Analyze({"--allow-mixed", trial});
+  EXPECT_EQ(mixed.status, 2);
+  EXPECT_THAT(mixed.err, HasSubstr("--allow-mixed: applies to --shard, --merge and --slurm only"));
+}
+
 TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {
   const std::string sweep = Write("high.csv", 4000, [](double t_s) {
     const double u = (400 + 40 * t_s) / 600;  // resonant at 600 Hz, swept to 520 Hz

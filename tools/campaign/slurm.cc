@@ -146,6 +146,12 @@ void DeclareSlurm(cli::Options& options, SlurmWords& words) {
       .Default("the table's or the trials' name with .campaign behind it");
 }
 
+cli::Rule CampaignRule(const SlurmWords& words) {
+  const bool is_idle = !words.jobs && (!words.folder.empty() || words.job_s != SlurmWords{}.job_s);
+  return {is_idle, "--job-time, --campaign", "apply to --slurm only, which is not given",
+          "add --slurm N"};
+}
+
 std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
                                         std::initializer_list<std::string_view> with_value,
                                         std::initializer_list<std::string_view> flags) {

@@ -24,6 +24,9 @@ struct SlurmWords {
 /// Declares --slurm, --job-time and --campaign.
 void DeclareSlurm(cli::Options& options, SlurmWords& words);
 
+/// The rule that a job's time and a campaign's folder are given together with --slurm.
+[[nodiscard]] cli::Rule CampaignRule(const SlurmWords& words);
+
 /// `words` without a lone "--", options with a value ("--output x", "--output=x", of a short one
 /// "-ox" too), and flags.
 [[nodiscard]] std::vector<std::string> WithoutOptions(

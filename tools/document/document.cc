@@ -40,21 +40,39 @@ std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
           field(Key{"determined"}, is_known)};
 }
 
+const FindingNumber* Named(std::string_view name, const std::vector<FindingNumber>& numbers) {
+  const auto found = std::ranges::find(numbers, name, &FindingNumber::name);
+  return found == numbers.end() ? nullptr : &*found;
+}
+
+// a count or a number; NaN of a text
+double NumberIn(const FindingNumber& finding) {
+  if (const auto* count = std::get_if<std::int64_t>(&finding.value)) {
+    return static_cast<double>(*count);
+  }
+  const auto* number = std::get_if<double>(&finding.value);
+  return number ? *number : kNan;
+}
+
 // text for a place "name" or "name how"; nothing where the number is absent
 std::optional<std::string> Replacement(std::string_view place,
                                        const std::vector<FindingNumber>& numbers) {
   const std::size_t blank = std::min(place.find(' '), place.size());
   const std::string_view name = place.substr(0, blank);
   const std::string_view how = place.substr(std::min(blank + 1, place.size()));
-  const auto found = std::ranges::find(numbers, name, &FindingNumber::name);
-  if (found == numbers.end()) return std::nullopt;
+  const FindingNumber* found = Named(name, numbers);
+  if (found == nullptr) return std::nullopt;
   if (const auto* text = std::get_if<std::string>(&found->value)) return *text;
   const auto* count = std::get_if<std::int64_t>(&found->value);
-  const double number = count ? static_cast<double>(*count) : std::get<double>(found->value);
+  const double number = NumberIn(*found);
   if (!std::isfinite(number)) return std::nullopt;
-  // how: "s" plural ending, "SI" plain number, "%" share, "2%" of two digits, "6" six digits; else
-  // the unit that the name ends with
+  // how: "s" plural ending, "SI" plain number, "%" share, "2%" of two digits, "6" six digits,
+  // "+-other" its standard uncertainty; else the unit that the name ends with
   if (how == "s") return number == 1 ? "" : "s";
+  if (how.starts_with("+-")) {
+    const FindingNumber* uncertainty = Named(how.substr(2), numbers);
+    return QuantityText(number, UnitOfName(name), 4, uncertainty ? NumberIn(*uncertainty) : 0);
+  }
   if (how == "SI") return NumberText(number, 0, 0);
   if (count && how.empty()) return fmt::format("{}", *count);
   if (how == "2%") return QuantityText(number, kShare, 2);

@@ -160,8 +160,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "the drive channel is off for {off_s} from {from_s} to {to_s}, where the displacement "
        "vibrates: check the channel and its connection"},
       {kDriveDelayed, "drive-delayed",
-       "the vibration follows the drive channel by {delay_s}, with a standard uncertainty of "
-       "{uncertainty_s}; corrected for in the choice of the window"},
+       "the vibration follows the drive channel by {delay_s +-uncertainty_s}; corrected for in the "
+       "choice of the window"},
       {kBumpsExcluded, "bumps-excluded",
        "{count} bump{count s} excluded together with the filter's response, {excluded_s} of the "
        "window in all, the first at {from_s}"},

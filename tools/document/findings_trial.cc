@@ -51,9 +51,8 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{line}"},
     {"times-rebuilt",
      "{repeated} of {rows} times equal that of the row before, because they have too few digits; "
-     "they are replaced by the uniform grid that explains all of them, whose rate of {rate_hz} has "
-     "a "
-     "standard uncertainty of {rate_uncertainty_hz}"},
+     "they are replaced by the uniform grid that explains all of them, whose rate is "
+     "{rate_hz +-rate_uncertainty_hz}"},
     {"channels-apart",
      "the channels begin up to {apart_s} apart (t0); all are given the times of the first one"},
     {"transitions-only",

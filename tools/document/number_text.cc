@@ -51,7 +51,7 @@ std::string PlainText(double value, double resolution, int digits) {
       resolution > 0 && PlaceOf(resolution) > PlaceOf(std::abs(value)) - digits + 1;
   // a large number is rounded and has no power of ten: "10240" to four digits
   const int place = PlaceOf(std::abs(value)) - digits + 1;
-  if (!is_limited && place > 0 && std::abs(value) < std::pow(10.0, kMostPlaces)) {
+  if (!is_limited && place >= 0 && std::abs(value) < std::pow(10.0, kMostPlaces)) {
     return ToPlace(value, place);
   }
   if (!is_limited) return fmt::format("{:.{}g}", value, digits);
@@ -109,10 +109,10 @@ std::string RangeText(double lower, double upper, double standard_uncertainty, d
   return fmt::format("{} to {}", end(lower), end(upper));
 }
 
-std::string QuantityText(double value, const Unit& unit, int digits) {
+std::string QuantityText(double value, const Unit& unit, int digits, double standard_uncertainty) {
   const auto [factor, symbol] = unit.For(std::abs(value));
-  return fmt::format("{}{}{}", NumberText(value * factor, 0, 0, digits), symbol.empty() ? "" : " ",
-                     symbol);
+  return fmt::format("{}{}{}", NumberText(value * factor, standard_uncertainty * factor, 0, digits),
+                     symbol.empty() ? "" : " ", symbol);
 }
 
 }  // namespace haptometer::document

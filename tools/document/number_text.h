@@ -76,7 +76,9 @@ inline constexpr Unit kPerSecondSquared{"_per_s2", "1/s^2", {{{1, "1/s^2"}}}};
 [[nodiscard]] std::string RangeText(double lower, double upper, double standard_uncertainty,
                                     double resolution);
 
-/// A number in SI units as people say it: "2.5 mm".
-[[nodiscard]] std::string QuantityText(double value, const Unit& unit, int digits);
+/// A number in SI units, with the prefix that suits it: "2.5 mm"; with a standard uncertainty
+/// "2.54(12) mm", else `digits` significant digits.
+[[nodiscard]] std::string QuantityText(double value, const Unit& unit, int digits,
+                                       double standard_uncertainty = 0);
 
 }  // namespace haptometer::document

@@ -378,6 +378,9 @@ Result<void> CheckWords(const ResultsWords& words) {
        "give --shard I/N too"},
       {!is_shard && words.resume, "--resume", "continues a shard", "give --shard I/N and -o too"},
       {is_shard && words.no_cache, "--no-cache", "has no effect on a shard", "leave it out"},
+      {words.is_mixed_allowed && !is_shard && !is_merge && !words.slurm.jobs, "--allow-mixed",
+       "applies to --shard, --merge and --slurm only, none of which is given", "leave it out"},
+      CampaignRule(words.slurm),
   });
 }
 

@@ -54,11 +54,6 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
   return points;
 }
 
-// words of a campaign that is not asked for
-bool HasIdleCampaign(const SlurmWords& slurm) {
-  return !slurm.jobs && (!slurm.folder.empty() || slurm.job_s != SlurmWords{}.job_s);
-}
-
 Result<void> CheckWords(const SweepWords& words) {
   const bool has_second = words.scenes.size() > 1;
   return cli::CheckRules({
@@ -69,8 +64,7 @@ Result<void> CheckWords(const SweepWords& words) {
        "give one of the two"},
       {words.is_mixed_allowed && !words.resume && !words.slurm.jobs, "--allow-mixed",
        "applies to --resume, --merge and --slurm only, none of which is given", "leave it out"},
-      {HasIdleCampaign(words.slurm), "--job-time, --campaign",
-       "apply to --slurm only, which is not given", "add --slurm N"},
+      CampaignRule(words.slurm),
   });
 }
 
@@ -318,7 +312,7 @@ Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
   // a merge computes nothing: options of a computation are refused
   const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
                           words.seed || words.resume || words.threads || !words.shard.empty() ||
-                          words.accuracy.Asked() || HasIdleCampaign(words.slurm);
+                          words.accuracy.Asked() || CampaignRule(words.slurm).is_broken;
   HAPTOMETER_TRY(cli::CheckRules({
       {has_others, "--merge", "joins tables and computes nothing",
        "give it tables, -o, --overwrite, --best and --plot alone"},

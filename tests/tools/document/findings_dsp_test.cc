@@ -266,8 +266,8 @@ const std::vector<Case> kCases{
     {kDriveDelayed,
      {{"delay_s", 0.012}, {"uncertainty_s", 0.001}},
      "drive-delayed",
-     "the vibration follows the drive channel by 12 ms, with a standard uncertainty of 1 ms; "
-     "corrected for in the choice of the window"},
+     "the vibration follows the drive channel by 12.0(10) ms; corrected for in the choice of the "
+     "window"},
     {kBumpsExcluded,
      {{"count", 2}, {"excluded_s", 0.25}, {"from_s", 1.5}},
      "bumps-excluded",

@@ -70,8 +70,7 @@ const std::vector<Case> kCases{
     {kTimesRebuilt,
      {{"repeated", 7}, {"rows", 300}, {"rate_hz", 500.0}, {"rate_uncertainty_hz", 0.02}},
      "7 of 300 times equal that of the row before, because they have too few digits; they are "
-     "replaced by the uniform grid that explains all of them, whose rate of 500 Hz has a standard "
-     "uncertainty of 0.02 Hz"},
+     "replaced by the uniform grid that explains all of them, whose rate is 500.000(20) Hz"},
     {kChannelsApart,
      {{"apart_s", 1.5e-3}},
      "the channels begin up to 1.5 ms apart (t0); all are given the times of the first one"},

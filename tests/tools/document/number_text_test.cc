@@ -40,6 +40,8 @@ TEST(NumberText, ShowsSixDigitsWithoutAnUncertainty) {
   EXPECT_EQ(NumberText(201.88526, 0, 0, 4), "201.9");
   EXPECT_EQ(NumberText(10240, 0, 0, 4), "10240") << "no power of ten";
   EXPECT_EQ(NumberText(-123456.7, 0, 0, 4), "-123500");
+  EXPECT_EQ(NumberText(99.97, 0, 0, 2), "100") << "rounding gives a third digit";
+  EXPECT_EQ(NumberText(999.97, 0, 0, 2), "1000");
 }
 
 // 224.9999999872(15) was printed of a noiseless record: no clock is known to 1e-11

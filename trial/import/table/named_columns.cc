@@ -318,9 +318,10 @@ class Head {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
-    // a first column in a unit of time is the time, regardless of its name
-    // so are times of day behind their dates
-    const bool is_clock = number == 1 && HasDates();
+    // a first column in a unit of time is the time, regardless of its name; so are times of day
+    // there, and behind their dates
+    const bool is_clock = number == 0 ? ReadClock(beginning_.rows[0].cells[0]).has_value()
+                                      : number == 1 && HasDates();
     // "x" may be a path
     const bool is_named_time = IsTimeName(title) && (!unit || unit->si_unit == "s");
     const bool is_time = is_named_time || (number == 0 && IsUnitOfTime(printed)) || is_clock;

@@ -237,6 +237,16 @@ TEST(ForeignTable, ADateAndATimeOfDay) {
   EXPECT_REL(midnight.stretches.at(0).rate_hz, 2, 1e-9, "printed times");
 }
 
+// a first column of times of day needs no name that means time
+TEST(ForeignTable, ATimeOfDayUnderAnyName) {
+  for (const char* name : {"Uhrzeit", "Zeitstempel", "heure"}) {
+    const Record record = Parsed(
+        fmt::format("{};Coil (V)\n12:00:00,0000;1\n12:00:00,0002;2\n12:00:00,0004;3\n", name));
+    ASSERT_EQ(record.channels.size(), 1) << name;
+    EXPECT_REL(record.stretches.at(0).rate_hz, 5000, 1e-6, "printed times");
+  }
+}
+
 TEST(ForeignTable, EachMidnightAddsADay) {
   // every seven hours from 20 o'clock on: 63 hours later it is the third day's 11 o'clock
   std::string text = "Date,Time,Coil (V)\n";
