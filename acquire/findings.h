@@ -49,6 +49,9 @@ enum class FindingKind : std::uint8_t {
   kWireErrors,      ///< errors
   kReplayCutShort,  ///< the trial that is replayed
   kReplayLosses,    ///< losses, rows_lost (where known)
+  kFellSilent,      ///< last_reading_s, length_s: of what was to be recorded, or was
+  kOtherForm,       ///< replies, example: whole, but with other decimals or amplifiers
+  kEcho,            ///< echoes: requests that came back on the wire
 
   // --- whether a sensor can answer a question (acquire/capability.h)
   kCanAnswer,   ///< rate_hz, limit, observable_hz, noise_m, smallest_m, record_s (where known)

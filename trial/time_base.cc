@@ -61,7 +61,8 @@ double LeastOf(const std::vector<LevelWindow>& windows, std::size_t from, std::s
 }
 
 // rows at which the lower envelope rises and stays up: lines were lost before them
-std::vector<std::size_t> Rises(const TimedRows& rows, double period_ns, std::size_t window_rows) {
+std::vector<std::size_t> Rises(const TimedRows& rows, const SourcePeriod& source) {
+  const auto [period_ns, window_rows, block_ns, is_of_blocks] = source;
   const std::vector<LevelWindow> windows = WindowsOf(rows, period_ns, window_rows);
   // scatter of the minima: 1.4826 * median of the differences between neighbours
   std::vector<double> sizes;
@@ -69,8 +70,9 @@ std::vector<std::size_t> Rises(const TimedRows& rows, double period_ns, std::siz
     sizes.push_back(std::abs(windows[k].level_ns - windows[k - 1].level_ns));
   }
   const double scatter_ns = kDeviationsPerMedian * UpperMedian(std::move(sizes));
-  // a rise exceeds half a period and three times the scatter
-  const double least_rise_ns = std::max(0.5 * period_ns, kScatters * scatter_ns);
+  // a rise exceeds half a period, three times the scatter, and what blocks' ends may be off
+  const double least_rise_ns =
+      std::max({0.5 * period_ns, kScatters * scatter_ns, kRegular * block_ns});
   // the level behind window k: it stays up only if all of the next ten windows do
   auto ahead_ns = [&](std::size_t k) {
     return LeastOf(windows, k, std::min(kWindowsAhead, windows.size() - k));
@@ -140,18 +142,17 @@ std::vector<std::size_t> StartsIn(const TimedRows& rows, const std::vector<RowPi
 
 // the piece with the most rows that came in time
 const RowPiece& Longest(const TimedRows& rows, const std::vector<RowPiece>& pieces,
-                        double period_ns, std::size_t window_rows) {
+                        const SourcePeriod& source) {
   return *std::ranges::max_element(pieces, {}, [&](const RowPiece& piece) {
-    return RowsIn(WindowsOf(rows.Of(piece), period_ns, window_rows));
+    return RowsIn(WindowsOf(rows.Of(piece), source.ns, source.window_rows));
   });
 }
 
-// pieces of one line each, and the period that the longest of them shows
+// pieces of one line each, and what the longest of them shows of the source
 struct Cut {
   std::vector<RowPiece> pieces;
-  double period_ns = 0;
+  SourcePeriod source;
   std::size_t longest_rows = 0;
-  std::size_t window_rows = 0;
 };
 
 // The windows that a line is fitted to. Where lines were lost within a burst, the first rows of a
@@ -166,46 +167,47 @@ std::vector<LevelWindow> FittedWindows(const TimedRows& part, const RowPiece& pi
 
 // The period of the lines below all pieces. That of n rows is known to a variance that falls with
 // n^3, as a slope's does, which weights it.
-double CommonSlope(const TimedRows& rows, const std::vector<RowPiece>& pieces, double period_ns,
-                   std::size_t window_rows) {
+double CommonSlope(const TimedRows& rows, const std::vector<RowPiece>& pieces,
+                   const SourcePeriod& source) {
   double sum = 0;
   double weights = 0;
   for (const RowPiece& piece : pieces) {
-    if (piece.rows() < 2 * window_rows) continue;
     const TimedRows part = rows.Of(piece);
-    const auto windows = FittedWindows(part, piece, period_ns, window_rows);
+    const auto windows = FittedWindows(part, piece, source.ns, source.window_rows);
+    if (windows.size() < 2) continue;
     const double weight = std::pow(AsDouble(RowsIn(windows)), 3);
-    sum += weight * (LowerLine(part, period_ns, windows).period_ns - period_ns);
+    sum += weight * (LowerLine(part, source.ns, windows).period_ns - source.ns);
     weights += weight;
   }
-  return weights > 0 ? period_ns + sum / weights : period_ns;
+  return weights > 0 ? source.ns + sum / weights : source.ns;
 }
 
 Cut CutAtLosses(const TimedRows& rows, const std::vector<std::size_t>& breaks, bool is_numbered) {
-  auto [period_ns, window_rows] = PeriodOf(rows);
+  SourcePeriod source = PeriodOf(rows);
   // known losses and pauses cut the recording with certainty
   const auto known = PiecesBetween(rows.size(), breaks);
   std::vector<RowPiece> pieces = PiecesBetween(
       rows.size(),
-      StartsIn(rows, known, [&](const TimedRows& part) { return Pauses(part, period_ns); }));
+      StartsIn(rows, known, [&](const TimedRows& part) { return Pauses(part, source.ns); }));
   // twice, because many losses blur the period that they are looked for with
   const std::vector<RowPiece> sure = pieces;
   // a source that numbers its rows reports all losses: no search for rises
   for (int turn = 0; turn < (is_numbered ? 0 : 2); ++turn) {
     pieces = PiecesBetween(rows.size(), StartsIn(rows, sure, [&](const TimedRows& part) {
-                             return Rises(part, period_ns, window_rows);
+                             return Rises(part, source);
                            }));
-    period_ns = CommonSlope(rows, pieces, period_ns, window_rows);
+    source.ns = CommonSlope(rows, pieces, source);
   }
-  const RowPiece longest = Longest(rows, pieces, period_ns, window_rows);
-  const auto windows = WindowsOf(rows.Of(longest), period_ns, window_rows);
-  period_ns = CommonSlope(rows, pieces, period_ns, window_rows);
-  return {std::move(pieces), period_ns, RowsIn(windows), window_rows};
+  const RowPiece longest = Longest(rows, pieces, source);
+  const auto windows = WindowsOf(rows.Of(longest), source.ns, source.window_rows);
+  source.ns = CommonSlope(rows, pieces, source);
+  return {std::move(pieces), source, RowsIn(windows)};
 }
 
 // one period for pieces too short to determine their own: the longest piece's, else the nominal one
 std::optional<double> CommonPeriod(const Cut& cut, std::optional<double> nominal_rate_hz) {
-  if (cut.longest_rows >= 2 * cut.window_rows) return cut.period_ns;
+  const SourcePeriod& source = cut.source;
+  if (source.is_of_blocks || cut.longest_rows >= 2 * source.window_rows) return source.ns;
   if (nominal_rate_hz && *nominal_rate_hz > 0) return kNsPerSecond / *nominal_rate_hz;
   return std::nullopt;
 }
@@ -214,8 +216,8 @@ std::optional<double> CommonPeriod(const Cut& cut, std::optional<double> nominal
 TimeLine FitPiece(const TimedRows& part, const RowPiece& piece, const Cut& cut,
                   std::optional<double> common_period_ns) {
   const auto windows =
-      FittedWindows(part, piece, common_period_ns.value_or(cut.period_ns), cut.window_rows);
-  if (RowsIn(windows) < kWindowsForARate * cut.window_rows && common_period_ns) {
+      FittedWindows(part, piece, common_period_ns.value_or(cut.source.ns), cut.source.window_rows);
+  if (RowsIn(windows) < kWindowsForARate * cut.source.window_rows && common_period_ns) {
     // the period is given, so only the least delay is looked for
     return {LeastOf(windows, 0, windows.size()), *common_period_ns};
   }
@@ -263,7 +265,9 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
   for (const RowPiece& piece : cut.pieces) {
     const TimedRows part = rows.Of(piece);
     const TimeLine line = FitPiece(part, piece, cut, common_period_ns);
-    const double uncertainty_s = Scatter(part, line, cut.window_rows) / kNsPerSecond;
+    // within a long block the source may have paused, or lines may have been lost
+    const double uncertainty_s =
+        std::max(Scatter(part, line, cut.source.window_rows), cut.source.block_ns) / kNsPerSecond;
     // losses of known number divide segments, but both sides lie on one line
     std::vector<std::size_t> starts;
     for (const std::size_t row : missed) {

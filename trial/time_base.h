@@ -36,14 +36,23 @@ struct MissingRows {
 /// line that is on time again is taken, and no line is fitted to the first window behind it. Pieces
 /// too short for a rate of their own take that of all, weighted by the cube of their rows.
 ///
+/// Lines may come in blocks (WiFi, a converter from serial to TCP): all that a cycle brought at
+/// once, the last one in time. The same model holds, with the period from one block's end to the
+/// next; no silence is a gap that the lines behind it make up for at that period. Where the
+/// silences last more than 0.25 s, the source may have paused or lines may be missing in each block
+/// alike: times are then uncertain by a silence, of which a rise exceeds a quarter. So they are
+/// where blocks are drawn out, and whether their lines were collected or the source pauses
+/// regularly cannot be known; it is taken to pause.
+///
 /// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
 /// promises; used where the longest stretch is too short for a rate (fewer than 32 rows, or arrived
 /// at one moment). `missing`: where rows are known to be missing, in any order; where their number
 /// is known, the stretches on both sides lie on one line. `is_numbered`: the source numbers its
 /// rows, so that `missing` holds every loss; only a pause of more than 0.25 s that it does not
 /// explain is one more.
-/// time_uncertainty_s is the scatter of the window minima about the line (one standard deviation);
-/// the least delay itself cannot be seen. Returns no stretch for no row. Cost: O(rows).
+/// time_uncertainty_s is the scatter of the window minima about the line (one standard deviation),
+/// and at least the silence between long blocks; the least delay itself cannot be seen. Returns no
+/// stretch for no row. Cost: O(rows).
 [[nodiscard]] std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                                                    std::optional<double> nominal_rate_hz,
                                                    std::span<const MissingRows> missing = {},

@@ -16,6 +16,11 @@ constexpr double kWindowNs = 0.1 * kNsPerSecond;
 constexpr std::size_t kLeastWindowRows = 16;
 constexpr std::size_t kLeastCounts = 3;    // windows that show a rate
 constexpr double kSigmaOfMedian = 1.2533;  // sqrt(pi / 2), against that of the mean
+// blocks of rows: windows hold few of them, which have three rows or more
+constexpr double kShortestBlockNs = 0.25 * kWindowNs;
+constexpr double kLeastBlockRows = 3;
+constexpr double kAtOnce = 0.125;     // share of the time in which no source sends all its rows
+constexpr double kOneInstant = 1e-3;  // the same of one or two cycles, which a pause may divide
 
 // median of the intervals between neighbouring rows, ns
 double MedianInterval(const TimedRows& rows) { return UpperMedian(Differences(rows.times)); }
@@ -45,22 +50,88 @@ std::optional<double> PeriodByCounts(const TimedRows& rows) {
   return window_ns / UpperMedian(std::move(usual));
 }
 
-// The period of a source that was silent for more than half of the time: that of the second halves
-// of what lies between silences of more than 0.25 s, the median by time. Whatever waited during a
-// stall of the host came in the first halves. Nothing of other sources.
-std::optional<double> PeriodBetweenSilences(const TimedRows& rows) {
-  std::vector<std::size_t> starts;
+// the value at which half of the weight is passed; the values are sorted. 0 without any weight
+double WeightedMedian(std::vector<std::pair<double, double>> values_and_weights) {
+  std::ranges::sort(values_and_weights);
+  double weight = 0;
+  for (const auto& at : values_and_weights) weight += at.second;
+  double passed = 0;
+  for (const auto& [value, at] : values_and_weights) {
+    passed += at;
+    if (passed >= 0.5 * weight && weight > 0) return value;
+  }
+  return 0;
+}
+
+// The interval between neighbouring rows below which half of the time lies, ns; 0 where that is
+// shorter than between blocks. O(rows) there.
+double UsualSilence(const TimedRows& rows) {
+  std::vector<std::pair<double, double>> silences;
   double silent_ns = 0;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const double interval_ns = rows.times[i] - rows.times[i - 1];
-    if (interval_ns <= kSurelyAPauseNs) continue;
-    starts.push_back(i);
+  double total_ns = 0;
+  for (const double interval_ns : Differences(rows.times)) {
+    // times that run backwards, of a damaged file, have none
+    total_ns += std::max(interval_ns, 0.0);
+    if (interval_ns < kShortestBlockNs) continue;
+    silences.emplace_back(interval_ns, interval_ns);
     silent_ns += interval_ns;
   }
-  if (silent_ns <= 0.5 * (rows.times.back() - rows.times.front())) return std::nullopt;
+  if (silent_ns <= 0.5 * total_ns) return 0;
+  silences.emplace_back(0, total_ns - silent_ns);
+  return WeightedMedian(std::move(silences));
+}
+
+// rows between silences
+struct Blocks {
+  double period_ns = 0;     // from one block's end to the next by the rows, the median by time
+  bool is_at_once = false;  // next to no time passes within the blocks
+  bool is_regular = false;  // each holds what its cycle brings at that period
+};
+
+// Blocks of rows between silences of half the usual one or more. Nothing of rows that come one by
+// one, or in bursts of which windows hold many.
+std::optional<Blocks> BlocksOf(const TimedRows& rows, double silence_ns) {
+  if (silence_ns <= 0) return std::nullopt;
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (rows.times[i] - rows.times[i - 1] >= 0.5 * silence_ns) starts.push_back(i);
+  }
+  // cycles, from one block's last row, which is the least late, to the next one's
+  std::vector<std::pair<double, double>> periods;
+  std::vector<double> counts;
+  double within_ns = 0;
+  double total_ns = 0;
+  for (const RowPiece& piece : PiecesBetween(rows.size(), starts)) {
+    if (piece.first == 0) continue;
+    const double cycle_ns = rows.times[piece.end - 1] - rows.times[piece.first - 1];
+    if (!(cycle_ns > 0)) continue;
+    counts.push_back(rows.places[piece.end - 1] - rows.places[piece.first - 1]);
+    periods.emplace_back(cycle_ns / counts.back(), cycle_ns);
+    within_ns += rows.times[piece.end - 1] - rows.times[piece.first];
+    total_ns += cycle_ns;
+  }
+  if (counts.empty() || UpperMedian(counts) < kLeastBlockRows) return std::nullopt;
+  const double period_ns = WeightedMedian(periods);
+  std::vector<double> late_ns;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    late_ns.push_back(std::abs(periods[k].second - counts[k] * period_ns));
+  }
+  return Blocks{
+      .period_ns = period_ns,
+      .is_at_once = within_ns < (counts.size() < kLeastCounts ? kOneInstant : kAtOnce) * total_ns,
+      .is_regular = UpperMedian(std::move(late_ns)) < kRegular * silence_ns};
+}
+
+// The period of a source that pauses: that of the second halves of what lies between silences of
+// more than 0.25 s, the median by time. Whatever waited during a stall of the host came in the
+// first halves. Nothing where all rows came at one time.
+std::optional<double> PeriodBetweenSilences(const TimedRows& rows) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (rows.times[i] - rows.times[i - 1] > kSurelyAPauseNs) starts.push_back(i);
+  }
   // period and length of each second half
   std::vector<std::pair<double, double>> halves;
-  double length_ns = 0;
   for (const RowPiece& piece : PiecesBetween(rows.size(), starts)) {
     const Times times = rows.Of(piece).times;
     const auto middle = std::ranges::lower_bound(times, 0.5 * (times.front() + times.back()));
@@ -69,15 +140,9 @@ std::optional<double> PeriodBetweenSilences(const TimedRows& rows) {
     const double half_ns = times.back() - *middle;
     const auto first = piece.first + static_cast<std::size_t>(middle - times.begin());
     halves.emplace_back(half_ns / (rows.places[piece.end - 1] - rows.places[first]), half_ns);
-    length_ns += half_ns;
   }
-  std::ranges::sort(halves);
-  double passed_ns = 0;
-  for (const auto& [period_ns, half_ns] : halves) {
-    passed_ns += half_ns;
-    if (passed_ns >= 0.5 * length_ns) return period_ns;
-  }
-  return std::nullopt;
+  if (halves.empty()) return std::nullopt;
+  return WeightedMedian(std::move(halves));
 }
 
 // rows in a window: enough to last 0.1 s at the source, so that each spans several bursts
@@ -131,13 +196,8 @@ double RisePerPlace(const TimedRows& rows, const std::vector<LevelWindow>& windo
   return holds_losses ? step : over_lag;
 }
 
-// A period that neither bursts nor stalls nor a few gaps disturb: medians over windows. The lag of
-// up to ten windows keeps the noise of the minima small; a loss spoils only the differences across
-// it. Then on the minima over three windows, which are much less noisy once the slope is nearly
-// right; three times, because bursts that keep step with the windows leave 1 % of a slope at first.
-double RobustPeriod(const TimedRows& rows, double period_ns, std::size_t window_rows) {
-  if (rows.size() <= window_rows) return MedianInterval(rows);
-  // first estimate: time per place over whole windows, by the median
+// time per place over whole windows, by the median, ns; `period_ns` where they are too few
+double PeriodByWindows(const TimedRows& rows, double period_ns, std::size_t window_rows) {
   std::vector<double> periods;
   for (const LevelWindow& window : WindowsOf(rows, period_ns, window_rows)) {
     const std::size_t end = window.first + window_rows;
@@ -146,7 +206,16 @@ double RobustPeriod(const TimedRows& rows, double period_ns, std::size_t window_
                       (rows.places[end] - rows.places[window.first]));
   }
   // a pause in one of few windows would otherwise be treated as the source's period
-  if (periods.size() >= kLeastCounts || period_ns <= 0) period_ns = UpperMedian(std::move(periods));
+  if (periods.size() < kLeastCounts && period_ns > 0) return period_ns;
+  return UpperMedian(std::move(periods));
+}
+
+// A period that neither bursts nor stalls nor a few gaps disturb, from one that is nearly right.
+// The lag of up to ten windows keeps the noise of the minima small; a loss spoils only the
+// differences across it. Then on the minima over three windows, which are much less noisy once the
+// slope is nearly right; three times, because bursts that keep step with the windows leave 1 % of a
+// slope at first.
+double RobustPeriod(const TimedRows& rows, double period_ns, std::size_t window_rows) {
   // correction by the slope of the minima over one window, then over three
   for (const std::size_t count : {1U, 3U, 3U, 3U}) {
     const auto windows = RunningLeast(WindowsOf(rows, period_ns, window_rows), count);
@@ -209,12 +278,28 @@ std::size_t RowsIn(const std::vector<LevelWindow>& windows) {
 }
 
 SourcePeriod PeriodOf(const TimedRows& rows) {
+  const double silence_ns = UsualSilence(rows);
+  const bool is_pause = silence_ns > kSurelyAPauseNs;
+  const std::optional<Blocks> blocks = BlocksOf(rows, silence_ns);
+  // rows that were collected: the blocks' ends show the period
+  if (blocks && blocks->is_at_once) {
+    const std::size_t window_rows = WindowRows(rows, blocks->period_ns);
+    return {RobustPeriod(rows, blocks->period_ns, window_rows), window_rows,
+            is_pause ? silence_ns : 0, true};
+  }
+  // a source that pauses: its period between its silences, unless its rows were collected
+  if (const auto between_ns = is_pause ? PeriodBetweenSilences(rows) : std::nullopt) {
+    const bool may_be_collected =
+        blocks && blocks->is_regular && *between_ns < kCatchingUp * blocks->period_ns;
+    return {*between_ns, WindowRows(rows, *between_ns), may_be_collected ? silence_ns : 0};
+  }
   // rough period by counts per window, then a robust one by medians
-  const std::optional<double> between_ns = PeriodBetweenSilences(rows);
-  const double first_ns =
-      between_ns ? *between_ns : PeriodByCounts(rows).value_or(MedianInterval(rows));
+  const double median_ns = MedianInterval(rows);
+  const double first_ns = PeriodByCounts(rows).value_or(median_ns);
   const std::size_t window_rows = WindowRows(rows, first_ns);
-  return {between_ns ? first_ns : RobustPeriod(rows, first_ns, window_rows), window_rows};
+  if (rows.size() <= window_rows) return {median_ns, window_rows};
+  const double rough_ns = PeriodByWindows(rows, first_ns, window_rows);
+  return {RobustPeriod(rows, rough_ns, window_rows), window_rows};
 }
 
 TimeLine LowerLine(const TimedRows& rows, double period_ns,

@@ -18,6 +18,9 @@ inline constexpr double kCatchingUp = 0.75;
 /// A longer silence that no later rows make up for is a gap, wherever it is.
 inline constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
 
+/// Share of the silence between blocks by which their ends may be off one line.
+inline constexpr double kRegular = 0.25;
+
 using Times = std::span<const double>;
 
 /// Rows [first, end) of a recording.
@@ -59,6 +62,10 @@ struct LevelWindow {
 struct SourcePeriod {
   double ns = 0;
   std::size_t window_rows = 0;
+  /// Silence between blocks of rows, ns, where it is as long as a pause of the source and may be
+  /// none: its rows may have been collected on their way. 0 for other sources.
+  double block_ns = 0;
+  bool is_of_blocks = false;  ///< the rows were collected, and their blocks' ends show the period
 };
 
 [[nodiscard]] constexpr double AsDouble(std::size_t n) { return static_cast<double>(n); }
@@ -79,8 +86,15 @@ struct SourcePeriod {
                                                   std::vector<std::size_t> starts);
 
 /// The period of rows that neither bursts nor stalls nor a few gaps disturb: from how many rows
-/// came in each window of time, then by medians of the minima over windows of rows; where the
-/// source was silent for more than half of the time, that between its silences. Cost: O(rows).
+/// came in each window of time, then by medians of the minima over windows of rows.
+///
+/// Silences that make up half of the time divide the rows into blocks. Rows of a block that come at
+/// once (within 1/8 of the time) were collected on their way: the last of them is the one in time,
+/// and the period is the time from one block's end to the next, divided by the rows. Rows that
+/// take longer are those of a source that pauses for more than 0.25 s, and show its period between
+/// its silences; but if each block holds what its cycle brings at one rate, they may have been
+/// collected too. Cost: O(rows), or with
+/// blocks O(rows log rows).
 [[nodiscard]] SourcePeriod PeriodOf(const TimedRows& rows);
 
 /// The windows of `count` rows, the last one with the remaining rows, without those whose rows came

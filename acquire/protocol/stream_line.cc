@@ -67,9 +67,9 @@ Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
 
 // "mm" is one millimetre, "0.1um" a tenth of a micrometre
 Result<double> ReadUnit(std::string_view unit) {
-  // "mm" is completed to "1mm"
-  const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
-  const std::string text = (has_number ? "" : "1") + std::string(unit);
+  // "mm" is completed to "1 mm"
+  const bool has_number = !unit.empty() && (unit[0] == '.' || (unit[0] >= '0' && unit[0] <= '9'));
+  const std::string text = (has_number ? "" : "1 ") + std::string(unit);
   HAPTOMETER_LET(const Quantity quantity, ParseQuantity(text, Dimension::kLength, "<format>"));
   if (!(quantity.value > 0)) return Usage("<format>", "the unit must be a length above 0");
   return quantity.value;
@@ -163,7 +163,14 @@ std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_vie
   }
   const std::optional<std::int32_t> size = ParseDigits(digits);
   if (!size) return std::nullopt;
-  return Value{sign == '-' ? -*size : *size, format.decimals, trial::SampleStatus::kOk};
+  // all digits 9: at the end of what a line can hold, as the Keyence units send it
+  const bool is_most = *size == MostCounts(format);
+  if (sign == '-') {
+    return Value{-*size, format.decimals,
+                 is_most ? trial::SampleStatus::kUnder : trial::SampleStatus::kOk};
+  }
+  return Value{*size, format.decimals,
+               is_most ? trial::SampleStatus::kOver : trial::SampleStatus::kOk};
 }
 
 // number of the line, modulo CounterTurn()

@@ -63,7 +63,8 @@ inline constexpr std::string_view kEmulatedIdentity = "EMULATED";
 ///
 /// In place of a number: sign and F's (`+FFFFFFF`, without a sign rule all F) -> kOver, `-FFFFFFF`
 /// -> kUnder; all X or all `-` -> kInvalid (the spelling of Keyence LK-G3001, user's manual,
-/// RS-232C chapter).
+/// RS-232C chapter). The number of all nines, `+99.9999` -> kOver, `-99.9999` -> kUnder (the
+/// spelling of Keyence DL-RS1A; no line can hold more), with its counts.
 [[nodiscard]] std::optional<Value> ParseStreamLine(const StreamFormat& format,
                                                    std::string_view line);
 

@@ -16,6 +16,9 @@ namespace haptometer::acquire {
 namespace {
 
 constexpr MonotonicNs kProgressEveryNs = kNsPerS / 2;
+constexpr MonotonicNs kTellSilenceNs = 3 * kNsPerS;
+// of a length, up to which the readings of a whole recording reach at least
+constexpr double kWholeShare = 0.99;
 // after a loss, rows are accepted again when 1/8 of the ring is free
 constexpr std::size_t kResumeFraction = 8;
 
@@ -71,6 +74,7 @@ class Reader {
   Ending Run();
   [[nodiscard]] RecordingSummary Summary() const { return tally_.Summary(); }
   [[nodiscard]] bool EndedEarly() const;
+  [[nodiscard]] const std::optional<Finding>& silence() const { return silence_; }
 
  private:
   enum class Phase : std::uint8_t { kRecording, kArmed, kHoldOff };
@@ -80,6 +84,9 @@ class Reader {
   void Fire(MonotonicNs time_ns);
   [[nodiscard]] bool EndsShot(MonotonicNs time_ns) const;
   [[nodiscard]] bool NextShot();
+  void NoteReading(MonotonicNs time_ns);
+  void JudgeSilence(MonotonicNs silent_ns, MonotonicNs length_ns);
+  [[nodiscard]] MonotonicNs SilentNs() const { return clock_.Now() - origin_ns_ - came_clock_ns_; }
   void WaitForRoom() const;
   void Keep(const Reading& reading);
   void NoteLost();
@@ -102,6 +109,11 @@ class Reader {
   std::uint64_t shot_readings_ = 0;  ///< from there on
   std::uint64_t lost_here_ = 0;      ///< rows without room that the trial does not hold yet
   std::uint64_t missing_here_ = 0;   ///< and those that the sensor reports as lost before them
+  bool has_come_ = false;            ///< a reading
+  MonotonicNs came_ns_ = 0;          ///< the last one, by its own time since the beginning
+  MonotonicNs came_clock_ns_ = 0;    ///< and by the clock
+  MonotonicNs longest_wait_ns_ = 0;  ///< for a reading
+  std::optional<Finding> silence_;
   MonotonicNs away_since_ns_ = 0;
   MonotonicNs progress_ns_ = 0;
 };
@@ -189,7 +201,6 @@ bool Reader::NextShot() {
 // duration lies an interval before its end, in bursts some more: 1 % is left to it.
 bool Reader::EndedEarly() const {
   constexpr double kIntervals = 1.5;
-  constexpr double kShare = 0.99;
   const RecordingSummary summary = tally_.Summary();
   if (limits_.trigger && summary.triggers < limits_.trigger->shots) return true;
   // the last shot was whole
@@ -198,7 +209,32 @@ bool Reader::EndedEarly() const {
   if (!limits_.duration_ns) return false;
   const double interval_s = summary.rate_hz ? 1 / *summary.rate_hz : 0;
   const double shot_s = summary.elapsed_s - SecondsFromNs(shot_start_ns_);
-  return shot_s + kIntervals * interval_s < kShare * SecondsFromNs(*limits_.duration_ns);
+  return shot_s + kIntervals * interval_s < kWholeShare * SecondsFromNs(*limits_.duration_ns);
+}
+
+// a row is a reading where the source answered, be it that there is no value
+void Reader::NoteReading(MonotonicNs time_ns) {
+  const trial::SampleStatus status = RowStatus(reading_);
+  if (status == trial::SampleStatus::kLate || status == trial::SampleStatus::kBadFrame) return;
+  longest_wait_ns_ = std::max({longest_wait_ns_, time_ns - came_ns_, SilentNs()});
+  came_ns_ = time_ns;
+  // the rows of a file may be ahead of the clock
+  came_clock_ns_ = std::max(clock_.Now() - origin_ns_, time_ns);
+  has_come_ = true;
+}
+
+// whether the source was silent for the last `silent_ns` of `length_ns`, unlike before
+void Reader::JudgeSilence(MonotonicNs silent_ns, MonotonicNs length_ns) {
+  constexpr double kWaits = 1.5;
+  constexpr double kShortestS = 0.25;
+  const double usual_s =
+      kWaits * SecondsFromNs(longest_wait_ns_) + SecondsFromNs(sensor_.LostReplyNs()) + kShortestS;
+  const double length_s = SecondsFromNs(length_ns);
+  const double last_s = length_s - SecondsFromNs(silent_ns);
+  if (!has_come_ || length_s - last_s <= usual_s || last_s >= kWholeShare * length_s) return;
+  silence_ = Finding{.severity = Severity::kDoubt,
+                     .kind = FindingKind::kFellSilent,
+                     .numbers = {{"last_reading_s", last_s}, {"length_s", length_s}}};
 }
 
 // one reading of the sensor; false for the first one behind the end
@@ -206,7 +242,13 @@ bool Reader::Take(MonotonicNs time_ns) {
   tally_.See();
   if (hooks_.reading) hooks_.reading(reading_);
   // the end of a shot follows from the reading's own time, not from the clock
-  if (phase_ == Phase::kRecording && EndsShot(time_ns) && !NextShot()) return false;
+  if (phase_ == Phase::kRecording && EndsShot(time_ns) && !NextShot()) {
+    if (limits_.duration_ns) {
+      JudgeSilence(*limits_.duration_ns + shot_start_ns_ - came_ns_, *limits_.duration_ns);
+    }
+    return false;
+  }
+  NoteReading(time_ns);
   if (phase_ == Phase::kHoldOff && time_ns - shot_start_ns_ >= limits_.trigger->hold_off_ns) {
     phase_ = Phase::kArmed;
   }
@@ -234,6 +276,7 @@ std::optional<Ending> Reader::Step() {
       const MonotonicNs elapsed_ns = clock_.Now() - origin_ns_;
       if (phase_ == Phase::kRecording && EndsShot(elapsed_ns) && !NextShot()) {
         tally_.End(elapsed_ns);
+        if (limits_.duration_ns) JudgeSilence(SilentNs(), *limits_.duration_ns);
         return Ending::kDone;
       }
       break;
@@ -271,6 +314,7 @@ Ending Reader::Run() {
   Ending ending = Ending::kStopped;
   while (!stop_.load() && !ring_.given_up()) {
     if (limits_.until_ns && clock_.Now() >= *limits_.until_ns) {
+      JudgeSilence(SilentNs(), *limits_.until_ns - origin_ns_);
       ending = Ending::kDone;
       break;
     }
@@ -283,7 +327,13 @@ Ending Reader::Run() {
   // an error of the disk takes precedence over the other endings
   if (ring_.given_up()) ending = Ending::kWriterGaveUp;
   // interrupted: the recording ends now, not at the last row
-  if (ending == Ending::kStopped) tally_.End(clock_.Now() - origin_ns_);
+  if (ending == Ending::kStopped) {
+    const MonotonicNs elapsed_ns = clock_.Now() - origin_ns_;
+    tally_.End(elapsed_ns);
+    // a stop is no end that was asked for: a note, of a silence of some seconds
+    if (SilentNs() >= kTellSilenceNs) JudgeSilence(SilentNs(), elapsed_ns);
+    if (silence_) silence_->severity = Severity::kNote;
+  }
   NoteLost();
   if (ending == Ending::kConnectionLost) {
     // a device that was disconnected and then abandoned has its remark already
@@ -294,11 +344,11 @@ Ending Reader::Run() {
   return ending;
 }
 
-// the sensor's findings so far, as texts of remarks: "doubt: errors on the wire: 1 timeout"
-std::vector<std::string> Sentences(const Sensor& sensor, const RecordingHooks& hooks) {
+// findings as texts of remarks: "doubt: errors on the wire: 1 timeout"
+std::vector<std::string> Sentences(const Findings& findings, const RecordingHooks& hooks) {
   std::vector<std::string> sentences;
   if (!hooks.say) return sentences;
-  for (const Finding& found : sensor.Found().list()) {
+  for (const Finding& found : findings.list()) {
     const bool is_doubt = found.severity == Severity::kDoubt;
     sentences.push_back(std::string(is_doubt ? trial::kDoubtMark : "") + hooks.say(found));
   }
@@ -331,12 +381,15 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
     if (!written) ring.GiveUp();
   });
   // findings before the first row, so that only new ones are added at the end
-  const std::vector<std::string> said = Sentences(sensor, hooks);
+  const std::vector<std::string> said = Sentences(sensor.Found(), hooks);
   Reader reader(sensor, ring, clock, stop, limits, hooks);
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
-  summary.source_ended = ending == Ending::kSourceEnded && reader.EndedEarly();
+  if (reader.silence()) summary.found.Add(*reader.silence());
+  summary.fell_silent = reader.silence() && ending == Ending::kDone;
+  summary.source_ended =
+      summary.fell_silent || (ending == Ending::kSourceEnded && reader.EndedEarly());
   // without a stated end, a stop is the regular ending
   summary.interrupted = summary.source_ended || (ending == Ending::kStopped && HasEnd(limits));
   if (summary.interrupted) {
@@ -344,7 +397,9 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
         {.kind = trial::EventKind::kRemark, .text = std::string(trial::kInterruptedText)});
   }
   // what is known of the device only now
-  for (std::string& text : Sentences(sensor, hooks)) {
+  Findings found = sensor.Found();
+  found.AddAll(summary.found);
+  for (std::string& text : Sentences(found, hooks)) {
     if (std::ranges::find(said, text) != said.end()) continue;
     ring.PushEvent({.kind = trial::EventKind::kRemark, .text = std::move(text)});
   }

@@ -46,7 +46,10 @@ struct RecordingSummary {
   double elapsed_s = 0;                 ///< from the beginning to the last row
   bool is_away = false;                 ///< the device is gone at the moment
   bool connection_lost = false;         ///< it ended because the device went away
-  bool source_ended = false;            ///< a program or a file gave less than was asked for
+  bool source_ended = false;            ///< a program or a file gave less than was asked for, or
+                                        ///< the source fell silent before the end
+  bool fell_silent = false;             ///< the latter
+  Findings found{};                     ///< of the recording, beside those of its sensor
   bool interrupted = false;             ///< that, or a stop before the end that was asked for
 
   /// Rows whose status is neither ok nor repeated.
@@ -73,6 +76,12 @@ struct RecordingHooks {
 /// no room for while the disk stalls is counted in `lost` and stands in the trial as a gap with its
 /// number, unless the source waits (Sensor::waits). A lost connection, a return, a trigger, an
 /// interruption, and what the sensor finds only at the end, are events in the trial.
+///
+/// A source falls silent where the last reading (a row that is neither kLate nor kBadFrame) came
+/// before 99 % of a duration or of the time to `until_ns`, and longer before its end than 1.5 times
+/// the longest wait before, the cost of a lost reply (Sensor::LostReplyNs) and 0.25 s: kFellSilent,
+/// a doubt. Before a stop it is a note, of 3 s and more.
+///
 /// Between a thousand rows and the next event nothing allocates memory. The sink's clock is its
 /// own; if it is a ManualClock it must not be `clock`. Errors (Cause::kFailed): the disk is full;
 /// the file keeps what it holds.

@@ -72,6 +72,9 @@ class ModbusSensor final : public Sensor {
   [[nodiscard]] MonotonicNs Begin() override;
   /// Allocates nothing once `reading` holds a row.
   [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] MonotonicNs LostReplyNs() const override {
+    return std::max(profile_.response_timeout_ns, profile_.longest_reply_ns);
+  }
   [[nodiscard]] std::uint64_t discarded_bytes() const override { return discarded_bytes_; }
 
   [[nodiscard]] const ModbusErrors& errors() const { return errors_; }

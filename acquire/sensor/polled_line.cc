@@ -8,6 +8,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "base/median.h"
+#include "base/text.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -83,6 +84,7 @@ using trial::SampleStatus;
 constexpr MonotonicNs kSliceNs = 100'000'000;  // how long Next() waits at most
 constexpr MonotonicNs kQuietNs = 20'000'000;   // 19 characters at 9600 baud
 constexpr MonotonicNs kWriteTimeNs = kNsPerS;
+constexpr std::size_t kMostShown = 24;  // characters of a reply in another form
 
 }  // namespace
 
@@ -110,6 +112,7 @@ Result<bool> PolledLine::Exchange(std::string_view request,
     if (line.state != LinkState::kLine) continue;
     if (take(line.text)) return true;
     // a line of another kind: the reply may still follow
+    CountEcho(line.text, request);
     link_.CountDiscarded(line.text.size());
   }
   // a reply may still come: Begin() then waits for silence first
@@ -266,6 +269,13 @@ Outcome PolledLine::WaitForStep(Reading& reading) {
   return GiveRow(reading, SampleStatus::kLate, deadline, again ? Phase::kQuieting : Phase::kFree);
 }
 
+// whether the line, which is no reply, is the request itself without its end
+bool PolledLine::CountEcho(std::string_view line, std::string_view request) {
+  if (line.empty() || line != request.substr(0, request.find_first_of("\r\n"))) return false;
+  ++echoes_;
+  return true;
+}
+
 bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
   const MonotonicNs now = clock_.Now();
   // no value until the dialect has read one
@@ -277,8 +287,12 @@ bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
     case LineMeaning::kRefusal:
       (void)GiveRow(reading, SampleStatus::kDeviceError, now, Phase::kFree);
       return true;
+    case LineMeaning::kOtherForm:
+      if (other_forms_++ == 0) other_form_ = Printable(line.substr(0, kMostShown));
+      [[fallthrough]];
     case LineMeaning::kDamaged:
       link_.CountDiscarded(line.size());
+      if (CountEcho(line, dialect_->PollRequest())) return false;
       (void)GiveRow(reading, SampleStatus::kBadFrame, now, Phase::kQuieting);
       return true;
     case LineMeaning::kReading:
@@ -323,6 +337,13 @@ Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs r
   return Outcome::kReading;
 }
 
-Findings PolledLine::Found() const { return DoubtfulReplies(replies_, deadline_.wire_ns()); }
+Findings PolledLine::Found() const {
+  Findings found = DoubtfulReplies(replies_, deadline_.wire_ns());
+  if (other_forms_ > 0) {
+    found.Doubt(FindingKind::kOtherForm, {{"replies", other_forms_}, {"example", other_form_}});
+  }
+  if (echoes_ > 0) found.Doubt(FindingKind::kEcho, {{"echoes", echoes_}});
+  return found;
+}
 
 }  // namespace haptometer::acquire

@@ -90,10 +90,11 @@ struct ReplyCounts {
 
 /// What a line is that came while a reading was asked for.
 enum class LineMeaning : std::uint8_t {
-  kReading,  ///< the answer; its values are in the samples
-  kRefusal,  ///< the device says that it cannot give one
-  kOther,    ///< whole and sound, but nobody asked for it now: thrown away
-  kDamaged,  ///< no line of this device, or not of this recording
+  kReading,    ///< the answer; its values are in the samples
+  kRefusal,    ///< the device says that it cannot give one
+  kOther,      ///< whole and sound, but nobody asked for it now: thrown away
+  kOtherForm,  ///< the answer, but not of this recording's amplifiers and decimals
+  kDamaged,    ///< no line of this device, or not of this recording
 };
 
 /// How one maker's protocol is polled: what to ask, and what a line means. Nothing here allocates.
@@ -113,6 +114,11 @@ class LineDialect {
   [[nodiscard]] virtual LineMeaning Read(std::string_view line,
                                          std::span<trial::Sample> samples) const = 0;
 };
+
+/// What to do where requests come back on the wire and no reply follows.
+inline constexpr std::string_view kEchoRemedy =
+    "check the wiring: an RS-485 adapter must not receive what it sends, and transmit and receive "
+    "lines must not be joined (loopback)";
 
 /// How a recording is polled.
 struct PollPlan {
@@ -164,8 +170,11 @@ class PolledLine {
   /// As Sensor::Next().
   [[nodiscard]] Outcome Next(Reading& reading);
 
-  /// What replies that came twice or too soon say of the device and its wire, in sentences.
+  /// What replies that came twice, too soon or in another form, and requests that came back, show
+  /// of the device and its wire.
   [[nodiscard]] Findings Found() const;
+  /// Requests that came back on the wire: these lines are no replies, and are passed over.
+  [[nodiscard]] std::uint64_t echoes() const { return echoes_; }
 
   [[nodiscard]] const LineLink& link() const { return link_; }
   [[nodiscard]] const std::string& name() const { return link_.transport().name(); }
@@ -184,6 +193,7 @@ class PolledLine {
   Outcome Wait(Reading& reading);
   Outcome Settle(Reading& reading);
   Outcome WaitForStep(Reading& reading);
+  bool CountEcho(std::string_view line, std::string_view request);
   bool TakeLine(std::string_view line, Reading& reading);
   Outcome Accept(Reading& reading);
   void DropAnswered();
@@ -206,6 +216,9 @@ class PolledLine {
   std::size_t held_bytes_ = 0;       ///< of its line
   bool is_held_ = false;             ///< it waits for a further one
   ReplyCounts replies_;
+  std::uint64_t echoes_ = 0;
+  std::uint64_t other_forms_ = 0;
+  std::string other_form_;         ///< the first of them
   int unanswered_steps_ = 0;       ///< in a row
   bool start_was_silent_ = false;  ///< a reply to Exchange() may still come
 };

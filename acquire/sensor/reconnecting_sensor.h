@@ -58,6 +58,9 @@ class ReconnectingSensor final : public Sensor {
   /// Also while it is away: then readings begin when it is back.
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] MonotonicNs LostReplyNs() const override {
+    return sensor_ ? sensor_->LostReplyNs() : 0;
+  }
   [[nodiscard]] std::uint64_t discarded_bytes() const override;
 
   /// Why the last attempt did not bring the device back; empty when none failed since it was there.

@@ -74,6 +74,10 @@ class Sensor {
   /// to a slow disk, and its own times say when something happened, not the clock.
   [[nodiscard]] virtual bool waits() const { return false; }
 
+  /// How long readings stay away where one request is not answered; 0 of a sensor that is not
+  /// asked.
+  [[nodiscard]] virtual MonotonicNs LostReplyNs() const { return 0; }
+
   /// Bytes that formed no reading so far: partial lines, late replies, garbage.
   [[nodiscard]] virtual std::uint64_t discarded_bytes() const = 0;
 };

@@ -191,9 +191,11 @@ Outcome StreamSensor::Next(Reading& reading) {
   } else if (setup_.format.counter_digits > 0) {
     reading.lost_before = counter_.LostBefore(LineCount(setup_.format, line.text));
   }
-  // the bytes behind this line kept the wire busy after it had arrived
-  // times do not decrease, though chunks of the port arrive with scatter
-  last_ns_ = std::max(last_ns_, line.chunk_ns - WireTimeNs(line.bytes_behind, setup_.baud));
+  // On a wire of known speed the bytes behind this line were under way after it had arrived. A
+  // network hands them on at once. Times do not decrease, though chunks arrive with scatter.
+  const MonotonicNs behind_ns =
+      link_.transport().IsHardware() ? WireTimeNs(line.bytes_behind, setup_.baud) : 0;
+  last_ns_ = std::max(last_ns_, line.chunk_ns - behind_ns);
   reading.time_ns = last_ns_;
   reading.samples.assign(1, {trial::RawValue::Counts(value ? value->counts : kNoCounts),
                              value ? value->status : SampleStatus::kBadFrame});

@@ -74,9 +74,9 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
       plan.longest_away_ns, clock);
 }
 
-// remarks on the sensor's findings that are not in `said`; a recording may add findings
-void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
-  for (const acquire::Finding& found : sensor.Found().list()) {
+// remarks on the findings that are not in `said`; a recording may add some
+void SayNew(const acquire::Findings& findings, std::vector<std::string>& said) {
+  for (const acquire::Finding& found : findings.list()) {
     std::string words = InWords(found);
     if (std::ranges::find(said, words) != said.end()) continue;
     cli::Remark(kVerb, words);
@@ -159,6 +159,11 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
   }
   // an interruption (Ctrl-C) is no error: only a recording without any measurement is
   const int status = cli::InterruptedStatus(0);
+  if (status == 0 && summary.fell_silent) {
+    return cli::ReportError(kVerb,
+                            {Cause::kFailed, port, "gave no reading to the end that was asked for",
+                             kept + "examine the device or program, its power and its cable"});
+  }
   if (status == 0 && summary.source_ended) {
     return cli::ReportError(
         kVerb, {Cause::kFailed, port, "ended before the end that was asked for",
@@ -179,13 +184,14 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
 }
 
 int Report(const AcquireOptions& wanted, const std::string& file, const PlannedRecording& made,
-           acquire::RecordingSummary summary, bool reconnects, int argc, const char* const* argv) {
+           acquire::RecordingSummary summary, const acquire::Findings& found, bool reconnects,
+           int argc, const char* const* argv) {
   const auto time_base = ReviewTimeBase(file, made.header.timing, summary);
   // gaps between shots are intended: only a recording without trigger counts them
   if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
-  const int status = document::Present(
-      RecordingDocument(file, made.header.metadata, summary, time_base, made.sensor.Found()),
-      wanted.outputs, argc, argv);
+  const int status =
+      document::Present(RecordingDocument(file, made.header.metadata, summary, time_base, found),
+                        wanted.outputs, argc, argv);
   return cli::WorseStatus(status, ReportFault(file, summary, PortName(wanted.sensor), reconnects));
 }
 
@@ -222,7 +228,7 @@ Result<int> Run(const AcquireOptions& wanted, const RecordingPlan& plan, const d
   HAPTOMETER_TRY(sensor->Start(cli::Interrupted()));
   cli::Remark(kVerb, "source: " + sensor->header().metadata.source);
   std::vector<std::string> said;
-  SayNew(*sensor, said);
+  SayNew(sensor->Found(), said);
   if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, *sensor, clock);
 
   // tare, header and limits, in this order: the trigger's threshold counts from the tare
@@ -243,8 +249,10 @@ Result<int> Run(const AcquireOptions& wanted, const RecordingPlan& plan, const d
   HAPTOMETER_LET(const auto summary, RecordTo(file, wanted.recording.overwrite, made));
   // a closed output ends the program without a report, for which there is no reader
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
-  SayNew(*sensor, said);
-  return Report(wanted, file, made, summary, plan.reconnects, argc, argv);
+  acquire::Findings found = sensor->Found();
+  found.AddAll(summary.found);
+  SayNew(found, said);
+  return Report(wanted, file, made, summary, found, plan.reconnects, argc, argv);
 }
 
 // the ports, the routes or the sensors

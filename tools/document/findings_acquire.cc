@@ -98,6 +98,17 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"replay-cut-short", "the trial was cut short"},
     {"replay-losses",
      "{losses} part{losses s} of the trial cannot be read[, with {rows_lost} row{rows_lost s}]"},
+    {"fell-silent",
+     "the last reading came at {last_reading_s} of {length_s}: the source stopped sending, or sent "
+     "nothing that is a reading"},
+    {"other-form",
+     "replies in another form than at the start are no readings ({replies}, the first "
+     "\"{example}\"): "
+     "the decimals or the amplifiers were changed; begin a new recording"},
+    {"echo",
+     "requests come back on the wire ({echoes}), as through an RS-485 adapter that receives what "
+     "it "
+     "sends, or where its transmit and receive lines are joined; they were ignored"},
 
     // whether a sensor can answer a question
     {"can-answer",

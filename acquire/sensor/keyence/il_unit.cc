@@ -116,9 +116,9 @@ bool IlPoll::AnswersStep(std::string_view line) const {
   return reply && dl::Answers(*reply, step_command_);
 }
 
-// a recording's channels and steps are fixed: a reply that differs is not of this unit
+// a recording's channels and steps are fixed
 bool IlPoll::Fits(const Reply& reply) const {
-  if (!dl::Answers(reply, command_) || reply.units != channels_.size()) return false;
+  if (reply.units != channels_.size()) return false;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (reply.values[i].decimals != channels_[i].sent_decimals) return false;
   }
@@ -135,7 +135,8 @@ LineMeaning IlPoll::Read(std::string_view line, std::span<trial::Sample> samples
   if (reply->kind == ReplyKind::kError) {
     return dl::Answers(*reply, command_) ? LineMeaning::kRefusal : LineMeaning::kOther;
   }
-  if (!Fits(*reply)) return LineMeaning::kDamaged;
+  if (!dl::Answers(*reply, command_)) return LineMeaning::kDamaged;
+  if (!Fits(*reply)) return LineMeaning::kOtherForm;
   // values first, then the outputs of MS
   const std::size_t amplifiers = channels_.size();
   for (std::size_t i = 0; i < amplifiers; ++i) {

@@ -92,6 +92,11 @@ Error KeyenceIl::NoAnswer() const {
   // bytes without a reply: wrong baud rate, or another device
   const bool heard_bytes = discarded_bytes() > 0;
   Error error{Cause::kCannotAnswer, line_.name(), {}, {}};
+  if (line_.echoes() > 0) {
+    error.what = fmt::format("sends each request back, and no reply of a {} follows", traits_.name);
+    error.remedy = kEchoRemedy;
+    return error;
+  }
   if (setup_.unit == IlUnit::kDlEn1) {
     error.what = heard_bytes ? "bytes come, but no reply of a DL-EN1" : "nothing answers";
     error.remedy =

@@ -60,6 +60,7 @@ class KeyenceIl final : public Sensor {
   [[nodiscard]] Result<IlAnalog> ReadAnalog(const std::atomic<bool>& stop);
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }
+  [[nodiscard]] MonotonicNs LostReplyNs() const override { return ResponseDeadline::kLongestNs; }
   [[nodiscard]] std::uint64_t discarded_bytes() const override {
     return line_.link().discarded_bytes();
   }

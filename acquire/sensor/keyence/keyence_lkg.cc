@@ -76,7 +76,7 @@ LineMeaning LkgPoll::Read(std::string_view line, std::span<trial::Sample> sample
   // all values in steps of one count of the channel
   for (std::size_t i = 0; i < reply->outs; ++i) {
     const auto counts = CountsAt(reply->values[i], decimals_);
-    if (!counts) return LineMeaning::kDamaged;
+    if (!counts) return LineMeaning::kOtherForm;
     samples[i] = {trial::RawValue::Counts(*counts), reply->values[i].status};
   }
   return LineMeaning::kReading;
@@ -118,7 +118,10 @@ Result<void> KeyenceLkg::Start(const std::atomic<bool>& stop) {
 
 Error KeyenceLkg::NoNumber(const std::optional<Reply>& last) const {
   Error error{Cause::kCannotAnswer, line_.name(), {}, {}};
-  if (!last) {
+  if (!last && line_.echoes() > 0) {
+    error.what = "sends each request back, and no reply of an LK-G follows";
+    error.remedy = kEchoRemedy;
+  } else if (!last) {
     error.what = discarded_bytes() > 0
                      ? fmt::format("bytes come at {} baud, but no reply of an LK-G", setup_.baud)
                      : fmt::format("nothing answers at {} baud", setup_.baud);

@@ -64,6 +64,7 @@ class KeyenceLkg final : public Sensor {
   [[nodiscard]] Findings Found() const override;
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }
+  [[nodiscard]] MonotonicNs LostReplyNs() const override { return ResponseDeadline::kLongestNs; }
   [[nodiscard]] std::uint64_t discarded_bytes() const override {
     return line_.link().discarded_bytes();
   }

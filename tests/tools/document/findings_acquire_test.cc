@@ -135,6 +135,19 @@ const std::vector<Case> kCases{
     {kReplayLosses,
      {{"losses", 1}, {"rows_lost", 10}},
      "1 part of the trial cannot be read, with 10 rows"},
+    {kFellSilent,
+     {{"last_reading_s", 2.498}, {"length_s", 8.0}},
+     "the last reading came at 2.498 s of 8 s: the source stopped sending, or sent "
+     "nothing that is a reading"},
+    {kOtherForm,
+     {{"replies", 12}, {"example", "M0,+001.23"}},
+     "replies in another form than at the start are no readings (12, the first \"M0,+001.23\"): "
+     "the "
+     "decimals or the amplifiers were changed; begin a new recording"},
+    {kEcho,
+     {{"echoes", 180}},
+     "requests come back on the wire (180), as through an RS-485 adapter that receives what it "
+     "sends, or where its transmit and receive lines are joined; they were ignored"},
     {kCanAnswer,
      {{"rate_hz", 10240.0}, {"limit", "the wire"}, {"observable_hz", 4000.0}},
      "new readings at 10240 Hz (the wire) show motion up to 4000 Hz"},
