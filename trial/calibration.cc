@@ -367,10 +367,12 @@ std::map<std::string, std::string> CalibrationFields(const Calibration& calibrat
 
 namespace {
 
-// the channel whose volts are a sensor's
+// The channel whose volts are a sensor's: that of this name, else a voltage beside which no other
+// channel can be meant. One without a unit may be volts, and the voltage the drive's.
 Result<Channel*> SensorChannel(const std::string& where, Record* record) {
   constexpr const char* kRemedy =
-      "call it sensor, by <columns> time_s,sensor,voltage_v or in the file's header";
+      "call it sensor, by <columns> time_s,sensor,voltage_v or in the file's header (in mV: "
+      "<columns> time_s,voltage_mv,-)";
   if (record->Find(ChannelRole::kDisplacement) != nullptr) {
     return Usage("<calibration>", where + " has a displacement already", "leave it out");
   }
@@ -380,13 +382,17 @@ Result<Channel*> SensorChannel(const std::string& where, Record* record) {
                  "give its volts");
   }
   if (named != record->channels.end()) return &*named;
-  const auto voltages = std::ranges::count(record->channels, ChannelRole::kVoltage, &Channel::role);
-  if (voltages == 1) {
-    return &*std::ranges::find(record->channels, ChannelRole::kVoltage, &Channel::role);
+  std::vector<Channel*> possible;
+  std::string names;
+  for (Channel& channel : record->channels) {
+    if (channel.role != ChannelRole::kVoltage && !channel.unit.empty()) continue;
+    possible.push_back(&channel);
+    names += (names.empty() ? "" : ", ") + channel.name;
   }
+  if (possible.size() == 1 && possible[0]->role == ChannelRole::kVoltage) return possible[0];
   return Usage("<calibration>",
-               voltages == 0 ? where + " has no voltage that it could be of"
-                             : where + " has several voltages",
+               possible.empty() ? where + " has no voltage that it could be of"
+                                : where + " does not state which voltage it is of: " + names,
                kRemedy);
 }
 
@@ -423,6 +429,9 @@ Result<void> CalibrateRecord(const std::string& path, const std::string& where, 
   most_v = std::max({most_v, std::abs(line.calibrated_min.value_or(0)),
                      std::abs(line.calibrated_max.value_or(0))});
   if (most_v > kMostOutputV) findings->Doubt(FindingKind::kInputTooLarge, {{"most_v", most_v}});
+  if (record->channels.size() > 1) {
+    findings->Note(FindingKind::kCalibrationOf, {{"channel", channel->name}});
+  }
   channel->name = format.name;
   channel->role = format.role;
   channel->unit = "m";

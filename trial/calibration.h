@@ -115,11 +115,12 @@ struct ValueRange {
 inline constexpr double kMostOutputV = 10.5;
 
 /// Turns the volts of a foreign table, `where`, into the displacement of the calibration file
-/// `path`, table [displacement]: of the channel called "sensor", else of its only voltage. Rails
-/// and limits give statuses; the file's fields and averaging go into the metadata, where the table
-/// does not state an averaging itself.
+/// `path`, table [displacement]: of the channel called "sensor", else of its only voltage where no
+/// other channel lacks a unit. Rails and limits give statuses; the file's fields and averaging go
+/// into the metadata, where the table does not state an averaging itself.
 ///
-/// `findings` gets kInputTooLarge where input or range exceeds kMostOutputV. Errors: the file's;
+/// `findings` gets kCalibrationOf where there are several channels, and kInputTooLarge where input
+/// or range exceeds kMostOutputV. Errors: the file's;
 /// Cause::kUsage: a displacement is there already, no channel or several could be meant, an input
 /// or a channel of another unit than V; Cause::kCannotAnswer: an input beyond kMostOutputV has no
 /// reading by the limits.

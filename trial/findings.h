@@ -31,6 +31,7 @@ enum class FindingKind : std::uint8_t {
   kFormatNotUsed,     ///< the file has one layout
   kUnitOverridden,    ///< column, file_factor, file_unit / unknown_unit, given_factor, given_unit
   kStatedRowsDiffer,  ///< stated_rows, rows
+  kLastLineCutOff,    ///< line: without a line end, and shorter than those before; left out
   kRateContradicted,  ///< rate_hz of the times, stated_hz, stated_by: the user's rate decides
   kTimesInOtherUnit,  ///< rate_hz of the times, stated_hz: a power of 1000 apart
   kRateReplaced,      ///< rate_hz of the user, stated_hz, stated_by
@@ -41,6 +42,7 @@ enum class FindingKind : std::uint8_t {
   kTransitionsOnly,   ///< rows of digital channels are no samples
   kValueUnitAssumed,  ///< title, unit
   kTimeUnitAssumed,   ///< title, unit
+  kCalibrationOf,     ///< channel: of several, the one that a calibration turns into a displacement
   kInputTooLarge,     ///< most_v: more than an analog output gives
   kRowsBeginAt,       ///< first, earlier_s
   kNotedAtExport,     ///< text: what an exported file holds of these

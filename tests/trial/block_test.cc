@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -49,9 +50,8 @@ struct Scan {
   std::vector<Loss> losses{};
 };
 
-Scan ScanOf(const std::string& bytes) {
-  const auto source = MakeMemorySource(bytes);
-  BlockScanner scanner(source.get(), 0);
+Scan ScanOf(const ByteSource& source) {
+  BlockScanner scanner(&source, 0);
   Scan scan;
   std::vector<std::byte> payload;
   for (;;) {
@@ -64,6 +64,23 @@ Scan ScanOf(const std::string& bytes) {
   scan.losses = scanner.losses();
   return scan;
 }
+
+Scan ScanOf(const std::string& bytes) { return ScanOf(*MakeMemorySource(bytes)); }
+
+// a file that has lost its last bytes since it was opened
+class ShrunkSource final : public ByteSource {
+ public:
+  ShrunkSource(const std::string& bytes, std::size_t lost)
+      : size_(bytes.size()), left_(MakeMemorySource(bytes.substr(0, bytes.size() - lost))) {}
+  std::uint64_t size() const override { return size_; }
+  Result<std::size_t> ReadAt(std::uint64_t offset, std::span<std::byte> into) const override {
+    return left_->ReadAt(offset, into);
+  }
+
+ private:
+  std::uint64_t size_;
+  std::unique_ptr<ByteSource> left_;
+};
 
 // the CRC of the head is zlib's
 TEST(BlockHead, HasTheBytesOfTheDocumentation) {
@@ -211,6 +228,20 @@ TEST(BlockScanner, TellsACutPayloadFromADamagedOne) {
   EXPECT_EQ(damaged.losses.at(0).rows, 2U);
 }
 
+// the bytes of the block before are no part of it
+TEST(BlockScanner, TakesNoPayloadThatIsShorterThanItWas) {
+  const std::string blocks = BlocksOfRows(2);
+  for (const std::size_t lost : {std::size_t{1}, kPayloadBytes}) {
+    const ShrunkSource source(blocks, lost);
+    const Scan scan = ScanOf(source);
+    EXPECT_EQ(scan.found, (std::vector<std::uint32_t>{0}));
+    ExpectLoss(scan, FindingKind::kBlocksDamaged, kWholeBytes, kWholeBytes);
+    EXPECT_EQ(scan.losses.at(0).block, 1U);
+    EXPECT_EQ(scan.losses.at(0).rows, 2U);
+    EXPECT_EQ(SoundUntil(source, 0, 1).value(), kWholeBytes);
+  }
+}
+
 // what is shorter than a head is the beginning of one
 TEST(BlockScanner, TellsACutHeadFromStrangeBytesByItsLength) {
   const std::string blocks = BlocksOfRows(3);
@@ -267,6 +298,44 @@ TEST(BlockScanner, ABlockMustFollowInNumberAndRow) {
   second.sequence = 0;
   ExpectLoss(ScanOf(BlockOf(first) + BlockOf(second)), FindingKind::kBlockOutOfOrder, kWholeBytes,
              kWholeBytes);
+}
+
+// a damaged block that belongs elsewhere does not turn the count back
+TEST(BlockScanner, ADamagedBlockThatDoesNotFollowCountsForNothing) {
+  const std::string blocks = BlocksOfRows(3);
+  const std::string first = blocks.substr(0, kWholeBytes);
+  const std::string second = blocks.substr(kWholeBytes, kWholeBytes);
+  const Scan scan = ScanOf(first + second + Flipped(first, kWholeBytes - 1) + second +
+                           blocks.substr(2 * kWholeBytes));
+  EXPECT_EQ(scan.found, (std::vector<std::uint32_t>{0, 1, 2}));
+  ASSERT_EQ(scan.losses.size(), 2U);
+  EXPECT_EQ(scan.losses[0].kind, FindingKind::kBlocksDamaged);
+  EXPECT_EQ(scan.losses[0].offset, 2 * kWholeBytes);
+  EXPECT_EQ(scan.losses[0].bytes, kWholeBytes);
+  EXPECT_EQ(scan.losses[0].block, 0U);
+  EXPECT_EQ(scan.losses[1].kind, FindingKind::kBlockOutOfOrder);
+  EXPECT_EQ(scan.losses[1].offset, 3 * kWholeBytes);
+  EXPECT_EQ(scan.losses[1].block, 1U);
+  EXPECT_EQ(scan.losses[1].first_row, 2U);
+  EXPECT_EQ(scan.losses[1].rows, 2U);
+}
+
+// damage on both sides of a block that is out of order is one loss, from its begin to its end
+TEST(BlockScanner, DamageGoesOnBehindABlockThatDoesNotFollow) {
+  const std::string blocks = BlocksOfRows(3);
+  const std::string first = blocks.substr(0, kWholeBytes);
+  const std::string before(60, 'x'), behind(71, 'y');
+  const Scan scan = ScanOf(blocks.substr(0, 2 * kWholeBytes) + before + first + behind +
+                           blocks.substr(2 * kWholeBytes));
+  EXPECT_EQ(scan.found, (std::vector<std::uint32_t>{0, 1, 2}));
+  ASSERT_EQ(scan.losses.size(), 2U);
+  EXPECT_EQ(scan.losses[0].kind, FindingKind::kBlocksDamaged);
+  EXPECT_EQ(scan.losses[0].offset, 2 * kWholeBytes);
+  EXPECT_EQ(scan.losses[0].bytes, 60 + kWholeBytes + 71);
+  EXPECT_EQ(scan.losses[0].first_row, 4U);
+  EXPECT_EQ(scan.losses[0].rows, 0U);
+  EXPECT_EQ(scan.losses[1].kind, FindingKind::kBlockOutOfOrder);
+  EXPECT_EQ(scan.losses[1].offset, 2 * kWholeBytes + 60);
 }
 
 // another program appended it, which may have read fewer rows

@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
@@ -136,6 +138,67 @@ TEST(CalibrationFile, CurrentLoopsHaveAnErrorLevelBelow) {
   EXPECT_EQ(StatusOf(channel.limits, 4.00e-3), SampleStatus::kOk);
 }
 
+TEST(CalibrationFile, AChannelOfCurrentIsInAmperes) {
+  const std::array<ChannelFormat, 1> current{{{.name = "coil", .role = ChannelRole::kCurrent}}};
+  const auto line = [&](const std::string& text) {
+    const auto read = ReadCalibrationText("[coil]\n" + text, "f", current);
+    EXPECT_TRUE(read) << text << ": " << (read ? "" : read.error().Text());
+    return read ? read->channels.at("coil") : ChannelCalibration{};
+  };
+  const auto shunt = line("scale_a_per_v = 0.5\noffset_a = '250mA'\nrange_min_a = -3\n");
+  EXPECT_EQ(shunt.scale, 0.5);
+  EXPECT_EQ(shunt.offset, 0.25);
+  EXPECT_EQ(shunt.input_unit, "V");
+  EXPECT_EQ(shunt.range_min, -3);
+  const std::string second = "second = { voltage_v = 3, current_a = 10 }\n";
+  const auto points = line("first = { voltage_v = 1, current_a = 2 }\n" + second);
+  EXPECT_EQ(points.scale, 4);
+  EXPECT_EQ(points.offset, -2);
+  // measured in its own unit: no scale is needed, and the input of a point has a key of its own
+  EXPECT_EQ(line("input = 'current'\noffset_a = 0.5\n").scale, 1);
+  const std::string ampere = "input = 'current'\nfirst = { input_a = 1, current_a = 2 }\n";
+  EXPECT_EQ(line(ampere + "second = { input_a = 2, current_a = 5 }\n").scale, 3);
+  EXPECT_FALSE(ReadCalibrationText("[coil]\n", "f", current)) << "amperes of volts need a scale";
+}
+
+TEST(CalibrationFile, ALineIsStatedOnceAndWhole) {
+  const std::string first = "first = { voltage_v = 1, displacement_m = 2 }\n";
+  const std::string second = "second = { voltage_v = 2, displacement_m = 5 }\n";
+  const auto error = [](const std::string& keys) { return ErrorOf("[displacement]\n" + keys); };
+  EXPECT_EQ(error(first + second), "no error");
+  EXPECT_THAT(error("offset_m = 0\n" + first + second), HasSubstr("offset_m: is given twice"));
+  EXPECT_THAT(error("scale_m_per_v = 1\n" + first + second),
+              HasSubstr("scale_m_per_v: is given twice"));
+  EXPECT_THAT(error(second), HasSubstr("first: is missing"));
+  EXPECT_THAT(error(first), HasSubstr("second: is missing"));
+  for (const char* same :
+       {"{ voltage_v = 2, displacement_m = 2 }", "{ voltage_v = 1, displacement_m = 5 }",
+        "{ voltage_v = 1, displacement_m = 2 }"}) {
+    EXPECT_THAT(error(first + "second = " + same + "\n"), HasSubstr("second: does not differ"));
+  }
+}
+
+// one end alone is no range
+TEST(CalibrationFile, OneEndOfARangeIsKept) {
+  const std::string line = "[displacement]\nscale_m_per_v = 2\n";
+  for (const char* end : {"calibrated_min_v = 4\n", "calibrated_max_v = -4\n"}) {
+    Metadata metadata;
+    metadata.fields = CalibrationFields(Read(line + end));
+    EXPECT_FALSE(CalibratedRangeOf(metadata, "displacement")) << end;
+    EXPECT_FALSE(metadata.fields.contains("calibration.displacement.calibrated_least")) << end;
+  }
+  // the sensor's own, in metres, counts before what the limits give
+  const std::string limits = line + "bad_below_v = -1\nbad_above_v = 3\noffset_m = 0.5\n";
+  const auto range = [&](const std::string& ends) {
+    ChannelFormat channel{.name = "displacement"};
+    std::ignore = Calibrate(Read(limits + ends).channels.at("displacement"), 1, 0, &channel);
+    return std::pair(channel.range_min, channel.range_max);
+  };
+  EXPECT_EQ(range("range_min_m = 9\n"), std::pair(9.0, 6.5));
+  EXPECT_EQ(range("range_max_m = -9\n"), std::pair(-1.5, -9.0));
+  EXPECT_EQ(range("range_min_m = -7\nrange_max_m = 8\n"), std::pair(-7.0, 8.0));
+}
+
 TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(ErrorOf("[displacement]\n"), HasSubstr("scale_m_per_v: is missing"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 0\n"), HasSubstr("must not be 0"));
@@ -143,15 +206,6 @@ TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
               HasSubstr("offset_m"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_V = 1e-3\n"),
               HasSubstr("key scale_m_per_V is not known; did you mean scale_m_per_v?"));
-  EXPECT_THAT(ErrorOf("[displacement]\nfirst = { voltage_v = 1, displacement_m = 0 }\n"),
-              HasSubstr("second: is missing"));
-  EXPECT_THAT(ErrorOf("[displacement]\nfirst = { voltage_v = 1, displacement_m = 0 }\n"
-                      "second = { voltage_v = 1, displacement_m = 1 }\n"),
-              HasSubstr("does not differ"));
-  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\n"
-                      "first = { voltage_v = 1, displacement_m = 0 }\n"
-                      "second = { voltage_v = 2, displacement_m = 1 }\n"),
-              HasSubstr("is given twice"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\nbad_above_v = 1\nbad_below_v = 2\n"),
               HasSubstr("bad_below_v: is not below bad_above"));
   EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\ndaq_max_v = 1\ndaq_min_v = 2\n"),
@@ -167,7 +221,11 @@ TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
 
 TEST(CalibrationFile, ATriggerHasNothingToBeCalibrated) {
   const std::array<ChannelFormat, 1> trigger{{{.name = "trigger", .role = ChannelRole::kTrigger}}};
-  EXPECT_FALSE(ReadCalibrationText("[trigger]\n", "f", trigger));
+  EXPECT_THAT(ReadCalibrationText("[trigger]\n", "f", trigger).error().Text(),
+              HasSubstr("a channel of role trigger has no unit"));
+  const std::array<ChannelFormat, 1> other{{{.name = "force", .role = ChannelRole::kOther}}};
+  EXPECT_THAT(ReadCalibrationText("[force]\n", "f", other).error().Text(),
+              HasSubstr("a channel of role other has no unit"));
 }
 
 TEST(CalibrationLimits, StatusesAtTheEdges) {
@@ -219,6 +277,11 @@ TEST(CalibrationFields, SayWhatWasUsed) {
            "bad_above_v = 5.25\ndaq_min_v = -10\ndaq_max_v = 10\n"));
   EXPECT_EQ(fields.at("calibration"), "rig 2");
   EXPECT_EQ(fields.at("calibration.date"), "2026-02-11");
+  EXPECT_FALSE(fields.contains("calibration.notes"));
+  const auto noted = CalibrationFields(Read("notes = 'gauge blocks'\n[voltage]\n"));
+  EXPECT_EQ(noted.at("calibration.notes"), "gauge blocks");
+  EXPECT_FALSE(noted.contains("calibration.date"));
+  EXPECT_EQ(noted.at("calibration.voltage"), "voltage = 1 per V x input + 0");
   EXPECT_EQ(fields.at("calibration.displacement"),
             "displacement = 0.001 per V x input + 0; measures up to 5.25 V; DAQ -10 to 10 V");
 }
@@ -245,8 +308,14 @@ TEST(CalibrationFields, HoldHowTheLineWasFound) {
   EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->least, -4e-3);
   EXPECT_EQ(CalibratedRangeOf(metadata, "displacement")->most, 4e-3);
   EXPECT_FALSE(CalibratedRangeOf(metadata, "voltage"));
-  metadata.fields["calibration.displacement.calibrated_most"] = "none";
-  EXPECT_FALSE(CalibratedRangeOf(metadata, "displacement"));
+  for (const char* end : {"least", "most"}) {
+    Metadata edited = metadata;
+    const std::string key = std::string("calibration.displacement.calibrated_") + end;
+    edited.fields[key] = "none";
+    EXPECT_FALSE(CalibratedRangeOf(edited, "displacement")) << end;
+    edited.fields.erase(key);
+    EXPECT_FALSE(CalibratedRangeOf(edited, "displacement")) << end;
+  }
   StateAveraging(calibration.averaging, &metadata);
   EXPECT_EQ(metadata.averages, 16);
   EXPECT_EQ(metadata.sampling_s, 1e-3);
@@ -382,8 +451,11 @@ TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {
   const auto done = CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_);
   ASSERT_TRUE(done) << done.error().Text();
   const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.name, "displacement");
   EXPECT_EQ(channel.role, ChannelRole::kDisplacement);
   EXPECT_EQ(channel.unit, "m");
+  EXPECT_REL(channel.range_max, 5.35e-3, 1e-15, "5.25 V");
+  EXPECT_EQ(channel.range_min, -kInfinity);
   EXPECT_DOUBLE_EQ(channel.values[1], 2.1e-3);
   EXPECT_EQ(channel.statuses[2], SampleStatus::kInvalid);
   EXPECT_TRUE(std::isnan(channel.values[2]));
@@ -391,6 +463,24 @@ TEST_F(CalibratedRecord, ItsOnlyVoltageIsTheDisplacement) {
   EXPECT_EQ(record.metadata.averages, 1);
   EXPECT_EQ(*GainUncertaintyOf(record.metadata, "displacement"), 0.002);
   EXPECT_TRUE(findings_.list().empty());
+}
+
+// the drive's voltage became the displacement where the sensor's column had no unit
+TEST_F(CalibratedRecord, AVoltageBesideAChannelWithoutUnitIsNotTaken) {
+  Record record = Volts({"laser", "voltage"});
+  record.channels[0].role = ChannelRole::kOther;
+  record.channels[0].unit = "";
+  const std::string path = File("c.toml", file_);
+  const auto done = CalibrateRecord(path, "t.csv", &record, &findings_);
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().Text(), HasSubstr("which voltage it is of: laser, voltage"));
+  // a current is none, and which of several it is of is noted
+  record.channels[0].role = ChannelRole::kCurrent;
+  record.channels[0].unit = "A";
+  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record, &findings_));
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
+  ASSERT_TRUE(findings_.Has(FindingKind::kCalibrationOf));
+  EXPECT_EQ(std::get<std::string>(findings_.list()[0].numbers[0].value), "voltage");
 }
 
 TEST_F(CalibratedRecord, MillivoltsReadAsVoltsAreDoubted) {
@@ -450,11 +540,50 @@ TEST_F(CalibratedRecord, PairsInMillivoltsReadAsVoltsAreDoubted) {
   EXPECT_EQ(std::get<double>(findings_.list()[0].numbers[0].value), 4003);
 }
 
-TEST_F(CalibratedRecord, ASensorInAnotherUnitIsRefused) {
+// what is no measurement stays what it is, and counts for nothing
+TEST_F(CalibratedRecord, ABadValueKeepsItsStatus) {
+  Record record = Volts({"CH1"});
+  Channel& channel = record.channels[0];
+  channel.values = {std::nan(""), 20, kInfinity, 2};
+  channel.statuses[1] = SampleStatus::kLate;
+  channel.statuses[3] = SampleStatus::kRepeated;
+  const std::string path = File("c.toml", "[displacement]\nscale_m_per_v = 0.5\n");
+  ASSERT_TRUE(CalibrateRecord(path, "t.csv", &record, &findings_));
+  EXPECT_EQ(channel.statuses, (std::vector{SampleStatus::kInvalid, SampleStatus::kLate,
+                                           SampleStatus::kInvalid, SampleStatus::kRepeated}));
+  EXPECT_TRUE(std::isnan(channel.values[0]) && std::isnan(channel.values[2]));
+  EXPECT_EQ(channel.values[3], 1);
+  EXPECT_TRUE(findings_.list().empty()) << "neither 20 V nor infinity is an input";
+}
+
+// what a table states of the averaging counts before the calibration's
+TEST_F(CalibratedRecord, KeepsTheAveragingThatTheTableStates) {
+  const std::string path =
+      File("c.toml", "averages = 16\nsampling_s = 2\n[displacement]\nscale_m_per_v = 0.001\n");
+  const auto kept = [&](std::optional<int> averages, std::optional<double> sampling_s) {
+    Record record = Volts({"CH1"});
+    record.metadata.averages = averages;
+    record.metadata.sampling_s = sampling_s;
+    EXPECT_TRUE(CalibrateRecord(path, "t.csv", &record, &findings_));
+    return std::pair(record.metadata.averages, record.metadata.sampling_s);
+  };
+  EXPECT_EQ(kept(4, {}), std::pair(std::optional(4), std::optional<double>()));
+  EXPECT_EQ(kept({}, 0.5), std::pair(std::optional<int>(), std::optional(0.5)));
+  EXPECT_EQ(kept({}, {}), std::pair(std::optional(16), std::optional(2.0)));
+}
+
+TEST_F(CalibratedRecord, AnotherUnitThanVoltsIsRefused) {
+  const std::string path = File("a.toml", "[displacement]\ninput = 'current'\nscale_m_per_a = 1\n");
   Record record = Volts({"sensor"});
+  EXPECT_EQ(CalibrateRecord(path, "t.csv", &record, &findings_).error().Text(),
+            path + ": is of a current; give one of volts");
   record.channels[0].unit = "A";
   EXPECT_THAT(CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_).error().Text(),
               HasSubstr("t.csv has its sensor in A"));
+  // none is stated
+  record.channels[0].unit = "";
+  record.channels[0].role = ChannelRole::kOther;
+  EXPECT_TRUE(CalibrateRecord(File("c.toml", file_), "t.csv", &record, &findings_));
 }
 
 TEST_F(CalibratedRecord, SensorNamesItAmongSeveral) {
@@ -468,7 +597,7 @@ TEST_F(CalibratedRecord, SensorNamesItAmongSeveral) {
               HasSubstr("has a displacement already"));
   Record several = Volts({"CH1", "CH2"});
   EXPECT_THAT(CalibrateRecord(path, "t.csv", &several, &findings_).error().Text(),
-              HasSubstr("has several voltages"));
+              HasSubstr("does not state which voltage it is of: "));
   Record none = Volts({});
   EXPECT_THAT(CalibrateRecord(path, "t.csv", &none, &findings_).error().Text(),
               HasSubstr("has no voltage"));

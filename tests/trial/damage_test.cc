@@ -1,5 +1,6 @@
 // A small trial with everything in it (polled, three encodings, events, labels given later): cut at
 // every byte, each bit flipped. What is still read must be true, and what is not must be stated.
+// And blocks whose CRCs are right, but which do not fit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -156,6 +157,117 @@ TEST(Damage, EachFlippedBitIsStatedAndCostsItsBlockAlone) {
       EXPECT_NE(std::ranges::find(sound.events, event), sound.events.end()) << event;
     }
     EXPECT_EQ(read.report.closed, kind != BlockKind::kClose);
+  }
+}
+
+// --- sound blocks that do not fit --------------------------------------------------------------
+
+std::string BlockWith(const BlockHead& head, const std::string& payload) {
+  MemoryDisk disk;
+  MemorySink sink(&disk);
+  EXPECT_TRUE(WriteBlock(&sink, head, BytesOfText(payload)));
+  return disk.bytes;
+}
+
+// signature and header; a row of counts has 5 bytes with the timing kUniform, 13 with kArrival
+std::string Begun(const std::string& header, BlockKind kind = BlockKind::kHeader) {
+  const std::string signature(kSignature.begin(), kSignature.end());
+  return signature + BlockWith({.kind = kind}, header);
+}
+
+std::string Begun(Timing timing) { return Begun(HeaderToJson(CountsHeader(timing))); }
+
+// a block of zeros; of those behind it the sequence number and row follow
+std::string RowsBlock(std::uint32_t sequence, std::uint64_t first_row, std::uint32_t rows,
+                      std::int64_t first_index, std::size_t bytes) {
+  return BlockWith({.kind = BlockKind::kRows,
+                    .sequence = sequence,
+                    .rows = rows,
+                    .first_row = first_row,
+                    .first_index = first_index},
+                   std::string(bytes, '\0'));
+}
+
+void ExpectLosses(const ReadReport& report, FindingKind kind, std::vector<std::uint32_t> blocks) {
+  std::vector<std::uint32_t> found;
+  for (const Loss& loss : report.losses) {
+    EXPECT_EQ(loss.kind, kind);
+    found.push_back(loss.block.value_or(UINT32_MAX));
+  }
+  EXPECT_EQ(found, blocks);
+}
+
+TEST(UnfitBlocks, OfRowsHoldWholeRowsOnTheGrid) {
+  constexpr std::int64_t kLast = 1LL << 53;  // behind it a double skips places
+  struct Case {
+    Timing timing;
+    std::uint32_t rows;
+    std::int64_t first_index;
+    std::size_t bytes;
+    bool fits;
+  };
+  for (const Case& at :
+       {Case{Timing::kUniform, 2, 0, 10, true}, Case{Timing::kUniform, 2, 0, 9, false},
+        Case{Timing::kUniform, 2, 0, 11, false}, Case{Timing::kUniform, 3, 0, 10, false},
+        Case{Timing::kUniform, 0, 0, 0, false}, Case{Timing::kUniform, 1, -1, 5, false},
+        Case{Timing::kUniform, 1, kLast, 5, true}, Case{Timing::kUniform, 1, kLast + 1, 5, false},
+        Case{Timing::kArrival, 2, -1, 26, true}, Case{Timing::kArrival, 2, kLast + 1, 26, true},
+        Case{Timing::kArrival, 2, 0, 10, false}}) {
+    SCOPED_TRACE(at.first_index);
+    const auto read =
+        ReadBytes(Begun(at.timing) + RowsBlock(1, 0, at.rows, at.first_index, at.bytes));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->record.rows, at.fits ? at.rows : 0) << at.bytes;
+    ExpectLosses(read->report, FindingKind::kBlockUnfit,
+                 at.fits ? std::vector<std::uint32_t>{} : std::vector<std::uint32_t>{1});
+    if (at.fits) continue;
+    EXPECT_EQ(read->report.losses[0].bytes, kBlockHeadBytes + at.bytes);
+    EXPECT_EQ(read->report.losses[0].rows, at.rows);
+  }
+}
+
+TEST(UnfitBlocks, OfRowsDoNotGoBackOnTheGrid) {
+  const std::string first = Begun(Timing::kUniform) + RowsBlock(1, 0, 2, 5, 10);
+  for (const std::int64_t next : {6, 7, 8}) {
+    // an unfit block turns nothing back: the next follows on the first
+    const auto read =
+        ReadBytes(first + RowsBlock(2, 2, 1, next, 5) + RowsBlock(3, 3, 1, next + 1, 5));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->record.rows, next == 6 ? 3U : 4U);
+    ExpectLosses(read->report, FindingKind::kBlockUnfit,
+                 next == 6 ? std::vector<std::uint32_t>{2} : std::vector<std::uint32_t>{});
+    EXPECT_EQ(read->record.stretches.size(), next == 8 ? 2U : 1U);
+    EXPECT_EQ(read->record.stretches[0].start_s, 0.005);
+  }
+}
+
+TEST(UnfitBlocks, OfEventsThatAreNoneAreLost) {
+  const std::string good = EventToJson({.kind = EventKind::kRemark, .text = "good"});
+  std::string bytes = Begun(Timing::kUniform);
+  std::uint32_t sequence = 1;
+  for (const std::string& text : {std::string("not JSON"), std::string(R"({"event": 3})"),
+                                  std::string(R"({"row": 3})"), good}) {
+    bytes += BlockWith({.kind = BlockKind::kEvent, .sequence = sequence++}, text);
+  }
+  bytes += BlockWith({.kind = BlockKind::kLaterEvent, .sequence = sequence++}, "{");
+  const auto read = ReadBytes(bytes);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->report.events.size(), 1U);
+  EXPECT_EQ(read->report.events[0].text, "good");
+  ExpectLosses(read->report, FindingKind::kBlockNoEvent, {1, 2, 3, 5});
+  EXPECT_EQ(read->report.RowsLost(), 0U);
+}
+
+TEST(UnfitBlocks, OfAHeaderThatIsNoneLeaveNothingToRead) {
+  const std::string header = HeaderToJson(CountsHeader(Timing::kUniform));
+  EXPECT_TRUE(ReadBytes(Begun(header)));
+  for (const std::string& bytes :
+       {Begun("{}"), Begun("not JSON"), Begun(header, BlockKind::kEvent),
+        Begun(header, BlockKind::kRows), Begun("{}") + Begun(header).substr(kSignature.size())}) {
+    const auto read = ReadBytes(bytes);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+    EXPECT_TRUE(read.error().what.starts_with("both copies of its header are damaged"));
   }
 }
 

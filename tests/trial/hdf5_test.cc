@@ -53,6 +53,132 @@ TEST(Hdf5, WhatIsExportedIsReadBackBitForBit) {
                   "text=block=3 from_byte=[0-9]+ to_byte=[0-9]+ first_row=10 last_row=19"));
 }
 
+// the numbers of a dataset of the trial t, as `type` lies in memory
+template <typename T>
+std::vector<T> NumbersIn(const std::string& path, const std::string& name, hid_t type) {
+  const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const Hdf5Id dataset(H5Dopen2(file.id(), ("t/" + name).c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return {};
+  const Hdf5Id space(H5Dget_space(dataset.id()), H5Sclose);
+  const Hdf5Id stored(H5Dget_type(dataset.id()), H5Tclose);
+  EXPECT_GT(H5Tequal(stored.id(), type), 0) << name;
+  std::vector<T> numbers(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.id())));
+  EXPECT_GE(H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()), 0);
+  return numbers;
+}
+
+// docs/reference/formats.md: the group `raw`, each column in its own encoding
+TEST(Hdf5, OfATrialTheRawNumbersAndTimesAreKept) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  for (const Timing timing : {Timing::kUniform, Timing::kArrival, Timing::kPolled}) {
+    MemoryDisk disk;
+    ManualClock clock;
+    TrialHeader header = CountsHeader(timing);
+    header.channels.resize(3, header.channels[0]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      header.channels[c].name = "c" + std::to_string(c);
+      header.channels[c].encoding = static_cast<Encoding>(c);
+    }
+    auto writer = WriterInto(&disk, header, clock);
+    std::vector<std::int64_t> index, time_ns, reply_ns;
+    std::vector<std::int32_t> counts;
+    std::vector<float> floats;
+    std::vector<double> doubles;
+    for (int i = 0; i < 10; ++i) {
+      index.push_back(i < 6 ? i + 3 : i + 8);
+      time_ns.push_back(1000 + 20'000'000LL * i);
+      reply_ns.push_back(time_ns.back() + 77 + i);
+      counts.push_back(-7 * i);
+      floats.push_back(static_cast<float>(i) / 3);
+      doubles.push_back(i / 7.0);
+      const std::array samples{Sample{RawValue::Counts(counts.back()), SampleStatus::kOk},
+                               Sample{RawValue::F32(floats.back()), SampleStatus::kLate},
+                               Sample{RawValue::F64(doubles.back()), SampleStatus::kOk}};
+      ASSERT_TRUE(writer.Append({.index = index.back(),
+                                 .time_ns = time_ns.back(),
+                                 .reply_ns = reply_ns.back(),
+                                 .samples = samples}));
+      if (i == 3) {
+        ASSERT_TRUE(writer.Flush());
+      }
+    }
+    ASSERT_TRUE(writer.Finish());
+    auto raw = TrialReader::OpenFrom(MakeMemorySource(disk.bytes), "t.bin");
+    const auto recording = ReadBytes(disk.bytes);
+    ASSERT_TRUE(raw && recording);
+    auto hdf5 = Hdf5Writer::Create(path);
+    ASSERT_TRUE(hdf5 && hdf5->Add("t", *recording, &*raw) && hdf5->Close());
+    const auto times = [&](const char* name) {
+      return NumbersIn<std::int64_t>(path, std::string("raw/") + name, H5T_STD_I64LE);
+    };
+    using Times = std::vector<std::int64_t>;
+    EXPECT_EQ(times("index"), timing == Timing::kUniform ? index : Times{});
+    EXPECT_EQ(times("time_ns"), timing == Timing::kArrival ? time_ns : Times{});
+    EXPECT_EQ(times("request_ns"), timing == Timing::kPolled ? time_ns : Times{});
+    EXPECT_EQ(times("reply_ns"), timing == Timing::kPolled ? reply_ns : Times{});
+    EXPECT_EQ(NumbersIn<std::int32_t>(path, "raw/displacement_m", H5T_STD_I32LE), counts);
+    EXPECT_EQ(NumbersIn<float>(path, "raw/displacement_2_m", H5T_IEEE_F32LE), floats);
+    EXPECT_EQ(NumbersIn<double>(path, "raw/displacement_3_m", H5T_IEEE_F64LE), doubles);
+    // the header is the trial's own, with the encodings
+    const auto back = ReadRecording(path);
+    ASSERT_TRUE(back) << back.error().Text();
+    ExpectSame(back->record, recording->record);
+  }
+}
+
+TEST(Hdf5, ANameThatIsTakenIsAnError) {
+  const ScratchDirectory directory;
+  auto writer = Hdf5Writer::Create(directory.File("t.h5"));
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->Add("t", Polled(), nullptr));
+  const auto again = writer->Add("t", Polled(), nullptr);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().what, "could not be written as HDF5");
+  EXPECT_TRUE(writer->Close());
+}
+
+// a trial in which nothing has been recorded yet
+TEST(Hdf5, OfNoRowsIsWritten) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  const auto empty = ReadBytes(CountingTrial(0, 1));
+  ASSERT_TRUE(empty);
+  Write(path, {{"t", *empty}});
+  EXPECT_TRUE(NumbersIn<double>(path, "time_s", H5T_IEEE_F64LE).empty());
+  EXPECT_TRUE(NumbersIn<double>(path, "displacement_m", H5T_IEEE_F64LE).empty());
+}
+
+TEST(Hdf5Id, IsClosedOnceAndStatesAFailure) {
+  static int closed = 0;
+  const auto fails = [](std::int64_t id) {
+    closed = static_cast<int>(id);
+    return -1;
+  };
+  const auto succeeds = [](std::int64_t id) {
+    closed = static_cast<int>(id);
+    return 0;
+  };
+  Hdf5Id failing(7, fails);
+  EXPECT_TRUE(failing.ok());
+  EXPECT_FALSE(failing.Close());
+  EXPECT_EQ(closed, 7);
+  closed = 0;
+  EXPECT_FALSE(failing.ok());
+  EXPECT_TRUE(failing.Close()) << "there is nothing to close";
+  EXPECT_EQ(closed, 0);
+  Hdf5Id first(0, succeeds);
+  EXPECT_TRUE(first.ok()) << "0 is one";
+  {
+    const Hdf5Id second = std::move(first);
+    EXPECT_EQ(second.id(), 0);
+    closed = 9;
+  }
+  EXPECT_EQ(closed, 0);
+  EXPECT_TRUE(Hdf5Id(3, succeeds).Close());
+  EXPECT_EQ(closed, 3);
+}
+
 TEST(Hdf5, ATrialThatGrowsMeanwhileIsExportedAsItWasRead) {
   const ScratchDirectory directory;
   const auto recording = ReadBytes(CountingTrial(30, 7));

@@ -1,8 +1,10 @@
-// Exports as HDF5, MAT, NPY and WAV, read back: the recording itself is the oracle, bit by bit.
+// Exports as HDF5, MAT, NPY and WAV, read back: the recording itself is the oracle, bit by bit. And
+// the bytes of those that are written without a library, against their formats.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <numbers>
@@ -15,6 +17,7 @@
 #include "tests/trial/recordings.h"
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
+#include "trial/export/description.h"
 #include "trial/export/export.h"
 #include "trial/import/read_recording.h"
 #include "trial/import/readers.h"
@@ -145,6 +148,20 @@ TEST_P(Exports, HoldTheLabelsAsRecordedToo) {
   EXPECT_EQ(back->report.events[0].labels, changed.report.first_labels);
   EXPECT_EQ(back->report.events[0].text, "as recorded");
   EXPECT_EQ(back->report.events[1].labels, changed.report.events[0].labels);
+  // where there were none at first, there is nothing to add
+  changed.report.first_labels.clear();
+  ASSERT_TRUE(Export(path, changed));
+  EXPECT_EQ(ReadRecording(path)->report.events.size(), 1U);
+}
+
+TEST(ExportsByALibrary, IntoNoFolderAreRefused) {
+  const ScratchDirectory directory;
+  for (const char* name : {"none/t.h5", "none/t.mat"}) {
+    const auto refused = Export(directory.File(name), TwoChannels());
+    ASSERT_FALSE(refused) << name;
+    EXPECT_EQ(refused.error().cause, Cause::kFailed);
+    EXPECT_EQ(refused.error().remedy, "is there room, and may you write there?");
+  }
 }
 
 TEST_P(Exports, AreReadBackBitForBit) {
@@ -235,6 +252,113 @@ Recording OneRow(std::size_t channels) {
         {.name = "c", .values = {1}, .statuses = {SampleStatus::kOk}});
   }
   return recording;
+}
+
+// trial/export/export.h: pieces of 64 KiB or a little more, the last one of what is left
+TEST(WriteInPieces, HandsOutPiecesOf64KibibytesAndTheRest) {
+  constexpr std::size_t kPiece = std::size_t{1} << 16;
+  for (const std::size_t row_bytes : {kPiece / 16, kPiece / 16 - 1, kPiece / 16 + 1}) {
+    std::vector<std::size_t> sizes;
+    const auto sink = [&](std::string_view piece) -> Result<void> {
+      sizes.push_back(piece.size());
+      return {};
+    };
+    const auto append = [&](std::size_t /*row*/, std::string* bytes) {
+      bytes->append(row_bytes, 'r');
+    };
+    ASSERT_TRUE(WriteInPieces(std::string(row_bytes, 'h'), 35, append, sink));
+    const std::size_t rows = row_bytes < kPiece / 16 ? 17 : 16;
+    EXPECT_EQ(sizes, (std::vector<std::size_t>{rows * row_bytes, rows * row_bytes,
+                                               (36 - 2 * rows) * row_bytes}));
+  }
+  const auto full = WriteInPieces(
+      "head", 0, [](std::size_t /*row*/, std::string* /*bytes*/) {},
+      [](std::string_view piece) -> Result<void> { return Failed("", std::string(piece)); });
+  EXPECT_EQ(full.error().what, "head");
+}
+
+// docs/reference/formats.md
+std::string CsvOf(const Record& record) {
+  return BytesOf([&](const PieceSink& sink) { return WriteCsv(record, sink); });
+}
+
+Record ThreeRows() {
+  Record record;
+  record.rows = 3;
+  record.stretches = {{.rows = 2, .start_s = 0.25, .rate_hz = 8},
+                      {.first_row = 2, .rows = 1, .start_s = 1, .rate_hz = 4}};
+  const std::vector<SampleStatus> ok(3);
+  record.channels = {{.name = "a",
+                      .role = ChannelRole::kDisplacement,
+                      .unit = "m",
+                      .values = {0.5, std::nan(""), -1e-7},
+                      .statuses = ok},
+                     {.name = "b",
+                      .role = ChannelRole::kVoltage,
+                      .unit = "V",
+                      .values = {1, 2, 3},
+                      .statuses = ok}};
+  record.channels[0].range_min = -4;
+  record.channels[0].resolution = 0.125;
+  record.channels[1].range_max = 5;
+  return record;
+}
+
+TEST(CsvExport, HasALineForEachThingAndARowForEachRow) {
+  Record record = ThreeRows();
+  const std::string stretches = "# stretch = 0 2 0.25 8 0\n# stretch = 2 1 1 4 0\n";
+  const std::string channels =
+      "# channel.1.name = a\n# channel.1.range_min = -4\n# channel.1.resolution = 0.125\n"
+      "# channel.2.name = b\n# channel.2.range_max = 5\n";
+  EXPECT_EQ(CsvOf(record), "# times = grid\n" + stretches + channels +
+                               "time_s,displacement_m,voltage_v\n"
+                               "0.25,0.5,1\n0.375,,2\n1,-1e-07,3\n");
+  // one column of statuses where all channels have the same, else one each
+  for (Channel& channel : record.channels) channel.statuses[2] = SampleStatus::kLate;
+  EXPECT_TRUE(
+      CsvOf(record).ends_with("time_s,displacement_m,voltage_v,status\n"
+                              "0.25,0.5,1,ok\n0.375,,2,ok\n1,,,late\n"));
+  record.channels[0].statuses[2] = SampleStatus::kRepeated;
+  EXPECT_TRUE(
+      CsvOf(record).ends_with("time_s,displacement_m,voltage_v,status_1,status_2\n"
+                              "0.25,0.5,1,ok,ok\n0.375,,2,ok,ok\n"
+                              "1,-1e-07,,repeated,late\n"));
+  // raw times stand beside those that follow from the grid, or are the times
+  record = ThreeRows();
+  record.raw_times_s = {0.3, 0.4, 1.1};
+  for (const auto& [timing, word] :
+       {std::pair{Timing::kArrival, "arrived"}, std::pair{Timing::kPolled, "polled"}}) {
+    record.timing = timing;
+    const std::string text = CsvOf(record);
+    EXPECT_TRUE(text.starts_with(std::string("# times = ") + word + "\n"));
+    EXPECT_TRUE(
+        text.ends_with("time_s,arrival_s,displacement_m,voltage_v\n"
+                       "0.25,0.3,0.5,1\n0.375,0.4,,2\n1,1.1,-1e-07,3\n"));
+  }
+  record.times_are_known = true;
+  EXPECT_TRUE(CsvOf(record).starts_with("# times = known\n"));
+  EXPECT_TRUE(
+      CsvOf(record).ends_with("time_s,displacement_m,voltage_v\n"
+                              "0.3,0.5,1\n0.4,,2\n1.1,-1e-07,3\n"));
+}
+
+TEST(CsvExport, OfNoChannelIsRefused) {
+  const auto sink = [](std::string_view /*piece*/) { return Result<void>(); };
+  for (const auto& refused : {WriteCsv(Record{}, sink), WriteNpy(Recording{.report = {}}, sink)}) {
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().cause, Cause::kCannotAnswer);
+    EXPECT_EQ(refused.error().what, "the record holds no channel");
+  }
+}
+
+TEST(Remarks, AreOneLineForEachLossAndFinding) {
+  ReadReport report;
+  EXPECT_EQ(RemarksOf(report, Say), "");
+  report.losses = {{.offset = 7, .bytes = 3, .block = 2, .rows = 0}};
+  report.findings.Note(FindingKind::kRowsExcluded, {{"excluded", 4}});
+  report.findings.Doubt(FindingKind::kInputTooLarge, {{"most_v", 12.5}});
+  EXPECT_EQ(RemarksOf(report, Say), "block=2 from_byte=7 to_byte=9\nexcluded=4\nmost_v=12.5\n");
+  EXPECT_EQ(RemarksOf(report, {}), "");
 }
 
 // numpy/lib/format.py: the data begin at a multiple of 64, behind at most 63 blanks and a line end
@@ -342,6 +466,9 @@ TEST(WavExport, HasRoomFor7281ChannelsAnd4GiB) {
   EXPECT_EQ(ErrorOfWav(OneRow(7281)), "");
   EXPECT_THAT(ErrorOfWav(OneRow(7282)), HasSubstr("4 GiB"));
   EXPECT_THAT(ErrorOfWav(OneRow(0)), HasSubstr("holds no samples"));
+  Recording empty = OneRow(1);
+  empty.record.rows = 0;
+  EXPECT_THAT(ErrorOfWav(empty), HasSubstr("holds no samples"));
   // 9 bytes a value: 4.19e9 and 4.20e9 bytes; the first is refused for another reason
   Recording large = OneRow(1);
   large.record.stretches.clear();
@@ -349,6 +476,14 @@ TEST(WavExport, HasRoomFor7281ChannelsAnd4GiB) {
   EXPECT_THAT(ErrorOfWav(large), ::testing::Not(HasSubstr("4 GiB")));
   large.record.rows = 467'000'000;
   EXPECT_THAT(ErrorOfWav(large), HasSubstr("4 GiB"));
+}
+
+TEST(WavExport, CountsItsGaps) {
+  Recording recording = OneRow(1);
+  for (const char* told : {"", "has 1 gap, and", "has 2 gaps, and"}) {
+    EXPECT_THAT(ErrorOfWav(recording), HasSubstr(told));
+    recording.record.stretches.push_back({.first_row = 1, .rate_hz = 100});
+  }
 }
 
 TEST(WavExport, CountsWhatIsNoMeasurement) {
@@ -370,6 +505,39 @@ TEST(MatExport, OfMoreThanTwoGigabytesIsRefused) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().cause, Cause::kCannotAnswer);
   EXPECT_THAT(refused.error().what, HasSubstr("2 GiB"));
+}
+
+// what Close finds at the path stands for what the disk has taken
+TEST(MatExport, ThatIsNotWholeOnTheDiskIsAnError) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.mat"), whole = directory.File("whole.mat");
+  ASSERT_TRUE(Export(whole, TwoChannels()));
+  std::ifstream file(whole, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  struct Case {
+    std::string found;
+    int variables;
+    bool is_whole;
+  };
+  const std::string second = bytes.substr(128);
+  for (const Case& at :
+       {Case{bytes, 1, true}, Case{bytes + second, 2, true}, Case{bytes, 2, false},
+        Case{bytes + second, 1, false}, Case{bytes.substr(0, bytes.size() - 1), 1, false},
+        Case{bytes + std::string(7, '\0'), 1, false}, Case{bytes + std::string(8, '\0'), 1, false},
+        Case{bytes.substr(0, 128), 1, false}, Case{"", 1, false}}) {
+    auto writer = MatWriter::Create(path);
+    ASSERT_TRUE(writer);
+    for (int k = 0; k < at.variables; ++k) {
+      ASSERT_TRUE(writer->Add("t" + std::to_string(k), OneRow(1), Say));
+    }
+    std::filesystem::remove(path);
+    std::ofstream(path, std::ios::binary) << at.found;
+    const auto closed = writer->Close();
+    EXPECT_EQ(closed.has_value(), at.is_whole) << at.found.size() << " " << at.variables;
+    if (closed) continue;
+    EXPECT_EQ(closed.error().cause, Cause::kFailed);
+    EXPECT_EQ(closed.error().what, "could not be written as a MATLAB file");
+  }
 }
 
 TEST(MatExport, OneOfSeveralIsReadByItsName) {

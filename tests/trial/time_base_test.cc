@@ -363,6 +363,34 @@ TEST(ArrivalTimes, AtTheEndARiseOutlastsTwoWindows) {
   }
 }
 
+// 3 ms late in the last window but one, and 6 ms in the last: one rise, where it begins
+TEST(ArrivalTimes, ARiseInTwoStepsAtTheEndBeginsWithTheFirst) {
+  const auto times = Lines(4096, 1e6, [](std::size_t j) {
+    return j < 3840 ? 0.0 : j < 3968 ? 3e6 : 6e6;
+  });
+  const auto stretches = FitArrivalTimes(times, std::nullopt);
+  ASSERT_EQ(stretches.size(), 2);
+  EXPECT_EQ(stretches[1].first_row, 3840);
+}
+
+// 3 rows are missing before row 500, 40 of which nothing is known before row 1000, 7 before 1500
+TEST(ArrivalTimes, KnownLossesDivideThePieceThatTheyLieIn) {
+  const std::vector<MissingRows> missing{{500, 3}, {1000, std::nullopt}, {1500, 7}};
+  const auto times = Lines(2000, 1e6, [](std::size_t j) {
+    return 1e6 * ((j < 500 ? 0 : 3) + (j < 1000 ? 0 : 40) + (j < 1500 ? 0 : 7));
+  });
+  for (const bool is_numbered : {false, true}) {
+    const auto stretches = FitArrivalTimes(times, std::nullopt, missing, is_numbered);
+    ASSERT_EQ(stretches.size(), 4);
+    const double start_s[]{0, 0.503, 1.043, 1.550};
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(stretches[k].first_row, 500 * k);
+      EXPECT_REL(stretches[k].rate_hz, 1000, 1e-12, "exact times");
+      EXPECT_ABS(stretches[k].start_s, start_s[k], 1e-11, "exact times");
+    }
+  }
+}
+
 // windows of 128 lines that are in turn on time and 0.2 ms late: their differences have the
 // median 0.2 ms, of which the scatter is 1.4826 times as much
 TEST(ArrivalTimes, ARiseExceedsThreeTimesTheScatterOfTheMinima) {
@@ -428,7 +456,10 @@ TEST(ArrivalTimes, FewRowsTakeTheNominalRate) {
   EXPECT_TRUE(FitArrivalTimes({}, 10).empty());
   const std::vector<std::int64_t> one{5 * kMs};
   EXPECT_EQ(FitArrivalTimes(one, 10).at(0).rate_hz, 10);
-  EXPECT_TRUE(std::isinf(FitArrivalTimes(one, std::nullopt).at(0).rate_hz));
+  for (const std::optional<double> none : {std::optional<double>(), {0.0}, {-10.0}}) {
+    EXPECT_TRUE(std::isinf(FitArrivalTimes(one, none).at(0).rate_hz));
+    EXPECT_TRUE(std::isinf(FitPolledTimes(one, one, none).at(0).rate_hz));
+  }
   EXPECT_EQ(FitArrivalTimes(one, std::nullopt).at(0).start_s, 0.005);
   const std::vector<std::int64_t> three{0, 100 * kMs, 200 * kMs};
   EXPECT_REL(FitArrivalTimes(three, std::nullopt).at(0).rate_hz, 10, 1e-15, "exact times");
@@ -532,7 +563,11 @@ TEST(PolledTimes, OneRowTakesTheNominalRate) {
   const auto stretch = FitPolledTimes(request, reply, 25).at(0);
   EXPECT_EQ(stretch.rate_hz, 25);
   EXPECT_EQ(stretch.start_s, 0.005);
-  EXPECT_TRUE(std::isinf(FitPolledTimes(request, reply, std::nullopt).at(0).rate_hz));
+  // as two at the same time do; three show that they have none
+  for (const std::size_t rows : {1U, 2U, 3U}) {
+    const std::vector<std::int64_t> at_once(rows, 4 * kMs);
+    EXPECT_EQ(FitPolledTimes(at_once, at_once, 25).at(0).rate_hz, rows < 3 ? 25 : 1 / 0.0) << rows;
+  }
   EXPECT_TRUE(FitPolledTimes({}, {}, 25).empty());
 }
 

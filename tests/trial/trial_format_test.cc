@@ -120,6 +120,52 @@ TEST(TrialHeader, OfARecordHasTheRateOfItsLongestStretch) {
                       {.first_row = 4, .rows = 5, .rate_hz = 7},
                       {.first_row = 9, .rows = 3, .rate_hz = 11}};
   EXPECT_EQ(HeaderOf(record).rate_hz, 7);
+  EXPECT_EQ(HeaderOf(Record{}).rate_hz, 0) << "of no rows";
+}
+
+// null is what is not known, as an absent key is
+TEST(TrialHeader, NullsAreTakenAsAbsentKeys) {
+  std::string channel = kChannel;
+  for (const char* key : {"unit", "scale", "offset", "range_min", "range_max", "resolution"}) {
+    channel.insert(1, fmt::format("\"{}\": null, ", key));
+  }
+  std::string json = Uniform("10", channel);
+  for (const char* key :
+       {"source", "sensor", "head", "sampling_s", "averages", "hold", "nominal_rate_hz",
+        "laser_spot", "drive_frequency_hz", "drive_amplitude_v", "tare_m", "utc_start", "host",
+        "command_line", "labels", "fields", "notes"}) {
+    json.insert(1, fmt::format("\"{}\": null, ", key));
+  }
+  const auto with_nulls = HeaderFromJson(json);
+  const auto without = HeaderFromJson(Uniform("10", kChannel));
+  ASSERT_TRUE(with_nulls && without);
+  EXPECT_EQ(HeaderToJson(*with_nulls), HeaderToJson(*without));
+  EXPECT_EQ(without->metadata.sampling_s, std::nullopt);
+  EXPECT_EQ(without->metadata.drive_amplitude_v, std::nullopt);
+  EXPECT_TRUE(without->metadata.labels.empty() && without->metadata.notes.empty());
+}
+
+// the first displacement in metres, of a header and of a record
+TEST(TrialHeader, ARecordingIsAboutItsFirstDisplacementInMetres) {
+  TrialHeader header;
+  Record record;
+  EXPECT_EQ(DisplacementChannel(header), std::nullopt);
+  EXPECT_EQ(DisplacementChannel(record), std::nullopt);
+  struct Case {
+    ChannelRole role;
+    const char* unit;
+    std::optional<std::size_t> about;
+  };
+  for (const Case& next :
+       {Case{ChannelRole::kVoltage, "m", {}}, Case{ChannelRole::kDisplacement, "V", {}},
+        Case{ChannelRole::kDisplacement, "m", 2}, Case{ChannelRole::kDisplacement, "m", 2}}) {
+    header.channels.push_back({.role = next.role, .unit = next.unit});
+    record.channels.push_back({.role = next.role, .unit = next.unit});
+    EXPECT_EQ(DisplacementChannel(header), next.about);
+    EXPECT_EQ(DisplacementChannel(record), next.about);
+  }
+  EXPECT_EQ(record.Find(ChannelRole::kDisplacement), &record.channels[1]);
+  EXPECT_EQ(record.Find(ChannelRole::kCurrent), nullptr);
 }
 
 TEST(TrialHeader, ATextThatIsNotPrintableIsNamedByItsChannel) {

@@ -240,8 +240,10 @@ TEST(TrialReader, EventsComeBackInTheirPlace) {
   EXPECT_EQ(read->record.raw_times_s[1], 9e-6);
 }
 
-// four rows 1 ms apart, with these stretches as the recorder's time base
-Recording WithTimeBase(const std::vector<Stretch>& stretches) {
+// four rows 1 ms apart, with these stretches as the recorder's time base; the bit of the byte
+// `damaged` is flipped
+Recording WithTimeBase(const std::vector<Stretch>& stretches,
+                       std::optional<std::size_t> damaged = {}) {
   MemoryDisk disk;
   ManualClock clock;
   auto writer = WriterInto(&disk, CountsHeader(Timing::kArrival), clock);
@@ -251,7 +253,10 @@ Recording WithTimeBase(const std::vector<Stretch>& stretches) {
   for (const Stretch& stretch : stretches) {
     EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kTimeBase, .stretch = stretch}));
   }
+  // one that states nothing
+  EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kTimeBase}));
   EXPECT_TRUE(writer.Finish());
+  if (damaged) disk.bytes[*damaged] ^= 1;
   auto read = ReadBytes(disk.bytes);
   EXPECT_TRUE(read);
   return std::move(*read);
@@ -285,6 +290,11 @@ TEST(TrialReader, AStoredTimeBaseCountsWhereItCoversAllRows) {
     ASSERT_EQ(record.stretches.size(), 1U) << k;
     EXPECT_NEAR(record.stretches[0].rate_hz, 1000, 1e-9) << k << ": of the times of arrival";
   }
+  // nor where a block is lost, though it be the first copy of the header
+  const Recording damaged = WithTimeBase({Part(0, 4)}, kSignature.size() + kHead);
+  EXPECT_EQ(damaged.report.losses.size(), 1U);
+  EXPECT_EQ(damaged.record.rows, 4U);
+  EXPECT_NEAR(damaged.record.stretches.at(0).rate_hz, 1000, 1e-9);
 }
 
 // 300 lines at 1 kHz; then three are missing, and the 100 behind them are 0.2 ms late. Returns when
@@ -313,7 +323,41 @@ double StartBehind(std::optional<std::uint64_t> missing) {
 TEST(TrialReader, AKnownNumberOfMissingRowsPutsBothSidesOnOneLine) {
   EXPECT_NEAR(StartBehind(3), 0.303, 1e-9) << "on the line of the first 300";
   EXPECT_NEAR(StartBehind(std::nullopt), 0.3032, 1e-9) << "a line of its own";
-  EXPECT_NEAR(StartBehind(std::uint64_t{1} << 41), 0.3032, 1e-9) << "more than any recording has";
+  EXPECT_NEAR(StartBehind((std::uint64_t{1} << 40) + 1), 0.3032, 1e-9)
+      << "more than any recording has";
+}
+
+// 1000 numbered lines at 1 kHz, of which three are missing before line 300 without an event that
+// states them; the block of another event may be damaged. The rows of each stretch.
+std::vector<std::size_t> RowsOfNumbered(bool has_damage) {
+  MemoryDisk disk;
+  ManualClock clock;
+  TrialHeader header = CountsHeader(Timing::kArrival);
+  header.metadata.fields[std::string(kLineNumbersField)] = "0 to 99";
+  auto writer = WriterInto(&disk, header, clock);
+  std::size_t event_end = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (i == 300) {
+      EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kRemark, .text = "behind the loss"}));
+      event_end = disk.bytes.size();
+    }
+    EXPECT_TRUE(
+        AppendCounts(&writer, i, {.time_ns = (i < 300 ? i : i + 3) * std::int64_t{1'000'000}}));
+  }
+  EXPECT_TRUE(writer.Finish());
+  if (has_damage) disk.bytes[event_end - 2] ^= 1;
+  const auto read = ReadBytes(disk.bytes);
+  EXPECT_TRUE(read);
+  EXPECT_EQ(read->report.losses.size(), has_damage ? 1U : 0U);
+  std::vector<std::size_t> rows;
+  for (const Stretch& stretch : read->record.stretches) rows.push_back(stretch.rows);
+  return rows;
+}
+
+// numbers state every loss, unless a block that may have held one is lost itself
+TEST(TrialReader, OfNumberedLinesLossesAreLookedForOnlyWhereABlockIsLost) {
+  EXPECT_EQ(RowsOfNumbered(false), (std::vector<std::size_t>{1000}));
+  EXPECT_EQ(RowsOfNumbered(true), (std::vector<std::size_t>{300, 700}));
 }
 
 TEST(TrialReader, LaterEventsChangeLabelsAndExclusion) {
@@ -445,6 +489,8 @@ TEST(SourcesOf, AreStatedOrImportedOrNotKnown) {
     EXPECT_EQ(sources(source, FileKind::kTrial, true), expected) << source;
   }
   EXPECT_EQ(sources("", FileKind::kCsv, true), Sources({kImported}));
+  EXPECT_EQ(sources("TCP connection a:64000", FileKind::kCsv, true), Sources()) << "as it states";
+  EXPECT_EQ(sources("", FileKind::kHdf5, false), Sources({kImported, kInterrupted}));
   EXPECT_EQ(sources("simulated", FileKind::kHdf5, true), Sources({kSimulated}));
   EXPECT_EQ(sources("simulated", FileKind::kTrial, false), Sources({kSimulated, kInterrupted}));
   EXPECT_EQ(NameOf(kInterrupted), "interrupted");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -159,8 +160,32 @@ std::string ShortRowsTrial(Encoding encoding) {
 }
 
 TEST(TrialRows, OfFiveBytesToo) {
-  ExpectAsReadRecord(ShortRowsTrial(Encoding::kI32));
-  ExpectAsReadRecord(ShortRowsTrial(Encoding::kF32));
+  for (const Encoding encoding : {Encoding::kI32, Encoding::kF32}) {
+    const std::string trial = ShortRowsTrial(encoding);
+    ExpectAsReadRecord(trial);
+    // a status of a later version is no measurement
+    const std::string later = WithLaterStatus(trial);
+    ExpectAsReadRecord(later);
+    EXPECT_EQ(ReadBytes(later)->record.channels[0].statuses[66], SampleStatus::kInvalid);
+    EXPECT_TRUE(std::isnan(ReadBytes(later)->record.channels[0].values[66]));
+  }
+}
+
+// two of which do not fit in 16 bytes
+TEST(TrialRows, OfTenBytesToo) {
+  MemoryDisk disk;
+  ManualClock clock;
+  TrialHeader header{.timing = Timing::kUniform, .rate_hz = 1000};
+  header.channels = {Channel(Encoding::kI32, 1e-7, 0.03), Channel(Encoding::kF32, 2, -3)};
+  auto writer = WriterInto(&disk, header, clock);
+  for (int i = 0; i < 90; ++i) {
+    const std::array samples{Sample{RawValue::Counts(i * 1'000'003), SampleStatus::kOk},
+                             Sample{RawValue::F32(static_cast<float>(i) / 7),
+                                    i == 77 ? SampleStatus::kUnder : SampleStatus::kOk}};
+    EXPECT_TRUE(writer.Append({.index = i, .samples = samples}));
+  }
+  EXPECT_TRUE(writer.Finish());
+  ExpectAsReadRecord(disk.bytes);
 }
 
 // The lower bytes of the counts are 0, so that none of them looks like a status; one status is not

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "tests/trial/trial_file.h"
+#include "trial/block.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::trial {
@@ -148,8 +149,12 @@ TEST(TrialWriter, FullDiskSaysWhatIsKeptAndStaysInError) {
             "t.bin: could not be written: No space left on device; 100 of 200 rows are kept; make "
             "room and record the rest to another file");
   disk.room = SIZE_MAX;
-  EXPECT_FALSE(AppendCounts(&writer, 1, {.index = 200}));
-  EXPECT_FALSE(writer.Finish());
+  // the first error stays
+  EXPECT_EQ(AppendCounts(&writer, 1, {.index = 200}).error().what, flushed.error().what);
+  EXPECT_EQ(writer.AddEvent({}).error().remedy, flushed.error().remedy);
+  EXPECT_EQ(writer.FlushIfDue().error().remedy, flushed.error().remedy);
+  EXPECT_EQ(writer.Flush().error().remedy, flushed.error().remedy);
+  EXPECT_EQ(writer.Finish().error().remedy, flushed.error().remedy);
   const auto read = ReadBytes(disk.bytes);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->record.rows, 100);
@@ -159,6 +164,23 @@ TEST(TrialWriter, FullDiskSaysWhatIsKeptAndStaysInError) {
   EXPECT_EQ(loss.block, 3U);
   EXPECT_EQ(loss.first_row, 100U);
   EXPECT_EQ(loss.rows, 100U);
+}
+
+// of the signature, of either copy of the header
+TEST(TrialWriter, WithoutRoomForItsBeginNoneIsMade) {
+  const std::size_t whole = CountingTrial(0, 1).size();
+  for (const std::size_t room :
+       {std::size_t{0}, kSignature.size() - 1, kSignature.size(), whole / 4, whole / 2}) {
+    MemoryDisk disk;
+    disk.room = room;
+    ManualClock clock;
+    const auto refused = TrialWriter::CreateIn(std::make_unique<MemorySink>(&disk), "t.bin",
+                                               CountsHeader(Timing::kUniform), {}, clock);
+    ASSERT_FALSE(refused) << room;
+    EXPECT_EQ(refused.error().Text(),
+              "t.bin: could not be written: No space left on device; 0 of 0 rows are kept; make "
+              "room and record the rest to another file");
+  }
 }
 
 TEST(TrialWriter, ExistingFilesAreRefusedUnlessReplaced) {
@@ -301,20 +323,59 @@ TEST(TrialFile, ThatAnotherMovesIsWrittenToTheEndAndItsPlaceIsSaid) {
 }
 
 // RLIMIT_FSIZE stands for a full disk: a write takes a part and the next one fails
+class FileLimit {
+ public:
+  explicit FileLimit(std::uintmax_t bytes) {
+    EXPECT_EQ(getrlimit(RLIMIT_FSIZE, &before_), 0);
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit tight{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  }
+  ~FileLimit() { EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &before_), 0); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(TrialFile, WithoutRoomForAnEventGivenLaterStaysAsItWas) {
+  const ScratchDirectory directory;
+  const std::string file = directory.File("t.bin");
+  ManualClock clock;
+  ASSERT_TRUE(BegunAt(file, clock).Finish());
+  const auto whole = std::filesystem::file_size(file);
+  const Event event{.kind = EventKind::kLabels, .labels = {{"subject", "3"}}};
+  // no byte, a part of the head, a part of the event
+  for (const std::uintmax_t room : {0U, 20U, 60U}) {
+    Result<void> done;
+    {
+      const FileLimit tight(whole + room);
+      done = AppendEvent(file, event);
+    }
+    ASSERT_FALSE(done) << room;
+    EXPECT_EQ(done.error().cause, Cause::kFailed);
+    EXPECT_THAT(done.error().Text(),
+                ::testing::StartsWith(file + ": could not be written: File too large; the "
+                                             "recording itself is unchanged"));
+    EXPECT_EQ(std::filesystem::file_size(file), whole) << room;
+  }
+  EXPECT_TRUE(AppendEvent(file, event));
+  EXPECT_EQ(ReadRecord(file)->record.metadata.labels.at("subject"), "3");
+}
+
 TEST(TrialFile, ThatMayNotGrowIsCutBehindItsLastWholeBlock) {
   const ScratchDirectory directory;
   const std::string file = directory.File("t.bin");
   ManualClock clock;
   TrialWriter writer = BegunAt(file, clock);
   const auto whole = std::filesystem::file_size(file);
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit tight{.rlim_cur = whole + 100, .rlim_max = before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
   for (std::int64_t i = 300; i < 400; ++i) ASSERT_TRUE(AppendCounts(&writer, 1, {.index = i}));
-  const auto done = writer.Flush();
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  Result<void> done;
+  {
+    const FileLimit tight(whole + 100);
+    done = writer.Flush();
+  }
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().remedy, HasSubstr("300 of 400 rows are kept"));
   EXPECT_EQ(std::filesystem::file_size(file), whole) << "no part of a block is left";

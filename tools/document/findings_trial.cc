@@ -39,6 +39,9 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "and "
      "of {given_factor} {given_unit} by --columns or --scale, which is used"},
     {"stated-rows-differ", "the file states {stated_rows} rows and holds {rows}"},
+    {"last-line-cut-off",
+     "line {line}, the last one, has no line end and is shorter than those before: it was cut off "
+     "and is excluded; is the file complete?"},
     {"rate-contradicted",
      "the times give {rate_hz} and '{stated_by}' gives {stated_hz}; --rate decides"},
     {"times-in-other-unit",
@@ -59,6 +62,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "digital channels list their transitions only: their rows are not samples"},
     {"value-unit-assumed", "the unit of the values is not in the file; {title} writes {unit}"},
     {"time-unit-assumed", "the unit of the times is not in the file; {title} writes {unit}"},
+    {"calibration-of", "the calibration is applied to the channel '{channel}'"},
     {"input-too-large",
      "the input of the calibration reaches {most_v}, more than an analog output gives: is its "
      "column in mV? Name it by --columns time_s,voltage_mv, or that of the pairs voltage_mv"},

@@ -125,6 +125,7 @@ class Parser {
     // limits first, then the join of Hantek's blocks: both need the whole text
     HAPTOMETER_TRY(CheckLines(whole_, name_));
     HAPTOMETER_TRY(JoinBlocks());
+    LeaveOutCutLine();
     while (NextLine()) {
       HAPTOMETER_TRY(line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
                      : rows_.has_begun()    ? TakeRow()
@@ -144,6 +145,12 @@ class Parser {
     storage_ = std::move(*joined);
     whole_ = rest_ = storage_;
     return {};
+  }
+
+  void LeaveOutCutLine() {
+    if (!IsLastLineCutOff(whole_)) return;
+    findings_.Doubt(FindingKind::kLastLineCutOff, {{"line", 1 + std::ranges::count(whole_, '\n')}});
+    whole_ = rest_ = whole_.substr(0, whole_.rfind('\n') + 1);
   }
 
   // the next line that is not blank; false at the end

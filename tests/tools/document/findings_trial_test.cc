@@ -53,6 +53,10 @@ const std::vector<Case> kCases{
      "column 2 is in units of 0.001 m by the file and of 1e-06 m by --columns or --scale, which is "
      "used"},
     {kStatedRowsDiffer, {{"stated_rows", 3}, {"rows", 2}}, "the file states 3 rows and holds 2"},
+    {kLastLineCutOff,
+     {{"line", 301}},
+     "line 301, the last one, has no line end and is shorter than those before: it was cut off and "
+     "is excluded; is the file complete?"},
     {kRateContradicted,
      {{"rate_hz", 1.0}, {"stated_hz", 1e3}, {"stated_by", "Increment"}},
      "the times give 1 Hz and 'Increment' gives 1000 Hz; --rate decides"},
@@ -83,6 +87,7 @@ const std::vector<Case> kCases{
     {kTimeUnitAssumed,
      {{"title", "LeCroy"}, {"unit", "s"}},
      "the unit of the times is not in the file; LeCroy writes s"},
+    {kCalibrationOf, {{"channel", "Laser"}}, "the calibration is applied to the channel 'Laser'"},
     {kInputTooLarge,
      {{"most_v", 3e3}},
      "the input of the calibration reaches 3000 V, more than an analog output gives: is its column "

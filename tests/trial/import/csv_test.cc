@@ -11,11 +11,13 @@
 #include "tests/residual.h"
 #include "trial/export/export.h"
 #include "trial/import/readers.h"
+#include "trial/import/table/csv_header.h"
 #include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 Record Parsed(std::string_view text) {
@@ -492,6 +494,95 @@ TEST(CsvBounds, BlankLinesReserveNoRows) {
       ParseCsv(header + "\n" + row + "\n1e-3" + row.substr(1) + "\n" + blank, "x.csv");
   ASSERT_TRUE(record) << record.error().Text();
   EXPECT_EQ(record->rows, 2U);
+}
+
+// --- names, comments and rows --------------------------------------------------------------------
+
+TEST(CsvNames, AStatusHasTheNumberOfAChannelFromOneOn) {
+  const auto column = [](const char* cell) { return ReadCsvColumn(cell, "f").value(); };
+  EXPECT_EQ(column("Status_12").kind, CsvColumnKind::kStatus);
+  EXPECT_EQ(column("status_12").channel, 12U);
+  EXPECT_EQ(column("status").channel, 0U);
+  for (const char* cell : {"status_0", "status_", "status_x", "status_2x", "status_-1"}) {
+    EXPECT_EQ(column(cell).kind, CsvColumnKind::kValue) << cell;
+    EXPECT_EQ(column(cell).name, cell);
+  }
+  EXPECT_THAT(ErrorOf("time_s,arrival_s,arrival_s,voltage_v\n0,1,1,2\n1,2,2,3\n"),
+              HasSubstr("two columns are named arrival_s"));
+}
+
+TEST(CsvNames, AQuantityInAnotherUnitHasANumberAlone) {
+  const auto channel = [](ChannelRole role, const char* unit) {
+    Channel made;
+    made.role = role;
+    made.unit = unit;
+    return made;
+  };
+  using enum ChannelRole;
+  EXPECT_THAT(
+      CsvColumnNames({channel(kDisplacement, "m"), channel(kDisplacement, "mm"),
+                      channel(kDisplacement, "m"), channel(kVoltage, "V"), channel(kCurrent, "mA"),
+                      channel(kTrigger, ""), channel(kTrigger, "V"), channel(kOther, "V"),
+                      channel(kCurrent, "A")}),
+      ElementsAre("displacement_m", "channel_2", "displacement_3_m", "voltage_v", "channel_5",
+                  "trigger", "trigger_2", "channel_8", "current_2_a"));
+}
+
+TEST(CsvComments, NumbersOfTheMetadataAreFinite) {
+  for (const char* line : {"# sampling_s = often", "# nominal_rate_hz = inf",
+                           "# drive_amplitude_v = nan", "# tare_m = none", "# averages = inf"}) {
+    CsvComments comments;
+    const auto read = ReadCsvComment(line, "f: line 1", &comments);
+    ASSERT_FALSE(read) << line;
+    EXPECT_EQ(read.error().Text(), fmt::format("f: line 1: '{}' is not a number; write a plain "
+                                               "number in the unit that the key names",
+                                               line + 2));
+  }
+}
+
+TEST(CsvComments, EachFactOfTheMetadataHasALine) {
+  Metadata metadata;
+  EXPECT_EQ(CsvMetadataLines(metadata), "");
+  metadata.sampling_s = 0.1;
+  metadata.drive_frequency_hz = 225;
+  metadata.averages = 16;
+  metadata.tare_m = -1e-3;
+  metadata.labels["subject"] = "S1";
+  metadata.fields["case"] = "held";
+  metadata.fields["nothing"] = "";
+  metadata.notes = {"one"};
+  EXPECT_EQ(CsvMetadataLines(metadata),
+            "# sampling_s = 0.1\n# drive_frequency_hz = 225\n# averages = 16\n# tare_m = -0.001\n"
+            "# label.subject = S1\n# case = held\n# note = one\n");
+  CsvComments comments;
+  ASSERT_TRUE(ReadCsvComment("# note = one", "f", &comments));
+  ASSERT_TRUE(ReadCsvComment("#  two ", "f", &comments));
+  EXPECT_THAT(comments.metadata.notes, ElementsAre("one", "two"));
+}
+
+TEST(Csv, AScaleAloneReadsTheFileAnew) {
+  const std::string text = "time_s,a\n0,1\n1,2\n";
+  for (const bool is_metres : {true, false}) {
+    ImportOptions options;
+    (is_metres ? options.scale_m : options.scale_v) = 3.0;
+    const auto record = ParseCsv(text, "f", options);
+    ASSERT_TRUE(record) << record.error().Text();
+    EXPECT_EQ(record->channels.at(0).unit, is_metres ? "m" : "V");
+    EXPECT_EQ(record->channels[0].values[1], 6);
+  }
+  Findings findings;
+  ASSERT_TRUE(ParseCsv("Time (s),A (mm)\n0,1\n1,2\n", "f", {.scale_m = 2.0}, &findings));
+  EXPECT_EQ(tests::NumbersOf(findings, FindingKind::kUnitOverridden),
+            "column=2 file_factor=0.001 file_unit=m given_factor=2 given_unit=m");
+}
+
+// rows of another width below a time that falls show no column of times
+TEST(Csv, ARowOfAnotherWidthEndsTheSearchForTheTimes) {
+  std::string text = "time_s,displacement_m\n";
+  for (int i = 0; i < 10; ++i) text += fmt::format("{},{}\n", 9 - i, i);
+  EXPECT_THAT(ErrorOf(text), HasSubstr("column 2 grows in even steps"));
+  text.replace(text.find("3,6"), 3, "3,6,0");
+  EXPECT_THAT(ErrorOf(text), HasSubstr("does not grow (the row before is at 9 s); sort the rows"));
 }
 
 }  // namespace

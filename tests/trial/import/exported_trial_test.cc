@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -112,7 +113,8 @@ TEST(ExportedTrial, StretchesCoverTheRowsInOrder) {
                                              {0, 4, 0, -2, 0},
                                              {-1, 4, 0, 2, 0},
                                              {0, -4, 0, 2, 0},
-                                             {0, 1e300, 0, 2, 0}};
+                                             {0, 1e300, 0, 2, 0},
+                                             {1e300, 4, 0, 2, 0}};
   for (const std::vector<double>& numbers : bad) {
     ObjectsInMemory objects = Objects();
     objects.numbers[objects::kStretches] = numbers;
@@ -179,6 +181,95 @@ TEST(ExportedTrial, TimesThatAreKnownDoNotFall) {
   for (const auto& times_s : {std::vector<double>{0, 0.5, 0.25, 7}, {0, 0.25, 0.5, kInf}}) {
     EXPECT_THAT(ErrorOf(with_times(times_s)), HasSubstr("its time_s do not grow"));
   }
+}
+
+TEST(ExportedTrial, AnObjectOfAnotherTypeIsMissing) {
+  const auto error_of = [](const auto& change) {
+    ObjectsInMemory objects = Objects();
+    change(objects);
+    return ErrorOf(std::move(objects));
+  };
+  EXPECT_EQ(error_of([](auto& o) { o.texts.erase(objects::kHeader); }),
+            "f: its header_json is missing, or is of another type; export the trial again with "
+            "haptometer trial export");
+  EXPECT_THAT(error_of([](auto& o) { o.texts[objects::kHeader] = "{}"; }),
+              HasSubstr("f: its header_json is not a trial's header"));
+  EXPECT_THAT(error_of([](auto& o) { o.bytes.erase(objects::StatusName(kColumn)); }),
+              HasSubstr("its displacement_m_status is missing, or is of another type"));
+  // what is there in another type is not passed over
+  EXPECT_THAT(error_of([](auto& o) { o.bytes[objects::kArrivalTimes] = {0, 1, 2, 3}; }),
+              HasSubstr("its arrival_s is missing, or is of another type"));
+  EXPECT_THAT(error_of([](auto& o) { o.texts[objects::kArrivalTimes] = "0"; }),
+              HasSubstr("its arrival_s is missing, or is of another type"));
+  EXPECT_THAT(error_of([](auto& o) { o.numbers[objects::kEvents] = {1}; }),
+              HasSubstr("its events_json is missing, or is of another type"));
+}
+
+TEST(ExportedTrial, AFlagIsOneByteThatIsNotZero) {
+  using Bytes = std::vector<std::uint8_t>;
+  for (const auto& [bytes, is_set] : {std::pair{Bytes{1}, true},
+                                      {Bytes{2}, true},
+                                      {Bytes{0}, false},
+                                      {Bytes{1, 1}, false},
+                                      {Bytes{}, false}}) {
+    ObjectsInMemory objects = Objects();
+    objects.bytes[objects::kClosed] = bytes;
+    EXPECT_EQ(Parsed(std::move(objects)).report.closed, is_set) << ::testing::PrintToString(bytes);
+  }
+}
+
+// --- descriptions --------------------------------------------------------------------------------
+
+std::string Description(const std::string& stretches, const std::string& more = "") {
+  return fmt::format(R"({{"header":{{"a":1}},"stretches":{},"closed":true,"times_are_known":false,)"
+                     R"("events":[{{"b":2}},{{}}],"remarks":["one","two"]{}}})",
+                     stretches, more);
+}
+
+TEST(Descriptions, HoldTheObjectsOfATrial) {
+  ObjectsInMemory objects("f");
+  ASSERT_TRUE(AddDescription(
+      Description("[[0,2,-1,null,0.5],[2,1,0,4,0]]", R"(,"sample_offsets":[0.25,-3])"), &objects));
+  EXPECT_EQ(objects.texts[objects::kHeader], R"({"a":1})");
+  EXPECT_EQ(objects.texts[objects::kEvents], "{\"b\":2}\n{}\n");
+  EXPECT_EQ(objects.texts[objects::kRemarks], "one\ntwo\n");
+  // JSON has no infinity, and this program writes null for it
+  EXPECT_THAT(objects.numbers[objects::kStretches],
+              ElementsAre(0, 2, -1, std::numeric_limits<double>::infinity(), 0.5, 2, 1, 0, 4, 0));
+  EXPECT_THAT(objects.numbers[kSampleOffsets], ElementsAre(0.25, -3));
+  EXPECT_TRUE(objects.Flag(objects::kClosed));
+  EXPECT_FALSE(objects.Flag(objects::kTimesAreKnown));
+  ObjectsInMemory without("f");
+  ASSERT_TRUE(AddDescription(Description("[]"), &without));
+  EXPECT_TRUE(without.numbers[kSampleOffsets].empty());
+  EXPECT_TRUE(without.numbers[objects::kStretches].empty());
+}
+
+TEST(Descriptions, ThatAreNoneAreDamaged) {
+  for (const std::string& text :
+       {std::string("{}"), std::string("[1"), Description("[[0,\"2\",0,4,0]]"),
+        Description("[]", R"(,"sample_offsets":[true])")}) {
+    ObjectsInMemory objects("f");
+    const auto added = AddDescription(text, &objects);
+    ASSERT_FALSE(added) << text;
+    EXPECT_EQ(added.error().Text(),
+              "f: its description is damaged; export the trial again with haptometer trial export");
+  }
+}
+
+// a number in 14 lists in the header lies 16 levels deep
+TEST(Descriptions, WhatLiesDeeperThanSixteenLevelsIsLeftOut) {
+  const auto header = [](std::size_t lists) {
+    const std::string json = fmt::format(
+        R"({{"header":{{"a":{}7{}}},"stretches":[],"closed":true,"times_are_known":false,)"
+        R"("events":[],"remarks":[]}})",
+        std::string(lists, '['), std::string(lists, ']'));
+    ObjectsInMemory objects("f");
+    EXPECT_TRUE(AddDescription(json, &objects));
+    return objects.texts[objects::kHeader];
+  };
+  EXPECT_THAT(header(14), HasSubstr("[7]"));
+  EXPECT_THAT(header(15), HasSubstr("[[]]"));
 }
 
 }  // namespace

@@ -423,5 +423,140 @@ TEST(Lvm, OneSegmentCanBeRead) {
   EXPECT_THAT(LvmErrorOf(text, {.segment = 3}), HasSubstr("has 2 segments"));
 }
 
+// --- headers and rows that other writers leave ---------------------------------------------------
+
+constexpr const char* kTwoRows = "0.000\t1\t2\n0.001\t3\t4\n";
+
+TEST(Lvm, TheSeparatorIsThatOfTheFirstLineThatHasOne) {
+  const std::string text = Lvm("Decimal_Separator\t.\n", kSegment + kTwoRows);
+  const auto second_value = [](const std::string& changed) {
+    return ParsedLvm(changed).channels.at(0).values.at(1);
+  };
+  // a first line without a separator, and one with a comma beside the tab
+  const std::string bare = Changed(text, "Measurement\t\n", "Measurement\n");
+  EXPECT_EQ(second_value(bare), 3);
+  EXPECT_EQ(second_value(Replaced(bare, '\t', ',')), 3);
+  EXPECT_EQ(second_value(Changed(bare, "Version\t2", "Version\t2,0")), 3);
+  EXPECT_EQ(second_value(Changed(bare, "Version\t2", "Version")), 3);
+  EXPECT_EQ(second_value(Changed(text, "Measurement\t\n", "Measurement\t,\n")), 3);
+  EXPECT_EQ(second_value(text.substr(0, text.size() - 1)), 3) << "the last line does not end";
+}
+
+TEST(Lvm, KeysWithoutAValueAndLinesOfStarsAreNothing) {
+  const Record record = ParsedLvm(Lvm(
+      "Operator\t\nProject\tcoil\n",
+      "***End_of_Header***\t\n***Other***\n" + kSegment + kTwoRows + "***End_of_Header***\t\n"));
+  EXPECT_EQ(record.rows, 2U);
+  EXPECT_FALSE(record.metadata.fields.contains("lvm.Operator"));
+  EXPECT_FALSE(record.metadata.fields.contains("lvm.LabVIEW Measurement"));
+  EXPECT_EQ(record.metadata.fields.at("lvm.Project"), "coil");
+  EXPECT_EQ(record.metadata.source, "imported");
+  EXPECT_THAT(LvmErrorOf(Lvm("", "***Start_Special***\n" + kSegment + kTwoRows)),
+              HasSubstr("holds 0 rows"))
+      << "a block that does not end";
+  EXPECT_THAT(LvmErrorOf(""), HasSubstr("f.lvm: line 0: is empty"));
+}
+
+// the first line is a key, too
+TEST(Lvm, AHeaderHasAHundredThousandKeysAtMost) {
+  std::string text = "LabVIEW Measurement\t\n";
+  for (int i = 0; i < 100'001; ++i) text += std::to_string(i) + "\t1\n";
+  EXPECT_THAT(LvmErrorOf(text), HasSubstr("f.lvm: line 100001: the header has too many lines"));
+}
+
+TEST(Lvm, ChannelsHaveNamesUnitsAndNoPlaceBehindTheLast) {
+  const auto text = [](const char* names, const char* rows) {
+    return Lvm(
+        "", Changed(Changed(kSegment, "Laser\tRef\tComment", names), "Volts\tmm", "Volts") + rows);
+  };
+  // separators behind the names, and one unit for two channels
+  const Record record = ParsedLvm(text("A\tB\t\t", kTwoRows));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].unit, "V");
+  EXPECT_EQ(record.channels[1].unit, "");
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kOther);
+  EXPECT_THAT(LvmErrorOf(text("\t", kTwoRows)), HasSubstr("names no channel, or too many"));
+  // behind them a comment has its place
+  const Record noted = ParsedLvm(text("A\t\tComment", "0\t1\t2\tone\n0.001\t3\t4\n"));
+  ASSERT_EQ(noted.channels.size(), 2U);
+  EXPECT_EQ(noted.channels[1].name, "channel_2");
+  EXPECT_THAT(noted.metadata.notes, ElementsAre("row 0: one"));
+}
+
+TEST(Lvm, OneValueOfAKeyIsThatOfEachChannel) {
+  const std::string one = Changed(kSegment, "0.001\t0.001", "0.25");
+  const Record record = ParsedLvm(Lvm("X_Columns\tNo\n", one + "\t1\t2\n\t3\t4\n"));
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 4);
+}
+
+TEST(Lvm, WithoutXAndDeltaXTheRateIsTheUsers) {
+  const std::string text =
+      Lvm("X_Columns\tNo\n", "Channels\t1\n***End_of_Header***\nX_Value\tA\n\t1\n\t2\n");
+  EXPECT_EQ(ParsedLvm(text, {.rate_hz = 50}).stretches.at(0).rate_hz, 50);
+  EXPECT_EQ(ParsedLvm(text, {.rate_hz = 50}).metadata.nominal_rate_hz, 50);
+  // a start that is none leaves no clock
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n",
+                             Changed(kSegment, "X0\t0\t0", "X0\tinf\tinf") + "\t1\t2\n\t3\t4\n")),
+              HasSubstr("neither X values nor a Delta_X above 0"));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", kSegment + "\t1\n")),
+              HasSubstr("has 2 cells where 3 are needed"));
+}
+
+TEST(Lvm, XIsAFiniteNumberOfAllItsColumns) {
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "inf\t1\t2\n")), HasSubstr("'inf' is not an X value"));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tMulti\n",
+                             "Channels\t2\t\n***End_of_Header***\t\n"
+                             "X_Value\tA\tX_Value\tB\n0\t1\tx\t2\n")),
+              HasSubstr("X values of their own (0 and x)"));
+}
+
+TEST(Lvm, ColumnsThatAreSaidAreXAndChannels) {
+  const std::string text = Lvm("", kSegment + kTwoRows);
+  EXPECT_THAT(LvmErrorOf(text, {.columns = {"voltage_v", "a", "b"}}, Cause::kUsage),
+              HasSubstr("'voltage_v' stands for X_Value, which is the time"));
+  EXPECT_THAT(LvmErrorOf(text, {.columns = {"-", "-"}}), HasSubstr("no column is left"));
+  EXPECT_THAT(
+      LvmErrorOf(Lvm("X_Columns\tNo\n", kSegment + kTwoRows), {.columns = {"a"}}, Cause::kUsage),
+      HasSubstr("names 1 columns where f.lvm has 2 channels; name"));
+  EXPECT_THAT(LvmErrorOf(text, {.segment = 2}), HasSubstr("has 1 segment;"));
+  Findings findings;
+  ASSERT_TRUE(ParseLvm(text, "f", {.format = TableFormat::kLecroy}, &findings));
+  EXPECT_TRUE(findings.Has(FindingKind::kFormatNotUsed));
+}
+
+// a second channel of another clock is read to its Samples, or to the last row
+TEST(Lvm, SamplesEndAChannelOfAnotherClock) {
+  const auto rows = [](const char* samples) {
+    const std::string text =
+        Lvm("", Changed(Changed(kSegment, "0.001\t0.001", "0.001\t0.5"), "Samples\t3\t3", samples) +
+                    "0\t1\t2\n0.001\t3\t4\n0.002\t5\t6\n");
+    const Record record = ParsedLvm(text, {.channel = "Ref"});
+    EXPECT_EQ(record.stretches.at(0).rate_hz, 2);
+    EXPECT_EQ(record.channels.at(0).values.size(), record.rows);
+    return record.rows;
+  };
+  EXPECT_EQ(rows("Samples\t3\t2"), 2U);
+  EXPECT_EQ(rows("Samples\t3\t3"), 3U);
+  EXPECT_EQ(rows("Samples\t3\t4"), 3U);
+  EXPECT_EQ(rows("Notes\tnone"), 3U);
+}
+
+// the wall tells where a segment lies if both segments state a time of day
+TEST(Lvm, ASegmentWithoutATimeOfDayHasNoPlace) {
+  const auto error_of = [](const char* first, const char* second) {
+    const std::string rows = "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n";
+    const auto at = [](const char* time) {
+      return Changed(kSegment, "X_Dim", fmt::format("Time\t{}\nX_Dim", time));
+    };
+    return LvmErrorOf(Lvm("", at(first) + rows + at(second) + rows));
+  };
+  EXPECT_EQ(error_of("12:00:00", "12:00:01"), "was read");
+  for (const auto& [first, second] :
+       {std::pair{"noon", "12:00:01"}, {"12:00:00", "noon"}, {"12:00:01", "12:00:00"}}) {
+    EXPECT_THAT(error_of(first, second), HasSubstr("whose Date and Time do not state when"));
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::trial

@@ -180,22 +180,92 @@ TEST(MatVariables, AHundredThousandAreRead) {
   EXPECT_FALSE(ReadMatVariables(File(empty + Element(kMatrix, ""))).is_whole);
 }
 
-TEST(MatVariables, ACompressedOneIsFollowedByTheNextAtOnce) {
-  const std::string plain = Vector("x", {1, -2});
+std::string Packed(const std::string& plain) {
   std::string packed(compressBound(plain.size()), '\0');
   uLongf length = packed.size();
-  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &length,
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &length,
                      reinterpret_cast<const Bytef*>(plain.data()), plain.size()),
             Z_OK);
-  packed.resize(length);
-  const std::string one = Le(15, 4) + Le(length, 4) + packed;
+  return Le(15, 4) + Le(length, 4) + packed.substr(0, length);
+}
+
+TEST(MatVariables, ACompressedOneIsFollowedByTheNextAtOnce) {
+  const std::string one = Packed(Vector("x", {1, -2}));
   const std::string bytes = File(one + Vector("y", {3}) + one);
   const MatVariables read = Read(bytes);
   ASSERT_EQ(read.variables.size(), 3U);
   EXPECT_THAT(read.variables[0].Numbers(), ElementsAre(1, -2));
   EXPECT_EQ(read.variables[1].name, "y");
   EXPECT_THAT(read.variables[2].Numbers(), ElementsAre(1, -2));
-  EXPECT_FALSE(ReadMatVariables(File(Le(15, 4) + Le(length - 1, 4) + packed)).is_whole);
+  EXPECT_FALSE(ReadMatVariables(File(Le(15, 4) + Le(one.size() - 9, 4) + one.substr(8))).is_whole);
+}
+
+// classes by their numbers: 1 cells, 3 objects, 5 sparse, 6 double, 7 single, 8 to 15 int8 to
+// uint64
+TEST(MatVariables, ClassesFromDoubleToUint64AreNumbers) {
+  const std::string data = Element(kDoubles, Le(std::bit_cast<std::uint64_t>(3.0), 8) +
+                                                 Le(std::bit_cast<std::uint64_t>(-4.5), 8));
+  for (std::uint32_t c = 1; c <= 18; ++c) {
+    if (c == 2 || c == kChar) continue;
+    const std::string bytes =
+        File(Element(kMatrix, Head(c, {2, 1}, c <= 15 ? "v" : "") + data) + Vector("x", {1, 2}));
+    const MatVariables read = Read(bytes);
+    // functions and objects of MATLAB have no name
+    ASSERT_EQ(read.variables.size(), c <= 15 ? 2U : 1U) << c;
+    EXPECT_EQ(read.variables.back().name, "x") << c;
+    if (c > 15) continue;
+    const MatVariable& variable = read.variables[0];
+    EXPECT_EQ(variable.is_numeric(), c >= 6) << c;
+    EXPECT_EQ(variable.is_whole(), c >= 8) << c;
+    EXPECT_FALSE(variable.is_bytes()) << c;
+    EXPECT_FALSE(variable.Text()) << c;
+    EXPECT_EQ(variable.Numbers(), c >= 6 ? (std::vector<double>{3, -4.5}) : std::vector<double>{});
+  }
+  // bytes are of the class uint8 and stored as such
+  for (const auto& [c, type] : {std::pair{9U, 2U}, {9U, 1U}, {8U, 2U}}) {
+    const std::string bytes =
+        File(Element(kMatrix, Head(c, {1, 1}, "v") + SmallElement(type, "a")));
+    EXPECT_EQ(Read(bytes).variables.at(0).is_bytes(), c == 9 && type == 2) << c << " " << type;
+  }
+}
+
+TEST(MatVariables, AMatrixThatLacksAPartIsDamaged) {
+  const std::string flags = Element(6, Le(kDouble, 4) + Le(0, 4));
+  const std::string sides = Element(5, Le(2, 4) + Le(1, 4));
+  const std::string name = Element(1, "x");
+  const std::string data = Element(kDoubles, std::string(16, '\0'));
+  const auto is_whole = [](const std::string& parts) {
+    return ReadMatVariables(File(Element(kMatrix, parts))).is_whole;
+  };
+  EXPECT_TRUE(is_whole(flags + sides + name + data));
+  // parts of another type, of another length, and none
+  EXPECT_FALSE(is_whole(Element(5, Le(kDouble, 4) + Le(0, 4)) + sides + name + data));
+  EXPECT_FALSE(is_whole(Element(6, Le(kDouble, 4)) + sides + name + data));
+  EXPECT_FALSE(is_whole(Element(6, Le(kDouble, 4) + Le(0, 8)) + sides + name + data));
+  EXPECT_FALSE(is_whole(flags + Element(6, Le(2, 4) + Le(1, 4)) + name + data));
+  EXPECT_FALSE(is_whole(flags + Element(5, Le(2, 4)) + name + data));
+  EXPECT_FALSE(is_whole(flags + sides + Element(2, "x") + data));
+  EXPECT_FALSE(is_whole(flags.substr(0, 7)));
+  EXPECT_FALSE(is_whole(flags));
+  EXPECT_FALSE(is_whole(flags + sides));
+  EXPECT_FALSE(is_whole(flags + sides + name));
+  // 17 bytes are no doubles, and a tag holds four bytes
+  EXPECT_FALSE(is_whole(flags + sides + name + Element(kDoubles, std::string(17, '\0'))));
+  EXPECT_FALSE(is_whole(flags + sides + Le(5U << 16U | 1, 4) + "abcd" + data));
+  EXPECT_TRUE(is_whole(flags + sides + SmallElement(1, "abcd") + data));
+}
+
+TEST(MatVariables, OtherElementsThanMatricesArePassedOver) {
+  const std::string other = Element(5, Le(7, 4));
+  for (const std::string& elements :
+       {other + Vector("x", {1, 2}), Packed(other) + Vector("x", {1, 2})}) {
+    const std::string bytes = File(elements);
+    const MatVariables read = Read(bytes);
+    ASSERT_EQ(read.variables.size(), 1U);
+    EXPECT_EQ(read.variables[0].name, "x");
+  }
+  // what is compressed is an element of eight bytes at least
+  EXPECT_FALSE(ReadMatVariables(File(Packed("1234567"))).is_whole);
 }
 
 // --- tables --------------------------------------------------------------------------------------
@@ -257,6 +327,108 @@ TEST(Mat, AStructIsATableOfItsFields) {
   EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
   EXPECT_THAT(record.channels[0].values, ElementsAre(4, 5));
   EXPECT_THAT(ErrorOf(with_sides(2)), HasSubstr("holds no column of numbers"));
+}
+
+// a struct `s` of one element: the length of a name, the names, a matrix for each
+std::string Struct(const std::string& length, const std::string& names, const std::string& fields) {
+  return File(Element(kMatrix, Head(2, {1, 1}, "s") + length + names + fields));
+}
+
+TEST(MatVariables, AStructHasAMatrixForEachName) {
+  const std::string four = SmallElement(5, Le(4, 4));
+  const std::string ab = Element(1, std::string("a\0\0\0b\0\0\0", 8));
+  const std::string fields = Vector("", {1, 2}) + Element(kMatrix, "");
+  const std::string whole = Struct(four, ab, fields);
+  const MatVariables read = Read(whole);
+  ASSERT_EQ(read.variables.size(), 1U);
+  ASSERT_EQ(read.variables[0].fields.size(), 2U);
+  EXPECT_EQ(read.variables[0].fields[0].name, "a");
+  EXPECT_THAT(read.variables[0].fields[0].Numbers(), ElementsAre(1, 2));
+  EXPECT_EQ(read.variables[0].fields[1].name, "b");
+  EXPECT_EQ(read.variables[0].fields[1].size(), 0U);
+  // names of another length, of another type, and a field that is none, or lacks a part
+  for (const std::string& bytes :
+       {Struct(SmallElement(6, Le(4, 4)), ab, fields), Struct(Element(5, Le(4, 8)), ab, fields),
+        Struct(SmallElement(5, Le(4, 2)), ab, fields),
+        Struct(SmallElement(5, Le(0, 4)), ab, fields),
+        Struct(SmallElement(5, Le(3, 4)), ab, fields),
+        Struct(four, Element(2, std::string(8, 'a')), fields), Struct(four, "", fields),
+        Struct(four, ab, Vector("", {1, 2})), Struct(four, ab, Vector("", {1, 2}) + Element(5, "")),
+        Struct(four, ab, Vector("", {1, 2}) + Element(kMatrix, Element(6, Le(kDouble, 4))))}) {
+    EXPECT_FALSE(ReadMatVariables(bytes).is_whole);
+  }
+}
+
+TEST(MatVariables, AStructHasTenThousandFieldsAtMost) {
+  const auto with_fields = [](std::size_t count) {
+    std::string fields;
+    for (std::size_t i = 0; i < count; ++i) fields += Element(kMatrix, "");
+    return Struct(SmallElement(5, Le(1, 4)), Element(1, std::string(count, 'a')), fields);
+  };
+  const std::string most = with_fields(10'000);
+  EXPECT_EQ(Read(most).variables.at(0).fields.size(), 10'000U);
+  EXPECT_FALSE(ReadMatVariables(with_fields(10'001)).is_whole);
+}
+
+TEST(MatVariables, AStructInAStructComesWithoutData) {
+  const std::string four = SmallElement(5, Le(4, 4));
+  const std::string inner =
+      Element(kMatrix, Head(2, {1, 1}, "") + four + Element(1, "abcd") + Vector("", {1, 2}));
+  const std::string bytes =
+      Struct(four, Element(1, std::string("in\0\0v\0\0\0", 8)), inner + Vector("", {3}));
+  const MatVariables read = Read(bytes);
+  const auto& fields = read.variables.at(0).fields;
+  ASSERT_EQ(fields.size(), 2U);
+  EXPECT_FALSE(fields[0].is_struct());
+  EXPECT_TRUE(fields[0].fields.empty());
+  EXPECT_THAT(fields[1].Numbers(), ElementsAre(3));
+}
+
+TEST(Mat, VectorsStandAlongEitherSideAndEmptyOnesAreNoColumns) {
+  const Record record =
+      Parsed(File(Matrix("along", 1, 3) + Matrix("down", 3, 1) + Matrix("none", 0, 3)), kAtRate);
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "along");
+  EXPECT_THAT(record.channels[0].values, ElementsAre(0, 1, 2));
+  EXPECT_THAT(record.channels[1].values, ElementsAre(0, 10, 20));
+}
+
+// 1005 ns off a grid of 1 s are beyond the millionth of whole numbers (NumberTable)
+TEST(Mat, WholeNumbersAreExactTimes) {
+  for (const std::uint32_t matrix_class : {12U, kDouble}) {
+    const std::string bytes = File(
+        Element(kMatrix, Head(matrix_class, {3, 1}, "time_ns") +
+                             Element(5, Le(0, 4) + Le(1'000'001'005, 4) + Le(2'000'000'000, 4))) +
+        Vector("voltage_v", {4, 5, 6}));
+    EXPECT_EQ(Parsed(bytes, {}).raw_times_s.size(), matrix_class == kDouble ? 0U : 3U);
+  }
+}
+
+TEST(Mat, TheFirstEightVariablesAreNamed) {
+  EXPECT_THAT(ErrorOf(File(Vector("x", {1, 2})).substr(0, 150)),
+              HasSubstr("f.mat: is a MATLAB file that was cut short or is damaged"));
+  EXPECT_EQ(ErrorOf(File("")), "f.mat: holds no variable; name one of its variables");
+  EXPECT_EQ(ErrorOf(File(""), "x"), "f.mat: holds no variable; name one of its variables");
+  std::string vectors;
+  for (const char* name : {"a", "b", "c", "d", "e", "f", "g", "h"}) vectors += Vector(name, {1, 2});
+  EXPECT_EQ(ErrorOf(File(vectors), "x"),
+            "f.mat: holds no variable 'x', but a, b, c, d, e, f, g, h; name one of its variables");
+  EXPECT_EQ(
+      ErrorOf(File(vectors + Vector("i", {1, 2})), "x"),
+      "f.mat: holds no variable 'x', but a, b, c, d, e, f, g, h, ...; name one of its variables");
+}
+
+// a struct with a header is a trial
+TEST(Mat, OneOfSeveralTrialsIsNamed) {
+  const auto trial = [](const char* name) {
+    return Element(kMatrix, Head(2, {1, 1}, name) + SmallElement(5, Le(12, 4)) +
+                                Element(1, "header_json" + std::string(1, '\0')) +
+                                Element(kMatrix, Head(kChar, {1, 2}, "") + SmallElement(16, "{}")));
+  };
+  EXPECT_EQ(ErrorOf(File(trial("t1") + trial("t2"))),
+            "f.mat: holds 2 trials: t1, t2; name one as f.mat/t1");
+  EXPECT_THAT(ErrorOf(File(trial("t1") + trial("t2")), "t2"),
+              HasSubstr("f.mat/t2: its header_json is not a trial's header"));
 }
 
 }  // namespace

@@ -193,5 +193,119 @@ TEST(Npy, FieldsStandBehindEachOther) {
   EXPECT_EQ(record.stretches.at(0).rate_hz, 4);
 }
 
+// --- heads that are not as NumPy writes them -----------------------------------------------------
+
+TEST(Npy, OfAHeadEveryWordCounts) {
+  const std::string rest = ", 'fortran_order': False, 'shape': (3,), }";
+  EXPECT_EQ(Parsed(Npy("{'descr': '|u1'" + rest, "\1\2\3")).rows, 3U);
+  for (const std::string& dictionary :
+       {std::string("{"), "('descr': '|u1'" + rest, "{descr: '|u1'" + rest, std::string("{'descr"),
+        "{'descr' '|u1'" + rest, "{'descr': 5" + rest, "{'descr': 'u1'" + rest,
+        std::string("{'descr': '|u1', 'colour': False, 'shape': (3,), }"),
+        std::string("{'descr': '|u1', 'fortran_order': False, 'shape': 3, }"),
+        std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (many,), }"),
+        std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (3,), 'colour': True}")}) {
+    EXPECT_EQ(
+        ErrorOf(Npy(dictionary, "\1\2\3")),
+        "f.npy: is a NumPy array whose head is not understood; save an array of plain numbers "
+        "(numpy.save), or export its columns as a CSV")
+        << dictionary;
+  }
+}
+
+TEST(Npy, AFieldIsANameAndAType) {
+  const auto error_of = [](const std::string& fields) {
+    return ErrorOf(Npy(Dictionary("[" + fields + "]", "(2,)"), "\1\2"));
+  };
+  EXPECT_EQ(error_of("('a', '|u1')"), "was read");
+  EXPECT_EQ(error_of("(('the a', 'a'), '|u1')"), "was read");
+  for (const char* fields :
+       {"", "'a'", "(, '|u1')", "('a' '|u1')", "('a', 5)", "('a', '|u1', (3,))",
+        "((the a, 'a'), '|u1')", "(('the a' 'a'), '|u1')", "(('the a', 'a', '|u1')",
+        "(('the a', ), '|u1')", "('', '|V1')"}) {
+    EXPECT_THAT(error_of(fields), HasSubstr("head is not understood")) << fields;
+  }
+}
+
+TEST(Npy, ATypeIsAnOrderAKindAndItsBytes) {
+  for (const char* type : {"<fx", "<f8x", "<M8[ns]", "|V3", "|S0", "|O"}) {
+    EXPECT_THAT(
+        ErrorOf(Npy(Dictionary(fmt::format("'{}'", type), "(2,)"), "\1\2")),
+        HasSubstr(type == std::string("|O") ? std::string("head is not understood")
+                                            : fmt::format("holds '{}', which is no number", type)));
+  }
+  // bytes without a name are no field; with a name, and texts beside numbers, they are no numbers
+  for (const char* type : {"|V3", "|S2"}) {
+    EXPECT_THAT(
+        ErrorOf(Npy(Dictionary(fmt::format("[('a', '|u1'), ('b', '{}')]", type), "(1,)"), "abcd")),
+        HasSubstr(fmt::format("holds '{}', which is no number", type)));
+  }
+  // a GiB is the most
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("'|S1073741824'", "(2,)"), "a")), HasSubstr("was cut short"));
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("'|S1073741825'", "(2,)"), "a")),
+              HasSubstr("holds '|S1073741825', which is no number"));
+}
+
+TEST(Npy, FloatsHaveFourBytesOrEight) {
+  for (const char order : {'<', '>'}) {
+    const auto in_order = [&](std::string bytes) {
+      if (order == '>') std::ranges::reverse(bytes);
+      return bytes;
+    };
+    const std::string single = in_order(Le(std::bit_cast<std::uint32_t>(-2.5F), 4)) +
+                               in_order(Le(std::bit_cast<std::uint32_t>(0.1F), 4));
+    EXPECT_THAT(
+        Parsed(Npy(Dictionary(fmt::format("'{}f4'", order), "(2,)"), single)).channels.at(0).values,
+        ElementsAre(-2.5, static_cast<double>(0.1F)));
+    const std::string twice = in_order(Le(std::bit_cast<std::uint64_t>(-2.5), 8)) +
+                              in_order(Le(std::bit_cast<std::uint64_t>(0.1), 8));
+    EXPECT_THAT(
+        Parsed(Npy(Dictionary(fmt::format("'{}f8'", order), "(2,)"), twice)).channels.at(0).values,
+        ElementsAre(-2.5, 0.1));
+  }
+}
+
+TEST(Npy, AVectorOfNoNumbersHasNoRows) {
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("'|u1'", "(0,)"), "")), HasSubstr("holds 0 rows"));
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("'|u1'", "()"), "\1")), HasSubstr("is no table of numbers"));
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("[('a', '|u1')]", "(1, 2)"), "\1\2")),
+              HasSubstr("is no table of numbers"));
+}
+
+TEST(Npy, AHeadHasTwelveBytesAtLeastAndAMiBAtMost) {
+  const std::string begin = std::string("\x93NUMPY\1", 7) + '\0';
+  EXPECT_THAT(ErrorOf(begin + Le(2, 2) + "{}"), HasSubstr("head is not understood"));
+  EXPECT_THAT(ErrorOf(begin + Le(1, 2) + "{"), HasSubstr("head is damaged"));
+  EXPECT_THAT(ErrorOf("\x93NUMPX" + Vector("|u1", {1, 2}).substr(6)), HasSubstr("head is damaged"));
+  std::string dictionary = Dictionary("'|u1'", "(3,)");
+  dictionary.resize((1U << 20U) - 1, ' ');
+  EXPECT_EQ(Parsed(Npy(dictionary, "\1\2\3", 2)).rows, 3U);
+  EXPECT_THAT(ErrorOf(Npy(dictionary + " ", "\1\2\3", 2)), HasSubstr("head is damaged"));
+}
+
+TEST(Npy, ARowHas4096FieldsAtMost) {
+  std::string fields;
+  for (int i = 0; i < 4096; ++i) fields += "('a', '|u1'), ";
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("[" + fields + "]", "(2,)"), "", 2)),
+              HasSubstr("was cut short"));
+  EXPECT_THAT(ErrorOf(Npy(Dictionary("[" + fields + "('a', '|u1')]", "(2,)"), "", 2)),
+              HasSubstr("head is not understood"));
+}
+
+// behind fields a text of no dimension is an export's; other arrays are not looked at
+TEST(Npy, AnArrayBehindATableIsPassedOver) {
+  const std::string table = Npy(Dictionary("[('a', '|u1')]", "(2,)"), "\1\2");
+  for (const std::string& second :
+       {Npy(Dictionary("'|u1'", "()"), "\1"), Npy(Dictionary("'|S3'", "(1,)"), "abc"),
+        Npy(Dictionary("'|u1'", "(2,)"), "\3\4"), std::string("abc")}) {
+    EXPECT_THAT(Parsed(table + second).channels.at(0).values, ElementsAre(1, 2));
+  }
+  const std::string description = Npy(Dictionary("'|S3'", "()"), "abc");
+  EXPECT_EQ(
+      ErrorOf(table + description),
+      "f.npy: its description is damaged; export the trial again with haptometer trial export");
+  EXPECT_THAT(Parsed(Vector("|u1", {5, 6}) + description).channels.at(0).values, ElementsAre(5, 6));
+}
+
 }  // namespace
 }  // namespace haptometer::trial

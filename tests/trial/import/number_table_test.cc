@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "tests/findings.h"
 #include "tests/residual.h"
+#include "tests/trial/trial_file.h"
 
 namespace haptometer::trial {
 namespace {
@@ -215,6 +217,23 @@ TEST(NumberTable, ColumnsHaveNames) {
   // times of arrival beside the others are passed over
   const NumberColumn arrival{.name = "arrival_s", .values = {5, 6, 7}};
   EXPECT_EQ(Parsed({arrival, kTimes, kLaser}).record.channels.size(), 1U);
+}
+
+TEST(NumberTable, TheFirstRowThatRepeatsATimeIsNamed) {
+  EXPECT_THAT(ErrorOf({{.name = "time_s", .values = {0, 0, 0.25, 0.25}},
+                       {.name = "voltage_v", .values = {1, 2, 3, 4}}}),
+              HasSubstr("2 of 4 rows have the time of the row before (first in line 2)"));
+}
+
+TEST(NumberTable, VoltsBecomeADisplacementByACalibration) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("c.toml");
+  std::ofstream(path) << "[displacement]\nscale_m_per_v = 0.001\noffset_m = 0.5\n";
+  const Record record =
+      Parsed({kTimes, {.name = "voltage_v", .values = {1, 2, 3}}}, {.calibration = path}).record;
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kDisplacement);
+  EXPECT_THAT(record.channels[0].values, ElementsAre(0.501, 0.502, 0.503));
 }
 
 // --- matrices ------------------------------------------------------------------------------------

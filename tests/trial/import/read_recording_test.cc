@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/trial/trial_file.h"
 #include "trial/import/import_options.h"
@@ -97,6 +98,73 @@ TEST(KindsOfFiles, AByteOrderMarkIsTwoDifferentBytes) {
   EXPECT_FALSE(is_table(std::string("abcde\xbc\x03", 7)));
 }
 
+TEST(KindsOfFiles, ARiffFileIsASoundWhereItSaysSo) {
+  const ScratchDirectory directory;
+  const auto error_of = [&](const std::string& bytes) {
+    const auto read = ReadRecording(FileOf(directory, bytes));
+    return read ? "was read" : read.error().Text();
+  };
+  EXPECT_THAT(error_of("RIFFxxxxWAVE"), HasSubstr("is a WAV file that holds neither PCM"));
+  EXPECT_THAT(error_of("RIFFxxxxAVI "), HasSubstr("no time column is named"));
+  EXPECT_THAT(error_of("WAVExxxxRIFF"), HasSubstr("no time column is named"));
+  EXPECT_THAT(error_of(""), HasSubstr("is empty"));
+  EXPECT_THAT(error_of("\x93NUMPY"), HasSubstr("is a NumPy array whose head is damaged"));
+  // what is neither text nor another kind should be a trial
+  EXPECT_THAT(error_of(std::string("a\0b", 3)),
+              HasSubstr(", or a CSV whose header line begins with time_s"));
+  EXPECT_FALSE(ReadRecording("no-file-of-this-name"));
+}
+
+// two bytes 1 and 2 as an NPY, and one channel as text
+const std::string kNpy = std::string("\x93NUMPY\1\0\x3a\0", 10) +
+                         "{'descr': '|u1', 'fortran_order': False, 'shape': (2,), }\n\1\2";
+constexpr const char* kCsv = "time_s,voltage_v\n0,1\n0.5,2\n";
+
+TEST(KindsOfFiles, OneRecordingHasNoNameInItsFile) {
+  const ScratchDirectory directory;
+  const ImportOptions at_rate{.rate_hz = 10.0};
+  for (const std::string& bytes : {kNpy, std::string(kCsv)}) {
+    const std::string path = FileOf(directory, bytes);
+    const auto inner = ReadRecording(path + "/x", at_rate);
+    ASSERT_FALSE(inner);
+    EXPECT_EQ(inner.error().Text(),
+              path + "/x: lies in a file that holds one recording; name the file");
+  }
+  const auto npy = ReadRecording(FileOf(directory, kNpy), at_rate);
+  ASSERT_TRUE(npy) << npy.error().Text();
+  EXPECT_EQ(npy->report.kind, FileKind::kNpy);
+  EXPECT_EQ(npy->report.file_bytes, kNpy.size());
+  EXPECT_EQ(npy->record.channels.at(0).values, (std::vector<double>{1, 2}));
+}
+
+TEST(KindsOfFiles, WhatHoldsNumbersWithoutAHeaderIsATable) {
+  const ScratchDirectory directory;
+  EXPECT_TRUE(IsTable(FileOf(directory, kNpy))) << "no export";
+  EXPECT_TRUE(IsTable(FileOf(directory, kNpy.substr(0, 20)))) << "a damaged one";
+  EXPECT_TRUE(IsTable(FileOf(directory, "")));
+  EXPECT_TRUE(IsTable(directory.File(""))) << "no file";
+  EXPECT_FALSE(IsTable(FileOf(directory, std::string("a\0b", 3))));
+}
+
+TEST(KindsOfFiles, TextsHaveTheirKindAndTheirCalibration) {
+  const ScratchDirectory directory;
+  const std::string calibration = directory.File("c.toml");
+  std::ofstream(calibration) << "[displacement]\nscale_m_per_v = 0.001\noffset_m = 0.5\n";
+  const std::string lvm =
+      "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nChannels\t1\nY_Unit_Label\tV\n"
+      "***End_of_Header***\nX_Value\tvoltage_v\n0\t1\n0.5\t2\n";
+  for (const std::string& text : {std::string(kCsv), lvm}) {
+    const auto read = ReadRecording(FileOf(directory, text), {.calibration = calibration});
+    ASSERT_TRUE(read) << read.error().Text();
+    EXPECT_EQ(read->report.kind, text == kCsv ? FileKind::kCsv : FileKind::kLvm);
+    EXPECT_TRUE(read->report.closed);
+    EXPECT_EQ(read->report.rows, 2U);
+    EXPECT_EQ(read->report.next_row, 2U);
+    EXPECT_EQ(read->record.channels.at(0).role, ChannelRole::kDisplacement);
+    EXPECT_EQ(read->record.channels[0].values, (std::vector<double>{0.501, 0.502}));
+  }
+}
+
 // --- layouts -------------------------------------------------------------------------------------
 
 TEST(TableFormats, AreLookedForInSixtyFourLines) {
@@ -122,6 +190,57 @@ TEST(TableFormats, ReadTheSameBehindAnySeparatorAndDecoration) {
   // lines that do not follow each other
   EXPECT_EQ(FindTableFormat("X,CH1\n\nSecond,Volt\n"), TableFormat::kPlain);
   EXPECT_EQ(FindTableFormat("Second,Volt\nX,CH1\n"), TableFormat::kPlain);
+}
+
+// a sign each of every layout, and signs of which a part is missing
+TEST(TableFormats, AreFoundByTheirSigns) {
+  using enum TableFormat;
+  const std::pair<const char*, TableFormat> kSigns[]{
+      {"#Digilent WaveForms Oscilloscope", kDigilent},
+      {"#CHANNEL:CH1", kHantek},
+      {"#CLOCK=20.0uS\n#SIZE=3", kHantek},
+      {"#SIZE=3\nwords\n#CLOCK=20.0uS", kHantek},
+      {"#CLOCK=20.0uS", kPlain},
+      {"#SIZE=3", kPlain},
+      {"LECROYWP715Zi-A,1,Waveform", kLecroy},
+      {"Record Length,3,,0,1", kTektronixTds},
+      {"Record Length,3,x,0,1", kPlain},
+      {"Record Length,3,,x,1", kPlain},
+      {"Record Length,3,,0,x", kPlain},
+      {"Record Length,3,,0", kPlain},
+      {"words\nRecord Length,3,,0,1", kPlain},
+      {"Model,DPO4104\nWaveform Type,ANALOG", kTektronixDpo},
+      {"Model,MSO46\nWaveform Type,ANALOG\nZero Index,5", kTektronixMso},
+      {"Model,MSO46\nZero Index,5", kPlain},
+      {"Waveform Type,ANALOG", kPlain},
+      {"Record Length,Analog:7000", kSiglent},
+      {"Source,CH1\nSecond,Volt", kSiglent},
+      {"X,CH1\nSequence,Volt", kRigolSequence},
+      {"CH1,CH2,Start,Increment", kRigolSequence},
+      {"CH1V,t0 = 0s, tInc = 1s", kRigolSequence},
+      {"Number of Data points,5", kRigolUltrascope},
+      {"X,CH1(V)", kRigolVolts},
+      {"X,CH2(V)", kRigolVolts},
+      {"X,CH3(V)", kPlain},
+      {",CH1\nSecond,Volt", kRigolDs1204},
+      {"x-axis,1\nsecond,Volt", kKeysightInfiniivision},
+      {"Revision:,0", kKeysightInfiniium},
+      {"XInc:,1e-9", kKeysightInfiniium},
+      {"Meta data\nPhysical channel,Start Time", kNiPxi},
+      {"waveform,A\nt0,5/7/2021", kNiElvis},
+      {"Time,Channel A", kPicoscope},
+      {"Zeit,Kanal A", kPicoscope},
+      {"Time [s],Channel 0", kSaleae},
+      {"Time [s],A [V]", kPlain},
+      {"Time [s],A (mV),B", kPlain},
+      // brackets that do not close, or close before they open
+      {"Time [s],A [V", kSaleae},
+      {"Time [s],A )(V", kSaleae},
+      {"t/s,CH1/V", kOpenhantek},
+      {"in s,CH1 in V", kRohdeSchwarz},
+      {"Time in s,CH1 in V", kRohdeSchwarz},
+      {"Time,A", kPlain}};
+  for (const auto& [text, format] : kSigns) EXPECT_EQ(FindTableFormat(text), format) << text;
 }
 
 TEST(TableFormats, HaveNamesThatLeadBackToThem) {

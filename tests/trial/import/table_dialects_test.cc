@@ -369,5 +369,152 @@ TEST(TableDialects, ARateThatIsSaidIsKept) {
   EXPECT_EQ(Parsed("Time,CH1 (V)\n0,1\n1,2\n", {.rate_hz = 1000.0}).metadata.nominal_rate_hz, 1000);
 }
 
+// --- names, units and rows that do without them --------------------------------------------------
+
+TEST(TableDialects, RowsMayEndInSeparatorsAndLackWhatIsLeftOut) {
+  const std::string head = "Time (s),CH1 (V)\n0,1\n1,2\n";
+  EXPECT_EQ(Parsed(head + "2,3,\n3,4,,\n").rows, 4U);
+  EXPECT_THAT(ErrorOf(head + "2,3,4\n"), HasSubstr("line 4: has 3 cells where the columns are 2"));
+  EXPECT_EQ(Parsed(head + ",\n2,3\n").rows, 3U) << "a row of empty cells between times";
+  const std::string rows = "0,1,7\n1,2,8\n2,3\n";
+  EXPECT_EQ(Parsed(rows, {.columns = {"time_s", "voltage_v", "-"}}).rows, 3U);
+  EXPECT_THAT(ErrorOf(rows, {.columns = {"time_s", "voltage_v", "a"}}),
+              HasSubstr("line 3: has 2 cells where the columns are 3"));
+  // a column without content needs no name
+  EXPECT_EQ(Parsed("0,1,\n1,2,\n", {.columns = {"time_s", "voltage_v"}}).rows, 2U);
+  EXPECT_THAT(ErrorOf("0,1,\n1,2,3\n", {.columns = {"time_s", "voltage_v"}}),
+              HasSubstr("names 2 columns where f.csv has 3"));
+  EXPECT_THAT(ErrorOf("Time (s),CH1 (V)\n0,1,\n1,2,3\n"), HasSubstr("no line names its 3 columns"));
+  EXPECT_EQ(ErrorOf("0,1,2\n1,3,4\n", {.columns = {"time_s", "voltage_v", "status_2"}}),
+            "f.csv: 'status_2' is about a channel that is not there");
+  EXPECT_EQ(Parsed(",A (V),B (V)\n,1,2\n,3,4\n", {.rate_hz = 1.0}).channels.size(), 2U);
+}
+
+TEST(TableDialects, ANumberInAColumnThatIsLeftOutMayGroupThousands) {
+  const Record record = Parsed("0;1;1,234\n1;2;1,235\n", {.columns = {"time_s", "voltage_v", "-"}});
+  EXPECT_EQ(record.channels.at(0).values.at(1), 2);
+}
+
+TEST(TableDialects, ANumberThatIsNoneByItsOwnWordIsInvalid) {
+  const Record record = Parsed("Time (s),CH1 (V)\n0,1\n1,nan(ind)\n2,-inf\n");
+  EXPECT_EQ(
+      record.channels.at(0).statuses,
+      (std::vector<SampleStatus>{SampleStatus::kOk, SampleStatus::kInvalid, SampleStatus::kUnder}));
+}
+
+TEST(TableDialects, BracketsAndUnderscoresWithinANameStay) {
+  const Record record =
+      Parsed("Time (s),CH(1) top,t_x,(mV),Level/dB,A [mm\n0,1,2,3,4,5\n1,2,3,4,5,6\n");
+  std::vector<std::string> names;
+  for (const Channel& channel : record.channels) names.push_back(channel.name);
+  EXPECT_THAT(names, ElementsAre("CH(1) top", "t_x", "(mV)", "Level/dB", "A [mm"));
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kOther);
+  EXPECT_EQ(record.channels[2].role, ChannelRole::kVoltage);
+  EXPECT_REL(record.channels[2].values[0], 3e-3, 1e-15, "one product");
+  EXPECT_EQ(record.channels[4].role, ChannelRole::kOther) << "no bracket closes";
+}
+
+TEST(TableDialects, AStatedUnitIsOfValuesWithoutOne) {
+  const auto unit = [](const char* stated, const char* name) {
+    return Parsed(fmt::format("Vertical Units,{}\nTime (s),{}\n0,1\n1,2\n", stated, name))
+        .channels.at(0)
+        .unit;
+  };
+  EXPECT_EQ(unit("mV", "A"), "V");
+  EXPECT_EQ(unit("furlong", "A"), "");
+  EXPECT_EQ(unit("mV", "trigger"), "") << "a trigger has no unit";
+}
+
+TEST(TableDialects, ColumnsWithoutNamesAreRefusedByTheirNumber) {
+  EXPECT_EQ(ErrorOf("0,1\n0.5,2\n"),
+            "f.csv: no line names its 2 columns: the first may be a time (2 rows per second in s, "
+            "2000 in ms) or a channel like the others; give <columns> time_s,voltage_v, or "
+            "<columns> voltage_v,voltage_2_v with <rate>");
+  // a first column that does not grow is no time
+  for (const char* rows : {"0.5,1\n0,2\n", "0,1\n0,2\n"}) {
+    EXPECT_EQ(ErrorOf(rows),
+              "f.csv: no line names its 2 columns; put a line such as time_s,displacement_m above "
+              "the numbers (time_s,voltage_v for a coil), or give <columns>");
+  }
+  EXPECT_THAT(ErrorOf("1\n2\n3\n"),
+              HasSubstr("holds one column, without a name and without times"));
+  // two cells for a name between semicolons are no halves of a number
+  EXPECT_THAT(ErrorOf("a;b\n0;1;1;5\n1;2;1;6\n"), HasSubstr("no line names its 4 columns"));
+}
+
+TEST(TableDialects, OneColumnBesideAClockNeedsNoName) {
+  const Record record = Parsed("Sample Interval,1e-3\n1\n2\n3\n");
+  EXPECT_EQ(record.channels.at(0).name, "channel_1");
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 1000);
+  // Hantek's blocks have a clock of their own, which this text lacks
+  EXPECT_THAT(ErrorOf("1\n2\n3\n", {.format = TableFormat::kHantek}),
+              HasSubstr("no column is a time and no line above states the sample interval"));
+  const ImportOptions infiniium{.format = TableFormat::kKeysightInfiniium};
+  EXPECT_EQ(Parsed("0,1\n0.5,2\n", infiniium).stretches.at(0).rate_hz, 2);
+  EXPECT_EQ(Parsed("0,1\n0.5,2\n", infiniium).channels.at(0).unit, "V");
+  EXPECT_THAT(ErrorOf("0,1,2\n0.5,2,3\n", infiniium), HasSubstr("no line names its 3 columns"));
+}
+
+TEST(TableDialects, TracesAreAsManyAsColumns) {
+  const auto text = [](const char* names) {
+    return fmt::format("TraceName,{}\nHResolution,0.25,0.25\nHUnit,s,s\n\n1,2\n3,4\n", names);
+  };
+  EXPECT_EQ(Parsed(text("CH1,CH2")).channels.at(1).name, "CH2");
+  EXPECT_EQ(Parsed(text("CH1,CH2")).stretches.at(0).rate_hz, 4);
+  for (const char* names : {"CH1", "CH1,CH2,CH3"}) {
+    EXPECT_THAT(ErrorOf(text(names)), HasSubstr("no line names its 2 columns")) << names;
+  }
+}
+
+// a DPO states the unit of its times; an MSO's are in s
+TEST(TableDialects, TimesOfTektronixHaveTheUnitOfTheirAxis) {
+  const auto text = [](const char* keys) {
+    return fmt::format("Model,DPO4104\nWaveform Type,ANALOG\n{}\nTIME,CH1 (V)\n0,1\n1,2\n", keys);
+  };
+  EXPECT_EQ(Parsed(text("Horizontal Units,ms")).stretches.at(0).rate_hz, 1000);
+  EXPECT_EQ(Parsed(text("Zero Index,0")).stretches.at(0).rate_hz, 1);
+  for (const char* keys : {"Probe,10", "Horizontal Units,V", "Zero Index,0\nHorizontal Units,V"}) {
+    EXPECT_THAT(ErrorOf(text(keys)), HasSubstr("column 'TIME' does not state its unit")) << keys;
+  }
+}
+
+TEST(TableDialects, WordsAboveNamesAndUnitsAreNotes) {
+  for (const char* head : {"Time (s),A (V)\n", "Time,A\n(s),(V)\n"}) {
+    const Record record = Parsed(std::string("some words\n") + head + "0,1\n1,2\n");
+    EXPECT_EQ(record.channels.at(0).name, "A");
+    EXPECT_THAT(record.metadata.notes, ElementsAre("some words")) << head;
+  }
+}
+
+// "value" stands for a unit beside one of time alone
+TEST(TableDialects, NamesBelowWordsAreNoUnits) {
+  EXPECT_EQ(Parsed("some,words\nSecond,Laser\n0,1\n1,2\n").channels.at(0).name, "Laser");
+  EXPECT_EQ(Parsed("Source,Laser\nSecond,Value\n0,1\n1,2\n").channels.at(0).name, "Laser");
+  const Record record = Parsed("some,words\nLaser,Value\n0,1\n1,2\n", {.rate_hz = 1.0});
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[1].name, "Value");
+}
+
+TEST(TableDialects, AUnitThatIsPrintedBeatsTheRate) {
+  EXPECT_THAT(ErrorOf("Time (ms),A (V)\n0,1\n1,2\n", {.rate_hz = 1e6}),
+              HasSubstr("its times give 1000 rows per second and <rate> gives 1e+06 Hz"));
+}
+
+// 100 000 segments are the most; the row that would begin another is named
+TEST(TableDialects, TimesThatFallInEveryRowAreNoSegments) {
+  std::string text = "Time (s),CH1 (V)\n";
+  for (int i = 100'003; i > 0; --i) text += std::to_string(i) + ",0\n";
+  EXPECT_THAT(ErrorOf(text), HasSubstr("f.csv: line 100002: time 3 s does not grow"));
+}
+
+TEST(TableDialects, StatusesInRowsOfNumbersAreOfTheirChannel) {
+  const Record record =
+      Parsed("0,1,over\n1,2,invalid\n2,3,ok\n", {.columns = {"time_s", "voltage_v", "status_1"}});
+  EXPECT_EQ(
+      record.channels.at(0).statuses,
+      (std::vector<SampleStatus>{SampleStatus::kOver, SampleStatus::kInvalid, SampleStatus::kOk}));
+  EXPECT_EQ(record.channels[0].values.at(2), 3);
+}
+
 }  // namespace
 }  // namespace haptometer::trial

@@ -11,6 +11,7 @@
 #include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {
@@ -215,6 +216,85 @@ TEST(Wav, SamplesThatAreMissingAreADoubt) {
   EXPECT_EQ(found(0xffff'ffff), "none");
   EXPECT_EQ(found(0), "none");
   EXPECT_EQ(Parsed(Stating(0)).record.rows, 4U);
+}
+
+// a chunk of data without a length is the rest of the file, unless a whole chunk follows it
+TEST(Wav, DataOfNoLengthEndAtAWholeChunk) {
+  const auto error_of = [](const std::string& behind) {
+    return ErrorOf(Riff(Chunk("fmt ", FormatOf({})) + "data" + Le(0, 4) + behind));
+  };
+  constexpr const char* kNone = "holds 0 rows";
+  // the names of chunks are letters, digits and blanks
+  for (const char c : {' ', '0', '9', 'A', 'Z', 'a', 'z'}) {
+    EXPECT_THAT(error_of(std::string("ab1") + c + Le(4, 4) + "wxyz"), HasSubstr(kNone)) << c;
+    EXPECT_THAT(error_of(c + std::string("ab1") + Le(4, 4) + "wxyz"), HasSubstr(kNone)) << c;
+  }
+  for (const char c : {'\x1f', '!', '/', ':', '@', '[', '`', '{', '\0', '\xe9'}) {
+    EXPECT_EQ(error_of(std::string("ab1") + c + Le(4, 4) + "wxyz"), "was read") << c;
+  }
+  // a chunk is all there
+  EXPECT_THAT(error_of("abcd" + Le(0, 4)), HasSubstr(kNone));
+  EXPECT_EQ(error_of("abcd" + Le(5, 4) + "wxyz"), "was read");
+  EXPECT_EQ(error_of("abcd" + std::string(3, '\0')), "was read") << "seven bytes are no chunk";
+  EXPECT_EQ(
+      Parsed(Riff(Chunk("fmt ", FormatOf({})) + "data" + Le(0, 4) + "abcd" + std::string(3, '\0')))
+          .record.rows,
+      3U);
+}
+
+// rows of no samples: the columns are not made
+TEST(Wav, TwiceTheColumnsOfATableAreTheMost) {
+  EXPECT_THAT(ErrorOf(Wav(FormatOf({.bits = 8, .channels = 8192}), "")),
+              HasSubstr("f.wav: holds 0 rows"));
+  EXPECT_THAT(ErrorOf(Wav(FormatOf({.bits = 8, .channels = 8193}), "")), HasSubstr("neither PCM"));
+}
+
+// --- exports -------------------------------------------------------------------------------------
+
+struct Own {
+  std::string offsets = "[0.5]";
+  int channels = 1;  // of the header
+  std::string statuses{};
+};
+
+// two samples 0.25 and -0.25 of a displacement in m, with the list of this program
+std::string Export(const Own& own) {
+  TrialHeader header;
+  ChannelFormat channel;
+  channel.name = "laser";
+  channel.role = ChannelRole::kDisplacement;
+  channel.unit = "m";
+  header.rate_hz = 4;
+  header.channels.assign(static_cast<std::size_t>(own.channels), channel);
+  const std::string description = fmt::format(
+      R"({{"header":{},"events":[],"remarks":[],"stretches":[[0,2,0,4,0]],"closed":true,)"
+      R"("times_are_known":false,"sample_offsets":{}}})",
+      HeaderToJson(header), own.offsets);
+  std::string list = "hapt" + Chunk("desc", description);
+  if (!own.statuses.empty()) list += Chunk("stat", own.statuses);
+  return Riff(Chunk("fmt ", FormatOf({})) + Chunk("data", Samples({8192, -8192}, 2)) +
+              Chunk("LIST", list));
+}
+
+TEST(WavExports, AnOffsetIsAddedToItsChannel) {
+  using enum SampleStatus;
+  const Recording read = Parsed(Export({}));
+  EXPECT_TRUE(read.report.is_export);
+  EXPECT_THAT(read.record.channels.at(0).values, ElementsAre(0.75, 0.25));
+  EXPECT_THAT(StatusesOf(read), ElementsAre(kOk, kOk)) << "where none are stated";
+  EXPECT_THAT(StatusesOf(Parsed(Export({.statuses = {1, 0}}))), ElementsAre(kRepeated, kOk));
+  EXPECT_THAT(ErrorOf(Export({.statuses = {1, 0, 0}})),
+              HasSubstr("its displacement_m_status has another length"));
+}
+
+TEST(WavExports, TheHeaderAndTheOffsetsAreOfTheSamples) {
+  EXPECT_THAT(ErrorOf(Export({.channels = 2})),
+              HasSubstr("f.wav: its header_json is not that of its samples"));
+  EXPECT_THAT(ErrorOf(Export({.channels = 0})), HasSubstr("is not that of its samples"));
+  for (const char* offsets : {"[]", "[0.5, 0.5]"}) {
+    EXPECT_THAT(ErrorOf(Export({.offsets = offsets})),
+                HasSubstr("f.wav: its sample_offsets are not its own"));
+  }
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvC
 
 Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
   // an empty cell is an invalid sample
-  const auto number = cell.empty() ? std::nullopt : CellNumber(cell);
+  auto number = cell.empty() ? std::nullopt : CellNumber(cell);
   auto status = SampleStatus::kInvalid;
   if (!cell.empty() && (!number || !std::isfinite(*number))) {
     // missing values may be words such as OVER or ----
@@ -209,6 +209,10 @@ Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, 
           "leave the cell empty where there is no value, or remove the column");
     }
     status = word.value_or(status);
+  }
+  if (const auto scpi = number ? ReadScpiNoNumber(*number) : std::nullopt) {
+    status = *scpi;
+    number.reset();
   }
   // in SI units: value = number * factor
   const double value_si = number.value_or(kNan) * column.factor;

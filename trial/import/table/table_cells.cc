@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 
 #include "base/text.h"
@@ -197,10 +198,21 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
   const bool is_negative = word.starts_with('-');
   // the sign of an overflow distinguishes over from under
   if (is_negative || word.starts_with('+')) word.erase(0, 1);
-  constexpr std::array<std::string_view, 8> kOver{
-      "\xe2\x88\x9e", "inf", "infinity", "over", "ol", "overflow", "1.#inf", "fffffff"};
+  constexpr std::array<std::string_view, 10> kOver{
+      "\xe2\x88\x9e", "inf",      "infinity",  "over",   "ol",
+      "overflow",     "overload", "overrange", "1.#inf", "fffffff"};
   if (std::ranges::find(kOver, word) == kOver.end()) return std::nullopt;
   return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
+}
+
+std::optional<SampleStatus> ReadScpiNoNumber(double number) {
+  constexpr double kInfinity = 9.9e37;
+  constexpr double kNotANumber = 9.91e37;
+  const auto is = [number](double value) { return std::abs(number - value) < 1e-6 * kInfinity; };
+  if (is(kNotANumber)) return SampleStatus::kInvalid;
+  if (is(kInfinity)) return SampleStatus::kOver;
+  if (is(-kInfinity)) return SampleStatus::kUnder;
+  return std::nullopt;
 }
 
 // seconds since midnight of h:min:s; a date before it is ignored
@@ -387,6 +399,48 @@ Result<void> CheckLines(std::string_view text, const std::string& name) {
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return {};
+}
+
+namespace {
+
+// what is shorter of a line that was cut off
+struct LineShape {
+  std::size_t cells = 0;
+  std::size_t places = 0;  // characters behind the decimal sign of the last cell that is not empty
+};
+
+LineShape ShapeOf(const std::vector<std::string_view>& cells) {
+  const auto last = std::ranges::find_if(cells.rbegin(), cells.rend(),
+                                         [](std::string_view cell) { return !cell.empty(); });
+  if (last == cells.rend()) return {cells.size()};
+  const std::size_t sign = last->find_last_of(".,");
+  return {cells.size(), sign == std::string_view::npos ? 0 : last->size() - sign - 1};
+}
+
+}  // namespace
+
+bool IsLastLineCutOff(std::string_view text) {
+  constexpr std::size_t kLines = 64;
+  constexpr std::size_t kFewest = 8;
+  std::size_t end = text.rfind('\n');
+  if (end == std::string_view::npos || end + 1 == text.size()) return false;
+  const LineShape last = ShapeOf(CellsOf(LineWithTabs(text.substr(end + 1))).cells);
+  bool has_fewer_cells = true;
+  bool has_fewer_places = true;
+  // upwards, up to what stands above the rows
+  std::size_t rows = 0;
+  while (rows < kLines && end != std::string_view::npos && end > 0) {
+    const std::size_t before = text.rfind('\n', end - 1);
+    const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
+    const auto cells = CellsOf(LineWithTabs(text.substr(begin, end - begin))).cells;
+    if (!IsNumbers(cells)) break;
+    const auto [count, places] = ShapeOf(cells);
+    has_fewer_cells = has_fewer_cells && last.cells < count;
+    has_fewer_places = has_fewer_places && last.cells == count && last.places < places;
+    end = before;
+    ++rows;
+  }
+  return rows >= kFewest && (has_fewer_cells || has_fewer_places);
 }
 
 // without blanks at the ends; tabs there separate empty cells

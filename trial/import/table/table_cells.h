@@ -48,6 +48,10 @@ enum class ByteOrder : std::uint8_t { kLittleEndian, kBigEndian };
 /// "--.--", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
 [[nodiscard]] std::optional<SampleStatus> ReadNoNumber(std::string_view cell);
 
+/// What an instrument sends in place of a number (SCPI 1999.0, volume 1, 7.2.1.4 and 7.2.1.5):
+/// 9.9e37 for infinity is kOver, -9.9e37 kUnder, 9.91e37 kInvalid. Nothing for any other number.
+[[nodiscard]] std::optional<SampleStatus> ReadScpiNoNumber(double number);
+
 /// Seconds since midnight of a time on the clock, "12:00:47.056435" or with a decimal comma; a date
 /// before it ("5/7/2021  12:00:47.056435", "2021-07-05T12:00:47Z") is passed over. Nothing where
 /// `text` is none.
@@ -85,6 +89,11 @@ inline constexpr std::size_t kMostHeaderLines = 100'000;  ///< that state someth
 /// than kMostHeaderLines, before any of it is split. Errors (Cause::kCannotAnswer) name the line.
 /// Cost: one pass, no memory.
 [[nodiscard]] Result<void> CheckLines(std::string_view text, const std::string& name);
+
+/// Whether the last line of `text` was cut off: it has no line end, and fewer cells than each of
+/// the rows right above it, or fewer digits behind the decimal sign of its last number; of 64 rows,
+/// of which at least 8 are there. Cost: that of so many lines.
+[[nodiscard]] bool IsLastLineCutOff(std::string_view text);
 
 /// `line` without blanks and a carriage return at its ends; tabs stay, because they separate empty
 /// cells there.

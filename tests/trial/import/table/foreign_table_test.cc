@@ -490,5 +490,86 @@ TEST(ForeignTable, WordsThatAreNotUtf8AreReadAsWindowsWritesThem) {
   EXPECT_REL(record.stretches.at(0).rate_hz, 1e6, 1e-9, "printed times");
 }
 
+// --- lines above the rows ------------------------------------------------------------------------
+
+TEST(ForeignTable, NamesAboveBlanksHaveASeparatorOfTheirOwn) {
+  for (const char* names : {"Time (s)\tCH 1 A (V)", "Time (s);CH 1 A (V)", "Time (s),CH 1 A (V)",
+                            "Time (s)  CH 1 A (V)", "Time (s)   CH 1 A (V)"}) {
+    const Record record = Parsed(std::string(names) + "\n0 1\n1 2\n");
+    ASSERT_EQ(record.channels.size(), 1U) << names;
+    EXPECT_EQ(record.channels[0].name, "CH 1 A") << names;
+    EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  }
+  EXPECT_THAT(ErrorOf("Time (s) CH 1 (V)\n0 1\n1 2\n"), HasSubstr("no line names its 2 columns"));
+}
+
+TEST(ForeignTable, SeparatorsBehindTheNamesAndAnEmptyCommentAreNothing) {
+  for (const char* head :
+       {"Time (s),CH1 (V),,\n", "Time (s),CH1 (V)\n#\n", "Time (s),CH1 (V)\n# a,b\n",
+        "Time (s),CH1 (V)\n# displacement,voltage\n"}) {
+    const Record record = Parsed(std::string(head) + "0,1\n1,2\n");
+    ASSERT_EQ(record.channels.size(), 1U) << head;
+    EXPECT_EQ(record.channels[0].name, "CH1") << head;
+  }
+  // a comment with the name of a time is a header; words with an equals sign are a note
+  EXPECT_EQ(Parsed("words\n# time, A (V)\n0,1\n1,2\n", {.rate_hz = 1.0}).channels.at(0).name, "A");
+  const Record record = Parsed("a=b,5\nc,7\nTime (s),CH1 (V)\n0,1\n1,2\n");
+  EXPECT_THAT(record.metadata.notes, ElementsAre("a=b,5"));
+  EXPECT_EQ(record.metadata.fields.at("table.c"), "7");
+}
+
+// a line of numbers of another width or separator is none of the rows
+TEST(ForeignTable, ALineOfNumbersUnlikeTheRowsBelongsToTheWords) {
+  const ImportOptions two{.columns = {"time_s", "voltage_v"}};
+  EXPECT_EQ(Parsed("0,1\n0;1\n1;2\n", two).rows, 2U);
+  EXPECT_EQ(Parsed("0,1,2\n0,1\n1,2\n", two).rows, 2U);
+}
+
+TEST(ForeignTable, KeysStandBesideTwoRowsAtLeast) {
+  const ImportOptions tds{.format = TableFormat::kTektronixTds};
+  const Record record = Parsed(
+      "Record Length,3,,0,1\nSource,CH2,,4,2\nYOffset,,,8,3\n,x,,12,4\n",
+      {.columns = {"-", "-", "-", "time_s", "voltage_v"}, .format = TableFormat::kTektronixTds});
+  EXPECT_EQ(record.metadata.fields.at("table.Source"), "CH2");
+  EXPECT_FALSE(record.metadata.fields.contains("table.YOffset"));
+  EXPECT_FALSE(record.metadata.fields.contains("table."));
+  // a row without a number there has no key
+  const Record later = Parsed("Record Length,3,,0,1\nSource,CH2,,4,2\nNote,x,,,3\nProbe,10,,12,4\n",
+                              {.columns = {"-", "-", "-", "-", "voltage_v"},
+                               .rate_hz = 1.0,
+                               .format = TableFormat::kTektronixTds});
+  EXPECT_EQ(later.rows, 4U);
+  EXPECT_EQ(later.metadata.fields.at("table.Probe"), "10");
+  EXPECT_FALSE(later.metadata.fields.contains("table.Note"));
+  for (const char* text :
+       {"Record Length,3,,x,1\nSource,CH2,,4,2\n", "Record Length,3,,0,1\nSource,CH2,,x,2\n",
+        "Record Length,3,,0\n", "Record Length,3,,0,1\nSource,CH2,,4,2,7\n"}) {
+    EXPECT_THAT(ErrorOf(std::string(text) + "\n", tds), HasSubstr("tektronix-tds")) << text;
+  }
+}
+
+TEST(ForeignTable, ColumnsThatContradictEachOtherAreNone) {
+  EXPECT_THAT(ErrorOf("Time (s),Time (s),CH1 (V)\n0,0,1\n1,1,2\n"),
+              HasSubstr("two columns are times"));
+  const std::string rows = "0,1,2\n1,3,4\n";
+  // a scale is about a channel of its quantity, or about the only one
+  EXPECT_THAT(ErrorOf(rows, {.columns = {"time_s", "a", "b"}, .scale_m = 2.0}),
+              HasSubstr("is about a displacement, and no column is one"));
+  const Record record = Parsed(rows, {.columns = {"time_s", "voltage", "b"}, .scale_v = 2.0});
+  EXPECT_THAT(record.channels.at(0).values, ElementsAre(2, 6));
+  EXPECT_THAT(record.channels.at(1).values, ElementsAre(2, 4));
+  EXPECT_THAT(ErrorOf(rows, {.columns = {"time_s", "voltage", "b"}, .scale_m = 2.0}),
+              HasSubstr("column 'voltage' does not state its unit"));
+}
+
+TEST(ForeignTable, StatusesOfAllStayBesideOneChannel) {
+  const Record record =
+      Parsed("time_s,voltage_v,current_a,status\n0,1,2,ok\n1,3,4,over\n", {.channel = "current"});
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kCurrent);
+  EXPECT_EQ(record.channels[0].values[0], 2);
+  EXPECT_EQ(record.channels[0].statuses[1], SampleStatus::kOver);
+}
+
 }  // namespace
 }  // namespace haptometer::trial

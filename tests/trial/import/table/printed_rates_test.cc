@@ -150,5 +150,23 @@ TEST(PrintedRates, AGridInPlaceOfRepeatedTimesIsNotedWithItsRate) {
   }
 }
 
+// a run that the rate of the longest does not fit has its own, or none
+TEST(RatesOfRuns, AShorterRunMayHaveARateOfItsOwn) {
+  const std::string longest =
+      "Time (s),CH1 (V)\n0.000,1\n1.000,1\n2.000,1\n3.000,1\n4.000,1\n5.000,1\n";
+  const Record record = Parsed(longest + "100.000,1\n100.500,1\n101.000,1\n101.500,1\n");
+  ASSERT_EQ(record.stretches.size(), 2U);
+  EXPECT_EQ(record.stretches[0].rows, 6U);
+  EXPECT_REL(record.stretches[0].rate_hz, 1, 1e-15, "printed times");
+  EXPECT_EQ(record.stretches[1].first_row, 6U);
+  EXPECT_EQ(record.stretches[1].rows, 4U);
+  EXPECT_EQ(record.stretches[1].start_s, 100);
+  EXPECT_REL(record.stretches[1].rate_hz, 2, 1e-15, "printed times");
+  EXPECT_TRUE(record.raw_times_s.empty());
+  const Record uneven = Parsed(longest + "100.000,1\n100.500,1\n100.900,1\n101.500,1\n");
+  EXPECT_EQ(uneven.raw_times_s.size(), 10U);
+  EXPECT_TRUE(uneven.times_are_known);
+}
+
 }  // namespace
 }  // namespace haptometer::trial

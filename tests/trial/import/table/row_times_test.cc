@@ -11,6 +11,7 @@
 #include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
+#include "trial/import/table/csv_header.h"
 
 namespace haptometer::trial {
 namespace {
@@ -121,6 +122,29 @@ TEST(RowTimes, TheUsersRateDecidesForTheTimesWithinOnePercent) {
   }
 }
 
+TEST(StretchLines, HaveFiveNumbersThatDescribeRows) {
+  const auto stretches = [](const std::string& numbers) {
+    CsvComments comments;
+    EXPECT_TRUE(ReadCsvComment("# stretch = " + numbers, "f", &comments));
+    return comments.stretches;
+  };
+  const auto whole = stretches("7 3 -0.5 4  0.25");
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_EQ(whole[0].first_row, 7U);
+  EXPECT_EQ(whole[0].rows, 3U);
+  EXPECT_EQ(whole[0].start_s, -0.5);
+  EXPECT_EQ(whole[0].rate_hz, 4);
+  EXPECT_EQ(whole[0].time_uncertainty_s, 0.25);
+  for (const char* sound : {"0 1 0 1e-9 0", "999999999999999 1 0 1 0", "0 999999999999999 0 1 0"}) {
+    EXPECT_EQ(stretches(sound).size(), 1U) << sound;
+  }
+  for (const char* damaged :
+       {"", "0 3 0 4", "0 3 0 4 0 0", "0 3 a 4 0", "-1 3 0 4 0", "1e15 3 0 4 0", "0 0 0 4 0",
+        "0 1e15 0 4 0", "0 3 inf 4 0", "0 3 nan 4 0", "0 3 0 0 0", "0 3 0 -4 0", "0 3 0 4 -1"}) {
+    EXPECT_TRUE(stretches(damaged).empty()) << damaged;
+  }
+}
+
 // --- segments ------------------------------------------------------------------------------------
 
 // `sizes.size()` segments with times 0, 1, 2, ... below a line of names
@@ -218,6 +242,47 @@ TEST(Segments, GridsAloneHaveNoTimesOfTheirOwn) {
   EXPECT_TRUE(record.raw_times_s.empty());
   EXPECT_FALSE(record.times_are_known);
   EXPECT_EQ(record.stretches.at(1).first_row, 3U);
+}
+
+TEST(RowTimes, TimesTooCloseForARateHaveNone) {
+  // the inverse of 1e-320 s is beyond a double
+  EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1e-320,2\n2e-320,3\n"),
+            "f.csv: has times that lie too close for a rate to be stated; check the unit of its "
+            "time column");
+  // rows at one time lie on no line, however many they are
+  std::string text = "time_s,voltage_v\n";
+  for (int i = 0; i < 20; ++i) text += fmt::format("1.5,{}\n", i);
+  EXPECT_THAT(ErrorOf(text), HasSubstr("19 of 20 rows have the time of the row before"));
+}
+
+// rows in which each reading stands twice are no clock's, though its digits would explain them
+TEST(RowTimes, RowsWrittenTwiceAreNoRowsOfAStatedClock) {
+  const auto error_of = [](bool is_twice) {
+    std::string text = "Sample Interval,0.5\nTime (s),CH1 (V)\n";
+    for (int i = 0; i < 40; ++i) text += fmt::format("{},{}\n", i / 2, is_twice ? i / 2 : i);
+    return ErrorOf(text);
+  };
+  EXPECT_EQ(error_of(false), "was read");
+  EXPECT_THAT(error_of(true), HasSubstr("20 of 40 rows repeat the time and the values of the row "
+                                        "before (first row 2), as if they were written twice"));
+}
+
+TEST(Segments, ATableWithoutTimesIsOne) {
+  const std::string text = "CH1 (V),CH2 (V)\n1,2\n3,4\n5,6\n";
+  EXPECT_EQ(ParseCsv(text, "f", {.rate_hz = 8.0, .segment = 1}).value().rows, 3U);
+  EXPECT_THAT(ErrorOf(text, {.rate_hz = 8.0, .segment = 2}), HasSubstr("has 1 segment;"));
+}
+
+TEST(Segments, TimesOfSeveralUnevenOnesFollowEachOther) {
+  SegmentedTimes times;
+  for (const double shift_s : {0.0, 2.0}) {
+    Record uneven = Part(0, 8, 3);
+    uneven.raw_times_s = {0, 0.1875, 0.25};
+    ASSERT_TRUE(times.Append(uneven, shift_s));
+  }
+  Record record;
+  std::move(times).Complete(&record);
+  EXPECT_THAT(record.raw_times_s, ElementsAre(0, 0.1875, 0.25, 2, 2.1875, 2.25));
 }
 
 TEST(RowTimes, RowsAreTakenFromEveryChannel) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/findings.h"
@@ -67,6 +68,15 @@ TEST(TableKeys, AKeyStandsInOneCellOrInSeveral) {
   }
 }
 
+TEST(TableKeys, AreFoundByTheirLettersAndDigits) {
+  const std::vector<TableKey> keys{{.key = "A`{/:@[b 0-9\u00b5~", .values = {"1"}},
+                                   {.key = "ab09\u00b5", .values = {"2"}},
+                                   {.key = "ab09", .values = {"3"}}};
+  EXPECT_THAT(ValuesOf(keys, "aB09\u00b5"), ElementsAre("1"));
+  EXPECT_THAT(ValuesOf(keys, "a(b)09"), ElementsAre("3"));
+  EXPECT_THAT(ValuesOf(keys, "b09"), ElementsAre());
+}
+
 // --- intervals and rates -------------------------------------------------------------------------
 
 struct Stated {
@@ -102,8 +112,9 @@ TEST(StatedClocks, AnIntervalHasAUnitOfTimeOrSeconds) {
   for (const Stated& stated : kIntervals) {
     EXPECT_REL(IntervalOf(stated.line), stated.interval_s, 4e-16, "one product");
   }
-  for (const char* line : {"Sample Interval;0", "Sample Interval;-1", "Sample Interval;5 V",
-                           "Sample Interval;1e-320", "Interval;5"}) {
+  for (const char* line :
+       {"Sample Interval;0", "Sample Interval;-1", "Sample Interval;5 V", "Sample Interval;1e-320",
+        "Interval;5", "Sample Interval;often", "Sample Interval;5 parsec"}) {
     EXPECT_TRUE(std::isnan(IntervalOf(line))) << line;
   }
 }
@@ -138,6 +149,28 @@ TEST(StatedClocks, TheFirstRowIsWhereTheTriggerOrAKeyPutsIt) {
   EXPECT_EQ(start({"XInc;0.25", "XOrg;-1,5"}), -1.5);
 }
 
+TEST(StatedClocks, AStartWithoutANumberOrAUnitOfTimeIsNone) {
+  const auto start = [](const Lines& lines) { return ClockOf(lines).value().start_s; };
+  EXPECT_EQ(start({"XInc;0.25", "XOrg;late"}), std::nullopt);
+  EXPECT_EQ(start({"XInc;0.25", "XOrg;inf"}), std::nullopt);
+  EXPECT_EQ(start({"XInc;0.25", "HOffset;-3", "HUnit;V"}), std::nullopt);
+  EXPECT_EQ(start({"XInc;0.25", "HOffset;-3", "HUnit;furlong"}), std::nullopt);
+  // an index that is none leaves the start to another key
+  EXPECT_EQ(start({"XInc;0.25", "Trigger Point;none", "Zero Index;2"}), -0.5);
+  const auto refused = FindStatedClock(KeysOf({"HResolution;0.25", "HUnit;V"}, ';'), "f");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().Text(), HasSubstr("f: has 'HUnit' V, which is no time"));
+}
+
+// "100,000 Hz" in a line that commas separate is the number's cell and its thousands
+TEST(StatedClocks, ThousandsBehindTheSeparatorBelongToTheNumber) {
+  const auto printed = [](const char* line) { return ClockOf({line}, ',').value().printed; };
+  EXPECT_EQ(printed("Sample Rate,100,000 Hz"), "100,000");
+  EXPECT_EQ(printed("Sample Rate,100,often"), "100");
+  EXPECT_EQ(printed("Sample Rate,100 Hz"), "100");
+  EXPECT_EQ(ClockOf({"Sample Rate,often,000"}, ','), std::nullopt);
+}
+
 TEST(StatedClocks, ANumberMayGroupThousandsByAPointBesideDecimalCommas) {
   const auto clock = [](const char* printed) { return StatedClock{.printed = printed}; };
   EXPECT_TRUE(MayGroupThousands(clock("1,000"), false));
@@ -170,8 +203,8 @@ TEST(StatedRates, ANumberWithHertzInANoteAboutSampling) {
   EXPECT_EQ(rate("Sampling rate: 1.5kHz, 16 bits"), 1500);
   EXPECT_EQ(rate("SAMPLE RATE = 2 MHz"), 2e6);
   EXPECT_EQ(rate("rate 3GHz"), 3e9);
-  for (const char* note :
-       {"drive 225 Hz", "sampled often", "Hz sample", "rate -5 Hz", "rate 0 Hz"}) {
+  for (const char* note : {"drive 225 Hz", "sampled often", "Hz sample", "rate -5 Hz", "rate 0 Hz",
+                           "rate in Hz", "rate 1e999 Hz"}) {
     EXPECT_EQ(rate(note), std::nullopt) << note;
   }
 }
@@ -184,6 +217,15 @@ TEST(StatedRates, TheNominalRateThenAFieldThenANote) {
   EXPECT_EQ(StatedRate(metadata), 2);
   metadata.nominal_rate_hz = 1;
   EXPECT_EQ(StatedRate(metadata), 1);
+  // a field that ends in _hz holds a number above 0, or words with a unit
+  for (const auto& [value, rate_hz] : {std::pair{"2.5 kHz", std::optional(2500.0)},
+                                       {"often", std::nullopt},
+                                       {"-5", std::nullopt},
+                                       {"0", std::nullopt}}) {
+    Metadata words;
+    words.fields["sample_rate_hz"] = value;
+    EXPECT_EQ(StatedRate(words), rate_hz) << value;
+  }
 }
 
 std::string Contradiction(double rate_hz, double stated_hz) {
@@ -206,6 +248,12 @@ TEST(StatedRates, APowerOfAThousandIsMeantToFivePercent) {
   EXPECT_EQ(Contradiction(1000, 1), "rate_hz=1000 stated_hz=1");
   EXPECT_EQ(Contradiction(1000, 1000), "none");
   EXPECT_EQ(Contradiction(1, 100), "none");
+  EXPECT_EQ(Contradiction(std::numeric_limits<double>::infinity(), 1000), "none");
+  Record without;
+  without.metadata.nominal_rate_hz = 1000;
+  Findings findings;
+  FindContradictedRate(without, findings);
+  EXPECT_TRUE(findings.list().empty()) << "no rows";
 }
 
 }  // namespace

@@ -132,6 +132,11 @@ TEST(Encodings, AnUnpairedSurrogateIsReplaced) {
     EXPECT_EQ(Utf8Of(Utf16(text, is_big_endian)), "a" + kReplaced + "\xef\xbc\x91" + kReplaced +
                                                       "\xf0\x9d\x9b\xbc" + kReplaced + "b" +
                                                       kReplaced);
+    // a low one behind characters that are no high one, those next to the surrogates included
+    const std::u16string low{'a', 0xdc00, 0xd7ff, 0xdc00, 0xe000, 0xdfff, 0xdfff, 0xdc00};
+    EXPECT_EQ(Utf8Of(Utf16(low, is_big_endian)), "a" + kReplaced + "\xed\x9f\xbf" + kReplaced +
+                                                     "\xee\x80\x80" + kReplaced + kReplaced +
+                                                     kReplaced);
   }
 }
 
@@ -155,6 +160,8 @@ TEST(Encodings, Utf16WithoutAMarkNeedsThreeLatinCharactersInFour) {
   EXPECT_EQ(Utf16WithoutMark(text(3, 3) + "a"), std::nullopt);
   const std::string swapped = '\0' + text(31, 31) + 'a';
   EXPECT_EQ(Utf16WithoutMark(swapped), ByteOrder::kBigEndian);
+  EXPECT_EQ(Utf8Of(text(5, 5)), "aaaaa");
+  EXPECT_EQ(Utf8Of('\0' + text(4, 4) + 'a'), "aaaaa");
 }
 
 // characters of the bytes 0x80 to 0x9f by Microsoft's table of code page 1252
@@ -208,6 +215,7 @@ TEST(Numbers, WordsOfTwelveCharactersAtMostMayStandForThem) {
   EXPECT_EQ(ReadNoNumber("-\xe2\x88\x9e"), SampleStatus::kUnder);
   EXPECT_EQ(ReadNoNumber("+OL"), SampleStatus::kOver);
   EXPECT_EQ(ReadNoNumber("Underflow"), SampleStatus::kUnder);
+  EXPECT_EQ(ReadNoNumber("UNDER"), SampleStatus::kUnder);
   for (const char* text : {".", ",", "12", "over range", "--over", "*-", "-.5", "n/a?"}) {
     EXPECT_EQ(ReadNoNumber(text), std::nullopt) << text;
   }
@@ -268,6 +276,10 @@ TEST(CellsOfALine, TheFirstSeparatorOfSemicolonTabAndCommaCounts) {
   EXPECT_EQ(CellsOf("1 2").separator, ' ');
   EXPECT_EQ(CellsOf("1, 2").separator, ',');
   EXPECT_EQ(CellsOf("a b").separator, ',');
+  EXPECT_EQ(NameOfSeparator(';'), "semicolons");
+  EXPECT_EQ(NameOfSeparator('\t'), "tabs");
+  EXPECT_EQ(NameOfSeparator(' '), "blanks");
+  EXPECT_EQ(NameOfSeparator(','), "commas");
 }
 
 TEST(CellsOfALine, AreNumbersIfOneIsAndNoneIsAWord) {
