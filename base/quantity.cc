@@ -25,7 +25,7 @@ struct DimensionRow {
 
 using enum Dimension;
 // limits far outside of any device: numbers beyond them are typing errors, and could overflow
-constexpr std::array<DimensionRow, 12> kDimensions{{
+constexpr std::array<DimensionRow, 13> kDimensions{{
     {kNone, "a plain number", "0.3", true, {1e-30, 1e30}},
     {kLength, "a length", "10mm", false, {1e-15, 1e6}},
     {kMass, "a mass", "1.4g", false, {1e-12, 1e6}},
@@ -38,6 +38,7 @@ constexpr std::array<DimensionRow, 12> kDimensions{{
     {kStiffness, "a stiffness", "2800N/m", true, {1e-9, 1e15}},
     {kDamping, "a damping", "0.0322Ns/m", true, {1e-12, 1e12}},
     {kForceConstant, "a force constant", "1.0N/A", true, {1e-9, 1e9}},
+    {kArea, "an area", "10mm2", true, {1e-15, 1e6}},
 }};
 
 struct Unit {
@@ -47,7 +48,7 @@ struct Unit {
 
 // By dimension, the SI unit first; unused places have an empty symbol. "u" stands for micro here;
 // Normalised() turns both code points of the Greek letter into it.
-constexpr std::array<std::array<Unit, 6>, 12> kUnits{{
+constexpr std::array<std::array<Unit, 6>, 13> kUnits{{
     {{{"", 1}}},
     {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}},
     {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}},
@@ -60,6 +61,7 @@ constexpr std::array<std::array<Unit, 6>, 12> kUnits{{
     {{{"N/m", 1}, {"N/mm", 1e3}}},
     {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}},
     {{{"N/A", 1}}},
+    {{{"m2", 1}, {"cm2", 1e-4}, {"mm2", 1e-6}}},
 }};
 
 // both tables are in the order of Dimension
@@ -151,7 +153,7 @@ std::string_view Trimmed(std::string_view text) {
 
 // the unit behind a number in SI, or why there is none
 Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std::string_view number,
-                          std::string_view where) {
+                          std::string_view where, BareNumber bare) {
   // a unit that is given must be one of the dimension
   if (!symbol.empty()) {
     if (const auto factor = FactorOf(row, symbol)) return *factor;
@@ -159,11 +161,13 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
     return Usage(std::string(where), fmt::format("'{}' is not a unit of {}", symbol, row.name),
                  units.empty() ? "write the number alone" : "use one of " + units);
   }
-  if (row.may_be_bare) return 1.0;
-  // length, mass and inductance need a unit; the usual one is proposed
-  const std::string_view customary = row.dimension == Dimension::kLength ? "mm"
-                                     : row.dimension == Dimension::kMass ? "g"
-                                                                         : "uH";
+  if (row.may_be_bare || bare == BareNumber::kIsSi) return 1.0;
+  // length, mass and inductance need a unit; the usual one is proposed, or that of the key
+  const std::string_view customary = bare == BareNumber::kRefusedSi
+                                         ? UnitsOf(row.dimension)[0].symbol
+                                     : row.dimension == Dimension::kLength ? "mm"
+                                     : row.dimension == Dimension::kMass   ? "g"
+                                                                           : "uH";
   return Usage(std::string(where),
                fmt::format("'{}' has no unit, and {} needs one", number, row.name),
                fmt::format("did you mean {}{}?", number, customary));
@@ -237,7 +241,8 @@ Result<Quantity> PossibleQuantity(Quantity quantity, Dimension dimension, std::s
 
 std::string_view SiUnit(Dimension dimension) { return UnitsOf(dimension)[0].symbol; }
 
-Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::string_view where) {
+Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::string_view where,
+                               BareNumber bare) {
   const DimensionRow& row = RowOf(dimension);
   const std::string text = Normalised(raw);
   // open circuit
@@ -280,15 +285,17 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     if (symbol.empty()) symbol = right_symbol;
     // the uncertainty may have a unit of its own
     HAPTOMETER_LET(const auto factor, UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
-                                                 right.substr(0, deviation->length), where));
+                                                 right.substr(0, deviation->length), where, bare));
     uncertainty = InSi(right, *deviation, factor);
     if (uncertainty < 0) return NotANumber(raw, row, where);
-    HAPTOMETER_LET(const auto left, UnitFactor(row, symbol, text.substr(0, number->length), where));
+    HAPTOMETER_LET(const auto left,
+                   UnitFactor(row, symbol, text.substr(0, number->length), where, bare));
     return Possible({InSi(text, *number, left), uncertainty}, raw, row, where);
   }
   // no "+-": one unit for number and bracket
-  HAPTOMETER_LET(const auto factor,
-                 UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where));
+  HAPTOMETER_LET(
+      const auto factor,
+      UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where, bare));
   if (uncertainty < 0) return NotANumber(raw, row, where);
   return Possible({InSi(text, *number, factor), Times(uncertainty, factor)}, raw, row, where);
 }

@@ -24,15 +24,16 @@ enum class Dimension : std::uint8_t {
   kStiffness,      ///< N/m, N/mm
   kDamping,        ///< N s/m (also Ns/m, N*s/m)
   kForceConstant,  ///< N/A
+  kArea,           ///< m2, cm2, mm2
 };
 
 /// Magnitudes that a quantity of a dimension can have; 0 is possible in each.
 ///
 /// The limits, in SI units: length 1e-15 to 1e6, mass 1e-12 to 1e6, inductance 1e-12 to 1e6, time
 /// 1e-12 to 1e12, frequency 1e-9 to 1e12, voltage and current 1e-15 to 1e9, resistance 1e-9 to
-/// 1e15, stiffness 1e-9 to 1e15, damping 1e-12 to 1e12, force constant 1e-9 to 1e9, a plain number
-/// 1e-30 to 1e30. They are wide of every device; what lies outside is a typing error, and
-/// arithmetic with it can overflow or underflow.
+/// 1e15, stiffness 1e-9 to 1e15, damping 1e-12 to 1e12, force constant 1e-9 to 1e9, area 1e-15 to
+/// 1e6, a plain number 1e-30 to 1e30. They are wide of every device; what lies outside is a typing
+/// error, and arithmetic with it can overflow or underflow.
 struct PossibleMagnitudes {
   double least = 0;
   double largest = 0;
@@ -49,15 +50,23 @@ struct Quantity {
   bool operator==(const Quantity&) const = default;
 };
 
+/// What a number without a unit is where its dimension needs one.
+enum class BareNumber : std::uint8_t {
+  kRefused,    ///< with the customary unit as a proposal: 10 may be 10 mm
+  kRefusedSi,  ///< with the SI unit as a proposal: of a text under a key that ends in that unit
+  kIsSi,       ///< the SI number: of a word for a key that ends in that unit
+};
+
 /// Reads "1.4g", "10 mm", "27", "1.40(3)g", "1.40g+-0.03g" (also ± and +/-) as SI.
 ///
 /// The concise form's bracket counts in units of the last digit: 1.40(3) g is 1.40 g with u = 0.03
 /// g. Both "u" and "µ" (either code point) mean micro. `where` names the option or key in errors.
 /// Errors (Cause::kUsage): not a number, an unknown unit, a unit of another dimension, a negative
-/// uncertainty, a bare length, mass or inductance ("did you mean 10mm?"), NaN, infinity except for
-/// resistances, a magnitude outside PossibleMagnitudesOf.
+/// uncertainty, a bare length, mass or inductance ("did you mean 10mm?") unless `bare` is kIsSi,
+/// NaN, infinity except for resistances, a magnitude outside PossibleMagnitudesOf.
 [[nodiscard]] Result<Quantity> ParseQuantity(std::string_view text, Dimension dimension,
-                                             std::string_view where);
+                                             std::string_view where,
+                                             BareNumber bare = BareNumber::kRefused);
 
 /// `quantity` where its value and uncertainty are possible in `dimension`, for a number that was
 /// not read by ParseQuantity; an infinite resistance is. Errors (Cause::kUsage): not finite, or a

@@ -104,6 +104,7 @@ struct TomlTable::State {
   const toml::table* table = nullptr;  // what this table reads
   std::string file;
   std::string where;  // the file and this table's place in it
+  std::string name;   // "drive.": what the names of this table's own tables begin with
   mutable std::set<std::string, std::less<>> asked;
   std::map<std::string, TomlTable, std::less<>> children;
   std::optional<Error> first_error;
@@ -115,13 +116,14 @@ struct TomlTable::State {
     return table->get(key);
   }
   // the same sub-table for each request, so that its keys and errors are kept in one place
-  TomlTable& Child(const std::string& place, const toml::table& content) {
+  TomlTable& Child(const std::string& place, std::string_view key, const toml::table& content) {
     auto found = children.find(place);
     if (found == children.end()) {
       auto child = std::make_unique<State>();
       child->table = &content;
       child->file = file;
       child->where = fmt::format("{}: {}", where, place);
+      child->name = fmt::format("{}{}.", name, key);
       found = children.emplace(place, TomlTable(std::move(child))).first;
     }
     return found->second;
@@ -164,8 +166,12 @@ Result<toml::table> Parsed(std::string_view text, std::string_view where) {
     return toml::parse(text, where);
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
-    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
-                        std::string(error.description()), "correct the TOML there");
+    const std::string place = fmt::format("{}:{}:{}", where, at.line, at.column);
+    // a key or table that is given twice is a wrong key, not an unreadable file
+    if (error.description().find("cannot redefine") != std::string_view::npos) {
+      return Usage(place, std::string(error.description()), "give it once");
+    }
+    return CannotAnswer(place, std::string(error.description()), "correct the TOML there");
   }
 }
 
@@ -218,11 +224,11 @@ TomlTable* TomlTable::Table(std::string_view key) {
   if (node == nullptr) return nullptr;
   const toml::table* table = node->as_table();
   if (table == nullptr) {
-    state_->Fail(key, "is not a table", fmt::format("write [{}]", key));
+    state_->Fail(key, "is not a table", fmt::format("write [{}{}]", state_->name, key));
     return nullptr;
   }
   // its errors are reported by Finish() of the root
-  return &state_->Child(fmt::format("[{}]", key), *table);
+  return &state_->Child(fmt::format("[{}]", key), key, *table);
 }
 
 std::vector<TomlTable*> TomlTable::Tables(std::string_view key) {
@@ -235,12 +241,12 @@ std::vector<TomlTable*> TomlTable::Tables(std::string_view key) {
                             return n.is_table();
                           });
   if (!are_tables) {
-    state_->Fail(key, "is not a list of tables", fmt::format("write [[{}]]", key));
+    state_->Fail(key, "is not a list of tables", fmt::format("write [[{}{}]]", state_->name, key));
     return tables;
   }
   for (const toml::node& element : *list) {
     const std::string place = fmt::format("[[{}]] {}", key, tables.size() + 1);
-    tables.push_back(&state_->Child(place, *element.as_table()));
+    tables.push_back(&state_->Child(place, key, *element.as_table()));
   }
   return tables;
 }
@@ -263,7 +269,10 @@ namespace {
 
 // a number as it stands (SI), or a string with a unit
 Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::string_view where) {
-  if (const auto* text = node.as_string()) return ParseQuantity(text->get(), dimension, where);
+  if (const auto* text = node.as_string()) {
+    // the key has its unit in its name
+    return ParseQuantity(text->get(), dimension, where, BareNumber::kRefusedSi);
+  }
   const auto number = node.value<double>();
   if (!number || node.is_boolean()) {
     return Usage(std::string(where), "is not a number",

@@ -43,8 +43,8 @@ enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 ///   HAPTOMETER_TRY(table->Finish());
 class TomlTable {
  public:
-  /// Reads a file. Errors: the file's (base/input_file.h), or Cause::kCannotAnswer with line and
-  /// column for broken TOML.
+  /// Reads a file. Errors: the file's (base/input_file.h), or with line and column
+  /// Cause::kUsage for a key or table that is given twice, Cause::kCannotAnswer for broken TOML.
   [[nodiscard]] static Result<TomlTable> ParseFile(const std::string& path);
   /// Reads text; `where` stands for the file's name in errors.
   [[nodiscard]] static Result<TomlTable> ParseText(std::string_view text, std::string where);
@@ -111,7 +111,7 @@ class TomlTemplate {
   /// Opens `keys` ("drive.frequency_hz", dots between tables) of the file in `text`; a key, or a
   /// table on its way, that is not there is made. `where` stands for the file in errors.
   ///
-  /// Errors: Cause::kCannotAnswer with line and column for broken TOML; Cause::kUsage for a key
+  /// Errors: those of TomlTable::ParseText; Cause::kUsage for a key
   /// with an empty part, one whose way leads through what is no table, one that is given twice or
   /// that lies within another.
   [[nodiscard]] static Result<TomlTemplate> ParseText(std::string_view text,

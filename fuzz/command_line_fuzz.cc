@@ -108,7 +108,7 @@ void RequireReason(const Result<T>& read) {
 
 // the readers of words that stand behind options
 void ReadWord(const std::string& word) {
-  for (int k = 0; k <= static_cast<int>(Dimension::kForceConstant); ++k) {
+  for (int k = 0; k <= static_cast<int>(Dimension::kArea); ++k) {
     const auto dimension = static_cast<Dimension>(k);
     const auto quantity = ParseQuantity(word, dimension, "--x");
     if (!quantity) continue;

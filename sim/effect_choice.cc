@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -200,6 +201,19 @@ void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double tempera
 }
 
 }  // namespace
+
+void NoteUnused(const Scene& scene, Findings& findings) {
+  for (std::size_t place = 0; place < kEffectNames.size(); ++place) {
+    if (!scene.effects.stated[place] || scene.effects.wishes[place] != Wish::kOff) continue;
+    const std::string name(kEffectNames[place]);
+    const bool of_skin = place == PlaceOf(Effect::kContactLoss);
+    findings.Note(FindingKind::kEffectOff,
+                  {{"constants", of_skin ? "preload_n" : name}, {"effect", name}});
+  }
+  // with effects the transient from the start selects the motion that a scene settles to
+  const bool is_steady = !scene.duration_s && IsLasting(scene.drive) && !scene.effects.Asked();
+  if (is_steady && scene.initial.Any()) findings.Note(FindingKind::kStartUnused);
+}
 
 PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);

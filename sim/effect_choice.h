@@ -67,6 +67,10 @@ struct PlayedScene {
   std::optional<Finding> refusal;  ///< why there is no answer
 };
 
+/// Adds a note for what the scene states and its answer does not use: constants of an effect that
+/// is off, and a start of a scene without a duration whose steady motion does not depend on it.
+void NoteUnused(const Scene& scene, Findings& findings);
+
 /// The scene's run, or without a duration the motion that it settles to (steady_run.h).
 [[nodiscard]] PlayedScene PlayWith(const Scene& scene, EffectSet on);
 

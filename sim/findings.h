@@ -45,10 +45,14 @@ enum class FindingKind : std::uint8_t {
   kSkinUndamped,
   kAreaOutside,
 
+  // what a scene states and its answer does not use
+  kEffectOff,    ///< constants, effect: the effect is off
+  kStartUnused,  ///< of a steady motion
+
   kUnusualNumber,  ///< key, value, least, most: of a scene, mostly an error of unit
 
   // what the numbers of every scene rest on
-  kLinearSprings,  ///< springs and dampers, at any travel
+  kLinearSprings,  ///< springs and dampers, at any travel; off: an effect that is stated and off
   kContactKept,    ///< least_force_n
 
   // the rise of the skin

@@ -201,11 +201,39 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
   return model;
 }
 
-LinearModel AssembleModel(const Scene& scene) {
+namespace {
+
+// the source's resistance is in series with the coil's
+Actuator WithSource(const Scene& scene) {
   Actuator actuator = scene.actuator;
-  // the source's resistance is in series with the coil's
   actuator.resistance_ohm += scene.drive.source_resistance_ohm;
-  return AssembleModel(actuator, scene.adapter, scene.skin, scene.grip);
+  return actuator;
+}
+
+}  // namespace
+
+LinearModel AssembleModel(const Scene& scene) {
+  return AssembleModel(WithSource(scene), scene.adapter, scene.skin, scene.grip);
+}
+
+LongModel AssembleLongModel(const Scene& scene) {
+  const Actuator actuator = WithSource(scene);
+  auto rows = RowsOf<long double>(
+      {.actuator = actuator, .adapter = scene.adapter, .skin = scene.skin, .grip = scene.grip});
+  return {.a = std::move(rows.a), .b = std::move(rows.b)};
+}
+
+Eigen::VectorXd StatedStart(const InitialState& stated, const LinearModel& model) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(model.states());
+  if (!stated.Any()) return x;
+  x.head(4) << stated.mover_m, stated.mover_m_per_s, stated.case_m, stated.case_m_per_s;
+  if (model.skin() != LinearModel::kCase) {
+    x(model.skin()) = stated.skin_m;
+    x(model.skin_velocity()) = stated.skin_m_per_s;
+  }
+  // without inductance the current is no state
+  if (model.current_per_volt == 0) x(model.states() - 1) = stated.current_a;
+  return x;
 }
 
 Eigen::Index StateOf(const LinearModel& model, SensorTarget target) {

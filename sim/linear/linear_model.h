@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim/linear/driven_step.h"
 #include "sim/scene/scene.h"
 
 namespace haptometer::sim {
@@ -67,6 +68,17 @@ struct LinearModel {
 
 /// The same of a scene's bodies, the source's resistance added to the coil's.
 [[nodiscard]] LinearModel AssembleModel(const Scene& scene);
+
+/// a and b of LinearModel with the 64 bits of long double.
+struct LongModel {
+  LongMatrix a;
+  LongVector b;
+};
+
+[[nodiscard]] LongModel AssembleLongModel(const Scene& scene);
+
+/// (n): the states of a stated start.
+[[nodiscard]] Eigen::VectorXd StatedStart(const InitialState& stated, const LinearModel& model);
 
 /// The state that the sensor's target is.
 [[nodiscard]] Eigen::Index StateOf(const LinearModel& model, SensorTarget target);

@@ -8,6 +8,7 @@
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
 #include "sim/linear/steady_state.h"
+#include "sim/linear/window_rms.h"
 
 namespace haptometer::sim {
 
@@ -61,23 +62,12 @@ Eigen::VectorXd StateAtStart(const LinearModel& model, const SineDrive& drive, S
   return SolveSteadyState(model, drive, Skin{}).phasors.imag();
 }
 
-// S(h) = integral of exp(G' s) c c' exp(G s) over [0, h] as its Taylor series, |G| h <= 1/4:
-// its terms h^(k+1) / (k+1)! M_k with M_0 = c c', M_(k+1) = G' M_k + M_k G fall faster than 2^-k/k!
-Eigen::MatrixXd ShortGramian(const Eigen::MatrixXd& g, const Eigen::VectorXd& c, double h) {
-  constexpr int kTerms = 16;
-  Eigen::MatrixXd term = h * c * c.transpose();
-  Eigen::MatrixXd sum = term;
-  for (int k = 1; k <= kTerms; ++k) {
-    term = (h / (k + 1)) * (g.transpose() * term + term * g).eval();
-    sum += term;
-  }
-  return sum;
-}
-
 }  // namespace
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Start start)
-    : TimeResponse(model, drive, StateAtStart(model, drive, start)) {}
+    : TimeResponse(model, drive, StateAtStart(model, drive, start)) {
+  is_steady_ = start == Start::kSteady;
+}
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
                            Eigen::VectorXd initial)
@@ -101,14 +91,9 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
 }
 
 Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
-  return StateAt(t_s, initial_, Motion::kDriven);
-}
-
-Eigen::VectorXd TimeResponse::StateAt(double t_s, const Eigen::VectorXd& initial,
-                                      Motion motion) const {
   HAPTOMETER_CHECK(t_s >= 0 && t_s < std::ldexp(1.0, kPowers + kSmallestExponent), "t_s = {}", t_s);
   Eigen::VectorXd z = Eigen::VectorXd::Zero(states_ + 2);
-  z.head(states_) = initial;
+  z.head(states_) = initial_;
 
   // largest power first; what has passed is a sum of powers of two, hence exact
   double passed_s = 0;
@@ -116,9 +101,7 @@ Eigen::VectorXd TimeResponse::StateAt(double t_s, const Eigen::VectorXd& initial
     const double step_s = std::ldexp(1.0, k + kSmallestExponent);
     if (t_s - passed_s < step_s) continue;
     passed_s += step_s;
-    if (motion == Motion::kDriven) {
-      z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
-    }
+    z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
     z.head(states_) = (powers_[static_cast<std::size_t>(k)] * z).eval();
   }
   return z.head(states_);
@@ -129,60 +112,20 @@ Eigen::MatrixXd TimeResponse::Step(double h_s) const {
   return LongDrivenStep(long_generator_, static_cast<long double>(h_s), 2).cast<double>();
 }
 
-Eigen::MatrixXd TimeResponse::Exponential(double h_s, Motion motion) const {
-  Eigen::MatrixXd e = long_generator_.size() == 0
-                          ? MatrixExponential(h_s * generator_)
-                          : LongMatrixExponential(long_generator_, static_cast<long double>(h_s))
-                                .cast<double>()
-                                .eval();
-  if (motion == Motion::kFree) e.topRightCorner(states_, 2).setZero();
-  return e;
-}
-
-double TimeResponse::OutputRms(const Eigen::VectorXd& output, const Eigen::VectorXd& initial,
-                               Motion motion, double begin_s, double end_s) const {
-  const double length_s = end_s - begin_s;
-  Eigen::MatrixXd generator = generator_;
-  if (motion == Motion::kFree) generator.topRightCorner(states_, 2).setZero();
-  const BalancedMatrix balanced = Balance(generator);
-
-  // an interval so short that its series converges at once, 2^-doublings of the window
-  const double norm = balanced.matrix.cwiseAbs().colwise().sum().maxCoeff() * length_s;
-  const int doublings = std::max(0, 2 + std::ilogb(norm) + 1);
-  const double short_s = std::ldexp(length_s, -doublings);
-  Eigen::MatrixXd gramian =
-      ShortGramian(balanced.matrix, output.cwiseProduct(balanced.scale), short_s);
-
-  // S(2h) = S(h) + exp(G' h) S(h) exp(G h): the first half and the second, from the begin
-  for (int k = 0; k < doublings; ++k) {
-    const Eigen::MatrixXd e = balanced.scale.cwiseInverse().asDiagonal() *
-                              Exponential(std::ldexp(short_s, k), motion) *
-                              balanced.scale.asDiagonal();
-    gramian += (e.transpose() * gramian * e).eval();
-  }
-  Eigen::VectorXd z(states_ + 2);
-  z << StateAt(begin_s, initial, motion),
-      DriveAt(drive_.frequency_hz, static_cast<long double>(begin_s));
-  z = z.cwiseQuotient(balanced.scale);
-  // integral of the output's square = z' S z at the begin of the window
-  return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
-}
-
 double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
-  HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
-  constexpr double kKnown = 1e-9;  // relative error of the phasors
-  Eigen::VectorXd output = Eigen::VectorXd::Zero(states_ + 2);
-  output(state) = 1;
-  const SteadyState steady = SolveSteadyState(model_, drive_, Skin{});
-  if (steady.error_estimate < kKnown) {
-    Eigen::VectorXd parts = output;
-    parts.tail(2) << steady.phasors(state).real(), steady.phasors(state).imag();
-    const double rms =
-        OutputRms(parts, initial_ - steady.phasors.imag(), Motion::kFree, begin_s, end_s);
-    // a steady part that is far larger than the motion: a resonance that still builds up
-    if (Abs(steady.phasors(state)) <= 2 * rms) return rms;
+  LinearMotion motion{.a = model_.a.cast<long double>(),
+                      .b = model_.b.cast<long double>(),
+                      .amplitude_v = drive_.amplitude_v,
+                      .frequency_hz = drive_.frequency_hz,
+                      .initial = {}};
+  if (model_.a_rest.size() > 0) {
+    motion.a += model_.a_rest.cast<long double>();
+    motion.b += model_.b_rest.cast<long double>();
   }
-  return OutputRms(output, initial_, Motion::kDriven, begin_s, end_s);
+  if (!is_steady_) motion.initial = initial_.cast<long double>();
+  return WindowRmsOf(motion, state, static_cast<long double>(begin_s),
+                     static_cast<long double>(end_s))
+      .rms;
 }
 
 }  // namespace haptometer::sim

@@ -103,28 +103,11 @@ class TimeResponse {
   /// earlier questions. No allocation besides the result; threads may share it.
   [[nodiscard]] Eigen::VectorXd StateAt(double t_s) const;
 
-  /// sqrt(1/(end - begin) x integral of state^2 dt over [begin_s, end_s]), exact, not sampled.
-  ///
-  /// The integral is z' S z with S(h) = integral of exp(G' s) c c' exp(G s) over [0, h], built from
-  /// a short interval by S(2h) = S(h) + exp(G' h) S(h) exp(G h): only sums of positive semidefinite
-  /// terms, hence no cancellation. 0 <= begin_s < end_s.
-  ///
-  /// Where the motion is as large as its steady part or larger, z is taken as the free motion and
-  /// the drive, which do not act on each other, and c'z as the free motion's state and the phasor:
-  /// states that an adapter keeps quiet, a billionth of the others, keep their digits.
+  /// WindowRmsOf (sim/linear/window_rms.h) of one state. 0 <= begin_s < end_s.
   [[nodiscard]] double WindowRms(Eigen::Index state, double begin_s, double end_s) const;
 
  private:
-  // how z goes on: under the drive, or as the free motion beside it
-  enum class Motion : std::uint8_t { kDriven, kFree };
-
-  [[nodiscard]] Eigen::MatrixXd Step(double h_s) const;                        // DrivenStep
-  [[nodiscard]] Eigen::MatrixXd Exponential(double h_s, Motion motion) const;  // of generator_
-  [[nodiscard]] Eigen::VectorXd StateAt(double t_s, const Eigen::VectorXd& initial,
-                                        Motion motion) const;
-  // of output'z over [begin_s, end_s], z(0) = [initial, drive]
-  [[nodiscard]] double OutputRms(const Eigen::VectorXd& output, const Eigen::VectorXd& initial,
-                                 Motion motion, double begin_s, double end_s) const;
+  [[nodiscard]] Eigen::MatrixXd Step(double h_s) const;  // DrivenStep
 
   Eigen::Index states_;
   LinearModel model_;
@@ -132,6 +115,7 @@ class TimeResponse {
   Eigen::MatrixXd generator_;            // (n + 2, n + 2)
   LongMatrix long_generator_;            // where the model has a rest; else empty
   Eigen::VectorXd initial_;              // (n)
+  bool is_steady_ = false;               // from the steady motion's state
   std::vector<Eigen::MatrixXd> powers_;  // DrivenStep over 2^k s, (n, n + 2), smallest k first
 };
 

@@ -421,7 +421,6 @@ void PiecewiseMotion::Stall(double time_s, FindingKind reason) {
 // binary digits that are set
 void PiecewiseMotion::Reanchor() {
   if (index_ <= anchor_index_ || (index_ - anchor_index_) % kOutputsBetweenAnchors != 0) return;
-  using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
   const Eigen::Index n = anchor_.size();
   const Eigen::Index m = now_.drive.size();
   LongVector z(n + m);

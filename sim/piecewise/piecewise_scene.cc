@@ -214,23 +214,6 @@ class Assembly {
 
 }  // namespace
 
-namespace {
-
-Eigen::VectorXd StatedStart(const InitialState& stated, const LinearModel& model) {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(model.states());
-  if (!stated.Any()) return x;
-  x.head(4) << stated.mover_m, stated.mover_m_per_s, stated.case_m, stated.case_m_per_s;
-  if (model.skin() != LinearModel::kCase) {
-    x(model.skin()) = stated.skin_m;
-    x(model.skin_velocity()) = stated.skin_m_per_s;
-  }
-  // without inductance the current is no state
-  if (model.current_per_volt == 0) x(model.states() - 1) = stated.current_a;
-  return x;
-}
-
-}  // namespace
-
 PiecewiseLinearSystem AssemblePiecewise(const Scene& scene, const PiecewiseEffects& effects) {
   return Assembly(scene, effects).Take();
 }

@@ -26,6 +26,29 @@ constexpr double kLargestVoltageV = 1e9;
 constexpr double kMostCubics = 1e7;  // of a chirp
 constexpr std::uint64_t kLargestFileBytes = 1ULL << 28;
 
+// the keys that not all kinds have (docs/reference/scene.md)
+constexpr auto kKeysOfKinds = std::to_array<KeyOfKinds>({
+    {"amplitude_v", R"("sine", "burst", "chirp" or "pulse")"},
+    {"frequency_hz", R"("sine", "burst" or "chirp")"},
+    {"tone", R"("tones")"},
+    {"phase_rad", R"("tones" (of each [[drive.tone]]))"},
+    {"start_s", R"("burst", "chirp" or "pulse")"},
+    {"rise_s", R"("burst")"},
+    {"hold_s", R"("burst" or "pulse")"},
+    {"fall_s", R"("burst")"},
+    {"end_frequency_hz", R"("chirp")"},
+    {"duration_s", R"("chirp")"},
+    {"hold_tolerance", R"("chirp")"},
+    {"rate_hz", R"("samples")"},
+    {"file", R"("samples")"},
+});
+
+constexpr auto kKeysOfMountings = std::to_array<KeyOfKinds>({
+    {"height_m", R"("drop")"},
+    {"stiffness_n_per_m", R"("grip")"},
+    {"damping_n_s_per_m", R"("grip")"},
+});
+
 constexpr std::array kKinds{DriveKind::kSine,  DriveKind::kTones, DriveKind::kBurst,
                             DriveKind::kChirp, DriveKind::kPulse, DriveKind::kSamples};
 
@@ -167,6 +190,7 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   for (const DriveKind known : kKinds) {
     if (Name(known) == kind) drive.kind = known;
   }
+  if (kind) RefuseKeysOfOtherKinds(table, kKeysOfKinds, *kind);
   if (drive.kind == DriveKind::kSamples) {
     ReadSamples(table, scene_path, drive);
     return drive;
@@ -198,6 +222,7 @@ Mounting ReadMounting(TomlTable* table) {
   if (!table->Has("kind")) {
     table->Refuse("kind", "is missing", "\"free\", \"grip\", \"held\" or \"drop\"");
   }
+  if (kind) RefuseKeysOfOtherKinds(*table, kKeysOfMountings, *kind);
   Mounting mounting;
   mounting.grip.holds = kind == "held" || kind == "drop";
   if (kind == "drop") {

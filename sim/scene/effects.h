@@ -149,6 +149,7 @@ struct Effects {
   std::optional<ContactLoss> contact_loss{};
   std::optional<StiffeningSpring> stiffening{};  ///< without sag, which gravity adds
   std::optional<CoilHeating> coil_heating{};
+  EffectSet stated{};  ///< whose constants the scene states
 
   [[nodiscard]] Wish& operator[](Effect effect) { return wishes[PlaceOf(effect)]; }
   [[nodiscard]] Wish operator[](Effect effect) const { return wishes[PlaceOf(effect)]; }

@@ -145,24 +145,24 @@ void ReadWishes(TomlTable& root, TomlTable* skin, Effects& effects) {
 // where the constants of an effect stand
 struct Constants {
   Effect effect;
-  bool stated;
   std::string_view where;
 };
 
 // an effect without constants cannot be requested; `effects = "auto"` ignores it
 void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) {
   const bool all = root.KindOf("effects") == TomlKind::kText;
-  const std::array<Constants, 6> needs{
-      {{Effect::kGravity, !all || root.Has("gravity"), "[gravity]"},
-       {Effect::kTravelStops, effects.travel_stops.has_value(), "[travel_stops] with gap_m"},
-       {Effect::kStiffening, effects.stiffening.has_value(), "[stiffening] with cubic_n_per_m3"},
-       {Effect::kContactLoss, effects.contact_loss.has_value(), "preload_n in [skin]"},
-       {Effect::kTremor, root.Has("tremor"), "[tremor] with amplitude_m and frequency_hz"},
-       {Effect::kCoilHeating, effects.coil_heating.has_value(),
-        "[coil_heating] with heat_capacity_j_per_k"}}};
-  for (const Constants& need : needs) {
+  static constexpr std::array<Constants, 6> kNeeds{
+      {{Effect::kGravity, "[gravity]"},
+       {Effect::kTravelStops, "[travel_stops] with gap_m"},
+       {Effect::kStiffening, "[stiffening] with cubic_n_per_m3"},
+       {Effect::kContactLoss, "preload_n in [skin]"},
+       {Effect::kTremor, "[tremor] with amplitude_m and frequency_hz"},
+       {Effect::kCoilHeating, "[coil_heating] with heat_capacity_j_per_k"}}};
+  for (const Constants& need : kNeeds) {
     Wish& wish = effects[need.effect];
-    if (need.stated || wish == Wish::kOff) continue;
+    // gravity that is named has a default
+    const bool has_default = need.effect == Effect::kGravity && !all;
+    if (effects.stated[PlaceOf(need.effect)] || has_default || wish == Wish::kOff) continue;
     const std::string_view name = kEffectNames[PlaceOf(need.effect)];
     // contact = "unilateral" requests the effect independently of `effects`
     if (!all || wish == Wish::kOn) {
@@ -185,6 +185,12 @@ Effects ReadEffects(TomlTable& root, TomlTable* skin) {
   effects.stiffening = ReadStiffening(root.Table("stiffening"));
   effects.coil_heating = ReadCoilHeating(root.Table("coil_heating"));
   ReadWishes(root, skin, effects);
+  effects.stated[PlaceOf(Effect::kGravity)] = root.Has("gravity");
+  effects.stated[PlaceOf(Effect::kTravelStops)] = effects.travel_stops.has_value();
+  effects.stated[PlaceOf(Effect::kStiffening)] = effects.stiffening.has_value();
+  effects.stated[PlaceOf(Effect::kContactLoss)] = effects.contact_loss.has_value();
+  effects.stated[PlaceOf(Effect::kTremor)] = root.Has("tremor");
+  effects.stated[PlaceOf(Effect::kCoilHeating)] = effects.coil_heating.has_value();
   RefuseMissingConstants(root, skin, effects);
   return effects;
 }

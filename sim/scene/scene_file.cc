@@ -48,6 +48,16 @@ double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension
   return table.Has(key) ? NotNegative(table, key, dimension) : absent;
 }
 
+void RefuseKeysOfOtherKinds(TomlTable& table, std::span<const KeyOfKinds> keys,
+                            std::string_view kind) {
+  const std::string quoted = fmt::format("\"{}\"", kind);
+  for (const auto& [key, kinds] : keys) {
+    if (kinds.contains(quoted) || !table.Has(key)) continue;
+    table.Refuse(key, fmt::format("belongs to kind = {}, and kind is {}", kinds, quoted),
+                 "remove it, or change kind");
+  }
+}
+
 namespace {
 
 constexpr long long kMostAverages = 65536;
@@ -96,7 +106,7 @@ std::optional<Adapter> ReadAdapter(TomlTable* table) {
 
 // skin by the area law; both the law and its range are to be named, because sources differ
 Skin ReadSkinUnderArea(TomlTable& table) {
-  const double area_m2 = table.Require("contact_area_m2", Dimension::kNone);
+  const double area_m2 = table.Require("contact_area_m2", Dimension::kArea);
   if (!(area_m2 >= kSkinAreaMinM2 && area_m2 <= kSkinAreaMaxM2)) {
     table.Refuse("contact_area_m2", "is outside the law's 1e-6 to 100e-6 m2",
                  "give stiffness_n_per_m and damping_n_s_per_m instead");
@@ -168,6 +178,18 @@ void RefuseStartBeyondStops(TomlTable& root, const Scene& scene) {
       fmt::format("puts the mover {:.4g} um from where its spring is unloaded, beyond a stop",
                   travel_m * 1e6),
       "it is measured from where the mover rests");
+}
+
+// a current is a state of a coil with inductance only
+void RefuseCurrentWithoutInductance(TomlTable& root, const Scene& scene) {
+  TomlTable* table = root.Table("start");
+  if (table == nullptr || !table->Has("current_a")) return;
+  const bool is_off = scene.effects[Effect::kInductance] == Wish::kOff;
+  if (!is_off && scene.actuator.inductance_h > 0) return;
+  table->Refuse("current_a",
+                is_off ? "needs an inductance, which [effects] turns off"
+                       : "needs an inductance, and inductance_h is 0",
+                "remove it: the current follows the voltage at once");
 }
 
 // an adapter on a held case would not move, and a skin under it would not be pressed
@@ -362,6 +384,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   RefuseBesideHeldCase(root, *skin_table, scene);
   RefuseImpossibleRest(*actuator_table, *skin_table, scene);
   RefuseStartBeyondStops(root, scene);
+  RefuseCurrentWithoutInductance(root, scene);
   HAPTOMETER_TRY(root.Finish());
   return scene;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -30,9 +31,19 @@ void RefuseUnlessReal(TomlTable& table, std::string_view key, double value);
 [[nodiscard]] double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension,
                                    double absent);
 
+/// A key that only some kinds of a table's subject have.
+struct KeyOfKinds {
+  std::string_view key;
+  std::string_view kinds;  ///< in quotes, as a message lists them: "\"burst\" or \"pulse\""
+};
+
+/// Refuses those of the keys that are present and whose kinds `kind` is not one of.
+void RefuseKeysOfOtherKinds(TomlTable& table, std::span<const KeyOfKinds> keys,
+                            std::string_view kind);
+
 /// Reads [drive] of a scene: every kind of Drive, docs/reference/scene.md lists the keys.
 ///
-/// A kind's keys that it has no use for are unknown keys. `file` of samples is looked for beside
+/// A key that belongs to other kinds is refused. `file` of samples is looked for beside
 /// `scene_path`: text, the line `voltage_v`, then a number of volts a line; its faults are told
 /// with its own line. Errors show in the table's Finish().
 [[nodiscard]] Drive ReadDrive(TomlTable& table, const std::string& scene_path);

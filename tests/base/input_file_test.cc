@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -39,10 +41,26 @@ TEST_F(InputFile, MissingDirectoryAndEmptyAreTold) {
   EXPECT_EQ(ReadInputFile(missing).error().cause, Cause::kCannotAnswer);
 }
 
+TEST_F(InputFile, WhatDoesNotOpenHasTheReasonOfTheSystem) {
+  const Error error = ReadInputFile(directory_ / std::string(300, 'x')).error();
+  EXPECT_EQ(error.cause, Cause::kCannotAnswer);
+  EXPECT_EQ(error.what, std::strerror(ENAMETOOLONG));
+  EXPECT_EQ(error.remedy, "check its permissions");
+}
+
+// the memory of this process: nothing is at its beginning
+TEST_F(InputFile, ThatCannotBeReadIsNotTakenForAnEmptyOne) {
+  if (!fs::exists("/proc/self/mem")) GTEST_SKIP() << "no such file on this system";
+  const Error error = ReadInputFile("/proc/self/mem").error();
+  ForgetInputs();
+  EXPECT_EQ(error.Text(), "/proc/self/mem: could not be read to its end; check the disk");
+}
+
 TEST_F(InputFile, AFileThatTheCommandWroteIsForgotten) {
   ForgetInputs();  // those that other tests of this process read
   const std::string read = Write("read", "1"), written = Write("written", "2");
   for (const std::string& path : {read, written}) NoteInput(path);
+  ForgetInput(directory_ / "none");
   ForgetInput(written);
   const auto noted = NotedInputs();
   ForgetInputs();

@@ -65,6 +65,14 @@ TEST(InstructionSet, OfOtherProcessorsOnlyTheBaselineIsSupported) {
 }
 #endif
 
+TEST(InstructionSetDeathTest, AnotherOneIsAnErrorOfTheProgrammer) {
+  const auto none = static_cast<InstructionSet>(3);
+  EXPECT_DEATH((void)Name(none), "instruction set 3");
+#ifdef __x86_64__
+  EXPECT_DEATH((void)IsSupported(none), "instruction set 3");
+#endif
+}
+
 // each in a process of its own, because the environment is read once
 TEST(InstructionSetDeathTest, ProcessesObeyTheEnvironment) {
   for (const InstructionSet set : kInstructionSets) {

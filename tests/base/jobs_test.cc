@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -42,6 +43,88 @@ TEST(RunJobs, GivesTheFirstError) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().what, "3");
   }
+}
+
+// Waits until a worker is gone: then the outcome of its last job is known to the others. Workers
+// hold what counts them out.
+class Ends {
+ public:
+  std::shared_ptr<void> Held() {
+    return {nullptr, [this](void* /*nothing*/) {
+              ++ended_;
+              ended_.notify_all();
+            }};
+  }
+  void Await() const { ended_.wait(0); }
+
+ private:
+  std::atomic<int> ended_ = 0;
+};
+
+// both jobs run at once, and job `first` has failed before the other one does
+TEST(RunJobs, GivesTheErrorOfTheEarlierJobWhicheverFailedFirst) {
+  for (const std::size_t first : {0U, 1U}) {
+    Ends ends;
+    std::atomic<int> begun = 0;
+    const auto result = RunJobs(2, 2, [&] {
+      return [&, first, held = ends.Held()](std::size_t job) -> Result<void> {
+        ++begun;
+        begun.notify_all();
+        begun.wait(1);
+        if (job != first) ends.Await();
+        return Failed("job", std::to_string(job));
+      };
+    });
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().what, "0") << first;
+  }
+}
+
+TEST(RunJobsInOrder, DoesNotEndAJobThatWaitsForOneThatFails) {
+  std::atomic<bool> is_done = false;  // the work of job 1
+  std::vector<std::size_t> ended;
+  const auto result = RunJobsInOrder(2, 2, [&] {
+    return [&](std::size_t job) -> Result<Finish> {
+      if (job == 0) {
+        is_done.wait(false);
+        return Failed("job", "0");
+      }
+      is_done = true;
+      is_done.notify_all();
+      return [&ended, job] { ended.push_back(job); };
+    };
+  });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().what, "0");
+  EXPECT_TRUE(ended.empty());
+}
+
+// jobs 0 and 1 are still at work when job 2 has failed
+TEST(RunJobsInOrder, EndsAllThatIsBeforeAFailure) {
+  Ends ends;
+  std::vector<std::size_t> ended;
+  const auto result = RunJobsInOrder(3, 3, [&] {
+    return [&, held = ends.Held()](std::size_t job) -> Result<Finish> {
+      if (job == 2) return Failed("job", "2");
+      ends.Await();
+      return [&ended, job] { ended.push_back(job); };
+    };
+  });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().what, "2");
+  EXPECT_EQ(ended, (std::vector<std::size_t>{0, 1}));
+}
+
+// a job may have nothing to end
+TEST(RunJobsInOrder, PassesOverAnEmptyEnd) {
+  std::vector<std::size_t> ended;
+  EXPECT_TRUE(RunJobsInOrder(5, 2, [&] {
+    return [&ended](std::size_t job) -> Result<Finish> {
+      if (job % 2 == 0) return Finish();
+      return [&ended, job] { ended.push_back(job); };
+    };
+  }));
+  EXPECT_EQ(ended, (std::vector<std::size_t>{1, 3}));
 }
 
 TEST(RunJobsInOrder, EndsJobsInTheirOrder) {

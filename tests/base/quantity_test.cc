@@ -109,6 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
                       std::pair{"3kg", Dimension::kTime}, std::pair{"nan", Dimension::kTime},
                       std::pair{"inf", Dimension::kTime}, std::pair{"1e999", Dimension::kTime},
                       std::pair{"1.4(3g", Dimension::kMass}, std::pair{"1.4()g", Dimension::kMass},
+                      std::pair{"1.4(3", Dimension::kMass}, std::pair{"1.4(3]g", Dimension::kMass},
                       std::pair{"1.4g+-", Dimension::kMass},
                       std::pair{"1.4g+--0.1g", Dimension::kMass},
                       std::pair{"1.4(3)g+-0.1g", Dimension::kMass},
@@ -238,6 +239,33 @@ TEST(Quantity, AnImpossibleMagnitudeIsRefusedWithTheLimits) {
   EXPECT_EQ(ParseQuantity("4e-310mm", Dimension::kLength, "--gap").error().Text(),
             "--gap: '4e-310mm' is outside the possible range of a length; its size is 0, or from "
             "1e-15 to 1000000 m");
+}
+
+// what the unit moves out of the range of doubles, below or above
+TEST(Quantity, AMagnitudeThatItsUnitMovesBeyondDoublesIsRefused) {
+  for (const auto& [text, dimension] :
+       {std::pair{"3e-323mm", Dimension::kLength}, std::pair{"-3e-323mm", Dimension::kLength},
+        std::pair{"1e306kHz", Dimension::kFrequency}, std::pair{"-1e306kHz", Dimension::kFrequency},
+        std::pair{"1e308h", Dimension::kTime}, std::pair{"1g+-3e-323g", Dimension::kMass}}) {
+    const auto refused = ParseQuantity(text, dimension, "--x");
+    ASSERT_FALSE(refused) << text;
+    EXPECT_TRUE(refused.error().what.starts_with(
+        fmt::format("'{}' is outside the possible range of ", text)))
+        << refused.error().what;
+  }
+  EXPECT_EQ(ParseQuantity("0mm", Dimension::kLength, "--x").value(), (Quantity{0, 0}));
+}
+
+// a comma between two digits, and no other in the text
+TEST(Quantity, ADecimalCommaIsNamedAndNoOther) {
+  const auto error = [](const char* text) {
+    return ParseQuantity(text, Dimension::kTime, "--x").error().Text();
+  };
+  EXPECT_EQ(error("1,0s"), "--x: '1,0s' has a decimal comma; write a point: 1.0s");
+  EXPECT_EQ(error("0,9"), "--x: '0,9' has a decimal comma; write a point: 0.9");
+  for (const char* text : {"1,", "1,s", "1,/5", "1,:5", "1;5", "1,5,6", "1.5s,"}) {
+    EXPECT_EQ(error(text).find("decimal comma"), std::string::npos) << text;
+  }
 }
 
 // the bracket counts in units of the last digit, which the exponent moves as it moves the others

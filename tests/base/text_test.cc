@@ -29,6 +29,11 @@ TEST(Nearest, NamesThoseOfWhichTheWordIsAPart) {
   EXPECT_EQ(Nearest("load", {"load_ohm", "reload"}), "load_ohm");
   EXPECT_EQ(Nearest("m", {"rms_m"}), "rms_m");
   EXPECT_EQ(Nearest("x", {"x_um", "x_mm", "x_m", "x_nm"}), "") << "too many";
+  // neither dashes alone nor nothing is a part of a name
+  EXPECT_EQ(Nearest("--", {"_private"}), "");
+  EXPECT_EQ(Nearest("", {"_private", "x_"}), "");
+  // the name itself is no part, and one that begins with the word is not meant without a mark
+  EXPECT_EQ(Nearest("ab", {"abcdef", "cdefab", "-ab-"}), "-ab-");
   // a letter of difference comes first
   EXPECT_EQ(Nearest("--al", {"--al-foil", "--all"}), "--all");
 }

@@ -80,6 +80,35 @@ TEST(TomlShape, BracketsAndPointsInStringsAndCommentsDoNotCount) {
   }
 }
 
+// a string that is not closed goes on to the end of its line, or of the text
+TEST(TomlShape, AStringWithoutItsEndIsLeftToTheParser) {
+  const std::string many = Repeated("[{a.", 500);
+  for (const std::string& text :
+       {"a = \"" + many, "a = '" + many, "a = \"\"\"" + many + "\n\"\"", "a = '''" + many + "\n''",
+        "a = \"" + many + "\\", std::string("a = \""), std::string("a = '''")}) {
+    EXPECT_EQ(Told(text), "") << text.substr(0, 10);
+    const auto table = TomlTable::ParseText(text, "x.toml");
+    ASSERT_FALSE(table) << text.substr(0, 10);
+    EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
+  }
+  for (const char* begin : {"a = \"x\nb = ", "a = 'x\nb = ", "a = ''\nb = ", "a = '\\'\nb = "}) {
+    EXPECT_EQ(Told(begin + Repeated("[", 17)), kOpen2) << begin;
+  }
+}
+
+// of the quotes that end a text of several lines up to two belong to it
+TEST(TomlShape, AMultiLineStringEndsWithUpToFiveQuotes) {
+  const std::string many = Repeated("[", 17);
+  for (const char quote : {'"', '\''}) {
+    const std::string begin = "\na = " + std::string(3, quote) + "x";
+    for (const std::size_t quotes : {3U, 4U, 5U}) {
+      EXPECT_EQ(Told(begin + std::string(quotes, quote) + many), kOpen2) << quotes;
+    }
+    // a sixth begins a string
+    EXPECT_EQ(Told(begin + std::string(6, quote) + many + quote), "");
+  }
+}
+
 TEST(TomlShape, WhatIsAtTheLimitIsRead) {
   EXPECT_TRUE(TomlTable::ParseText(Repeated("a.", 15) + "a = 1\n", "x.toml"));
   EXPECT_TRUE(TomlTable::ParseText("a = " + Repeated("[", 16) + Repeated("]", 16), "x.toml"));
@@ -225,6 +254,34 @@ TEST(TomlTable, ATableIsNoListOfTables) {
             "x.toml:1: sensor: is not a list of tables; write [[sensor]]");
 }
 
+TEST(TomlTable, AListThatHoldsSomethingElseIsNoListOfTables) {
+  for (const char* text : {"sensor = [1, 2]", "sensor = [{name = 'a'}, 1]", "sensor = 3"}) {
+    TomlTable root = Parsed(text);
+    EXPECT_TRUE(root.Tables("sensor").empty()) << text;
+    EXPECT_EQ(root.Finish().error().Text(),
+              "x.toml:1: sensor: is not a list of tables; write [[sensor]]");
+  }
+}
+
+TEST(TomlTable, AListThatHoldsSomethingElseIsNoListOfTexts) {
+  for (const char* text : {"a = ['b', 1]", "a = [1, 'b']", "a = 'b'", "a = [['b']]"}) {
+    TomlTable table = Parsed(text);
+    EXPECT_TRUE(table.TextList("a").empty()) << text;
+    EXPECT_EQ(table.Finish().error().Text(),
+              "x.toml:1: a: is not a list of texts; write it as [\"stock\", \"cone\"]");
+  }
+  for (const char* text :
+       {"a = [['b', 1]]", "a = ['b', ['c']]", "a = [['b'], 1, ['c']]", "a = 'b'", "a = [1]"}) {
+    TomlTable table = Parsed(text);
+    EXPECT_TRUE(table.TextLists("a").empty()) << text;
+    EXPECT_EQ(table.Finish().error().Text(),
+              "x.toml:1: a: is not a list of lists of texts; write it as [[\"ia1\", \"stock\"]]");
+  }
+  TomlTable absent = Parsed("");
+  EXPECT_TRUE(absent.TextList("a").empty());
+  EXPECT_TRUE(absent.Finish());
+}
+
 TEST(TomlTable, ReadsListsOfTexts) {
   TomlTable table = Parsed(R"(
     names = ["stock", "cone"]
@@ -279,6 +336,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"mass_kg = true",
               "x.toml:1: mass_kg: is not a number; write an SI number or a string with a unit"},
         Fault{"mass_kg = nan", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
+        Fault{"mass_kg = inf", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
+        Fault{"load_ohm = nan", "x.toml:1: load_ohm: is not a finite number; write an SI number"},
         Fault{"mass_kg = 2e-310",
               "x.toml:1: mass_kg: '2e-310' is outside the possible range of a mass; its size is 0, "
               "or from 1e-12 to 1000000 kg"},
@@ -350,10 +409,17 @@ TEST(TomlTable, AMissingKeyIsPlacedAtItsTable) {
 }
 
 TEST(TomlTable, BrokenTomlIsPlacedByLineAndColumn) {
-  for (const char* text : {"a = \n", "[\n", "a = 1\na = 2\n", "\"\n", "a = 0x\n"}) {
+  for (const char* text : {"a = \n", "[\n", "\"\n", "a = 0x\n"}) {
     const auto table = TomlTable::ParseText(text, "x.toml");
     ASSERT_FALSE(table) << text;
     EXPECT_EQ(table.error().cause, Cause::kCannotAnswer);
+    EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
+  }
+  // what is given twice is a mistake of use, as a wrong key is
+  for (const char* text : {"a = 1\na = 2\n", "[b]\nc = 1\n[b]\nd = 1\n"}) {
+    const auto table = TomlTable::ParseText(text, "x.toml");
+    ASSERT_FALSE(table) << text;
+    EXPECT_EQ(table.error().cause, Cause::kUsage) << text;
     EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
   }
 }

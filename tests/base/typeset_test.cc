@@ -23,6 +23,10 @@ TEST(Typeset, UnitsHaveTheirSignsAndStayWithTheirNumbers) {
         {"R^2", "R²"},
         {"Km^2 over mass", "Km² over mass"},
         {"23.0 1/s^2; 95 %: 22 to 24 1/s^2", "23.0 1/s²; 95" + blank + "%: 22 to 24 1/s²"},
+        {"It is 12 um. Then 3 s. A rest of 5 mm.",
+         "It is 12" + blank + "µm. Then 3" + blank + "s. A rest of 5" + blank + "mm."},
+        {"R^3 of x^2.", "R³ of x²."},
+        {"(4) um/(2 s)", "(4)" + blank + "µm/(2" + blank + "s)"},
         {"130 uH, 27 ohm", "130" + blank + "µH, 27" + blank + "Ω"},
         {"225 Hz +- 1 Hz", "225" + blank + "Hz ± 1" + blank + "Hz"}}) {
     EXPECT_EQ(Typeset(plain), set);
@@ -43,9 +47,12 @@ TEST(Typeset, EveryUnitStaysWithItsNumber) {
 }
 
 TEST(Typeset, OtherWordsStayAsTheyAre) {
-  for (const char* text : {"", "um", "12 um.csv", "4 subjects", "16 trials", "um umbrella",
-                           "3 umbrellas", "a um", "day1/m.csv", "/home/um/x", "x/y", "5 gaps",
-                           "2 Hz_x", "2^4 choices", "run^2.csv", "a^25", "a^2b"}) {
+  for (const char* text : {"",           "um",          "12 um.csv",   "4 subjects",
+                           "16 trials",  "um umbrella", "3 umbrellas", "a um",
+                           "day1/m.csv", "/home/um/x",  "x/y",         "5 gaps",
+                           "2 Hz_x",     "2^4 choices", "run^2.csv",   "a^25",
+                           "a^2b",       "2^2 choices", "R^4",         "R^",
+                           "^2",         "x (um)",      "12 um.5",     "12 mm4"}) {
     EXPECT_EQ(Typeset(text), text);
   }
 }

@@ -501,7 +501,19 @@ TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const Outcome idle =
       Simulate({Scene("[travel_stops]\ngap_m = '50um'\nrestitution = 0\n"), "--json"});
   EXPECT_EQ(idle.status, 0);
-  EXPECT_FALSE(FindingOfKind(json::parse(idle.out), "stops-off").is_null());
+  EXPECT_FALSE(FindingOfKind(json::parse(idle.out), "effect-off").is_null());
+  for (const char* unused :
+       {"[gravity]\nacceleration_m_per_s2 = 9.8\n", "[stiffening]\ncubic_n_per_m3 = 3e9\n",
+        "[coil_heating]\nheat_capacity_j_per_k = 0.02\n",
+        "[tremor]\namplitude_m = 1e-4\nfrequency_hz = 9\n"}) {
+    const json stated = json::parse(Simulate({Scene(unused), "--json"}).out);
+    EXPECT_FALSE(FindingOfKind(stated, "effect-off").is_null()) << unused;
+  }
+  const std::string start = Scene("[start]\nmover_m = 1e-4\n");
+  EXPECT_FALSE(
+      FindingOfKind(json::parse(Simulate({start, "--json"}).out), "start-unused").is_null());
+  EXPECT_THAT(Simulate({kFixtures + "/lra_adapter.toml", "--duration", "1e6s"}).out,
+              HasSubstr("999999.95556 to 1000000 s, from rest"));
   // what the scene does not call for is not forced on where it is impossible
   const Outcome impossible =
       Simulate({Scene("[effects]\ngravity = true\n[travel_stops]\ngap_m = '4um'\n"

@@ -47,7 +47,7 @@ TEST(ImpedancePanels, ResidualsAreInUnitsOfTheNoiseAndTheFitRunsBetweenThePoints
   }
   const auto fit = fit::FitImpedance(points, {}, fit::CaseCondition::kHeld, "z.csv");
   ASSERT_TRUE(fit) << fit.error().Text();
-  const auto panels = ImpedancePanels(*fit, points);
+  const auto panels = ImpedancePanels(*fit);
   ASSERT_EQ(panels.size(), 3U);
   EXPECT_EQ(panels[0].series[0].x.front(), 180);
   EXPECT_GT(panels[0].series[1].x.size(), 500U);

@@ -77,12 +77,21 @@ Sentence SentenceOf(sim::FindingKind kind) {
       {kTravelNotPositive, "travel-not-positive", "the mover's travel must be above 0"},
       {kSkinUndamped, "skin-undamped", "the skin has no damping"},
       {kAreaOutside, "area-outside", "the area must lie between 1 and 100 mm2"},
+      // --- what a scene states and its answer does not use ---
+      {kEffectOff, "effect-off",
+       "{constants} is stated and {effect} is off: write {effect} = true in the table effects to "
+       "include it"},
+      {kStartUnused, "start-unused",
+       "the steady motion does not depend on where it begins: give a duration for the motion from "
+       "the stated start"},
       // --- a number outside of the usual range ---
       {kUnusualNumber, "unusual-number",
        "{key} = {value} is unusual, usual are {least} to {most}: was another unit meant?"},
       // --- what the numbers of every scene rest on ---
       {kLinearSprings, "linear",
-       "springs and dampers are linear at any travel: compare the mover's travel with its stops"},
+       "springs and dampers are linear at any travel[, as {off} is off]: compare the mover's "
+       "travel "
+       "with its stops"},
       {kContactKept, "contact-kept",
        "contact is assumed to be kept, as if actuator and skin were glued: a preload of at least "
        "{least_force_n}, weight included, would keep it"},

@@ -16,7 +16,7 @@
 #include "sim/effective_scene.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/scene_mode.h"
-#include "sim/linear/time_response.h"
+#include "sim/linear/window_rms.h"
 #include "sim/period_map.h"
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
@@ -33,16 +33,17 @@ std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   // a run of exactly ten periods may miss them by a rounding
   const double begin_s = *scene.duration_s - length_s;
   if (begin_s < -1e-12 * length_s) return std::nullopt;
-  // an offset or a stated start is outside of TimeResponse: the run is played instead
-  if (scene.drive.offset_v != 0 || scene.initial.Any()) {
-    const sim::SceneRun run = sim::RunScene({.scene = scene, .piecewise = {}}, *scene.duration_s);
-    return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
-  }
-  const sim::LinearModel model = sim::AssembleModel(scene);
-  const sim::TimeResponse response(model, scene.drive, sim::StartOf(scene));
-  WindowAnswer window{.begin_s = std::max(0.0, begin_s), .end_s = *scene.duration_s};
-  window.skin_rms_m = response.WindowRms(model.skin(), window.begin_s, window.end_s);
-  return window;
+  // the window counts back from the end: of a long run its begin as a double has lost digits
+  const auto end_s = static_cast<long double>(*scene.duration_s);
+  const long double periods_s =
+      static_cast<long double>(kWindowPeriods) / static_cast<long double>(scene.drive.frequency_hz);
+  const sim::WindowRms window =
+      sim::WindowRmsOf(sim::LinearMotionOf(scene), sim::AssembleModel(scene).skin(),
+                       std::max(0.0L, end_s - periods_s), end_s);
+  return WindowAnswer{.begin_s = std::max(0.0, begin_s),
+                      .end_s = *scene.duration_s,
+                      .skin_rms_m = window.rms,
+                      .error_estimate = window.error_estimate};
 }
 
 std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
@@ -55,9 +56,13 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
     // the run's numbers may be of other whole periods
     return WindowAnswer{.begin_s = run.end_s - length_s,
                         .end_s = run.end_s,
-                        .skin_rms_m = answer.effects->end->ten_periods_rms_m};
+                        .skin_rms_m = answer.effects->end->ten_periods_rms_m,
+                        .error_estimate = run.error_estimate};
   }
-  return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
+  return WindowAnswer{.begin_s = run.begin_s,
+                      .end_s = run.end_s,
+                      .skin_rms_m = run.skin_rms_m,
+                      .error_estimate = run.error_estimate};
 }
 
 // why the linear scene has no steady state: no spring, an undamped resonance, or rounding
@@ -425,8 +430,18 @@ double ErrorOfAll(const SceneAnswer& answer) {
   double largest = 0;
   if (answer.steady) largest = answer.steady->error_estimate;
   if (answer.tones) largest = std::max(largest, answer.tones->error_estimate);
+  if (answer.window) largest = std::max(largest, answer.window->error_estimate);
   if (const sim::SceneRun* run = RunOf(answer)) largest = std::max(largest, run->error_estimate);
   return largest;
+}
+
+bool IsAboveAsked(const SceneAnswer& answer) {
+  const sim::Scene& scene = answer.scene;
+  if (answer.effects && answer.effects->chaotic) return false;
+  // a chirp has a tolerance of its own, which is enough where none is required
+  const bool is_required = scene.tolerance != sim::Scene{}.tolerance;
+  const double granted = is_required ? 0 : sim::DriveError(scene);
+  return ErrorOfAll(answer) - granted > scene.tolerance;
 }
 
 std::vector<AccuracyTrial> TryAccuracies(const sim::Scene& scene, const std::string& where) {

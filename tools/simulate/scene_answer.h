@@ -26,6 +26,7 @@ struct WindowAnswer {
   double begin_s = 0;
   double end_s = 0;
   double skin_rms_m = 0;
+  double error_estimate = 0;  ///< bound of its relative error
 };
 
 /// What a scene comes to.
@@ -136,6 +137,10 @@ struct AccuracyTrial {
 
 /// The largest error estimate among an answer's numbers.
 [[nodiscard]] double ErrorOfAll(const SceneAnswer& answer);
+
+/// Whether that is above the accuracy that the scene requires; never of a chaotic motion, whose
+/// averages have an uncertainty of their own.
+[[nodiscard]] bool IsAboveAsked(const SceneAnswer& answer);
 
 /// Answers the scene at accuracies of 2, 4, 6, 8 and 10 digits. Cost: fifteen answers; of one that
 /// takes more than a second, one each.

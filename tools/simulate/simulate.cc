@@ -160,17 +160,6 @@ Result<Explanation> Explained(const SceneAnswer& solved, const std::string& wher
                      .accuracies = TryAccuracies(solved.scene, where)};
 }
 
-// constants of an effect that is off: possible, but perhaps forgotten
-void NoteIdleConstants(const sim::Scene& scene, Findings<SimulateFinding>& findings) {
-  const sim::Effects& effects = scene.effects;
-  if (effects.travel_stops && effects[sim::Effect::kTravelStops] == sim::Wish::kOff) {
-    findings.Note(SimulateFinding::kStopsOff);
-  }
-  if (effects.contact_loss && effects[sim::Effect::kContactLoss] == sim::Wish::kOff) {
-    findings.Note(SimulateFinding::kPreloadOff);
-  }
-}
-
 // the motion over time for the waveforms' file and the figures, where one of them is requested
 Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer) {
   const bool has_figures = wanted.outputs.HasFigures();
@@ -247,7 +236,6 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   HAPTOMETER_TRY(CheckFiles(wanted));
   HAPTOMETER_LET(auto scene, ReadScene(wanted));
   SimulateAnswer answer{.scene_path = wanted.scene_path};
-  NoteIdleConstants(scene, answer.findings);
   // before the solution: the duration is part of the scene
   HAPTOMETER_TRY(AddDuration(wanted.scene_path, scene, answer.findings));
   HAPTOMETER_LET(answer.solved, Solve(scene, wanted.scene_path));

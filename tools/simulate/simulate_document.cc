@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/elementary_functions.h"
 #include "base/mapped.h"
 #include "base/text.h"
 #include "sim/linear/linear_model.h"
@@ -39,7 +40,9 @@ void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
   if (IsNamed(solved, sim::Effect::kStiffening) || IsNamed(solved, sim::Effect::kTravelStops)) {
     findings.Note(SimulateFinding::kOtherSpringsLinear);
   } else {
-    of_sim.Note(sim::FindingKind::kLinearSprings);
+    sim::Finding linear{Severity::kNote, sim::FindingKind::kLinearSprings, {}};
+    if (solved.scene.effects.stiffening) linear.numbers = {{"off", std::string("stiffening")}};
+    of_sim.Add(std::move(linear));
   }
   // without the effect contact cannot break: the peak force is the least preload that keeps it
   if (!IsNamed(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
@@ -90,21 +93,13 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
     findings.Doubt(SimulateFinding::kKnownUntil,
                    {{"tolerance", solved.scene.tolerance}, {"known_until_s", *run->known_until_s}});
   }
-  // what nothing but the arithmetic or the drive's cubics limits; averages of a chaotic motion have
-  // an uncertainty of their own
-  const bool is_chaotic = solved.effects && solved.effects->chaotic;
-  const double error = ErrorOfAll(solved);
-  // a chirp has a tolerance of its own, which is enough where none is required
-  const double drive_error = sim::DriveError(solved.scene);
-  const bool is_required = solved.scene.tolerance != sim::Scene{}.tolerance;
-  const double beyond = is_required ? error : error - drive_error;
   const bool is_told = run != nullptr && run->known_until_s;
-  if (!is_chaotic && !is_told && beyond > solved.scene.tolerance) {
+  if (!is_told && IsAboveAsked(solved)) {
     FindingOf<SimulateFinding> above{
         Severity::kDoubt,
         SimulateFinding::kErrorAboveAsked,
-        {{"relative_error", error}, {"tolerance", solved.scene.tolerance}}};
-    if (drive_error > 0) {
+        {{"relative_error", ErrorOfAll(solved)}, {"tolerance", solved.scene.tolerance}}};
+    if (sim::DriveError(solved.scene) > 0) {
       above.numbers.emplace_back("hold_tolerance", solved.scene.drive.hold_tolerance);
     }
     findings.Add(std::move(above));
@@ -129,6 +124,7 @@ void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) 
 // findings of this verb and those of sim, in one list of the document
 void AddAllFindings(const SimulateAnswer& answer, Section& root) {
   sim::Findings of_sim;
+  sim::NoteUnused(answer.solved.scene, of_sim);
   Findings<SimulateFinding> findings = answer.findings;
   NoteMotion(answer.solved, findings);
   NoteBodies(answer.solved, of_sim, findings);
@@ -227,8 +223,12 @@ std::string_view StartName(const sim::Scene& scene) {
 Section WindowSection(const SceneAnswer& solved) {
   Section section{.is_known = solved.window.has_value()};
   const WindowAnswer window = solved.window.value_or(WindowAnswer{});
-  section.Add(kWindowRms, window.skin_rms_m).note = fmt::format(
-      "{:.6g} to {:.6g} s, from {}", window.begin_s, window.end_s, StartName(solved.scene));
+  // so many digits that the window is shown to three of its length
+  const double windows = window.end_s / (window.end_s - window.begin_s);
+  const int digits = section.is_known ? std::max(6, 4 + static_cast<int>(Log10(windows))) : 6;
+  section.Add(kWindowRms, window.skin_rms_m).note =
+      fmt::format("{:.{}g} to {:.{}g} s, from {}", window.begin_s, digits, window.end_s, digits,
+                  StartName(solved.scene));
   section.Add({document::kWindowS.name}, document::Range{window.begin_s, window.end_s});
   return section;
 }
@@ -506,12 +506,6 @@ document::Sentence SentenceOf(SimulateFinding kind) {
       {kOnlyCoilWarms, "only-coil-warms",
        "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
        "phase include], and only the coil warms"},
-      {kStopsOff, "stops-off",
-       "travel_stops are stated and off: write travel_stops = true in the table effects to "
-       "include them"},
-      {kPreloadOff, "preload-off",
-       "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let it "
-       "break"},
       {kSteadyNotLinear, "steady-not-linear",
        "the steady motion is not the linear one and is not known; leave out --duration to have "
        "it searched for"},

@@ -17,8 +17,6 @@ enum class SimulateFinding : std::uint8_t {
   kMoverPreload,        ///< preload_n, displacement_m; stop where it rests on one
   kSourceHoldsVoltage,  ///< source_resistance_ohm where it has one
   kOnlyCoilWarms,       ///< the same
-  kStopsOff,            ///< stated, not called for
-  kPreloadOff,          ///< stated, and contact cannot break
   kSteadyNotLinear,
   kPeaksAreSums,      ///< of the amplitudes of tones
   kNoWindow,          ///< run_s

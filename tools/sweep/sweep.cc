@@ -10,7 +10,6 @@
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/text.h"
-#include "sim/scene/plausible_ranges.h"
 #include "tools/campaign/slurm.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/options.h"
@@ -176,12 +175,24 @@ void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std:
               .values = {first, first + static_cast<std::ptrdiff_t>(summary.header.varied)}};
 }
 
+// a row whose error is above the required accuracy, as its remark states
+void TakeError(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t remark) {
+  if (!cells[remark].starts_with(kAboveRemark)) return;
+  const auto column = std::ranges::find(summary.header.columns, kErrorEstimate.name);
+  const auto place = static_cast<std::size_t>(column - summary.header.columns.begin());
+  if (place >= cells.size()) return;
+  if (summary.above++ == 0) summary.first_above = PointOfRow(cells.front()).value_or(0);
+  summary.largest_error =
+      std::max(summary.largest_error, NumberFrom<double>(cells[place]).value_or(0));
+}
+
 void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   ++summary.rows;
   // columns: point, varied keys, answers, remark, checksum
   const auto first = cells.begin() + 1 + static_cast<std::ptrdiff_t>(summary.header.varied);
   const std::size_t remark = summary.header.columns.size() - 2;
   const auto end = cells.begin() + static_cast<std::ptrdiff_t>(remark);
+  TakeError(summary, cells, remark);
   // any number in the answers: the point is answered
   if (std::any_of(first, end, [](const std::string& cell) { return !cell.empty(); })) {
     ++summary.answered;
@@ -197,6 +208,7 @@ enum class SweepFinding : std::uint8_t {
   kNoNumber,
   kSomeCompared,
   kMended,
+  kErrorAboveAsked,
 };
 
 document::Sentence SentenceOf(SweepFinding kind) {
@@ -210,6 +222,9 @@ document::Sentence SentenceOf(SweepFinding kind) {
        "{compared} of {answered} rows have a number in the column {column} and are compared"},
       {kMended, "rows-computed-again",
        "{mended} row{mended s} did not match the row checksum and had to be computed again"},
+      {kErrorAboveAsked, "error-above-asked",
+       "{above} of {answered} answered rows are known to less than the required accuracy, the "
+       "first at point {first_point}; the largest error is {relative_error}"},
   };
   return document::SentenceIn(kSentences, kind);
 }
@@ -227,6 +242,12 @@ Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
                    {{"points_not_answered", summary.rows - summary.answered},
                     {"points", summary.rows},
                     {"first", summary.first_remark}});
+  }
+  if (summary.above > 0) {
+    findings.Doubt(SweepFinding::kErrorAboveAsked, {{"above", summary.above},
+                                                    {"answered", summary.answered},
+                                                    {"first_point", summary.first_above},
+                                                    {"relative_error", summary.largest_error}});
   }
   if (!summary.best) {
     findings.Note(SweepFinding::kNoNumber, {{"column", summary.wish.column}});
@@ -265,18 +286,6 @@ Section BestSection(const SweepSummary& summary) {
   return best;
 }
 
-// unusual numbers of the scene at the ends of what is varied
-Result<sim::Findings> UnusualOf(const SweepWords& words) {
-  HAPTOMETER_LET(const auto question, ReadQuestion(words));
-  sim::Findings unusual;
-  for (const std::uint64_t point : {std::uint64_t{0}, question.points.size() - 1}) {
-    // a point that is no scene has its reason in its row
-    const auto scene = question.scene.Read(question.points.At(point));
-    if (scene) sim::DoubtUnusual(*scene, unusual);
-  }
-  return unusual;
-}
-
 // the table, then its summary; the exit status
 Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
   // the column of --best is checked before the computation
@@ -294,7 +303,8 @@ Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
   if (!words.plot.empty()) HAPTOMETER_TRY(DrawSweep(words.plot, words.output, wish.column));
   summary.plot = words.plot;
   if (words.merge.empty()) {
-    HAPTOMETER_LET(summary.unusual, UnusualOf(words));
+    HAPTOMETER_LET(const auto question, ReadQuestion(words));
+    summary.findings = question.findings;
   }
   return document::Present(SweepDocument(summary), words.outputs, argc, argv);
 }
@@ -360,7 +370,7 @@ document::Document SweepDocument(const SweepSummary& summary) {
   root.Add(document::kPlot, document::TextOrNotKnown(summary.plot));
   root.sections.push_back(BestSection(summary));
   document::AddFindings(root, FindingsOf(summary));
-  document::AddFindings(root, summary.unusual);
+  document::AddFindings(root, summary.findings);
   return document;
 }
 

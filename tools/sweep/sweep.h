@@ -32,6 +32,8 @@ struct SweepQuestion {
   sim::SweepPoints points;
   cli::Shard shard;
   std::optional<double> accuracy;  ///< of every point, in place of the scene's [run] tolerance
+  /// Unusual numbers at the values of each key, and what the scene states and no point uses.
+  sim::Findings findings{};
 };
 
 inline constexpr std::int64_t kMostSweepThreads = 1024;
@@ -76,7 +78,8 @@ enum class RangesAre : std::uint8_t { kGrid, kSampled };
 /// Reads what --vary says of one key: "drive.frequency_hz=100Hz:400Hz:301", "KEY=log:1:1000:4", or
 /// a list, "skin.stiffness_n_per_m=600,1200", "sensor.target=skin,case", "effects.inductance=true".
 ///
-/// A number's unit is that of the key's name ("_hz"); other numbers are plain. A grid's range has a
+/// A number's unit is that of the key's name ("_hz"), in which a number without one counts, as in a
+/// scene; other numbers are plain. A grid's range has a
 /// count, one that is sampled has none. Errors (Cause::kUsage), naming --vary and the key: no '=',
 /// values of another unit or with an uncertainty, an empty value, equal ends, a count below 2, a
 /// logarithm of what is not above 0.
@@ -120,6 +123,9 @@ struct TableHeader {
 /// Where two headers part: "vary = a=1:2:3, not a=1:2:4"; empty: they ask the same, in whichever
 /// shard.
 [[nodiscard]] std::string DifferenceOf(const TableHeader& there, const TableHeader& here);
+
+/// What the remark of a row begins with whose error is above the accuracy that is required.
+inline constexpr std::string_view kAboveRemark = "the error is above the required accuracy of ";
 
 /// The beginning of a row, with the comma behind it: the point and its values.
 [[nodiscard]] std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values);
@@ -289,7 +295,10 @@ struct SweepSummary {
   std::optional<BestRow> best{};  ///< the first of equals; nothing where the column is empty
   std::uint64_t mended = 0;       ///< rows that did not match their checksums
   std::string plot{};             ///< path; empty: none
-  sim::Findings unusual{};        ///< numbers of the first and of the last point
+  std::uint64_t above = 0;        ///< rows whose error is above the required accuracy
+  std::uint64_t first_above = 0;  ///< the first of their points
+  double largest_error = 0;       ///< of theirs
+  sim::Findings findings{};       ///< SweepQuestion's
 };
 
 /// Reads the table again, row by row. Errors: as TableReader.

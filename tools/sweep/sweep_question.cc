@@ -8,6 +8,8 @@
 #include "base/mapped.h"
 #include "base/quantity.h"
 #include "base/text.h"
+#include "sim/effect_choice.h"
+#include "sim/scene/plausible_ranges.h"
 #include "sim/scene/scene_file.h"
 #include "sim/scene/scene_keys.h"
 #include "tools/document/number_text.h"
@@ -85,7 +87,7 @@ std::vector<std::string> SplitAt(const std::string& text, char separator) {
 
 // a number in SI units of the key's dimension, without uncertainty
 Result<double> ReadNumber(const std::string& word, Dimension dimension, const std::string& where) {
-  HAPTOMETER_LET(const auto quantity, ParseQuantity(word, dimension, where));
+  HAPTOMETER_LET(const auto quantity, ParseQuantity(word, dimension, where, BareNumber::kIsSi));
   if (!quantity.exact()) {
     return Usage(where, fmt::format("'{}' has an uncertainty", word),
                  "give exact values to a sweep");
@@ -220,22 +222,35 @@ Error Told(const sim::VariedScene& scene, const sim::SweepPoints& points,
 
 // Whether the scene takes what the axes give it: each value with the other keys at their first
 // values and at their last. One that is refused only beside others is for the row of its point to
-// tell. Cost: about 20 us a value.
-Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points) {
+// tell. Returns unusual numbers of these scenes, and what the scene states and none uses. Cost:
+// about 20 us a value.
+Result<sim::Findings> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points) {
   std::vector<std::vector<sim::SweepValue>> values;
   values.reserve(points.axes().size());
   for (std::size_t axis = 0; axis < points.axes().size(); ++axis) {
     values.push_back(ValuesToCheck(points, axis));
   }
-  // every value is tried beside the first and beside the last values of all other axes
   const auto first = Mapped(values, [](const auto& of_axis) { return of_axis.front(); });
   const auto last = Mapped(values, [](const auto& of_axis) { return of_axis.back(); });
+  // of each key the ends are named first where they are unusual
+  sim::Findings findings;
+  for (std::size_t axis = 0; axis < values.size(); ++axis) {
+    for (const sim::SweepValue& end : {values[axis].front(), values[axis].back()}) {
+      auto beside_first = first;
+      beside_first[axis] = end;
+      if (const auto read = scene.Read(beside_first)) sim::DoubtUnusual(*read, findings);
+    }
+  }
+  // every value is tried beside the first and beside the last values of all other axes
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
     for (const sim::SweepValue& value : values[axis]) {
       auto beside_first = first;
       beside_first[axis] = value;
       auto read = scene.Read(beside_first);
-      if (read) continue;
+      if (read) {
+        sim::DoubtUnusual(*read, findings);
+        continue;
+      }
       // valid in one of both combinations: the error belongs to a point, not to the axis
       auto beside_last = last;
       beside_last[axis] = value;
@@ -243,7 +258,14 @@ Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& po
       return std::unexpected(Told(scene, points, beside_first, std::move(read.error())));
     }
   }
-  return {};
+  if (const auto read = scene.Read(last)) sim::DoubtUnusual(*read, findings);
+  // an effect or a duration that is varied is on at some points
+  const bool is_used = std::ranges::any_of(points.axes(), [](const sim::SweepAxis& axis) {
+    return axis.key.starts_with("effects") || axis.key == "skin.contact" ||
+           axis.key == "run.duration_s" || axis.key.starts_with("drive.kind");
+  });
+  if (const auto read = scene.Read(first); read && !is_used) sim::NoteUnused(*read, findings);
+  return findings;
 }
 
 }  // namespace
@@ -299,11 +321,12 @@ Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
                  "give one of the two");
   }
   // before the first row: values at the ends of every axis must be accepted by the scene's reader
-  HAPTOMETER_TRY(CheckAxes(*scene, points));
+  HAPTOMETER_LET(auto findings, CheckAxes(*scene, points));
   return SweepQuestion{.scene = *std::move(scene),
                        .points = std::move(points),
                        .shard = shard,
-                       .accuracy = accuracy};
+                       .accuracy = accuracy,
+                       .findings = std::move(findings)};
 }
 
 Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
@@ -326,7 +349,7 @@ Dimension DimensionOfKey(std::string_view key) {
   // "..._per_kg" is a quotient whose unit is not known: a plain number
   key.remove_suffix(unit.ending.size());
   if (unit.symbol.empty() || key.ends_with("_per")) return Dimension::kNone;
-  for (auto number = static_cast<int>(Dimension::kForceConstant); number > 0; --number) {
+  for (auto number = static_cast<int>(Dimension::kArea); number > 0; --number) {
     if (SiUnit(static_cast<Dimension>(number)) == unit.symbol)
       return static_cast<Dimension>(number);
   }

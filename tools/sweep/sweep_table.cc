@@ -47,7 +47,7 @@ std::vector<std::string> TextsOf(const std::vector<sim::SweepAxis>& axes) {
 }
 
 // why columns of a row are empty
-std::string AnswerRemark(const SceneAnswer& answer) {
+std::string EmptyRemark(const SceneAnswer& answer) {
   if (answer.tones) return "";
   if (answer.scene.drive.kind != sim::DriveKind::kSine)
     return "the drive is not a sine: its numbers are those of run_";
@@ -55,6 +55,13 @@ std::string AnswerRemark(const SceneAnswer& answer) {
     return "no linear steady motion holds: its numbers are those of run_";
   const bool is_short = answer.scene.duration_s && !answer.window;
   return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
+}
+
+std::string AnswerRemark(const SceneAnswer& answer) {
+  const std::string empty = EmptyRemark(answer);
+  if (!IsAboveAsked(answer)) return empty;
+  const std::string above = fmt::format("{}{:g}", kAboveRemark, answer.scene.tolerance);
+  return empty.empty() ? above : above + "; " + empty;
 }
 
 // numbers of an answer as cells, empty where it has none, and its remark or error

@@ -357,7 +357,9 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kCone + "[sensor]\nkind = 'ideal'\naverages = 0\n",
        "[sensor]: averages: is not 1 to 65536; check it"},
       {kCone + "[sensor]\nkind = 'ideal'\nresolution_m = '1'\n",
-       "[sensor]: resolution_m: '1' has no unit, and a length needs one; did you mean 1mm?"}};
+       "[sensor]: resolution_m: '1' has no unit, and a length needs one; did you mean 1m?"},
+      {kCone + "[effects]\ninductance = false\n[start]\ncurrent_a = 0.1\n",
+       "[start]: current_a: needs an inductance, which [effects] turns off; remove it"}};
   for (const auto& [text, message] : cases) {
     const std::string error = WithoutLine(ErrorOf(text));
     EXPECT_EQ(error.substr(0, ("scene.toml: " + message).size()), "scene.toml: " + message) << text;
@@ -367,11 +369,25 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
   }
 }
 
+// an area in the units of areas, in SI
+TEST(SceneFile, TakesAreasWithTheirUnits) {
+  const auto stiffness = [](const std::string& area) {
+    return Read(kActuator + kDrive +
+                "[skin]\nlaw = 'power'\nrange = 'text'\ncontact_area_m2 = " + area + "\n")
+        .skin.stiffness_n_per_m;
+  };
+  EXPECT_EQ(stiffness("'10mm2'"), stiffness("10e-6"));
+  EXPECT_EQ(stiffness("'0.1 cm2'"), stiffness("10e-6"));
+  EXPECT_EQ(stiffness("'10e-6m2'"), stiffness("10e-6"));
+}
+
 TEST(SceneFile, OfBrokenTomlNamesThePlace) {
   const auto scene = ReadSceneText("[actuator\n", "scene.toml");
   ASSERT_FALSE(scene);
   EXPECT_EQ(scene.error().where.substr(0, 13), "scene.toml:1:");
   EXPECT_EQ(scene.error().cause, Cause::kCannotAnswer);
+  // what is given twice is a wrong key
+  EXPECT_EQ(ReadSceneText(kCone + kSkin, "scene.toml").error().cause, Cause::kUsage);
 }
 
 TEST(SceneFile, FindsAnActuatorFileBesideItself) {

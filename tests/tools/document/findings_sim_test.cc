@@ -147,6 +147,21 @@ std::vector<Said> Sentences() {
        {},
        "linear",
        "springs and dampers are linear at any travel: compare the mover's travel with its stops"},
+      {kLinearSprings,
+       {{"off", std::string("stiffening")}},
+       "linear",
+       "springs and dampers are linear at any travel, as stiffening is off: compare the mover's "
+       "travel with its stops"},
+      {kEffectOff,
+       {{"constants", std::string("tremor")}, {"effect", std::string("tremor")}},
+       "effect-off",
+       "tremor is stated and tremor is off: write tremor = true in the table effects to include "
+       "it"},
+      {kStartUnused,
+       {},
+       "start-unused",
+       "the steady motion does not depend on where it begins: give a duration for the motion from "
+       "the stated start"},
       {kContactKept,
        {{"least_force_n", 0.34489}},
        "contact-kept",
