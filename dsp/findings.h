@@ -84,7 +84,7 @@ enum class FindingKind : std::uint8_t {
   kHumAtDrive,      ///< frequency_hz, amplitude_m: too near to the drive to be told apart
   kMainsFrequency,  ///< frequency_hz, amplitude_m: of a tone that never pauses
   // noise floor; its file is the subject
-  kNoFloor,
+  kNoFloor,           ///< noise_m: that the RMS holds at most, where that is less than all
   kQuietHasDrive,     ///< amplitude_m, frequency_hz: what the tone leaves where it is off
   kFloorOfOtherRate,  ///< floor_per_s, readings_per_s
   kFloorHasTone,      ///< amplitude_m, frequency_hz

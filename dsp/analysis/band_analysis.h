@@ -142,6 +142,9 @@ struct BandNumbers {
   double residual_rms_m = 0;  ///< over the window, without the tone and its harmonics in the band
   double bridged_rms_m = 0;   ///< bound on what bridging adds; 0: none bridged
   std::optional<NoiseFloor> floor;
+  /// Without a floor, the noise (RMS) that the RMS may hold: what is beside a steady tone, else
+  /// noise as dense throughout the band as in its quietest part.
+  double kept_noise_m = 0;
   std::optional<BelowBand> below_band;
   std::optional<ToneNumbers> tone;
   /// Of unfiltered samples, without what dsp/spectrum/below_band_model.h explains below the band

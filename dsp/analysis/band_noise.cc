@@ -27,10 +27,10 @@ double NoisePower::degrees_of_freedom() const {
   return 2 * mean_square * mean_square / variance;
 }
 
-double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper_hz) const {
-  // 24 bins on either side, the one next to the line excluded: 48 bins, 96 degrees of freedom
+double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper_hz,
+                              std::ptrdiff_t left_out) const {
+  // 24 bins on either side, those next to the line excluded: 48 bins, 96 degrees of freedom
   constexpr std::ptrdiff_t kBinsOnASide = 24;
-  constexpr std::ptrdiff_t kLeftOut = 1;
   const auto center = static_cast<std::ptrdiff_t>(std::lround(frequency_hz / bin_hz));
   const auto least = static_cast<std::ptrdiff_t>(std::ceil(lower_hz / bin_hz));
   // within the band only
@@ -38,7 +38,7 @@ double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper
                              static_cast<std::ptrdiff_t>(bins.size()) - 1);
   double sum = 0;
   std::size_t count = 0;
-  for (std::ptrdiff_t away = kLeftOut + 1; away <= kBinsOnASide + kLeftOut; ++away) {
+  for (std::ptrdiff_t away = left_out + 1; away <= kBinsOnASide + left_out; ++away) {
     for (const std::ptrdiff_t bin : {center - away, center + away}) {
       if (bin < least || bin > most) continue;
       sum += bins[static_cast<std::size_t>(bin)];
@@ -190,6 +190,13 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
       break;
     }
   }
+  // the quietest part, as dense as it may be
+  noise.least_density = noise.is_known ? std::numeric_limits<double>::infinity() : 0;
+  for (std::size_t k = 0; k < counts.size() && noise.is_known; ++k) {
+    const double relative = std::sqrt(2.08 * kCorrelatedBins / static_cast<double>(counts[k]));
+    noise.least_density =
+        std::min(noise.least_density, noise.densities[k] * (1 + kFalseAlarmDeviations * relative));
+  }
   // beyond noise: motion below the corner, and what lies above it in the first part
   const FrequencyRange below{kFootFrom * band.lower_hz, band.lower_hz};
   const auto beyond_in = [&](const FrequencyRange& range) {
@@ -207,7 +214,9 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
     FrequencyRange passed = noise.parts[k];
     if (k == 0) passed.from_hz = below.from_hz;
     if (k + 1 == counts.size()) passed.to_hz = std::min(NoiseReachHz(band), rate_hz / 2);
-    const double power = noise.densities[k] * PassedWidth(design, passed);
+    const double width_hz = PassedWidth(design, passed);
+    const double power = noise.densities[k] * width_hz;
+    noise.flat_mean_square += noise.least_density * width_hz;
     const auto bins = static_cast<double>(std::max<std::size_t>(counts[k], 1));
     const double relative = kCorrelatedBins / bins;
     noise.power.mean_square += power;
@@ -300,7 +309,14 @@ TonePower SplitTone(const ThinnedSamples& samples, const SineFit& tone, const Ba
                  -line.amplitude * std::sin(line.phase_rad), 0, rest);
   }
   TonePower split{.rest = MeasureNoise(rest, samples.rate_hz, NoiseReachHz(band))};
-  split.density = split.rest.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz);
+  // Sidebands of a modulation are no noise: they are what the window holds. They reach over an
+  // eighth of the band on either side at most, and over the bin that a fit takes its share from.
+  constexpr std::ptrdiff_t kLeftOut = 1;
+  const double reach_hz = std::min(std::max(kDriveReachHz, kReachBins / samples.duration_s()),
+                                   (band.upper_hz - band.lower_hz) / static_cast<double>(kFewest));
+  const auto bins = static_cast<std::ptrdiff_t>(reach_hz / split.rest.bin_hz);
+  split.density = split.rest.DensityNear(tone.frequency_hz, band.lower_hz, band.upper_hz,
+                                         std::max(bins, kLeftOut));
   for (const Harmonic& line : lines) {
     // S / T: the noise's mean square in a line of width 1 / T
     const double square =

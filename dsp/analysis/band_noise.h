@@ -31,9 +31,10 @@ struct BandNoise {
   std::vector<double> bins;  ///< p[k], k from 0
 
   /// One-sided density about `frequency_hz`, in units^2/Hz: the mean of 24 bins on either side that
-  /// lie between `lower_hz` and `upper_hz`, the nearest one left out on each side and the one at it
-  /// (a fit has taken its share from them). 0 where there are none.
-  [[nodiscard]] double DensityNear(double frequency_hz, double lower_hz, double upper_hz) const;
+  /// lie between `lower_hz` and `upper_hz`, the nearest `left_out` (1 or more) on each side
+  /// excluded and the one at it (a fit has taken its share from them). 0 where there are none.
+  [[nodiscard]] double DensityNear(double frequency_hz, double lower_hz, double upper_hz,
+                                   std::ptrdiff_t left_out = 1) const;
 };
 
 /// The frequency to which noise behind a band's filter is looked at: beyond 1.5 times the upper
@@ -63,6 +64,8 @@ struct NoiseBeside {
   double variance_of_rest = 0;
   double below_mean_square = 0;  ///< of `power`: beyond noise below the lower corner, as of tremor
   double foot_mean_square = 0;   ///< beyond noise in the lowest part: tremor, or vibration
+  double least_density = 0;      ///< of the quietest part, 3.29 deviations up, units^2/Hz
+  double flat_mean_square = 0;   ///< of noise that is as dense everywhere
   std::vector<FrequencyRange> parts;
   std::vector<double> densities;  ///< one-sided, of each part before the filter, units^2/Hz
 
@@ -118,7 +121,7 @@ struct ThinnedSamples {
 struct TonePower {
   double mean_square = 0;  ///< noise's share taken off; below 0 where that is the larger
   double variance = 0;     ///< of `mean_square`, from the noise about each line
-  double density = 0;      ///< one-sided, of the noise about the tone
+  double density = 0;      ///< one-sided, of the noise about the tone, beyond a drive's sidebands
   BandNoise rest;          ///< of the samples
 };
 

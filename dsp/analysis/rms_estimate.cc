@@ -75,6 +75,13 @@ Reach ReachOf(const BandPower& power, double gain_square, double normal, double 
 
 double RootOf(double mean_square) { return std::sqrt(std::max(0.0, mean_square)); }
 
+// below the floor the one-sided limit is the answer: the interval is from 0 to it
+void KeepOneLimit(RmsEstimate& estimate) {
+  if (!estimate.below_floor) return;
+  estimate.lower_m = 0;
+  estimate.upper_m = estimate.at_most_m;
+}
+
 }  // namespace
 
 RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds) {
@@ -115,16 +122,21 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   // a bound is of the RMS behind filter and sensor: converted to the RMS that is stated
   const double scale = known ? estimate.as_measured_m / (gain_square * estimate.rms_m) : 1;
   double bound_square = 0;
+  double both_square = 0;
+  double only_below = 0;
   for (const RmsBound& bound : bounds) {
     // rectangular distribution: half width / sqrt(3)
     const double u = scale * bound.half_width_m / std::numbers::sqrt3;
     bound_square += u * u;
+    if (bound.only_below) only_below += scale * bound.half_width_m;
+    if (!bound.only_below) both_square += u * u;
     estimate.budget.push_back({bound.cause, Evaluation::kBound, u});
   }
   estimate.standard_uncertainty_m = std::hypot(random, std::sqrt(bound_square));
   // bounds widen the interval in squares, by 1.96 of their standard uncertainty
-  const double widening = kNormalCritical * std::sqrt(bound_square);
-  estimate.lower_m = std::max(0.0, estimate.rms_m - std::hypot(estimate.rms_m - lower, widening));
+  const double widening = kNormalCritical * std::sqrt(both_square);
+  estimate.lower_m =
+      std::max(0.0, estimate.rms_m - std::hypot(estimate.rms_m - lower, widening) - only_below);
   estimate.upper_m = estimate.rms_m + std::hypot(upper - estimate.rms_m, widening);
   // the upper limit starts from the tone's power at least, if the floor exceeds the rest
   const double least = std::max({0.0, sum.value, power.tone_mean_square / gain_square});
@@ -135,7 +147,8 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
     most = std::min(most, power.tone_mean_square / gain_square + power.rest.mean_square);
   }
   estimate.at_most_m = estimate.rms_m + std::hypot(std::sqrt(most) - estimate.rms_m,
-                                                   kNormal90 * std::sqrt(bound_square));
+                                                   kNormal90 * std::sqrt(both_square));
+  KeepOneLimit(estimate);
   return estimate;
 }
 
@@ -154,6 +167,7 @@ void AddGainUncertainty(double relative, RmsEstimate& estimate) {
   estimate.upper_m = limits.upper;
   estimate.at_most_m = estimate.rms_m + std::hypot(estimate.at_most_m - estimate.rms_m,
                                                    kNormal90 * relative * estimate.at_most_m);
+  KeepOneLimit(estimate);
 }
 
 }  // namespace haptometer::dsp

@@ -23,6 +23,7 @@ enum class Evaluation : std::uint8_t {
 enum class RmsCause : std::uint8_t {
   kNoise,         ///< periodogram of what the tone leaves
   kNoiseFloor,    ///< scatter of the floor that is taken off
+  kNoiseKept,     ///< noise that is not known: the RMS may hold so much of it, which lies below it
   kBelowBand,     ///< motion there: its amplitude times |H|^2, as power and as a beat with the tone
   kQuantisation,  ///< step / sqrt(12), white up to half the rate
   kBridged,       ///< readings: power of interpolation's errors in the band, and their beat
@@ -35,7 +36,7 @@ enum class RmsCause : std::uint8_t {
   kDrift,         ///< half the change of the amplitude over the window
   kCalibration,   ///< RMS times the relative standard uncertainty of the sensor's gain
 };
-inline constexpr std::size_t kRmsCauseCount = 13;
+inline constexpr std::size_t kRmsCauseCount = 14;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {
@@ -48,6 +49,7 @@ struct UncertaintyLine {
 struct RmsBound {
   RmsCause cause{};
   double half_width_m = 0;
+  bool only_below = false;  ///< the RMS may be too large by it, not too small
 };
 
 /// What a window holds, in mean squares behind the filter.
@@ -69,7 +71,8 @@ struct RmsEstimate {
   double standard_uncertainty_m = 0;
   double lower_m = 0;  ///< 95 % interval; at most the tone's, where the interval is wide
   double upper_m = 0;
-  /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
+  /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does, and the
+  /// interval is from 0 to it.
   bool below_floor = false;
   /// One-sided 95 % upper limit; never less than it is for a vibration of nothing, or of the tone;
   /// below the floor no more than was measured.
@@ -85,7 +88,8 @@ struct RmsEstimate {
 /// recovery (Zou and Donner, Statistics in Medicine 27, 2008, p. 1693): each noise power has the
 /// limits of its own chi-squared, the tone those of a t distribution, and the sum's distance to
 /// either limit is the root of their squared distances. Bounds widen it in squares by 1.96 of their
-/// standard deviations, which alone would cover a rectangle whole.
+/// standard deviations, which alone would cover a rectangle whole. One that is only below moves the
+/// lower limit by all of it: that error may well be there in full.
 [[nodiscard]] RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds);
 
 /// 95 % limits of `value` with those of a gain beside them, of relative standard uncertainty u: the

@@ -213,7 +213,7 @@ TEST_F(AnalyzeVerb, TheWindowMayBeChosen) {
 }
 
 TEST_F(AnalyzeVerb, AFloorIsTakenOffInPower) {
-  // a tone of 3 um as "noise" beside one of 4 um: 5 um together
+  // a tone of 5 um as "noise" beside one of 12 um: 13 um together
   const auto tones = [&](const std::string& name, double quiet_m, double drive_m) {
     std::ofstream file(directory_ / name);
     file.precision(12);
@@ -227,14 +227,20 @@ TEST_F(AnalyzeVerb, AFloorIsTakenOffInPower) {
     }
     return (directory_ / name).string();
   };
-  const std::string off = tones("off.csv", 3e-6, 0);
-  const std::string on = tones("on.csv", 3e-6, 4e-6);
+  const std::string off = tones("off.csv", 5e-6, 0);
+  const std::string on = tones("on.csv", 5e-6, 12e-6);
   const Json trial = Json::parse(Analyze({"--json", "--floor", off, on}).out)["trials"][0];
-  EXPECT_REL(trial["band_rms_as_measured_m"].get<double>(), 5e-6 / std::numbers::sqrt2, 1e-3,
+  EXPECT_REL(trial["band_rms_as_measured_m"].get<double>(), 13e-6 / std::numbers::sqrt2, 1e-3,
              "settled ends, not whole periods of 110 Hz");
-  EXPECT_REL(trial["noise_rms_m"].get<double>(), 3e-6 / std::numbers::sqrt2, 1e-3, "the same");
-  EXPECT_REL(trial["band_rms_m"].get<double>(), 4e-6 / std::numbers::sqrt2, 2e-3, "the same");
+  EXPECT_REL(trial["noise_rms_m"].get<double>(), 5e-6 / std::numbers::sqrt2, 1e-3, "the same");
+  EXPECT_REL(trial["band_rms_m"].get<double>(), 12e-6 / std::numbers::sqrt2, 2e-3, "the same");
   EXPECT_EQ(trial["noise_from"], off);
+  // what may be noise alone has an upper limit and no value
+  const std::string weak = tones("weak.csv", 5e-6, 4e-6);
+  const Json limited = Json::parse(Analyze({"--json", "--floor", off, weak}).out)["trials"][0];
+  EXPECT_TRUE(limited["band_rms_m"].is_null());
+  EXPECT_EQ(limited["band_rms_interval_95_m"][0], 0);
+  EXPECT_EQ(limited["band_rms_interval_95_m"][1], limited["band_rms_at_most_m"]);
   const Outcome missing = Analyze({"--floor", directory_ / "none.csv", on});
   EXPECT_EQ(missing.status, 3);
   EXPECT_THAT(missing.err, HasSubstr("none.csv: no such file"));

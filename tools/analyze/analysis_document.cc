@@ -150,13 +150,13 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
     Item& item = section.Add(key, If(is_known, rms.rms_m));
     item.note = band;
     if (!is_number) return;
-    item.standard_uncertainty = rms.standard_uncertainty_m;
+    if (!rms.below_floor) item.standard_uncertainty = rms.standard_uncertainty_m;
     item.interval = {rms.lower_m, rms.upper_m};
   };
   // text shows one of four: an answer, an estimate (no answer), an upper or a lower limit
   add({document::kBandRms.name, is_shown ? "vibration (RMS)" : "", document::kMetre,
        Form::kInterval},
-      is_number && analysis.answered);
+      is_shown && analysis.answered);
   add({"band_rms_estimate_m", is_shown ? "estimate (RMS), no answer" : "", document::kMetre},
       is_number && !analysis.answered);
   section

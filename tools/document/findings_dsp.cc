@@ -202,8 +202,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "frequency, or count it as vibration by --hum keep"},
       // noise floor
       {kNoFloor, "no-floor",
-       "noise floor not known, and not subtracted: no drive-off interval of 0.1 s or more outside "
-       "the window; give a drive-off trial by --floor FILE"},
+       "the noise is not known and not subtracted: the RMS includes it[, about {noise_m} at most]; "
+       "give a drive-off trial by --floor FILE, or record 0.1 s or more with the drive off"},
       {kQuietHasDrive, "quiet-has-drive",
        "where the drive is off, a tone of {amplitude_m} at {frequency_hz} remains: it is excluded "
        "from the noise"},
@@ -234,6 +234,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "reduce the noise]"
        "[; {noise_floor_share %} of the variance is due to the scatter of the noise floor: drive "
        "harder, or record the floor longer]"
+       "[; {noise_kept_share %} of the variance is due to noise that is not known and not "
+       "subtracted: give a drive-off trial by --floor FILE, or record an interval with the drive "
+       "off]"
        "[; {below_band_share %} of the variance is due to motion below the band: choose a --band "
        "that holds it, or one that begins farther above it]"
        "[; {quantisation_share %} of the variance is due to the steps of the readings: use a "
@@ -382,6 +385,8 @@ CauseText TextOf(dsp::RmsCause cause) {
   constexpr std::array<CauseText, dsp::kRmsCauseCount> kTexts{{
       {"noise", "residual periodogram after subtraction of the sine fit"},
       {"noise floor", "scatter of the floor that is subtracted"},
+      {"noise that is not subtracted",
+       "all that may be noise in the RMS, which is too large by it"},
       {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
       {"quantisation", "step / sqrt(12), white up to half the rate"},
       {"interpolated readings",

@@ -121,9 +121,18 @@ Result<std::vector<RmsBound>> BoundsOf(const MeasuredWindow& window) {
       std::max(window.steps_m, std::min(steps, steps * steps / (2 * rms))));
   add(RmsCause::kBridged, BridgedBound(window, rms));
   add(RmsCause::kFilterEnds, kSettledError * rms);
-  if (numbers.tone) add(RmsCause::kBeat, BeatBound(window, rms));
-  HAPTOMETER_LET(const double edges_m, EdgeBound(window));
-  add(RmsCause::kDriveEdges, edges_m);
+  const double without_noise =
+      std::sqrt(std::max(0.0, rms * rms - std::pow(numbers.kept_noise_m, 2)));
+  if (numbers.kept_noise_m > 0) {
+    bounds.push_back({RmsCause::kNoiseKept, rms - without_noise, true});
+  }
+  // what other ends of the window would change: a stated one is measured as it is
+  const bool is_chosen = window.question.choice == WindowChoice::kAuto;
+  if (is_chosen && numbers.tone) add(RmsCause::kBeat, BeatBound(window, rms));
+  if (is_chosen) {
+    HAPTOMETER_LET(const double edges_m, EdgeBound(window));
+    add(RmsCause::kDriveEdges, edges_m);
+  }
   // a share s of the power changes the RMS by s / 2 of it
   add(RmsCause::kSteps, 0.5 * rms * StepShare(window));
   const UsedPart& part = window.chosen.part;
@@ -132,9 +141,11 @@ Result<std::vector<RmsBound>> BoundsOf(const MeasuredWindow& window) {
   // may be half off; what lies above the corner was subtracted in a quiet interval only
   const bool alone = numbers.floor && numbers.floor->from != NoiseSource::kBeside;
   const double above = (alone ? 0.5 : 1) * window.beside.foot_mean_square;
-  add(RmsCause::kFoot, (above + 0.5 * window.beside.below_mean_square) / (2 * rms));
+  if (numbers.floor) {
+    add(RmsCause::kFoot, (above + 0.5 * window.beside.below_mean_square) / (2 * rms));
+  }
   add(RmsCause::kHum, (alone ? kSameWithin : 0.5) * std::abs(window.hum_square) / (2 * rms));
-  if (part.state.Drifts()) {
+  if (is_chosen && part.state.Drifts()) {
     add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
   }
   return bounds;

@@ -28,12 +28,15 @@ std::vector<FrequencyRange> DriveRanges(const MeasuredWindow& window, bool harmo
   return ranges;
 }
 
-// noise of samples without drive; what the drive's tone leaves there is no noise, and said
-NoisePower QuietPower(MeasuredWindow& window, std::vector<double> samples) {
+// noise of samples without drive; what the drive's tone leaves there is no noise, and said;
+// nothing where it leaves most of its amplitude: the drive is on there, in more noise
+std::optional<NoisePower> QuietPower(MeasuredWindow& window, std::vector<double> samples) {
   if (window.numbers.tone) {
-    const double tone_hz = window.numbers.tone->fit.frequency_hz;
-    const SineFit left = FitSineAt(samples, {window.rate_hz(), window.bandwidth_hz(), 0}, tone_hz);
+    const SineFit& tone = window.numbers.tone->fit;
+    const SineFit left =
+        FitSineAt(samples, {window.rate_hz(), window.bandwidth_hz(), 0}, tone.frequency_hz);
     if (left.converged && left.amplitude > kClearUncertainties * left.amplitude_uncertainty) {
+      if (left.amplitude > kMajority * tone.amplitude) return std::nullopt;
       window.analysis.findings.Note(
           FindingKind::kQuietHasDrive,
           {{"amplitude_m", left.amplitude}, {"frequency_hz", left.frequency_hz}});
@@ -68,10 +71,14 @@ Result<std::optional<NoiseFloor>> NoiseOfQuiet(MeasuredWindow& window) {
     if (IsNearClipped(window, begin, end)) continue;
     double of_hum = 0;
     HAPTOMETER_LET(auto samples, WithoutHum(window, begin, end, &of_hum));
-    const NoisePower power = QuietPower(window, std::move(samples));
-    // of which all that is beside the drive explains next to nothing: disturbed
-    if ((1 - kExplained) * power.mean_square > std::pow(window.numbers.residual_rms_m, 2)) continue;
-    parts.push_back({power, part_s});
+    const std::optional<NoisePower> power = QuietPower(window, std::move(samples));
+    // disturbed where it is more than all of the window, or where all that is beside the drive
+    // explains next to nothing of it
+    if (!power || power->mean_square > window.numbers.power.mean_square) continue;
+    if ((1 - kExplained) * power->mean_square > std::pow(window.numbers.residual_rms_m, 2)) {
+      continue;
+    }
+    parts.push_back({*power, part_s});
     floor.quiet.push_back(
         {TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end)});
     floor.duration_s += part_s;
@@ -107,6 +114,45 @@ void TakeRest(MeasuredWindow& window, const TonePower& split) {
   // and of samples of the window that were not fitted
   const double longer = window.samples.duration_s() / window.duration_s();
   if (is_alone) variance = beyond.variance + variance * std::max(0.0, 1 - longer);
+}
+
+bool HasSteadyTone(const MeasuredWindow& window) {
+  const UsedPart& part = window.chosen.part;
+  return window.numbers.tone && part.from_drive && part.state.is_steady;
+}
+
+// Whether what is beside the drive is noise: it is in a window that was chosen for its drive. In a
+// stated one it may be vibration, unless it is beside a steady tone and no denser in any part than
+// in the quietest.
+bool IsNoiseBeside(const MeasuredWindow& window) {
+  const NoiseBeside& beside = window.beside;
+  if (window.question.choice == WindowChoice::kAuto) return true;
+  return HasSteadyTone(window) && beside.is_known &&
+         beside.power.mean_square - beside.flat_mean_square <=
+             kFalseAlarmDeviations * std::sqrt(beside.power.variance);
+}
+
+// All that was measured, with the noise that may be in it: what is beside a steady tone; in any
+// other window noise as dense throughout as in the quietest part, and motion below the band and in
+// its foot; all of it where no part is known.
+void KeepNoise(MeasuredWindow& window) {
+  const NoiseBeside& beside = window.beside;
+  const double mean_square = window.numbers.power.mean_square;
+  window.power.rest = window.numbers.power;
+  double noise = mean_square;
+  double density = 0;
+  if (HasSteadyTone(window)) {
+    noise = std::min(noise, beside.power.mean_square);
+    density = *window.density;
+  } else if (beside.is_known) {
+    noise = std::min(noise,
+                     beside.flat_mean_square + beside.below_mean_square + beside.foot_mean_square);
+    density = beside.least_density;
+  }
+  window.numbers.kept_noise_m = std::sqrt(noise);
+  // its beat with the vibration, and its own scatter
+  if (density > 0)
+    window.power.rest.variance = (2 * mean_square - noise) * density / window.duration_s();
 }
 
 }  // namespace
@@ -150,7 +196,7 @@ Result<void> TakeFloor(MeasuredWindow& window) {
   std::optional<NoiseFloor> floor = window.question.floor;
   if (!floor && window.chosen.part.from_drive) {
     HAPTOMETER_LET(floor, NoiseOfQuiet(window));
-    if (!floor) {
+    if (!floor && IsNoiseBeside(window)) {
       floor = NoiseFloor{.power = window.beside.power,
                          .duration_s = window.duration_s(),
                          .from = NoiseSource::kBeside};
@@ -158,13 +204,15 @@ Result<void> TakeFloor(MeasuredWindow& window) {
   }
   const double mean_square = window.numbers.power.mean_square;
   BandPower& power = window.power;
-  if (!floor || !window.density) {
-    power.rest = window.numbers.power;
-    if (floor) power.floor = floor->power;
+  if (!floor) {
+    KeepNoise(window);
   } else {
     const double noise = std::min(mean_square, floor->power.mean_square);
+    // of a floor its mean density, by its variance: integral of S^2 df / T
+    const double density = window.density.value_or(
+        noise > 0 ? floor->power.variance * floor->duration_s / floor->power.mean_square : 0);
     power.tone_mean_square = mean_square - noise;
-    power.tone_variance = 2 * power.tone_mean_square * *window.density / window.duration_s();
+    power.tone_variance = 2 * power.tone_mean_square * density / window.duration_s();
     // the window's own noise scatters about the floor's as it does over that duration
     power.rest = {noise, floor->power.variance * floor->duration_s / window.duration_s()};
     power.floor = {floor->power.mean_square, floor->power.variance};

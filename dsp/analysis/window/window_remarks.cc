@@ -15,17 +15,17 @@ namespace {
 
 // a cause's share of the variance, by RmsCause
 constexpr std::array<std::string_view, kRmsCauseCount> kShareNames{
-    "noise_share",       "noise_floor_share", "below_band_share", "quantisation_share",
-    "bridged_share",     "filter_ends_share", "beat_share",       "drive_edges_share",
-    "steps_share",       "foot_share",        "hum_share",        "drift_share",
-    "calibration_share",
+    "noise_share",        "noise_floor_share", "noise_kept_share",  "below_band_share",
+    "quantisation_share", "bridged_share",     "filter_ends_share", "beat_share",
+    "drive_edges_share",  "steps_share",       "foot_share",        "hum_share",
+    "drift_share",        "calibration_share",
 };
 
 // a doubt where the interval is wide, with its largest cause
 void RemarkInterval(const ChosenPart& chosen, BandAnalysis* analysis) {
   const RmsEstimate& rms = analysis->numbers->rms;
   const double half_width_m = 0.5 * (rms.upper_m - rms.lower_m);
-  if (!chosen.part.from_drive || rms.below_floor || half_width_m <= kWideShare * rms.rms_m) return;
+  if (chosen.refusal || rms.below_floor || half_width_m <= kWideShare * rms.rms_m) return;
   Finding wide{.severity = Severity::kDoubt,
                .kind = FindingKind::kWideInterval,
                .numbers = {{"share", half_width_m / rms.rms_m}}};
@@ -126,7 +126,14 @@ void RemarkHum(const ChosenPart& chosen, BandAnalysis* analysis) {
 
 void RemarkFloor(BandAnalysis* analysis) {
   const BandNumbers& numbers = *analysis->numbers;
-  if (!numbers.floor) return analysis->findings.Note(FindingKind::kNoFloor);
+  if (!numbers.floor) {
+    Finding unknown{.severity = Severity::kNote, .kind = FindingKind::kNoFloor};
+    // it may be all of the RMS
+    if (numbers.kept_noise_m < numbers.rms.as_measured_m) {
+      unknown.numbers = {{"noise_m", numbers.kept_noise_m}};
+    }
+    return analysis->findings.Add(std::move(unknown));
+  }
   for (Finding& doubt : FloorDoubts(numbers, analysis->record.rate_hz)) {
     analysis->findings.Add(std::move(doubt));
   }

@@ -129,6 +129,11 @@ void FinishTone(MeasuredWindow& window) {
     const double least_m = tone.sine_rms_m * tone.amplitude_lower_m / fit.amplitude;
     rms.lower_m = std::clamp(least_m, 0.0, rms.lower_m);
   }
+  // an upper limit holds the tone, unless that was subtracted with the floor
+  if (rms.below_floor && !window.numbers.floor->tone_hz) {
+    const double tone_m = tone.sine_rms_m * tone.amplitude_upper_m / fit.amplitude;
+    rms.at_most_m = rms.upper_m = std::max(rms.at_most_m, tone_m);
+  }
 }
 
 Result<void> DescribeHarmonics(MeasuredWindow& window) {

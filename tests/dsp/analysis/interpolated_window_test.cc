@@ -45,8 +45,6 @@ TEST_P(InterpolatedWindow, IsBoundedAndHardlyWider) {
   const int repetitions = Repetitions(tests::kIsSanitized ? 10 : 30);
   BandQuestion question;
   question.keep_filtered = false;
-  question.choice = WindowChoice::kGiven;
-  question.window = {0.5, 2.5};
   int held = 0;
   double width = 0;
   double width_of_whole = 0;

@@ -119,6 +119,7 @@ TEST(RmsEstimate, BelowTheFloorOnlyALimitIsKnown) {
   EXPECT_TRUE(estimate.below_floor);
   EXPECT_EQ(estimate.rms_m, 0);
   EXPECT_EQ(estimate.lower_m, 0);
+  EXPECT_EQ(estimate.upper_m, estimate.at_most_m) << "one statement";
   EXPECT_GT(estimate.at_most_m, 0.3);
   EXPECT_LT(estimate.at_most_m, 0.6);
 }
@@ -144,6 +145,20 @@ TEST(RmsEstimate, BelowAnUncertainFloorTheLimitIsWhatWasMeasured) {
   const RmsEstimate estimate = EstimateRms(power, {});
   EXPECT_TRUE(estimate.below_floor);
   EXPECT_REL(estimate.at_most_m, estimate.as_measured_m, 1e-15, "no more power than that");
+}
+
+// Noise that may still be in the RMS can only have made it too large.
+TEST(RmsEstimate, NoiseThatIsKeptWidensTheIntervalDownwardsOnly) {
+  BandPower power;
+  power.rest = {1, 4e-4};
+  const std::vector<RmsBound> kept{{RmsCause::kNoiseKept, 0.1, true}};
+  const RmsEstimate without = EstimateRms(power, {});
+  const RmsEstimate with = EstimateRms(power, kept);
+  EXPECT_EQ(with.rms_m, 1);
+  EXPECT_EQ(with.upper_m, without.upper_m);
+  EXPECT_REL(without.lower_m - with.lower_m, 0.1, 1e-12, "by all of it");
+  EXPECT_REL(with.standard_uncertainty_m, std::hypot(0.01, 0.1 / std::numbers::sqrt3), 1e-12,
+             "a rectangle");
 }
 
 TEST(RmsEstimate, TheGainDividesTheToneOnly) {
@@ -405,11 +420,13 @@ TEST(SplitTone, TakesTheNoisesShareFromEachLine) {
   EXPECT_REL(split.density, 0.04 / (kRateHz / 2), 0.6, "48 bins know it to 14 %, four times");
   const double first = std::pow(lines.harmonics[0].amplitude, 2);
   const double second = std::pow(lines.harmonics[1].amplitude, 2);
+  const double beside = split.rest.DensityNear(tone.frequency_hz, 20, 500);
   const double density = split.rest.DensityNear(2 * tone.frequency_hz, 20, 500);
-  EXPECT_REL(split.mean_square, (first + second) / 2 - (split.density + density) / kWindowS, 1e-12,
+  EXPECT_REL(split.mean_square, (first + second) / 2 - (beside + density) / kWindowS, 1e-12,
              "rounding");
-  EXPECT_REL(split.variance, (first * split.density + second * density) / kWindowS, 1e-12,
-             "rounding");
+  EXPECT_REL(split.variance, (first * beside + second * density) / kWindowS, 1e-12, "rounding");
+  // 8 Hz of 10 s are 80 bins on either side
+  EXPECT_EQ(split.density, split.rest.DensityNear(tone.frequency_hz, 20, 500, 80));
   EXPECT_REL(split.rest.power.mean_square, 0.04, 0.04, "1 % of 2e4 values, four times");
 }
 

@@ -343,10 +343,10 @@ const std::vector<Case> kCases{
      "2 % of the window is clipped, so that its RMS is a lower limit: move the sensor or choose a "
      "wider range"},
     {kNoFloor,
-     {},
+     {{"noise_m", 2.5e-07}},
      "no-floor",
-     "noise floor not known, and not subtracted: no drive-off interval of 0.1 s or more outside "
-     "the window; give a drive-off trial by --floor FILE"},
+     "the noise is not known and not subtracted: the RMS includes it, about 0.25 um at most; give "
+     "a drive-off trial by --floor FILE, or record 0.1 s or more with the drive off"},
     {kFloorOfOtherRate,
      {{"floor_per_s", 2000.0}, {"readings_per_s", 10000.0}},
      "floor-of-other-rate",
@@ -543,6 +543,9 @@ TEST(FindingsOfDsp, SayWhatMakesAnIntervalWideAndWhatWouldHelp) {
       {"drive_edges_share",
        "how much the RMS changes with the ends of the window and with bumps: drive longer at a "
        "constant amplitude, or choose an interval with --window FROM:TO"},
+      {"noise_kept_share",
+       "noise that is not known and not subtracted: give a drive-off trial by --floor FILE, or "
+       "record an interval with the drive off"},
       {"steps_share", "steps of the level: choose an interval without them with --window FROM:TO"},
       {"foot_share",
        "motion at the lower corner: choose a --band that begins higher, or record an interval with "

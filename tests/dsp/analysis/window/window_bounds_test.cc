@@ -183,12 +183,26 @@ TEST(WindowBounds, TheFootIsHalfOrAllThatIsThere) {
   const auto foot = [&] { return HalfWidth(made.window, RmsCause::kFoot); };
   EXPECT_EQ(foot(), 0) << "no drive";
   made.chosen.part.from_drive = true;
-  EXPECT_REL(foot(), (4e-14 + 1e-14) / (2 * kRms), kRound, "nothing was subtracted above 20 Hz");
+  EXPECT_EQ(foot(), 0) << "nothing was subtracted";
   made.window.numbers.floor = NoiseFloor{.power = {}, .from = NoiseSource::kBeside};
-  EXPECT_REL(foot(), (4e-14 + 1e-14) / (2 * kRms), kRound, "the same");
+  EXPECT_REL(foot(), (4e-14 + 1e-14) / (2 * kRms), kRound, "nothing was subtracted above 20 Hz");
   for (const NoiseSource from : {NoiseSource::kQuiet, NoiseSource::kFile}) {
     made.window.numbers.floor->from = from;
     EXPECT_REL(foot(), (2e-14 + 1e-14) / (2 * kRms), kRound, "half of both");
+  }
+}
+
+// A stated window is measured as it is, whatever its amplitude does.
+TEST(WindowBounds, OfAStatedWindowNoChangeOfTheAmplitudeCounts) {
+  Bounded made;
+  made.chosen.part.from_drive = true;
+  made.chosen.part.state.drift = 0.3;
+  EXPECT_GT(HalfWidth(made.window, RmsCause::kDrift), 0);
+  for (const WindowChoice choice : {WindowChoice::kAll, WindowChoice::kGiven}) {
+    made.question.choice = choice;
+    EXPECT_EQ(HalfWidth(made.window, RmsCause::kDrift), 0);
+    EXPECT_EQ(HalfWidth(made.window, RmsCause::kBeat), 0);
+    EXPECT_EQ(HalfWidth(made.window, RmsCause::kDriveEdges), 0);
   }
 }
 

@@ -61,21 +61,67 @@ TEST(TakeFloor, WithTheSensorsGainTheErrorsOfTheNoiseGrow) {
   EXPECT_REL(made.window.power.floor->variance, 16e-30, kRound, "the same");
 }
 
-TEST(TakeFloor, WithoutADensityAllOfItIsTheRest) {
+// Broadband vibration beats with the floor's mean density, integral of S^2 df over that of S.
+TEST(TakeFloor, WithoutADensityThatOfTheFloorCounts) {
   Measured made;
   made.window.density.reset();
-  made.question.floor = NoiseFloor{.power = {4e-14, 1e-30}, .duration_s = 2};
+  made.question.floor = NoiseFloor{.power = {4e-14, 1e-30}, .duration_s = 3};
   ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_REL(made.window.power.tone_mean_square, 0.96e-12, kRound, "the rest of it");
+  EXPECT_REL(made.window.power.tone_variance, 2 * 0.96e-12 * (1e-30 * 3 / 4e-14) / 2, kRound,
+             "2 drive S / T");
+  EXPECT_EQ(made.window.power.floor->mean_square, 4e-14);
+}
+
+// Without a drive, a pause and a file nothing is subtracted: the RMS holds noise, which may be as
+// dense throughout as in the quietest part of the band.
+TEST(TakeFloor, OfUnknownNoiseNothingIsSubtracted) {
+  Measured made;
+  made.window.density.reset();
+  made.window.beside.is_known = true;
+  made.window.beside.power = {0.9e-12, 1e-27};
+  made.window.beside.flat_mean_square = 3e-14;
+  made.window.beside.least_density = 6e-17;
+  ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_FALSE(made.window.power.floor);
+  EXPECT_FALSE(made.window.numbers.floor);
   EXPECT_EQ(made.window.power.tone_mean_square, 0);
   EXPECT_EQ(made.window.power.rest.mean_square, 1e-12);
+  EXPECT_REL(made.window.power.rest.variance, (2 * 1e-12 - 3e-14) * 6e-17 / 2, kRound,
+             "2 vibration S / T + noise S / T");
+  EXPECT_REL(made.window.numbers.kept_noise_m, std::sqrt(3e-14), kRound, "the flat noise");
+  // where no part of the band is known, all may be noise
+  made.window.beside.is_known = false;
+  ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_REL(made.window.numbers.kept_noise_m, 1e-6, kRound, "all");
   EXPECT_EQ(made.window.power.rest.variance, 3e-27);
-  EXPECT_EQ(made.window.power.floor->mean_square, 4e-14);
-  // nor is there a floor without a drive and a file
-  Measured none;
-  ASSERT_TRUE(TakeFloor(none.window));
-  EXPECT_FALSE(none.window.power.floor);
-  EXPECT_FALSE(none.window.numbers.floor);
-  EXPECT_EQ(none.window.power.rest.mean_square, 1e-12);
+}
+
+// In a stated window what is beside the drive is noise where it is flat beside a steady tone; else
+// it may be vibration, which is not subtracted.
+TEST(TakeFloor, InAStatedWindowOnlyFlatNoiseBesideASteadyToneIsSubtracted) {
+  const auto source = [](WindowChoice choice, bool is_steady, double beside_square) {
+    Measured made;
+    made.question.choice = choice;
+    made.chosen.part.from_drive = true;
+    made.chosen.part.state.is_steady = is_steady;
+    made.window.numbers.tone.emplace();
+    made.window.beside.is_known = true;
+    made.window.beside.power = {beside_square, 1e-28};
+    made.window.beside.flat_mean_square = 4e-14;
+    EXPECT_TRUE(TakeFloor(made.window));
+    if (made.window.numbers.floor) return std::sqrt(made.window.numbers.floor->power.mean_square);
+    EXPECT_EQ(made.window.power.rest.mean_square, 1e-12) << "nothing is subtracted";
+    return -made.window.numbers.kept_noise_m;
+  };
+  // 3.29 standard deviations of 1e-14 m2 above the flat noise
+  const double flat = 4e-14 + 3.28e-14;
+  const double more = 4e-14 + 3.30e-14;
+  EXPECT_EQ(source(WindowChoice::kAuto, false, more), std::sqrt(more));
+  EXPECT_EQ(source(WindowChoice::kGiven, true, flat), std::sqrt(flat));
+  EXPECT_EQ(source(WindowChoice::kAll, true, flat), std::sqrt(flat));
+  EXPECT_EQ(source(WindowChoice::kGiven, true, more), -std::sqrt(more)) << "beside the tone";
+  EXPECT_EQ(source(WindowChoice::kAll, false, flat), -std::sqrt(4e-14)) << "no tone: the flat part";
 }
 
 TEST(TakeFloor, BesideADriveTheSpectrumGivesIt) {
@@ -184,6 +230,7 @@ TEST(NoiseOfQuiet, WhatIsLeftOfTheDriveIsSaidAndNoNoise) {
   made.window.numbers.residual_rms_m = 1;
   made.window.density = 1e-16;
   made.window.numbers.tone.emplace().fit.frequency_hz = 200;
+  made.window.numbers.tone->fit.amplitude = 1.1e-7;
   ASSERT_TRUE(TakeFloor(made.window));
   const Finding note = FirstOf(made.analysis.findings, FindingKind::kQuietHasDrive);
   EXPECT_EQ(note.severity, Severity::kNote);
@@ -193,6 +240,20 @@ TEST(NoiseOfQuiet, WhatIsLeftOfTheDriveIsSaidAndNoNoise) {
   // of 480 Hz of 5 kHz
   EXPECT_REL(std::sqrt(made.window.numbers.floor->power.mean_square), 1e-8 * std::sqrt(0.096), 0.15,
              "2 B T = 960 values: four times 2.3 %, and the skirts of the filter");
+  // with half of its amplitude the drive is on there
+  made.window.numbers.tone->fit.amplitude = 0.9e-7;
+  ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_EQ(made.window.numbers.floor->from, NoiseSource::kBeside);
+}
+
+// What is more than all that was measured in the window is another state of the record.
+TEST(NoiseOfQuiet, IsLeftOutWhereItIsMoreThanTheWindow) {
+  Quiet made;
+  const double mean_square = made.PowerOf(10'000, 15'000).mean_square;
+  made.window.numbers.power.mean_square = 0.999 * mean_square;
+  EXPECT_EQ(made.Floor({{1.0, 1.5}}).from, NoiseSource::kBeside);
+  made.window.numbers.power.mean_square = 1.001 * mean_square;
+  EXPECT_EQ(made.Floor({{1.0, 1.5}}).from, NoiseSource::kQuiet);
 }
 
 // ---- MeasurePower of a window whose samples were read before.

@@ -154,7 +154,11 @@ TEST(RefuseWithoutDrive, StatesTheNoiseAndWhatADriveIsBelow) {
 
 TEST(RemarkFloor, SaysWhetherThereIsOneAndWhatItLeaves) {
   Remarked made;
-  EXPECT_TRUE(Has(made, FindingKind::kNoFloor));
+  // noise that is all of the RMS is not said twice
+  made.numbers().kept_noise_m = 0.72e-6;
+  EXPECT_TRUE(FirstOf(made.Remarks(), FindingKind::kNoFloor).numbers.empty());
+  made.numbers().kept_noise_m = 0.1e-6;
+  EXPECT_EQ(NumberOf(FirstOf(made.Remarks(), FindingKind::kNoFloor), "noise_m"), 0.1e-6);
   made.numbers().floor = NoiseFloor{.power = {}, .file = "off.bin"};
   EXPECT_FALSE(Has(made, FindingKind::kNoFloor));
   EXPECT_FALSE(Has(made, FindingKind::kBelowFloor));
@@ -256,7 +260,7 @@ TEST(FloorDoubts, RefusalsOfTheDriveOffTrialAreDoubtsOfItsUse) {
 }
 
 // Half of the interval is 2.5 % of the RMS of 0.7 um: 17.5 nm.
-TEST(RemarkInterval, IsADoubtOfADriveBeyondTwoAndAHalfPercent) {
+TEST(RemarkInterval, IsADoubtBeyondTwoAndAHalfPercent) {
   Remarked made;
   made.numbers().rms.lower_m = 0.68e-6;
   made.numbers().rms.upper_m = 0.68e-6 + 2 * 17.6e-9;
@@ -266,19 +270,21 @@ TEST(RemarkInterval, IsADoubtOfADriveBeyondTwoAndAHalfPercent) {
   EXPECT_FALSE(Has(made, FindingKind::kWideInterval)) << "an upper limit has no interval";
   made.numbers().rms.below_floor = false;
   made.chosen.part.from_drive = false;
-  EXPECT_FALSE(Has(made, FindingKind::kWideInterval));
-  made.chosen.part.from_drive = true;
+  EXPECT_TRUE(Has(made, FindingKind::kWideInterval)) << "of a stated window too";
+  made.chosen.refusal = {.severity = Severity::kRefusal, .kind = FindingKind::kNoDrive};
+  EXPECT_FALSE(Has(made, FindingKind::kWideInterval)) << "no RMS";
+  made.chosen.refusal.reset();
   made.numbers().rms.upper_m = 0.68e-6 + 2 * 17.4e-9;
   EXPECT_FALSE(Has(made, FindingKind::kWideInterval));
 }
 
 // 3, 4 and 12 of 13: 144 of 169 parts of the variance.
 TEST(RemarkInterval, NamesTheLargestCauseWithItsShareOfTheVariance) {
-  constexpr const char* kNames[] = {"noise_share",        "noise_floor_share", "below_band_share",
-                                    "quantisation_share", "bridged_share",     "filter_ends_share",
-                                    "beat_share",         "drive_edges_share", "steps_share",
-                                    "foot_share",         "hum_share",         "drift_share",
-                                    "calibration_share"};
+  constexpr const char* kNames[] = {"noise_share",       "noise_floor_share",  "noise_kept_share",
+                                    "below_band_share",  "quantisation_share", "bridged_share",
+                                    "filter_ends_share", "beat_share",         "drive_edges_share",
+                                    "steps_share",       "foot_share",         "hum_share",
+                                    "drift_share",       "calibration_share"};
   static_assert(std::size(kNames) == kRmsCauseCount);
   for (std::size_t k = 0; k < kRmsCauseCount; ++k) {
     Remarked made;

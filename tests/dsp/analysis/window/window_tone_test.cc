@@ -144,6 +144,24 @@ TEST(FinishTone, AWideIntervalReachesToTheToneAlone) {
              "four digits of 0.4 %");
 }
 
+// A tone of 5 um amplitude stood beside an RMS of 3.1 um at most.
+TEST(FinishTone, AnUpperLimitHoldsTheTone) {
+  const auto limit = [](std::optional<double> tone_of_floor_hz, double at_most_m) {
+    Fitted made;
+    made.window.numbers.floor = NoiseFloor{.power = {}, .file = "off"};
+    made.window.numbers.floor->tone_hz = tone_of_floor_hz;
+    made.window.numbers.rms.below_floor = true;
+    made.window.numbers.rms.at_most_m = made.window.numbers.rms.upper_m = at_most_m;
+    (void)made.Finished();
+    EXPECT_EQ(made.window.numbers.rms.upper_m, made.window.numbers.rms.at_most_m);
+    return made.window.numbers.rms.at_most_m;
+  };
+  EXPECT_REL(limit({}, 0.1e-6), (1 + 1.985 * 2e-3) * 1e-6 / std::numbers::sqrt2, 1e-5,
+             "digits of the factor");
+  EXPECT_EQ(limit({}, 0.9e-6), 0.9e-6);
+  EXPECT_EQ(limit(kFrequency, 0.1e-6), 0.1e-6) << "subtracted with the floor";
+}
+
 TEST(FinishTone, AnIntervalThatHoldsTheToneStays) {
   Fitted made;
   made.chosen.part.from_drive = true;
