@@ -27,6 +27,7 @@ enum class FindingKind : std::uint8_t {
   kHeightWithoutImpact,    ///< not used
   kCurrentWithoutRelease,  ///< not used
   kHeightOfFirstImpact,    ///< not used
+  kHeightOfLongImpact,     ///< not used: shortest_s, longest_s that was looked for
   kReleaseBehindSlow,      ///< at_s, from_s
   kDownweighted,           ///< samples, of
   kNotQuietBefore,
@@ -52,7 +53,8 @@ enum class FindingKind : std::uint8_t {
   kDampingsWithoutHeight,      ///< sum_per_s
   kKmOfDisplacement,
   kKmOfReleaseWithoutMass,
-  kKmTimesSpeedOnly,  ///< product_v
+  kKmTimesSpeedOnly,    ///< product_v
+  kKmTimesUnusedSpeed,  ///< product_v; a height is stated and not used
   kKmLostInDamping,
   // what makes the constants useless
   kSmallerLoadDecaysSlower,
@@ -110,6 +112,8 @@ enum class FindingKind : std::uint8_t {
   kStiffnessChangesLater,  ///< share, skipped_s
   kManyImpacts,            ///< impacts
   kTapsScatter,            ///< constant, birge_ratio, degrees_of_freedom
+  // an impedance sweep's table
+  kPointsWrittenTwice,  ///< copies, points: with them
 };
 
 using Finding = FindingOf<FindingKind>;

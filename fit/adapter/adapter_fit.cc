@@ -8,6 +8,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/mapped.h"
+#include "fit/adapter/consensus_mean.h"
 #include "fit/drop_test/prepared_record.h"
 #include "fit/drop_test/ring_fit.h"
 #include "fit/uncertainty.h"
@@ -151,35 +153,11 @@ Error OfTap(const Error& error) {
   return {error.cause, error.where, OfMotion(error.what), OfMotion(error.remedy)};
 }
 
-// weighted mean of one logarithm over the taps
-struct Mean {
-  double value = 0;
-  double variance = 0;
-  double scatter_variance = 0;  // the part of it that the taps' scatter added
-  double birge_ratio = 0;
-};
-
-// weights 1/u^2; widened by the Birge ratio R_B = sqrt(chi^2/(n - 1)), never narrowed
-Mean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
-  Mean mean;
-  double weights = 0;
-  for (const auto& tap : taps) {
-    // a record without noise has a variance of rounding errors only
-    const double weight = 1 / std::max(tap.variances[which], 1e-30);
-    weights += weight;
-    mean.value += (tap.values[which] - mean.value) * weight / weights;
-  }
-  mean.variance = 1 / weights;
-  if (taps.size() < 2) return mean;
-  double square = 0;
-  for (const auto& tap : taps) {
-    const double off = tap.values[which] - mean.value;
-    square += off * off / std::max(tap.variances[which], 1e-30);
-  }
-  mean.birge_ratio = std::sqrt(square / static_cast<double>(taps.size() - 1));
-  mean.scatter_variance = mean.variance * std::max(0.0, mean.birge_ratio * mean.birge_ratio - 1);
-  mean.variance += mean.scatter_variance;
-  return mean;
+// common value of one logarithm over the taps
+ConsensusMean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
+  return ConsensusOf(Mapped<TapEstimate>(taps, [which](const Logarithms& tap) {
+    return TapEstimate{tap.values[which], tap.variances[which]};
+  }));
 }
 
 // what the record's time scale leaves open: d goes with the rate, q with its square
@@ -191,8 +169,8 @@ void AddTimeScale(const ImpulseRecord& record, Logarithms* tap) {
 }
 
 void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
-  const Mean decay = MeanOf(taps, 0);
-  const Mean stiffness = MeanOf(taps, 1);
+  const ConsensusMean decay = MeanOf(taps, 0);
+  const ConsensusMean stiffness = MeanOf(taps, 1);
   const double ln_mass = std::log(fit->mass_kg.value);
   const double share = fit->mass_kg.standard_uncertainty / fit->mass_kg.value;
   const double ln_two = std::numbers::ln2;

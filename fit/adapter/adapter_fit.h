@@ -39,7 +39,7 @@ struct AdapterFit {
   Quantity mass_kg;                 ///< M as given
   /// Root of the mean square of the taps' deviations from their mean in units of their own standard
   /// uncertainties (R. T. Birge, Phys. Rev. 40, 207 (1932)), for ln Ka and ln Ba; 0: one tap. Where
-  /// it is above 1, it multiplies the statistical uncertainty.
+  /// it is above 1, weights and uncertainty contain the scatter between taps (consensus_mean.h).
   double stiffness_birge_ratio = 0;
   double damping_birge_ratio = 0;
   std::vector<FittedTap> taps;
@@ -65,9 +65,9 @@ struct AdapterFit {
 ///
 /// Each record is prepared as a drop is (prepared_record.h: rails, later blows, hum, drift,
 /// quantised tail) and fitted by one free pole pair with offset (ring_fit.h). Type A: covariance
-/// of the fit with the noise as dense as it is at the resonance; several taps are averaged with
-/// their weights, and with more scatter than they state the Birge ratio widens the result. Type B:
-/// the mass. A fit from half a decay time later, which must agree, shows a spring that stiffens or
+/// of the fit with the noise as dense as it is at the resonance; several taps have a common value
+/// whose weights and uncertainty contain the scatter between them (consensus_mean.h). Type B: the
+/// mass. A fit from half a decay time later, which must agree, shows a spring that stiffens or
 /// a joint that rubs.
 ///
 /// Worked: 8200 N/m, 0.01 N s/m and 4.6 g ring at 212.495 Hz with d = 1.08696 1/s.

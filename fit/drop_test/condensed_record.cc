@@ -2,8 +2,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <span>
+#include <numeric>
 
 #include "fit/least_squares.h"
 #include "sim/ring_down.h"
@@ -18,14 +19,13 @@ constexpr double kOnGrid = 1e-6;       // of a step: rounding
 constexpr double kMostExponents = 40;  // e^-40 is lost beside any ringing
 constexpr double kLeastAngle = 100;    // (q - d^2) t^2
 
-// F's columns here: what blocks have, then the coil's current, which is over before the first of
-// them
-constexpr std::array kColumns{
-    Part::kEven,  Part::kOdd,       Part::kTimesEven, Part::kTimesOdd,   Part::kConstant,
-    Part::kDrift, Part::kHumCosine, Part::kHumSine,   Part::kElectrical, Part::kTimesElectrical};
-constexpr Position kRinging = 5;  // up to kConstant
-constexpr Position kInBlocks = 8;
-constexpr std::size_t kWidth = kColumns.size();
+// F's columns here: what every block has, the disturbances that the record has (from kDrift on),
+// then the coil's current, which is over before the first block
+constexpr std::array kRingingColumns{Part::kEven, Part::kOdd, Part::kTimesEven, Part::kTimesOdd,
+                                     Part::kConstant};
+constexpr std::array kCurrentColumns{Part::kElectrical, Part::kTimesElectrical};
+constexpr Position kRinging = std::ssize(kRingingColumns);
+constexpr Position kInBlocks = kRinging + 1 + 2 * static_cast<Position>(kMostHumLines);
 using Stretch = Condenser::Stretch;
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kInBlocks, kInBlocks>;
@@ -40,12 +40,15 @@ class Condensing {
       : record_(record),
         rates_(rates),
         recording_(record),
-        width_(record.drifts || record.hum_hz > 0 ? kInBlocks : kRinging),
+        width_(record.drifts || recording_.lines > 0
+                   ? kRinging + 1 + 2 * static_cast<Position>(recording_.lines)
+                   : kRinging),
+        columns_(static_cast<std::size_t>(width_) + kCurrentColumns.size()),
         moments_(rates.decay_per_s, rates.stiffness_per_s2, rates.electrical_rate_per_s,
                  record.step_s / record.time_scale) {}
 
   void Take(const std::vector<Stretch>& stretches) {
-    rows_.reserve(kWidth * (stretches.size() * static_cast<std::size_t>(width_) + kBlock));
+    rows_.reserve(columns_ * (stretches.size() * static_cast<std::size_t>(width_) + kBlock));
     for (const auto& [first, is_block] : stretches) {
       const std::size_t count = is_block ? kBlock : 1;
       if (is_block && IsMotionAlone(first)) {
@@ -56,26 +59,22 @@ class Condensing {
       for (std::size_t n = first; n < first + count; ++n) TakeSample(n);
     }
     // the blocks' rests in one row
-    rows_.resize(rows_.size() + kWidth);
+    rows_.resize(rows_.size() + columns_);
     samples_.push_back(std::sqrt(rest_));
   }
 
   [[nodiscard]] std::vector<CondensedRow> condensed() const {
     // columns that occur: those of blocks, and the current's where a sample has any
-    std::vector<std::size_t> used;
-    for (std::size_t k = 0; k < kWidth; ++k) {
-      const bool in_blocks = static_cast<Position>(k) < width_;
-      const bool electrical = static_cast<Position>(k) >= kInBlocks && has_current_;
-      if (in_blocks || electrical) used.push_back(k);
-    }
+    std::vector<std::size_t> used(has_current_ ? columns_ : static_cast<std::size_t>(width_));
+    std::iota(used.begin(), used.end(), 0UZ);
     const std::size_t size = used.size() + 1;
-    const auto reduced = ReduceRows({rows_, kWidth, samples_}, used);
+    const auto reduced = ReduceRows({rows_, columns_, samples_}, used);
     std::vector<CondensedRow> condensed(size);
     for (std::size_t row = 0; row < size; ++row) {
       const double* values = reduced.data() + row * size;
       auto& [parts, value_v] = condensed[row];
       for (std::size_t k = 0; k < used.size(); ++k) {
-        parts[Index(kColumns[used[k]])] = values[k] / record_.noise_v;
+        parts[PartOf(k)] = values[k] / record_.noise_v;
       }
       // D = (t E - O)/(2 (d^2 - q)), linear in the other parts
       parts[Index(Part::kByDiscriminant)] =
@@ -93,6 +92,13 @@ class Condensing {
     return (record_.times_s[n] - rates_.impact_s) / record_.time_scale;
   }
 
+  [[nodiscard]] std::size_t PartOf(std::size_t column) const {
+    if (column < kRingingColumns.size()) return Index(kRingingColumns[column]);
+    const auto width = static_cast<std::size_t>(width_);
+    return column < width ? Index(Part::kDrift) + column - kRingingColumns.size()
+                          : Index(kCurrentColumns[column - width]);
+  }
+
   // behind the impact and the coil's current's own decay
   [[nodiscard]] bool IsMotionAlone(std::size_t n) const {
     const double exponents = rates_.electrical_rate_per_s * SinceBlow(n);
@@ -101,14 +107,18 @@ class Condensing {
 
   void TakeSample(std::size_t n) {
     const RingingMoment moment = moments_.At(SinceBlow(n));
-    const auto [drift, cosine, sine] = recording_.At(record_.times_s[n]);
+    const auto recorded = recording_.At(record_.times_s[n]);
     const double weight = record_.root_weights.empty() ? 1 : record_.root_weights[n];
     has_current_ = has_current_ || moment.electrical > 0;
-    for (const double part :
-         {moment.even, moment.odd, moment.since_s * moment.even, moment.since_s * moment.odd, 1.0,
-          drift, cosine, sine, moment.electrical, moment.since_s * moment.electrical}) {
+    for (const double part : {moment.even, moment.odd, moment.since_s * moment.even,
+                              moment.since_s * moment.odd, 1.0}) {
       rows_.push_back(weight * part);
     }
+    for (Position k = kRinging; k < width_; ++k) {
+      rows_.push_back(weight * recorded[static_cast<std::size_t>(k - kRinging)]);
+    }
+    rows_.push_back(weight * moment.electrical);
+    rows_.push_back(weight * moment.since_s * moment.electrical);
     samples_.push_back(weight * record_.voltages_v[n]);
   }
 
@@ -122,12 +132,20 @@ class Condensing {
       if (width_ == kRinging) continue;
       // drift and hum run in the record's own time, shown over true by the time scale
       const double shown_s = static_cast<double>(k) * record_.step_s;
-      const double angle = recording_.hum_rad_per_s * shown_s;
-      parts.row(k).tail(kInBlocks - kRinging) << shown_s, std::cos(angle), std::sin(angle);
+      parts(k, kRinging) = shown_s;
+      for (std::size_t line = 0; line < recording_.lines; ++line) {
+        const double angle = recording_.hum_rad_per_s[line] * shown_s;
+        parts(k, CosineOf(line)) = std::cos(angle);
+        parts(k, CosineOf(line) + 1) = std::sin(angle);
+      }
     }
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(parts);
     orthonormal_ = qr.householderQ() * Eigen::MatrixXd::Identity(parts.rows(), width_);
     triangle_ = qr.matrixQR().topRows(width_).triangularView<Eigen::Upper>();
+  }
+
+  [[nodiscard]] static Position CosineOf(std::size_t line) {
+    return kRinging + 1 + 2 * static_cast<Position>(line);
   }
 
   // the basis's triangle turned to the parts of the block at `n`, in as many rows
@@ -137,8 +155,8 @@ class Condensing {
         sim::DampedFundamentals(rates_.decay_per_s, rates_.stiffness_per_s2, t);
     // E(t + s) = E E + (d^2 - q) O O and O(t + s) = E O + O E, also times t + s
     const double odd_to_even = discriminant() * odd;
-    const auto [drift, cosine, sine] = recording_.At(record_.times_s[n]);
-    for (Position k = 0; k < width_; ++k, row += kWidth) {
+    const auto recorded = recording_.At(record_.times_s[n]);
+    for (Position k = 0; k < width_; ++k, row += columns_) {
       const auto triangle = triangle_.row(k);
       row[0] = triangle[0] * even + triangle[1] * odd_to_even;
       row[1] = triangle[0] * odd + triangle[1] * even;
@@ -146,9 +164,14 @@ class Condensing {
       row[3] = triangle[2] * odd + triangle[3] * even + t * row[1];
       row[4] = triangle[4];
       if (width_ == kRinging) continue;
-      row[5] = triangle[5] + drift * triangle[4];
-      row[6] = triangle[6] * cosine - triangle[7] * sine;
-      row[7] = triangle[6] * sine + triangle[7] * cosine;
+      row[kRinging] = triangle[kRinging] + recorded[0] * triangle[4];
+      for (std::size_t line = 0; line < recording_.lines; ++line) {
+        const Position at = CosineOf(line);
+        const double cosine = recorded[1 + 2 * line];
+        const double sine = recorded[2 + 2 * line];
+        row[at] = triangle[at] * cosine - triangle[at + 1] * sine;
+        row[at + 1] = triangle[at] * sine + triangle[at + 1] * cosine;
+      }
     }
   }
 
@@ -164,14 +187,15 @@ class Condensing {
     rest_ += left_.squaredNorm();
     const std::size_t row = samples_.size();
     samples_.insert(samples_.end(), products.begin(), products.end());
-    rows_.resize(kWidth * samples_.size());
-    WriteParts(first, rows_.data() + kWidth * row);
+    rows_.resize(columns_ * samples_.size());
+    WriteParts(first, rows_.data() + columns_ * row);
   }
 
   const RingDownSamples& record_;
   const RingingRates& rates_;
   RecordingParts recording_;
-  Position width_;  // of a block's parts
+  Position width_;       // of a block's parts
+  std::size_t columns_;  // with the current's
   RingingMoments moments_;
   Eigen::MatrixXd orthonormal_;
   Eigen::VectorXd left_;  // of a block's samples, by these

@@ -206,21 +206,23 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
 // Whether a strong hum is missing in what precedes the motion: then it stands for something that
 // the motion itself does.
 bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
-                        const RingSamples& samples, const RingFit& fit, double hum_hz) {
+                        const RingSamples& samples, const RingFit& fit) {
   constexpr double kStrong = 0.2;     // of the ringing
   constexpr double kMostLeft = 0.25;  // of the hum's power
   const double seen_s = static_cast<double>(start.quiet_samples) * record.step_s;
   const double amplitude_v = fit.HumAmplitude();
   // a weak hum, or less than half of its period before the motion: not tested
-  if (amplitude_v < kStrong * fit.Envelope(0) || seen_s * hum_hz < 0.5) return false;
+  if (fit.hum.empty() || amplitude_v < kStrong * fit.Envelope(0) ||
+      seen_s * fit.hum.front().frequency_hz < 0.5) {
+    return false;
+  }
   // samples before the motion, less the fitted hum
   std::vector<double> left;
   for (std::size_t n = 0; n < start.quiet_samples; ++n) {
     if (!std::isfinite(record.voltage_v[n])) continue;
-    const double angle =
-        2 * std::numbers::pi * hum_hz * (record.start_s + static_cast<double>(n) * record.step_s);
-    left.push_back(record.voltage_v[n] - fit.hum_cosine_v * std::cos(angle) -
-                   fit.hum_sine_v * std::sin(angle));
+    const double time_s = record.start_s + static_cast<double>(n) * record.step_s;
+    left.push_back(record.voltage_v[n]);
+    for (const HumLine& line : fit.hum) left.back() -= line.At(time_s);
   }
   const double block = samples.step_s / record.step_s;
   // noise power of single samples: that of the blocks times the block's length
@@ -303,13 +305,12 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
   if (part->no_ring_down.empty() && part->evidence.begins) {
     part->no_ring_down = TooShortToTell(samples, fit, std::max(quiet_v, step_v));
   }
-  const double hum_hz = part->background.hum_hz;
   if (part->no_ring_down.empty() && !part->follows_a_later_blow &&
-      HumIsMissingBefore(record, start, samples, fit, hum_hz)) {
+      HumIsMissingBefore(record, start, samples, fit)) {
     part->no_ring_down = fmt::format(
         "is not a single decaying oscillation: what looks like hum of {:g} Hz does not precede it "
         "(a chirp or a beat?)",
-        hum_hz);
+        fit.hum.front().frequency_hz);
   }
   if (part->no_ring_down.empty() && FollowsAnotherMotion(record, start, *part, samples, fit)) {
     part->no_ring_down = fmt::format(
@@ -325,7 +326,7 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
 void TakeIntoBackground(const ImpulseRecord& record, const Suspect& found, Disturbances* part) {
   const FindingNumber amplitude{InUnit(record, "amplitude_v", "amplitude_m"), found.amplitude_v};
   if (found.kind == Suspect::Kind::kHum) {
-    part->background.hum_hz = found.value;
+    part->background.hum_hz.push_back(found.value);
     part->found.Add(About(record.name, Severity::kNote, FindingKind::kHum,
                           {{"frequency_hz", found.value}, amplitude}));
   } else {

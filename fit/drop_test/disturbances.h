@@ -32,11 +32,13 @@ struct Disturbances {
 /// Looks for a later blow, mains hum, drift and a tail below the converter's step.
 ///
 /// The record is fitted by one free pole pair (ring_fit.h). Each disturbance that is still missing
-/// is then tried on the residual: a line; a sine of 50 or of 60 Hz; a free jump of the motion at
-/// one of the times half a period apart, against a ringing that changes with its own amplitude and
-/// is not an impact (consistency.h). The one that reduces the residual's power most, by more than
-/// 30 times the mean share of a degree of freedom (one false alarm in 10^5 records of white noise;
-/// dry friction, of one column with a known sign, 12 times: 1 in 4000), is included, and the fit
+/// is then tried on the residual: a line; a sine of 50 or of 60 Hz, then those of up to three of
+/// its 2nd to 5th harmonics (but where what changes with the ringing's own amplitude explains more
+/// than a harmonic, which lies within the resonance's width then); a free jump of the motion at one
+/// of the times half a period apart, against a ringing that changes with its own amplitude and is
+/// not an impact (consistency.h). The one that reduces the residual's power most, by more than 30
+/// times the mean share of a degree of freedom (one false alarm in 10^5 records of white noise; dry
+/// friction, of one column with a known sign, 12 times: 1 in 4000), is included, and the fit
 /// repeated until none is left. Friction is judged by the swings above the converter's step: below
 /// it a record shows rest, as friction leaves behind. A tail of one code and its neighbours, below
 /// the converter's step, is cut off before anything is tried: its sudden end resembles an impact.

@@ -1,6 +1,7 @@
 #include "fit/drop_test/drop_test_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,11 +97,35 @@ void DescribeHeights(const DropTestModel& model, Findings& findings) {
   if (!knows_scale) findings.Note(FindingKind::kVoltageScaleExact);
 }
 
+// heights that are stated and not used
+constexpr std::array kUnusedHeights{FindingKind::kHeightWithoutImpact,
+                                    FindingKind::kHeightOfFirstImpact,
+                                    FindingKind::kHeightOfLongImpact};
+
+bool HasUnusedHeight(const Findings& findings) {
+  return std::ranges::any_of(kUnusedHeights, [&](FindingKind kind) { return findings.Has(kind); });
+}
+
+// What is stated of a record and not used, taken out of what was found in it: it explains the
+// answer of all.
+Findings TakeUnused(Findings* found) {
+  Findings unused;
+  Findings others;
+  for (const Finding& finding : found->list()) {
+    const bool is_unused = finding.kind == FindingKind::kCurrentWithoutRelease ||
+                           std::ranges::count(kUnusedHeights, finding.kind) > 0;
+    (is_unused ? unused : others).Add(finding);
+  }
+  *found = std::move(others);
+  return unused;
+}
+
 // the damping, where it is not determined
 void DescribeDamping(const DropTestModel& model, bool some_loaded, DropTestFit& fit) {
   if (fit.damping_over_mass.determined) return;
   if (!some_loaded) return fit.findings.Note(FindingKind::kNoDecay);
-  const FindingKind kind = !model.knows_heights      ? FindingKind::kDampingsWithoutHeight
+  const bool states_heights = model.knows_heights || HasUnusedHeight(fit.findings);
+  const FindingKind kind = !states_heights           ? FindingKind::kDampingsWithoutHeight
                            : !model.knows_resistance ? FindingKind::kDampingsWithoutResistance
                                                      : FindingKind::kDampingsTogether;
   fit.findings.Add(About(fit.records[0].name, Severity::kNote, kind,
@@ -129,7 +154,9 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   } else if (!some_loaded) {
     // open records without a height: only the product Km v0 is determined
     const auto r = static_cast<std::size_t>(voltage - samples.begin());
-    fit.findings.Add(About(fit.records[r].name, Severity::kNote, FindingKind::kKmTimesSpeedOnly,
+    fit.findings.Add(About(fit.records[r].name, Severity::kNote,
+                           HasUnusedHeight(fit.findings) ? FindingKind::kKmTimesUnusedSpeed
+                                                         : FindingKind::kKmTimesSpeedOnly,
                            {{"product_v", std::exp(road.point.own[r][Index(Own::kAmplitude)])}}));
   } else if (fit.damping_over_mass.determined) {
     fit.findings.Note(FindingKind::kKmLostInDamping);
@@ -294,6 +321,9 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   }
   DropTestFit fit;
   fit.findings = model->findings;
+  for (PreparedRecord& record : model->records) {
+    fit.findings.AddAll(TakeUnused(&record.part.found));
+  }
   // two ways to Km: by heights, if any is stated, and by loads
   std::optional<DropTestRoad> by_heights;
   if (model->knows_heights) by_heights = Travel(*model, true);

@@ -425,8 +425,9 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProbl
   for (std::size_t r = 0; r < problem.records().size(); ++r) {
     const RingDownSamples& record = problem.records()[r];
     unknown[Column(r, Own::kDrift)] = record.drifts;
-    unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
-    unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
+    for (std::size_t k = 0; k < 2 * kMostHumLines; ++k) {
+      unknown[Column(r, Own::kHumCosine) + k] = k < 2 * record.hum_hz.size();
+    }
     // an amplitude is unknown unless a speed or a released current gives it
     unknown[Column(r, Own::kAmplitude)] =
         record.speed_m_per_s == 0 && record.signal != RingingSignal::kReleaseVoltage;

@@ -37,17 +37,22 @@ Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& p
   return start;
 }
 
-// What is known of the impact holds where the record shows it: a part without anything quiet at its
-// begin may be behind it.
+// What is known of the impact holds where the record shows it. Without anything quiet before it, it
+// may lie periods before the record, and nothing shows its length, on which the speed depends.
 void ForgetMissingBlow(PreparedRecord* prepared) {
   ImpulseRecord& record = prepared->record;
-  if (!record.is_cut_before || prepared->start.quiet_samples > 0) return;
-  if (record.drop_height_m) {
+  const RingStart& start = prepared->start;
+  const bool is_missing = start.quiet_samples == 0;
+  if (record.drop_height_m && (is_missing || start.contact_may_be_longer)) {
     record.drop_height_m.reset();
+    std::vector<FindingNumber> lengths{{"longest_s", start.longest_contact_s}};
+    if (start.shortest_contact_s > 0) lengths.emplace_back("shortest_s", start.shortest_contact_s);
     prepared->part.found.Add(
-        About(record.name, Severity::kNote, FindingKind::kHeightWithoutImpact));
+        is_missing ? About(record.name, Severity::kNote, FindingKind::kHeightWithoutImpact)
+                   : About(record.name, Severity::kDoubt, FindingKind::kHeightOfLongImpact,
+                           std::move(lengths)));
   }
-  if (record.release_current_a) {
+  if (record.release_current_a && record.is_cut_before && is_missing) {
     record.release_current_a.reset();
     prepared->part.found.Add(
         About(record.name, Severity::kNote, FindingKind::kCurrentWithoutRelease));
@@ -87,8 +92,10 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   }
   // with dry friction, the poles of the fit that includes it
   if (prepared.part.background.has_friction) prepared.start.poles = prepared.part.poles;
-  ForgetMissingBlow(&prepared);
-  if (!prepared.part.follows_a_later_blow) return prepared;
+  if (!prepared.part.follows_a_later_blow) {
+    ForgetMissingBlow(&prepared);
+    return prepared;
+  }
 
   // a part behind a later impact has start values of its own, and the noise before the first impact
   start = StartOfPart(prepared.record, prepared.part);

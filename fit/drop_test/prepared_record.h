@@ -15,8 +15,10 @@ namespace haptometer::fit {
 /// A drop ready to be fitted: samples at the converter's rails taken out, the ring-down found, the
 /// part of it chosen that later blows and the quantised tail leave.
 struct PreparedRecord {
-  ImpulseRecord record;  ///< NaN at the rails; no height where the part follows a later blow
-  RingStart start;       ///< of the part
+  /// NaN at the rails; no height where the part follows a later blow, where nothing quiet precedes
+  /// the blow, or where the blow lasts too long for RingStart to find its length.
+  ImpulseRecord record;
+  RingStart start;  ///< of the part
   Disturbances part;
 };
 

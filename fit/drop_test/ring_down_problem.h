@@ -30,6 +30,9 @@ enum class RingingSignal : std::uint8_t {
   kReleaseVoltage,    ///< sim::RingDown::release
 };
 
+/// Lines of hum that a record is fitted with at most: the mains' fundamental and three harmonics.
+inline constexpr std::size_t kMostHumLines = 4;
+
 /// The parameters of each record alone.
 enum class Own : std::uint8_t {
   /// ln of Km v0 in V; follows from Km^2 where the impact speed v0 is given. Of a displacement: ln
@@ -39,10 +42,9 @@ enum class Own : std::uint8_t {
   kOffset,  ///< in V
   // disturbances of the recording, held at 0 where a record shows none
   kDrift,      ///< of the offset, in V/s, about the middle of the fitted samples
-  kHumCosine,  ///< in V, at the record's `hum_hz`
-  kHumSine,    ///< in V
+  kHumCosine,  ///< in V, at the first of the record's `hum_hz`
+  kHumSine,    ///< in V; behind it the cosine and sine of each further line
 };
-inline constexpr std::size_t kOwnCount = 6;
 
 [[nodiscard]] constexpr std::size_t Index(Shared parameter) {
   return static_cast<std::size_t>(parameter);
@@ -50,6 +52,7 @@ inline constexpr std::size_t kOwnCount = 6;
 [[nodiscard]] constexpr std::size_t Index(Own parameter) {
   return static_cast<std::size_t>(parameter);
 }
+inline constexpr std::size_t kOwnCount = Index(Own::kHumCosine) + 2 * kMostHumLines;
 
 /// The fitted samples of one record, and what is fixed about it.
 struct RingDownSamples {
@@ -67,7 +70,7 @@ struct RingDownSamples {
   double speed_m_per_s = 0;      ///< of the impact; 0: not given
   double release_current_a = 0;  ///< of a release, times the voltage's scale
   bool drifts = false;           ///< whether the drift is fitted
-  double hum_hz = 0;             ///< of the mains; 0: no hum is fitted
+  std::vector<double> hum_hz;    ///< lines of the mains that are fitted, at most kMostHumLines
 };
 
 /// The mass that rings in a record, in kg.
@@ -104,7 +107,7 @@ struct RecordPoles {
 /// sim/ring_down.h:
 ///
 ///     voltage = offset - polarity a u(t - impact) + drift (t - middle)
-///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
+///               + sum of cosine cos(2 pi hum t) + sine sin(2 pi hum t),
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
@@ -121,7 +124,7 @@ class RingDownProblem {
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
 
-  /// The same linear least-squares problem in 12 rows a record (condensed_record.h).
+  /// The same linear least-squares problem in 18 rows a record (condensed_record.h).
   [[nodiscard]] Jacobian Condense(const RingDownPoint& point) const;
 
   /// Whether the voltages at a point can be computed: no overflow, no root of a negative Km^2.

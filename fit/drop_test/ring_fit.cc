@@ -173,23 +173,23 @@ class Background {
   Background(const RingSamples& samples, const RingBackground& background)
       : first_s_(samples.times_s.front()),
         length_s_(samples.times_s.back() - first_s_),
-        hum_rad_per_s_(2 * std::numbers::pi * background.hum_hz),
+        hum_hz_(background.hum_hz),
         drifts_(background.drifts) {}
 
-  [[nodiscard]] std::size_t count() const {
-    return (drifts_ ? 1U : 0U) + (hum_rad_per_s_ > 0 ? 2U : 0U);
-  }
+  [[nodiscard]] std::size_t count() const { return (drifts_ ? 1U : 0U) + 2 * hum_hz_.size(); }
   void Write(double time_s, double* columns) const {
     if (drifts_) *columns++ = (time_s - first_s_) / length_s_ - 0.5;
-    if (hum_rad_per_s_ <= 0) return;
-    columns[0] = std::cos(hum_rad_per_s_ * time_s);
-    columns[1] = std::sin(hum_rad_per_s_ * time_s);
+    for (const double hum_hz : hum_hz_) {
+      const double hum_rad_per_s = 2 * std::numbers::pi * hum_hz;
+      *columns++ = std::cos(hum_rad_per_s * time_s);
+      *columns++ = std::sin(hum_rad_per_s * time_s);
+    }
   }
 
  private:
   double first_s_;
   double length_s_;
-  double hum_rad_per_s_;
+  std::vector<double> hum_hz_;
   bool drifts_;
 };
 
@@ -262,7 +262,7 @@ RingDownSamples AsRecord(const RingSamples& samples, const RingBackground& backg
   return record;
 }
 
-// the same problem condensed to 12 rows (condensed_record.h)
+// the same problem condensed to 16 rows (condensed_record.h)
 class CondensedFit {
  public:
   CondensedFit(const RingSamples& samples, const RingBackground& background)
@@ -288,12 +288,12 @@ class CondensedFit {
       const PartNumbers row = parts;
       const auto part = [&row](Part which) { return row[Index(which)]; };
       // linear columns in the parameters' order
-      std::array<double, 6> linear{part(Part::kEven), part(Part::kOdd), part(Part::kConstant)};
+      std::array<double, 4 + 2 * kMostHumLines> linear{part(Part::kEven), part(Part::kOdd),
+                                                       part(Part::kConstant)};
       std::size_t next = 3;
       if (samples_.drifts) linear[next++] = part(Part::kDrift) / length_s_;
-      if (samples_.hum_hz > 0) {
-        linear[next++] = part(Part::kHumCosine);
-        linear[next++] = part(Part::kHumSine);
+      for (std::size_t k = 0; k < 2 * samples_.hum_hz.size(); ++k) {
+        linear[next++] = row[Index(Part::kHumCosine) + k];
       }
       residuals[n] = -value_v;
       for (std::size_t k = 0; k < next; ++k) residuals[n] += point[kPoleParameters + k] * linear[k];
@@ -312,7 +312,7 @@ class CondensedFit {
   }
 
  private:
-  static constexpr std::size_t kRows = 12;  // more than there are columns
+  static constexpr std::size_t kRows = 8 + 2 * kMostHumLines;  // more than there are columns
 
   RingDownSamples samples_;
   double length_s_;
@@ -478,7 +478,17 @@ double RingFit::Envelope(double since_s) const {
   return std::hypot(even_v, quadrature) * std::exp(-poles.decay_per_s * since_s);
 }
 
-double RingFit::HumAmplitude() const { return std::hypot(hum_cosine_v, hum_sine_v); }
+double HumLine::At(double time_s) const {
+  const double angle = 2 * std::numbers::pi * frequency_hz * time_s;
+  return cosine_v * std::cos(angle) + sine_v * std::sin(angle);
+}
+
+double RingFit::HumAmplitude() const {
+  double square = 0;
+  for (const HumLine& line : hum)
+    square += line.cosine_v * line.cosine_v + line.sine_v * line.sine_v;
+  return std::sqrt(square);
+}
 
 double RingFit::Squares() const {
   double sum = 0;
@@ -541,9 +551,9 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   // background in the order of Background::Write
   std::size_t next = kOffset + 1;
   if (background.drifts) fit.drift_v = point[next++];
-  if (background.hum_hz > 0) {
-    fit.hum_cosine_v = point[next];
-    fit.hum_sine_v = point[next + 1];
+  for (const double hum_hz : background.hum_hz) {
+    fit.hum.push_back({hum_hz, point[next], point[next + 1]});
+    next += 2;
   }
   return fit;
 }

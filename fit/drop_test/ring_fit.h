@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_down_problem.h"
 #include "fit/least_squares.h"
 #include "fit/poles.h"
 
@@ -54,15 +55,24 @@ struct RingSamples {
 
 /// What a ring-down may hold besides one decaying oscillation and its offset.
 struct RingBackground {
-  bool drifts = false;        ///< a straight line
-  double hum_hz = 0;          ///< a sine of this frequency; 0: none
-  bool has_friction = false;  ///< dry friction (FrictionRing)
+  bool drifts = false;           ///< a straight line
+  std::vector<double> hum_hz{};  ///< sines of these frequencies, at most kMostHumLines
+  bool has_friction = false;     ///< dry friction (FrictionRing)
+};
+
+/// cosine cos(2 pi hum t) + sine sin(2 pi hum t), t on the record's own axis.
+struct HumLine {
+  double frequency_hz = 0;
+  double cosine_v = 0;
+  double sine_v = 0;
+
+  [[nodiscard]] double At(double time_s) const;
 };
 
 /// One ring-down as a pole pair of its own: no mass, no load.
 ///
-///     v = even E(t) + odd O(t) + offset + drift (t - middle) + cosine cos(2 pi hum t) + sine
-///     sin(...)
+///     v = even E(t) + odd O(t) + offset + drift (t - middle)
+///         + sum of cosine cos(2 pi hum t) + sine sin(2 pi hum t)
 ///
 /// E and O are sim/ring_down.h's fundamental solutions, t counts from the first sample. With dry
 /// friction the ringing is FrictionRing's, which begins as the linear one does.
@@ -72,8 +82,7 @@ struct RingFit {
   double odd_v_per_s = 0;
   double offset_v = 0;
   double drift_v = 0;  ///< from the first sample to the last
-  double hum_cosine_v = 0;
-  double hum_sine_v = 0;
+  std::vector<HumLine> hum;
   double friction = 0;  ///< its force over the spring's stiffness, as FrictionRing has it
   bool converged = false;
   /// At the solution: ln decay, ln stiffness, then the linear parts, then the friction; in volts.
@@ -81,6 +90,7 @@ struct RingFit {
 
   /// sqrt of the ringing's energy as an amplitude: its envelope `since_s` after the first sample.
   [[nodiscard]] double Envelope(double since_s) const;
+  /// Of all lines together: the root of their squares' sum; 0: none.
   [[nodiscard]] double HumAmplitude() const;
   /// Sum of the residuals' squares.
   [[nodiscard]] double Squares() const;

@@ -410,6 +410,7 @@ void WriteContact(const ImpulseRecord& record, const std::vector<double>& values
   start->shortest_contact_s =
       has_all ? (1 - kShape) * between_s * std::max(static_cast<double>(first) - 1, 0.0) : 0;
   start->longest_contact_s = (1 + kShape) * between_s * static_cast<double>(kLengths - last);
+  start->contact_may_be_longer = last == 0;
 }
 
 // whether the ring-down's energy exceeds the noise and it is sampled densely enough

@@ -25,6 +25,7 @@ struct RingStart {
   /// precedes the blow.
   double shortest_contact_s = 0;  ///< 0: no sample shows that the blow lasts
   double longest_contact_s = 0;
+  bool contact_may_be_longer = false;  ///< no length that was tried is too long for the samples
   double offset_v = 0;
   double residual_rms_v = 0;  ///< of the fit by this pole pair, from first_sample on
 };

@@ -2,8 +2,10 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "base/error.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -67,10 +69,23 @@ RingingSlopes RingingMoments::SlopesAt(const RingingMoment& moment) const {
           .odd_by_time = even - decay_per_s_ * odd};
 }
 
-// drift about the record's middle (s), cosine and sine of the hum, in the record's own time
-std::array<double, 3> RecordingParts::At(double time_s) const {
-  if (hum_rad_per_s == 0) return {time_s - middle_s, 1, 0};
-  return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
+RecordingParts::RecordingParts(const RingDownSamples& record)
+    : middle_s(0.5 * (record.times_s.front() + record.times_s.back())),
+      lines(record.hum_hz.size()) {
+  HAPTOMETER_CHECK(lines <= kMostHumLines, "{} lines of hum", lines);
+  for (std::size_t k = 0; k < lines; ++k) {
+    hum_rad_per_s[k] = 2 * std::numbers::pi * record.hum_hz[k];
+  }
+}
+
+// drift about the record's middle (s), cosines and sines of the hum, in the record's own time
+std::array<double, 1 + 2 * kMostHumLines> RecordingParts::At(double time_s) const {
+  std::array<double, 1 + 2 * kMostHumLines> parts{time_s - middle_s};
+  for (std::size_t k = 0; k < lines; ++k) {
+    parts[1 + 2 * k] = std::cos(hum_rad_per_s[k] * time_s);
+    parts[2 + 2 * k] = std::sin(hum_rad_per_s[k] * time_s);
+  }
+  return parts;
 }
 
 RingingParts::RingingParts(const RingDownSamples& record, const RingingRates& rates)
@@ -84,29 +99,25 @@ PartNumbers RingingParts::At(double time_s) {
   // time since the impact in true seconds
   const RingingMoment moment = moments_.At((time_s - impact_s_) * per_time_scale_);
   const auto [t, even, odd, electrical] = moment;
-  const auto [drift, cosine, sine] = recording_.At(time_s);
-  return {even,
-          odd,
-          t * even,
-          t * odd,
-          moments_.OddByDiscriminant(moment),
-          electrical,
-          t * electrical,
-          1,
-          drift,
-          cosine,
-          sine};
+  PartNumbers parts{
+      even,           odd, t * even, t * odd, moments_.OddByDiscriminant(moment), electrical,
+      t * electrical, 1};
+  std::ranges::copy(recording_.At(time_s), parts.begin() + Index(Part::kDrift));
+  return parts;
 }
 
 double RingingParts::SumAt(double time_s, const PartNumbers& coefficients) {
   const RingingMoment moment = moments_.At((time_s - impact_s_) * per_time_scale_);
-  const auto [drift, cosine, sine] = recording_.At(time_s);
+  const auto recorded = recording_.At(time_s);
   const auto share = [&coefficients](Part part, double value) {
     return coefficients[Index(part)] * value;
   };
-  return share(Part::kConstant, 1) + share(Part::kEven, moment.even) +
-         share(Part::kOdd, moment.odd) + share(Part::kElectrical, moment.electrical) +
-         share(Part::kDrift, drift) + share(Part::kHumCosine, cosine) + share(Part::kHumSine, sine);
+  double sum = share(Part::kConstant, 1) + share(Part::kEven, moment.even) +
+               share(Part::kOdd, moment.odd) + share(Part::kElectrical, moment.electrical);
+  for (std::size_t k = 0; k < 1 + 2 * recording_.lines; ++k) {
+    sum += coefficients[Index(Part::kDrift) + k] * recorded[k];
+  }
+  return sum;
 }
 
 namespace {
@@ -238,12 +249,10 @@ RingingSum SumOfParts(const RingDownSamples& record, double inductance_h, const 
   for (std::size_t k = 0; k < kSharedCount; ++k) ringing.WriteAutomatic(k, sum);
   ringing.WriteAutomatic(kSharedCount + Index(Own::kAmplitude), sum);
   ringing.WriteByImpact(record.time_scale, sum);
-  // linear parameters: the part's coefficient, with a slope of 1
-  for (const auto& [part, parameter] :
-       {std::pair(Part::kConstant, Own::kOffset), std::pair(Part::kDrift, Own::kDrift),
-        std::pair(Part::kHumCosine, Own::kHumCosine), std::pair(Part::kHumSine, Own::kHumSine)}) {
-    sum.voltage[Index(part)] = own[Index(parameter)];
-    sum.slopes[Index(part)][kSharedCount + Index(parameter)] = 1;
+  // linear parameters, from the offset on: the part's coefficient, with a slope of 1
+  for (std::size_t k = 0; Index(Own::kOffset) + k < kOwnCount; ++k) {
+    sum.voltage[Index(Part::kConstant) + k] = own[Index(Own::kOffset) + k];
+    sum.slopes[Index(Part::kConstant) + k][kSharedCount + Index(Own::kOffset) + k] = 1;
   }
   return sum;
 }

@@ -107,28 +107,27 @@ enum class Part : std::uint8_t {
   kTimesElectrical,  ///< t e^(-p t)
   kConstant,
   // of the recording, over the time shown
-  kDrift,  ///< from the middle of the samples
-  kHumCosine,
-  kHumSine,
+  kDrift,      ///< from the middle of the samples
+  kHumCosine,  ///< of the first line of hum
+  kHumSine,    ///< behind it the cosine and sine of each further line
 };
-inline constexpr std::size_t kPartCount = 11;
+
+[[nodiscard]] constexpr std::size_t Index(Part part) { return static_cast<std::size_t>(part); }
+inline constexpr std::size_t kPartCount = Index(Part::kHumCosine) + 2 * kMostHumLines;
 
 /// A number for each part: its value at a time, or what of it is in a sum.
 using PartNumbers = std::array<double, kPartCount>;
 
-[[nodiscard]] constexpr std::size_t Index(Part part) { return static_cast<std::size_t>(part); }
-
 /// What one volt (or volt per second) of each disturbance of a recording adds at a time.
 struct RecordingParts {
-  explicit RecordingParts(const RingDownSamples& record)
-      : middle_s(0.5 * (record.times_s.front() + record.times_s.back())),
-        hum_rad_per_s(2 * std::numbers::pi * record.hum_hz) {}
+  explicit RecordingParts(const RingDownSamples& record);
 
-  /// Drift, hum's cosine and sine; 1 and 0 of a hum of 0 Hz.
-  [[nodiscard]] std::array<double, 3> At(double time_s) const;
+  /// Drift, then cosine and sine of each line of hum; 0 of lines that the record does not have.
+  [[nodiscard]] std::array<double, 1 + 2 * kMostHumLines> At(double time_s) const;
 
   double middle_s;
-  double hum_rad_per_s;
+  std::size_t lines;
+  std::array<double, kMostHumLines> hum_rad_per_s{};
 };
 
 /// A ringing's rates, and when it begins on the record's time axis.

@@ -101,6 +101,26 @@ Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hu
   return suspect;
 }
 
+// The lines of hum that may come next, of which the samples show a period and no alias: the mains'
+// fundamental, then its 2nd to 5th harmonic until there are as many as a fit takes.
+std::vector<double> FurtherLines(const RingSamples& samples, const RingBackground& background) {
+  constexpr double kMostOfRate = 0.4;
+  const auto& known_hz = background.hum_hz;
+  std::vector<double> lines_hz{50, 60};
+  if (!known_hz.empty()) {
+    lines_hz.clear();
+    for (const double multiple : {2.0, 3.0, 4.0, 5.0}) {
+      lines_hz.push_back(multiple * known_hz.front());
+    }
+  }
+  const double length_s = samples.times_s.back() - samples.times_s.front();
+  std::erase_if(lines_hz, [&](double hum_hz) {
+    return known_hz.size() == kMostHumLines || std::ranges::count(known_hz, hum_hz) > 0 ||
+           length_s * hum_hz <= 1 || hum_hz * samples.step_s > kMostOfRate;
+  });
+  return lines_hz;
+}
+
 // A ringing whose frequency and decay change with its amplitude leaves, in first order, the ringing
 // itself times its amplitude squared (a spring that stiffens, damping that grows) or over its
 // amplitude (dry friction).
@@ -235,6 +255,24 @@ bool IsLarge(const Suspect& suspect, double ringing_v) {
   return suspect.gain > kLeastGain && suspect.amplitude_v > least * ringing_v;
 }
 
+// The line of hum with the largest gain. A harmonic within the resonance's width resembles what a
+// ringing leaves that changes with its own amplitude: it is none where that explains more.
+Suspect BestLine(const RingSamples& samples, const RingFit& fit, const RingBackground& background,
+                 const Remainder& remainder) {
+  Suspect best;
+  for (const double hum_hz : FurtherLines(samples, background)) {
+    const Suspect line = TryHum(samples, remainder, hum_hz);
+    if (IsLarge(line, fit.Envelope(0)) && line.gain > best.gain) best = line;
+  }
+  const bool is_harmonic = best.kind == Suspect::Kind::kHum && !background.hum_hz.empty();
+  for (const double power : {2.0, -1.0}) {
+    if (is_harmonic && TryNonlinear(samples, fit.poles, remainder, power).gain > best.gain) {
+      return {};
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 Suspect WorstSuspect(const RingSamples& samples, const RingFit& fit,
@@ -247,12 +285,7 @@ Suspect WorstSuspect(const RingSamples& samples, const RingFit& fit,
     if (IsLarge(suspect, ringing_v) && suspect.gain > worst.gain) worst = suspect;
   };
   if (!background.drifts) consider(TryDrift(samples, remainder));
-  for (const double hum_hz : {50.0, 60.0}) {
-    // at least one period of the hum; one hum per record
-    const double length_s = samples.times_s.back() - samples.times_s.front();
-    const bool is_seen = length_s * hum_hz > 1 && background.hum_hz == 0;
-    if (is_seen) consider(TryHum(samples, remainder, hum_hz));
-  }
+  consider(BestLine(samples, fit, background, remainder));
   // friction before impacts: a motion that friction stops resembles an impact there
   if (may_have_friction && !background.has_friction) {
     const Suspect friction = TryFriction(samples, fit, remainder);

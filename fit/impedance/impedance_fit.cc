@@ -22,8 +22,8 @@ namespace haptometer::fit {
 /// Doubted are: a resonance outside of 20-2000 Hz (kHz or rad/s read as Hz) or outside of the
 /// sweep, Q outside of 0.5-300, a coil outside of 0.1 ohm-10 kohm (kohm read as ohm), Km outside of
 /// 1 mN/A-100 N/A, masses outside of 10 mg-100 g (case 1 kg; g read as kg), what
-/// DoubtResiduals finds, and a fitted resistance that is
-/// neither within 2 % nor within 3 deviations of the stated one.
+/// DoubtResiduals finds, and a fitted resistance that is neither within 1 % (2.6 K of copper) nor
+/// within 3 combined standard uncertainties of the stated one.
 ///
 /// @param fits_resistance whether R was fitted, not taken as stated
 void AddImpedanceFindings(const ActuatorKnowns& knowns, CaseCondition condition,
@@ -464,6 +464,7 @@ void Describe(const Solved& solved, ImpedanceFit* fit) {
   // half width at half of the motion's largest amplitude: sqrt(3)/2 f0/Q
   const double half_width_hz =
       std::numbers::sqrt3 / 2 * fit->natural_frequency.value / fit->quality_factor.value;
+  fit->measured = solved.points;
   for (const auto& point : solved.points) {
     fit->model.push_back(ImpedanceAt(solved.parameters, point.frequency_hz));
     const double off_hz = std::abs(point.frequency_hz - fit->natural_frequency.value);
@@ -477,7 +478,12 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
                                   const ActuatorKnowns& knowns, CaseCondition condition,
                                   const std::string& name) {
   Solved solved;
+  ImpedanceFit fit;
   solved.points = Measured(points);
+  if (const std::size_t copies = TakeOutCopies(&solved.points)) {
+    fit.findings.Note(FindingKind::kPointsWrittenTwice,
+                      {{"copies", copies}, {"points", copies + solved.points.size()}});
+  }
   HAPTOMETER_TRY(CheckPoints(solved.points, name));
   const auto start = StartImpedance(solved.points);
   HAPTOMETER_TRY(CheckPhases(solved.points, start, name));
@@ -486,7 +492,6 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
   // R is the sweep's own unless the sweep does not determine it
   solved.parameters = start->parameters;
   solved.is_free.assign(kImpedanceParameters, true);
-  ImpedanceFit fit;
   if (knowns.inductance_h) Hold(P::kInductance, *knowns.inductance_h, false, &solved);
   Solve(&solved);
   const bool lacks_resistance = Deviation(solved, P::kResistance) > kMostResistanceShare ||
@@ -561,12 +566,12 @@ void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit*
                findings);
   DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->farthest_hz, findings);
   if (!knowns.resistance_ohm || !fits_resistance) return;
-  // a doubt beyond 3 standard uncertainties and 2 % of the stated resistance
+  // a doubt beyond 3 standard uncertainties and 1 % of the stated resistance
   const double stated = knowns.resistance_ohm->value;
   const double apart = std::abs(fit->resistance.value - stated);
   const double uncertainty = std::hypot(fit->resistance.combined_standard_uncertainty,
                                         knowns.resistance_ohm->standard_uncertainty);
-  if (apart > 3 * uncertainty && apart > 0.02 * stated) {
+  if (apart > 3 * uncertainty && apart > 0.01 * stated) {
     findings.Doubt(kResistanceDiffers,
                    {{"fitted_ohm", fit->resistance.value}, {"stated_ohm", stated}});
   }

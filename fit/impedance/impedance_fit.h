@@ -41,8 +41,9 @@ struct ImpedanceFit {
   /// Combined relative covariance (that of logarithms) of Kv, Bv, Km, R and L; 0 in the rows and
   /// columns of what is not determined.
   std::array<std::array<double, 5>, 5> relative_covariance{};
-  std::vector<double> parameters;     ///< by ImpedanceParameter, see ImpedanceAt
-  std::vector<ImpedanceValue> model;  ///< at each point, in the order of frequency
+  std::vector<double> parameters;        ///< by ImpedanceParameter, see ImpedanceAt
+  std::vector<ImpedancePoint> measured;  ///< (points) that were fitted, in the order of frequency
+  std::vector<ImpedanceValue> model;     ///< (points) at each of them
   std::vector<InputInfluence> influences;
   Findings findings;  ///< doubts, and what is assumed or not determined
   bool converged = false;
@@ -66,7 +67,8 @@ struct ImpedanceFit {
 /// by more than five of the rest's standard uncertainties, the fit follows that point alone, and
 /// nothing is determined.
 ///
-/// Points without a number (NaN) are left out, in any order; repeated frequencies are welcome.
+/// Points without a number (NaN) are left out, in any order; repeated frequencies are welcome, but
+/// points that were written again (TakeOutCopies) count once.
 ///
 /// Errors (Cause::kCannotAnswer): fewer than 6 points, no three different frequencies, a point with
 /// a frequency or a magnitude that is not positive, no resonance in the sweep, or phases that fit

@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 namespace haptometer::fit {
 namespace {
@@ -104,6 +106,27 @@ class LinearShares {
 };
 
 }  // namespace
+
+std::size_t TakeOutCopies(std::vector<ImpedancePoint>* points) {
+  constexpr std::size_t kLeastCopies = 3;  // fewer may be chance, and count little
+  std::vector<ImpedancePoint> different;
+  std::ranges::unique_copy(*points, std::back_inserter(different));
+  const std::size_t copies = points->size() - different.size();
+  // points with the frequency of the one before, and points that differ from both beside them
+  std::size_t repeats = 0;
+  std::size_t single = 0;
+  for (auto point = points->begin(); point != points->end(); ++point) {
+    const bool is_first = point == points->begin();
+    const bool is_last = std::next(point) == points->end();
+    if (!is_first && point->frequency_hz == std::prev(point)->frequency_hz) ++repeats;
+    if ((is_first || *point != *std::prev(point)) && (is_last || *point != *std::next(point))) {
+      ++single;
+    }
+  }
+  if (copies < kLeastCopies || (10 * copies < 9 * repeats && single > 0)) return 0;
+  *points = std::move(different);
+  return copies;
+}
 
 ImpedanceValue ImpedanceAt(const std::vector<double>& parameters, double frequency_hz) {
   const double omega = Omega(frequency_hz);

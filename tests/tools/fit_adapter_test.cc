@@ -91,6 +91,18 @@ TEST_F(FitAdapterFiles, MistakesAreNamed) {
               HasSubstr("is the column in mm or um?"));
 }
 
+TEST_F(FitAdapterFiles, ACopyOfATapIsNoOtherTap) {
+  const std::string tap = Tap("tap.csv");
+  const std::string copy = File("copy.csv", Content("tap.csv"));
+  const Outcome outcome = FitAdapter({tap, copy, "--mass", "4.6g"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr(copy + ": has the same content as " + tap));
+  // of as many bytes, but one other digit
+  std::string text = Content("tap.csv");
+  text[text.size() - 2] = text[text.size() - 2] == '1' ? '2' : '1';
+  EXPECT_EQ(FitAdapter({tap, File("other.csv", text), "--mass", "4.6g"}).status, 0);
+}
+
 TEST_F(FitAdapterFiles, AVoltageIsDoubtedAsADisplacement) {
   std::string text = Content(Tap("tap.csv").substr(directory_.string().size() + 1));
   text.replace(0, text.find('\n'), "time_s,voltage_v");

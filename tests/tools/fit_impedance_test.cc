@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
+#include <sstream>
+#include <tuple>
 
 #include "sim/scene/actuator.h"
 #include "tests/residual.h"
@@ -77,6 +80,129 @@ TEST_F(FitImpedanceFiles, TheIssuesColumnNamesAreRead) {
   EXPECT_THAT(required.out, HasSubstr("not answered: Km is required"));
 }
 
+// of an instrument's numbers over SI and degrees
+struct Factors {
+  double hertz = 1;
+  double ohm = 1;
+  double angle = 1;
+};
+
+// what an instrument writes: names in its words, numbers in its units
+class FitImpedanceColumns : public FitImpedanceFiles {
+ protected:
+  // the sweep of Sweep() with its numbers times `factors`, as magnitude and phase or as R and X
+  std::string Written(const std::string& header, const Factors& factors = {},
+                      bool is_polar = true) const {
+    std::ignore = Sweep("plain.csv");
+    std::istringstream lines(Content("plain.csv"));
+    std::string line;
+    std::getline(lines, line);
+    std::string text = header + "\n";
+    while (std::getline(lines, line)) {
+      double hertz = 0;
+      double ohm = 0;
+      double degrees = 0;
+      std::sscanf(line.c_str(), "%lf,%lf,%lf", &hertz, &ohm, &degrees);
+      const auto z = std::polar(ohm, degrees * std::numbers::pi / 180);
+      text += fmt::format("{:.12g},{:.12g},{:.12g}\n", hertz * factors.hertz,
+                          factors.ohm * (is_polar ? ohm : z.real()),
+                          is_polar ? degrees * factors.angle : factors.ohm * z.imag());
+    }
+    return File("z.csv", text);
+  }
+
+  static json Answer(const std::string& path) {
+    const Outcome outcome = FitImpedance({path, "--moving-mass", "1.40(1)g", "--held", "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json::parse(outcome.out);
+  }
+};
+
+TEST_F(FitImpedanceColumns, WhatAnalysersWriteIsReadInItsUnits) {
+  const json plain = Answer(Sweep("z0.csv"));
+  EXPECT_THAT(KindsOf(plain), ::testing::Not(Contains("columns-taken")));
+  const double radian = std::numbers::pi / 180;
+  struct Case {
+    const char* header;
+    Factors factors{};
+    bool is_polar = true;
+  };
+  const Case kCases[]{
+      {"Frequency(Hz),|Z|(ohm),Theta(deg)"},
+      {"Frequency,|Z| (Ohm),Theta (deg)"},
+      {"Freq [kHz],Zabs [kOhm],Phase [rad]", {1e-3, 1e-3, radian}},
+      {"f/Hz,Z/mΩ,angle/°", {1, 1e3, 1}},
+      {"FREQUENCY,IMPEDANCE_KOHM,PHASE_DEG", {1, 1e-3, 1}},
+      {"f in MHz,abs(Z) in Mohm,Phase Angle in rad", {1e-6, 1e-6, radian}},
+      {"frequency_hz,resistance_ohm,reactance_ohm", {}, false},
+      {"Frequency (Hz),R (ohm),X (ohm)", {}, false},
+      {"Freq,Rs (kohm),Xs (kohm)", {1, 1e-3, 1}, false},
+      {"f (Hz),Re(Z) (mohm),Im(Z) (mohm)", {1, 1e3, 1}, false},
+  };
+  for (const auto& [header, factors, is_polar] : kCases) {
+    const json answer = Answer(Written(header, factors, is_polar));
+    for (const char* name : {"Kv", "Bv", "Km"}) {
+      for (const char* key : {"value", "combined_standard_uncertainty"}) {
+        EXPECT_REL(answer.at("parameters").at(name).at(key).get<double>(),
+                   plain.at("parameters").at(name).at(key).get<double>(), 1e-6,
+                   "12 digits of the numbers; the search's end");
+      }
+    }
+    EXPECT_THAT(KindsOf(answer), Contains("columns-taken")) << header;
+  }
+  EXPECT_THAT(
+      FitImpedance({Written("Freq [kHz],|Z| [kOhm],Phase [rad]", {1e-3, 1e-3, radian})}).out,
+      HasSubstr("its columns are read: 'Freq [kHz]' as the frequency in kHz, '|Z| [kOhm]' "
+                "as the magnitude in kohm, 'Phase [rad]' as the phase in rad"));
+}
+
+TEST_F(FitImpedanceColumns, ColumnsThatMayMeanSeveralThingsAreRefusedWithTheirNames) {
+  const auto error = [&](const std::string& header) {
+    const Outcome outcome = FitImpedance({Written(header), "--moving-mass", "1.4g"});
+    EXPECT_EQ(outcome.status, 3) << outcome.out;
+    return outcome.err;
+  };
+  EXPECT_THAT(
+      error("Frequency,|Z|,Theta (deg)"),
+      HasSubstr("its column '|Z|' does not state its unit (columns: Frequency, Theta (deg), "
+                "|Z|)"));
+  EXPECT_THAT(error("Frequency,|Z| (ohm),Theta"), HasSubstr("'Theta' does not state its unit"));
+  EXPECT_THAT(error("frequency_hz,impedance_db,phase_deg"),
+              HasSubstr("its column 'impedance_db' is in dB"));
+  EXPECT_THAT(error("Frequency (Hz),|Z| (V),Theta (deg)"), HasSubstr("has the unit 'v'"));
+  EXPECT_THAT(error("Frequency (1/s),|Z| (ohm),Theta (deg)"), HasSubstr("has the unit '1/s'"));
+  EXPECT_THAT(error("f (Hz),R (ohm),|Z| (ohm)"), HasSubstr("has no column reactance_ohm among"));
+  EXPECT_THAT(error("f (Hz),Z (ohm),Impedance (ohm)"), HasSubstr("has no column phase_deg among"));
+  EXPECT_THAT(error("f (Hz),Y (S),Theta (deg)"), HasSubstr("has no column impedance_ohm among"));
+  EXPECT_THAT(error("time_s,|Z| (ohm),Theta (deg)"), HasSubstr("has no column frequency_hz among"));
+  const auto wide = [&](const std::string& header) {
+    const std::string path =
+        File("wide.csv", header + "\n100,27,0,27,0\n200,27,0,27,0\n300,27,0,27,0\n");
+    return FitImpedance({path}).err;
+  };
+  EXPECT_THAT(wide("f,|Z| (ohm),theta (deg),R (ohm),X (ohm)"),
+              HasSubstr("has magnitude and phase, and real and imaginary parts too"));
+  EXPECT_THAT(wide("f,|Z| (ohm),theta (deg),Z (ohm),D"),
+              HasSubstr("its columns 'Z (ohm)' and '|Z| (ohm)' may both be the magnitude"));
+  // what is beside a whole pair is passed over: here the answer is about the points
+  EXPECT_THAT(wide("f,|Z| (ohm),theta (deg),R (ohm),D"), HasSubstr("only 3 impedances"));
+}
+
+TEST_F(FitImpedanceFiles, RowsThatWereWrittenTwiceCountOnce) {
+  const std::string path = Sweep("z.csv");
+  std::istringstream lines(Content("z.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::string text = line + "\n";
+  while (std::getline(lines, line)) text += line + "\n" + line + "\n";
+  const Outcome outcome = FitImpedance({File("twice.csv", text), "--plot", directory_ / "z.svg"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("61 of 122 points repeat another one to all digits"));
+  const json once = json::parse(FitImpedance({path, "--json"}).out);
+  const json twice = json::parse(FitImpedance({directory_ / "twice.csv", "--json"}).out);
+  EXPECT_EQ(once.at("natural_frequency"), twice.at("natural_frequency"));
+}
+
 TEST_F(FitImpedanceFiles, AnActuatorFileGivesTheMasses) {
   const Outcome outcome =
       FitImpedance({Sweep("z.csv"), "--actuator", "thesis-c10-100", "--held", "--json"});
@@ -94,7 +220,8 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
   EXPECT_THAT(error(Sweep("nan.csv", names, 12, "nan")), HasSubstr("nan.csv:14"));
   EXPECT_THAT(error(Sweep("empty.csv", names, 12, "")), HasSubstr("is not a number"));
   EXPECT_THAT(error(Sweep("zero.csv", names, 12, "0")), HasSubstr("not positive"));
-  EXPECT_THAT(error(Sweep("names.csv", "f,z,p")), HasSubstr("has no column frequency_hz"));
+  EXPECT_THAT(error(Sweep("names.csv", "f,z,p")),
+              HasSubstr("its column 'z' does not state its unit (columns: f, p, z)"));
   EXPECT_THAT(error(Sweep("swapped.csv", "impedance_ohm,frequency_hz,phase_deg")),
               HasSubstr("no resonance"));
   EXPECT_THAT(error(File("two.csv", names + "\n224,50,10\n226,50,-10\n")), HasSubstr("only 2"));

@@ -139,6 +139,19 @@ TEST_F(FitLraRecords, ExchangedFilesAreNoticed) {
       "exchanged");
 }
 
+TEST_F(FitLraRecords, ACopyOfARecordIsNoOtherDrop) {
+  const std::string open = Write("open.csv", Noisy());
+  const std::string copy = Write("copy.csv", Noisy());
+  for (const auto& words : {std::vector<std::string>{"--open", open, copy},
+                            {"--open", open, "--load", "33ohm", copy}}) {
+    auto all = words;
+    all.insert(all.end(), {"--moving-mass", "1.4g", "--resistance", "27ohm", "--held"});
+    const Outcome outcome = FitLra(all);
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(copy + ": has the same content as " + open));
+  }
+}
+
 TEST_F(FitLraRecords, DropsOfTwoActuatorsAreNoticed) {
   auto other = Noisy();
   other.load_ohm = 33;

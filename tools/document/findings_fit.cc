@@ -36,11 +36,18 @@ document::Sentence SentenceOf(FindingKind kind) {
        "is "
        "another mode or a slow tail"},
       {kHeightWithoutImpact, "height-without-impact",
-       "no quiet part before it: the drop height is not used"},
+       "no quiet part before the impact (16 samples and a quarter of a period) shows when it "
+       "begins "
+       "and how long it lasts: the drop height is not used"},
       {kCurrentWithoutRelease, "current-without-release",
        "no quiet part before it: the released current is not used"},
       {kHeightOfFirstImpact, "height-of-first-impact",
-       "the drop height is that of the first impact: not used"},
+       "the part behind a later impact is fitted, and the drop height is that of the first: not "
+       "used"},
+      {kHeightOfLongImpact, "height-of-long-impact",
+       "the impact may last longer than {longest_s}, the longest that is looked for[ (at least "
+       "{shortest_s})], and leaves an unknown share of the speed: the drop height is not used; let "
+       "it fall on something harder"},
       {kReleaseBehindSlow, "release-behind-slow",
        "an oscillation begins during a slow change at {at_s}: fitted from {from_s} on"},
       {kDownweighted, "downweighted",
@@ -66,7 +73,7 @@ document::Sentence SentenceOf(FindingKind kind) {
        "{standard_uncertainty}: no --rebound is stated, 0 to 0.3 is assumed"},
       // duration of the impact and the correction of Km by the drop height for it
       {kContactUnseen, "contact-unseen",
-       "the impact is assumed to be short, because no quiet part before it shows its duration: "
+       "the impact is assumed to be short, because so damped a motion does not show its duration: "
        "a contact of 0.5 ms makes Km by the height {share %} too small"},
       {kContactAtMost, "contact-at-most",
        "the impact may last up to {longest_s}, which makes Km by the height up to {share %} too "
@@ -115,6 +122,9 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kKmTimesSpeedOnly, "km-times-speed-only",
        "Km: an open circuit shows only Km x impact speed = {product_v}; state the drop height "
        "(--drop-height), or record again with 27 to 50 ohm across the terminals"},
+      {kKmTimesUnusedSpeed, "km-times-unused-speed",
+       "Km: an open circuit shows only Km x impact speed = {product_v}, and the stated drop height "
+       "is not used; record again such that it can be, or with 27 to 50 ohm across the terminals"},
       {kKmLostInDamping, "km-lost-in-damping",
        "Km: the change of the damping by these loads is within its uncertainty, or the mass or "
        "the coil's resistance is missing; state those, or record with 27 to 50 ohm across the "
@@ -266,8 +276,12 @@ document::Sentence SentenceOf(FindingKind kind) {
        "is not linear at this amplitude, or a joint that rubs; tap more softly"},
       {kTapsScatter, "taps-scatter",
        "{constant} of the taps scatters {birge_ratio} times as much as their noise explains (Birge "
-       "ratio): its uncertainty is widened to that, its interval by Student's factor too "
-       "(degrees of freedom: {degrees_of_freedom})"},
+       "ratio): its weights and its uncertainty contain that scatter, its interval Student's "
+       "factor "
+       "too (degrees of freedom: {degrees_of_freedom})"},
+      {kPointsWrittenTwice, "points-written-twice",
+       "{copies} of {points} points repeat another one to all digits, as if they were written "
+       "twice: each counts once"},
   };
   return document::SentenceIn(kSentences, kind);
 }

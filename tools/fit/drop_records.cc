@@ -268,6 +268,23 @@ Result<FitWindow> ParseWindow(const std::string& text) {
                "write 0.2:0.8");
 }
 
+namespace {
+
+// whether two files hold the same bytes; the checksum is the provenance's, computed once
+bool HaveEqualContent(const std::string& one, const std::string& other) {
+  std::error_code error;
+  const auto bytes_of = [&error](const std::string& path) -> std::uintmax_t {
+    return std::filesystem::is_regular_file(path, error) ? std::filesystem::file_size(path, error)
+                                                         : 0;
+  };
+  const std::uintmax_t bytes = bytes_of(one);
+  if (error || bytes == 0 || bytes_of(other) != bytes) return false;
+  const std::string sha256 = document::HashOfInput(one);
+  return !sha256.empty() && sha256 == document::HashOfInput(other);
+}
+
+}  // namespace
+
 Result<void> CheckDistinct(const std::vector<std::string>& paths) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -278,6 +295,13 @@ Result<void> CheckDistinct(const std::vector<std::string>& paths) {
     };
     if (std::any_of(paths.begin(), path, is_same)) {
       return Usage(*path, "is given twice", "name each file once");
+    }
+    const auto equal = std::find_if(paths.begin(), path, [&](const std::string& other) {
+      return HaveEqualContent(other, *path);
+    });
+    if (equal != path) {
+      return Usage(*path, fmt::format("has the same content as {}", Printable(*equal)),
+                   "name each recording once: a copy is no other measurement");
     }
   }
   return {};

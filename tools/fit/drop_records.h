@@ -95,8 +95,9 @@ struct DropsFile {
 /// The same out of text; `path` is the file's name for errors and for what lies beside it.
 [[nodiscard]] Result<DropsFile> ReadDropsText(std::string_view text, const std::string& path);
 
-/// One drop or tap counts once: the same file again would narrow the intervals without new data.
-/// Errors (Cause::kUsage): two paths lead to one file.
+/// One drop or tap counts once: the same file again, or a copy of it, would narrow the intervals
+/// without new data. Errors (Cause::kUsage): two paths lead to one file, or to two files with the
+/// same bytes. Cost: files of equal size are read once, for a checksum that the provenance has too.
 [[nodiscard]] Result<void> CheckDistinct(const std::vector<std::string>& paths);
 
 }  // namespace haptometer::tools

@@ -8,7 +8,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -388,11 +387,8 @@ ModelCurves CurvesOf(const ImpedanceFit& fit) {
 
 }  // namespace
 
-std::vector<plot::Panel> ImpedancePanels(const ImpedanceFit& fit,
-                                         std::vector<fit::ImpedancePoint> points) {
-  std::ranges::sort(points, {}, [](const fit::ImpedancePoint& point) {
-    return std::tuple(point.frequency_hz, point.ohm.real(), point.ohm.imag());
-  });
+std::vector<plot::Panel> ImpedancePanels(const ImpedanceFit& fit) {
+  const std::vector<fit::ImpedancePoint>& points = fit.measured;
   FrequencyCurve ohm;
   FrequencyCurve degrees;
   std::vector<SweepResiduals> left{{"magnitude", {}}, {"phase", {}}};

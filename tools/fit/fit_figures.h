@@ -34,9 +34,8 @@ namespace haptometer::tools {
     const std::vector<fit::LeftOutDrop>& drops);
 
 /// Magnitudes and phases of a sweep with the fit, between the points too, and what the fit leaves
-/// of both, in units of a point's noise. `points` are those of `fit`, in any order.
-[[nodiscard]] std::vector<plot::Panel> ImpedancePanels(const fit::ImpedanceFit& fit,
-                                                       std::vector<fit::ImpedancePoint> points);
+/// of both, in units of a point's noise.
+[[nodiscard]] std::vector<plot::Panel> ImpedancePanels(const fit::ImpedanceFit& fit);
 
 /// A curve over frequency.
 struct FrequencyCurve {

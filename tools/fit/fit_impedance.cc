@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +13,7 @@
 #include "tools/fit/actuator.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
-#include "tools/study/text_table.h"
+#include "tools/fit/impedance_table.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -26,7 +25,6 @@ using document::Section;
 using fit::ImpedanceFit;
 
 constexpr std::string_view kVerb = "fit-impedance";
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -35,36 +33,6 @@ constexpr cli::VerbText kText{
                  "haptometer fit-impedance z.csv --actuator thesis-c10-100 --plot z.svg",
                  "haptometer fit-impedance z.csv --moving-mass 1.4g --case-mass 0.6g"
                  " --save actuator.toml"}};
-
-// --- the sweep ---
-
-// the numbers of the column by its name or its other one
-Result<std::vector<double>> Column(const TextTable& table, const std::string& name,
-                                   const std::string& other) {
-  if (table.columns.contains(name)) return NumbersOf(table, name);
-  if (table.columns.contains(other)) return NumbersOf(table, other);
-  return CannotAnswer(table.name, fmt::format("has no column {}", name),
-                      "its header needs frequency_hz,impedance_ohm,phase_deg");
-}
-
-Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
-  HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
-  HAPTOMETER_LET(const auto hertz, Column(table, "frequency_hz", "frequency"));
-  HAPTOMETER_LET(const auto ohm, Column(table, "impedance_ohm", "ohm"));
-  HAPTOMETER_LET(const auto degrees, Column(table, "phase_deg", "degrees"));
-  std::vector<fit::ImpedancePoint> points;
-  points.reserve(hertz.size());
-  for (std::size_t n = 0; n < hertz.size(); ++n) {
-    if (!(hertz[n] > 0 && ohm[n] > 0)) {
-      return CannotAnswer(fmt::format("{}:{}", path, table.lines[n]),
-                          "has a frequency or a magnitude that is not positive",
-                          "correct that line");
-    }
-    // magnitude in ohm and phase in degrees to a complex impedance
-    points.push_back({hertz[n], std::polar(ohm[n], degrees[n] / kDegrees)});
-  }
-  return points;
-}
 
 // --- the document ---
 
@@ -141,9 +109,9 @@ document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit
 Result<document::Document> Answer(const std::string& path, const ActuatorWords& words,
                                   const fit::ActuatorKnowns& knowns, bool has_figures,
                                   ImpedanceFit* fit) {
-  HAPTOMETER_LET(const auto points, ReadSweep(path));
+  HAPTOMETER_LET(const auto sweep, ReadImpedanceTable(path));
   const auto condition = words.is_free ? fit::CaseCondition::kFree : fit::CaseCondition::kHeld;
-  HAPTOMETER_LET(*fit, fit::FitImpedance(points, knowns, condition, path));
+  HAPTOMETER_LET(*fit, fit::FitImpedance(sweep.points, knowns, condition, path));
   document::Document document = ImpedanceDocument(path, *fit);
   RefuseUndetermined(document.root, *fit, words.required);
   MarkIfRefused(document);
@@ -153,9 +121,13 @@ Result<document::Document> Answer(const std::string& path, const ActuatorWords& 
         "the case was held (neither --held nor --free is given); free, the ringing mass would be "
         "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)");
   }
+  if (!sweep.columns.empty()) {
+    document.root.Find(Severity::kNote, "columns-taken", "its columns are read: {columns}",
+                       {{"columns", sweep.columns}});
+  }
   if (has_figures) {
     document.root.figures = {
-        {.caption = "impedance, fit and residuals", .panels = ImpedancePanels(*fit, points)}};
+        {.caption = "impedance, fit and residuals", .panels = ImpedancePanels(*fit)}};
   }
   return document;
 }
@@ -169,7 +141,8 @@ int RunFitImpedance(int argc, const char* const* argv) {
   FitFiles files;
   document::Outputs& outputs = files.outputs;
   options.Positional("sweep", &path,
-                     "CSV with frequency_hz,impedance_ohm,phase_deg of the terminals");
+                     "CSV with frequency_hz,impedance_ohm,phase_deg of the terminals, or as an "
+                     "analyser writes it (docs/reference/fit-impedance.md)");
   DeclareActuator(options, words, true);
   DeclareFiles(options, files, "Draw magnitudes, phases and residuals");
   return document::RunVerb(kVerb, options, outputs, argc, argv, [&]() -> Result<int> {

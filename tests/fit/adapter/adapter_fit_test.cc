@@ -399,6 +399,19 @@ TEST(AdapterFit, TheLaterPartBeginsHalfADecayTimeLaterOrAtAThird) {
   EXPECT_ABS(skipped_s(kDamping, -0.07), (1 - 1 / (8 * 212.5)) / 3, 2 * kStep, "two samples");
 }
 
+TEST(AdapterFit, AStrongTapDoesNotSpeakForOthersThatDiffer) {
+  // 5 % apart, uncertain to 0.2 % and 1.6 %: weighted by these alone, the mean is the strong one's
+  const Tap strong{.noise_m = 3e-7, .damping = 0.95 * kDamping, .seed = 31};
+  const Tap weak{.noise_m = 24e-7, .damping = 1.05 * kDamping, .seed = 32};
+  const auto fit = FitAdapter({Record(strong), Record(weak)}, {kMass, 0});
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->findings.Has(FindingKind::kTapsScatter));
+  EXPECT_REL(fit->damping.value, kDamping, 0.015, "the weak tap's uncertainty");
+  EXPECT_REL(fit->damping.standard_uncertainty, 0.05 * kDamping, 0.25, "half the distance");
+  EXPECT_LT(fit->damping.lower, 0.95 * kDamping);
+  EXPECT_GT(fit->damping.upper, 1.05 * kDamping);
+}
+
 TEST(AdapterFit, TapsAreAveragedByTheReciprocalsOfTheirVariances) {
   // a quiet tap and a noisy one, alike and 1 % apart in damping
   for (const double factor : {1.0, 1.01}) {
@@ -415,13 +428,18 @@ TEST(AdapterFit, TapsAreAveragedByTheReciprocalsOfTheirVariances) {
       const double v = other.standard_uncertainty / other.value;
       const double apart = std::log(other.value / one.value);
       const FittedValue& mean = (*both).*member;
-      EXPECT_REL(std::log(mean.value / one.value), apart * u * u / (u * u + v * v), 1e-6,
+      // what the noise does not explain is a variance of both
+      const double between = std::max(apart * apart - u * u - v * v, 0.0) / 2;
+      const double first_variance = u * u + between;
+      const double second_variance = v * v + between;
+      const double share = first_variance / (first_variance + second_variance);
+      EXPECT_REL(std::log(mean.value / one.value), apart * share, 1e-6,
                  "rounding of logarithms near 0");
       // chi^2 of two values about their mean
       const double ratio = std::abs(apart) / std::hypot(u, v);
       EXPECT_REL(birge_ratio, ratio, 1e-6, "the same");
-      EXPECT_REL(mean.standard_uncertainty / mean.value,
-                 u * v / std::hypot(u, v) * std::max(ratio, 1.0), 1e-9, "closed form");
+      EXPECT_REL(mean.standard_uncertainty / mean.value, std::sqrt(second_variance * share), 1e-9,
+                 "closed form");
     };
     expect(&AdapterFit::stiffness, both->stiffness_birge_ratio);
     expect(&AdapterFit::damping, both->damping_birge_ratio);
@@ -503,62 +521,6 @@ TEST(AdapterFit, ATapIsReportedWithItsOwnTimesAndSizes) {
              tap.speed_m_per_s / Angular(tap) * std::exp(-Decay(tap) * tap_fit.first_s), 0.01,
              "noise");
   EXPECT_REL(tap_fit.residual_rms, 1e-6, 0.06, "four deviations of 2500 samples");
-}
-
-trial::Record Recording() {
-  trial::Record record;
-  record.rows = 3;
-  record.channels = {{.name = "displacement_m",
-                      .role = trial::ChannelRole::kDisplacement,
-                      .unit = "m",
-                      .values = {1e-3, 2e-3, 3e-3},
-                      .statuses = {trial::SampleStatus::kOk, trial::SampleStatus::kClipped,
-                                   trial::SampleStatus::kOk}}};
-  record.stretches = {{.first_row = 0, .rows = 3, .start_s = -0.5, .rate_hz = 2000}};
-  return record;
-}
-
-TEST(TapFromRecord, TakesTheDisplacementWithItsTimeBase) {
-  auto recording = Recording();
-  recording.channels.insert(recording.channels.begin(), {.name = "drive_v",
-                                                         .role = trial::ChannelRole::kVoltage,
-                                                         .unit = "V",
-                                                         .values = {0, 0, 0},
-                                                         .statuses = {}});
-  const auto tap = TapFromRecord(recording, "tap.bin");
-  ASSERT_TRUE(tap) << tap.error().Text();
-  EXPECT_EQ(tap->name, "tap.bin");
-  EXPECT_EQ(tap->start_s, -0.5);
-  EXPECT_EQ(tap->step_s, 1.0 / 2000);
-  EXPECT_EQ(tap->unit, "m");
-  ASSERT_EQ(tap->voltage_v.size(), 3U);
-  EXPECT_EQ(tap->voltage_v[0], 1e-3);
-  EXPECT_TRUE(std::isnan(tap->voltage_v[1])) << "a clipped sample is no measurement";
-  EXPECT_EQ(tap->voltage_v[2], 3e-3);
-}
-
-TEST(TapFromRecord, TakesASingleChannelOfAnyName) {
-  auto recording = Recording();
-  recording.channels[0].role = trial::ChannelRole::kVoltage;
-  EXPECT_TRUE(TapFromRecord(recording, "tap.bin"));
-}
-
-TEST(TapFromRecord, RefusesWhatCouldBeMeantTwiceAndWhatHasGaps) {
-  auto two = Recording();
-  two.channels.push_back(two.channels[0]);
-  EXPECT_THAT(TapFromRecord(two, "t").error().Text(), HasSubstr("several displacements"));
-  two.channels[0].role = trial::ChannelRole::kVoltage;
-  two.channels[1].role = trial::ChannelRole::kVoltage;
-  EXPECT_THAT(TapFromRecord(two, "t").error().Text(), HasSubstr("no displacement"));
-  auto gap = Recording();
-  gap.stretches = {{.first_row = 0, .rows = 1, .start_s = 0, .rate_hz = 1000},
-                   {.first_row = 1, .rows = 2, .start_s = 1, .rate_hz = 1000}};
-  EXPECT_THAT(TapFromRecord(gap, "t").error().Text(), HasSubstr("gaps"));
-  auto uneven = Recording();
-  uneven.stretches[0].time_uncertainty_s = 1e-6;
-  EXPECT_TRUE(TapFromRecord(uneven, "t")) << "of a clocked source they are rounded";
-  uneven.timing = trial::Timing::kArrival;
-  EXPECT_THAT(TapFromRecord(uneven, "t").error().Text(), HasSubstr("non-uniform"));
 }
 
 // Ka goes with the square of the rate, Ba with the rate

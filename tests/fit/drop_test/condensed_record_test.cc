@@ -81,7 +81,9 @@ std::vector<Case> Cases() {
   for (std::size_t n = 300; n < 900; ++n) cases.back().record.times_s[n] += 0.3 * kStepS;
   cases.push_back({"drift and hum", Samples()});
   cases.back().record.drifts = true;
-  cases.back().record.hum_hz = 50;
+  cases.back().record.hum_hz = {50};
+  cases.push_back({"hum and harmonics", Samples()});
+  cases.back().record.hum_hz = {50, 100, 150, 250};
   cases.push_back({"drift", Samples()});
   cases.back().record.drifts = true;
   cases.push_back({"from before the blow", Samples()});
@@ -118,7 +120,7 @@ TEST(CondensedRecord, HasTheSquaresAndProductsOfAllSamples) {
     point.own.assign(2, {std::log(0.4), 2e-5, 0.01, 0, 0, 0});
     const Jacobian whole = problem.Linearise(point);
     const Jacobian condensed = problem.Condense(point);
-    EXPECT_EQ(condensed.rows, 24U);
+    EXPECT_EQ(condensed.rows, 2 * (kSharedCount + kOwnCount + 1));
     // what a record has no hum or drift for is a column that no fit frees
     const auto lengths = Lengths(whole);
     const auto expected = Products(whole, lengths);

@@ -134,6 +134,43 @@ TEST_P(SpoiledRecord, DriftIsFittedAlong) {
   Expect(FindingKind::kDrift, Add([](double t) { return 0.01 * t / 0.25; }));
 }
 
+// hum of 50 Hz and `further`, on a ring-down at 150 Hz with a quality factor of 40
+Disturbances AtAHarmonic(const std::function<double(double)>& further) {
+  SyntheticDrop drop;
+  const double own_rad_per_s = 2 * std::numbers::pi * 150.7;
+  drop.stiffness_n_per_m = drop.moving_mass_kg * own_rad_per_s * own_rad_per_s;
+  drop.damping_n_s_per_m = drop.moving_mass_kg * own_rad_per_s / 40;
+  drop.noise_v = 1e-3 * tests::SpeedVoltage(drop);
+  auto record = MakeRecord(drop);
+  Add([&](double t) { return 0.05 * std::sin(100 * std::numbers::pi * t) + further(t); })(drop,
+                                                                                          record);
+  const auto start = FindRingStart(record);
+  EXPECT_TRUE(start);
+  return FindDisturbances(record, *start);
+}
+
+TEST(FindDisturbances, HarmonicsOfTheHumAreTakenBesideIt) {
+  const auto hum = AtAHarmonic([](double t) {
+    const double angle = 100 * std::numbers::pi * t;
+    return 0.02 * std::sin(2 * angle + 1) + 0.01 * std::sin(5 * angle + 2);
+  });
+  EXPECT_THAT(hum.background.hum_hz, ::testing::ElementsAre(50, 100, 250)) << "the largest first";
+  EXPECT_TRUE(hum.no_ring_down.empty()) << hum.no_ring_down;
+}
+
+TEST(FindDisturbances, AHarmonicAtTheResonanceIsTakenOnlyWhereItLasts) {
+  const auto hum =
+      AtAHarmonic([](double t) { return 0.02 * std::sin(300 * std::numbers::pi * t + 1); });
+  EXPECT_THAT(hum.background.hum_hz, ::testing::ElementsAre(50, 150));
+  // what a stiffening spring leaves, at the same frequency, falls with the amplitude's cube
+  const auto spring = AtAHarmonic([](double t) {
+    const double decay_per_s = std::numbers::pi * 150.7 / 40;
+    const double phase = 0.05 * (1 - std::exp(-2 * decay_per_s * t));
+    return t < 0 ? 0 : -phase * std::exp(-decay_per_s * t) * std::sin(301.4 * std::numbers::pi * t);
+  });
+  EXPECT_THAT(spring.background.hum_hz, ::testing::ElementsAre(50));
+}
+
 TEST(FindDisturbances, KeepsTheFirstPartWhereAHeightIsStated) {
   // 30 ms before the blow and 220 ms behind it: more is known behind, the height holds before
   for (const bool has_height : {false, true}) {

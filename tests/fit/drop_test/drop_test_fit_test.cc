@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "fit/poles.h"
 #include "tests/findings.h"
@@ -59,7 +61,7 @@ TEST(DropTestFit, RecoversEveryKindOfRecord) {
   SyntheticDrop drop;
   drop.polarity = -1;
   ExpectTruth(Fit({MakeRecordWithHeight(drop)}), drop);
-  drop.quiet_s = 0;
+  drop.quiet_s = 0.02;
   drop.impact_s = -1e-5;
   ExpectTruth(Fit({MakeRecordWithHeight(drop)}), drop);
   drop.rebound = 0.25;
@@ -163,12 +165,15 @@ TEST(DropTestFit, OneLoadAloneDeterminesOnlyTheSumOfBothDampings) {
              34.905, 5e-3, "noise");
 }
 
-// A drop of which only what follows the blow is recorded: the blow's length is not looked for, and
-// its share in the uncertainty (of the samples around the blow) is not in the budget.
-SyntheticDrop WithoutQuiet() {
-  SyntheticDrop drop;
-  drop.quiet_s = 0;
-  return drop;
+// The fit of drops whose blows have no length: what the samples around a blow leave open of it is
+// not in the budget.
+DropTestFit FitOfSuddenBlows(const std::vector<ImpulseRecord>& records,
+                             const ActuatorKnowns& knowns = ThesisKnowns()) {
+  auto prepared = Prepared(records).value();
+  for (PreparedRecord& record : prepared) {
+    record.start.shortest_contact_s = record.start.longest_contact_s = 0;
+  }
+  return FitDropTest(std::move(prepared), knowns).value();
 }
 
 TEST(DropTestFit, WithoutTheResistanceALoadStillGivesTheRest) {
@@ -181,9 +186,8 @@ TEST(DropTestFit, WithoutTheResistanceALoadStillGivesTheRest) {
   EXPECT_TRUE(alone.damping.determined);
   EXPECT_FALSE(alone.force_constant.determined);
   // with a height too, even R follows
-  auto later = Loaded(33);
-  later.quiet_s = 0;
-  ExpectTruth(Fit({MakeRecordWithHeight(WithoutQuiet()), MakeRecordWithHeight(later)}, knowns), {});
+  ExpectTruth(
+      FitOfSuddenBlows({MakeRecordWithHeight({}), MakeRecordWithHeight(Loaded(33))}, knowns), {});
 }
 
 TEST(DropTestFit, NearlyEqualLoadsDoNotInventAForceConstant) {
@@ -198,10 +202,9 @@ TEST(DropTestFit, NearlyEqualLoadsDoNotInventAForceConstant) {
 }
 
 TEST(DropTestFit, AnUnstatedReboundIsCarriedAsUncertainty) {
-  const SyntheticDrop drop = WithoutQuiet();
-  auto record = MakeRecord(drop);
+  auto record = MakeRecord({});
   record.drop_height_m = Quantity{0.01, 0};
-  const auto fit = Fit({record});
+  const auto fit = FitOfSuddenBlows({record});
   EXPECT_REL(fit.force_constant.value, 1.0, 1e-13, "no rebound happened");
   EXPECT_REL(fit.force_constant.combined_standard_uncertainty, 0.3 / std::sqrt(3.0), 1e-9,
              "uniform between 0 and 0.3 about 0");
@@ -216,9 +219,8 @@ TEST(DropTestFit, AnUnstatedReboundIsCarriedAsUncertainty) {
 }
 
 TEST(DropTestFit, TwoValuesOfKmThatContradictEachOtherAreADoubt) {
-  const SyntheticDrop drop = WithoutQuiet();
-  const auto severity_at = [&](double height_m) {
-    auto record = MakeRecordWithHeight(drop);
+  const auto severity_at = [](double height_m) {
+    auto record = MakeRecordWithHeight({});
     record.drop_height_m = Quantity{height_m, 0.05 * height_m};
     const auto fit = Fit({record, MakeRecord(Loaded(33))});
     const auto& list = fit.findings.list();
@@ -234,10 +236,9 @@ TEST(DropTestFit, TwoValuesOfKmThatContradictEachOtherAreADoubt) {
 TEST(DropTestFit, InputsPropagateLikeTheClosedForms) {
   auto knowns = ThesisKnowns();
   knowns.moving_mass_kg = Quantity{1.4e-3, 0.05e-3 / std::sqrt(3.0)};
-  const SyntheticDrop drop = WithoutQuiet();
-  auto record = MakeRecordWithHeight(drop);
+  auto record = MakeRecordWithHeight({});
   record.drop_height_m->standard_uncertainty = 1e-3;
-  auto fit = Fit({record}, knowns);
+  auto fit = FitOfSuddenBlows({record}, knowns);
   // Kv, Bv: u(M)/M = 2.06 %; Km: u(h)/(2h) = 5 %
   EXPECT_REL(fit.stiffness.combined_standard_uncertainty, 2800 * 0.0206197, 1e-5, "digits");
   EXPECT_REL(fit.damping.combined_standard_uncertainty, 0.0322 * 0.0206197, 1e-5, "digits");
@@ -250,17 +251,16 @@ TEST(DropTestFit, InputsPropagateLikeTheClosedForms) {
   knowns.resistance_ohm = Quantity{27, 0.54};
   auto loaded = MakeRecord(Loaded(33));
   loaded.load_ohm->standard_uncertainty = 0.33;
-  fit = Fit({MakeRecord(drop), loaded}, knowns);
+  fit = Fit({MakeRecord({}), loaded}, knowns);
   const double expected = std::hypot(0.0206197 / 2, 0.54 / 120, 0.33 / 120);
   EXPECT_REL(fit.force_constant.combined_standard_uncertainty, expected, 1e-4, "inductance");
 }
 
 TEST(DropTestFit, TheRecordersScalesPropagateLikeTheClosedForms) {
-  const SyntheticDrop drop = WithoutQuiet();
-  auto record = MakeRecordWithHeight(drop);
+  auto record = MakeRecordWithHeight({});
   record.voltage_scale = Quantity{1, 0.02};
   record.time_scale = Quantity{1, 1e-3};
-  auto fit = Fit({record});
+  auto fit = FitOfSuddenBlows({record});
   // Kv = M (w s)^2, Bv = 2 M d s, Km = A / (g v0) for shown times s t and shown volts g v
   EXPECT_REL(fit.stiffness.combined_standard_uncertainty, 2800 * 2e-3, 1e-6, "differences of 1e-6");
   EXPECT_REL(fit.damping.combined_standard_uncertainty, 0.0322 * 1e-3, 1e-6, "differences of 1e-6");
@@ -268,7 +268,7 @@ TEST(DropTestFit, TheRecordersScalesPropagateLikeTheClosedForms) {
   // a clock that runs 1 % fast, and shows it
   record.voltage_scale = Quantity{1.05, 0};
   record.time_scale = Quantity{1.01, 0};
-  fit = Fit({record});
+  fit = FitOfSuddenBlows({record});
   EXPECT_REL(fit.stiffness.value, 2800 * 1.01 * 1.01, 1e-12, "noise-free");
   EXPECT_REL(fit.damping.value, 0.0322 * 1.01, 1e-12, "noise-free");
   EXPECT_REL(fit.force_constant.value, 1 / 1.05, 1e-12, "noise-free");
@@ -416,9 +416,23 @@ TEST(DropTestFit, MissingSamplesAreLeftOut) {
   EXPECT_EQ(fit.records[0].samples + 40 + fit.records[0].first_sample, record.voltage_v.size());
 }
 
+TEST(DropTestFit, AHeightWithoutAQuietPartIsNotUsedAndNotAskedFor) {
+  // a record that begins with the blow, as any does that begins whole periods behind it
+  SyntheticDrop drop;
+  drop.quiet_s = 0;
+  const auto fit = Fit({MakeRecordWithHeight(drop)});
+  EXPECT_TRUE(fit.stiffness.determined);
+  EXPECT_FALSE(fit.force_constant.determined);
+  EXPECT_TRUE(fit.findings.Has(FindingKind::kHeightWithoutImpact));
+  EXPECT_TRUE(fit.findings.Has(FindingKind::kKmTimesUnusedSpeed));
+  EXPECT_FALSE(fit.findings.Has(FindingKind::kKmTimesSpeedOnly));
+  // beside a loaded record Km is that by the loads
+  ExpectTruth(Fit({MakeRecordWithHeight(drop), MakeRecord(Loaded(33))}), {});
+}
+
 TEST(DropTestFit, AContactThatIsNotSeenIsReportedWithItsShare) {
   // half a sine of 0.5 ms leaves cos(x/2)/(1 - (x/pi)^2) of the amplitude, x = w T
-  const auto fit = Fit({MakeRecordWithHeight(WithoutQuiet())});
+  const auto fit = FitOfSuddenBlows({MakeRecordWithHeight({})});
   const double x = std::sqrt(2e6) * 0.5e-3;
   const double lost = 1 - std::cos(x / 2) / (1 - std::pow(x / std::numbers::pi, 2));
   EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kContactUnseen, "share"), lost, 0.02,
@@ -430,7 +444,8 @@ TEST(DropTestFit, AMotionThatBeginsAnEighthOfAPeriodAwayIsRefused) {
   const auto refused = [](double late) {
     SyntheticDrop drop;
     drop.step_s = 2e-5;
-    auto record = MakeRecordWithHeight(drop);
+    drop.release_current_a = 0.05;
+    auto record = MakeRecord(drop);
     const double until_s = drop.impact_s + late / 225.08;
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       const double t = record.start_s + static_cast<double>(n) * record.step_s;

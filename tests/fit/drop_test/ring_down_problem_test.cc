@@ -23,7 +23,7 @@ RingDownSamples Samples(double load_ohm, double mass_ratio) {
   samples.mass_ratio = mass_ratio;
   samples.polarity = load_ohm > 100 ? 1 : -1;
   samples.drifts = true;
-  samples.hum_hz = 50;
+  samples.hum_hz = {50};
   return samples;
 }
 
@@ -49,6 +49,7 @@ TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
     SCOPED_TRACE(damping);
     std::vector records{Samples(kOpen, 1), Samples(33, 0.3), Samples(50, 1)};
     records[2].speed_m_per_s = 0.44;
+    for (auto& record : records) record.hum_hz = {50, 100, 150, 250};
     const RingDownProblem problem(records, 130e-6);
     auto point = Point();
     point.own.push_back({0, 1e-5, 0.03, 0.1, 1e-3, 1e-3});
@@ -165,9 +166,9 @@ TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
 }
 
 TEST(RingDownProblem, DriftCountsFromTheMiddleOfTheSamples) {
-  for (const double hum_hz : {0.0, 50.0}) {
+  for (const bool hums : {false, true}) {
     auto samples = Samples(kOpen, 1);
-    samples.hum_hz = hum_hz;
+    if (!hums) samples.hum_hz.clear();
     const RingDownProblem problem({samples}, 0);
     RingDownPoint still;
     still.shared = Point().shared;

@@ -199,6 +199,7 @@ TEST(RingStart, AContactsLengthLiesBetweenItsLimits) {
     EXPECT_GE(start->shortest_contact_s, 0.7 * (contact_s - 3 * step_s));
     EXPECT_GE(start->longest_contact_s, 1.3 * contact_s);
     EXPECT_LE(start->longest_contact_s, 1.3 * (contact_s + 3 * step_s));
+    EXPECT_FALSE(start->contact_may_be_longer);
     // no sample is fitted that the longest contact may reach
     const double first_s =
         record.start_s + static_cast<double>(start->first_sample) * record.step_s;
@@ -209,6 +210,16 @@ TEST(RingStart, AContactsLengthLiesBetweenItsLimits) {
     EXPECT_REL(start->impact_voltage_v,
                std::sqrt(0.02 * 9.80665) * std::cos(angle / 2) / (1 - std::pow(angle / M_PI, 2)),
                3e-3, "noise; d T to first order");
+  }
+}
+
+TEST(RingStart, AContactOfAThirdOfAPeriodMayBeLonger) {
+  // 1.48 ms are a third of a period, where the search ends
+  for (const double contact_s : {1.5e-3, 2e-3, 2.6e-3, 3e-3}) {
+    SCOPED_TRACE(contact_s);
+    const auto start = FindRingStart(AfterContact(contact_s));
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_TRUE(start->contact_may_be_longer);
   }
 }
 

@@ -74,7 +74,7 @@ const std::vector<Case> kCases{
     {kHeightWithoutImpact,
      "height-without-impact",
      {},
-     "no quiet part before it: the drop height is not used"},
+     "no quiet part before the impact (16 samples and a quarter of a period)"},
     {kCurrentWithoutRelease,
      "current-without-release",
      {},
@@ -82,7 +82,11 @@ const std::vector<Case> kCases{
     {kHeightOfFirstImpact,
      "height-of-first-impact",
      {},
-     "the drop height is that of the first impact: not used"},
+     "the part behind a later impact is fitted, and the drop height is that"},
+    {kHeightOfLongImpact,
+     "height-of-long-impact",
+     {{"shortest_s", 0.25}, {"longest_s", 0.25}},
+     "), and leaves an unknown share of the speed: the drop height is not used"},
     {kReleaseBehindSlow,
      "release-behind-slow",
      {{"at_s", 0.25}, {"from_s", 0.25}},
@@ -119,7 +123,7 @@ const std::vector<Case> kCases{
     {kContactUnseen,
      "contact-unseen",
      {{"share", 0.25}},
-     "the impact is assumed to be short, because no quiet part before it"},
+     "the impact is assumed to be short, because so damped a motion does"},
     {kContactAtMost,
      "contact-at-most",
      {{"longest_s", 0.25}, {"share", 0.25}},
@@ -170,6 +174,10 @@ const std::vector<Case> kCases{
      "km-times-speed-only",
      {{"product_v", 0.25}},
      "; state the drop height (--drop-height), or record again"},
+    {kKmTimesUnusedSpeed,
+     "km-times-unused-speed",
+     {{"product_v", 0.25}},
+     ", and the stated drop height is not used; record again such that"},
     {kKmLostInDamping,
      "km-lost-in-damping",
      {},
@@ -373,6 +381,10 @@ const std::vector<Case> kCases{
      "taps-scatter",
      {{"constant", "Ka"}, {"birge_ratio", 3.25}, {"degrees_of_freedom", 2}},
      "Ka of the taps scatters 3.25 times as much as their noise explains"},
+    {kPointsWrittenTwice,
+     "points-written-twice",
+     {{"copies", 3}, {"points", 6}},
+     "3 of 6 points repeat another one to all digits, as if they were"},
 };
 
 std::string Said(const Case& found) {
@@ -388,7 +400,7 @@ TEST(FitFindings, EachKindHasItsNameAndItsSentence) {
     EXPECT_THAT(Said(found), Not(HasSubstr("(not known)"))) << "a number is missing";
     EXPECT_THAT(Said(found), Not(::testing::EndsWith("."))) << found.name;
   }
-  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kTapsScatter) + 1) << "all kinds";
+  EXPECT_EQ(kCases.size(), static_cast<std::size_t>(kPointsWrittenTwice) + 1) << "all kinds";
 }
 
 TEST(FitFindings, ValuesOfKmThatContradictEachOtherStateByHowMuch) {
