@@ -87,12 +87,12 @@ TEST(Capability, NoiseInTheBandIsItsShareOfHalfTheRate) {
 // whether a sensor that is `fast` but for one number can answer
 bool CanAnswer(const SensorAbility& sensor) { return Judge(sensor, {}).can_answer; }
 
-TEST(Capability, ARateMayFallShortByRoundingAlone) {
-  // 1280 readings/s are needed; one part in 10^9 is left to rounding
+TEST(Capability, ARateMayFallShortByWhatTwoClocksAreOff) {
+  // 1280 readings/s are needed; two quartzes of 50 ppm are left to the clocks (base/band.h)
   SensorAbility sensor = kFast;
-  sensor.rate_hz = 1280 * (1 - 0.99e-9);
+  sensor.rate_hz = 1280 * (1 - 0.99e-4);
   EXPECT_TRUE(CanAnswer(sensor));
-  sensor.rate_hz = 1280 * (1 - 1.01e-9);
+  sensor.rate_hz = 1280 * (1 - 1.01e-4);
   EXPECT_FALSE(CanAnswer(sensor));
 }
 
@@ -198,6 +198,8 @@ TEST(KnownSensors, AnLkgAndAStreamHaveTheStepOfTheirLastDigit) {
 TEST(KnownSensors, AnAnalogOutputIsRenewedWithEachRawSample) {
   const SensorAbility analog = AnalogOutput(2e-3, 4);
   EXPECT_EQ(analog.name, "IL-030, analog output and a DAQ, 2 ms, 4 averages");
+  EXPECT_EQ(AnalogOutput(0.33e-3, 1).name, "IL-030, analog output and a DAQ, 0.33 ms, 1 average");
+  EXPECT_EQ(AnalogOutput(1e-3, 2).name, "IL-030, analog output and a DAQ, 1 ms, 2 averages");
   EXPECT_EQ(analog.rate_hz, 500);
   EXPECT_EQ(analog.averages, 4);
   EXPECT_EQ(analog.sampling_s, 2e-3);

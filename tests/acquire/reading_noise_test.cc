@@ -131,6 +131,22 @@ TEST(ImagesInBand, AreWithinTheBand) {
   EXPECT_EQ(ImagesInBand({0.33e-3, 225, 3000}, 194, 255, 0.05).size(), 1U);
 }
 
+TEST(ImagesInBand, TheirLimitsBelongToThem) {
+  // renewals at 1024 Hz: images of 24 Hz at 1000 Hz, half the rate and not folded, and at 1048 Hz,
+  // folded to 952 Hz
+  const HeldOutput held{.sampling_s = 0x1p-10, .frequency_hz = 24, .daq_rate_hz = 2000};
+  for (const auto& [lower_hz, upper_hz] :
+       {std::pair(952.0, 1000.0), {900.0, 952.0}, {952.0, 952.0}}) {
+    const auto images = ImagesInBand(held, lower_hz, upper_hz, 24.0 / 1048);
+    ASSERT_EQ(images.size(), 1U);
+    EXPECT_EQ(images[0].image_hz, 1048);
+    EXPECT_EQ(images[0].folded_hz, 952);
+    EXPECT_EQ(images[0].relative, 24.0 / 1048);
+  }
+  EXPECT_TRUE(ImagesInBand(held, 952.001, 1000, 24.0 / 1048).empty());
+  EXPECT_TRUE(ImagesInBand(held, 900, 951.999, 24.0 / 1048).empty());
+}
+
 TEST(ImagesInBand, AreAboveHalfTheRateOfTheConverter) {
   // 3255.30 Hz is above half of 6500 Hz and below half of 6520 Hz
   const auto folded = ImagesInBand({0.33e-3, 225, 6500}, 3000, 4000, 0.05);

@@ -47,6 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Exchange{"FR,02,037\r\n", "FR,02,037,+000000002\r\n"},
                       Exchange{"FR,02,038\r\n", "FR,02,038,+000000002\r\n"},
                       Exchange{"FR,02,042\r\n", "FR,02,042,+000000003\r\n"},  // millivolts
+                      Exchange{"FR,01,038\r\n", "FR,01,038,+000000003\r\n"},
                       Exchange{"FR,01,195\r\n", "FR,01,195,+000000000\r\n"},  // a code
                       Exchange{"FR,00,037\r\n", "ER,FR,022\r\n"},
                       Exchange{"FR,03,037\r\n", "ER,FR,022\r\n"},
@@ -59,6 +60,18 @@ INSTANTIATE_TEST_SUITE_P(
                       Exchange{"SW,01,132,+000000001\r\n", "ER,SW,014\r\n"},
                       Exchange{"AW,132,1\r\n", "ER,AW,255\r\n"},  // DL-RS1A only
                       Exchange{"ZZ\r\n", "ER,ZZ,255\r\n"}));
+
+TEST(DlEn1Unit, SaysWhyItDoesNotWrite) {
+  ManualClock clock;
+  DlEn1Unit unit({.heads = {StillHead(0)}, .is_writable = true});
+  EXPECT_EQ(Ask(unit, clock, "SW,01,037,+000000001\r\n"), "ER,SW,014\r\n") << "read only";
+  EXPECT_EQ(Ask(unit, clock, "SW,01,999,+000000001\r\n"), "ER,SW,020\r\n") << "no such number";
+  // a request for a shift is 0 or 1
+  for (const char* code : {"+000000002", "-000000001"}) {
+    EXPECT_EQ(Ask(unit, clock, std::string("SW,01,001,") + code + "\r\n"), "ER,SW,009\r\n");
+  }
+  EXPECT_EQ(Ask(unit, clock, "SW,01,001,+000000001\r\n"), "SW,01,001\r\n");
+}
 
 TEST(DlEn1Unit, SendsValuesWithoutAPoint) {
   ManualClock clock;
@@ -138,6 +151,21 @@ TEST(LkgUnit, TheSecondOutputIsTheSecondHead) {
   EXPECT_EQ(Ask(unit, clock, "M0\r"), "M0,+01.2340,-05.6780\r");
 }
 
+TEST(LkgUnit, RefusesByTheFirstTwoCharacters) {
+  ManualClock clock;
+  LkgUnit unit({.heads = {StillHead(0)}});
+  EXPECT_EQ(Ask(unit, clock, "ABC\r"), "ER,AB,00\r");
+  EXPECT_EQ(Ask(unit, clock, "ab" + std::string(40, 'x') + "\r"), "ER,ab,20\r");
+}
+
+TEST(LkgUnit, IsRefusedWithoutABaudRate) {
+  EXPECT_TRUE(Validate(LkgSetup{.baud = 1, .heads = {StillHead(0)}}));
+  EXPECT_TRUE(Validate(LkgSetup{.heads = {StillHead(0), StillHead(0)}}));
+  const auto none = Validate(LkgSetup{.baud = 0, .heads = {StillHead(0)}});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().Text(), "<baud>: must be above 0; give 9600");
+}
+
 TEST(LkgUnit, IsRefusedWithoutHeads) {
   EXPECT_FALSE(Validate(LkgSetup{}));
   EXPECT_FALSE(Validate(LkgSetup{.heads = {StillHead(0), StillHead(0), StillHead(0)}}));
@@ -176,6 +204,19 @@ TEST(DlRs1aAmplifiers, AreWrittenWhereTheSwitchAllowsIt) {
   EXPECT_EQ(Ask(unit, clock, "SW,00,195,1\r\n"), "ER,SW,22\r\n") << "read only";
   EXPECT_EQ(Ask(unit, clock, "SW,00,132,x\r\n"), "ER,SW,22\r\n");
   EXPECT_EQ(Ask(unit, clock, "SW,07,132,1\r\n"), "ER,SW,65\r\n");
+}
+
+TEST(DlRs1aAmplifiers, AreAllWrittenFromTheMainOneOn) {
+  ManualClock clock;
+  DlRs1aSetup setup = ThreeAmplifiers();
+  setup.is_writable = true;
+  DlRs1aUnit unit(setup);
+  EXPECT_EQ(Ask(unit, clock, "AW,133,5\r\n"), "AW,133\r\n");
+  for (const char* number : {"00", "01", "02"}) {
+    const std::string data = std::string("SR,") + number + ",133";
+    EXPECT_EQ(Ask(unit, clock, data + "\r\n"), data + ",5\r\n");
+  }
+  EXPECT_EQ(Ask(unit, clock, "SR,00,054\r\n"), "SR,00,054,1\r\n") << "a shift has succeeded";
 }
 
 TEST(DlRs1aAmplifiers, ShowNothingUntilAChangeHasSettled) {
@@ -220,10 +261,46 @@ TEST(DlRs1aAmplifiers, ShiftTheirZeroAtTheEdge) {
   EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,-02.500,+003.00\r\n");
 }
 
+// 1 mm, and 3 mm from the tenth second on
+TEST(DlRs1aAmplifiers, ShiftTheirZeroOnceForEachEdge) {
+  ManualClock clock;
+  DlRs1aSetup setup{.baud = 38400,
+                    .head = QuietHead([](double time_s) { return time_s < 10 ? 1e-3 : 3e-3; })};
+  setup.is_writable = true;
+  DlRs1aUnit unit(setup);
+  const auto shown_after = [&](const char* code) {
+    EXPECT_EQ(Ask(unit, clock, std::string("SW,00,001,") + code + "\r\n"), "SW,00,001\r\n");
+    return Ask(unit, clock, "M0\r\n");
+  };
+  EXPECT_EQ(shown_after("0"), "M0,+01.000\r\n");
+  EXPECT_EQ(shown_after("1"), "M0,+00.000\r\n");
+  clock.Advance(10 * kNsPerS);
+  EXPECT_EQ(shown_after("1"), "M0,+02.000\r\n") << "a level is no edge";
+  EXPECT_EQ(shown_after("0"), "M0,+02.000\r\n");
+  EXPECT_EQ(shown_after("1"), "M0,+00.000\r\n");
+}
+
 // --- faults of answers ---------------------------------------------------------------------------
 
 DlRs1aSetup Faulty(std::string_view plan) {
   return {.baud = 38400, .head = StillHead(1.234e-3), .faults = *ParseFaultPlan(plan)};
+}
+
+TEST(AnswerFaults, ThoseOfTimeLeaveTheStatusOfAValue) {
+  ManualClock clock;
+  const FaultPlan slow = *ParseFaultPlan("slow");
+  DlEn1Unit en1({.heads = {StillHead(10.4e-3)}, .faults = slow});
+  EXPECT_EQ(Ask(en1, clock, "M0\r\n"), "M0,+099999999\r\n");
+  ManualClock another;
+  LkgUnit lkg({.heads = {StillHead(10.4e-3)}, .faults = slow});
+  EXPECT_EQ(Ask(lkg, another, "M1\r"), "M1,+FFFFFFF\r");
+}
+
+TEST(AnswerFaults, AWrongIdIsInTheDecimalsToo) {
+  ManualClock clock;
+  DlEn1Unit unit({.heads = {StillHead(0)}, .faults = *ParseFaultPlan("wrong-id")});
+  EXPECT_EQ(Ask(unit, clock, "FR,01,037\r\n"), "FR,02,037,+000000003\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,01,195\r\n"), "SR,02,195,+000000001\r\n");
 }
 
 TEST(AnswerFaults, AMergedAnswerComesWithTheNext) {

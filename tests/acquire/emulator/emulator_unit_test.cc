@@ -512,6 +512,7 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
     ASSERT_FALSE(every) << text;
     EXPECT_EQ(every.error().remedy, "give silent:EVERY with a whole number from 1");
   }
+  EXPECT_EQ(ParseFaultPlan("silent:1").value().every, 1);
 }
 
 TEST(Damaged, IsHalfOrNoneOrNoiseOfTheText) {
@@ -524,6 +525,9 @@ TEST(Damaged, IsHalfOrNoneOrNoiseOfTheText) {
   EXPECT_EQ(noise.size(), 8U);
   EXPECT_EQ(noise, Damaged("M0,+99\r\n", Damage::kGarbled, 1)) << "of its number alone";
   EXPECT_NE(noise, Damaged("M0,+01\r\n", Damage::kGarbled, 2));
+  // Numerical Recipes, 7.1: 3C6EF35F 47502932 D1CCF6E9 AAF95334 6252E503; their first bytes, with
+  // the top bit
+  EXPECT_EQ(Damaged("M0,+0\r", Damage::kGarbled, 0), "\xBC\xC7\xD1\xAA\xE2\r");
 }
 
 TEST(Faults, ThoseOfAnswersNeedAQuestion) {

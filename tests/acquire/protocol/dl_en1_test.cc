@@ -48,7 +48,7 @@ TEST(DlEn1Reply, RefusesWhatIsNoReply) {
   for (const std::string_view line :
        {"", "M0", "M0,", "M0,000012345", "M0,+00001234", "M0,+0000123456", "M0,+00012.345",
         "M0,+000012345,", "ER,SR,22", "ER,SR,0022", "SW,1,132", "SW,01,132,1", "AW,132",
-        "FR,01,037", "MS,04", "FR,01,037,+0000000040"}) {
+        "FR,01,037", "MS,04", "FR,01,037,+0000000040", "M0,0000012345", "M0, 000012345"}) {
     EXPECT_FALSE(Parse(line)) << line;
   }
 }
@@ -132,6 +132,10 @@ TEST(DlEn1Value, SpecialValuesOfTheAmplifierAreWrittenToo) {
     EXPECT_EQ(FormatIlValue({counts, 0, status}), text);
   }
   EXPECT_EQ(FormatNumber(999'999'999), "+999999999");
+  EXPECT_EQ(FormatNumber(-999'999'999), "-999999999");
+  EXPECT_EQ(FormatNumber(0), "+000000000");
+  EXPECT_DEATH((void)FormatNumber(1'000'000'000), "number = 1000000000");
+  EXPECT_DEATH((void)FormatNumber(-1'000'000'000), "number = -1000000000");
   EXPECT_EQ(FormatNumber(-1), "-000000001");
 }
 

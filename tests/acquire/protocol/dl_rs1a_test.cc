@@ -54,14 +54,18 @@ TEST(DlRs1aValue, AnalogOutputInMillivolts) {
                                  {"-5.000", -5000},
                                  {"+0.000", 0},
                                  {"-0.012", -12},
+                                 {"+9.999", 9999},
+                                 {"-9.999", -9999},
                                  {"+1.234", 1234}}) {
     EXPECT_EQ(ParseAnalogMv(text), mv) << text;
     EXPECT_EQ(FormatAnalogMv(mv), text);
   }
   // a current output has five characters
-  for (const char* text : {"12.00", "+12.00", "1.2345", "+1.23a", "", "+1,234", "++.123"}) {
+  for (const char* text : {"12.00", "+12.00", "1.2345", "+1.23a", "", "+1,234", "++.123", "-1.23a",
+                           "+1.23", "+1.2345", "11.234", " 1.234"}) {
     EXPECT_FALSE(ParseAnalogMv(text)) << text;
   }
+  EXPECT_DEATH((void)FormatAnalogMv(10'000), "mv = 10000");
 }
 
 TEST(DlRs1aReply, ReadsTheManualsExamples) {
@@ -109,6 +113,10 @@ TEST(DlRs1aReply, RefusesWhatIsNoReply) {
                                       "M0,+00.001M0,+00.002",
                                       "MS,04",
                                       "MS,004,+00.001",
+                                      "MS",
+                                      "DR",
+                                      "MS,04,+00.00",
+                                      "MS,x,+00.001",
                                       "MS,04,+00.001,04",
                                       "SR,00,195",
                                       "SR,0,195,1",
@@ -117,6 +125,13 @@ TEST(DlRs1aReply, RefusesWhatIsNoReply) {
                                       "ER,SR",
                                       "ER,SR,5",
                                       "ER,SR,222",
+                                      "ER,SR,22,1",
+                                      "ER,S\x01,22",
+                                      "SW,00,132,1",
+                                      "AW,00,132",
+                                      "AW,13",
+                                      "SR,00,200,\x7f",
+                                      "SR,00,200,\x1f",
                                       "SR,00,200,\x01\x02",
                                       "M0,+0\x80.001"}) {
     EXPECT_FALSE(dl::ParseReply(Spelling(), line)) << line;
@@ -174,6 +189,14 @@ TEST(DlRs1aValue, RefusesOtherForms) {
         "+12.34E", "+E2.EEE", "++2.345", "+12.345 ", "+1 .345", "+FF.FFF"}) {
     EXPECT_FALSE(ParseValue(text)) << text;
   }
+}
+
+TEST(DlRs1aValue, IsWrittenWithOneToThreeDecimals) {
+  EXPECT_EQ(FormatValue({99'999, 1, SampleStatus::kOk}), "+9999.9");
+  EXPECT_EQ(FormatValue({0, 3, SampleStatus::kOk}), "+00.000");
+  EXPECT_DEATH((void)FormatValue({1, 0, SampleStatus::kOk}), "decimals = 0");
+  EXPECT_DEATH((void)FormatValue({1, 4, SampleStatus::kOk}), "decimals = 4");
+  EXPECT_DEATH((void)FormatValue({100'000, 3, SampleStatus::kOk}), "counts = 100000");
 }
 
 TEST(DlRs1aRequest, BothWays) {
@@ -262,8 +285,19 @@ TEST(DlRs1aTables, HeadsHaveTheDistancesOfTheCatalogue) {
     EXPECT_EQ(head->nearest_mm, printed.nearest_mm) << printed.name;
     EXPECT_EQ(head->farthest_mm, printed.farthest_mm) << printed.name;
   }
-  EXPECT_EQ(FindHead(107)->name, "IL-S065");
-  EXPECT_EQ(FindHead(208)->name, "IL-S100");
+  // where the catalogue has no range, the name's distance alone
+  for (const CatalogueHead& named :
+       {CatalogueHead{107, "IL-S065", 3, 65, 0, 0}, CatalogueHead{208, "IL-S100", 3, 100, 0, 0},
+        CatalogueHead{311, "IL-2000", 1, 2000, 0, 0}}) {
+    const Head* head = FindHead(named.code);
+    ASSERT_NE(head, nullptr) << named.name;
+    EXPECT_EQ(head->name, named.name);
+    EXPECT_EQ(head->decimals, named.decimals) << named.name;
+    EXPECT_EQ(head->reference_mm, named.reference_mm) << named.name;
+    EXPECT_EQ(head->nearest_mm, 0) << named.name;
+    EXPECT_EQ(head->farthest_mm, 0) << named.name;
+    EXPECT_EQ(head->linear_half_range_mm, 0) << named.name;
+  }
 }
 
 TEST(DlRs1aTables, EveryCodeOfASettingHasItsValue) {
@@ -342,6 +376,8 @@ TEST(DlNumber, IsAWholeNumberWithOrWithoutASign) {
   EXPECT_EQ(dl::NumberOf("+000000004"), 4);
   EXPECT_EQ(dl::NumberOf("-12"), -12);
   EXPECT_EQ(dl::NumberOf("007"), 7);
+  EXPECT_EQ(dl::NumberOf("+4"), 4);
+  EXPECT_EQ(dl::NumberOf(std::string_view("12345").substr(0, 2)), 12) << "not what lies behind";
   for (const std::string_view text : {"", "+", "1x", "1.5", " 1", "99999999999"}) {
     EXPECT_FALSE(dl::NumberOf(text)) << text;
   }
@@ -354,11 +390,39 @@ TEST(DlRs1aReply, AnErrorAnswersTheCommandThatItNamesLast) {
   EXPECT_FALSE(dl::Answers(error("ER,M0,00"), Command::kMs));
   EXPECT_TRUE(dl::Answers(error("SW,00,132"), Command::kSw));
   EXPECT_FALSE(dl::Answers(error("SW,00,132"), Command::kSr));
+  EXPECT_FALSE(dl::Answers(error("SR,00,200,M0"), Command::kM0)) << "data are no command";
 }
 
 TEST(DlRs1aReply, HasTenCharactersOfDataAtMost) {
   EXPECT_EQ(dl::ParseReply(Spelling(), "SR,00,200,1234567890")->data, "1234567890");
   EXPECT_FALSE(dl::ParseReply(Spelling(), "SR,00,200,12345678901"));
+  EXPECT_EQ(dl::ParseReply(Spelling(), "SR,00,200, ~")->data, " ~") << "the ends of ASCII";
+  EXPECT_EQ(dl::FormatDataReply(Command::kSr, 0, 200, "1234567890"), "SR,00,200,1234567890\r\n");
+  EXPECT_DEATH((void)dl::FormatDataReply(Command::kSr, 0, 200, "12345678901"), "data = 123");
+}
+
+TEST(DlRs1aReply, NamesTheDataNumberOfAllAmplifiers) {
+  const auto all = dl::ParseReply(Spelling(), "AW,132");
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->kind, ReplyKind::kAw);
+  EXPECT_EQ(all->number, 132);
+  EXPECT_EQ(all->unit, 0);
+  EXPECT_EQ(dl::FormatWriteReply({Command::kAw, 3, 132, "1"}), "AW,132\r\n");
+  EXPECT_EQ(dl::FormatWriteReply({Command::kSw, 3, 132, "1"}), "SW,03,132\r\n");
+}
+
+TEST(DlFields, ThirtyOneAreReadAndOneMoreIsTooMany) {
+  const std::string most = "a" + std::string(30, ',');
+  const Fields all(most);
+  EXPECT_FALSE(all.too_many());
+  EXPECT_EQ(all.size(), 31U);
+  EXPECT_EQ(all.Rest().size(), 30U);
+  const std::string longer = most + ",z";
+  const Fields cut(longer);
+  EXPECT_TRUE(cut.too_many());
+  EXPECT_EQ(cut.size(), 31U);
+  EXPECT_EQ(cut[0], "a");
+  EXPECT_EQ(Fields("").size(), 1U);
 }
 
 TEST(DlRs1aTables, PollPeriods) {

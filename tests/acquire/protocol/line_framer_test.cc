@@ -67,6 +67,9 @@ TEST(LineFramer, DiscardsAnOverlongLineOnceAndCountsItsBytes) {
   EXPECT_EQ(CutWhole(Delimiter::kLf, "12345678\r\nok\n"), (Cut{{"12345678", "ok"}, 0, 0}));
   EXPECT_EQ(CutWhole(Delimiter::kLf, "123456789\r\nok\n"), (Cut{{"!", "ok"}, 11, 0}));
   EXPECT_EQ(CutWhole(Delimiter::kCr, std::string(100'000, 'x')), (Cut{{}, 100'000, 0}));
+  // one character more may wait: the CR of a CR LF
+  EXPECT_EQ(CutWhole(Delimiter::kCr, "123456789"), (Cut{{}, 0, 9}));
+  EXPECT_EQ(CutWhole(Delimiter::kCr, "1234567890"), (Cut{{}, 10, 0}));
 }
 
 TEST(LineFramer, AnySplitGivesTheSameLines) {
@@ -105,8 +108,26 @@ TEST(LineFramer, ResetForgetsTheUnfinishedLine) {
   framer.Feed("half");
   EXPECT_EQ(framer.Next().framing, Framing::kNeedMore);
   EXPECT_EQ(framer.Reset(), 4U);
+  framer.Feed("\ra\r");
+  EXPECT_EQ(framer.Next().text, "a") << "behind an empty line";
+  framer.Feed("x");
+  EXPECT_EQ(framer.Reset(), 1U);
+  framer.Feed("b\r");
+  EXPECT_EQ(framer.Next().text, "b");
+}
+
+TEST(LineFramer, ResetBetweenTwoLinesKeepsTheLfOfTheFirst) {
+  LineFramer framer(Delimiter::kCr, 8);
   framer.Feed("a\r");
   EXPECT_EQ(framer.Next().text, "a");
+  EXPECT_EQ(framer.Reset(), 0U);
+  framer.Feed("\nb\r");
+  EXPECT_EQ(framer.Next().text, "b");
+}
+
+TEST(LineFramer, TheLongestLineHasACharacterAtLeast) {
+  EXPECT_EQ(CutWhole(Delimiter::kLf, "a\nbc\n", 1), (Cut{{"a", "!"}, 3, 0}));
+  EXPECT_DEATH(LineFramer(Delimiter::kLf, 0), "longest = 0");
 }
 
 TEST(Wire, NumbersHaveOneToNineDigits) {
@@ -118,11 +139,15 @@ TEST(Wire, NumbersHaveOneToNineDigits) {
   }
   EXPECT_EQ(PowerOfTen(0), 1);
   EXPECT_EQ(PowerOfTen(9), 1'000'000'000);
+  EXPECT_DEATH((void)PowerOfTen(10), "exponent = 10");
+  EXPECT_DEATH((void)PowerOfTen(-1), "exponent = -1");
 }
 
 TEST(Wire, ACharacterIsTenBits) {
   EXPECT_EQ(WireTimeNs(96, 9600), 100'000'000);  // 960 bits at 9600 bit/s
   EXPECT_EQ(WireTimeNs(9, 921600), 97'656);      // 90 bits: 97.65625 us
+  EXPECT_EQ(WireTimeNs(1, 1), 10'000'000'000);
+  EXPECT_DEATH((void)WireTimeNs(1, 0), "baud = 0");
 }
 
 }  // namespace

@@ -65,7 +65,8 @@ TEST(LkgReply, ReadsWhatTheControllerSends) {
 TEST(LkgReply, RefusesWhatIsNoReply) {
   for (const std::string_view line :
        {"", "M1", "M1,", "M1,+01.2345,+01.2345", "M0,+01.2345", "M3,+01.2345", "G3,+01.2345",
-        "Q0,1", "ER,M1", "ER,M1,1", "ER,M1,001", "M1,+01.2345M1,+01.2345"}) {
+        "Q0,1", "ER,M1", "ER,M1,1", "ER,M1,001", "ER,M1,01,1", "ER,M1,0x", "G1",
+        "G1,+01.2345,+01.2345", "G1,01.23456", "M1,+01.2345M1,+01.2345"}) {
     EXPECT_FALSE(ParseReply(line)) << line;
   }
 }
@@ -105,6 +106,15 @@ TEST(LkgValue, EveryPlaceOfThePointSurvivesTheWire) {
       EXPECT_EQ(ParseValue(FormatValue(value)), value) << FormatValue(value);
     }
   }
+}
+
+TEST(LkgValue, HasNoMoreDigitsThanTheDisplay) {
+  EXPECT_EQ(FormatValue({0, 4, SampleStatus::kOk}), "+00.0000") << "nought has a plus";
+  EXPECT_EQ(FormatValue({-1, 5, SampleStatus::kOk}), "-0.00001");
+  EXPECT_DEATH((void)FormatValue({1'000'000, 1, SampleStatus::kOk}), "counts = 1000000");
+  EXPECT_DEATH((void)FormatValue({10'000'000, 0, SampleStatus::kOk}), "counts = 10000000");
+  EXPECT_DEATH((void)FormatValue({1, -1, SampleStatus::kOk}), "decimals = -1");
+  EXPECT_DEATH((void)FormatValue({1, 6, SampleStatus::kOk}), "decimals = 6");
 }
 
 TEST(LkgRequest, IsUnderstoodInEitherCase) {

@@ -210,6 +210,11 @@ TEST(ModbusFrame, NamesWhatIsWrongWithAReply) {
   std::string damaged = kWt53rReply;
   damaged[3] ^= 1;
   EXPECT_EQ(FaultOf(damaged), ModbusFault::kCrc);
+  for (const std::size_t of_crc : {5U, 6U}) {
+    std::string changed = kWt53rReply;
+    changed[of_crc] ^= 1;
+    EXPECT_EQ(FaultOf(changed), ModbusFault::kCrc) << "byte " << of_crc;
+  }
   EXPECT_EQ(FaultOf(kWt53rReply.substr(0, 3)), ModbusFault::kLength);
   EXPECT_EQ(FaultOf(""), ModbusFault::kLength);
   EXPECT_EQ(FaultOf(Rtu({.unit = 0x51, .function = 3, .data = Bytes({2, 7, 11})})),
@@ -223,6 +228,34 @@ TEST(ModbusFrame, NamesWhatIsWrongWithAReply) {
   // no exception has the number 0, and it holds no registers either
   EXPECT_EQ(FaultOf(Rtu({.unit = 0x50, .function = 0x83, .data = Bytes({0})})),
             ModbusFault::kLength);
+  EXPECT_EQ(FaultOf(Rtu({.unit = 0x50, .function = 0x83, .data = Bytes({2, 0})})),
+            ModbusFault::kLength);
+  // the byte count is right, the bytes are not
+  EXPECT_EQ(FaultOf(Rtu({.unit = 0x50, .function = 3, .data = Bytes({2, 7, 11, 0})})),
+            ModbusFault::kLength);
+}
+
+TEST(ModbusFrame, BytesBehindATcpReplyAreNoPartOfIt) {
+  const std::string reply = Bytes({0, 7, 0, 0, 0, 5, 1, 3, 2, 0, 5});
+  const ReadRequest asked{.transaction = 7};
+  EXPECT_EQ(ParseReadReply(ModbusFraming::kTcp, asked, reply).fault, ModbusFault::kNone);
+  EXPECT_EQ(ParseReadReply(ModbusFraming::kTcp, asked, reply + "x").fault, ModbusFault::kLength);
+}
+
+TEST(ModbusFrame, ARequestHoldsBothBytesOfAnAddress) {
+  const ReadRequest asked{
+      .transaction = 0xABCD, .unit = 2, .function = 4, .address = 0x1234, .count = 125};
+  std::string tcp;
+  AppendReadRequest(ModbusFraming::kTcp, asked, tcp);
+  EXPECT_EQ(tcp, Bytes({0xAB, 0xCD, 0, 0, 0, 6, 2, 4, 0x12, 0x34, 0, 125}));
+  std::string rtu;
+  AppendReadRequest(ModbusFraming::kRtu, asked, rtu);
+  const ParsedAdu parsed = ParseAdu(ModbusFraming::kRtu, rtu);
+  EXPECT_EQ(parsed.adu.transaction, 0) << "serial frames have none";
+  EXPECT_EQ(parsed.adu.unit, 2);
+  EXPECT_EQ(parsed.adu.function, 4);
+  EXPECT_EQ(parsed.adu.data, Bytes({0x12, 0x34, 0, 125}));
+  EXPECT_EQ(parsed.bytes, 8U);
 }
 
 TEST(ModbusFrame, TellsTransactionsApart) {
@@ -251,7 +284,11 @@ TEST(ModbusFrame, WaitsForTheRestOfATcpFrame) {
     EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, bytes.substr(0, size)).state, AduState::kNeedMore);
   }
   EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, bytes).bytes, 12U);
-  EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, "GET / HTTP/1.1\r\n").state, AduState::kBadLength);
+  const std::string_view http = "GET / HTTP/1.1\r\n";
+  EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, http).state, AduState::kBadLength);
+  EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, http.substr(0, 8)).state, AduState::kBadLength);
+  EXPECT_EQ(ParseAdu(ModbusFraming::kTcp, http.substr(0, 7)).state, AduState::kNeedMore)
+      << "a header and a function are needed to judge";
 }
 
 TEST(ModbusFrame, ARepliesLengthIsThatOfItsFrame) {
@@ -333,6 +370,8 @@ TEST(ModbusFrame, ASilentIntervalIsThreeAndAHalfCharactersOr1750Us) {
   // Modbus over Serial Line V1.02, 2.5.1.1
   EXPECT_EQ(SilentIntervalNs({.baud = 9600}), 4'010'416);  // 38.5 bits
   EXPECT_EQ(SilentIntervalNs({.baud = 57600}), 1'750'000);
+  EXPECT_EQ(SilentIntervalNs({.baud = 1}), 38'500'000'000);
+  EXPECT_DEATH((void)SilentIntervalNs({.baud = 0}), "baud = 0");
 }
 
 }  // namespace

@@ -39,7 +39,10 @@ TEST(StreamLine, LettersAreStatuses) {
     const std::string line = FormatStreamLine(kDefault, {0, 4, status});
     EXPECT_EQ(ParseStreamLine(kDefault, std::string_view(line).substr(0, 8))->status, status);
   }
-  EXPECT_EQ(FormatStreamLine(kDefault, {0, 4, SampleStatus::kDeviceError}), "XXXXXXXX\r");
+  // without a measurement, no number counts
+  for (const std::int32_t counts : {0, kNoCounts, 1'000'000, -1'000'000}) {
+    EXPECT_EQ(FormatStreamLine(kDefault, {counts, 4, SampleStatus::kDeviceError}), "XXXXXXXX\r");
+  }
 }
 
 TEST(StreamLine, WhatDoesNotFitIsOverOrUnderAndNeverClamped) {
@@ -58,8 +61,9 @@ TEST(StreamLine, OnlyTheDrawnFormIsAReading) {
 }
 
 TEST(StreamLine, EveryFormatGivesBackItsNumbers) {
-  for (const std::string_view text : {"+00.0000,mm,CR", "+000000,0.1um,CRLF", "0.00,mm,LF",
-                                      "+0.00000000,m,CR", "0,nm,LF", "+000.000,mm,CRLF"}) {
+  for (const std::string_view text :
+       {"+00.0000,mm,CR", "+000000,0.1um,CRLF", "0.00,mm,LF", "+0.00000000,m,CR", "0,nm,LF",
+        "+000.000,mm,CRLF", "+0.0,mm,CR"}) {
     const StreamFormat format = Format(text);
     const std::int32_t most = MostCounts(format);
     const std::int32_t least = format.sign == SignRule::kAlways ? -most : 0;
@@ -92,6 +96,18 @@ TEST(StreamLine, ACounterStandsInFrontAndTurnsRound) {
   }
 }
 
+TEST(StreamLine, ACounterHasOneDigitToNine) {
+  const StreamFormat one = Format("0;0.0,mm,LF");
+  EXPECT_EQ(LineBytes(one), 6U);
+  EXPECT_EQ(FormatStreamLine(one, {12, 1, {}}, 17), "7;1.2\n");
+  EXPECT_EQ(ParseStreamLine(one, "7;1.2"), (Value{12, 1, SampleStatus::kOk}));
+  EXPECT_EQ(LineCount(one, "7;1.2"), 7);
+  EXPECT_FALSE(ParseStreamLine(one, "7,1.2"));
+  const StreamFormat nine = Format("000000000,0.0,mm,LF");
+  EXPECT_EQ(CounterTurn(nine), 1'000'000'000);
+  EXPECT_EQ(FormatStreamLine(nine, {0, 1, {}}, 1'000'000'003), "000000003,0.0\n");
+}
+
 TEST(StreamFormatText, DrawsACounterAndItsSeparator) {
   EXPECT_EQ(Format("+00.0000,mm,CR").counter_digits, 0);
   for (const char separator : {',', ';', ':', ' ', '\t'}) {
@@ -109,6 +125,16 @@ TEST(StreamFormatText, SetsUnitAndDelimiter) {
   EXPECT_EQ(format.delimiter, Delimiter::kCrLf);
   EXPECT_REL(MetresPerCount(format), 1e-7, 1e-15, "a decimal read once");
   EXPECT_EQ(Format("0.00,mm,LF").sign, SignRule::kNever);
+  EXPECT_EQ(Format("0.00,mm,LF").unit_m, 1e-3);
+  EXPECT_EQ(Format("0.00,9mm,LF").unit_m, 9e-3);
+  EXPECT_EQ(Format("0.00,0.5mm,LF").unit_m, 0.5e-3);
+  EXPECT_EQ(Format("0.00,.5mm,LF").unit_m, 0.5e-3);
+  EXPECT_FALSE(ParseStreamFormat("0.00,e3mm,LF")) << "it was read as 1e3 mm";
+}
+
+TEST(StreamLine, ARateNeedsAWire) {
+  EXPECT_REL(MostLinesPerSecond(kDefault, 1), 1.0 / 90, 1e-15, "one division");
+  EXPECT_DEATH((void)MostLinesPerSecond(kDefault, 0), "baud = 0");
 }
 
 TEST(StreamFormatText, RefusesInOneLineWithTheRemedy) {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -93,12 +94,58 @@ TEST_F(RecorderTest, ASourceThatGivesLessThanWasAskedForEndsEarly) {
 }
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {
+  clock_.Advance(12'345 * kMs);
   CountingSensor sensor(clock_, Timing::kArrival, 5, Outcome::kNothing);
   const auto summary = Run(sensor, {.duration_ns = 2000 * kMs});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 5U);
   EXPECT_FALSE(summary->connection_lost);
-  EXPECT_EQ(clock_.Now(), 2000 * kMs);
+  EXPECT_EQ(clock_.Now(), 14'345 * kMs);
+  EXPECT_EQ(summary->gaps, 1U) << "a silence of 2 s after five rows 1 ms apart";
+}
+
+// rows up to 99 ms, and the stop 500 or 1000 ms after the beginning
+TEST_F(RecorderTest, AStopInASilenceEndsIt) {
+  clock_.Advance(77 * kMs);
+  CountingSensor sensor(clock_, Timing::kArrival, 100, Outcome::kNothing);
+  trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
+  std::atomic<bool> stop{false};
+  const auto summary =
+      Record(sensor, sink, clock_, stop, {}, {.progress = [&](const RecordingSummary& now) {
+               EXPECT_EQ(now.gaps, 0U) << "it may still be made up for";
+               stop = true;
+             }});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->gaps, 1U);
+}
+
+// the clock stands at the beginning, rows are up to 99 ms: nothing is missing behind them
+TEST_F(RecorderTest, AStopAtTheLastRowIsNoGap) {
+  clock_.Advance(77 * kMs);
+  CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kNothing);
+  trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
+  std::atomic<bool> stop{false};
+  const auto summary = Record(sensor, sink, clock_, stop, {},
+                              {.reading = [&](const Reading& now) { stop = now.index == 99; }});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->readings, 100U);
+  EXPECT_EQ(summary->gaps, 0U);
+}
+
+// a hang-up 100 ms after 300 rows; a source that waits has the time of its rows
+TEST_F(RecorderTest, AnEventHasTheTimeSinceTheBeginning) {
+  clock_.Advance(77 * kMs);
+  for (const bool waits : {false, true}) {
+    CountingSensor sensor(clock_, Timing::kArrival, 300, Outcome::kGone);
+    sensor.waits_for_us = waits;
+    ASSERT_TRUE(Run(sensor, {}));
+    (void)Counts(path_);
+    ASSERT_EQ(events_.size(), 1U);
+    EXPECT_EQ(events_[0].time_ns, (waits ? 299 : 100) * kMs);
+    std::filesystem::remove(path_);
+  }
 }
 
 TEST_F(RecorderTest, StopsAtAnInstantOfTheClock) {
@@ -111,7 +158,7 @@ TEST_F(RecorderTest, StopsAtAnInstantOfTheClock) {
     ASSERT_TRUE(summary);
     EXPECT_EQ(clock_.Now() - begin_ns, end_ns);
     EXPECT_EQ(summary->readings, 5U);
-    EXPECT_FALSE(summary->interrupted);
+    EXPECT_TRUE(summary->fell_silent) << "5 ms of rows";
     std::filesystem::remove(path_);
   }
 }
@@ -168,15 +215,15 @@ TEST_F(RecorderTest, ALostConnectionKeepsWhatCameAndSaysSo) {
 TEST_F(RecorderTest, CountsByStatus) {
   CountingSensor sensor(clock_, Timing::kPolled, 60, Outcome::kEnd);
   sensor.statuses = {SampleStatus::kOk, SampleStatus::kRepeated, SampleStatus::kLate,
-                     SampleStatus::kOk, SampleStatus::kBadFrame, SampleStatus::kLate};
+                     SampleStatus::kOk, SampleStatus::kBadFrame, SampleStatus::kOk};
   const auto summary = Run(sensor, {});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 60U);
-  EXPECT_EQ(summary->bad(), 30U);
-  EXPECT_EQ(summary->measured, 30U) << "ok and repeated";
+  EXPECT_EQ(summary->bad(), 20U);
+  EXPECT_EQ(summary->measured, 40U) << "ok and repeated";
   EXPECT_EQ(summary->repeated(), 10U);
-  EXPECT_EQ(summary->distinct(), 20U);
-  EXPECT_EQ(summary->statuses[static_cast<std::size_t>(SampleStatus::kLate)], 20U);
+  EXPECT_EQ(summary->distinct(), 30U);
+  EXPECT_EQ(summary->statuses[static_cast<std::size_t>(SampleStatus::kLate)], 10U);
 }
 
 TEST_F(RecorderTest, ProgressComesTwiceASecond) {
@@ -315,6 +362,8 @@ TEST_F(DiskTest, WhatTheRingHasNoRoomForIsCountedAndStandsInTheTrial) {
     const std::int32_t next = event.row == counts.size() ? 30'000 : counts[event.row];
     missing += static_cast<std::uint64_t>(next - counts[event.row - 1] - 1);
     told += std::stoull(event.text);
+    ASSERT_TRUE(event.missing && *event.missing);
+    EXPECT_EQ(**event.missing, std::stoull(event.text));
   }
   EXPECT_EQ(told, summary->lost);
   EXPECT_EQ(missing, summary->lost);
@@ -378,6 +427,69 @@ TEST_F(RecorderTest, ASilenceThatTheSensorCountsIsOneGap) {
     tally.Add(reading);
   }
   EXPECT_EQ(tally.Summary().gaps, 1U);
+}
+
+// 2000 rows a ms apart, from `origin_ns` on; `change` may change a reading
+RecordingSummary TallyOf(const std::function<void(int row, Reading& reading)>& change,
+                         MonotonicNs origin_ns = 0) {
+  ManualClock clock;
+  const CountingSensor sensor(clock, Timing::kArrival, 0, Outcome::kEnd);
+  Tally tally(sensor, origin_ns);
+  for (int row = 0; row < 2000; ++row) {
+    Reading reading;
+    reading.samples.resize(1);
+    reading.time_ns = origin_ns + row * kMs;
+    change(row, reading);
+    tally.Add(reading);
+  }
+  return tally.Summary();
+}
+
+TEST(TallyGaps, ARowThatFollowsAGapBeginsAnew) {
+  const RecordingSummary at_once =
+      TallyOf([](int row, Reading& reading) { reading.follows_gap = row == 1000; });
+  EXPECT_EQ(at_once.gaps, 1U) << "no silence shows it";
+  const RecordingSummary late = TallyOf([](int row, Reading& reading) {
+    reading.follows_gap = row == 1000;
+    if (row >= 1000) reading.time_ns += 5 * kNsPerS;
+  });
+  EXPECT_EQ(late.gaps, 1U);
+  EXPECT_REL(late.rate_hz.value(), 1000.0, 1e-12, "the gap is no interval");
+}
+
+TEST(TallyGaps, ALossThatTheTimeDoesNotHoldIsNoInterval) {
+  // 300 rows at 1 ms are not 5 s: the counter has turned round
+  const RecordingSummary turned = TallyOf([](int row, Reading& reading) {
+    reading.lost_before = row == 1000 ? 300 : 0;
+    if (row >= 1000) reading.time_ns += 5 * kNsPerS;
+  });
+  EXPECT_REL(turned.rate_hz.value(), 1000.0, 1e-12, "the gap is no interval");
+  const RecordingSummary one = TallyOf([](int row, Reading& reading) {
+    reading.lost_before = row == 1000 ? 1 : 0;
+    if (row >= 1000) reading.time_ns += kMs;
+  });
+  EXPECT_EQ(one.gaps, 1U);
+  EXPECT_REL(one.rate_hz.value(), 1000.0, 1e-12, "2000 intervals in 2 s");
+}
+
+TEST(TallyGaps, TheEndCountsFromTheBeginning) {
+  for (const bool is_away : {false, true}) {
+    for (const auto& [silence_ns, gaps] : {std::pair(40 * kMs, 0U), {60 * kMs, 1U}}) {
+      ManualClock clock;
+      const CountingSensor sensor(clock, Timing::kArrival, 0, Outcome::kEnd);
+      Tally tally(sensor, 5 * kNsPerS);
+      Reading reading;
+      reading.samples.resize(1);
+      for (int row = 0; row <= 1000; ++row) {
+        reading.time_ns = 5 * kNsPerS + row * kMs;
+        tally.Add(reading);
+      }
+      if (is_away) tally.Leave();
+      tally.End(kNsPerS + silence_ns);
+      EXPECT_EQ(tally.Summary().gaps, is_away ? 1U : gaps) << "an absent device has its gap";
+      EXPECT_EQ(tally.Summary().is_away, is_away);
+    }
+  }
 }
 
 }  // namespace

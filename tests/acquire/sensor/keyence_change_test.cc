@@ -163,6 +163,56 @@ TEST_F(KeyenceChange, TheHighPassIsItsCornerAndTheFilter) {
   EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kHighPassFilter), "corner_hz=10");
 }
 
+TEST_F(KeyenceChange, FindingsOfTheFirstAmplifierHaveNoSubject) {
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"averaging=4"})}));
+  std::vector<std::string> subjects;
+  for (const Finding& found : sensor_->Found().list()) {
+    if (found.kind == FindingKind::kAveragingCorner) subjects.push_back(found.subject);
+  }
+  EXPECT_EQ(subjects, (std::vector<std::string>{"", "amplifier 01", "amplifier 02"}));
+}
+
+// what data of these numbers mean for a recording
+Findings FoundOf(std::initializer_list<std::pair<int, const char*>> data) {
+  UnitSettings settings;
+  for (const auto& [number, text] : data) settings.Set(number, text);
+  return settings.Found();
+}
+
+TEST(UnitSettings, AMeanHasItsCornerFromTwoReadingsOn) {
+  EXPECT_TRUE(FoundOf({}).list().empty());
+  EXPECT_TRUE(FoundOf({{132, "2"}, {133, "0"}}).list().empty()) << "one reading is no mean";
+  EXPECT_TRUE(FoundOf({{132, "0"}, {133, "1"}}).list().empty()) << "the cycle is not known";
+  EXPECT_TRUE(FoundOf({{132, "2"}}).list().empty());
+  // 0.443 / 2 ms
+  EXPECT_EQ(NumbersOf(FoundOf({{132, "2"}, {133, "1"}}), FindingKind::kAveragingCorner),
+            "averages=2 sampling_s=0.001 corner_hz=221.5");
+}
+
+TEST(UnitSettings, FiltersHoldAndErrorsAreDoubts) {
+  EXPECT_TRUE(FoundOf({{133, "13"}}).Has(FindingKind::kDifferenceFilter));
+  for (const char* averaging : {"12", "14"}) {
+    EXPECT_FALSE(FoundOf({{133, averaging}}).Has(FindingKind::kDifferenceFilter)) << averaging;
+  }
+  EXPECT_EQ(NumbersOf(FoundOf({{133, "14"}, {159, "3"}}), FindingKind::kHighPassFilter),
+            "corner_hz=1");
+  EXPECT_TRUE(FoundOf({{133, "13"}, {159, "3"}}).list().size() == 1) << "of another filter";
+  EXPECT_TRUE(FoundOf({{133, "14"}, {159, "10"}}).list().empty()) << "no such corner";
+  EXPECT_TRUE(FoundOf({{133, "14"}}).list().empty());
+  EXPECT_TRUE(FoundOf({{136, "0"}, {33, "00000"}}).list().empty());
+  EXPECT_EQ(NumbersOf(FoundOf({{136, "1"}}), FindingKind::kHold), "hold=peak");
+  EXPECT_EQ(NumbersOf(FoundOf({{33, "00001"}}), FindingKind::kAmplifierError), "flags=00001");
+}
+
+TEST(UnitSettings, AReadingTakesTheSlowestCycleWhereItIsNotKnown) {
+  UnitSettings settings;
+  EXPECT_EQ(settings.ResponseSeconds(), 0);
+  settings.Set(133, "4");
+  EXPECT_REL(settings.ResponseSeconds(), 80e-3, 1e-15, "16 times 5 ms");
+  settings.Set(132, "2");
+  EXPECT_REL(settings.ResponseSeconds(), 16e-3, 1e-15, "16 times 1 ms");
+}
+
 TEST_F(KeyenceChange, ALockedUnitNamesItsSwitch) {
   const auto started = StartRs1a({.writes = Writes({"sampling=0.33ms"})}, false);
   ASSERT_FALSE(started);
@@ -294,6 +344,9 @@ class ShiftingUnit {
     return sensor_->Start(kNeverStop);
   }
   // the requests that write or ask for the result, "W0" for a 0 written and "R"
+  // places of the writes that are refused, from 0
+  std::vector<std::size_t> refused;
+
   [[nodiscard]] std::string Requests() const {
     std::string requests;
     for (const std::string& request : wire_->written()) {
@@ -307,7 +360,10 @@ class ShiftingUnit {
  private:
   std::string Answer(const std::string& request) {
     if (request == "M0\r\n") return "M0,+01.234\r\n";
-    if (request.starts_with("SW")) return "SW,00,001\r\n";
+    if (request.starts_with("SW")) {
+      const bool is_refused = std::ranges::find(refused, writes_++) != refused.end();
+      return is_refused ? "ER,SW,22\r\n" : "SW,00,001\r\n";
+    }
     if (request.starts_with("SR,00,037")) return "SR,00,037,+01.234\r\n";
     if (!request.starts_with("SR,00,054")) return "ER,SR,22\r\n";
     const std::string& result = results_[std::min(asked_++, results_.size() - 1)];
@@ -316,6 +372,7 @@ class ShiftingUnit {
 
   std::vector<std::string> results_;
   std::size_t asked_ = 0;
+  std::size_t writes_ = 0;
   tests::ScriptedTransport* wire_ = nullptr;
   std::unique_ptr<KeyenceIl> sensor_;
 };
@@ -345,6 +402,25 @@ TEST(ZeroShift, AFailedOneEndsTheStart) {
               HasSubstr("amplifier 00 could not shift its zero; bring the"));
 }
 
+TEST(ZeroShift, ARefusedRequestIsTakenBack) {
+  struct Case {
+    std::vector<std::size_t> refused;
+    const char* requests;
+    bool may_remain;
+  };
+  for (const Case& at : {Case{{0}, "W0 ", false}, Case{{1}, "W0 W1 W0 ", false},
+                         Case{{1, 2}, "W0 W1 W0 ", true}, Case{{2}, "W0 W1 W0 ", false}}) {
+    ShiftingUnit unit({"1"});
+    unit.refused = at.refused;
+    const auto started = unit.Start();
+    ASSERT_FALSE(started);
+    EXPECT_EQ(unit.Requests(), at.requests);
+    EXPECT_EQ(started.error().Text().contains("data 001 of amplifier 00 may still be 1"),
+              at.may_remain)
+        << started.error().Text();
+  }
+}
+
 // --- a written code by its bytes -------------------------------------------------------------
 
 // What "averaging=4", code 2, is written as where data 133 reads `before`; "" is refused. `keeps`:
@@ -355,7 +431,8 @@ struct Written {
   std::string error;
 };
 
-Written WrittenWhere(std::string data, bool keeps = false) {
+Written WrittenWhere(std::string data, bool keeps = false,
+                     std::string_view setting = "averaging=4") {
   ManualClock clock;
   Written written;
   const auto answer = [&](tests::ScriptedTransport& to, const std::string& request) {
@@ -370,7 +447,7 @@ Written WrittenWhere(std::string data, bool keeps = false) {
     to.Send(reply, 10'000'000);
   };
   KeyenceIl sensor(std::make_unique<tests::ScriptedTransport>(clock, answer),
-                   {.baud = 38400, .writes = Writes({"averaging=4"})}, clock);
+                   {.baud = 38400, .writes = Writes({setting})}, clock);
   const auto started = sensor.Start(kNeverStop);
   if (!started) written.error = started.error().Text();
   const auto& fields = sensor.header().metadata.fields;
@@ -383,10 +460,20 @@ TEST(WrittenCode, HasTheDigitsOfTheOneBefore) {
   EXPECT_EQ(WrittenWhere("4").requests, Requests{"SW,00,133,2\r\n"});
   EXPECT_EQ(WrittenWhere("0004").requests, Requests{"SW,00,133,0002\r\n"});
   EXPECT_EQ(WrittenWhere("+04").requests, Requests{"SW,00,133,+02\r\n"});
+  EXPECT_EQ(WrittenWhere("-04").requests, Requests{"SW,00,133,+02\r\n"});
   EXPECT_EQ(WrittenWhere("").requests, Requests{"SW,00,133,2\r\n"}) << "not known";
   EXPECT_EQ(WrittenWhere("02").requests, Requests{}) << "it is set already";
   EXPECT_EQ(WrittenWhere("0004").change, "16 -> 4");
   EXPECT_EQ(WrittenWhere("").change, "unknown -> 4");
+}
+
+TEST(WrittenCode, OffReplacesTheHighPassFilterAlone) {
+  using Requests = std::vector<std::string>;
+  const auto requests = [](const char* data) {
+    return WrittenWhere(data, false, "high-pass=off").requests;
+  };
+  EXPECT_EQ(requests("14"), Requests{"SW,00,133,00\r\n"});
+  for (const char* other : {"13", "04", "00", ""}) EXPECT_EQ(requests(other), Requests{}) << other;
 }
 
 TEST(WrittenCode, ThatWasNotTakenIsRefused) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +24,7 @@ using tests::NumbersOf;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using trial::SampleStatus;
 
 TEST_F(KeyenceIlTest, ReadsTheUnitsSettingsIntoTheHeader) {
@@ -50,6 +53,13 @@ TEST_F(KeyenceIlTest, ReadsTheUnitsSettingsIntoTheHeader) {
               AllOf(Contains("SR,00,195\r\n"), Contains("SR,00,132\r\n"), Contains("SR,00,133\r\n"),
                     Contains("SR,00,136\r\n"), Contains("SR,00,159\r\n"), Contains("SR,00,033\r\n"),
                     Contains("SR,00,098\r\n"), Contains("SR,00,152\r\n")));
+}
+
+TEST_F(KeyenceIlTest, AHeadWithoutARangeHasNone) {
+  unit_.settings = {{"195", "107"}};
+  const trial::ChannelFormat& channel = Started().header().channels.at(0);
+  EXPECT_EQ(channel.range_min, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(channel.range_max, std::numeric_limits<double>::infinity());
 }
 
 TEST_F(KeyenceIlTest, AnEmulatorIsCalledOne) {
@@ -83,8 +93,10 @@ TEST_F(KeyenceIlTest, TheLastBaudRateNamesTheFirstFour) {
 TEST_F(KeyenceIlTest, GarbageAtTheWrongBaudRateIsToldFromSilence) {
   for (int i = 0; i < 3; ++i)
     unit_.to_m0.push_back({{std::string("\xF8\x80\x78\x00\xE0\n", 6), 8 * kMs}});
-  EXPECT_THAT(StartError().Text(),
-              HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try <baud> 2400"));
+  EXPECT_THAT(
+      StartError().Text(),
+      AllOf(HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try <baud> 2400"),
+            HasSubstr("; a sensor that sends without request is read by <sensor> stream")));
 }
 
 TEST_F(KeyenceIlTest, HalfACommandLeftInTheUnitSpoilsOnlyTheFirstProbe) {
@@ -174,6 +186,20 @@ TEST_F(KeyenceAnalog, ACurrentIsRefused) {
   EXPECT_THAT(current.error().Text(), HasSubstr("the analog output is '12.00', no voltage"));
 }
 
+TEST_F(KeyenceAnalog, HalfOfItIsLate) {
+  unit_.settings["042"] = "+1.234";
+  EXPECT_EQ(Started().ReadAnalog(kNeverStop)->status, SampleStatus::kLate);
+}
+
+TEST_F(KeyenceAnalog, AValueWithoutItsVoltsIsLate) {
+  unit_.settings["038"] = "+01.234";
+  EXPECT_EQ(Started().ReadAnalog(kNeverStop)->status, SampleStatus::kLate);
+}
+
+TEST_F(KeyenceAnalog, ADamagedValueIsABadFrame) {
+  EXPECT_EQ(Analog("+01.2x4", "+1.234")->status, SampleStatus::kBadFrame);
+}
+
 TEST_F(KeyenceAnalog, WhatTheUnitDoesNotKnowIsLate) {
   EXPECT_EQ(Started().ReadAnalog(kNeverStop)->status, SampleStatus::kLate);
 }
@@ -186,8 +212,9 @@ class En1Decimals : public ::testing::Test {
   Result<void> Start(const std::array<std::string, 2>& heads, const std::array<std::string, 2>& fr,
                      std::optional<int> decimals = {}) {
     auto transport = std::make_unique<tests::ScriptedTransport>(
-        clock_, [=](tests::ScriptedTransport& to, const std::string& request) {
-          to.Send(Answer(request, heads, fr), 2 * kMs);
+        clock_, [=, this](tests::ScriptedTransport& to, const std::string& request) {
+          const auto other = others_.find(request);
+          to.Send(other == others_.end() ? Answer(request, heads, fr) : other->second, 2 * kMs);
         });
     sensor_ = std::make_unique<KeyenceIl>(
         std::move(transport), KeyenceIlSetup{.unit = IlUnit::kDlEn1, .decimals = decimals}, clock_);
@@ -204,9 +231,53 @@ class En1Decimals : public ::testing::Test {
   }
   double Scale(std::size_t channel) const { return sensor_->header().channels.at(channel).scale; }
 
+  std::map<std::string, std::string> others_;  ///< replies to requests, before all others
   ManualClock clock_;
   std::unique_ptr<KeyenceIl> sensor_;
 };
+
+TEST_F(En1Decimals, SpecialValuesOfTheIlSeriesAreThoseOfItsHeads) {
+  others_ = {{"M0\r\n", "M0,+000099999,+000099999\r\n"}};
+  ASSERT_TRUE(Start({"+000000001", ""}, {"", "+000000003"}));
+  (void)sensor_->Begin();
+  const Reading row = NextRowOf(*sensor_);
+  EXPECT_EQ(row.samples.at(0).status, SampleStatus::kOver);
+  EXPECT_EQ(row.samples.at(1).status, SampleStatus::kOk) << "of an amplifier that is not known";
+}
+
+TEST_F(En1Decimals, TheAnalogOutputsValueMayBeSpecial) {
+  others_ = {{"SR,01,038\r\n", "SR,01,038,+000099999\r\n"},
+             {"SR,01,042\r\n", "SR,01,042,+000001234\r\n"}};
+  ASSERT_TRUE(Start({"+000000001", "+000000001"}, {"", ""}));
+  EXPECT_EQ(sensor_->ReadAnalog(kNeverStop)->status, SampleStatus::kOver);
+  others_["SR,01,038\r\n"] = "SR,01,038,-000001234\r\n";
+  const auto analog = sensor_->ReadAnalog(kNeverStop);
+  ASSERT_TRUE(analog) << analog.error().Text();
+  EXPECT_REL(analog->displacement_m, -1.234e-3, 1e-15, "a product and a quotient");
+  EXPECT_REL(analog->volts, 1.234, 1e-15, "a product");
+}
+
+TEST_F(En1Decimals, SilenceIsToldFromGarbage) {
+  others_ = {{"M0\r\n", ""}};
+  const auto silent = Start({"", ""}, {"", ""});
+  ASSERT_FALSE(silent);
+  EXPECT_THAT(silent.error().Text(), AllOf(HasSubstr("nothing answers; check the address"),
+                                           Not(HasSubstr("<sensor> stream"))));
+  others_ = {{"M0\r\n", "+01.2345\r\n"}};
+  const auto garbage = Start({"", ""}, {"", ""});
+  ASSERT_FALSE(garbage);
+  EXPECT_THAT(garbage.error().Text(),
+              AllOf(HasSubstr("bytes come, but no reply of a DL-EN1; check the address"),
+                    HasSubstr("; a sensor that sends without request is read by <sensor> stream")));
+}
+
+TEST_F(En1Decimals, AReplyOfAnotherAmplifierOrNumberIsNone) {
+  for (const char* reply : {"SR,02,195,+000000004\r\n", "SR,01,200,+000000004\r\n"}) {
+    others_ = {{"SR,01,195\r\n", reply}};
+    ASSERT_TRUE(Start({"+000000001", "+000000001"}, {"+000000003", "+000000003"}));
+    EXPECT_FALSE(sensor_->header().metadata.fields.contains("keyence_data_195")) << reply;
+  }
+}
 
 TEST_F(En1Decimals, AreThoseOfTheUserThenOfFrThenOfTheHead) {
   // code 4 is an IL-300, of two decimals

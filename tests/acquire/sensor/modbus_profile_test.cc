@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,6 +54,8 @@ TEST(BuiltInProfiles, AskAsTheManualsDo) {
   EXPECT_EQ(Frame(ReadingRequest(BuiltIn("baumer-om20"))), Bytes({1, 4, 0, 200, 0, 13}));
   EXPECT_EQ(Frame(CheckRequest(BuiltIn("baumer-om20"))), Bytes({1, 4, 0, 202, 0, 2}));
   EXPECT_EQ(Frame(ReadingRequest(BuiltIn("riftek-rf602"))), Bytes({1, 4, 0, 6, 0, 1}));
+  EXPECT_EQ(Frame(CheckRequest(BuiltIn("riftek-rf602"))), Bytes({1, 4, 0, 5, 0, 2}));
+  EXPECT_EQ(Frame(CheckRequest(BuiltIn("benewake-tf-i"))), Bytes({1, 3, 0, 0, 0, 1}));
   EXPECT_EQ(Frame(ReadingRequest(BuiltIn("benewake-tf-i"))), Bytes({1, 3, 0, 0, 0, 2}));
   EXPECT_EQ(Frame(ReadingRequest(BuiltIn("wt53r"))), Bytes({0x50, 3, 0, 0x34, 0, 1}));
 }
@@ -138,6 +142,8 @@ TEST(BuiltInProfiles, HaveTheUnitsOfTheManuals) {
   EXPECT_EQ(baumer.unit_m * baumer.scale, 1e-3);
   EXPECT_EQ(baumer.wire.baud, 57600);
   EXPECT_EQ(baumer.wire.parity, Parity::kEven);
+  EXPECT_EQ(baumer.value_address, 202);
+  EXPECT_EQ(baumer.status_address, 201);
   EXPECT_EQ(baumer.timestamp_address, 209);
   EXPECT_EQ(baumer.timestamp_count, 4);
   EXPECT_EQ(baumer.status_mask, 2) << "alarm";
@@ -240,6 +246,17 @@ INSTANTIATE_TEST_SUITE_P(
               [](P& p) { p.check_address = 0, p.check_count = 126; }},
         Limit{"check_address:", [](P& p) { p.check_address = 0, p.check_count = 2; },
               [](P& p) { p.check_address = 0; }},
+        Limit{"scale:", [](P& p) { p.scale = -1e-9; }, [](P& p) { p.scale = 0; }},
+        Limit{"scale:", [](P& p) { p.scale = 1e300; },
+              [](P& p) { p.scale = std::numeric_limits<double>::infinity(); }},
+        Limit{"offset:", [](P& p) { p.offset = -1e300; }, [](P& p) { p.offset = std::nan(""); }},
+        Limit{"unit:", [](P& p) { p.unit_m = 1e-300; }, [](P& p) { p.unit_m = 0; }},
+        Limit{"unit:", [](P& p) { p.unit_m = 1e300; },
+              [](P& p) { p.unit_m = std::numeric_limits<double>::infinity(); }},
+        Limit{"scale_address:", [](P& p) { p.scale_address = 65535; },
+              [](P& p) { p.scale_address = 65536; }},
+        Limit{"least:", [](P& p) { p.most_number = -1; },
+              [](P& p) { p.least_number = 0, p.most_number = -1; }},
         Limit{"raw:", [](P& p) { p.invalid_bits = {0xFFFF}; },
               [](P& p) { p.invalid_bits = {0x10000}; }},
         Limit{"least:", [](P& p) { p.least_number = 1, p.most_number = 1.01; },
@@ -306,6 +323,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{"[reqest]\naddress = 0\n", "did you mean request?"},
         Refusal{"[request]\nadress = 0\n[value]\nunit = \"mm\"\n", "did you mean address?"},
+        Refusal{"[value]\nunit = \"mm\"\n", "request: is missing; add the table"},
+        Refusal{"[request]\naddress = 0\n", "value: is missing; add the table"},
         Refusal{"[request]\naddress = 0\n[value]\n", "unit: is missing"},
         Refusal{"[request]\n[value]\nunit = \"mm\"\n", "address: is missing"},
         Refusal{"[wire]\nbaud = 9601\n[request]\naddress = 0\n[value]\nunit = \"mm\"\n",
@@ -353,8 +372,50 @@ TEST(ProfileFile, TimesAreSecondsUpToAMinute) {
   EXPECT_EQ(profile->least_gap_ns, 2'000'000);
   EXPECT_EQ(profile->response_timeout_ns, 250'000'000);
   EXPECT_EQ(profile->longest_reply_ns, 60 * kNsPerS);
-  EXPECT_FALSE(ProfileWith("longest_reply_s = 60.5", "unit = \"mm\""));
-  EXPECT_FALSE(ProfileWith("least_gap_s = -0.001", "unit = \"mm\""));
+  for (const char* wire : {"longest_reply_s = 60.01", "least_gap_s = -0.001"}) {
+    EXPECT_THAT(ProfileWith(wire, "unit = \"mm\"").error().Text(), HasSubstr("must be 0 to 60 s"));
+  }
+}
+
+TEST(ProfileFile, AMaskHasSixteenBits) {
+  const auto with = [](const std::string& status) {
+    return ReadProfileText(
+        "name = \"s\"\n[request]\naddress = 0\n[value]\nunit = \"mm\"\n"
+        "[status]\naddress = 0\n" +
+            status,
+        "p.toml");
+  };
+  EXPECT_EQ(with("mask = 1").value().status_mask, 1);
+  EXPECT_EQ(with("mask = 0xFFFF").value().status_mask, 0xFFFF);
+  for (const char* mask : {"mask = 0", "mask = 0x10000", "mask = -1"}) {
+    ASSERT_FALSE(with(mask)) << mask;
+    EXPECT_THAT(with(mask).error().Text(), HasSubstr("mask: must be 1 to 0xFFFF")) << mask;
+  }
+  EXPECT_EQ(with("mask = 1").value().status_meaning, StatusMeaning::kInvalid);
+  EXPECT_EQ(with("mask = 1\nmeans = \"invalid\"").value().status_meaning, StatusMeaning::kInvalid);
+  EXPECT_EQ(with("mask = 1\nmeans = \"device_error\"").value().status_meaning,
+            StatusMeaning::kDeviceError);
+}
+
+TEST(ProfileFile, StatusAndTimestampStandInRegisterNoughtUnlessStated) {
+  const auto profile = ReadProfileText(
+      "name = \"s\"\n[request]\naddress = 0\ncount = 2\n[value]\nunit = \"mm\"\n"
+      "[status]\nmask = 1\n[timestamp]\n",
+      "p.toml");
+  ASSERT_TRUE(profile) << profile.error().Text();
+  EXPECT_EQ(profile->status_address, 0);
+  EXPECT_EQ(profile->timestamp_address, 0);
+  EXPECT_EQ(profile->timestamp_count, 1);
+}
+
+TEST(CheckRequest, OfSeveralRegistersHasOneFewer) {
+  for (const int count : {2, 3, 125}) {
+    const SensorProfile profile{.name = "any", .count = count};
+    EXPECT_EQ(CheckRequest(profile).count, count - 1);
+    EXPECT_EQ(CheckRequest(profile).address, ReadingRequest(profile).address);
+  }
+  EXPECT_EQ(CheckRequest({.name = "any", .count = 1}).count, 2);
+  EXPECT_EQ(ReadingRequest({.name = "any"}).transaction, 0);
 }
 
 TEST(ProfileFile, InvalidNumbersFitTheirType) {

@@ -17,8 +17,10 @@ namespace {
 
 using tests::NumbersOf;
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
+using Answer = ScriptedModbusDevice::Answer;
 
 constexpr MonotonicNs kMs = 1'000'000;
 
@@ -242,6 +244,68 @@ TEST_F(ModbusSensorTest, AnExceptionAtTheStartIsTold) {
   const auto started = sensor.Start(kNeverStop);
   ASSERT_FALSE(started);
   EXPECT_THAT(started.error().Text(), HasSubstr("exception 02 (illegal data address)"));
+}
+
+TEST_F(ModbusSensorTest, TheAdviceOfAProfileIsTheRemedy) {
+  // every request is answered by nothing, by an exception, by damage or by registers of 0
+  const auto error = [&](const SensorProfile& profile, const Answer& answer,
+                         ModbusFraming framing = ModbusFraming::kRtu) {
+    device_ = std::make_unique<ScriptedModbusDevice>(clock_, framing, 1);
+    device_->script = [&](bool) { return answer; };
+    ModbusSensor sensor(device_->Link(), {profile, {}}, clock_);
+    const auto started = sensor.Start(kNeverStop);
+    return started ? std::string() : started.error().Text();
+  };
+  SensorProfile advised = Plain();
+  advised.advice = "press the button";
+  const Answer refused{.exception = 2};
+  EXPECT_THAT(error(Plain(), refused), EndsWith("; give the <profile> of this sensor"));
+  EXPECT_THAT(error(advised, refused), EndsWith("(illegal data address); press the button"));
+  const Answer missing{.is_missing = true};
+  EXPECT_THAT(error(Plain(), missing), EndsWith("in the profile, and A and B of the cable"));
+  EXPECT_THAT(error(advised, missing), EndsWith("and A and B of the cable; press the button"));
+  EXPECT_THAT(
+      error(Plain(), missing, ModbusFraming::kTcp),
+      EndsWith("nothing answers to slave 1, function 03, 1 registers from 0; check that the "
+               "sensor is on, <slave> and the <profile>"));
+  EXPECT_THAT(error(Plain(), {.fault = ModbusFault::kCrc}),
+              HasSubstr("answers to slave 1, function 03, 1 registers from 0 come damaged (wrong "
+                        "CRC); check"));
+  SensorProfile scaled = Plain();
+  scaled.scale_address = 5;
+  EXPECT_THAT(error(scaled, {}), EndsWith("holds 0; check the <profile>"));
+  scaled.advice = advised.advice;
+  EXPECT_THAT(error(scaled, {}), EndsWith("holds 0; press the button"));
+  // registers are named as the profile counts them
+  SensorProfile from_one = Plain();
+  from_one.address_base = from_one.address = from_one.value_address = 1;
+  EXPECT_THAT(error(from_one, refused), HasSubstr("1 registers from 1 with exception 02"));
+}
+
+TEST_F(ModbusSensorTest, AScaleRegisterCountsFromTheBaseToo) {
+  SensorProfile profile = Plain();
+  profile.address_base = profile.address = profile.value_address = 1;
+  profile.scale_address = 3;
+  registers_[2] = 7;
+  registers_[4] = 9;
+  EXPECT_REL(Started(profile).header().channels.at(0).scale, 7 * profile.scale * profile.unit_m,
+             1e-15, "two products");
+}
+
+TEST_F(ModbusSensorTest, ATcpProfileOnASerialPortIsADoubt) {
+  SensorProfile tcp = Plain();
+  tcp.transport = ModbusFraming::kTcp;
+  EXPECT_EQ(NumbersOf(Started(tcp).Found(), FindingKind::kTcpProfile), "profile=plain");
+  EXPECT_FALSE(Started(tcp, {}, ModbusFraming::kTcp).Found().Has(FindingKind::kTcpProfile));
+  EXPECT_FALSE(Started(Plain()).Found().Has(FindingKind::kTcpProfile));
+}
+
+TEST_F(ModbusSensorTest, TheHeadIsMakerAndModelOrTheProfilesName) {
+  EXPECT_EQ(Started(Plain()).header().metadata.head, "plain");
+  SensorProfile named = Plain();
+  named.maker = "Maker";
+  named.model = "M1";
+  EXPECT_EQ(Started(named).header().metadata.head, "Maker M1");
 }
 
 TEST_F(ModbusSensorTest, FindsWhatTheWireAllows) {

@@ -28,6 +28,7 @@ namespace {
 using tests::NumbersOf;
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using trial::ChannelRole;
 
 // a file of the test that runs, removed with it
@@ -82,7 +83,11 @@ TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
   EXPECT_THAT(ErrorOf("displacement:V"),
               HasSubstr("displacement cannot be in V, which is a unit of voltage; give its "
                         "<calibration>; without one name it voltage:V, or displacement:m where"));
+  // by the word before a _, whatever follows
+  EXPECT_THAT(ErrorOf("displacement_2:V"),
+              HasSubstr("give its <calibration>; without one name it"));
   EXPECT_THAT(ErrorOf("voltage:um"), HasSubstr("name it displacement:um"));
+  EXPECT_THAT(ErrorOf("displacements:um"), Not(HasSubstr("<calibration>")));
   EXPECT_THAT(ErrorOf("displacement:furlong"), HasSubstr("furlong does not state its unit"));
   EXPECT_THAT(ErrorOf("time:s,voltage:V"), HasSubstr("time:s"));
   EXPECT_THAT(ErrorOf("status,voltage:V"), HasSubstr("status"));
@@ -90,6 +95,15 @@ TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
   EXPECT_THAT(ErrorOf(""), HasSubstr("names no channel"));
   EXPECT_THAT(ErrorOf("voltage:V,"), HasSubstr("names no channel"));
   EXPECT_THAT(ErrorOf("voltage:"), HasSubstr("names no channel"));
+}
+
+TEST(PipeChannels, AreAsManyAsATrialHas) {
+  std::string names = "trigger";
+  for (std::size_t i = 1; i < trial::kMaxChannels; ++i) names += fmt::format(",t{}", i);
+  const auto most = ReadPipeChannels(names, SampleFormat::kF32, "");
+  ASSERT_TRUE(most) << most.error().Text();
+  EXPECT_EQ(most->formats.size(), trial::kMaxChannels);
+  EXPECT_THAT(ErrorOf(names + ",more"), HasSubstr("names more than"));
 }
 
 TEST(PipeChannels, AChannelThatTheCalibrationDoesNotKnowIsTheOneThatIsMisspelt) {
@@ -411,6 +425,75 @@ TEST_F(RowRate, AStallIsNoOtherRate) {
 }
 
 // --- the pipe itself ---
+
+// --- the pace by its spans ---
+
+// spans of a source that is stated to send 1000 rows/s; the first one is never judged
+struct Spans {
+  int count;
+  MonotonicNs ns;
+  std::int64_t rows;
+  MonotonicNs waited_ns;
+};
+
+// "SPANS ROWS NS" of another rate, "" where there is none
+std::string OtherRate(std::initializer_list<Spans> judged) {
+  RowPace pace(1000);
+  std::int64_t rows = 7;
+  MonotonicNs now = 100 * kMs;
+  // rows that come at once belong to no span, nor does the span behind them
+  pace.AddWait(0, 0, kNsPerS);
+  pace.AddWait(rows, now, 0);
+  now += 300 * kMs;
+  // a span's waits are those from its beginning on
+  pace.AddWait(rows += 300, now, judged.begin()->waited_ns);
+  for (auto spans = judged.begin(); spans != judged.end(); ++spans) {
+    for (int i = 0; i < spans->count; ++i) {
+      const bool is_last = i + 1 == spans->count;
+      const auto* next = is_last && spans + 1 != judged.end() ? spans + 1 : spans;
+      pace.AddWait(rows += spans->rows, now += spans->ns, next->waited_ns);
+    }
+  }
+  const auto other = pace.AtOtherRate();
+  return other ? fmt::format("{} {} {}", other->spans, other->rows, other->ns / kMs) : "";
+}
+
+TEST(RowPace, IsAnotherOneBeyondFivePercent) {
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 526, 400 * kMs}}), "4 2104 2000");
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 524, 400 * kMs}}), "");
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 476, 400 * kMs}}), "");
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 474, 400 * kMs}}), "4 1896 2000");
+}
+
+TEST(RowPace, IsJudgedWhereTheReaderWaitsForHalfOfTheTime) {
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 700, 250 * kMs}}), "4 2800 2000");
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 700, 250 * kMs - 1}}), "");
+  // ten times as fast is still live, more is a file
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 5000, 400 * kMs}}), "4 20000 2000");
+  EXPECT_EQ(OtherRate({{4, 500 * kMs, 5001, 400 * kMs}}), "");
+}
+
+TEST(RowPace, NeedsThreeSpansThatLastASecond) {
+  EXPECT_EQ(OtherRate({{2, 600 * kMs, 900, 500 * kMs}}), "");
+  EXPECT_EQ(OtherRate({{3, 334 * kMs, 500, 300 * kMs}}), "3 1500 1002");
+  EXPECT_EQ(OtherRate({{3, 333 * kMs, 500, 300 * kMs}}), "") << "0.999 s";
+  EXPECT_EQ(OtherRate({{4, 250 * kMs, 500, 200 * kMs}}), "4 2000 1000");
+  // a shorter span is continued
+  EXPECT_EQ(OtherRate({{8, 250 * kMs - 1, 500, 200 * kMs}}), "4 4000 1999");
+}
+
+TEST(RowPace, NeedsMostOfTheLiveSpans) {
+  const Spans sound{3, 500 * kMs, 500, 400 * kMs};
+  EXPECT_EQ(OtherRate({sound, {3, 500 * kMs, 700, 400 * kMs}}), "");
+  EXPECT_EQ(OtherRate({sound, {4, 500 * kMs, 700, 400 * kMs}}), "4 2800 2000");
+  EXPECT_EQ(OtherRate({{3, 500 * kMs, 300, 400 * kMs}, {3, 500 * kMs, 700, 400 * kMs}}), "")
+      << "as many below as above";
+  EXPECT_EQ(OtherRate({{3, 500 * kMs, 300, 400 * kMs}, {4, 500 * kMs, 700, 400 * kMs}}),
+            "4 2800 2000");
+  // spans of a slow reader do not count
+  EXPECT_EQ(OtherRate({{9, 500 * kMs, 500, 10 * kMs}, {3, 500 * kMs, 700, 400 * kMs}}),
+            "3 2100 1500");
+}
 
 TEST(InputPipe, HandsOutWhatIsWrittenAndThenItsEnd) {
   const std::string path = ::testing::TempDir() + "haptometer_fifo";

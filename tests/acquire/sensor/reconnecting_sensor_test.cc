@@ -198,6 +198,7 @@ TEST(Reconnecting, WhatIsNotKnownOfTheAveragingIsNoDifference) {
     return Change([=](CountingSensor& sensor) { sensor.metadata().averages = number; });
   };
   EXPECT_FALSE(IsTakenAgain(head("IL-030"), head("IL-065")));
+  EXPECT_TRUE(IsTakenAgain(head("IL-030"), head("IL-030")));
   EXPECT_TRUE(IsTakenAgain(head("IL-030"), head("")));
   EXPECT_TRUE(IsTakenAgain(head(""), head("IL-065")));
   EXPECT_FALSE(IsTakenAgain(sampling(1e-3), sampling(2e-3)));

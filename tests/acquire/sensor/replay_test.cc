@@ -166,6 +166,40 @@ TEST_F(RecorderTest, AReplayKeepsTheGapsOfItsTrial) {
   }
 }
 
+TEST_F(RecorderTest, AReplayMarksOnlyWhatIsMissing) {
+  const CountingSensor sensor(clock_, Timing::kArrival, 0, Outcome::kEnd);
+  trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
+  const std::optional<std::uint64_t> unknown;
+  for (std::int32_t row = 0; row < 8; ++row) {
+    if (row == 2) {
+      ASSERT_TRUE(sink.AddEvent({.kind = trial::EventKind::kRemark, .text = "a word"}));
+    }
+    if (row == 4) {
+      ASSERT_TRUE(sink.AddEvent({.kind = trial::EventKind::kGap,
+                                 .text = "some",
+                                 .missing = std::optional<std::uint64_t>(5)}));
+    }
+    if (row == 6) {
+      ASSERT_TRUE(
+          sink.AddEvent({.kind = trial::EventKind::kGap, .text = "others", .missing = unknown}));
+    }
+    const std::vector<trial::Sample> samples(1, {trial::RawValue::Counts(row), {}});
+    ASSERT_TRUE(sink.Append({.time_ns = row * kMs, .samples = samples}));
+  }
+  ASSERT_TRUE(sink.Finish());
+  auto replay = Replay::Open(path_);
+  ASSERT_TRUE(replay) << replay.error().Text();
+  Reading reading;
+  for (int row = 0; row < 8; ++row) {
+    ASSERT_EQ((*replay)->Next(reading), Outcome::kReading);
+    EXPECT_EQ(reading.time_ns, row * kMs);
+    EXPECT_EQ(reading.lost_before, row == 4 ? 5 : 0) << row;
+    EXPECT_EQ(reading.follows_gap, row == 6) << row;
+  }
+  EXPECT_EQ((*replay)->Next(reading), Outcome::kEnd);
+}
+
 TEST_F(RecorderTest, AReplaySaysWhatIsMissingFromItsTrial) {
   CountingSensor sensor(clock_, Timing::kArrival, 50'000, Outcome::kEnd);
   ASSERT_TRUE(Run(sensor, {}));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <tuple>
 
 #include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
@@ -294,14 +295,81 @@ TEST_F(StreamSensorTest, TheRangeIsThatOfTheDigits) {
   EXPECT_EQ(sensor_->header().metadata.fields.at(std::string(kLatencyField)), "9.7656e-05");
 }
 
+TEST(StreamSensorCounter, StandsInTheHeaderAndInTheFindings) {
+  for (const auto& [text, numbers, last] :
+       {std::tuple("000,+00.0000,mm,CR", "0 to 999", "last=999"),
+        {"0,+00.0000,mm,CR", "0 to 9", "last=9"},
+        {"+00.0000,mm,CR", "", ""}}) {
+    const StreamFormat format = ParseStreamFormat(text).value();
+    ManualClock clock;
+    auto transport = std::make_unique<ScriptedTransport>(clock);
+    ScriptedTransport* wire = transport.get();
+    StreamSensor sensor(std::move(transport), {.baud = 9600, .format = format}, clock);
+    const std::string line = FormatStreamLine(format, {1, 4, SampleStatus::kOk}, 5);
+    wire->Send(line + line + line, kMs);
+    ASSERT_TRUE(sensor.Start(kNeverStop));
+    const auto& fields = sensor.header().metadata.fields;
+    const auto field = fields.find(std::string(trial::kLineNumbersField));
+    EXPECT_EQ(field == fields.end() ? "" : field->second, numbers) << text;
+    EXPECT_EQ(sensor.Found().Has(FindingKind::kLinesNumbered), *last != 0) << text;
+    if (*last != 0) {
+      EXPECT_EQ(NumbersOf(sensor.Found(), FindingKind::kLinesNumbered), last);
+    }
+  }
+}
+
+TEST_F(StreamSensorTest, ARangeWithoutASignBeginsAtNought) {
+  StreamFormat format;
+  format.sign = SignRule::kNever;
+  ManualClock clock;
+  auto transport = std::make_unique<ScriptedTransport>(clock);
+  ScriptedTransport* wire = transport.get();
+  StreamSensor sensor(std::move(transport), {.baud = 9600, .format = format}, clock);
+  wire->Send("00.0001\r00.0001\r00.0001\r", kMs);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  EXPECT_EQ(sensor.header().channels.at(0).range_min, 0);
+  EXPECT_REL(sensor.header().channels.at(0).range_max, 99.9999e-3, 1e-15, "a product");
+}
+
 TEST_F(StreamSensorTest, LinesOnANarrowWireAreTooSlow) {
-  // 1280 lines/s are needed: 115200 baud carry them exactly
-  StreamSensor enough(std::make_unique<ScriptedTransport>(clock_), {.baud = 115200, .format = {}},
+  // 1280 lines/s are needed: 115200 baud carry them exactly, 1e-4 less is left to the clocks
+  StreamSensor enough(std::make_unique<ScriptedTransport>(clock_), {.baud = 115189, .format = {}},
                       clock_);
   EXPECT_FALSE(enough.Found().Has(FindingKind::kLinesTooSlow));
-  StreamSensor less(std::make_unique<ScriptedTransport>(clock_), {.baud = 115199, .format = {}},
+  StreamSensor less(std::make_unique<ScriptedTransport>(clock_), {.baud = 115188, .format = {}},
                     clock_);
   EXPECT_TRUE(less.Found().Has(FindingKind::kLinesTooSlow));
+}
+
+TEST(StreamSensorBegin, ALineThatHadBegunIsNoRow) {
+  ManualClock clock;
+  auto transport = std::make_unique<ScriptedTransport>(clock);
+  ScriptedTransport* wire = transport.get();
+  StreamSensor sensor(std::move(transport), {.baud = 9600, .format = {}}, clock);
+  wire->Send("2345\r+00.0001\r", kMs);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  // one character of it had come
+  wire->Send("+", kMs);
+  clock.Advance(10 * kMs);
+  (void)sensor.Begin();
+  wire->Send("00.0002\r+00.0003\r", 10 * kMs);
+  const Reading first = NextRowOf(sensor);
+  EXPECT_EQ(RowStatus(first), SampleStatus::kOk);
+  EXPECT_EQ(Counts(first), 3);
+}
+
+TEST(StreamSensorStart, OneByteIsNotSilence) {
+  for (const char* bytes : {"", "x"}) {
+    ManualClock clock;
+    auto transport = std::make_unique<ScriptedTransport>(clock);
+    if (*bytes != 0) transport->Send(bytes, kMs);
+    StreamSensor sensor(std::move(transport), {.baud = 9600, .format = {}}, clock);
+    const auto started = sensor.Start(kNeverStop);
+    ASSERT_FALSE(started);
+    EXPECT_THAT(started.error().Text(),
+                HasSubstr(*bytes != 0 ? "bytes come at 9600 baud, but no line"
+                                      : "nothing comes at 9600 baud"));
+  }
 }
 
 // `lines` at once, 0.1 s after the beginning, at 9600 baud

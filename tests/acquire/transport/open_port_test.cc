@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using tests::In;
 using tests::PtyPair;
 
@@ -364,6 +365,18 @@ TEST(OpenPort, APortOfZeroIsNone) {
     EXPECT_EQ(kind.error().cause, Cause::kUsage);
     EXPECT_THAT(kind.error().Text(), HasSubstr("a port from 1 to 65535"));
   }
+}
+
+TEST(OpenPort, APathOrANameWithoutAPortIsNoNetworkName) {
+  for (const char* name :
+       {"/no/such:1", "./a:1", ":80", "12345", "localhost:", "localhost:1a", "localhost:-1", ""}) {
+    const auto kind = KindOfPort(name);
+    ASSERT_FALSE(kind) << name;
+    EXPECT_EQ(kind.error().cause, Cause::kCannotAnswer) << name;
+    EXPECT_THAT(kind.error().Text(), Not(HasSubstr("TCP port"))) << name;
+  }
+  EXPECT_EQ(KindOfPort("[::1]:64000").value(), PortKind::kNetwork);
+  EXPECT_EQ(KindOfPort("h:1").value(), PortKind::kNetwork);
 }
 
 TEST(OpenPort, NamesThePortTheFaultAndTheRemedy) {
