@@ -101,6 +101,11 @@ def drives():
     return re.search(r"^ +drive_v,rms_m\n(?: +[\d.e,-]+\n)+", text, re.MULTILINE)[0].replace(" ", "")
 
 
+def two_of(fixture, name):
+    """The command for two recordings of a fixture that differ by their last rows: copies are refused."""
+    return f"for n in 1 2; do grep -v '^#' fixtures/{fixture}.csv | head -n -$n >{name}$n.csv; done"
+
+
 PAIRS = {"pairs.csv": lambda: block(CALIBRATION, "csv"), "today.csv": pairs}
 DAQ_FILES = {"il030.toml": lambda: block(DAQ, "toml"), "my_daq.py": lambda: block(DAQ, "python")}
 RIG = {"trials": "mkdir trials", "rig.toml": lambda: block(DAYS, "toml").replace("/var/lib/haptometer", "trials")}
@@ -119,9 +124,7 @@ PREPARED = {
     ADAPTER: {"mine.toml": lambda: block(ADAPTER, "toml")},
     LABEL: {"trials": "mkdir trials; cp fixtures/recorded_trial.bin trials/FILE.bin"},
     WINDOWS: {"lab": "mkdir lab", "run.csv": daq_file},
-    "docs/how-to/drop-test.md": {**TAP, "open": "for n in 1 2; do grep -v '^#' fixtures/impulse.csv >open$n.csv; done",
-                                 "load": "for n in 1 2; do grep -v '^#' fixtures/impulse_33ohm.csv >loaded$n.csv;"
-                                         " done"},
+    "docs/how-to/drop-test.md": {**TAP, "open": two_of("impulse", "open"), "load": two_of("impulse_33ohm", "loaded")},
     "docs/how-to/measure-impedance.md": IMPEDANCE,
     DAYS: RIG,
     DAQ: {**DAQ_FILES, "off.txt": drive_off,
