@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Lines of base, trial, acquire, dsp, sim and fit that tests run.
 
-    tests/long/coverage.py [--lines FILE] [--page] [--without-build]
+    tests/long/coverage.py [--lines FILE] [--branches FILE] [--page] [--without-build]
 
 Builds the rooms and their tests by clang++ with its counters in build/coverage, runs each test program
 whole, the pinned numbers of every verb and the number tables of other programs, and prints for each room
 the share of its lines that were run, and for all. --lines writes the lines that were not: file, line, text;
---page writes docs/developer/coverage.md, which says why. Needs llvm-cov-19 and llvm-profdata-19.
+--branches those with a condition of which one outcome never came, and which: there a comparison can be
+reversed without any test failing. --page writes docs/developer/coverage.md, which says why. Needs
+llvm-cov-19 and llvm-profdata-19.
 """
 import argparse
 import collections
@@ -78,20 +80,51 @@ def run(programs):
     return merged
 
 
-def lines_of(programs, merged):
-    """How often each line of the rooms was run, by file: lines without code are not among them."""
+def exported(programs, merged):
+    """What llvm-cov has of each file of the rooms: pairs of its path and a line of lcov."""
     first, *others = (str(BUILD / program) for program in [*programs, VERBS])
     objects = [first, *(word for program in others for word in ("-object", program))]
-    exported = subprocess.run(["llvm-cov-19", "export", "-format=lcov", f"-instr-profile={merged}", *objects,
-                               *(str(ROOT / room) for room in ROOMS)], check=True, capture_output=True, text=True).stdout
-    counts = collections.defaultdict(dict)
-    for line in exported.splitlines():
+    said = subprocess.run(["llvm-cov-19", "export", "-format=lcov", f"-instr-profile={merged}", *objects,
+                           *(str(ROOT / room) for room in ROOMS)], check=True, capture_output=True, text=True).stdout
+    for line in said.splitlines():
         if line.startswith("SF:"):
             path = pathlib.Path(line[3:]).resolve().relative_to(ROOT)
+        else:
+            yield path, line
+
+
+def lines_of(rows):
+    """How often each line was run, by file: lines without code are not among them."""
+    counts = collections.defaultdict(dict)
+    for path, line in rows:
         if line.startswith("DA:"):
             place, count = line[3:].split(",")[:2]
             counts[path][int(place)] = max(int(count), counts[path].get(int(place), 0))
     return counts
+
+
+def outcomes_of(rows):
+    """How often each outcome of each condition came, by file, line, condition and side (0 is true)."""
+    counts = collections.defaultdict(dict)
+    for path, line in rows:
+        if line.startswith("BRDA:"):
+            place, condition, side, count = line[5:].split(",")
+            key = int(place), condition, int(side) % 2
+            counts[path][key] = max(int(count.replace("-", "0")), counts[path].get(key, 0))
+    return counts
+
+
+def write_branches(file, outcomes):
+    """The lines with an outcome that never came; those that only pass an error on are not among them."""
+    with file.open("w", encoding="utf-8") as out:
+        for path, counts in sorted(outcomes.items()):
+            text = (ROOT / path).read_text(encoding="utf-8").splitlines()
+            sides = collections.defaultdict(set)
+            for (place, _, side), count in counts.items():
+                if count == 0 and not re.search(r"HAPTOMETER_(TRY|LET|CHECK)", text[place - 1]):
+                    sides[place].add(("true", "false")[side])
+            out.writelines(f"{path}:{place}: never {' or '.join(sorted(never))}: {text[place - 1].strip()}\n"
+                           for place, never in sorted(sides.items()))
 
 
 def why(texts):
@@ -134,6 +167,7 @@ def write_page(counts, total):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--lines", type=pathlib.Path)
+    parser.add_argument("--branches", type=pathlib.Path)
     parser.add_argument("--page", action="store_true", help=f"write {PAGE.relative_to(ROOT)}")
     parser.add_argument("--without-build", action="store_true", help="of the counters that are there")
     options = parser.parse_args()
@@ -142,7 +176,8 @@ def main():
         programs = build()
         names.write_text(json.dumps(programs), encoding="utf-8")
         run(programs)
-    counts = lines_of(json.loads(names.read_text(encoding="utf-8")), BUILD / "counts.profdata")
+    rows = list(exported(json.loads(names.read_text(encoding="utf-8")), BUILD / "counts.profdata"))
+    counts = lines_of(rows)
     total = collections.Counter()
     for path, lines in counts.items():
         for room in (path.parts[0], "all"):
@@ -155,6 +190,8 @@ def main():
             for path, lines in sorted(counts.items()):
                 text = (ROOT / path).read_text(encoding="utf-8").splitlines()
                 file.writelines(f"{path}:{place}: {text[place - 1]}\n" for place, count in sorted(lines.items()) if count == 0)
+    if options.branches:
+        write_branches(options.branches, outcomes_of(rows))
     if options.page:
         write_page(counts, total)
     return 0 if total["all", "run"] >= LEAST * total["all", "lines"] else 1
