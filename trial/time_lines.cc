@@ -113,6 +113,7 @@ std::optional<Blocks> BlocksOf(const TimedRows& rows, double silence_ns) {
   if (counts.empty() || UpperMedian(counts) < kLeastBlockRows) return std::nullopt;
   const double period_ns = WeightedMedian(periods);
   std::vector<double> late_ns;
+  late_ns.reserve(counts.size());
   for (std::size_t k = 0; k < counts.size(); ++k) {
     late_ns.push_back(std::abs(periods[k].second - counts[k] * period_ns));
   }

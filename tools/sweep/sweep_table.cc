@@ -58,9 +58,9 @@ std::string EmptyRemark(const SceneAnswer& answer) {
 }
 
 std::string AnswerRemark(const SceneAnswer& answer) {
-  const std::string empty = EmptyRemark(answer);
+  std::string empty = EmptyRemark(answer);
   if (!IsAboveAsked(answer)) return empty;
-  const std::string above = fmt::format("{}{:g}", kAboveRemark, answer.scene.tolerance);
+  std::string above = fmt::format("{}{:g}", kAboveRemark, answer.scene.tolerance);
   return empty.empty() ? above : above + "; " + empty;
 }
 
