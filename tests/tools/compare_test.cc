@@ -613,6 +613,9 @@ TEST_F(CompareVerb, RefusesMistakesInOneLine) {
   refused["trials"][0]["answered"] = false;
   refused["trials"][0]["reasons"] = {"no drive above the noise"};
   const std::string none = File("none.json", refused.dump());
+  json limited = TrialJson();
+  limited["trials"][0]["band_rms_m"] = nullptr;
+  const std::string limit = File("limit.json", limited.dump());
   const std::string other = File("other.json", R"({"skin_rms_m": 1, "findings": []})");
   const std::string broken = File("broken.json", "{\"trials\": [");
   struct Case {
@@ -627,6 +630,7 @@ TEST_F(CompareVerb, RefusesMistakesInOneLine) {
       {{kCone, good}, 2, "stands behind the scene"},
       {{kCone, good, kCone}, 2, "is a second scene"},
       {{none, kCone}, 3, "a.bin: no drive above the noise"},
+      {{limit, kCone}, 3, "a.bin: has an upper limit in place of an RMS"},
       {{other, kCone}, 3, "is no result of analyze"},
       {{broken, kCone}, 3, "is no result of analyze"},
       {{"absent.bin", kCone}, 3, "absent.bin"},

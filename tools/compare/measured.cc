@@ -77,6 +77,11 @@ Result<void> AddTrial(const Json& trial, const std::string& path, MeasuredNumber
   if (!answered.get<bool>()) {
     return CannotAnswer(file, TextAt(trial, "/reasons/0", "has no answer"), "leave this trial out");
   }
+  // not above its noise floor: a limit is compared with nothing
+  if (trial["band_rms_m"].is_null()) {
+    return CannotAnswer(file, "has an upper limit in place of an RMS",
+                        "record a stronger vibration, or leave this trial out");
+  }
   measured.files.push_back(file);
   Numbers& numbers = repeats.emplace_back();
   for (std::size_t k = 0; k < kComparedCount; ++k) {
