@@ -120,10 +120,9 @@ inline constexpr double kMostOutputV = 10.5;
 /// into the metadata, where the table does not state an averaging itself.
 ///
 /// `findings` gets kCalibrationOf where there are several channels, and kInputTooLarge where input
-/// or range exceeds kMostOutputV. Errors: the file's;
-/// Cause::kUsage: a displacement is there already, no channel or several could be meant, an input
-/// or a channel of another unit than V; Cause::kCannotAnswer: an input beyond kMostOutputV has no
-/// reading by the limits.
+/// or range exceeds kMostOutputV. Errors: the file's; Cause::kUsage: a displacement is there
+/// already, no channel or several could be meant, an input or a channel of another unit than V;
+/// Cause::kCannotAnswer: an input beyond kMostOutputV has no reading by the limits.
 [[nodiscard]] Result<void> CalibrateRecord(const std::string& path, const std::string& where,
                                            Record* record, Findings* findings);
 

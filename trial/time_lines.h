@@ -93,8 +93,7 @@ struct SourcePeriod {
 /// and the period is the time from one block's end to the next, divided by the rows. Rows that
 /// take longer are those of a source that pauses for more than 0.25 s, and show its period between
 /// its silences; but if each block holds what its cycle brings at one rate, they may have been
-/// collected too. Cost: O(rows), or with
-/// blocks O(rows log rows).
+/// collected too. Cost: O(rows), or with blocks O(rows log rows).
 [[nodiscard]] SourcePeriod PeriodOf(const TimedRows& rows);
 
 /// The windows of `count` rows, the last one with the remaining rows, without those whose rows came

@@ -16,7 +16,7 @@ namespace haptometer::acquire {
 namespace {
 
 constexpr MonotonicNs kProgressEveryNs = kNsPerS / 2;
-constexpr MonotonicNs kTellSilenceNs = 3 * kNsPerS;
+constexpr MonotonicNs kNotedSilenceNs = 3 * kNsPerS;
 // of a length, up to which the readings of a whole recording reach at least
 constexpr double kWholeShare = 0.99;
 // after a loss, rows are accepted again when 1/8 of the ring is free
@@ -331,7 +331,7 @@ Ending Reader::Run() {
     const MonotonicNs elapsed_ns = clock_.Now() - origin_ns_;
     tally_.End(elapsed_ns);
     // a stop is no end that was asked for: a note, of a silence of some seconds
-    if (SilentNs() >= kTellSilenceNs) JudgeSilence(SilentNs(), elapsed_ns);
+    if (SilentNs() >= kNotedSilenceNs) JudgeSilence(SilentNs(), elapsed_ns);
     if (silence_) silence_->severity = Severity::kNote;
   }
   NoteLost();

@@ -32,7 +32,7 @@ struct ConsensusMean {
 /// (R. C. Paule and J. Mandel, J. Res. NBS 87 (1982) 377-385). There Hartung and Knapp's variance
 /// sum(w (x - m)^2)/((n - 1) sum(w)) (Stat. Med. 20 (2001) 3875-3889) is the same number. Estimates
 /// of equal u have the variance of 1/u^2 widened by the Birge ratio. Where the scatter dominates,
-/// all weigh alike: a strong tap says its own constant well, not that of the others.
+/// all weigh alike: a strong tap shows its own constant well, not that of the others.
 ///
 /// With ScatterCoverage (fit/uncertainty.h) of scatter_variance and n - 1, 93 to 97 of 100
 /// intervals hold for 2 to 6 estimates where the scatter between them is 0 or beyond 50 times the
