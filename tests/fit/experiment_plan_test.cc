@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -411,6 +413,128 @@ TEST(ExperimentPlan, AFinerConverterIsProposedWhereItsStepsAreTheLargerPart) {
   for (const double factor : {0.999, 1.001}) {
     drops.step_v = factor * count.tolerable_share * now;
     EXPECT_EQ(CountDrops(drops, wish, 20).limit == PlanLimit::kNone, factor < 1) << factor;
+  }
+}
+
+// -Re s of the ringing root of (M s^2 + B s + K)(R + RL + L s) + Km^2 s, by Newton's steps
+double LoadedDecay(const PlannedDrops& drops) {
+  const double w = 2 * std::numbers::pi * drops.natural_frequency_hz;
+  const double mass = drops.moving_mass_kg.value;
+  const double stiffness = mass * w * w;
+  const double damping = mass * w / drops.quality_factor;
+  const double ohm = drops.resistance_ohm.value + drops.load_ohm.value;
+  const double henry = drops.inductance_h;
+  const double km = drops.force_constant_n_per_a;
+  std::complex<double> s(-damping / (2 * mass), w);
+  for (int step = 0; step < 20; ++step) {
+    const auto mechanical = (mass * s + damping) * s + stiffness;
+    const auto value = mechanical * (ohm + henry * s) + km * km * s;
+    const auto slope = (2 * mass * s + damping) * (ohm + henry * s) + mechanical * henry + km * km;
+    s -= value / slope;
+  }
+  return -s.real();
+}
+
+TEST(ExperimentPlan, RingingUnderAnotherLoadIsThatOfTheCircuit) {
+  PlannedDrops drops = ThesisDrops();
+  drops.load_ohm = {81, 0};
+  drops.force_constant_n_per_a = 2;
+  const ExpectedRinging ringing = ExpectRinging(drops);
+  EXPECT_REL(ringing.open_amplitude_v, 1.252, 1e-12, "Km v0");
+  EXPECT_REL(ringing.loaded_amplitude_v, 0.939, 1e-12, "81 of 108 ohm");
+  EXPECT_REL(ringing.open_decay_per_s, 11.5, 1e-12, "closed form");
+  EXPECT_REL(ringing.loaded_decay_per_s, 11.5 + 4 / (2 * 1.4e-3 * 108), 1e-12,
+             "closed form without L");
+  drops.inductance_h = 5e-3;
+  const double with_coil = ExpectRinging(drops).loaded_decay_per_s;
+  EXPECT_REL(with_coil, LoadedDecay(drops), 1e-10, "the cubic's root");
+  EXPECT_GT(std::abs(with_coil / ringing.loaded_decay_per_s - 1), 1e-3) << "else L is unseen";
+}
+
+TEST(ExperimentPlan, MoreOpenDropsThanLoadedOnesAreCountedForTheDamping) {
+  // only open drops tell Bv apart from Km^2
+  PlannedDrops drops = ThesisDrops();
+  drops.open_drops = 4;
+  const auto which = static_cast<std::size_t>(Constant::kDamping);
+  const double four = ExpectUncertainties(drops)[which].combined();
+  const DropCount count = CountDrops(drops, {Constant::kDamping, 1.001 * four}, 50);
+  EXPECT_EQ(count.limit, PlanLimit::kNone);
+  EXPECT_EQ(count.open, 4U);
+  EXPECT_EQ(count.loaded, 1U);
+  // at most as many of each kind as may be made
+  EXPECT_EQ(CountDrops(drops, {Constant::kDamping, 1.001 * four}, 4).open, 4U);
+  EXPECT_EQ(CountDrops(drops, {Constant::kDamping, 1.001 * four}, 3).limit, PlanLimit::kNoise);
+}
+
+TEST(ExperimentPlan, OfThreeDropsTheSplitThatReachesTheWishIsTaken) {
+  PlannedDrops drops = ThesisDrops();
+  const auto at = [&](std::size_t open, std::size_t loaded) {
+    drops.open_drops = open;
+    drops.loaded_drops = loaded;
+    return ExpectUncertainties(drops)[kKm].combined();
+  };
+  const double more_loaded = at(1, 2);
+  const double more_open = at(2, 1);
+  const double best = std::min(more_loaded, more_open);
+  const double worse = std::max(more_loaded, more_open);
+  ASSERT_LT(1.001 * worse, at(1, 1));
+  ASSERT_LT(1.001 * best, worse);
+  const DropCount count = CountDrops(drops, {Constant::kForceConstant, 1.0005 * best}, 50);
+  EXPECT_EQ(count.open, more_open < more_loaded ? 2U : 1U);
+  EXPECT_EQ(count.loaded, more_open < more_loaded ? 1U : 2U);
+  const DropCount first = CountDrops(drops, {Constant::kForceConstant, 1.0005 * worse}, 50);
+  EXPECT_EQ(first.open, 1U) << "both do: more loaded ones come first";
+  EXPECT_EQ(first.loaded, 2U);
+}
+
+TEST(ExperimentPlan, NoiseLimitsWhereFinerStepsWouldNotDo) {
+  const AccuracyWish wish{Constant::kForceConstant, 0.005};
+  PlannedDrops drops = ThesisDrops();
+  drops.noise_v = 0.2;
+  drops.step_v = 0.3 * std::sqrt(12.0);
+  const DropCount count = CountDrops(drops, wish, 2);
+  EXPECT_EQ(count.limit, PlanLimit::kNoise);
+  for (const double factor : {0.999, 1.001}) {
+    PlannedDrops finer = drops;
+    finer.noise_v *= factor * count.tolerable_share;
+    finer.step_v *= factor * count.tolerable_share;
+    EXPECT_EQ(CountDrops(finer, wish, 2).limit == PlanLimit::kNone, factor < 1) << factor;
+  }
+}
+
+TEST(ExperimentPlan, NoShareOfAnInputDoesWhereTheOthersAreTooMuch) {
+  PlannedDrops drops = ThesisDrops();
+  drops.moving_mass_kg.standard_uncertainty = 0.04 * 1.4e-3;
+  drops.time_scale_uncertainty = 0.03;
+  const DropCount count = CountDrops(drops, {Constant::kForceConstant, 0.005}, 50);
+  EXPECT_EQ(count.limit, PlanLimit::kMass);
+  EXPECT_EQ(count.tolerable_share, 0);
+}
+
+TEST(ExperimentPlan, LoadsThatAreNearlyBestEndAtTenPercentMore) {
+  PlannedDrops drops = ThesisDrops();
+  drops.quality_factor = 10;
+  constexpr std::array kE12{1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2};
+  // coils over more than a resistor's step, so that either end moves to the next one
+  for (int k = 0; k < 12; ++k) {
+    const double coil_ohm = 27 * std::pow(1.02, k);
+    drops.resistance_ohm = {coil_ohm, 0};
+    drops.load_ohm = {coil_ohm, 0};
+    const LoadChoice choice = ChooseLoad(drops);
+    const auto at = [&](double ohm) {
+      PlannedDrops other = drops;
+      other.load_ohm = {ohm, 0};
+      return ExpectUncertainties(other)[kKm].combined();
+    };
+    const double limit = 1.1 * at(choice.resistor_ohm);
+    for (const double digits : kE12) {
+      for (const double power : {1.0, 10.0, 100.0}) {
+        const double ohm = digits * power;
+        if (ohm < coil_ohm / 10 || ohm > 10 * coil_ohm) continue;
+        const bool is_within = ohm > 0.999 * choice.least_ohm && ohm < 1.001 * choice.most_ohm;
+        EXPECT_EQ(at(ohm) <= limit, is_within) << ohm << " ohm beside " << coil_ohm;
+      }
+    }
   }
 }
 

@@ -44,6 +44,14 @@ TEST(LeastSquares, FindsTheLeastOfALine) {
   EXPECT_NEAR(point[0], 0.6, 1e-15) << "one rounding of the closed form";
 }
 
+TEST(LeastSquares, WhereNothingIsFreeThePointStays) {
+  std::vector<double> point{40};
+  const SolverReport report = Minimise(Line(true, 1), {false}, &point);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(point[0], 40);
+}
+
 // the solver's library writes of its own on stderr; a failure is the report's alone
 TEST(LeastSquares, WritesNothingWhereItFails) {
   for (const auto& problem : {Line(false, 1), Line(true, kNan), Line(true, -1e300)}) {

@@ -59,6 +59,12 @@ TEST(ResidualDensity, NeedsLinesAndABandBelowHalfTheRate) {
   EXPECT_EQ(DensityAt(noise, kStepS, 4000).ratio, 1);
   EXPECT_EQ(DensityAt({noise.begin(), noise.begin() + 300}, kStepS, kResonanceHz).ratio, 1)
       << "6.75 lines in the band";
+  // too few lines for a tone in the middle of its band
+  for (const std::size_t count : {1U, 15U}) {
+    std::vector<double> tone(count);
+    for (std::size_t n = 0; n < count; ++n) tone[n] = n % 4 < 2 ? 1 : -1;
+    EXPECT_EQ(DensityAt(tone, 1, 0.25).ratio, 1) << count;
+  }
   EXPECT_EQ(DensityAt(std::vector<double>(1000, 0.0), kStepS, kResonanceHz).ratio, 1);
 }
 

@@ -137,6 +137,17 @@ TEST(OutputRate, IsAThousandHertzWhereNothingHasAFrequency) {
   EXPECT_EQ(OutputRateHz(scene), 1024);
 }
 
+// 64 x 19.8 Hz by the samples' 422.4 Hz is a rounding more than 3
+TEST(OutputRate, IsNoMoreOfTheSamplesRateThanRoundingAsksFor) {
+  Scene scene = HeldMover(100, 5000);  // it does not ring
+  scene.finger.tones = {{.amplitude = 1e-6, .frequency_hz = 19.8}};
+  scene.drive = Samples(422.4, {0, 1});
+  EXPECT_GT(64 * 19.8 / 422.4, 3) << "by rounding";
+  EXPECT_EQ(OutputRateHz(scene), 3 * 422.4);
+  scene.finger.tones[0].frequency_hz = 19.8 * (1 + 1e-9);
+  EXPECT_EQ(OutputRateHz(scene), 4 * 422.4);
+}
+
 TEST(OutputRate, HasAMostOfSteps) {
   Scene scene = tests::AdapterScene();
   EXPECT_EQ(MostSteps(scene), 1e8);

@@ -45,8 +45,7 @@ std::unique_ptr<PiecewiseMotion> MotionIn(const EffectiveScene& scene, double ra
 
 // ------------------------------------------------------------------------------------------ offset
 
-TEST(Offset, HoldsCurrentAndTravelWhereOhmAndTheSpringPutThem) {
-  Scene scene = tests::AdapterScene();
+void ExpectOhmAndTheSpring(Scene scene) {
   const SteadyState alone = SolveSteadyState(scene);
   scene.drive.offset_v = -1.7;
   const SteadyState both = SolveSteadyState(scene);
@@ -63,8 +62,17 @@ TEST(Offset, HoldsCurrentAndTravelWhereOhmAndTheSpringPutThem) {
   EXPECT_REL(both.skin_rms_m, alone.skin_rms_m, 1e-13, "rounding");
 }
 
-TEST(Offset, OfTonesAndUnderTremorAddsToEachSquare) {
+// with the current as a state and without
+TEST(Offset, HoldsCurrentAndTravelWhereOhmAndTheSpringPutThem) {
+  Scene scene = tests::AdapterScene();
+  ExpectOhmAndTheSpring(scene);
+  scene.actuator.inductance_h = 0;
+  ExpectOhmAndTheSpring(scene);
+}
+
+void ExpectEachSquareToGrow(double inductance_h) {
   Scene scene = tests::ConeScene();
+  scene.actuator.inductance_h = inductance_h;
   scene.drive.kind = DriveKind::kTones;
   scene.drive.tones = {{.amplitude = 2, .frequency_hz = 60}, {.amplitude = 1, .frequency_hz = 90}};
   const SteadyTones alone = SolveSteadyTones(scene);
@@ -79,12 +87,18 @@ TEST(Offset, OfTonesAndUnderTremorAddsToEachSquare) {
                                      scene.actuator.stiffness_n_per_m * (1 + 1e-12));
 
   Scene shaken = tests::ConeScene();
+  shaken.actuator.inductance_h = inductance_h;
   shaken.finger.tones = {{.amplitude = 5e-5, .frequency_hz = 8}};
   const SteadyTones still = Superpose(shaken);
   shaken.drive.offset_v = 0.9;
   const SteadyTones pushed = Superpose(shaken);
   EXPECT_REL(pushed.current_rms_a, std::hypot(still.current_rms_a, current_a), 1e-13, "rounding");
   EXPECT_REL(pushed.power_w, still.power_w + 0.9 * current_a, 1e-12, "rounding");
+}
+
+TEST(Offset, OfTonesAndUnderTremorAddsToEachSquare) {
+  ExpectEachSquareToGrow(130e-6);
+  ExpectEachSquareToGrow(0);
 }
 
 TEST(Offset, IsAPulseThatDoesNotEnd) {

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "sim/linear/linear_model.h"
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"
+#include "sim/waveforms.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 
@@ -172,6 +175,108 @@ TEST(Motion, UnderAnOffsetHasItsMean) {
     EXPECT_ABS(MotionOf(scene, SensorTarget::kSkin)(t_s), skin(t_s), 1e-9 * peak_m,
                "a quintic's 2e-11");
   }
+}
+
+// from rest, each with one thing that the closed forms do not have
+std::vector<Scene> PlayedScenes() {
+  Scene plain = tests::DirectScene();
+  plain.start = Start::kRest;
+  std::vector<Scene> scenes(6, plain);
+  scenes[0].effects.travel_stops =
+      TravelStops{.gap_up_m = 5e-5, .gap_down_m = 5e-5, .restitution = 0.5};
+  scenes[0].effects[Effect::kTravelStops] = Wish::kOn;
+  scenes[1].effects.contact_loss = ContactLoss{0.07};
+  scenes[1].effects[Effect::kContactLoss] = Wish::kAuto;
+  scenes[2].finger.tones = {{.amplitude = 1e-4, .frequency_hz = 9}};
+  scenes[2].effects[Effect::kTremor] = Wish::kOn;
+  scenes[3].initial.mover_m = 1e-4;
+  scenes[4].effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 3e10};
+  scenes[4].effects[Effect::kStiffening] = Wish::kOn;
+  scenes[5].drive = {.amplitude_v = 4, .kind = DriveKind::kPulse, .hold_s = 7e-3};
+  return scenes;
+}
+
+EffectiveScene WithAllEffects(const Scene& scene) {
+  EffectSet on;
+  for (std::size_t k = 0; k < on.size(); ++k) on[k] = scene.effects.wishes[k] != Wish::kOff;
+  return WithEffects(scene, on);
+}
+
+TEST(Motion, OfEachEffectIsItsWaveforms) {
+  Scene plain = tests::DirectScene();
+  plain.start = Start::kRest;
+  const trial::Displacement without = MotionOf(plain, SensorTarget::kMover);
+  for (const Scene& scene : PlayedScenes()) {
+    const EffectiveScene effective = WithAllEffects(scene);
+    const double rate_hz = effective.RateHz();
+    const Waveforms waves =
+        PlayWaveforms(effective, BeginningOf(effective), 400 / rate_hz, rate_hz);
+    const trial::Displacement skin = MotionOf(scene, SensorTarget::kSkin);
+    const trial::Displacement mover = MotionOf(scene, SensorTarget::kMover);
+    const double largest_m = waves.mover_m.cwiseAbs().maxCoeff();
+    double apart_m = 0;
+    for (const Eigen::Index row : {0, 1, 37, 200, 399}) {
+      const double t_s = static_cast<double>(row) / rate_hz;
+      EXPECT_ABS(skin(t_s), waves.skin_m(row), 1e-11 * largest_m, "one motion, rounding of times");
+      EXPECT_ABS(mover(t_s), waves.mover_m(row), 1e-11 * largest_m, "rounding of times");
+      apart_m = std::max(apart_m, std::abs(mover(t_s) - without(t_s)));
+    }
+    EXPECT_GT(apart_m, 0.01 * largest_m) << "the effect acts";
+    EXPECT_EQ(mover(-1), waves.mover_m(0)) << "before it begins";
+  }
+}
+
+// 4096 outputs of some 15 kHz are kept, 0.27 s: an earlier time plays the motion again
+TEST(Motion, ThatIsPlayedAgainIsTheSame) {
+  for (const Scene& scene : {PlayedScenes()[0], PlayedScenes()[4]}) {
+    const trial::Displacement motion = MotionOf(scene, SensorTarget::kMover);
+    const double early_m = motion(0.0123), late_m = motion(0.45);
+    EXPECT_EQ(MotionOf(scene, SensorTarget::kMover)(0.45), late_m) << "nothing was asked before";
+    EXPECT_EQ(motion(0.0123), early_m);
+    EXPECT_EQ(motion(0.45), late_m);
+    EXPECT_NE(early_m, late_m);
+  }
+}
+
+TEST(SimulatedRecord, SaysWhichEffectsItIsOf) {
+  const std::vector<Scene> scenes = PlayedScenes();
+  const auto source = [](Scene scene) {
+    scene.sensor = IdealSensor();
+    return SimulateRecord(scene, 0.01).metadata.source;
+  };
+  const std::string exact = "simulated: scene with effects, exact solution, start from rest";
+  EXPECT_EQ(source(scenes[0]), exact);
+  EXPECT_EQ(source(scenes[1]), exact);
+  EXPECT_EQ(source(scenes[3]), "simulated: linear scene, exact solution, start from rest");
+  const std::string solved =
+      "simulated: scene with effects, exponential collocation, start from rest";
+  EXPECT_EQ(source(scenes[4]), solved);
+  Scene warm = tests::DirectScene();
+  warm.start = Start::kRest;
+  warm.effects.coil_heating =
+      CoilHeating{.heat_capacity_j_per_k = 1, .thermal_resistance_k_per_w = 10};
+  warm.effects[Effect::kCoilHeating] = Wish::kAuto;
+  EXPECT_EQ(source(warm), solved);
+}
+
+TEST(SimulatedRecord, HasAFrequencyWhereItsDriveHasOne) {
+  Scene scene = SensedScene();
+  scene.sensor->head.resolution_m = 2e-6;
+  scene.sensor->head.averages = 3;
+  scene.drive = {.amplitude_v = 4,
+                 .frequency_hz = 90,
+                 .kind = DriveKind::kBurst,
+                 .hold_s = 7e-3,
+                 .offset_v = 0.5};
+  const trial::Record burst = SimulateRecord(scene, 0.01);
+  EXPECT_EQ(burst.metadata.drive_frequency_hz, 90);
+  EXPECT_EQ(burst.metadata.drive_amplitude_v, 4.5);
+  EXPECT_EQ(burst.metadata.averages, 3);
+  EXPECT_EQ(burst.metadata.sampling_s, 1e-4);
+  EXPECT_EQ(burst.channels[0].resolution, 2e-6);
+  EXPECT_EQ(burst.channels[0].name, "displacement");
+  scene.drive.kind = DriveKind::kPulse;
+  EXPECT_FALSE(SimulateRecord(scene, 0.01).metadata.drive_frequency_hz);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/tone.h"
+#include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -120,8 +121,42 @@ TEST(RmsEstimate, BelowTheFloorOnlyALimitIsKnown) {
   EXPECT_EQ(estimate.rms_m, 0);
   EXPECT_EQ(estimate.lower_m, 0);
   EXPECT_EQ(estimate.upper_m, estimate.at_most_m) << "one statement";
-  EXPECT_GT(estimate.at_most_m, 0.3);
-  EXPECT_LT(estimate.at_most_m, 0.6);
+  // one-sided reach of a mean m of chi-squared with 2 m^2 / variance degrees of freedom
+  const double above = 200 / ChiSquareQuantile(0.05, 200) - 1;
+  const double below = 1.05 * (1 - 220.5 / ChiSquareQuantile(0.95, 220.5));
+  EXPECT_REL(estimate.at_most_m, std::sqrt(std::hypot(above, below)), 1e-12, "rounding");
+  // a tone behind a gain of 0.5 has four times the power
+  power.tone_mean_square = 0.5;
+  power.sensor_gain = 0.5;
+  power.rest = {1, 100};
+  power.floor = NoisePower{40, 1600};
+  EXPECT_REL(EstimateRms(power, {}).at_most_m, std::sqrt(3.0), 1e-15, "no more than was measured");
+  // of a floor that exceeds the rest, the tone's power is the least that the limit starts from
+  power.rest = {1, 1e-4};
+  power.floor = NoisePower{1.5, 1e-4};
+  const double rest_above = 2e4 / ChiSquareQuantile(0.05, 2e4) - 1;
+  const double floor_below = 1.5 * (1 - 4.5e4 / ChiSquareQuantile(0.95, 4.5e4));
+  EXPECT_REL(EstimateRms(power, {}).at_most_m, std::sqrt(2 + std::hypot(rest_above, floor_below)),
+             1e-12, "rounding");
+}
+
+// however uncertain a rest is, without a floor it is not below one
+TEST(RmsEstimate, WithoutAFloorNothingIsBelowIt) {
+  BandPower power;
+  power.rest = {1, 100};
+  const RmsEstimate estimate = EstimateRms(power, {});
+  EXPECT_FALSE(estimate.below_floor);
+  EXPECT_FALSE(estimate.floor_contradicts);
+  EXPECT_FALSE(estimate.floor_m);
+  EXPECT_EQ(estimate.rms_m, 1);
+  EXPECT_EQ(estimate.budget.size(), 1U);
+  // variance alone: mean^2 = 2 variance, four degrees of freedom
+  const double mean = std::sqrt(200.0);
+  const double above = mean * (4 / ChiSquareQuantile(0.025, 4) - 1);
+  EXPECT_EQ(estimate.lower_m, 0);
+  EXPECT_REL(estimate.upper_m, std::sqrt(1 + above), 1e-12, "rounding");
+  EXPECT_REL(estimate.standard_uncertainty_m, std::sqrt(1 + above) / (2 * 1.959963984540054), 1e-12,
+             "of an interval from 0");
 }
 
 TEST(RmsEstimate, AFloorAboveAllThatWasMeasuredIsNotTheRecords) {
@@ -452,6 +487,22 @@ TEST(Thinned, LeavesFiveTimesTheUpperCornerAndEnoughSamples) {
   EXPECT_EQ(half.values_m[1], 2);
   EXPECT_EQ(half.values_m[4095], 8190);
   EXPECT_REL(half.duration_s(), 4096 / 50e3, 1e-15, "rounding");
+}
+
+TEST(RmsEstimate, AGainsUncertaintyIsOfTheRmsAndOfEachLimit) {
+  RmsEstimate estimate;
+  estimate.rms_m = 2;
+  estimate.standard_uncertainty_m = 0.03;
+  estimate.lower_m = 1.9;
+  estimate.upper_m = 2.2;
+  estimate.at_most_m = 2.1;
+  AddGainUncertainty(0.01, estimate);
+  EXPECT_REL(estimate.budget.back().standard_uncertainty_m, 0.02, 1e-14, "rounding");
+  EXPECT_REL(estimate.standard_uncertainty_m, std::hypot(0.03, 0.02), 1e-14, "rounding");
+  EXPECT_REL(estimate.lower_m, 2 - std::hypot(0.1, 1.959963984540054 * 0.02), 1e-14, "rounding");
+  EXPECT_REL(estimate.upper_m, 2 + std::hypot(0.2, 1.959963984540054 * 0.022), 1e-14, "rounding");
+  EXPECT_REL(estimate.at_most_m, 2 + std::hypot(0.1, 1.6448536269514722 * 0.021), 1e-14,
+             "rounding");
 }
 
 }  // namespace

@@ -28,9 +28,12 @@ TEST(SensorGain, TheFactorySettingAt225Hz) {
 }
 
 TEST(SensorGain, NothingKnownIsSaid) {
-  for (const auto& metadata : {Averaging({}, {}), Averaging(1e-3, {}), Averaging({}, 16)}) {
+  for (const auto& metadata : {Averaging({}, {}), Averaging(1e-3, {}), Averaging({}, 16),
+                               Averaging(0.0, 16), Averaging(1e-3, 0)}) {
     const SensorAveraging sensor = AveragingOf(metadata, 1000, 1000);
     EXPECT_EQ(sensor.knowledge, SensorKnowledge::kUnknown);
+    EXPECT_EQ(sensor.sampling_s, 0);
+    EXPECT_GE(sensor.averages, 1);
     EXPECT_FALSE(GainAt(sensor, 100));
     EXPECT_FALSE(GainsOver(sensor, 20, 500));
   }

@@ -170,5 +170,25 @@ TEST(Electrical, NeedsOnePeriod) {
   }
 }
 
+// phases that are a turn apart are none
+TEST(Electrical, TheAngleIsThatOfEveryPhaseOfTheTone) {
+  const std::complex<double> z(kResistance_ohm, kReactance_ohm);
+  for (int eighth = 0; eighth < 8; ++eighth) {
+    const double phase = 0.25 * kPi * eighth + 0.1;
+    const auto voltage = Samples(kRateHz, 2000, 0, {{5, kToneHz, phase}});
+    const auto current = Samples(kRateHz, 2000, 0, {{0.1, kToneHz, phase - std::arg(z)}});
+    const auto state = DescribeElectrical(voltage, current, kRateHz, kToneHz);
+    ASSERT_TRUE(state);
+    EXPECT_REL(state->phase_rad.value, -std::arg(z), 1e-11, "rounding of phases of 57 rad");
+  }
+}
+
+TEST(Electrical, OnePeriodIsEnough) {
+  const std::vector<double> tone = Samples(kRateHz, 200, 0, {{5, 250, 0.3}});
+  EXPECT_TRUE(DescribeElectrical(tone, tone, kRateHz, 250));
+  EXPECT_FALSE(
+      DescribeElectrical(std::span(tone).first(199), std::span(tone).first(199), kRateHz, 250));
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -145,18 +147,19 @@ TEST(Envelope, OfASteadyToneIsItsAmplitude) {
 
 TEST(Envelope, TheAnalyticSignalOfACosineTurnsOnce) {
   // whole periods: exp(j w t), to rounding
-  for (const std::size_t count : {1000U, 999U}) {
+  for (const auto& [count, periods] : {std::pair{1000UZ, 9UZ}, {999UZ, 9UZ}, {997UZ, 498UZ}}) {
     std::vector<double> signal(count);
+    std::vector<double> angles(count);
     for (std::size_t k = 0; k < count; ++k) {
-      signal[k] = std::cos(2 * kPi * 9 * static_cast<double>(k) / static_cast<double>(count));
+      angles[k] = 2 * kPi * static_cast<double>(periods * k % count) / static_cast<double>(count);
+      signal[k] = std::cos(angles[k]);
     }
     const auto analytic = AnalyticSignal(signal);
     double worst = 0;
     for (std::size_t k = 0; k < count; ++k) {
-      const double angle = 2 * kPi * 9 * static_cast<double>(k) / static_cast<double>(count);
-      worst = std::max(worst, std::abs(analytic[k] - std::polar(1.0, angle)));
+      worst = std::max(worst, std::abs(analytic[k] - std::polar(1.0, angles[k])));
     }
-    EXPECT_ABS(worst, 0, 1e-13, "rounding of two transforms and of phases to 57 rad");
+    EXPECT_ABS(worst, 0, 1e-13, "rounding of two transforms");
   }
 }
 
@@ -268,6 +271,142 @@ TEST(Envelope, TimesAreThoseOfTheWindowsMiddles) {
   // 8 samples a window at least
   EXPECT_FALSE(DemodulateTone(std::vector<double>(100), {kRateHz, 3750}).amplitude.empty());
   EXPECT_TRUE(DemodulateTone(std::vector<double>(100), {kRateHz, 4290}).amplitude.empty());
+}
+
+// an amplitude of ((k - 100) / 100)^2 of 1 from value 100 on, 1 from value 200 on
+Envelope Parabola() {
+  Envelope envelope = Ramp(0, 0);
+  for (double& x : envelope.amplitude) x *= x;
+  return envelope;
+}
+
+// levels pass within chords: 10 % from 0.0961 to 0.1024, 90 % from 0.8836 to 0.9025
+TEST(Onset, LevelsArePassedOnChords) {
+  const auto edge = FindOnset(Parabola(), {0.5, 0.59, 0.75, 0.85});
+  ASSERT_TRUE(edge && edge->rise_s);
+  const double low = 131 + 0.0039 / 0.0063;
+  const double high = 194 + 0.0164 / 0.0189;
+  EXPECT_REL(edge->time_s, 0.5 + 1e-3 * low, 1e-12, "rounding");
+  EXPECT_REL(*edge->rise_s, 1e-3 * (high - low), 1e-11, "rounding");
+}
+
+// values 0 to 90 and 250 to 350; what lies next to these does not count
+TEST(Onset, QuietAndSteadyPartEndWithTheirLastValue) {
+  Envelope envelope = Ramp(0, 0);
+  envelope.amplitude[91] = 0.3;
+  envelope.amplitude[249] = 2;
+  envelope.amplitude[351] = 2;
+  const auto edge = FindOnset(envelope, {0.5, 0.5905, 0.7495, 0.8505});
+  ASSERT_TRUE(edge);
+  EXPECT_EQ(edge->quiet_amplitude, 0);
+  EXPECT_REL(edge->steady_amplitude, 1, 1e-14, "rounding");
+  envelope.amplitude[90] = 0.03;
+  envelope.amplitude[350] = 2;
+  const auto with = FindOnset(envelope, {0.5, 0.5905, 0.7495, 0.8505});
+  ASSERT_TRUE(with);
+  const double quiet = 0.03 / std::sqrt(91.0);
+  EXPECT_REL(with->quiet_amplitude, quiet, 1e-12, "rounding");
+  EXPECT_REL(with->steady_amplitude, std::sqrt(104.0 / 101 - quiet * quiet), 1e-12, "rounding");
+}
+
+// Slopes reach an eighth of the window to either side of the low level, at value 110, and half of
+// it about the high one, at 190; the ramp is from 100 to 200, and values end at 399.
+TEST(Onset, UncertaintyIsOfTheSlopeOverPartsOfTheWindow) {
+  constexpr double kQuiet = 0.02;
+  constexpr double kOwnRise = 0.03;
+  for (const double support : {79.6, 430.0}) {
+    Envelope envelope = Ramp(kQuiet, kOwnRise);
+    envelope.support_s = 1e-3 * support;
+    const auto edge = FindOnset(envelope, {0.5, 0.59, 0.75, 0.85});
+    ASSERT_TRUE(edge && edge->rise_s);
+    const auto level = [](double k) { return std::clamp(0.01 * (k - 100), 0.0, 1.0); };
+    const auto noise_s = [&](double at, double reach) {
+      const double before = std::max(0.0, std::floor(at - reach));
+      const double after = std::min(399.0, std::ceil(at + reach));
+      const double slope = (level(after) - level(before)) / (after - before);
+      return kQuiet / std::numbers::sqrt2 / slope * 1e-3;
+    };
+    const double low = noise_s(110, support / 8);
+    const double both = std::hypot(low, noise_s(190, support / 2));
+    const auto without_own = [&](double interval, double measured) {
+      return interval * std::sqrt(1 - std::pow(kOwnRise / measured, 2));
+    };
+    const double early = without_own(0.04 + low, 0.08 + both);
+    const double late = without_own(0.04 - low, 0.08 - both);
+    constexpr const char* kReason = "rounding of roots";
+    EXPECT_REL(edge->time_uncertainty_s,
+               std::hypot(low, 0.5 * (early - late), 0.18 / std::numbers::sqrt3 * kOwnRise), 1e-9,
+               kReason);
+    EXPECT_REL(edge->rise_uncertainty_s,
+               std::hypot(both * 0.08 / *edge->rise_s, 0.12 / std::numbers::sqrt3 * kOwnRise), 1e-9,
+               kReason);
+  }
+}
+
+// rows of cosine and sine of (X'WX)^-1 X'W by Gauss and Jordan: X is cosine, sine and a parabola of
+// eleven samples, W Hann's weights that are 0 just beyond them
+using Rows = std::array<std::array<double, 11>, 2>;
+Rows LeastSquares(double rad_per_sample) {
+  std::array<std::array<double, 5>, 11> x{};
+  std::array<double, 11> weights{};
+  for (std::size_t k = 0; k < 11; ++k) {
+    const double t = static_cast<double>(k) - 5;
+    x[k] = {std::cos(rad_per_sample * t), std::sin(rad_per_sample * t), 1, t, t * t};
+    weights[k] = std::pow(std::cos(kPi * t / 12), 2);
+  }
+  // five equations, with the weighted columns as right sides
+  std::array<std::array<double, 16>, 5> rows{};
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t k = 0; k < 11; ++k) {
+      for (std::size_t j = 0; j < 5; ++j) rows[i][j] += x[k][i] * weights[k] * x[k][j];
+      rows[i][5 + k] = x[k][i] * weights[k];
+    }
+  }
+  for (std::size_t i = 0; i < 5; ++i) {
+    const double pivot = rows[i][i];
+    for (double& value : rows[i]) value /= pivot;
+    for (std::size_t other = 0; other < 5; ++other) {
+      const double factor = rows[other][i];
+      for (std::size_t j = 0; other != i && j < 16; ++j) rows[other][j] -= factor * rows[i][j];
+    }
+  }
+  Rows kernel{};
+  for (std::size_t part = 0; part < 2; ++part) {
+    for (std::size_t k = 0; k < 11; ++k) kernel[part][k] = rows[part][5 + k];
+  }
+  return kernel;
+}
+
+TEST(Envelope, IsAWeightedLeastSquaresFit) {
+  const double w = 2 * kPi * 2.7 / 11;
+  const Rows kernel = LeastSquares(w);
+  Noise noise(5);
+  std::vector<double> signal(11);
+  double cosine = 0;
+  double sine = 0;
+  for (std::size_t k = 0; k < signal.size(); ++k) {
+    signal[k] = noise();
+    cosine += kernel[0][k] * signal[k];
+    sine += kernel[1][k] * signal[k];
+  }
+  const Envelope found = DemodulateTone(signal, {11, 2.7, 2.7});
+  ASSERT_EQ(found.amplitude.size(), 1U);
+  EXPECT_REL(found.amplitude[0], std::hypot(cosine, sine), 1e-11, "rounding");
+  // the rise of a tone that begins within: half of the kernel along the tone, from 10 to 90 %
+  double sum = 0;
+  double tenth = 0;
+  for (std::size_t k = 0; k < signal.size() && sum < 0.1; ++k) {
+    const double angle = w * (static_cast<double>(k) - 5);
+    const double part = 0.5 * (kernel[0][k] * std::cos(angle) + kernel[1][k] * std::sin(angle));
+    tenth = static_cast<double>(k) + (0.1 - sum) / part;
+    sum += part;
+  }
+  EXPECT_REL(found.own_rise_s, (11 - 2 * tenth) / 11, 1e-11, "rounding");
+}
+
+TEST(Envelope, MovesByAThirtySecondOfTheWindow) {
+  const std::vector<double> signal(1000);
+  EXPECT_REL(DemodulateTone(signal, {48e3, 225}).step_s, 20 / 48e3, 1e-14, "640 samples");
 }
 
 }  // namespace

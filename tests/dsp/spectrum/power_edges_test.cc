@@ -124,5 +124,63 @@ TEST(RefinedEdges, NoiseAddsToTheUncertaintyOfEveryEdge) {
   }
 }
 
+// Windows of 50 cells: a step at 0.3 s is in 25 of the one from cell 275 on, exactly half, and of
+// a first cell of 0.1 in 25.1 of the one from cell 276 on.
+TEST(PowerEdges, AreOfTheCellInWhichTheMeanPassesHalf) {
+  for (const double factor : {1.0, 8.0}) {
+    for (const double from_s : {0.3, 0.3009}) {
+      std::vector<double> power = Step(0, from_s, 0.7);
+      for (double& cell : power) cell *= factor;
+      const auto edges = PowerEdges(power, kCells);
+      ASSERT_EQ(edges.size(), 2U) << from_s;
+      EXPECT_TRUE(edges[0].rises);
+      EXPECT_FALSE(edges[1].rises);
+      EXPECT_REL(edges[0].time_s, 2.301, 1e-12, "rounding");
+      EXPECT_REL(edges[1].time_s, 2.7, 1e-12, "rounding");
+    }
+  }
+}
+
+// two windows are the fewest, and the second mean is the first that may be an edge
+TEST(PowerEdges, OfTwoWindowsIsOne) {
+  std::vector<double> power(100, 1.0);
+  std::fill_n(power.begin(), 25, 0.0);
+  const auto edges = PowerEdges(power, kCells);
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_TRUE(edges[0].rises);
+  EXPECT_REL(edges[0].time_s, 2.026, 1e-12, "rounding");
+}
+
+// coarse edges lie at 1 ms behind a rise and at a fall
+TEST(RefinedEdges, LimitsAreThoseOfTheCells) {
+  EXPECT_FALSE(IsRefined(0.45, 0.45 + 0.1245)) << "124 ms apart";
+  EXPECT_TRUE(IsRefined(0.45, 0.45 + 0.1265)) << "126 ms apart";
+  // 76 smoothed powers beside an edge, of 99 cells each
+  EXPECT_FALSE(IsRefined(0.124, 2));
+  EXPECT_TRUE(IsRefined(0.125, 2));
+  EXPECT_TRUE(IsRefined(-1, 0.875));
+  EXPECT_FALSE(IsRefined(-1, 0.876));
+}
+
+// the mirror image of the case above: here the nearest crossing comes first
+TEST(RefinedEdges, OfSeveralCrossingsTheNearestCountsOnEitherSide) {
+  std::vector<double> power = Step(0, 0.5, 2);
+  power[452] += 40;
+  std::ranges::reverse(power);
+  const auto edges = RefinedEdges(power, kCells, 1e-4, {{2.5, false, 0.014}});
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_ABS(edges[0].time_s, 2.49, 1e-3, "a cell");
+}
+
+// q is a ratio: the unit of the power does not matter
+TEST(RefinedEdges, UncertaintyIsOfTheNoisesShare) {
+  std::vector<double> power = Step(0.5, 0.3, 0.7);
+  for (double& cell : power) cell *= 8;
+  for (const PowerEdge& edge : RefinedEdges(power, kCells, 1e-4, PowerEdges(power, kCells))) {
+    EXPECT_REL(edge.uncertainty_s, std::hypot(1e-4, std::sqrt(0.05 / 480 * 0.75)), 1e-9,
+               "sums of the moving means");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

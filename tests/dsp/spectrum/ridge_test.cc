@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -101,6 +102,97 @@ TEST(Ridge, LiesBetweenTheBins) {
       EXPECT_ABS(frequency_hz, tone_hz, 0.01, "a parabola for the logarithm of Hann's lobe");
     }
   }
+}
+
+constexpr double kBinHz = 2;  // of frames of 256 samples at 2048 Hz, with zeros up to 1024
+
+// one frame of each tone, whose frequencies are given in bins; silence where one is 0
+std::vector<double> RidgeOfBins(const std::vector<double>& tones, double amplitude, double lower_hz,
+                                double upper_hz, double bin_cost) {
+  std::vector<std::vector<double>> frames(tones.size(), std::vector<double>(256));
+  for (std::size_t k = 0; k < tones.size(); ++k) {
+    for (std::size_t n = 0; tones[k] > 0 && n < frames[k].size(); ++n) {
+      const double turns = tones[k] * static_cast<double>(n) / 1024;
+      frames[k][n] = amplitude * std::cos(2 * std::numbers::pi * turns);
+    }
+  }
+  const auto frame = [&](std::size_t k) { return std::span<const double>(frames.at(k)); };
+  return FindRidge({frame, frames.size(), 2048}, lower_hz, upper_hz, bin_cost);
+}
+
+// what a bin beside the tone's lacks of its magnitude
+double MissingBeside() {
+  std::complex<double> beside;
+  double peak = 0;
+  for (int n = 0; n < 256; ++n) {
+    const double weight = std::pow(std::sin(std::numbers::pi * (n + 0.5) / 256), 2);
+    beside += weight * std::polar(1.0, 2 * std::numbers::pi * n / 1024);
+    peak += weight;
+  }
+  return 1 - std::abs(beside) / peak;
+}
+
+// A tone moves by one bin for the last frame: to follow it costs `bin_cost`, to stay what is
+// missing there, and then the parabola's top lies at the border of both bins.
+TEST(Ridge, AMoveOfABinCostsItsShareOfTheLargestMagnitude) {
+  for (const double amplitude : {1.0, 30.0}) {
+    for (const double step : {-1.0, 1.0}) {
+      for (const double share : {0.995, 1.005}) {
+        const auto ridge = RidgeOfBins({300, 300, 300, 300, 300, 300 + step}, amplitude, 100, 1000,
+                                       share * MissingBeside());
+        EXPECT_ABS(ridge[4], 300 * kBinHz, 1e-4, "a tone on a bin; leakage of -f");
+        EXPECT_ABS(ridge[5], (300 + (share < 1 ? step : 0.5 * step)) * kBinHz, 1e-4,
+                   "a tone on a bin, or the limit of half a bin");
+      }
+    }
+  }
+}
+
+// two bins for three frames: the second bin costs as much as the first
+TEST(Ridge, AMoveOfTwoBinsCostsTwice) {
+  for (const double step : {-1.0, 1.0}) {
+    for (const double share : {0.995, 1.005}) {
+      const double to = 300 + 2 * step;
+      const auto ridge = RidgeOfBins({300, 300, 300, 300, 300, to, to, to}, 1, 100, 1000,
+                                     share * 3 * MissingBeside());
+      EXPECT_ABS(ridge[4], 300 * kBinHz, 1e-4, "a tone on a bin; leakage of -f");
+      for (std::size_t k = 5; k < ridge.size(); ++k) {
+        EXPECT_ABS(ridge[k], (300 + (share < 1 ? 2 : 1.5) * step) * kBinHz, 1e-4,
+                   "a tone on a bin, or the limit of half a bin");
+      }
+    }
+  }
+}
+
+TEST(Ridge, OfATonesLobeTheParabolasTopIsTheTone) {
+  for (const double off : {-0.4, -0.25, 0.1, 0.25, 0.4}) {
+    const auto ridge = RidgeOfBins({300 + off}, 1, 100, 1000, kBinCost);
+    ASSERT_EQ(ridge.size(), 1U);
+    EXPECT_ABS(ridge[0] / kBinHz, 300 + off, 8e-4, "the lobe's logarithm is not quite a parabola");
+  }
+}
+
+// Both ends are included. The outermost bin has no neighbours for a parabola; bins end before half
+// the rate.
+TEST(Ridge, LiesWithinTheStatedFrequencies) {
+  const auto of = [](double bin, double lower_hz, double upper_hz) {
+    return RidgeOfBins({bin, bin, bin}, 1, lower_hz, upper_hz, kBinCost);
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(of(300, 600, 900)[k], 600);
+    EXPECT_EQ(of(300, 599.9, 900)[k], 600);
+    EXPECT_EQ(of(300, 600.1, 900)[k], 602);
+    EXPECT_EQ(of(300, 400, 600)[k], 600);
+    EXPECT_EQ(of(300, 400, 601.9)[k], 600);
+    EXPECT_EQ(of(300, 400, 599.9)[k], 598);
+    EXPECT_EQ(of(512, 400, 1024)[k], 1022);
+  }
+}
+
+TEST(Ridge, StaysWhereItWasInSilence) {
+  const auto ridge = RidgeOfBins({300, 300, 0, 0}, 1, 100, 1000, kBinCost);
+  EXPECT_EQ(ridge[2], 600);
+  EXPECT_EQ(ridge[3], 600);
 }
 
 }  // namespace

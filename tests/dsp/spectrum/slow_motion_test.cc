@@ -181,5 +181,17 @@ TEST(SlowMotionDeathTest, HasARate) {
   EXPECT_DEATH(static_cast<void>(DescribeSlowMotion(signal, 0)), "check failed");
 }
 
+// A tone on a bin shares a quarter of its density with either neighbour: at the ends of 3 to 13 Hz
+// that bin and one neighbour count.
+TEST(SlowMotion, TheTremorsCentreCountsTheBinsAtBothEnds) {
+  for (const double tone_hz : {3.0, 13.0}) {
+    const std::vector<double> tone = Samples(kRateHz, 4000, 0, {{1e-3, tone_hz, 0.4}});
+    const auto motion = DescribeSlowMotion(tone, kRateHz);
+    ASSERT_TRUE(motion);
+    EXPECT_REL(motion->tremor_frequency_hz, tone_hz + (tone_hz < 8 ? 0.05 : -0.05), 1e-3,
+               "the line that is taken off");
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -180,7 +180,11 @@ TEST(Welch, WhatCannotBeAskedIsRefused) {
   std::vector<double> x(100, 1.0);
   EXPECT_FALSE(WelchSpectrum(x, {1000, 101}));
   EXPECT_FALSE(WelchSpectrum(x, {1000, 1}));
+  EXPECT_TRUE(WelchSpectrum(x, {1000, 2}));
   EXPECT_FALSE(WelchSpectrum(x, {1000, 10, WindowShape::kHann, 1}));
+  EXPECT_TRUE(WelchSpectrum(x, {1000, 10, WindowShape::kHann, 0.99}));
+  EXPECT_TRUE(WelchSpectrum(x, {1000, 10, WindowShape::kHann, 0}));
+  EXPECT_FALSE(WelchSpectrum(x, {1000, 10, WindowShape::kHann, -0.01}));
   EXPECT_FALSE(WelchSpectrum({}, {1000, 10}));
   x[50] = std::nan("");
   const auto refused = WelchSpectrum(x, {1000, 10});

@@ -120,5 +120,17 @@ TEST(ChangePoints, OfOneValueAndOfNoneAreTheEnds) {
   EXPECT_EQ(CheapestPartition(0, 3, nothing), (std::vector<std::size_t>{0}));
 }
 
+// where all cost nothing, every segment of a piece of 2048 values is asked for, and none longer
+TEST(ChangePoints, PiecesAreOf2048Values) {
+  constexpr std::size_t kCount = 2060;
+  std::size_t longest = 0;
+  const SegmentCost nothing = [&](std::size_t first, std::size_t end) {
+    if (end - first < kCount) longest = std::max(longest, end - first);
+    return 0.0;
+  };
+  EXPECT_EQ(CheapestPartition(kCount, 3, nothing), (std::vector<std::size_t>{0, kCount}));
+  EXPECT_EQ(longest, 2048U);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -57,6 +57,9 @@ TEST(NoncentralityForPower, IsThatOfScipy) {
   }
   EXPECT_EQ(rows, 60);
   EXPECT_FALSE(NoncentralityForPower(1, 1e-4, 0.8)) << "a critical t of 6366";
+  // of half a degree of freedom the critical t is 693 and 721, the limit 1000 sqrt(0.5)
+  EXPECT_TRUE(NoncentralityForPower(0.5, 0.02436546, 0.8));
+  EXPECT_FALSE(NoncentralityForPower(0.5, 0.02388293, 0.8));
 }
 
 // the limits of what can be computed: |t| of 1000, and of 1000 sqrt(df)

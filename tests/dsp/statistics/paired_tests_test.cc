@@ -124,5 +124,37 @@ TEST(PairedTestsDeathTest, TakePairsAndTwoDegreesOfFreedom) {
   EXPECT_DEATH(static_cast<void>(HedgesCorrection(1)), "check failed");
 }
 
+// a = 1, 4, 7 and b = 9, 10, 14: variances 9 and 7, covariance 7.5, and the quantile of two degrees
+// of freedom is 0.95 sqrt(2 / (1 - 0.95^2))
+TEST(CompareMeans, OfThreePairsIsFiellersQuadratic) {
+  const auto ratio = CompareMeans(std::vector{1.0, 4.0, 7.0}, std::vector{9.0, 10.0, 14.0});
+  ASSERT_TRUE(ratio && ratio->interval);
+  const double c = 0.95 * 0.95 * 2 / (1 - 0.95 * 0.95) / 3;
+  const double square = 11.0 * 11 - c * 7;
+  const double half = 4.0 * 11 - c * 7.5;
+  const double root = std::sqrt(half * half - square * (4.0 * 4 - c * 9));
+  EXPECT_REL(ratio->interval->lower, (half - root) / square, 1e-12, "the quantile's rounding");
+  EXPECT_REL(ratio->interval->upper, (half + root) / square, 1e-12, "the quantile's rounding");
+}
+
+// differences -1, 2, 8: mean 3, deviation sqrt(21); of three pairs the noncentrality is sqrt(3)
+// times the effect
+TEST(EffectOfPairs, IntervalIsThatOfTheNoncentrality) {
+  const auto effect = EffectOfPairs(std::vector{1.0, 4.0, 7.0}, std::vector{2.0, 2.0, -1.0});
+  ASSERT_TRUE(effect && effect->interval);
+  EXPECT_REL(effect->d_z, 3 / std::sqrt(21.0), 1e-14, "rounding");
+  EXPECT_REL(effect->d_av, 3 / (0.5 * (3 + std::sqrt(3.0))), 1e-14, "rounding");
+  const auto delta = NoncentralityInterval(3 / std::sqrt(21.0 / 3), 2);
+  ASSERT_TRUE(delta);
+  EXPECT_REL(effect->interval->lower, delta->lower / std::sqrt(3.0), 1e-12, "rounding of t");
+  EXPECT_REL(effect->interval->upper, delta->upper / std::sqrt(3.0), 1e-12, "rounding of t");
+}
+
+// sums of 1 + e and of 1 - e count as equal where 2 e is below 1e-12 of 1 + e
+TEST(SignFlipP, SumsWithin1eMinus12OfAllAreEqual) {
+  EXPECT_EQ(SignFlipP(std::vector{1.0, 0.4975e-12}), 1);
+  EXPECT_EQ(SignFlipP(std::vector{1.0, 0.5025e-12}), 0.5);
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

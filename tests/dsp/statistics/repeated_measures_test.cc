@@ -115,5 +115,23 @@ TEST(CompleteTableDeathTest, EndsAtItsLastSubjectAndCondition) {
   EXPECT_DEATH(static_cast<void>(MoreyHalfWidths(TableOf(3, 1, {1, 2, 3}))), "check failed");
 }
 
+// third parts of 1e9 are rounded to 6e-8: residuals of that size are none
+TEST(RepeatedMeasuresAnova, ResidualsOfRoundingAreNone) {
+  std::vector<double> values;
+  for (const double subject : {0.0, 1.0, 5.0}) {
+    for (const double condition : {1.0, 2.0, 7.0})
+      values.push_back((subject + condition) * 1e9 / 3);
+  }
+  EXPECT_FALSE(AnalyzeRepeatedMeasures(TableOf(3, 3, values)));
+  values[4] += 1e-3;
+  EXPECT_TRUE(AnalyzeRepeatedMeasures(TableOf(3, 3, values)));
+}
+
+TEST(AssessRepeats, OfOneSubjectOrOneRepeatIsNothing) {
+  EXPECT_FALSE(AssessRepeats({}));
+  EXPECT_FALSE(AssessRepeats(std::vector<std::vector<double>>{{1, 2}}));
+  EXPECT_FALSE(AssessRepeats(std::vector<std::vector<double>>{{1}, {2}}));
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

@@ -41,6 +41,7 @@ struct Tap {
   double drift_m = 0;
   double hum_m = 0;
   double damping = kDamping;
+  double step_s = kStep;
   unsigned seed = 1;
 };
 
@@ -53,13 +54,13 @@ ImpulseRecord Record(const Tap& tap) {
   record.name = "tap.bin";
   record.unit = "m";
   record.signal = RecordedSignal::kDisplacement;
-  record.step_s = kStep;
+  record.step_s = tap.step_s;
   record.start_s = -0.02;
   std::mt19937_64 engine(tap.seed);
   std::normal_distribution<double> noise;
-  const int rows = static_cast<int>((tap.length_s + 0.02) / kStep);
+  const int rows = static_cast<int>((tap.length_s + 0.02) / tap.step_s);
   for (int n = 0; n < rows; ++n) {
-    const double t = record.start_s + n * kStep;
+    const double t = record.start_s + n * tap.step_s;
     double x = 1e-3;
     if (t > 0) {
       x +=
@@ -562,6 +563,38 @@ TEST(AdapterFit, UncertaintiesOfFewPeriodsAreThoseOfEachParameter) {
   const double per_rate =
       of_decay * Decay(tap) / (of_stiffness * std::sqrt(kStiffness / kMass) / 2);
   EXPECT_GT(std::abs(per_rate - 1), 0.01) << "else both could be exchanged";
+}
+
+TEST(AdapterFit, WithoutARecordThereIsNoFit) {
+  const auto fit = FitAdapter({}, {kMass, 0});
+  ASSERT_FALSE(fit);
+  EXPECT_THAT(fit.error().Text(), HasSubstr("no record of a tap is given"));
+}
+
+TEST(AdapterFit, MoreThanTwentyThousandSamplesAreAveragedTo32APeriod) {
+  struct Row {
+    double step_s;
+    double length_s;
+    double damping;
+    std::size_t block;  // samples
+  };
+  // 117.65 samples a period of 4.7060 ms: 3 in a block, up to 20000 none; and periods of 11.8
+  for (const Row& row : {Row{4e-5, 0.82, kDamping, 3}, Row{4e-5, 0.79, kDamping, 1},
+                         Row{4e-4, 8.2, kDamping / 5, 1}}) {
+    const Tap tap{
+        .length_s = row.length_s, .noise_m = 1e-7, .damping = row.damping, .step_s = row.step_s};
+    const AdapterFit fit = Fit(tap);
+    ASSERT_EQ(fit.taps.size(), 1U);
+    const auto samples = std::lround((fit.taps[0].end_s - fit.taps[0].first_s) / row.step_s);
+    EXPECT_EQ(samples > 20000, row.length_s > 0.8);
+    EXPECT_EQ(fit.taps[0].samples, static_cast<std::size_t>(samples) / row.block);
+    EXPECT_REL(fit.taps[0].residual_rms, 1e-7 / std::sqrt(row.block), 0.03,
+               "three deviations of 7000 blocks");
+    EXPECT_ABS(fit.damping.value, row.damping, 4 * fit.damping.standard_uncertainty,
+               "four deviations");
+    EXPECT_ABS(fit.stiffness.value, kStiffness, 4 * fit.stiffness.standard_uncertainty,
+               "four deviations");
+  }
 }
 
 }  // namespace

@@ -66,5 +66,34 @@ TEST(TapFromRecord, RefusesWhatCouldBeMeantTwiceAndWhatHasGaps) {
   EXPECT_THAT(TapFromRecord(uneven, "t").error().Text(), HasSubstr("non-uniform"));
 }
 
+TEST(TapFromRecord, OnlyMetresAreADisplacement) {
+  const auto metres = TapFromRecord(Recording(), "tap.bin");
+  ASSERT_TRUE(metres);
+  EXPECT_EQ(metres->signal, RecordedSignal::kDisplacement);
+  auto recording = Recording();
+  recording.channels[0].unit = "V";
+  const auto volts = TapFromRecord(recording, "tap.bin");
+  ASSERT_TRUE(volts);
+  EXPECT_EQ(volts->signal, RecordedSignal::kVoltage);
+  EXPECT_EQ(volts->unit, "V");
+}
+
+TEST(TapFromRecord, ReadingsThatArriveAtExactTimesAreUniform) {
+  auto recording = Recording();
+  recording.timing = trial::Timing::kArrival;
+  EXPECT_TRUE(TapFromRecord(recording, "tap.bin"));
+}
+
+TEST(TapFromRecord, RoundedTimesAreAnUncertainTimeScale) {
+  auto recording = Recording();
+  EXPECT_FALSE(TapFromRecord(recording, "tap.bin")->time_scale);
+  recording.stretches[0].time_uncertainty_s = 3e-6;
+  const auto tap = TapFromRecord(recording, "tap.bin");
+  ASSERT_TRUE(tap && tap->time_scale);
+  EXPECT_EQ(tap->time_scale->value, 1);
+  EXPECT_NEAR(tap->time_scale->standard_uncertainty, std::sqrt(2.0) * 3e-6 * 2000 / 3, 1e-15)
+      << "of both ends over 3 rows at 2 kHz";
+}
+
 }  // namespace
 }  // namespace haptometer::fit

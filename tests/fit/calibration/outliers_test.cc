@@ -123,5 +123,13 @@ TEST(Outliers, LieFartherThanAThousandthOfTheOthersRange) {
   EXPECT_EQ(found(-1.005 * 8e-3), std::vector<std::size_t>{4});
 }
 
+TEST(Outliers, BeyondWhatIsStatedTheScatterOfTheOthersDecides) {
+  // residuals of +-1 that are stated as 0.1: the same limit as without a statement
+  const double by_scatter = Critical(StudentOfSix) * std::sqrt(8.0 / 6 * (1 + 1.0 / 8));
+  EXPECT_FALSE(FindOutliers(OneOff(0.995 * by_scatter, 0.1), Scatter::kStated));
+  EXPECT_EQ(Places(FindOutliers(OneOff(1.005 * by_scatter, 0.1), Scatter::kStated)),
+            std::vector<std::size_t>{8});
+}
+
 }  // namespace
 }  // namespace haptometer::fit

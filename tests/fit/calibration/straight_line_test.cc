@@ -218,5 +218,18 @@ TEST(StraightLine, AnIterationThatEndsEarlyMustBeWithinABillionth) {
   EXPECT_THAT(none.error().Text(), HasSubstr("no straight line"));
 }
 
+TEST(StraightLine, PointsWithoutASlopeLieOnNoLine) {
+  const auto error = [](const std::vector<LinePoint>& points) {
+    const auto line = FitStraightLine(points, Scatter::kFromResiduals);
+    return line ? "" : line.error().Text();
+  };
+  // up and down again: the slope is 0
+  EXPECT_THAT(error({{0, 0, 0, 1}, {1, 1, 0, 1}, {2, 0, 0, 1}}), HasSubstr("on no straight line"));
+  EXPECT_EQ(error({{0, 0, 0, 1}, {1, 1, 0, 1}, {2, 0.1, 0, 1}}), "");
+  // so near to each other that their squares are none
+  EXPECT_THAT(error({{0, 0, 0, 1}, {1e-170, 1, 0, 1}, {2e-170, 2, 0, 1}}),
+              HasSubstr("on no straight line"));
+}
+
 }  // namespace
 }  // namespace haptometer::fit

@@ -3,10 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <numbers>
+#include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/residuals.h"
 #include "tests/findings.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/fit/unprepared_drops.h"
@@ -200,6 +206,94 @@ TEST(Consistency, BelowAMillionthOfTheRingingNoNoiseIsAnothers) {
   };
   EXPECT_FALSE(is_of_another(0.995e-6 * ringing_v));
   EXPECT_TRUE(is_of_another(1.005e-6 * ringing_v));
+}
+
+// the fit of a drop's samples from one on, and the variance that its residuals have at the
+// resonance
+struct PartFit {
+  RingFit fit;
+  double variance = 0;
+
+  [[nodiscard]] double logarithm() const { return 0.5 * std::log(fit.poles.stiffness_per_s2); }
+  [[nodiscard]] double deviation() const { return 0.5 * fit.Deviation(1, variance); }
+};
+
+PartFit FitFrom(const PreparedRecord& prepared, std::size_t first, const PolePair& start) {
+  const auto samples = BlocksOf(prepared.record, first, prepared.part.end_sample, 1);
+  PartFit part{FitRing(samples, start, prepared.part.background)};
+  const auto density = DensityAt(part.fit.jacobian.residuals, samples.step_s,
+                                 std::sqrt(start.stiffness_per_s2) / (2 * std::numbers::pi));
+  part.variance = part.fit.Squares() / (static_cast<double>(samples.values_v.size()) - 5) *
+                  (density.is_coloured ? density.ratio : 1);
+  return part;
+}
+
+TEST(Consistency, AChangeOfTheFrequencyWidensByItsShare) {
+  for (const double cubic_per_m2 : {2e4, -2e4}) {
+    const auto prepared = PrepareRecord(Nonlinear(cubic_per_m2, 0));
+    ASSERT_TRUE(prepared) << prepared.error().Text();
+    const Consistency found = CheckConsistency(
+        {{.prepared = &*prepared, .load_ohm = tests::kOpen, .mass_ratio = 1, .noise_v = 1e-3}});
+    // the whole, and what begins a decay time later
+    const std::size_t first = prepared->part.first_sample;
+    const PartFit whole = FitFrom(*prepared, first, prepared->part.poles);
+    const double decay_samples = 1 / (whole.fit.poles.decay_per_s * prepared->record.step_s);
+    const PartFit later =
+        FitFrom(*prepared, first + static_cast<std::size_t>(decay_samples), whole.fit.poles);
+    const double share = later.logarithm() - whole.logarithm();
+    EXPECT_EQ(share < 0, cubic_per_m2 > 0);
+    EXPECT_REL(found.frequency_widening, std::hypot(1.0, share / whole.deviation()), 1e-4,
+               "the solver's end");
+    const double noise_ratio = std::min(std::sqrt(later.variance / whole.variance), 1.0);
+    EXPECT_LT(noise_ratio, 0.9) << "what does not fit is in the whole's noise";
+    const double deviations =
+        std::abs(share) /
+        std::sqrt(std::pow(later.deviation(), 2) - std::pow(noise_ratio * whole.deviation(), 2));
+    const auto kind = share < 0 ? FindingKind::kSpringStiffens : FindingKind::kSpringSoftens;
+    EXPECT_REL(tests::NumberOf(found.findings, kind, "share"), share, 1e-4, "the solver's end");
+    EXPECT_EQ(tests::NumberOf<std::int64_t>(found.findings, kind, "deviations"),
+              std::lround(deviations));
+  }
+}
+
+TEST(Consistency, TwoDropsScatterByTheirDifferenceInItsOwnUncertainty) {
+  // 0.25 % apart in frequency, with noises of 2 and 6 mV
+  SyntheticDrop low;
+  low.noise_v = 2e-3;
+  SyntheticDrop high;
+  high.stiffness_n_per_m *= 1.005;
+  high.noise_v = 6e-3;
+  high.seed = 2;
+  const auto first = PrepareRecord(MakeRecord(low));
+  const auto second = PrepareRecord(MakeRecord(high));
+  ASSERT_TRUE(first && second);
+  const double w = std::sqrt(2e6);
+  const auto deviation = [&](const SyntheticDrop& drop) {
+    return RateDeviation(tests::SpeedVoltage(drop), 11.5, 0.25, drop.step_s, drop.noise_v) / w;
+  };
+  const double ratio = std::log(1.005) / 2 / std::hypot(deviation(low), deviation(high));
+  ASSERT_GT(ratio, 10);
+  // in the common fit the drops have four and five times their own noise
+  std::vector<ComparedDrop> drops{
+      {.prepared = &*first, .load_ohm = 33, .mass_ratio = 1, .noise_v = 8e-3},
+      {.prepared = &*second, .load_ohm = 33, .mass_ratio = 1, .noise_v = 30e-3}};
+  const Consistency found = CheckConsistency(drops);
+  EXPECT_REL(found.frequency.birge_ratio, ratio, 0.06, "noise of 1240 samples, and its scatter");
+  EXPECT_EQ(found.frequency.degrees, 1);
+  EXPECT_EQ(found.decay.birge_ratio, 1);
+  EXPECT_EQ(found.decay_widening, 1);
+  EXPECT_REL(found.frequency_widening, found.frequency.birge_ratio / 4, 0.06,
+             "noise of 1240 samples");
+  EXPECT_REL(tests::NumberOf(found.findings, FindingKind::kFrequenciesScatter, "birge_ratio"),
+             found.frequency.birge_ratio, 1e-12, "the same");
+  // with another load or mass they are not compared
+  for (const bool is_load : {true, false}) {
+    auto apart = drops;
+    (is_load ? apart[1].load_ohm : apart[1].mass_ratio) = is_load ? 34 : 0.3;
+    const Consistency alone = CheckConsistency(apart);
+    EXPECT_EQ(alone.frequency.birge_ratio, 1);
+    EXPECT_EQ(alone.frequency_widening, 1);
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -315,6 +316,106 @@ TEST(UnknownColumns, AreThoseThatNothingGives) {
   // amplitude, impact, offset, drift, hum's cosine and sine
   EXPECT_EQ(own(0), (std::vector<bool>{false, true, true, true, false, false}));
   EXPECT_EQ(own(1), (std::vector<bool>{true, true, true, false, true, true}));
+}
+
+TEST(MakeDropTestModel, StatementsThatDoNotGoTogetherAreRefused) {
+  const auto error = [](const std::function<void(ImpulseRecord&)>& state) {
+    auto prepared = ByHand();
+    state(prepared.record);
+    const auto model = MakeDropTestModel(std::vector{prepared}, ThesisKnowns());
+    return model ? "" : model.error().what;
+  };
+  const Quantity height{0.01, 0};
+  const Quantity current{0.05, 0};
+  const Quantity added{1e-4, 0};
+  EXPECT_EQ(error([&](auto& record) { record.drop_height_m = height; }), "");
+  EXPECT_EQ(error([&](auto& record) { record.release_current_a = current; }), "");
+  EXPECT_EQ(error([&](auto& record) { record.added_mass_kg = added; }), "");
+  EXPECT_EQ(error([](auto& record) { record.signal = RecordedSignal::kDisplacement; }), "");
+  EXPECT_EQ(error([](auto& record) { record.condition = CaseCondition::kFree; }), "");
+  EXPECT_EQ(error([&](auto& record) {
+              record.drop_height_m = height;
+              record.release_current_a = current;
+            }),
+            "states a drop height and a released current");
+  EXPECT_EQ(error([&](auto& record) {
+              record.signal = RecordedSignal::kDisplacement;
+              record.release_current_a = current;
+            }),
+            "is a displacement after a released current");
+  EXPECT_EQ(error([&](auto& record) {
+              record.condition = CaseCondition::kFree;
+              record.added_mass_kg = added;
+            }),
+            "has an added mass and a free case");
+}
+
+TEST(MakeDropTestModel, TheMassIsKnownByWhatTheCasesNeed) {
+  auto held = ByHand();
+  held.record.condition = CaseCondition::kHeld;
+  auto free = ByHand();
+  free.record.condition = CaseCondition::kFree;
+  const auto both = ThesisKnowns();
+  auto mover = both;
+  mover.case_mass_kg.reset();
+  auto case_alone = both;
+  case_alone.moving_mass_kg.reset();
+  EXPECT_TRUE(ModelOf({held}, mover).knows_mass);
+  EXPECT_TRUE(ModelOf({held}, both).knows_mass);
+  EXPECT_FALSE(ModelOf({held}, case_alone).knows_mass);
+  EXPECT_TRUE(ModelOf({free}, both).knows_mass);
+  EXPECT_FALSE(ModelOf({free}, mover).knows_mass);
+  EXPECT_FALSE(ModelOf({free, free}, case_alone).knows_mass);
+  EXPECT_TRUE(ModelOf({free, free}, both).all_free);
+  EXPECT_FALSE(ModelOf({held, free}, both).all_free);
+  EXPECT_TRUE(ModelOf({held, free}, both).knows_mass);
+  // their ratio needs both masses
+  for (const auto& knowns : {mover, case_alone, ActuatorKnowns{}}) {
+    EXPECT_FALSE(MakeDropTestModel(std::vector{held, free}, knowns));
+    EXPECT_TRUE(MakeDropTestModel(std::vector{held, held}, knowns));
+    EXPECT_TRUE(MakeDropTestModel(std::vector{free, free}, knowns));
+  }
+  // the case's mass counts only where a case is free
+  EXPECT_TRUE(OfKind(ModelOf({held}, both), Kind::kCaseMass).empty());
+  EXPECT_EQ(OfKind(ModelOf({held, free}, both), Kind::kCaseMass).size(), 1U);
+}
+
+TEST(MakeDropTestModel, AHeightOfADisplacementIsNoInput) {
+  auto prepared = ByHand();
+  prepared.record.drop_height_m = Quantity{0.01, 0};
+  EXPECT_TRUE(ModelOf({prepared}).knows_heights);
+  EXPECT_EQ(OfKind(ModelOf({prepared}), Kind::kHeight).size(), 1U);
+  prepared.record.signal = RecordedSignal::kDisplacement;
+  EXPECT_FALSE(ModelOf({prepared}).knows_heights);
+  EXPECT_TRUE(OfKind(ModelOf({prepared}), Kind::kHeight).empty());
+  EXPECT_TRUE(OfKind(ModelOf({prepared}), Kind::kRebound).empty());
+}
+
+TEST(MakeDropTestModel, ResistanceAndInductanceCountUnderALoad) {
+  auto open = ByHand();
+  open.record.load_ohm = Quantity{tests::kOpen, 0};
+  auto knowns = ThesisKnowns();
+  EXPECT_TRUE(OfKind(ModelOf({open}, knowns), Kind::kResistance).empty());
+  EXPECT_EQ(OfKind(ModelOf({open, ByHand()}, knowns), Kind::kResistance).size(), 1U);
+  EXPECT_EQ(OfKind(ModelOf({open, ByHand()}, knowns), Kind::kInductance).size(), 1U);
+  knowns.resistance_ohm.reset();
+  EXPECT_TRUE(ModelOf({open}, knowns).knows_resistance);
+  EXPECT_FALSE(ModelOf({open, ByHand()}, knowns).knows_resistance);
+}
+
+TEST(StartPoint, AnUnknownMassFollowsFromTwoAddedOnes) {
+  auto knowns = ThesisKnowns();
+  knowns.moving_mass_kg.reset();
+  knowns.case_mass_kg.reset();
+  std::vector<ImpulseRecord> records;
+  for (const double added_kg : {0.7e-3, 0.2e-3, 0.4e-3}) {
+    for (const double load_ohm : {tests::kOpen, 33.0}) {
+      SyntheticDrop drop = Loaded(load_ohm);
+      drop.added_mass_kg = added_kg;
+      records.push_back(MakeRecord(drop));
+    }
+  }
+  ExpectTruth(Start(records, false, knowns));
 }
 
 }  // namespace

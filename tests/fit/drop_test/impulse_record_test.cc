@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::fit {
@@ -289,6 +291,53 @@ TEST(ConverterStep, HasUpTo4096CodesThatAreWholeStepsApart) {
   // decimals that are printed may round a tenth of a step away
   EXPECT_DOUBLE_EQ(ConverterStep({0, 1, 3.0995}), 1);
   EXPECT_EQ(ConverterStep({0, 1, 3.1005}), 0);
+}
+
+TEST(ImpulseRecord, KeysThatAreNearlyKnownOnesAreNamed) {
+  const auto found = [](const std::string& key) {
+    auto recording = MakeRecording();
+    recording.metadata.fields = {{key, "1"}};
+    const auto file = ImpulseFromRecord(recording, "impulse.csv");
+    EXPECT_TRUE(file);
+    if (!file || file->findings.list().empty()) return std::string();
+    EXPECT_EQ(file->findings.list().front().subject, "impulse.csv");
+    EXPECT_EQ(tests::NumberOf<std::string>(file->findings, FindingKind::kHeaderKeyUnknown, "key"),
+              key);
+    return tests::NumberOf<std::string>(file->findings, FindingKind::kHeaderKeyUnknown, "nearest");
+  };
+  EXPECT_EQ(found("load_ohms"), "load_ohm");
+  EXPECT_EQ(found("moving_mas_kg"), "moving_mass_kg");
+  // known; written as no key of this program is; and unlike all of them
+  for (const auto* key : {"load_ohm", "loadohm", "Load_ohms", "load_ohms ", "colour_of_the_case"}) {
+    EXPECT_EQ(found(key), "") << key;
+  }
+}
+
+TEST(ImpulseRecord, TheFirstOfSeveralBadKeysIsNamed) {
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"load_ohm", "0"}, {"rebound", "2"}, {"case", "loose"}};
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("load_ohm"));
+  recording.metadata.fields = {{"rebound", "2"}, {"case", "loose"}};
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("rebound"));
+}
+
+TEST(ImpulseRecord, ASingleChannelOfNoKnownKindIsTakenAsTheVoltage) {
+  auto recording = MakeRecording();
+  recording.channels[0].role = trial::ChannelRole::kOther;
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.signal, RecordedSignal::kVoltage);
+  EXPECT_EQ(file->record.voltage_v[2], 0.3);
+  recording.channels.push_back(recording.channels[0]);
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("no voltage"));
+}
+
+TEST(ImpulseRecord, TimesOfArrivalAreTakenWhereTheyAreExact) {
+  auto recording = MakeRecording();
+  recording.timing = trial::Timing::kArrival;
+  EXPECT_TRUE(ImpulseFromRecord(recording, "impulse.csv"));
+  recording.stretches[0].time_uncertainty_s = 1e-6;
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("non-uniform"));
 }
 
 }  // namespace

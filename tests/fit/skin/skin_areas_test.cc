@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -200,6 +201,70 @@ TEST(SkinAreas, WhatIsNotDeterminedOrHasNoAreaDoesNotCount) {
   const auto areas = FitSkinAreas({Contact(10, 800, 1), faint, unstated, Contact(40, 1400, 1.5)});
   EXPECT_REL(areas.stiffness->law.exponent, std::log(1.75) / std::log(4), 1e-12, "two areas");
   EXPECT_GT(areas.damping->law.birge_ratio, 0) << "three areas";
+}
+
+TEST(SkinAreas, AnActuatorsErrorMovesTheExponentByTheDifferenceOfItsInfluences) {
+  auto small = Contact(10, 800, 1);
+  auto large = Contact(40, 1400, 1.5);
+  small.influences[4].stiffness_percent_per_percent = 0.9;
+  large.influences[4].stiffness_percent_per_percent = 1.6;
+  small.influences[4].damping_percent_per_percent = 1.1;
+  large.influences[4].damping_percent_per_percent = 0.7;
+  small.influences[0].stiffness_percent_per_percent = -0.2;
+  large.influences[0].stiffness_percent_per_percent = 0.3;
+  for (auto* contact : {&small, &large}) {
+    contact->actuator_covariance[0][0] = 9e-4;
+    contact->actuator_covariance[4][4] = 25e-4;
+    contact->actuator_covariance[0][4] = contact->actuator_covariance[4][0] = 7.5e-4;
+  }
+  const auto areas = FitSkinAreas({small, large});
+  ASSERT_TRUE(areas.stiffness && areas.damping);
+  // 3 % of Mv and 5 % of Km, correlated by a half
+  const double by_mass = 0.03 * 0.5 / std::log(4);
+  const double by_constant = 0.05 * 0.7 / std::log(4);
+  const double given =
+      std::sqrt(by_mass * by_mass + by_constant * by_constant + 2 * 0.5 * by_mass * by_constant);
+  EXPECT_REL(areas.stiffness->law.combined_standard_uncertainty,
+             std::hypot(0.03 * std::sqrt(2.0) / std::log(4), given), 1e-12, "closed form");
+  EXPECT_REL(areas.damping->law.combined_standard_uncertainty,
+             std::hypot(0.04 * std::sqrt(2.0), 0.05 * 0.4) / std::log(4), 1e-12, "closed form");
+}
+
+TEST(SkinAreas, TheThesissExponentsAreThoseOfItsTextAndItsTable) {
+  const auto areas = FitSkinAreas({Contact(8, 800, 1), Contact(64, 1400, 1.5)});
+  ASSERT_TRUE(areas.stiffness && areas.damping);
+  for (const auto range : {sim::SkinRange::kText, sim::SkinRange::kTable}) {
+    const auto least = sim::SkinUnderArea(8e-6, range);
+    const auto most = sim::SkinUnderArea(64e-6, range);
+    const bool is_text = range == sim::SkinRange::kText;
+    const auto& stiffness = is_text ? areas.stiffness->thesis_text : areas.stiffness->thesis_table;
+    const auto& damping = is_text ? areas.damping->thesis_text : areas.damping->thesis_table;
+    EXPECT_REL(*stiffness, std::log(most.stiffness_n_per_m / least.stiffness_n_per_m) / std::log(8),
+               1e-12, "closed form");
+    EXPECT_REL(*damping, std::log(most.damping_n_s_per_m / least.damping_n_s_per_m) / std::log(8),
+               1e-12, "closed form");
+  }
+}
+
+TEST(AreaLaw, PointsCountByTheReciprocalsOfTheirVariances) {
+  // logarithms 0, 1 and 3 of the areas with weights 1, 4 and 1: mean 7/6, spread 29/6
+  const double values[]{500, 700, 900};
+  std::vector<AreaPoint> points{{1e-6, values[0], 0.1, {}},
+                                {std::exp(1) * 1e-6, values[1], 0.05, {}},
+                                {std::exp(3) * 1e-6, values[2], 0.1, {}}};
+  const auto law = FitAreaLaw(points, {});
+  ASSERT_TRUE(law);
+  const double weights[]{-7.0 / 29, -4.0 / 29, 11.0 / 29};
+  double exponent = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_REL(law->weights[k], weights[k], 1e-12, "by hand");
+    exponent += weights[k] * std::log(values[k]);
+  }
+  EXPECT_REL(law->exponent, exponent, 1e-12, "by hand");
+  const double level = (std::log(500) + 4 * std::log(700) + std::log(900)) / 6;
+  EXPECT_REL(law->at_one_mm2, std::exp(level - exponent * 7 / 6), 1e-12, "by hand");
+  EXPECT_REL(law->standard_uncertainty / std::max(law->scatters ? law->birge_ratio : 1.0, 1.0),
+             0.1 / std::sqrt(29.0 / 6), 1e-12, "by hand");
 }
 
 }  // namespace

@@ -18,8 +18,8 @@
 #include "fit/least_squares.h"
 #include "sim/linear/steady_state.h"
 #include "tests/findings.h"
-#include "tests/fit/bound.h"
 #include "tests/fit/pulls.h"
+#include "tests/fit/skin/synthetic_sweep.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 
@@ -28,69 +28,13 @@ namespace {
 
 using ::testing::IsEmpty;
 using Complex = std::complex<double>;
-
-// truth: what a contact of 78.5 mm2 has by the thesis's text, and a gram of skin
-struct Truth {
-  double stiffness = 1861.7;
-  double damping = 2.2189;
-  double mass_kg = 1e-3;
-};
-
-struct Sweep {
-  Truth truth = {};
-  std::vector<double> frequencies_hz;
-  double magnitude_noise = 0;
-  double phase_noise_rad = 0;  // 0: no phases
-  DriveQuantity drive = DriveQuantity::kCurrent;
-  bool states_uncertainty = false;
-  unsigned seed = 1;
-};
-
-// displacement of the skin over current or voltage by sim's five states, the mass on the case
-Complex SimResponse(const Truth& truth, DriveQuantity drive, double hz) {
-  auto actuator = sim::ThesisC10100();
-  actuator.case_mass_kg += truth.mass_kg;
-  const sim::Skin skin{truth.stiffness, truth.damping};
-  const auto model = sim::AssembleModel(actuator, {}, skin);
-  const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 1, .frequency_hz = hz}, skin);
-  const Complex displacement = steady.phasors(model.skin());
-  const bool by_current = drive == DriveQuantity::kCurrent;
-  return by_current ? displacement / steady.current_a : displacement;
-}
-
-std::vector<double> Spaced(double first, double last, int count) {
-  std::vector<double> hertz;
-  for (int k = 0; k < count; ++k) {
-    hertz.push_back(first * std::pow(last / first, k / (count - 1.0)));
-  }
-  return hertz;
-}
-
-SkinSweep Measure(const Sweep& sweep) {
-  SkinSweep measured{.name = "skin.csv", .area_m2 = {}, .drive = sweep.drive, .points = {}};
-  std::mt19937_64 engine(sweep.seed);
-  std::normal_distribution<double> noise;
-  const double drive = sweep.drive == DriveQuantity::kCurrent ? 0.1 : 3.0;
-  for (const double hz : sweep.frequencies_hz) {
-    const Complex response = SimResponse(sweep.truth, sweep.drive, hz);
-    SkinPoint point{.frequency_hz = hz,
-                    .displacement_m = std::abs(response) * drive *
-                                      std::exp(sweep.magnitude_noise * noise(engine)),
-                    .drive = drive,
-                    .phase_rad = {},
-                    .displacement_standard_uncertainty_m = {}};
-    if (sweep.phase_noise_rad > 0) {
-      point.phase_rad = std::arg(response) + sweep.phase_noise_rad * noise(engine);
-    }
-    if (sweep.states_uncertainty) {
-      point.displacement_standard_uncertainty_m = sweep.magnitude_noise * point.displacement_m;
-    }
-    measured.points.push_back(point);
-  }
-  return measured;
-}
-
-sim::StatedActuator Actuator() { return *sim::FindActuator("thesis-c10-100"); }
+using tests::Actuator;
+using tests::Bounds;
+using tests::Measure;
+using tests::Spaced;
+using Sweep = tests::SyntheticSweep;
+using tests::SimResponse;
+using Truth = tests::SkinTruth;
 
 SkinFit Fit(const SkinSweep& sweep, const sim::StatedActuator& actuator = Actuator()) {
   const auto fit = FitSkin(sweep, actuator);
@@ -165,24 +109,6 @@ struct Case {
 };
 
 class SkinSweeps : public ::testing::TestWithParam<Case> {};
-
-std::vector<double> Bounds(const Sweep& sweep) {
-  const auto residuals = [&](const std::vector<double>& p) {
-    std::vector<double> weighted;
-    for (const double hz : sweep.frequencies_hz) {
-      const Complex response = SimResponse({std::exp(p[0]), std::exp(p[1]), p[2]}, sweep.drive, hz);
-      weighted.push_back(std::log(std::abs(response)) / sweep.magnitude_noise);
-      if (sweep.phase_noise_rad > 0) {
-        weighted.push_back(std::arg(response) / sweep.phase_noise_rad);
-      }
-    }
-    return weighted;
-  };
-  const Truth& truth = sweep.truth;
-  return tests::CramerRaoDeviations(
-      residuals, {std::log(truth.stiffness), std::log(truth.damping), truth.mass_kg},
-      {1e-3, 1e-3, 1e-6});
-}
 
 TEST_P(SkinSweeps, ErrorsAreAtTheBoundAndAsStated) {
   const int repetitions = tests::Repetitions(tests::kIsSanitized ? 50 : 400);

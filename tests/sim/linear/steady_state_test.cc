@@ -168,6 +168,11 @@ TEST(SteadyState, IsLinearInTheVoltage) {
   EXPECT_EQ(four.skin_rms_m, 4 * one.skin_rms_m);
   EXPECT_EQ(four.power_w, 16 * one.power_w);
   EXPECT_EQ(four.phase_rad, one.phase_rad);
+  // the phase counts from the voltage, whichever sign that begins with
+  scene.drive.amplitude_v *= -1;
+  const SteadyState turned = SolveSteadyState(scene);
+  EXPECT_EQ(turned.phase_rad, one.phase_rad);
+  EXPECT_EQ(turned.current_a, -four.current_a);
   scene.drive.amplitude_v = 0;
   const SteadyState silent = SolveSteadyState(scene);
   EXPECT_EQ(silent.skin_rms_m, 0);
@@ -281,6 +286,29 @@ TEST(SteadyState, BoundsTheRoundingOfAnEquationThatHasNone) {
              "nothing but the bound");
 }
 
+// Under x' = -x + b sin t each X = b (1 - j) / 2 is off by 2 eps |X|, and a sum by what its terms
+// are and by eps (sum of their magnitudes + 8 |sum|).
+TEST(SteadyState, BoundsTheRoundingOfDifferences) {
+  LinearModel model;
+  model.a = -Eigen::MatrixXd::Identity(5, 5);
+  model.b = Eigen::VectorXd::Unit(5, LinearModel::kCase);
+  model.b(LinearModel::kMover) = 1.25;
+  model.current_row = Eigen::RowVectorXd::Zero(5);
+  model.power_rows = Eigen::MatrixXd::Zero(1, 6);
+  const SineDrive drive{.amplitude_v = 1, .frequency_hz = 1 / (2 * std::numbers::pi)};
+  constexpr double kEps = 0x1p-52;
+  // mover 1.25, case 1 and travel 0.25 of one phasor: 3 (1.25 + 1) / 0.25 + 8
+  EXPECT_REL(SolveSteadyState(model, drive, Skin{}).error_estimate, 35 * kEps, 1e-3,
+             "nothing but the bound");
+  // a current of that phasor less 0.375 A that the voltage gives without one: 0.125 - 0.5 j
+  model.b(LinearModel::kMover) = 0;
+  model.current_row(LinearModel::kCase) = 1;
+  model.current_per_volt = -0.375;
+  const double part = std::sqrt(0.5), sum = std::hypot(0.125, 0.5);
+  EXPECT_REL(SolveSteadyState(model, drive, Skin{}).error_estimate,
+             ((2 * part + part + 0.375) / sum + 8) * kEps, 1e-3, "nothing but the bound");
+}
+
 TEST(IsHeldInPlace, BySkinGripOrAHeldCase) {
   Scene scene = ConeScene();
   EXPECT_TRUE(IsHeldInPlace(scene));
@@ -313,6 +341,11 @@ TEST(SteadyTones, OfOneAreTheSineAtAnyPhase) {
     EXPECT_REL(tones.period_s, 1 / 225.0, 1e-15, "rounding");
     const std::complex<double> turn = std::polar(1.0, phase_rad);
     EXPECT_LT((tones.start - (expected.phasors * turn).imag()).norm(), 1e-13);
+  }
+  // the least force is at one place of the period, at each of its 64 outputs and between them
+  for (int k = 0; k < 160; ++k) {
+    const SteadyTones tones = SolveSteadyTones(WithTones(sine, {{5, 225, 0.04 * k}}));
+    EXPECT_REL(tones.skin_force_least_n, -expected.skin_force_peak_n, 1e-10, "quintics") << k;
   }
   // sin w/o phase beside it: Bs |Vs|^2 / 2
   const double speed = 2 * std::numbers::pi * 225 * expected.skin_rms_m;
@@ -351,6 +384,11 @@ TEST(SteadyTones, OfOneFrequencyAddUpFirst) {
       WithTones(tests::AdapterScene(), {{2, 225, 0}, {2, 225, std::numbers::pi}, {1, 100, 0}});
   const SteadyTones alone = SolveSteadyTones(WithTones(tests::AdapterScene(), {{1, 100, 0}}));
   EXPECT_REL(SolveSteadyTones(scene).skin_rms_m, alone.skin_rms_m, 1e-12, "2 - 2 by rounding");
+  // a sum of exactly 0 is no part of the motion
+  const SteadyTones none =
+      SolveSteadyTones(WithTones(tests::AdapterScene(), {{2, 225, 0}, {-2, 225, 0}, {1, 100, 0}}));
+  EXPECT_EQ(none.skin_rms_m, alone.skin_rms_m);
+  EXPECT_EQ(none.power_w, alone.power_w);
 }
 
 TEST(SteadyTones, WithoutACommonPeriodHaveTheSumAsBound) {
@@ -358,11 +396,21 @@ TEST(SteadyTones, WithoutACommonPeriodHaveTheSumAsBound) {
   const Scene scene = WithTones(tests::AdapterScene(), both);
   const SteadyTones tones = SolveSteadyTones(scene);
   EXPECT_EQ(tones.period_s, 0);
-  double sum_m = 0;
+  double sum_m = 0, sum_n = 0;
   for (const Tone& tone : both) {
-    sum_m += SolveSteadyTones(WithTones(scene, {tone})).mover_peak_m;
+    const SteadyTones part = SolveSteadyTones(WithTones(scene, {tone}));
+    sum_m += part.mover_peak_m;
+    sum_n += part.skin_force_peak_n;
   }
   EXPECT_REL(tones.mover_peak_m, sum_m, 1e-9, "quintics of the parts");
+  EXPECT_REL(tones.skin_force_peak_n, sum_n, 1e-9, "quintics of the parts");
+  EXPECT_REL(tones.skin_force_least_n, -sum_n, 1e-9, "quintics of the parts");
+  // about a constant travel of Km V / (R Kv), on either side
+  for (const double offset_v : {2.0, -2.0}) {
+    Scene pushed = scene;
+    pushed.drive.offset_v = offset_v;
+    EXPECT_REL(SolveSteadyTones(pushed).mover_peak_m, sum_m + 2.0 / 27 / 2800, 1e-9, "quintics");
+  }
   // and it is nearly met within a second
   Scene played = scene;
   played.start = Start::kSteady;
@@ -390,6 +438,7 @@ TEST(SteadyTones, HaveACommonPeriodUpToTwoToTheTwentyOutputs) {
   EXPECT_EQ(CommonPeriodOf({163.85, 0.01}), 0);
   EXPECT_REL(CommonPeriodOf({60, 90, 105}), 1 / 15.0, 1e-15, "rounding");
   EXPECT_REL(CommonPeriodOf({0.000003, 0.000002}), 1e6, 1e-15, "one microhertz");
+  EXPECT_REL(CommonPeriodOf({0.000001}), 1e6, 1e-15, "one microhertz");
   EXPECT_EQ(CommonPeriodOf({225.0000005}), 0) << "half a microhertz";
   EXPECT_REL(CommonPeriodOf({1e9}), 1e-9, 1e-15, "1e15 microhertz");
   EXPECT_EQ(CommonPeriodOf({1.01e9}), 0);

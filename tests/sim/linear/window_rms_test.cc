@@ -86,15 +86,32 @@ TEST(WindowRms, OfTheLongestRunIsTheEffectiveValue) {
 // without a spring to ground an offset still has a place where mover and current rest
 TEST(WindowRms, OfAFreeCaseUnderAnOffsetIsThatOfItsStart) {
   Scene scene = tests::DirectScene();
+  scene.drive.source_resistance_ohm = 3;
   scene.skin = {.stiffness_n_per_m = 0, .damping_n_s_per_m = 0.5};
   scene.drive.amplitude_v = 0;
   scene.drive.offset_v = 2;
-  scene.duration_s = 0.2;
+  scene.duration_s = 0.045;
   // it begins where the offset holds it, and stays there
-  scene.initial.current_a = scene.drive.offset_v / scene.actuator.resistance_ohm;
+  scene.initial.current_a = scene.drive.offset_v / (scene.actuator.resistance_ohm + 3);
   scene.initial.mover_m = -scene.actuator.force_constant_n_per_a * scene.initial.current_a /
                           scene.actuator.stiffness_n_per_m;
   EXPECT_ABS(LastTenPeriods(scene).rms, 0, 1e-18, "rounding of a deflection of 26 um");
+}
+
+// without a motion nothing is left but the result's rounding and that of the window's begin
+TEST(WindowRms, OfRestIsAsWrongAsItsTimes) {
+  Scene scene = tests::DirectScene();
+  scene.drive.amplitude_v = 0;
+  scene.start = Start::kRest;
+  const LinearMotion motion = LinearMotionOf(scene);
+  for (const long double begin_s : {0.0L, 1000.0L}) {
+    const long double end_s = begin_s + 0.125L;
+    const WindowRms window = WindowRmsOf(motion, LinearModel::kCase, begin_s, end_s);
+    EXPECT_EQ(window.rms, 0);
+    EXPECT_REL(window.error_estimate,
+               2e-15 + static_cast<double>(0x1p-63L * end_s / (end_s - begin_s)), 1e-12,
+               "the bound itself");
+  }
 }
 
 }  // namespace

@@ -109,6 +109,8 @@ TEST_F(ActuatorFile, TellsWhatIsWrongWithIt) {
             path_ + ":6: [correlation]: Mv_Kv: lies from -1 to 1; check it");
   EXPECT_THAT(text(std::string(kDataSheet) + "[correlation]\nKv_Mv = 0.5\n"),
               ::testing::HasSubstr("Kv_Mv is not known"));
+  EXPECT_THAT(text(std::string(kDataSheet) + "[correlation]\nMv_Mv = 1\n"),
+              ::testing::HasSubstr("Mv_Mv is not known"));
   EXPECT_THAT(text("moving_mass_kg = '1.4'\n"), ::testing::HasSubstr("did you mean 1.4kg?"));
 }
 

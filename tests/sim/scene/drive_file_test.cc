@@ -79,6 +79,15 @@ TEST(DriveFile, ReadsABurst) {
   EXPECT_FALSE(IsLasting(drive));
 }
 
+// any of its three parts alone makes a burst
+TEST(DriveFile, ReadsABurstOfOnePart) {
+  for (const std::string part : {"rise_s", "hold_s", "fall_s"}) {
+    const Scene scene =
+        Read("[drive]\nkind = 'burst'\namplitude_v = 5\nfrequency_hz = 175\n" + part + " = 0.25\n");
+    EXPECT_EQ(EndOfDriveS(scene.drive), 0.25) << part;
+  }
+}
+
 TEST(DriveFile, ReadsAChirpUpAndDown) {
   const Drive drive =
       Read(
@@ -160,6 +169,12 @@ TEST(DriveFile, TellsEachFault) {
        "scene.toml:6: [drive]: hold_s: is missing; add it, in s or with a unit"},
       {"[drive]\nkind = 'pulse'\namplitude_v = 3\nhold_s = 0\n",
        "scene.toml:9: [drive]: hold_s: must be greater than 0; check its sign"},
+      {"[drive]\nkind = 'pulse'\nhold_s = 1\n",
+       "scene.toml:6: [drive]: amplitude_v: is missing; add it, in V"},
+      {chirp + "end_frequency_hz = 60\nduration_s = 0\n",
+       "scene.toml:11: [drive]: duration_s: must be greater than 0; check its sign"},
+      {chirp + "end_frequency_hz = -60\nduration_s = 1\n",
+       "scene.toml:10: [drive]: end_frequency_hz: must be greater than 0; check its sign"},
       {"[drive]\nkind = 'samples'\nrate_hz = 1000\n",
        "scene.toml:6: [drive]: file: is missing; a file of voltages, one a line under voltage_v"},
       {"[drive]\nkind = 'samples'\nfile = 'v.csv'\n",
@@ -190,7 +205,8 @@ class SamplesFile : public ::testing::Test {
 TEST_F(SamplesFile, IsReadFromBesideTheScene) {
   for (const char* content :
        {"voltage_v\n0\n1.5\n-2e-1\n+0.25\n", "voltage_v\r\n0\r\n1.5\r\n-2e-1 \r\n0.25",
-        "\xef\xbb\xbfvoltage_v\n0\n 1.5\n\t-0.2\n0.25\n\n"}) {
+        "\xef\xbb\xbfvoltage_v\n0\n 1.5\n\t-0.2\n0.25\n\n",
+        " voltage_v \n \t0 \n\t1.5\t\r\n  -0.2 \n +0.25 \n"}) {
     const auto scene = With(content);
     ASSERT_TRUE(scene) << scene.error().Text();
     ASSERT_TRUE(scene->drive.samples);

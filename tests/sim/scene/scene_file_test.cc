@@ -117,6 +117,59 @@ TEST(SceneFile, SamplesAnIdealSensorWhenItReads) {
   EXPECT_EQ(scene.sensor->head.range_max_m, std::numeric_limits<double>::infinity());
 }
 
+// its own time of sampling, where one is given, and then readings at a fraction of it
+TEST(SceneFile, SamplesAnIdealSensorAsItSays) {
+  const auto sensor = [](const std::string& text) {
+    return Read(kCone + "[sensor]\nkind = 'ideal'\n" + text).sensor.value_or(Sensor{});
+  };
+  const Sensor both = sensor("rate_hz = 2000\nsampling_s = 1e-4\ntarget = 'mover'\n");
+  EXPECT_EQ(both.rate_hz, 2000);
+  EXPECT_EQ(both.head.sampling_s, 1e-4);
+  EXPECT_EQ(both.target, SensorTarget::kMover);
+  EXPECT_EQ(sensor("sampling_s = 5e-4\n").rate_hz, 2000);
+  EXPECT_EQ(sensor("sampling_s = 5e-4\n").head.sampling_s, 5e-4);
+}
+
+// each of the seven, and a body's speed in m/s
+TEST(SceneFile, ReadsEachNumberOfTheStateAtTheBeginning) {
+  const InitialState initial =
+      Read(kCone +
+           "[adapter]\nmotor_side_mass_kg = 1e-3\nskin_side_mass_kg = 2e-3\n"
+           "stiffness_n_per_m = 8200\ndamping_n_s_per_m = 0.01\n[start]\nmover_m = 1e-6\n"
+           "mover_m_per_s = 2\ncase_m = 3e-6\ncase_m_per_s = -4\nskin_m = 5e-6\n"
+           "skin_m_per_s = 6\ncurrent_a = -7e-3\n")
+          .initial;
+  EXPECT_EQ(initial.mover_m, 1e-6);
+  EXPECT_EQ(initial.mover_m_per_s, 2);
+  EXPECT_EQ(initial.case_m, 3e-6);
+  EXPECT_EQ(initial.case_m_per_s, -4);
+  EXPECT_EQ(initial.skin_m, 5e-6);
+  EXPECT_EQ(initial.skin_m_per_s, 6);
+  EXPECT_EQ(initial.current_a, -7e-3);
+}
+
+// a skin that only damps holds a preload for as long as the motion lasts
+TEST(SceneFile, TakesAContactOnASkinThatOnlyDamps) {
+  const Scene scene = Read(kActuator + kDrive +
+                           "[skin]\nstiffness_n_per_m = 0\ndamping_n_s_per_m = 0.5\n"
+                           "contact = 'unilateral'\npreload_n = 0.2\n");
+  EXPECT_EQ(scene.effects[Effect::kContactLoss], Wish::kOn);
+  EXPECT_EQ(scene.effects.contact_loss->preload_n, 0.2);
+  EXPECT_EQ(scene.effects.gravity_m_per_s2, 9.80665) << "standard, unless it is stated";
+}
+
+// "unilateral" beside [effects] with it, or with it by its error: no contradiction
+TEST(SceneFile, TakesAContactThatIsNamedTwice) {
+  const auto wish = [](const std::string& contact, const std::string& effect) {
+    return Read(kActuator + kDrive + kSkin + "preload_n = 0.2\ncontact = '" + contact +
+                "'\n[effects]\ncontact_loss = " + effect + "\n")
+        .effects[Effect::kContactLoss];
+  };
+  EXPECT_EQ(wish("unilateral", "true"), Wish::kOn);
+  EXPECT_EQ(wish("unilateral", "'auto'"), Wish::kAuto);
+  EXPECT_EQ(wish("bilateral", "false"), Wish::kOff);
+}
+
 TEST(SceneFile, TakesEffectsThatAreOff) {
   const Scene scene = Read(kCone +
                            "[effects]\ngravity = false\ntravel_stops = false\nstiffening = false\n"
@@ -317,6 +370,8 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kCone + "[adaptor]\n", "key adaptor is not known; did you mean adapter?"},
       {"[actuator]\nmodell = 'x'\n", "[actuator]: key modell is not known; did you mean model?"},
       {kActuator + kDrive, "has no [skin]; add that table (docs/reference/scene.md)"},
+      {kSkin + kDrive, "has no [actuator]; add that table (docs/reference/scene.md)"},
+      {kActuator + kSkin, "has no [drive]; add that table (docs/reference/scene.md)"},
       {"skin = 1\n" + kActuator + kDrive, "skin: is not a table; write [skin]"},
       {"[actuator]\nmodel = 'c10'\n" + kDrive + kSkin,
        "[actuator]: model: \"c10\" is not known; use thesis-c10-100"},
@@ -338,6 +393,8 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
        "and damping_n_s_per_m instead"},
       {kActuator + kDrive + "[skin]\ncontact_area_m2 = 1e-6\nlaw = 'power'\n",
        "[skin]: range: is missing; \"text\" (600-2000 N/m) or \"table\" (600-1200 N/m)"},
+      {kActuator + kDrive + "[skin]\ncontact_area_m2 = 1e-6\nrange = 'text'\n",
+       "[skin]: law: is missing; write law = \"power\""},
       {kActuator + kDrive + kSkin + "law = 'power'\n",
        "[skin]: law: needs contact_area_m2; add it or remove this"},
       {kActuator + kDrive + kSkin + "contact_area_m2 = 1e-6\nlaw = 'power'\nrange = 'text'\n",
@@ -359,7 +416,17 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kCone + "[sensor]\nkind = 'ideal'\nresolution_m = '1'\n",
        "[sensor]: resolution_m: '1' has no unit, and a length needs one; did you mean 1m?"},
       {kCone + "[effects]\ninductance = false\n[start]\ncurrent_a = 0.1\n",
-       "[start]: current_a: needs an inductance, which [effects] turns off; remove it"}};
+       "[start]: current_a: needs an inductance, which [effects] turns off; remove it"},
+      {kCone + "[start]\nskin_m = 1e-6\n",
+       "[start]: skin_m: needs an [adapter]: without one the case is on the skin; give case_m and "
+       "case_m_per_s"},
+      {kCone + "[start]\nskin_m_per_s = 1e-6\n", "[start]: skin_m_per_s: needs an [adapter]"},
+      {kCone + "[run]\nstart = 'steady'\n[start]\nmover_m = 1e-6\n",
+       "[start]: mover_m: cannot be combined with start = \"steady\" in [run]; remove one of the "
+       "two"},
+      {kCone + "[mounting]\n",
+       "[mounting]: kind: is missing; \"free\", \"grip\", \"held\" or \"drop\""},
+      {"effects = 'on'\n" + kCone, "effects: \"on\" is not known; use auto"}};
   for (const auto& [text, message] : cases) {
     const std::string error = WithoutLine(ErrorOf(text));
     EXPECT_EQ(error.substr(0, ("scene.toml: " + message).size()), "scene.toml: " + message) << text;
@@ -408,175 +475,6 @@ TEST(SceneFile, FindsAnActuatorFileBesideItself) {
   EXPECT_EQ(gone.error().where, directory / "mine.toml");
   EXPECT_EQ(gone.error().cause, Cause::kCannotAnswer);
   fs::remove_all(directory);
-}
-
-struct EndsOfANumber {
-  std::string before;  // the scene up to the number
-  std::vector<std::string> taken, refused;
-};
-
-// each end of a range is taken, what is a hundredth beyond is not
-TEST(SceneFile, TakesNumbersUpToTheEndsOfTheirRanges) {
-  const std::string stops = kCone + "[travel_stops]\ngap_m = '1mm'\n";
-  const std::string law = kActuator + kDrive + "[skin]\nlaw = 'power'\nrange = 'text'\n";
-  const std::vector<EndsOfANumber> cases = {
-      {kActuator + kDrive + "[skin]\ndamping_n_s_per_m = 0.75\nstiffness_n_per_m = ",
-       {"1e9", "1e-9", "0"},
-       {"1.01e9", "0.99e-9"}},
-      {kCone + "[run]\ntolerance = ", {"1e-11", "0.99"}, {"0.99e-11", "1"}},
-      {kCone + "[run]\nduration_s = ", {"1e6"}, {"1.01e6"}},
-      {kCone + "[sensor]\nkind = 'stream'\naverages = ", {"1", "65536"}, {"0", "65537"}},
-      {kCone + "[sensor]\nkind = 'stream'\nseed = ", {"0", "1"}, {"-1"}},
-      {stops + "restitution = ", {"0", "1"}, {"-0.01", "1.01"}},
-      {stops + "stiffness_n_per_m = ", {"1", "1e11"}, {"0.99", "1.01e11"}},
-      {kCone + "[stiffening]\ncubic_n_per_m3 = ", {"1", "1e15"}, {"0.99", "1.01e15"}},
-      {kCone + "[coil_heating]\nheat_capacity_j_per_k = 1\nresistance_per_k = ",
-       {"0", "1"},
-       {"-0.01", "1.01"}},
-      {law + "contact_area_m2 = ", {"1e-6", "100e-6"}, {"0.99e-6", "101e-6"}}};
-  for (const auto& [before, taken, refused] : cases) {
-    for (const std::string& number : taken) {
-      EXPECT_EQ(ErrorOf(before + number + "\n"), "no error") << before << number;
-    }
-    for (const std::string& number : refused) {
-      EXPECT_NE(ErrorOf(before + number + "\n"), "no error") << before << number;
-    }
-  }
-}
-
-// An actuator's numbers have these ends too; masses and inductances end sooner, at 1e6 kg and H.
-TEST(SceneFile, RefusesAnActuatorThatNoneIs) {
-  const std::vector<std::string> keys = {
-      "moving_mass_kg",         "case_mass_kg",   "stiffness_n_per_m", "damping_n_s_per_m",
-      "force_constant_n_per_a", "resistance_ohm", "inductance_h"};
-  const auto reads = [&](const std::string& key, const std::string& number) {
-    std::string text = "[actuator]\n";
-    for (const std::string& each : keys) text += each + " = " + (each == key ? number : "1") + "\n";
-    return ErrorOf(text + kSkin + kDrive) == "no error";
-  };
-  for (const std::string& key : keys) {
-    EXPECT_TRUE(reads(key, "1e-9")) << key;
-    EXPECT_FALSE(reads(key, "0.99e-9")) << key;
-    EXPECT_FALSE(reads(key, "1.01e9")) << key;
-  }
-  for (const std::string key : {"stiffness_n_per_m", "damping_n_s_per_m"}) {
-    EXPECT_TRUE(reads(key, "1e9")) << key;
-  }
-}
-
-// the mover rests 1.4 g 9.80665 m/s^2 / 2800 N/m = 4.903 um nearer to the upper stop
-TEST(SceneFile, RefusesAStartBeyondAStop) {
-  const auto error_of = [](const std::string& start, const std::string& gravity) {
-    return WithoutLine(ErrorOf(kCone +
-                               "[travel_stops]\ngap_up_m = '100um'\ngap_down_m = '200um'\n"
-                               "restitution = 0.5\n[effects]\ntravel_stops = true\n" +
-                               gravity + "[start]\n" + start));
-  };
-  const std::string none = "no error", weight = "gravity = true\n";
-  EXPECT_EQ(error_of("mover_m = '99.9um'\n", ""), none);
-  EXPECT_EQ(error_of("mover_m = '100.1um'\n", ""),
-            "scene.toml: [start]: mover_m: puts the mover 100.1 um from where its spring is "
-            "unloaded, beyond a stop; it is measured from where the mover rests");
-  EXPECT_EQ(error_of("mover_m = '-199.9um'\n", ""), none);
-  EXPECT_NE(error_of("mover_m = '-200.1um'\n", ""), none);
-  EXPECT_EQ(error_of("case_m = '-99.9um'\n", ""), none) << "it counts from the case";
-  EXPECT_NE(error_of("case_m = '-100.1um'\n", ""), none);
-  EXPECT_EQ(error_of("mover_m = '1mm'\ncase_m = '1mm'\n", ""), none);
-  EXPECT_EQ(error_of("mover_m = '95um'\n", weight), none);
-  EXPECT_NE(error_of("mover_m = '95.2um'\n", weight), none);
-  EXPECT_EQ(error_of("mover_m = '-204.8um'\n", weight), none);
-  EXPECT_NE(error_of("mover_m = '-205um'\n", weight), none);
-}
-
-// what a grip carries of a weight is not known, and so the preload is not
-TEST(SceneFile, RefusesAContactWhosePressAGripShares) {
-  const auto error_of = [](const std::string& preload, const std::string& effects,
-                           const std::string& stiffness) {
-    return WithoutLine(ErrorOf(kActuator + preload + kDrive + kSkin +
-                               "contact = 'unilateral'\npreload_n = 0.05\n[mounting]\n"
-                               "kind = 'grip'\ndamping_n_s_per_m = 1\nstiffness_n_per_m = " +
-                               stiffness + "\n" + effects));
-  };
-  const std::string none = "no error", gravity = "[effects]\ngravity = true\n";
-  EXPECT_EQ(error_of("", "", "100"), none) << "nothing but the stated preload presses";
-  EXPECT_EQ(error_of("", gravity, "0"), none) << "nothing carries it";
-  EXPECT_EQ(error_of("", gravity, "100"),
-            "scene.toml: [skin]: preload_n: is given with gravity and a grip, which carries part "
-            "of the weight; leave gravity out and give the whole preload");
-  EXPECT_EQ(error_of("preload_n = 0.1\n", "", "100"),
-            "scene.toml: [skin]: preload_n: is given with the mover's preload and a grip, which "
-            "carries part of it; leave one of the two out");
-}
-
-// hanging by 0.02 N on 2 g of weight, 0.0196133 N
-TEST(SceneFile, TakesAPreloadThatJustCarriesTheBodies) {
-  const auto reads = [](const std::string& preload) {
-    return ErrorOf(kActuator + kDrive + kSkin + "contact = 'unilateral'\npreload_n = " + preload +
-                   "\n[effects]\ngravity = true\n[gravity]\n"
-                   "acceleration_m_per_s2 = -9.80665\n") == "no error";
-  };
-  EXPECT_TRUE(reads("0.01962"));
-  EXPECT_FALSE(reads("0.01961"));
-}
-
-TEST(SceneFile, RefusesAPreloadOfBodiesThatNothingHolds) {
-  const std::string loaded = kActuator + "preload_n = 0.1\n" + kDrive;
-  const std::string loose = "[skin]\nstiffness_n_per_m = 0\ndamping_n_s_per_m = 1\n";
-  EXPECT_EQ(WithoutLine(ErrorOf(loaded + loose)),
-            "scene.toml: [actuator]: preload_n: pushes bodies that nothing holds in their place; "
-            "give [skin] a stiffness, or hold the case in [mounting]");
-  EXPECT_EQ(ErrorOf(loaded + kSkin), "no error");
-  EXPECT_EQ(ErrorOf(loaded + loose + "[mounting]\nkind = 'held'\n"), "no error");
-}
-
-TEST(SceneFile, RefusesWhatAHeldCaseDoesNotMove) {
-  const std::string held = "[mounting]\nkind = 'held'\n";
-  EXPECT_EQ(ErrorOf(kCone + held), "no error");
-  EXPECT_EQ(WithoutLine(ErrorOf(kCone + held +
-                                "[adapter]\nmotor_side_mass_kg = 1e-3\nskin_side_mass_kg = 1e-3\n"
-                                "stiffness_n_per_m = 8200\ndamping_n_s_per_m = 0.01\n")),
-            "scene.toml: [mounting]: kind: holds the case, and an adapter would not move; remove "
-            "[adapter], or hold the case by a grip");
-  EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive + kSkin +
-                                "contact = 'unilateral'\npreload_n = 1\n" + held)),
-            "scene.toml: [skin]: preload_n: presses on a skin that a held case does not move; "
-            "leave contact_loss out");
-  for (const std::string key : {"case_m", "case_m_per_s"}) {
-    EXPECT_NE(ErrorOf(kCone + held + "[start]\n" + key + " = 1e-5\n"), "no error") << key;
-  }
-  EXPECT_EQ(ErrorOf(kCone + held + "[start]\nmover_m = 1e-5\n"), "no error");
-}
-
-// readings fall on samples: 10 kHz divided by a whole number, to 1e-9
-TEST(SceneFile, TakesRatesThatDivideTheSampling) {
-  const auto reads = [](const std::string& rate) {
-    return ErrorOf(kCone + "[sensor]\nkind = 'stream'\nrate_hz = " + rate + "\n") == "no error";
-  };
-  EXPECT_TRUE(reads("10000") && reads("5000") && reads("3333.3333333333335") && reads("100"));
-  EXPECT_FALSE(reads("3333.33"));
-  EXPECT_FALSE(reads("9900"));
-  EXPECT_FALSE(reads("15000"));
-}
-
-// gravity and what has either sign, by magnitude
-TEST(SceneFile, TakesNumbersOfEitherSignUpToTheirEnds) {
-  const std::vector<EndsOfANumber> cases = {
-      {kCone + "[gravity]\nacceleration_m_per_s2 = ",
-       {"1e9", "-1e9", "1e-9", "-1e-9"},
-       {"1.01e9", "-1.01e9", "0.99e-9", "-0.99e-9", "0"}},
-      {kCone + "[start]\ncurrent_a = ",
-       {"1e9", "-1e9", "1e-9", "-1e-9", "0"},
-       {"1.01e9", "-1.01e9", "0.99e-9", "-0.99e-9"}},
-      {kActuator + "preload_n = ", {"1e-9", "-1e-9", "0"}, {"0.99e-9", "-0.99e-9"}}};
-  for (const auto& [before, taken, refused] : cases) {
-    const std::string behind = before.starts_with(kCone) ? "\n" : "\n" + kSkin + kDrive;
-    for (const std::string& number : taken) {
-      EXPECT_EQ(ErrorOf(before + number + behind), "no error") << before << number;
-    }
-    for (const std::string& number : refused) {
-      EXPECT_NE(ErrorOf(before + number + behind), "no error") << before << number;
-    }
-  }
 }
 
 TEST(SceneFile, ReadsEachSideOfTheStops) {

@@ -43,6 +43,9 @@ TEST(Drive, HasTheHighestFrequencyOfWhatItPlays) {
   const Drive tones{.kind = DriveKind::kTones, .tones = {{1, 90, 0}, {1, 120, 0}, {1, 40, 0}}};
   EXPECT_EQ(HighestFrequencyHz(tones), 120);
   EXPECT_EQ(HighestFrequencyHz(Samples(1000, {1, 2})), 0);
+  // a pulse has none, also where one is given
+  EXPECT_EQ(HighestFrequencyHz({.frequency_hz = 70, .kind = DriveKind::kPulse}), 0);
+  EXPECT_EQ(HighestFrequencyHz({.frequency_hz = 70, .kind = DriveKind::kSine}), 70);
 }
 
 // a burst, a chirp and a pulse at the sum of their parts, samples at the last of them

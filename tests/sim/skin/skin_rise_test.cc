@@ -50,7 +50,10 @@ TEST(SkinRise, StandsOutOfItsUncertaintyOrNot) {
 }
 
 TEST(LastsForARise, AsksForTwentyPeriods) {
-  EXPECT_TRUE(LastsForARise({.begin_s = 0.3, .end_s = 0.5}, 100)) << "a rounding less than 20";
+  EXPECT_LT((0.6 - 0.4) * 100, 20) << "by rounding";
+  EXPECT_TRUE(LastsForARise({.begin_s = 0.4, .end_s = 0.6}, 100)) << "a rounding less than 20";
+  EXPECT_TRUE(LastsForARise({.begin_s = 0, .end_s = 0.2 * (1 - 0.995e-9)}, 100));
+  EXPECT_FALSE(LastsForARise({.begin_s = 0, .end_s = 0.2 * (1 - 1.005e-9)}, 100));
   EXPECT_TRUE(LastsForARise({.begin_s = 0.3, .end_s = 0.5001}, 100));
   EXPECT_FALSE(LastsForARise({.begin_s = 0.3, .end_s = 0.4999}, 100));
   EXPECT_FALSE(LastsForARise({.drive_s = 0.1, .begin_s = 0.3, .end_s = 0.4999}, 100));

@@ -75,6 +75,23 @@ TEST(Receptors, AreAsManyASideAsTheDensityMakesThem) {
       .pad_side_m = 1e-3, .density_per_m2 = 1e6, .grid = ReceptorGrid::kEdgeToEdge};
   ASSERT_EQ(ReceptorPositions(one).size(), 1U);
   EXPECT_EQ(ReceptorPositions(one)[0].x_m, 0);
+  // two a side lie on the edges, or in the middles of two cells; y runs slower than x
+  ReceptorField two{.pad_side_m = 2e-3, .density_per_m2 = 1e6, .grid = ReceptorGrid::kEdgeToEdge};
+  ASSERT_EQ(ReceptorPositions(two).size(), 4U);
+  EXPECT_EQ(ReceptorPositions(two)[1].x_m, 1e-3);
+  EXPECT_EQ(ReceptorPositions(two)[1].y_m, -1e-3);
+  two.grid = ReceptorField{}.grid;
+  EXPECT_EQ(ReceptorPositions(two)[1].x_m, 0.5e-3);
+}
+
+// a field's radius away from a receptor: reached by a point, which is no step
+TEST(Receptors, ThatAPointReachesAreNoStep) {
+  const ReceptorField two{.pad_side_m = 2e-3,
+                          .density_per_m2 = 1e6,
+                          .field_radius_m = 1e-3 * std::numbers::sqrt2,
+                          .grid = ReceptorGrid::kEdgeToEdge};
+  EXPECT_EQ(StimulatedReceptors(two, 0), 4);
+  EXPECT_TRUE(SteppingRadii(two).empty());
 }
 
 // counted in Python (tests/sim/tuning/adapter_reference.py counts them the same way)

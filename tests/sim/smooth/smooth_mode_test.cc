@@ -194,6 +194,60 @@ TEST(SmoothMode, JetsOfGapsAreDerivativesOfEachOther) {
   }
 }
 
+// Of a coil as quick as the drive, R/L = 1350/s, which warms and cools within a period: 1000/s.
+// What heat does to the current is then no small part of any derivative.
+TEST(SmoothMode, JetsOfAWarmingCoilsCurrentAreDerivativesOfEachOther) {
+  Scene scene = Coil();
+  scene.actuator.inductance_h = 20e-3;
+  const CoilHeating quick{.heat_capacity_j_per_k = 1e-5, .thermal_resistance_k_per_w = 100};
+  SmoothSystem system = AssembleSmooth(scene, {}, {.heating = quick});
+  system.linear.modes[0].guards = {{.row = Eigen::RowVectorXd::Unit(5, 4), .offset = 1}};
+  Chain chain(std::move(system), scene, 60);
+  for (const std::size_t k : {0U, 1U, 2U}) EXPECT_LT(chain.Residual(0, k), 1e-4) << k;
+}
+
+// with an input in it; its third derivative is left out
+TEST(SmoothMode, JetsOfAFedGuardAreDerivativesOfEachOther) {
+  Scene scene = Coil();
+  scene.actuator.inductance_h = 20e-3;
+  SmoothSystem system = AssembleSmooth(scene, {}, {});
+  system.linear.modes[0].guards = {
+      {.row = Eigen::RowVectorXd::Unit(5, 4), .offset = 1, .feed = Eigen::RowVector3d(0.03, 0, 0)}};
+  Chain chain(std::move(system), scene, 0);
+  for (const std::size_t k : {0U, 1U}) EXPECT_LT(chain.Residual(0, k), 1e-4) << k;
+}
+
+// 5 V at a quarter of the period; what is fed is what R0 sees of them, V / (1 + alpha theta)
+TEST(SmoothMode, ValuesAreOfStatesInputsAndOffset) {
+  Scene scene = Coil();
+  scene.actuator.inductance_h = 0;
+  SmoothSystem system = AssembleSmooth(scene, {}, {.heating = kHeating});
+  const Eigen::RowVectorXd row = 3 * Eigen::RowVectorXd::Unit(4, LinearModel::kMover);
+  const Eigen::RowVectorXd feed = Eigen::RowVector3d(0.5, 0, 0);
+  system.linear.modes[0].guards = {{.row = row, .offset = 7, .feed = feed}};
+  const SmoothMode mode(system, 0, Excitation(scene.drive).Piece(0), false);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(5);
+  y(LinearModel::kMover) = 0.25;
+  y(4) = 60;
+  const double quarter_s = 0.25 / 225, cold_v = 5 / (1 + 3.93e-3 * 60);
+  EXPECT_REL(mode.Current(quarter_s, y), cold_v / 27, 1e-14, "rounding");
+  EXPECT_REL(mode.Value(0, quarter_s, y), 0.75 + 7 + 0.5 * cold_v, 1e-14, "rounding");
+  EXPECT_REL(mode.Value(WatchedNumber{.row = row, .offset = 7, .feed = feed}, quarter_s, y),
+             0.75 + 7 + 0.5 * 5, 1e-14, "rounding");
+  EXPECT_REL(mode.Value(WatchedNumber{.row = row, .offset = 7}, quarter_s, y), 7.75, 1e-14,
+             "rounding");
+}
+
+// the same heat without inductance, where the current follows voltage, speed and resistance
+TEST(SmoothMode, JetsOfAWarmingMoversGapAreDerivativesOfEachOther) {
+  Scene scene = tests::AdapterScene();
+  scene.actuator.inductance_h = 0;
+  const CoilHeating quick{.heat_capacity_j_per_k = 1e-5, .thermal_resistance_k_per_w = 100};
+  Chain chain(AssembleSmooth(scene, {.stops = tests::Rigid(1, 0.5)}, {.heating = quick}), scene,
+              60);
+  for (const std::size_t k : {0U, 1U, 2U}) EXPECT_LT(chain.Residual(0, k), 1e-4) << k;
+}
+
 TEST(SmoothMode, JetsOfTheContactForceAreDerivativesOfEachOther) {
   const PiecewiseEffects effects{.contact_loss = ContactLoss{100}};
   for (const Scene& scene : {tests::AdapterScene(), tests::ConeScene()}) {

@@ -106,6 +106,24 @@ TEST(LatinHypercube, StaysWhatItIs) {
   EXPECT_GT(moved, 0);
 }
 
+// the header's permutation in Python: 1, 1, 1, 2, 2, 2 and 3 bits in each half, by what holds all
+TEST(LatinHypercube, PermutesTheFewestBitsThatHoldAllPoints) {
+  const std::vector<std::vector<std::uint64_t>> known = {
+      {0},
+      {1, 0},
+      {1, 0, 3, 2},
+      {1, 3, 4, 2, 0},
+      {7, 3, 4, 2, 0, 6, 5, 1},
+      {12, 11, 4, 2, 0, 6, 5, 8, 1, 13, 14, 10, 7, 15, 9, 3},
+      {1, 0, 14, 7, 12, 11, 6, 15, 10, 9, 8, 3, 13, 16, 5, 2, 4}};
+  for (const std::vector<std::uint64_t>& parts : known) {
+    const LatinHypercube cube{.samples = parts.size(), .seed = 7};
+    for (std::size_t point = 0; point < parts.size(); ++point) {
+      EXPECT_EQ(cube.PartOf(2, point), parts[point]) << parts.size() << ' ' << point;
+    }
+  }
+}
+
 SweepAxis Range(std::string key, const SweepRange& range) { return {std::move(key), range}; }
 
 std::vector<std::string> TextsAt(const SweepPoints& points, std::uint64_t point) {

@@ -58,6 +58,31 @@ TEST_F(VariedSceneFile, RefusesAsTheStrictReaderDoesWithoutALine) {
   EXPECT_THAT(unknown.error().Text(), HasSubstr("did you mean stiffness_n_per_m?"));
 }
 
+// a line's number of any length goes with the path, what is no number stays
+TEST(WithoutPath, IsWithoutTheLine) {
+  const auto text = [](const std::string& where) {
+    return WithoutPath({.where = where, .what = "x", .remedy = "y"}, "a.toml");
+  };
+  EXPECT_EQ(text("a.toml:7: [drive]"), "[drive]: x; y");
+  EXPECT_EQ(text("a.toml:123: [drive]"), "[drive]: x; y");
+  EXPECT_EQ(text("a.toml: [drive]"), "[drive]: x; y");
+  EXPECT_EQ(text("a.toml:b"), ":b: x; y");
+  EXPECT_EQ(text("b.toml:7: [drive]"), "b.toml:7: [drive]: x; y");
+}
+
+// up to 1 MiB
+TEST_F(VariedSceneFile, IsOfFilesUpToItsLimit) {
+  const std::string text = "[skin]\na = 1\n#";
+  const std::size_t limit = std::size_t{1} << 20U;
+  const auto reads = [&](std::size_t bytes) {
+    const std::string path =
+        File("scene.toml", text + std::string(bytes - text.size() - 1, 'x') + '\n');
+    return VariedScene::ReadFile(path, {"skin.a"}).has_value();
+  };
+  EXPECT_TRUE(reads(limit));
+  EXPECT_FALSE(reads(limit + 1));
+}
+
 TEST_F(VariedSceneFile, LooksForFilesBesideTheScene) {
   (void)File("soft.toml",
              "moving_mass_kg = 1.4e-3\ncase_mass_kg = 0.6e-3\nstiffness_n_per_m = 1000\n"

@@ -197,7 +197,10 @@ TEST(WindowBounds, OfAStatedWindowNoChangeOfTheAmplitudeCounts) {
   Bounded made;
   made.chosen.part.from_drive = true;
   made.chosen.part.state.drift = 0.3;
+  made.window.numbers.tone.emplace().fit = {.frequency_hz = 100, .amplitude = 1e-6};
+  made.window.second = SineFit{.frequency_hz = 130, .amplitude = 1e-7};
   EXPECT_GT(HalfWidth(made.window, RmsCause::kDrift), 0);
+  EXPECT_GT(HalfWidth(made.window, RmsCause::kBeat), 0);
   for (const WindowChoice choice : {WindowChoice::kAll, WindowChoice::kGiven}) {
     made.question.choice = choice;
     EXPECT_EQ(HalfWidth(made.window, RmsCause::kDrift), 0);
@@ -289,6 +292,21 @@ TEST(BoundSteps, ADoubtIsBeyondTwoPercentOfTheDrive) {
   EXPECT_EQ(NumberOf(doubt, "step_m"), 1e-7);
   const Rounded noisy(kAmplitude, more * 1.001);
   EXPECT_FALSE(noisy.analysis.findings.Has(FindingKind::kQuantised));
+}
+
+// noise that is kept, of 0.6 and of twice the RMS, leaves 0.8 of it and nothing
+TEST(WindowBounds, NoiseThatIsKeptIsTakenOffInPower) {
+  Bounded made;
+  EXPECT_EQ(HalfWidth(made.window, RmsCause::kNoiseKept), 0);
+  for (const double share : {0.6, 2.0}) {
+    made.window.numbers.kept_noise_m = share * kRms;
+    EXPECT_REL(HalfWidth(made.window, RmsCause::kNoiseKept), (share < 1 ? 0.2 : 1) * kRms, kRound,
+               "rounding");
+    const std::vector<RmsBound> bounds = BoundsOf(made.window).value();
+    for (const RmsBound& bound : bounds) {
+      EXPECT_EQ(bound.only_below, bound.cause == RmsCause::kNoiseKept);
+    }
+  }
 }
 
 }  // namespace

@@ -118,6 +118,14 @@ TEST(FinishTone, WhatLeaksMovesAFitByNoMoreThanThat) {
   EXPECT_GE(worst_hz, 0.3 * most_hz);
 }
 
+// each end of 2 s may be off by 10 us
+TEST(FinishTone, TheRateIsAsUncertainAsTheTimesOfBothEnds) {
+  Fitted made;
+  made.segments.parts[0].time_uncertainty_s = 1e-5;
+  EXPECT_REL(made.Finished().fit.frequency_uncertainty_hz,
+             std::hypot(1e-4, kFrequency * std::numbers::sqrt2 * 1e-5 / 2), kRound, "rounding");
+}
+
 // A half width of the RMS is one of the amplitude, a rectangle.
 TEST(FinishTone, StepsAreARectangle) {
   Fitted made;
