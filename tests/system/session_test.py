@@ -281,6 +281,9 @@ def floors(directory):
     # and included again: what the session says of it holds, and it is subtracted
     run("trial", "include", floor["file"])
     check(excluded(floor["file"]) == "session: floor, drive off" and study_floors()[1] == [name], excluded(floor["file"]))
+    # an actuator that does not move has a limit and no RMS
+    still = from_pipe(folder, 0, 3, words=again)
+    check(still["verdict"] == "CHECK" and still["band_rms_m"] is None and "below the noise floor" in still["reasons"][0], still)
 
 
 def decisions(directory):

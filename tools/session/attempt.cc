@@ -67,10 +67,12 @@ bool AreHeldBesideWindow(const dsp::BandAnalysis& analysis) {
          });
 }
 
-// doubts that are of the trial's numbers, and not of every trial of its sensor
+// doubts that are of the trial's numbers, and not of every trial of its sensor; a limit in place of
+// an RMS is one here, because a plan asks for the RMS
 void AddDoubts(const dsp::BandAnalysis& analysis, std::vector<std::string>& reasons) {
   for (const dsp::Finding& found : analysis.findings.list()) {
-    if (found.severity != Severity::kDoubt) continue;
+    const bool is_limit = found.kind == dsp::FindingKind::kBelowFloor;
+    if (found.severity != Severity::kDoubt && !is_limit) continue;
     if (found.kind == dsp::FindingKind::kAveragingUnknown) continue;
     if (found.kind == dsp::FindingKind::kHeld && AreHeldBesideWindow(analysis)) continue;
     reasons.push_back(document::WordsOf(found));
@@ -93,8 +95,10 @@ void JudgeFloor(const std::string& path, const dsp::BandQuestion& question, bool
 void JudgeValue(const SessionPlan& plan, const SessionState& state, const trial::OpenedRows& opened,
                 const dsp::BandAnalysis& analysis, AttemptOutcome& outcome) {
   const dsp::BandNumbers& numbers = *analysis.numbers;
-  outcome.band_rms_m = numbers.rms.rms_m;
-  outcome.band_rms_uncertainty_m = numbers.rms.standard_uncertainty_m;
+  if (!numbers.rms.below_floor && !numbers.is_lower_limit) {
+    outcome.band_rms_m = numbers.rms.rms_m;
+    outcome.band_rms_uncertainty_m = numbers.rms.standard_uncertainty_m;
+  }
   if (numbers.tone) {
     outcome.tone_hz = numbers.tone->fit.frequency_hz;
     outcome.tone_uncertainty_hz =
