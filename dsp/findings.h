@@ -15,6 +15,8 @@ enum class FindingKind : std::uint8_t {
   kInterpolated,        ///< interpolated, rms_m: of what it adds at most
   kClipped,             ///< count, readings, first_s; the next three size_m as well
   kMayBeClipped,        ///< share: at an extreme, by clipping or by harmonics
+  kLimited,             ///< share: at a limit below noise; lowest_m, highest_m: of those that there
+                        ///< are; beyond_m: that the tone would go beyond it, on average
   kHeld,                ///< the same reading again and again, then a jump
   kNoReadingCodes,      ///< value_m, readings: that hold it
   kSpikes,              ///< readings far from their neighbours: excluded
@@ -34,6 +36,7 @@ enum class FindingKind : std::uint8_t {
   // rate and times
   kSourceIsSlower,       ///< share: of the readings that repeat the one before, new_readings_per_s,
                          ///< frequency_hz, loss: of the tone's amplitude
+  kStraightLines,        ///< new_readings_per_s: that they join, frequency_hz, loss
   kTooFewReadings,       ///< new_readings_per_s, observable_hz, lower_hz, upper_hz, needed_per_s
   kTimesUncertain,       ///< time_uncertainty_s, upper_hz, limit_s
   kFewUnevenTimes,       ///< rows: too few for a regular grid

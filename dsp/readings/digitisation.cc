@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/median.h"
+
 namespace haptometer::dsp {
 
 namespace {
@@ -23,6 +25,7 @@ constexpr std::size_t kTimesAsOften = 10;  // as any other value: of rounded sin
 constexpr double kBlockS = 0.1;
 constexpr std::size_t kLeastBlock = 64;
 constexpr int kHighestHarmonic = 3;
+constexpr int kHighestOfAny = 9;  // harmonic that flattens a motion without a limit
 constexpr Eigen::Index kDriftTerms = 5;
 // harmonics are taken where what is left without them is twice as large (in a deviation)
 constexpr double kHarmonicsNeeded = 2;
@@ -33,6 +36,20 @@ constexpr double kLeastSteps = 2;
 // of what the samples span: rounding of a fit, and how far beyond the rail it lies at least
 constexpr double kRounding = 1e-9;
 constexpr double kLeastBeyond = 5e-6;
+// blocks, and samples of each, in which a limit below noise is sought
+constexpr std::size_t kMostSpread = 24;
+constexpr std::size_t kMostOfBlock = 1024;
+// standard deviations of noise, or steps, inwards of a limit that samples are railed
+constexpr double kNoiseReach = 4;
+constexpr double kStepReach = 1.5;
+// of half of what the samples span, that a limited tone goes beyond on average at most
+constexpr double kMostBeyond = 0.9;
+constexpr int kLimitPasses = 3;
+constexpr int kRefits = 2;
+constexpr std::size_t kDensest = 32;  // a mode is sought in a 32nd of the values
+// standard deviations of the logarithm of likelihoods by which a limit explains samples better
+constexpr double kBetter = 8;
+constexpr Eigen::Index kModulation = 2;  // degree of the change of a tone over a block
 
 enum class Place : std::uint8_t { kMissing, kFree, kLow, kHigh };
 
@@ -75,28 +92,37 @@ Rails FindRails(std::span<const double> samples) {
   return rails;
 }
 
+// samples of a block
+std::size_t BlockOf(double rate_hz) {
+  return std::max(kLeastBlock,
+                  static_cast<std::size_t>(std::max(1.0, std::round(kBlockS * rate_hz))));
+}
+
 // what fits of all blocks leave, and where they lie beyond the rails
 struct Rest {
   double square_sum = 0;
+  double railed_square_sum = 0;  // what the limited fits leave of railed samples
   double freedom = 0;
+  double terms = 0;   // of all blocks
   double beyond = 0;  // sum over railed samples
   double variance =
       0;  // sum of what the fit's variance is there, in units of the samples' variance
   double railed = 0;
   double blocks = 0;  // that have railed samples
   bool is_determined = true;
+  std::vector<double> fitted{};  // at the samples of all blocks; NaN where there is no fit
 
   [[nodiscard]] double Deviation() const { return std::sqrt(square_sum / std::max(freedom, 1.0)); }
 };
 
 class Fitter {
  public:
-  Fitter(std::span<const double> samples, const Rails& rails, double rate_hz, double tone_hz)
+  Fitter(std::span<const double> samples, double rate_hz, double tone_hz, int highest,
+         Eigen::Index modulation = 0)
       : samples_(samples),
-        rails_(rails),
-        size_(std::max(kLeastBlock,
-                       static_cast<std::size_t>(std::max(1.0, std::round(kBlockS * rate_hz))))) {
-    while (highest_ > 1 && 2 * highest_ * tone_hz >= rate_hz) --highest_;
+        size_(BlockOf(rate_hz)),
+        highest_(highest),
+        first_(kDriftTerms + 2 * modulation) {
     // drift, tone, harmonics below half the rate: the same in each block
     terms_.resize(static_cast<Eigen::Index>(size_), TermsOf(highest_));
     for (Eigen::Index k = 0; k < terms_.rows(); ++k) {
@@ -108,42 +134,47 @@ class Fitter {
         terms_(k, TermsOf(h) - 2) = std::cos(angle);
         terms_(k, TermsOf(h) - 1) = std::sin(angle);
       }
+      // the tone's amplitude and phase times powers of the time
+      for (Eigen::Index d = kDriftTerms; d < first_; ++d) {
+        const bool is_new = d < kDriftTerms + 2;
+        terms_(k, d) = place * terms_(k, is_new ? TermsOf(1) - 2 + d - kDriftTerms : d - 2);
+      }
     }
   }
 
   // fits a tone with harmonics up to `highest`, block by block, until the deviation of all blocks
   // is known to exceed `enough`
-  [[nodiscard]] Rest Fit(int highest, bool with_rails,
+  [[nodiscard]] Rest Fit(const Rails& rails, int highest, bool with_rails,
                          double enough = std::numeric_limits<double>::infinity()) const {
     const double most = enough * enough * static_cast<double>(samples_.size());
     Rest rest;
     for (std::size_t begin = 0; begin + size_ <= samples_.size() && rest.square_sum <= most;
          begin += size_) {
-      FitBlock(begin, TermsOf(std::min(highest, highest_)), with_rails, rest);
+      FitBlock(rails, begin, TermsOf(std::min(highest, highest_)), with_rails, rest);
     }
     return rest;
   }
 
  private:
   // columns of a drift and of harmonics up to `highest`, a cosine and a sine each
-  [[nodiscard]] static Eigen::Index TermsOf(Eigen::Index highest) {
-    return kDriftTerms + 2 * highest;
-  }
+  [[nodiscard]] Eigen::Index TermsOf(Eigen::Index highest) const { return first_ + 2 * highest; }
 
-  void FitBlock(std::size_t begin, Eigen::Index columns, bool with_rails, Rest& rest) const {
+  void FitBlock(const Rails& rails, std::size_t begin, Eigen::Index columns, bool with_rails,
+                Rest& rest) const {
+    rest.fitted.resize(begin + size_, std::numeric_limits<double>::quiet_NaN());
     Eigen::MatrixXd matrix(terms_.rows(), columns);
     Eigen::VectorXd right(matrix.rows());
     std::vector<std::size_t> railed;
     Eigen::Index rows = 0;
     for (std::size_t k = 0; k < size_; ++k) {
-      const Place place = rails_.places[begin + k];
+      const Place place = rails.places[begin + k];
       if (place == Place::kMissing) continue;
       if (place != Place::kFree && !with_rails) {
         railed.push_back(k);
         continue;
       }
       matrix.row(rows) = terms_.row(static_cast<Eigen::Index>(k)).head(columns);
-      right[rows++] = samples_[begin + k] - rails_.low;
+      right[rows++] = samples_[begin + k] - rails.low;
     }
     // fewer samples than terms, or terms that the sampled phases do not tell apart
     if (rows <= columns) return void(rest.is_determined = rest.is_determined && railed.empty());
@@ -161,13 +192,18 @@ class Fitter {
       fit += scale.cwiseProduct(normal.solve(scale.cwiseProduct(left)));
     }
     rest.square_sum += (right.head(rows) - used * fit).squaredNorm();
+    Eigen::VectorXd::Map(rest.fitted.data() + begin, terms_.rows()) =
+        (terms_.leftCols(columns) * fit).array() + rails.low;
     rest.freedom += static_cast<double>(rows - columns);
+    rest.terms += static_cast<double>(columns);
     rest.blocks += railed.empty() ? 0 : 1;
     for (const std::size_t k : railed) {
       const Eigen::VectorXd terms = terms_.row(static_cast<Eigen::Index>(k)).head(columns);
-      const double value = rails_.low + terms.dot(fit);
-      const bool is_high = rails_.places[begin + k] == Place::kHigh;
-      rest.beyond += is_high ? value - rails_.high : rails_.low - value;
+      const double value = rails.low + terms.dot(fit);
+      const bool is_high = rails.places[begin + k] == Place::kHigh;
+      rest.beyond += is_high ? value - rails.high : rails.low - value;
+      const double limited = is_high ? std::min(value, rails.high) : std::max(value, rails.low);
+      rest.railed_square_sum += std::pow(samples_[begin + k] - limited, 2);
       // t' (A'A)^-1 t
       const Eigen::VectorXd scaled = scale.cwiseProduct(terms);
       rest.variance += scaled.dot(normal.solve(scaled));
@@ -176,9 +212,9 @@ class Fitter {
   }
 
   std::span<const double> samples_;
-  const Rails& rails_;
   std::size_t size_;  // of a block
-  int highest_ = kHighestHarmonic;
+  int highest_;
+  Eigen::Index first_;     // columns ahead of the tone's
   Eigen::MatrixXd terms_;  // a row a sample of a block
 };
 
@@ -214,14 +250,15 @@ std::size_t MostEqual(std::span<const double> samples, const Rails& rails) {
   return most;
 }
 
-ClippingVerdict Judge(const Fitter& fitter, double span, double step) {
+ClippingVerdict Judge(const Fitter& fitter, const Rails& rails, double step) {
+  const double span = rails.high - rails.low;
   const double floor = kRounding * span;
-  const Rest all = fitter.Fit(1, true, floor);
+  const Rest all = fitter.Fit(rails, 1, true, floor);
   // one sine for all samples: no rail changed any
   if (all.is_determined && all.Deviation() <= floor) return ClippingVerdict::kNone;
-  const Rest tone = fitter.Fit(1, false);
+  const Rest tone = fitter.Fit(rails, 1, false);
   if (!tone.is_determined) return ClippingVerdict::kUndecided;
-  const Rest harmonics = fitter.Fit(kHighestHarmonic, false);
+  const Rest harmonics = fitter.Fit(rails, kHighestHarmonic, false);
   if (!harmonics.is_determined) {
     return IsBeyond(tone, span, step) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
   }
@@ -231,22 +268,181 @@ ClippingVerdict Judge(const Fitter& fitter, double span, double step) {
                                                                   : ClippingVerdict::kNone;
 }
 
+// of evenly spread blocks, at most kMostOfBlock of the samples of each, and the rate of these
+std::vector<double> SpreadBlocks(std::span<const double> samples, double& rate_hz) {
+  const std::size_t size = BlockOf(rate_hz);
+  const std::size_t stride = (size + kMostOfBlock - 1) / kMostOfBlock;
+  const std::size_t blocks = samples.size() / size;
+  const std::size_t used = std::min(blocks, kMostSpread);
+  rate_hz /= static_cast<double>(stride);
+  std::vector<double> spread;
+  for (std::size_t block = 0; block < used; ++block) {
+    const std::size_t first = block * blocks / used * size;
+    for (std::size_t k = 0; k < BlockOf(rate_hz) && first + k * stride < samples.size(); ++k) {
+      spread.push_back(samples[first + k * stride]);
+    }
+  }
+  return spread;
+}
+
+// the middle of the densest of sorted values, by halves (half-sample mode: Bickel and Fruehwirth,
+// Comput. Stat. Data Anal. 50, 2006)
+double ModeOf(std::span<const double> sorted) {
+  const std::size_t enough = std::max<std::size_t>(sorted.size() / kDensest, 2);
+  while (sorted.size() > enough) {
+    const std::size_t half = (sorted.size() + 1) / 2;
+    std::size_t densest = 0;
+    for (std::size_t k = 1; k + half <= sorted.size(); ++k) {
+      const double width = sorted[k + half - 1] - sorted[k];
+      if (width < sorted[densest + half - 1] - sorted[densest]) densest = k;
+    }
+    sorted = sorted.subspan(densest, half);
+  }
+  return sorted[sorted.size() / 2];
+}
+
+// where the upper half of sorted values is densest, less what noise about it and rounding reach;
+// the mode is moved to the median of what lies above that, whose upper half is noise
+double LimitOf(std::span<const double> sorted, double step) {
+  double mode = ModeOf(sorted.subspan(sorted.size() / 2));
+  double limit = mode;
+  for (int pass = 0; pass < kLimitPasses; ++pass) {
+    const auto above =
+        static_cast<std::size_t>(std::ranges::upper_bound(sorted, mode) - sorted.begin());
+    const double off = above < sorted.size() ? sorted[(above + sorted.size()) / 2] - mode : 0;
+    limit = mode - std::max(kNoiseReach * kDeviationsPerMedian * off, kStepReach * step);
+    const auto railed =
+        static_cast<std::size_t>(std::ranges::upper_bound(sorted, limit) - sorted.begin());
+    mode = sorted[(railed + sorted.size()) / 2];
+  }
+  return limit;
+}
+
+// samples beyond either limit are railed; a rail is the median of these
+Rails RailsBeyond(std::span<const double> samples, std::span<const double> sorted, double least,
+                  double most) {
+  Rails rails{.low = sorted.front(), .high = sorted.back(), .measured = sorted.size()};
+  for (const double x : samples) {
+    rails.places.push_back(std::isnan(x) ? Place::kMissing
+                           : x > most    ? Place::kHigh
+                           : x < least   ? Place::kLow
+                                         : Place::kFree);
+    rails.at_low += x < least ? 1 : 0;
+    rails.at_high += x > most ? 1 : 0;
+  }
+  // the rare one of the noise that lies further inwards, which would bend a fit to the others
+  for (std::size_t k = 1; k + 1 < samples.size(); ++k) {
+    const Place before = rails.places[k - 1];
+    const bool is_between = before != Place::kMissing && before == rails.places[k + 1];
+    if (rails.places[k] == Place::kFree && is_between) rails.places[k] = before;
+  }
+  if (rails.at_low > 0) rails.low = sorted[rails.at_low / 2];
+  if (rails.at_high > 0) rails.high = sorted[sorted.size() - 1 - rails.at_high / 2];
+  return rails;
+}
+
+// samples are railed where a fit lies beyond the rails, which their noise does not move; the new
+// rails are their means
+Rails RailsBehind(std::span<const double> samples, std::span<const double> fitted,
+                  const Rails& before) {
+  Rails rails = before;
+  rails.at_low = rails.at_high = 0;
+  double low = 0, high = 0;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    if (std::isnan(samples[k])) continue;
+    rails.places[k] = Place::kFree;
+    if (before.at_high > 0 && fitted[k] > before.high) {
+      rails.places[k] = Place::kHigh;
+      high += (samples[k] - high) / static_cast<double>(++rails.at_high);
+    } else if (before.at_low > 0 && fitted[k] < before.low) {
+      rails.places[k] = Place::kLow;
+      low += (samples[k] - low) / static_cast<double>(++rails.at_low);
+    }
+  }
+  if (rails.at_low > 0) rails.low = low;
+  if (rails.at_high > 0) rails.high = high;
+  return rails;
+}
+
+Clipping ClippingAt(const Rails& rails, ClippingVerdict verdict) {
+  Clipping clipping{.verdict = verdict};
+  const auto railed = static_cast<double>(rails.at_low + rails.at_high);
+  clipping.share = railed / static_cast<double>(rails.measured);
+  if (rails.at_low > 0) clipping.low_rail = rails.low;
+  if (rails.at_high > 0) clipping.high_rail = rails.high;
+  return clipping;
+}
+
+// limits at the densest values of either half, of both or of one, on which there is noise
+Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone_hz) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const std::vector<double> samples = SpreadBlocks(all, rate_hz);
+  std::vector<double> sorted;
+  std::ranges::copy_if(samples, std::back_inserter(sorted),
+                       [](double x) { return !std::isnan(x); });
+  std::ranges::sort(sorted);
+  if (sorted.empty() || !(sorted.back() > sorted.front())) return {};
+  const double span = sorted.back() - sorted.front();
+  const double step = StepOf(samples);
+  const double most = LimitOf(sorted, step);
+  std::vector<double> negative(sorted.rbegin(), sorted.rend());
+  for (double& x : negative) x = -x;
+  const double least = -LimitOf(negative, step);
+  const Fitter fitter(samples, rate_hz, tone_hz, kHighestOfAny, kModulation);
+  std::optional<Rest> any;  // what the tone with its own harmonics leaves of all samples
+  Clipping found;
+  double best = kBetter;
+  // one fit to samples off the limits, from which others may follow, and whether it may be right
+  const auto try_fit = [&](int highest, Rails& rails) {
+    const Rest rest = fitter.Fit(rails, highest, false);
+    // noise of a step and more averages the rounding out
+    const double rounding = rest.Deviation() > step ? 0 : step;
+    if (!IsBeyond(rest, span, rounding) || rest.beyond > kMostBeyond * rest.railed * span / 2) {
+      return false;
+    }
+    if (!any) {
+      any = fitter.Fit(RailsBeyond(samples, sorted, -kNever, kNever), kHighestOfAny, true);
+    }
+    if (!any->is_determined || !(any->freedom > 0)) return false;
+    // half the samples times the logarithm of the variances, in the deviation that the difference
+    // of terms gives it where both are right
+    const double left = (rest.square_sum + rest.railed_square_sum) / (rest.freedom + rest.railed);
+    const double better = (any->freedom + any->terms) / 2 *
+                          std::log(any->square_sum / any->freedom / left) /
+                          std::sqrt((any->terms - rest.terms) / 2);
+    if (better > best) {
+      best = better;
+      found = ClippingAt(rails, ClippingVerdict::kBelowNoise);
+      found.beyond = rest.beyond / rest.railed;
+    }
+    rails = RailsBehind(samples, rest.fitted, rails);
+    return true;
+  };
+  for (const auto& [low, high] : {std::pair(least, most), {-kNever, most}, {least, kNever}}) {
+    for (const int highest : {1, kHighestHarmonic}) {
+      Rails rails = RailsBeyond(samples, sorted, low, high);
+      for (int pass = 0; pass <= kRefits && try_fit(highest, rails); ++pass) continue;
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 Clipping FindClipping(std::span<const double> samples, double rate_hz, double tone_hz) {
   const Rails rails = FindRails(samples);
-  if (rails.at_low + rails.at_high == 0 || !(rails.high > rails.low)) return {};
-  const Fitter fitter(samples, rails, rate_hz, tone_hz);
-  // neither noise nor rounding gives an extreme ten times as often as any other value
   const std::size_t railed = rails.at_low + rails.at_high;
-  const bool only_there = railed > kTimesAsOften * MostEqual(samples, rails);
-  Clipping clipping{.verdict = only_there ? ClippingVerdict::kClipped
-                                          : Judge(fitter, rails.high - rails.low, StepOf(samples))};
-  if (clipping.verdict == ClippingVerdict::kNone) return clipping;
-  clipping.share = static_cast<double>(railed) / static_cast<double>(rails.measured);
-  if (rails.at_low > 0) clipping.low_rail = rails.low;
-  if (rails.at_high > 0) clipping.high_rail = rails.high;
-  return clipping;
+  if (railed > 0 && rails.high > rails.low) {
+    int highest = kHighestHarmonic;
+    while (highest > 1 && 2 * highest * tone_hz >= rate_hz) --highest;
+    // neither noise nor rounding gives an extreme ten times as often as any other value
+    const bool only_there = railed > kTimesAsOften * MostEqual(samples, rails);
+    const ClippingVerdict verdict =
+        only_there ? ClippingVerdict::kClipped
+                   : Judge(Fitter(samples, rate_hz, tone_hz, highest), rails, StepOf(samples));
+    if (verdict != ClippingVerdict::kNone) return ClippingAt(rails, verdict);
+  }
+  return FindBelowNoise(samples, rate_hz, tone_hz);
 }
 
 namespace {

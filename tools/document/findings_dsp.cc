@@ -22,6 +22,11 @@ Sentence SentenceOf(dsp::FindingKind kind) {
       {kMayBeClipped, "may-be-clipped",
        "{share %} of the window is at its highest or lowest value: clipped, or flattened by "
        "harmonics of the tone, which this sampling rate cannot distinguish"},
+      {kLimited, "limited",
+       "{share %} of the window lies at a limit[, {lowest_m 6} at its low end][, {highest_m 6} at "
+       "its high end], with noise on it, and the tone would exceed it by {beyond_m} on average: an "
+       "amplifier or an analog output saturates, and the RMS is too low, or the motion is held by "
+       "a stop; check their ranges"},
       {kHeld, "held",
        "a held reading in {count} place{count s}, {readings} readings in all, the first at "
        "{first_s} ({size_m}); excluded where they are short"},
@@ -70,6 +75,10 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "{share %} of the readings repeat the one before: the source gives {new_readings_per_s SI} "
        "new readings/s, fewer than the record's rate, and holds them, which reduces a tone at "
        "{frequency_hz} by {loss %}; not corrected: record at the source's own rate"},
+      {kStraightLines, "straight-lines",
+       "the readings lie on straight lines between {new_readings_per_s SI} new readings/s, as an "
+       "export at a higher rate draws them, which reduces a tone at {frequency_hz} by {loss %}; "
+       "not corrected: export at the source's own rate"},
       {kTooFewReadings, "too-few-readings",
        "{new_readings_per_s SI} new readings/s show vibration up to {observable_hz}; {lower_hz} to "
        "{upper_hz} need {needed_per_s SI} readings/s: use a free-running output, or the analog "

@@ -15,6 +15,7 @@
 #include "dsp/analysis/window/window_remarks.h"
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"
+#include "dsp/readings/straight_lines.h"
 #include "dsp/spectrum/kinematics.h"
 #include "dsp/spectrum/slow_motion.h"
 
@@ -73,24 +74,44 @@ void DescribeSensor(MeasuredWindow& window) {
   }
 }
 
-// readings that the record repeats because its source is slower: held for k rows on average, they
-// reduce a tone to sin(pi f k T) / (k sin(pi f T)), and show less of the band
-void JudgeRepeats(MeasuredWindow& window, std::span<const double> samples) {
-  const double share = RepeatedShare(samples);
-  if (share == 0) return;
-  RecordFacts& record = window.analysis.record;
-  const double held = 1 / (1 - share);
+// readings that the record adds because its source is slower, k rows for each on average, show less
+// of the band: held, they reduce a tone to sin(pi f k T) / (k sin(pi f T)); on straight lines, to
+// the square of that, or of sin(x) / x where k is no whole number
+void JudgeSource(MeasuredWindow& window, std::span<const double> samples) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
-  const double angle = std::numbers::pi * frequency_hz / window.rate_hz();
-  const double gain = std::abs(std::sin(held * angle) / (held * std::sin(angle)));
-  record.fresh_rate_hz = std::min(record.fresh_rate_hz, window.rate_hz() / held);
+  const double cycles = frequency_hz / window.rate_hz();
+  const double share = RepeatedShare(samples);
+  const double rows = share > 0 ? 1 / (1 - share) : RowsBetweenReadings(samples, cycles);
+  if (rows == 0) return;
+  RecordFacts& record = window.analysis.record;
+  record.fresh_rate_hz = std::min(record.fresh_rate_hz, window.rate_hz() / rows);
   record.observable_upper_hz = HighestObservableHz(record.fresh_rate_hz);
-  window.analysis.findings.Doubt(FindingKind::kSourceIsSlower,
-                                 {{"share", share},
-                                  {"new_readings_per_s", record.fresh_rate_hz},
-                                  {"frequency_hz", frequency_hz},
-                                  {"loss", 1 - gain}});
+  const double angle = std::numbers::pi * cycles;
+  const double one = share > 0 || rows == std::round(rows) ? std::sin(angle) : angle;
+  const double held = std::abs(std::sin(rows * angle) / (rows * one));
+  Findings& findings = window.analysis.findings;
+  if (share > 0) {
+    findings.Doubt(FindingKind::kSourceIsSlower, {{"share", share},
+                                                  {"new_readings_per_s", record.fresh_rate_hz},
+                                                  {"frequency_hz", frequency_hz},
+                                                  {"loss", 1 - held}});
+  } else {
+    findings.Doubt(FindingKind::kStraightLines, {{"new_readings_per_s", record.fresh_rate_hz},
+                                                 {"frequency_hz", frequency_hz},
+                                                 {"loss", 1 - held * held}});
+  }
   CheckNewReadings(window.band(), &window.analysis);
+}
+
+// a limit that noise was added to
+void DoubtClipping(const Clipping& clipping, Findings* findings) {
+  Finding finding{.severity = Severity::kDoubt,
+                  .kind = FindingKind::kLimited,
+                  .numbers = {{"share", clipping.share}}};
+  if (clipping.low_rail) finding.numbers.emplace_back("lowest_m", *clipping.low_rail);
+  if (clipping.high_rail) finding.numbers.emplace_back("highest_m", *clipping.high_rail);
+  finding.numbers.emplace_back("beyond_m", clipping.beyond);
+  findings->Add(std::move(finding));
 }
 
 // clipped values reduce the RMS: the answer is refused, its value a lower limit; of the middle of a
@@ -103,11 +124,14 @@ Result<void> JudgeClipping(MeasuredWindow& window) {
     std::vector<double> samples(FittedOf(window.rows));
     const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
     HAPTOMETER_TRY(window.signal().samples().ReadMeasured(first, samples));
-    JudgeRepeats(window, samples);
+    JudgeSource(window, samples);
     const Clipping clipping =
         FindClipping(samples, window.rate_hz(), window.numbers.tone->fit.frequency_hz);
     if (clipping.verdict == ClippingVerdict::kUndecided) {
       window.analysis.findings.Doubt(FindingKind::kMayBeClipped, {{"share", clipping.share}});
+    }
+    if (clipping.verdict == ClippingVerdict::kBelowNoise) {
+      DoubtClipping(clipping, &window.analysis.findings);
     }
     if (clipping.verdict == ClippingVerdict::kClipped) share = std::max(share, clipping.share);
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -84,6 +85,46 @@ TEST(RecordDoubts, ASourceSlowerThanTheRecordIsTold) {
     EXPECT_REL(NumberOf(analysis.findings, FindingKind::kSourceIsSlower, "loss"),
                1 - analysis.numbers->tone->fit.amplitude / 20e-6, 1e-3, "noise");
   }
+}
+
+// Readings that an export joined by lines, three and four rows for each: what lines cost a tone is
+// the square of what holding costs it; 1250 readings a second are too few for 500 Hz.
+TEST(RecordDoubts, StraightLinesBetweenReadingsAreTold) {
+  for (const std::size_t rows : {3U, 4U}) {
+    const double of_rows = static_cast<double>(rows);
+    std::vector<double> fresh = Samples(kRateHz / of_rows, 3 * kRows, 0, {{20e-6, 300.3}});
+    Noise noise(1);
+    for (double& x : fresh) x += 2e-8 * noise();
+    std::vector<double> values(3 * kRows);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] =
+          std::lerp(fresh[k / rows], fresh[k / rows + 1], static_cast<double>(k % rows) / of_rows);
+    }
+    const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+    EXPECT_EQ(analysis.answered, rows < 4);
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kStraightLines, "new_readings_per_s"),
+               kRateHz / of_rows, 1e-5, "a sine fit");
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kStraightLines, "loss"),
+               1 - analysis.numbers->tone->fit.amplitude / 20e-6, 1e-3, "noise");
+  }
+}
+
+// An amplifier's limit that the converter's noise covers; the RMS is 18 % too low.
+TEST(RecordDoubts, ALimitBelowNoiseIsTold) {
+  std::vector<double> values = Samples(kRateHz, 2 * kRows, 0, {{20e-6, 175.3}});
+  Noise noise(1);
+  for (double& x : values) x = std::clamp(x, -14e-6, 14e-6) + 2e-7 * noise();
+  const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+  EXPECT_TRUE(analysis.answered);
+  EXPECT_ABS(NumberOf(analysis.findings, FindingKind::kLimited, "highest_m"), 14e-6, 2e-7,
+             "the noise");
+  EXPECT_ABS(NumberOf(analysis.findings, FindingKind::kLimited, "lowest_m"), -14e-6, 2e-7,
+             "the noise");
+  // of a sine of amplitude a beyond the limit c: mean of a sin - c = a sin(p) / p - c, p =
+  // acos(c/a)
+  const double beyond_m = 20e-6 * std::sqrt(1 - 0.49) / std::acos(0.7) - 14e-6;
+  EXPECT_REL(NumberOf(analysis.findings, FindingKind::kLimited, "beyond_m"), beyond_m, 0.1,
+             "flanks within the noise of the limit");
 }
 
 TEST(RecordDoubts, SamplesBeyondTheCalibratedRangeAreCounted) {

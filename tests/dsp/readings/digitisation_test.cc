@@ -109,6 +109,69 @@ TEST(Clipping, HarmonicsAreNoRail) {
   EXPECT_EQ(FindClipping(std::vector<double>(500, 1.0), 10e3, 175).verdict, kNone);
 }
 
+// A tone of 20 um with noise that an amplifier does not pass beyond its limits, and the noise of a
+// converter, which has steps of 0.15 um.
+TEST(Clipping, BelowNoiseIsFound) {
+  struct Case {
+    double low_m, high_m, noise_m, tone_hz, modulation, share;
+  };
+  constexpr double kNone = -1;
+  // shares: acos(limit / amplitude) / pi of each side
+  for (const Case& is :
+       {Case{kNone, 14e-6, 3e-7, 175, 0, 0.253}, Case{-14e-6, 14e-6, 2e-7, 175, 0, 0.506},
+        Case{-10e-6, 10e-6, 1e-6, 175, 0, 0.667}, Case{-18e-6, kNone, 2e-7, 92.4, 0, 0.144},
+        Case{kNone, 12e-6, 2e-7, 310.1, 0.3, 0.295}}) {
+    std::vector<double> values = Samples(10e3, 20'000, 0, {{20e-6, is.tone_hz}});
+    Noise noise(3);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] *=
+          1 + is.modulation * std::sin(2 * std::numbers::pi * 2e-4 * static_cast<double>(k));
+      values[k] = std::clamp(values[k] + 1e-7 * noise(), is.low_m == kNone ? -1 : is.low_m,
+                             is.high_m == kNone ? 1 : is.high_m);
+      values[k] = 3e-3 + std::round((values[k] + is.noise_m * noise()) / 1.5e-7) * 1.5e-7;
+    }
+    const Clipping found = FindClipping(values, 10e3, is.tone_hz);
+    EXPECT_EQ(found.verdict, kBelowNoise) << is.low_m << ' ' << is.high_m;
+    EXPECT_EQ(found.low_rail.has_value(), is.low_m != kNone);
+    EXPECT_EQ(found.high_rail.has_value(), is.high_m != kNone);
+    EXPECT_ABS(found.low_rail.value_or(3e-3 + is.low_m) - 3e-3, is.low_m, 3e-7, "two steps");
+    EXPECT_ABS(found.high_rail.value_or(3e-3 + is.high_m) - 3e-3, is.high_m, 3e-7, "two steps");
+    EXPECT_ABS(found.share, is.share, 0.1,
+               "flanks within four deviations, where no fit improves on them");
+  }
+}
+
+// In records of random rates, tones, noise and steps: one of 1440 of these shapes, sawteeth,
+// squares that ring and up to seven harmonics; half of the trapezoids; and 329 of 330 limits at 0.4
+// to 0.95 of a sine's amplitude.
+TEST(Clipping, BelowNoiseIsNotInWavesOfOtherShapes) {
+  const double turn = 2 * std::numbers::pi;
+  for (int shape = 0; shape < 8; ++shape) {
+    for (const double relative_noise : {1e-3, 2e-2}) {
+      const double tone_hz = 97.3 + 40 * shape;
+      std::vector<double> values(10'000);
+      Noise noise(static_cast<std::uint64_t>(shape));
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const double t_s = static_cast<double>(k) / 1e4;
+        const double sine = std::sin(turn * tone_hz * t_s);
+        const double shapes[] = {
+            sine,
+            2 / std::numbers::pi * std::asin(sine),       // triangle
+            std::tanh(3 * sine),                          // rounded square
+            sine - 0.3 * sine * sine * sine,              // as a stiffening spring makes it
+            sine * (1 + 0.6 * std::sin(turn * 3 * t_s)),  // modulated
+            sine + 3 * std::sin(turn * 7 * t_s),          // with tremor
+            sine * std::exp(-8 * std::fmod(t_s, 0.5)),    // ringing down
+            t_s < 0.6 ? sine : 0};                        // switched off
+        values[k] = 20e-6 * (shapes[shape] + relative_noise * noise());
+      }
+      EXPECT_EQ(FindClipping(values, 1e4, tone_hz).verdict, kNone) << shape << relative_noise;
+      for (double& x : values) x = std::round(x / 1e-6) * 1e-6;
+      EXPECT_EQ(FindClipping(values, 1e4, tone_hz).verdict, kNone) << shape << relative_noise;
+    }
+  }
+}
+
 constexpr int kOffsets = 32;  // places of the sine between two steps
 
 // What rounding to steps of 1 makes of c + A cos(theta) + noise of standard deviation s, on average

@@ -52,6 +52,18 @@ const std::vector<Case> kCases{
      "66.67 % of the readings repeat the one before: the source gives 1666.7 new readings/s, fewer "
      "than the record's rate, and holds them, which reduces a tone at 440.3 Hz by 9.95 %; not "
      "corrected: record at the source's own rate"},
+    {kLimited,
+     {{"share", 0.25}, {"highest_m", 3.012e-3}, {"beyond_m", 3.1e-6}},
+     "limited",
+     "25 % of the window lies at a limit, 3.012 mm at its high end, with noise on it, and the tone "
+     "would exceed it by 3.1 um on average: an amplifier or an analog output saturates, and the "
+     "RMS is too low, or the motion is held by a stop; check their ranges"},
+    {kStraightLines,
+     {{"new_readings_per_s", 1500.0}, {"frequency_hz", 400.0}, {"loss", 0.2137}},
+     "straight-lines",
+     "the readings lie on straight lines between 1500 new readings/s, as an export at a higher "
+     "rate draws them, which reduces a tone at 400 Hz by 21.37 %; not corrected: export at the "
+     "source's own rate"},
     {kHeld,
      {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}, {"size_m", 1.2e-05}},
      "held",
