@@ -234,6 +234,45 @@ TEST(EffectBound, OfAHotCoilIsWhatItsResistanceTakesFromTheCurrent) {
   }
 }
 
+// A steady motion's current is that of its phasor, without what would decay from rest. The voltage
+// that the resistance takes acts on it by b = 1/R and by the mover's speed: I = I0 + a R b I.
+TEST(EffectBound, OfASteadyCurrentHasNoTransient) {
+  HeldMover mover;
+  Scene& scene = mover.scene();
+  scene.actuator.force_constant_n_per_a = 0.3;
+  scene.start = Start::kSteady;
+  scene.drive.offset_v = -0.2;
+  const double R = scene.actuator.resistance_ohm, alpha = 4e-3, h = 0.01, a = h / (1 - h);
+  const double gain = a * R * mover.ToVoltage().current_a;
+  const double I = (std::abs(SolveSteadyState(scene).current_a) + 0.2 / R) / (1 - gain);
+  scene.effects.coil_heating = CoilHeating{.heat_capacity_j_per_k = 1,
+                                           .thermal_resistance_k_per_w = h / (alpha * R * I * I),
+                                           .resistance_per_k = alpha};
+  EXPECT_REL(HeatBound(mover, BaseOf(1e3, kHuge, 3 * I)), gain / (1 - 4 * gain) / (3 - gain), 1e-3,
+             "1e-5 over one less the gain, some times");
+}
+
+// without a voltage the current is what the start's place and speed induce
+TEST(EffectBound, OfAStartIsThatOfTheCurrentThatItInduces) {
+  HeldMover mover;
+  Scene& scene = mover.scene();
+  scene.actuator.force_constant_n_per_a = 0.3;
+  scene.duration_s = 0.03;
+  scene.drive.amplitude_v = 0;
+  scene.initial = {.mover_m = 2e-4, .mover_m_per_s = 0.1};
+  const double R = scene.actuator.resistance_ohm, alpha = 4e-3, h = 0.01, a = h / (1 - h);
+  // each mode by |v - p x| / (2 w), whose speed |p| = w0 induces Km / R of it
+  const double modes_m =
+      std::abs(0.1 + std::complex<double>(mover.s(), mover.w()) * 2e-4) / mover.w();
+  const double gain = a * R * mover.ToVoltage().current_a;
+  const double I = 0.3 / R * mover.w0() * modes_m / (1 - gain);
+  scene.effects.coil_heating = CoilHeating{.heat_capacity_j_per_k = 1e-9,
+                                           .thermal_resistance_k_per_w = h / (alpha * R * I * I),
+                                           .resistance_per_k = alpha};
+  EXPECT_REL(HeatBound(mover, BaseOf(1e3, kHuge, 3 * I)), gain / (1 - 4 * gain) / (3 - gain), 1e-3,
+             "1e-5 over one less the gain, some times");
+}
+
 // where h comes to a fifth the resistance's feedback, 4 h / (1 - h), comes to 1
 TEST(EffectBound, EndsWhereACoilHeatsByAFifth) {
   HeldMover mover;

@@ -156,6 +156,8 @@ TEST(BandSignal, CellsLastAMillisecondAtMost) {
   EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 10e3)).Filter().cell_samples(), 9U);
   EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 392e3)).Filter().cell_samples(), 336U);
   EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 1300)).Filter().cell_samples(), 1U);
+  EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 1999)).Filter().cell_samples(), 1U);
+  EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 2000)).Filter().cell_samples(), 2U);
 }
 
 TEST(BandSignal, OneSampleAndAConstantAreSilent) {

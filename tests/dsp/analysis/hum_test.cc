@@ -155,6 +155,24 @@ TEST(FindHum, BurstsAtTheMainsFrequencyAreNoHum) {
   }
 }
 
+// 9 s of hum that begins after 1 s, beside lines 5 bins of a short window (9 s / 16) above and
+// below. Of both sides the quieter one is the noise: lines on both may hide a pause, one on a side
+// may not.
+TEST(FindHum, APauseIsSeenUnlessBothSidesAreNoisy) {
+  const double away_hz = 5 * 16 / 9.0;
+  const auto is_found = [&](double below_m, double above_m) {
+    std::vector<double> values =
+        Samples(kRateHz, 18'000, 0.03, {{below_m, 50 - away_hz, 1}, {above_m, 50 + away_hz, 2}});
+    const std::vector<double> hum = Samples(kRateHz, 18'000, 0, {{1e-6, 50, 0.4}});
+    for (std::size_t k = 2000; k < values.size(); ++k) values[k] += hum[k];
+    return !HumIn(values).empty();
+  };
+  EXPECT_FALSE(is_found(0, 0));
+  EXPECT_FALSE(is_found(0.5e-6, 0));
+  EXPECT_FALSE(is_found(0, 0.5e-6));
+  EXPECT_TRUE(is_found(0.5e-6, 0.5e-6));
+}
+
 // A bump of 0.5 mm hides hum for half a second, and turns its phase over the record: hum is not
 // found, and its two states on either side of the bump are no drive, for no state has less than
 // half the power.

@@ -268,6 +268,79 @@ TEST(NoiseBeside, PartsCoverTheBandOnce) {
   }
 }
 
+// Integral of the filter's gain for power, both passes, in steps of a thousandth.
+double Passed(const FrequencyRange& range) {
+  constexpr int kSteps = 1000;
+  const double step_hz = (range.to_hz - range.from_hz) / kSteps;
+  double sum = 0;
+  for (int k = 0; k < kSteps; ++k) sum += PowerGainAt(range.from_hz + (k + 0.5) * step_hz);
+  return sum * step_hz;
+}
+
+// Densities before the filter of the bins of a range that are not beside the tone, where `behind`
+// stands behind it in all of them.
+std::vector<double> BeforeTheFilter(double behind, const FrequencyRange& range) {
+  constexpr double kBinHz = kRateHz / kSize;
+  std::vector<double> bins;
+  for (double k = std::ceil(range.from_hz / kBinHz); k * kBinHz < range.to_hz; ++k) {
+    const double at_hz = k * kBinHz;
+    if (at_hz >= kBesideTone[0].from_hz && at_hz <= kBesideTone[0].to_hz) continue;
+    bins.push_back(behind / PowerGainAt(at_hz));
+  }
+  std::ranges::sort(bins);
+  return bins;
+}
+
+// An impulse has one density, 2 w^2 / (rate sum of w^2), in all bins. Of n of them the upper median
+// is ln 2 + 1 / n of the mean, and 1 / n more where n is even; var = 2.08 x 2 / n of a part's
+// power, and 1 / n less of what is left of the window's own noise.
+TEST(NoiseBeside, OfAnImpulseIsItsDefinition) {
+  const BandPass band;
+  std::vector<double> impulse(kSize, 0.0);
+  impulse[1400] = 3;
+  const NoiseBeside noise =
+      MeasureNoiseBeside(impulse, kRateHz, Designed(band, kRateHz), band, kBesideTone);
+  const std::vector<double> weights = BlackmanHarris(kSize);
+  const double behind =
+      2 * std::pow(3 * weights[1400], 2) / (kRateHz * kSize * MeanSquareOf(weights));
+  constexpr double kTaper = 1e-6;  // digits of the taper's mean square
+  const auto beyond = [&](const FrequencyRange& range) {
+    double sum = 0;
+    for (const double bin : BeforeTheFilter(behind, range)) {
+      sum += behind * (1 - noise.densities[0] / bin) * kRateHz / kSize;
+    }
+    return std::max(0.0, sum);
+  };
+  EXPECT_REL(noise.below_mean_square, beyond({8, 20}), kTaper, "0.4 of the corner to the corner");
+  EXPECT_EQ(noise.foot_mean_square, 0) << "half of the first part's bins are below their median";
+  double mean_square = noise.below_mean_square;
+  double variance = 0;
+  double of_rest = 0;
+  double least = 1;
+  double width_hz = 0;
+  for (std::size_t k = 0; k < noise.parts.size(); ++k) {
+    const FrequencyRange& part = noise.parts[k];
+    const std::vector<double> bins = BeforeTheFilter(behind, part);
+    const auto n = static_cast<double>(bins.size());
+    const double upper = bins.size() % 2 == 0 ? 1 : 0;
+    const double density = bins[bins.size() / 2] / (std::numbers::ln2 + (1 + upper) / n);
+    EXPECT_REL(noise.densities[k], density, kTaper, "the taper");
+    const bool is_last = k + 1 == noise.parts.size();
+    const double passed_hz = Passed({k == 0 ? 8 : part.from_hz, is_last ? 750 : part.to_hz});
+    width_hz += passed_hz;
+    mean_square += density * passed_hz;
+    variance += 2.08 * 2 / n * std::pow(density * passed_hz, 2);
+    of_rest += (2.08 * 2 - 1) / n * std::pow(density * passed_hz, 2);
+    least = std::min(least, density * (1 + 3.29 * std::sqrt(2.08 * 2 / n)));
+  }
+  constexpr double kSteps = 2e-3;  // sixteen steps over a corner: measured 1.4e-3
+  EXPECT_REL(noise.power.mean_square, mean_square, kSteps, "the integral's steps");
+  EXPECT_REL(noise.power.variance, variance, kSteps, "the integral's steps");
+  EXPECT_REL(noise.variance_of_rest, of_rest, kSteps, "the integral's steps");
+  EXPECT_REL(noise.least_density, least, kTaper, "the taper");
+  EXPECT_REL(noise.flat_mean_square, least * width_hz, kSteps, "the integral's steps");
+}
+
 // A sine of 1 in nothing: all of its half is beyond noise, below the corner, in the lowest part, or
 // in none of both.
 TEST(NoiseBeside, MotionBelowAndInTheFootIsBeyondNoise) {

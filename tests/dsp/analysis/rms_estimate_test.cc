@@ -465,6 +465,22 @@ TEST(SplitTone, TakesTheNoisesShareFromEachLine) {
   EXPECT_REL(split.rest.power.mean_square, 0.04, 0.04, "1 % of 2e4 values, four times");
 }
 
+// Sidebands reach over an eighth of the band, 4 Hz, at most, and over one bin at least: of 0.25 s
+// that is a bin, of 0.2 s less.
+TEST(SplitTone, LeavesOutABinOnEitherSideAtLeast) {
+  for (const std::size_t size : {500UZ, 400UZ}) {
+    const double bin_hz = kRateHz / static_cast<double>(size);
+    const std::vector<double> samples =
+        Samples(kRateHz, size, 0, {{2, 216, 0.3}, {0.1, 216 - 2 * bin_hz, 1}, {0.03, 220, 2}});
+    const SineFit tone = FitSine(samples, {kRateHz, 32, 0}, 216);
+    const TonePower split =
+        SplitTone({samples, kRateHz}, tone, {.lower_hz = 200, .upper_hz = 232}, 1);
+    ASSERT_EQ(split.rest.bin_hz, bin_hz);
+    EXPECT_EQ(split.density, split.rest.DensityNear(tone.frequency_hz, 200, 232, 1)) << size;
+    EXPECT_NE(split.density, split.rest.DensityNear(tone.frequency_hz, 200, 232, 2)) << size;
+  }
+}
+
 // At 100 kHz: the highest power of two that leaves 2500 a second and 4096 samples, and of which
 // what folds to 750 Hz or below is 1e-9 in both passes; |H| falls as (500 / f)^N.
 TEST(Thinned, LeavesFiveTimesTheUpperCornerAndEnoughSamples) {

@@ -226,32 +226,42 @@ TEST(SlowRecord, ATonesAliasIsSaidAboveHalfTheRate) {
   }
 }
 
-// 20 000 readings with a pause of 16 min behind `before` of them, in which a tone of 10 um, 2.5
-// bins of 16 383 intervals from the stated 150 Hz, gains 60 turns on that
-constexpr double kLongBinHz = 400.0 / 16'383;
-constexpr double kBesideHz = 150 + 2.5 * kLongBinHz;
-
-BandAnalysis WithAPauseBehind(std::size_t before) {
+// 20 000 readings in parts, with pauses of minutes behind each, in which a tone of 10 um that is
+// `beside_hz` from the stated 150 Hz gains 60 turns on that
+BandAnalysis WithPauses(const std::vector<std::size_t>& parts, double beside_hz) {
   trial::Record record = RecordOf(std::vector<double>(20'000), 400);
   record.metadata.drive_frequency_hz = 150;
-  const double again_s = static_cast<double>(before) / 400 + 60 / (2.5 * kLongBinHz);
-  record.stretches = {{0, before, 0, 400, 0}, {before, record.rows - before, again_s, 400, 0}};
+  record.stretches.clear();
+  std::size_t first = 0;
+  double pauses_s = 0;
+  for (const std::size_t rows : parts) {
+    record.stretches.push_back({first, rows, static_cast<double>(first) / 400 + pauses_s, 400, 0});
+    first += rows;
+    pauses_s += 60 / beside_hz;
+  }
   for (std::size_t k = 0; k < record.rows; ++k) {
-    const double turns = kBesideHz * trial::TimeOf(record, k);
+    const double turns = (150 + beside_hz) * trial::TimeOf(record, k);
     record.channels[0].values[k] = 0.03 + 1e-5 * std::sin(2 * std::numbers::pi * turns);
   }
   return Answer(record);
 }
 
-// bins are those of the readings between pauses, wherever these are
+// bins are those of the most readings without a pause, 16 384 at most, wherever these are
 TEST(SlowRecord, ATonesBinsAreThoseOfTheReadingsThatAreFitted) {
-  for (const std::size_t before : {std::size_t{1} << 14U, std::size_t{2000}}) {
-    const BandAnalysis analysis = WithAPauseBehind(before);
+  struct Case {
+    std::vector<std::size_t> parts;
+    int fitted;
+  };
+  for (const Case& one : {Case{{16'384, 3616}, 16'384}, Case{{2000, 18'000}, 16'384},
+                          Case{{2000, 8800, 9200}, 9200}, Case{{2000, 9200, 8800}, 9200}}) {
+    const double beside_hz = 2.5 * 400 / (one.fitted - 1);
+    const std::size_t before = one.parts[1];
+    const BandAnalysis analysis = WithPauses(one.parts, beside_hz);
     ASSERT_TRUE(analysis.known_tone);
     ASSERT_FALSE(analysis.findings.Has(FindingKind::kKnownTonePauses));
     ASSERT_TRUE(analysis.findings.Has(FindingKind::kKnownToneElsewhere)) << before;
     const Finding doubt = FirstOf(analysis.findings, FindingKind::kKnownToneElsewhere);
-    EXPECT_REL(NumberOf(doubt, "better_hz"), kBesideHz, 1e-12, "rounding");
+    EXPECT_REL(NumberOf(doubt, "better_hz"), 150 + beside_hz, 1e-12, "rounding");
     EXPECT_REL(NumberOf(doubt, "amplitude_m"), 1e-5, 1e-6, "no noise; 1e6 rad in double");
   }
 }

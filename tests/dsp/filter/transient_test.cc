@@ -372,6 +372,46 @@ TEST(ExpectedMotion, IsItsClosedFormAtEveryIndex) {
 
 // Motion of one sine below the band is expected as it goes on, for eight time constants; later it
 // stays where it is. The oracle is the filter over the signal between these samples.
+// Motion that was another one between 18 and 12 time constants of the end: what two sines fitted to
+// all of that expect differs from what one fitted to the last 12 does, and the difference is added.
+TEST(EndDependence, WhatALongerViewExpectsIsADoubt) {
+  const FilterDesign design = Designed({3, 20, 500}, 2e3);
+  constexpr std::size_t kSize = 1500;
+  constexpr std::size_t kBeyond = 10 * kTileSamples;
+  const auto samples_of = [&](double time_constants) {
+    return static_cast<std::size_t>(time_constants * design.rate_hz / SlowestDecayPerS(design));
+  };
+  std::vector<double> in = Samples(2e3, kSize, 0.03, {{5e-4, 4.7, 0.4}});
+  const EndDependence without = DependenceOf(design, in);
+  for (std::size_t k = kSize - samples_of(18); k < kSize - samples_of(12); ++k) in[k] += 5e-3;
+  const EndDependence with = DependenceOf(design, in);
+  // change since the last sample
+  const auto add = [&](std::size_t size, int sines, double sign, std::vector<double>& beyond) {
+    const ExpectedMotion motion = FitExpectedMotion(std::span(in).last(size), sines);
+    const auto last = static_cast<double>(size - 1);
+    for (std::size_t k = 0; k < samples_of(8); ++k) {
+      beyond[kBeyond + kSize + k] +=
+          sign * (motion.At(last + 1 + static_cast<double>(k)) - motion.At(last));
+    }
+  };
+  std::vector<double> beyond(kSize + 2 * kBeyond, 0.0);
+  add(samples_of(18), 2, 1, beyond);
+  add(samples_of(12), 1, -1, beyond);
+  const std::vector<double> doubt = FilterZeroPhase(design, beyond);
+  double below = 0;
+  double above = 0;
+  double most = 0;
+  for (std::size_t k = 0; k < kSize; ++k) {
+    const double added = std::abs(doubt[kBeyond + k]) / 9.4e-5;
+    below = std::max(below, added - with.first[k]);
+    above = std::max(above, with.first[k] - without.first[k] - added);
+    most = std::max(most, added - without.first[k]);
+  }
+  EXPECT_GT(most, 0.1 * std::ranges::max(with.first)) << "the case that is meant";
+  EXPECT_ABS(below / most, 0, 1e-6, "the greatest of all criteria: no less than the doubt");
+  EXPECT_ABS(above / most, 0, 1e-3, "nor more than it and the greatest without it");
+}
+
 TEST(EndDependence, OfASlowSineIsThatOfItsOwnContinuation) {
   constexpr double kSlowRateHz = 2e3;
   const FilterDesign design = Designed({3, 20, 500}, kSlowRateHz);

@@ -403,6 +403,26 @@ TEST(Faults, AHoldIsLongerThanChanceGivesOnceInAHundredRecords) {
   EXPECT_EQ(Scan(usual).Count(FaultKind::kHeld), 0U);
 }
 
+// A source that is three times slower than the rate: a hold is twice the mean run or longer, which
+// is a little more than three rows. It is left by a steep step.
+TEST(Faults, AHoldIsLongerThanTwiceTheUsualRun) {
+  for (const std::size_t rows : {6U, 7U}) {
+    std::vector<double> values;
+    for (std::size_t run = 0; run < 1000; ++run) {
+      values.insert(values.end(), run == 500 ? rows : 3,
+                    static_cast<double>(run > 500 ? run + 20 : run));
+    }
+    EXPECT_EQ(Scan(values).Count(FaultKind::kHeld), rows - 6) << rows;
+  }
+}
+
+// the record's last row is alone in its piece of 256 rows
+TEST(Faults, AHoldMayEndWithTheRecord) {
+  std::vector<double> values(257, 300);
+  for (std::size_t k = 0; k < 253; ++k) values[k] = static_cast<double>(k);
+  EXPECT_EQ(Scan(values).Rows(FaultKind::kHeld), 4U);
+}
+
 // a hold of three rows is left by three steps, one of four rows by four
 TEST(Faults, AHoldIsOfFourRows) {
   for (const std::size_t rows : {3U, 4U}) {

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/instruction_set.h"
 #include "dsp/readings/faults.h"
 #include "tests/dsp/signals.h"
+#include "tests/residual.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -108,6 +110,32 @@ TEST_P(EverySet, SumsOfWholeNumbersAreExact) {
     rows.push_back(n);
     EXPECT_EQ(kernel().sum_from(rows.data(), rows.size(), 3).sum, 0.5 * n * (n + 1) - 3 * n);
     EXPECT_EQ(kernel().sum_squares(rows.data(), rows.size()).sum, n * (n + 1) * (2 * n + 1) / 6);
+  }
+}
+
+// rows that are no numbers, or far off, behind those that are asked about
+TEST_P(EverySet, WhatFollowsIsNotRead) {
+  for (const double beyond : {std::numeric_limits<double>::quiet_NaN(), 1e3}) {
+    for (std::size_t count = 2; count <= 40; ++count) {
+      SCOPED_TRACE(testing::Message() << beyond << " behind " << count);
+      const std::vector<double> alone = Rows(count + 4);
+      std::vector<double> rows = alone;
+      const std::span<const double> asked = std::span(alone).first(count);
+      // the cubic reads two more
+      rows.insert(rows.end(), 2 * kRowLanes, beyond);
+      EXPECT_EQ(kernel().largest_error(rows.data() + 2, count),
+                kernel().largest_error(alone.data() + 2, count));
+      std::fill(rows.begin() + static_cast<std::ptrdiff_t>(count), rows.end(), beyond);
+      if (std::isnan(beyond)) {
+        EXPECT_TRUE(kernel().all_finite(rows.data(), count));
+      }
+      const RowSum sum = kernel().sum_from(rows.data(), count, 0.03);
+      EXPECT_EQ(sum.most, std::ranges::max(asked));
+      EXPECT_ABS(sum.sum, 0, 1e-4, "numbers within some micrometres of 0.03");
+      EXPECT_LT(kernel().sum_squares(rows.data(), count).sum, 1) << "of 0.03";
+      EXPECT_EQ(kernel().repeats(rows.data(), count).most, std::ranges::max(asked));
+      EXPECT_LT(kernel().least_change(rows.data(), count), 1) << "of some micrometres";
+    }
   }
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -106,6 +108,36 @@ TEST(FrequencyResponse, NoiseLowersCoherenceAndIsStated) {
   EXPECT_ABS(found.frequency_hz, kResonanceHz, 4 * found.frequency_uncertainty_hz, "as stated");
   EXPECT_ABS(found.quality_factor, kQuality, 4 * found.quality_factor_uncertainty + 0.15,
              "as stated, and 1 % of the window's width");
+}
+
+// Each bin's own ratio, coherence c and u = sqrt((1 - c) / (c degrees of freedom)), of two segments
+// and of more.
+TEST(FrequencyResponse, IsThatOfEachBin) {
+  Noise noise(4);
+  for (const std::size_t size : {1500UZ, 5000UZ}) {
+    std::vector<double> drive(size);
+    std::vector<double> moved(size);
+    for (std::size_t k = 0; k < size; ++k) {
+      drive[k] = noise();
+      moved[k] = 2e-6 * (drive[k] + noise());
+    }
+    const WelchOptions options{kRateHz, 1000};
+    const auto measured = MeasureResponse(drive, moved, options, 0, 1000);
+    ASSERT_TRUE(measured) << size;
+    const auto& points = *measured;
+    const CrossSpectrum cross = WelchCrossSpectrum(drive, moved, options).value();
+    const std::vector<double> coherence = Coherence(cross);
+    ASSERT_EQ(points.size(), cross.cross.size());
+    ASSERT_EQ(points.size(), 501U);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double c = std::min(1.0, coherence[k]);
+      EXPECT_EQ(points[k].frequency_hz, 2.0 * static_cast<double>(k));
+      EXPECT_EQ(points[k].response, cross.cross[k] / cross.from_density[k]);
+      EXPECT_EQ(points[k].coherence, c);
+      EXPECT_REL(std::pow(points[k].relative_uncertainty, 2) * cross.grid.degrees_of_freedom,
+                 1 / c - 1, 1e-9, "rounding of 1 - c");
+    }
+  }
 }
 
 TEST(FrequencyResponse, WithoutADriveChannelTheSweepIsItsOwn) {
@@ -214,6 +246,85 @@ std::vector<SweptPoint> Amplitudes(double noise_m, Noise& noise) {
     points.push_back({0, frequency_hz, amplitude});
   }
   return points;
+}
+
+// Neighbours on both sides make a point's weight: points in the other order have the same fit.
+TEST(Resonance, OfPointsInTheOtherOrderIsTheSame) {
+  Noise noise(6);
+  std::vector<ResponsePoint> points = Points(0.02, noise);
+  for (ResponsePoint& point : points) point.relative_uncertainty = 0.02 * std::exp(noise());
+  const Resonance one = FitResonance(std::span<const ResponsePoint>(points));
+  std::ranges::reverse(points);
+  const Resonance other = FitResonance(std::span<const ResponsePoint>(points));
+  ASSERT_TRUE(one.converged && other.converged);
+  constexpr double kRest = 1e-7;  // where the steps end
+  EXPECT_REL(other.frequency_hz, one.frequency_hz, kRest, "two iterations");
+  EXPECT_REL(other.frequency_uncertainty_hz, one.frequency_uncertainty_hz, kRest, "the same");
+  EXPECT_REL(other.quality_factor, one.quality_factor, kRest, "the same");
+  EXPECT_REL(other.gain, one.gain, kRest, "the same");
+}
+
+// squared length of the last of `columns` beside all of the others: 1 / its element of (J'J)^-1
+double SquareBesideOthers(std::vector<std::vector<double>> columns) {
+  const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  for (std::size_t k = 0; k + 1 < columns.size(); ++k) {
+    for (std::size_t later = k + 1; later < columns.size(); ++later) {
+      const double share = product(columns[later], columns[k]) / product(columns[k], columns[k]);
+      for (std::size_t n = 0; n < columns[k].size(); ++n) {
+        columns[later][n] -= share * columns[k][n];
+      }
+    }
+  }
+  return product(columns.back(), columns.back());
+}
+
+// (J'J)^-1 times the residual's variance, J by differences at what was found; of points that weigh
+// the same the phase of the gain turns the rows alone.
+TEST(Resonance, UncertaintiesAreThoseOfTheLinearisedModel) {
+  Noise noise(8);
+  std::vector<ResponsePoint> points = Points(0.02, noise);
+  double power = 0;
+  for (ResponsePoint& point : points) {
+    point.relative_uncertainty = 1e-7 / std::abs(point.response);
+    power += std::norm(point.response);
+  }
+  const Resonance found = FitResonance(std::span<const ResponsePoint>(points));
+  ASSERT_TRUE(found.converged);
+  const auto curve = [&](double at_hz, double f0_hz, double ln_q) {
+    const double u = at_hz / f0_hz;
+    return found.gain / std::complex<double>(1 - u * u, u / std::exp(ln_q));
+  };
+  const double f0_hz = found.frequency_hz;
+  const double ln_q = std::log(found.quality_factor);
+  constexpr double kStep = 1e-4;
+  std::vector<double> real;
+  std::vector<double> imaginary;
+  std::vector<double> frequency;
+  std::vector<double> quality;
+  for (const ResponsePoint& point : points) {
+    const double at_hz = point.frequency_hz;
+    const std::complex<double> value = curve(at_hz, f0_hz, ln_q);
+    const std::complex<double> by_f0 =
+        (curve(at_hz, f0_hz + kStep, ln_q) - curve(at_hz, f0_hz - kStep, ln_q)) / (2 * kStep);
+    const std::complex<double> by_q =
+        (curve(at_hz, f0_hz, ln_q + kStep) - curve(at_hz, f0_hz, ln_q - kStep)) / (2 * kStep);
+    real.insert(real.end(), {value.real(), value.imag()});
+    imaginary.insert(imaginary.end(), {-value.imag(), value.real()});
+    frequency.insert(frequency.end(), {by_f0.real(), by_f0.imag()});
+    quality.insert(quality.end(), {by_q.real(), by_q.imag()});
+  }
+  const double deviation =
+      found.residual_share * std::sqrt(power / static_cast<double>(2 * points.size() - 4));
+  EXPECT_REL(found.frequency_uncertainty_hz,
+             deviation / std::sqrt(SquareBesideOthers({real, imaginary, quality, frequency})), 1e-6,
+             "differences");
+  EXPECT_REL(found.quality_factor_uncertainty,
+             found.quality_factor * deviation /
+                 std::sqrt(SquareBesideOthers({real, imaginary, frequency, quality})),
+             1e-6, "differences");
+  EXPECT_EQ(found.degrees_of_freedom, 116);
 }
 
 TEST(Resonance, OfExactAmplitudesBesideItIsFound) {
@@ -391,6 +502,41 @@ TEST(SweptAmplitude, OfASteadyToneIsTheToneInEveryBlock) {
   const auto few = std::span(tone);
   EXPECT_EQ(SweptAmplitude(few.first(150), kRateHz, 80, 480).size(), 1U);
   EXPECT_TRUE(SweptAmplitude(few.first(149), kRateHz, 80, 480).empty()) << "no three blocks";
+  // blocks of two samples and of three, and none of one
+  for (const double periods : {0.08, 0.12}) {
+    const auto short_blocks = SweptAmplitude(tone, kRateHz, 80, 480, periods);
+    ASSERT_EQ(short_blocks.size(), periods < 0.1 ? 498U : 331U);
+    for (const SweptPoint& point : short_blocks) {
+      EXPECT_REL(point.frequency_hz, 200, 1e-9, "rounding of a transform");
+      EXPECT_REL(point.amplitude, 3e-6, 1e-9, "rounding of a transform");
+    }
+  }
+  EXPECT_TRUE(SweptAmplitude(tone, kRateHz, 80, 480, 0.05).empty());
+}
+
+// A phase that bends by 9.8 rad over each half block, or not at all: demodulated by its own
+// parabola a chirp has the amplitude of the tone, and the frequency of the block's middle.
+TEST(SweptAmplitude, OfAChirpIsItsAmplitudeAtTheFrequencyOfEachBlock) {
+  for (const double hz_per_s : {50.0, -50.0}) {
+    const double from_hz = 200 - 2 * hz_per_s;
+    std::vector<double> chirp(8000);
+    for (std::size_t k = 0; k < chirp.size(); ++k) {
+      const double t_s = static_cast<double>(k) / kRateHz;
+      chirp[k] = 3e-6 * std::cos(2 * kPi * (from_hz + 0.5 * hz_per_s * t_s) * t_s + 0.7);
+    }
+    const auto points = SweptAmplitude(chirp, kRateHz, 80, 480, 40);
+    ASSERT_EQ(points.size(), 6U) << "blocks of 0.5 s but the first and the last";
+    for (const SweptPoint& point : points) {
+      EXPECT_REL(point.frequency_hz, from_hz + hz_per_s * point.time_s, 1e-5, "measured 1e-6");
+      EXPECT_REL(point.amplitude, 3e-6, 1e-4, "measured 1e-5");
+    }
+  }
+}
+
+// 10 Hz/s down, 5 Hz/s up and 12 Hz/s up, over unequal times
+TEST(SweepRate, IsTheMedianBetweenNeighbours) {
+  const std::vector<SweptPoint> points{{0, 110, 1}, {1, 100, 1}, {3, 110, 1}, {7, 158, 1}};
+  EXPECT_REL(SweepRate(points), 10, 1e-14, "rounding");
 }
 
 // a tone on a bin and one of `amplitude` on another; a Hann window shares each with two bins, which
@@ -399,6 +545,14 @@ std::size_t PointsWithADriveOf(double amplitude) {
   const std::vector<double> drive =
       Samples(kRateHz, 8000, 0, {{1, 200, 0.3}, {amplitude, 300, 0.1}});
   return MeasureResponse(drive, drive, {kRateHz, 1000}, 100, 450).value().size();
+}
+
+TEST(FrequencyResponse, LeavesOutTheBinsThatHoldNoDrive) {
+  const std::vector<double> drive = Samples(kRateHz, 8000, 0, {{1, 200, 0.3}, {1, 300, 0.1}});
+  const auto points = MeasureResponse(drive, drive, {kRateHz, 1000}, 100, 450).value();
+  std::vector<double> at_hz;
+  for (const ResponsePoint& point : points) at_hz.push_back(point.frequency_hz);
+  EXPECT_EQ(at_hz, (std::vector<double>{198, 200, 202, 298, 300, 302})) << "lines of a Hann window";
 }
 
 TEST(FrequencyResponse, LeavesOutWhatHoldsLessThan1eMinus10OfTheDrive) {

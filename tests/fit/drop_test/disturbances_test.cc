@@ -326,6 +326,13 @@ TEST(FindDisturbances, AQuantisedTailIsReportedWithItsStepAndItsBegin) {
   // where 0.443 V have fallen to a step
   EXPECT_ABS(NumberOf(record, FindingKind::kQuantisedTail, "from_s"),
              std::log(tests::SpeedVoltage(drop) / 0.02) / 11.5, 5e-3, "a period");
+  // the same in codes
+  auto codes = record;
+  codes.unit = "";
+  for (double& v : codes.voltage_v) v = std::round(v / 0.02);
+  EXPECT_EQ(NumberOf(codes, FindingKind::kQuantisedTail, "step"), 1);
+  EXPECT_ABS(NumberOf(codes, FindingKind::kQuantisedTail, "from_s"),
+             NumberOf(record, FindingKind::kQuantisedTail, "from_s"), 1e-9, "rounding");
 }
 
 TEST(FindDisturbances, NumbersHaveTheUnitOfTheRecord) {

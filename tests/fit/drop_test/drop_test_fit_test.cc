@@ -254,6 +254,9 @@ TEST(DropTestFit, InputsPropagateLikeTheClosedForms) {
   fit = Fit({MakeRecord({}), loaded}, knowns);
   const double expected = std::hypot(0.0206197 / 2, 0.54 / 120, 0.33 / 120);
   EXPECT_REL(fit.force_constant.combined_standard_uncertainty, expected, 1e-4, "inductance");
+  // the records' order does not matter
+  fit = Fit({loaded, MakeRecord({})}, knowns);
+  EXPECT_REL(fit.force_constant.combined_standard_uncertainty, expected, 1e-4, "inductance");
 }
 
 TEST(DropTestFit, TheRecordersScalesPropagateLikeTheClosedForms) {

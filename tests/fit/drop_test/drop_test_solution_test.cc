@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <random>
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/drop_test_model.h"
@@ -173,6 +174,29 @@ TEST(DropTestRoad, ItsIterationsAreThoseOfBothSolutions) {
   const int first = problem.Minimise(UnknownColumns(*model, problem), &point).iterations;
   EXPECT_GT(first, 0);
   EXPECT_GT(Travel(*model, false).solver.iterations, first);
+}
+
+TEST(DropTestRoad, OfColouredNoiseTheWeightIsItsDensityAtTheResonance) {
+  // noise of one pole at 0.95 in the one record, white noise in the other
+  auto records = Pair(1, 0.01, 5);
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> white(0, 0.01);
+  double coloured = 0;
+  for (double& v : records[0].voltage_v) {
+    coloured = 0.95 * coloured + white(engine);
+    v += coloured;
+  }
+  const auto model = MakeDropTestModel(records, tests::ThesisKnowns());
+  ASSERT_TRUE(model) << model.error().Text();
+  const DropTestRoad road = Travel(*model, false);
+  ASSERT_TRUE(road.densities[0].is_coloured);
+  EXPECT_GT(std::abs(std::log(road.densities[0].ratio)), 0.5) << "else its root is hardly another";
+  EXPECT_FALSE(road.densities[1].is_coloured);
+  // of each record's noise over its scale, n/(n - p) being common to both
+  const auto over_scale = [&](std::size_t r) {
+    return road.problem.records()[r].noise_v / road.scales[r];
+  };
+  EXPECT_REL(over_scale(0) / over_scale(1), std::sqrt(road.densities[0].ratio), 1e-12, "rounding");
 }
 
 TEST(ProductAt, IsTheProductOfPowers) {

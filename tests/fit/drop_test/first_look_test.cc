@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <random>
 #include <vector>
@@ -33,6 +34,29 @@ TEST(FollowingAmplitude, IsHalfAPeriodsSamplesTimesTheAmplitude) {
     EXPECT_ABS(amplitudes[n], 3 * 10.0, 1e-11, "the sum of 20 squares of a sine");
   }
   EXPECT_GT(amplitudes[90], 10) << "half of the period";
+}
+
+TEST(FollowingAmplitude, IsTheSumOverAPeriodsSamplesOfAnyLength) {
+  // 20 samples of a period of 19.3
+  std::vector<double> values;
+  for (int n = 0; n < 200; ++n) values.push_back(2 + std::sin(0.1 * n * n));
+  const auto amplitudes = FollowingAmplitude(values, 0.7, 19.3);
+  ASSERT_EQ(amplitudes.size(), 181U);
+  for (std::size_t n = 0; n < amplitudes.size(); n += 20) {
+    std::complex<double> sum = 0;
+    for (std::size_t k = n; k < n + 20; ++k) {
+      sum += (values[k] - 0.7) * std::polar(1.0, -2 * M_PI * static_cast<double>(k) / 19.3);
+    }
+    EXPECT_REL(amplitudes[n], std::abs(sum), 1e-12, "rounding");
+  }
+}
+
+TEST(NoiseOfSamples, IsTheMedianOfThirdDifferences) {
+  // 1.4826/sqrt(20) of 1, of 6 (n^3), of the middle one of 1, 8 - 3 = 5 and 4 - 24 + 3 = -17
+  const double share = 1.482602218505602 / std::sqrt(20.0);
+  EXPECT_REL(NoiseOfSamples({0, 0, 0, 1}), share, 1e-12, "rounding");
+  EXPECT_REL(NoiseOfSamples({0, 1, 8, 27, 64, 125}), 6 * share, 1e-12, "rounding");
+  EXPECT_REL(NoiseOfSamples({0, 0, 0, 1, 8, 4}), 5 * share, 1e-12, "rounding");
 }
 
 std::vector<double> Noise(std::size_t count, double deviation) {
@@ -88,6 +112,26 @@ TEST(WithoutWhatLasts, LeavesTheRingingOfASlowCourseAndHum) {
   }
 }
 
+TEST(WithoutWhatLasts, OfACourseOfFourthOrderAndHumTheMeanStays) {
+  const auto values = Sampled([](double t) {
+    return 3 - 8 * t + 5 * std::pow(t, 4) + std::sin(2 * M_PI * 50 * t + 0.4) +
+           0.8 * std::cos(2 * M_PI * 60 * t);
+  });
+  const auto rest = WithoutWhatLasts(values, kStep_s);
+  ASSERT_TRUE(rest);
+  double mean = 0;
+  for (const double value : values) mean += value / kCount;
+  for (std::size_t n = 0; n < kCount; ++n) EXPECT_ABS((*rest)[n], mean, 1e-12, "rounding");
+}
+
+TEST(WithoutWhatLasts, OfSixtyFourSamplesALineIsTakenOff) {
+  std::vector<double> line;
+  for (int n = 0; n < 63; ++n) line.push_back(n);
+  EXPECT_FALSE(WithoutWhatLasts(line, kStep_s));
+  line.push_back(63);
+  EXPECT_TRUE(WithoutWhatLasts(line, kStep_s));
+}
+
 TEST(WithoutWhatLasts, HolesStay) {
   auto values = Sampled([](double t) { return Ringing(t) + 20 * t; });
   values[0] = values[500] = values.back() = kNan;
@@ -100,6 +144,9 @@ TEST(WithoutWhatLasts, HolesStay) {
 TEST(WithoutWhatLasts, TakesNothingOffARingingAloneOrNoise) {
   EXPECT_FALSE(WithoutWhatLasts(Sampled(Ringing), kStep_s));
   EXPECT_FALSE(WithoutWhatLasts(Noise(kCount, 1), kStep_s));
+  auto about_seven = Noise(kCount, 1);
+  for (double& value : about_seven) value += 7;
+  EXPECT_FALSE(WithoutWhatLasts(about_seven, kStep_s)) << "an offset is no course";
   EXPECT_FALSE(WithoutWhatLasts(std::vector<double>(kCount, kNan), kStep_s));
   EXPECT_FALSE(WithoutWhatLasts({}, 0));
   // one that dies away at the mains' own frequency
@@ -119,6 +166,27 @@ TEST(WithoutWhatLasts, HumIsTakenOffFromATenthOfASecondOn) {
   };
   EXPECT_TRUE(hum(501));
   EXPECT_FALSE(hum(499));
+}
+
+TEST(WithoutWhatLasts, ALineIsTakenOffThatHasMoreThanAFifthOfTheTypicalPower) {
+  // samples of +-1 and a line: in the k-th sixteenth of the record it has about b^2 x^2 more than
+  // their 1, x from -1 to 1; of 16 x^2 the middle ones lie 3.5 and 4.5 sixteenths of 2 from 0
+  const auto taken = [](double slope) {
+    std::vector<double> values(1024);
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      const double x = (2 * static_cast<double>(n) + 1) / 1024 - 1;
+      values[n] = (n % 2 == 0 ? 1 : -1) + slope * x;
+    }
+    return WithoutWhatLasts(values, kStep_s).has_value();
+  };
+  // mean of x^2 over a sixteenth: its middle's square and (2/16)^2/12; the median of 16 is the
+  // mean of the 8th and the 9th
+  const double spread = 1. / 64 / 12;
+  const double eighth = 7. / 16 * 7. / 16 + spread;
+  const double ninth = 9. / 16 * 9. / 16 + spread;
+  const double edge = std::sqrt((1 / 0.8 - 1) / ((eighth + ninth) / 2));
+  EXPECT_FALSE(taken(0.995 * edge));
+  EXPECT_TRUE(taken(1.005 * edge));
 }
 
 }  // namespace

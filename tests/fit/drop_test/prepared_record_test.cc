@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/ring_fit.h"
 #include "fit/drop_test/ring_start.h"
 #include "tests/findings.h"
 #include "tests/fit/synthetic_drop.h"
@@ -22,11 +23,11 @@ using tests::SyntheticDrop;
 
 // drops one after another, `share` of the first one's speed each, half of a second apart
 ImpulseRecord Train(const std::vector<double>& shares, double spacing_s = 0.5,
-                    double quiet_s = 0.01) {
+                    double quiet_s = 0.01, double noise_v = 2e-3) {
   ImpulseRecord train;
   for (std::size_t k = 0; k < shares.size(); ++k) {
     SyntheticDrop drop;
-    drop.noise_v = 2e-3;
+    drop.noise_v = noise_v;
     drop.seed = static_cast<unsigned>(k) + 1;
     drop.quiet_s = quiet_s;
     drop.length_s = spacing_s - quiet_s;
@@ -173,6 +174,9 @@ TEST(SplitDrops, AFurtherDropRisesBeyondThreeTenthsOfTheLargest) {
   EXPECT_EQ(SplitDrops(Train({1.0, 0.296})).size(), 1U);
   EXPECT_EQ(SplitDrops(Train({1.0, 0.304})).size(), 2U);
   EXPECT_EQ(SplitDrops(Train({0.296, 1.0, 1.0})).size(), 2U);
+  // without noise; the first ringing has fallen to e^(-11.5) when the second begins
+  EXPECT_EQ(SplitDrops(Train({1.0, 0.2995}, 1.0, 0.01, 0)).size(), 1U);
+  EXPECT_EQ(SplitDrops(Train({1.0, 0.3005}, 1.0, 0.01, 0)).size(), 2U);
 }
 
 TEST(SplitDrops, AFurtherDropFollowsAPeriodBelowATenthOfTheLargest) {
@@ -232,6 +236,68 @@ TEST(PrepareRecord, ACoarseConvertersSilentTailIsNoImpact) {
   }
 }
 
+TEST(PrepareRecord, RoundedPeaksOfManySamplesAreNotClipped) {
+  // 222 samples a period, 0.443 V by steps of 0.05 V: rounding makes peaks flat for a seventh of a
+  // period, more than they could be at half of the period
+  SyntheticDrop drop;
+  drop.step_s = 2e-5;
+  drop.step_v = 0.05;
+  const auto prepared = PrepareRecord(MakeRecord(drop));
+  ASSERT_TRUE(prepared) << prepared.error().Text();
+  EXPECT_FALSE(prepared->part.found.Has(FindingKind::kClipped));
+}
+
+// a ring-down of position `u` and speed `v` with dry friction takes the place of what follows
+// `at_s`
+void RingFrom(double at_s, double u, double v, ImpulseRecord& record) {
+  const double d = 11.5;
+  const FrictionRing ring{.poles = {.decay_per_s = d, .stiffness_per_s2 = 2e6},
+                          .even_v = v,
+                          .odd_v_per_s = -2e6 * u - d * v,
+                          .friction = 3e-7,
+                          .signal = RecordedSignal::kVoltage};
+  std::vector<double> since_s;
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    const double t = record.start_s + static_cast<double>(n) * record.step_s - at_s;
+    if (t >= 0) since_s.push_back(t);
+  }
+  const auto motion = MotionWithFriction(ring, since_s);
+  std::ranges::copy(motion, record.voltage_v.end() - std::ssize(motion));
+}
+
+TEST(PrepareRecord, BehindALaterImpactWhatFrictionTookBeginsWithThePart) {
+  ImpulseRecord record;
+  record.name = "rub.csv";
+  record.step_s = 2e-4;
+  record.start_s = -0.01;
+  record.voltage_v.assign(1300, 0.0);
+  RingFrom(0.37e-4, 0, 0.44, record);
+  // a second impact adds to the speed, 0.03 s later
+  const double w = std::sqrt(2e6 - 11.5 * 11.5);
+  const double fall = 0.44 * std::exp(-11.5 * 0.03);
+  const double u = fall * std::sin(w * 0.03) / w;
+  RingFrom(0.03 + 0.37e-4, u, fall * std::cos(w * 0.03) - 11.5 * u + 0.35, record);
+  // as noise, 7 uV
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    record.voltage_v[n] += 1e-5 * std::sin(1.7 * static_cast<double>(n * n));
+  }
+  const auto prepared = PrepareRecord(record);
+  ASSERT_TRUE(prepared) << prepared.error().Text();
+  const Disturbances& part = prepared->part;
+  ASSERT_TRUE(part.follows_a_later_blow);
+  ASSERT_TRUE(part.found.Has(FindingKind::kDryFriction));
+  ASSERT_EQ(part.linear_less_friction_v.size(), part.end_sample - part.first_sample);
+  // together they are a linear ring-down
+  for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
+    record.voltage_v[n] += part.linear_less_friction_v[n - part.first_sample];
+  }
+  const RingFit fit =
+      FitRing(BlocksOf(record, part.first_sample, part.end_sample, 1), prepared->start.poles, {});
+  const auto samples = static_cast<double>(part.end_sample - part.first_sample);
+  EXPECT_LT(std::sqrt(fit.Squares() / samples), 1.1e-5 / std::sqrt(2.0)) << "the noise alone";
+  EXPECT_REL(fit.poles.decay_per_s, 11.5, 1e-3, "noise of 2e-5");
+}
+
 TEST(SplitDrops, APieceBeginsHalfWayBetweenTheRingingAndTheRise) {
   const auto train = Train({1.0, 1.0});
   const auto drops = SplitDrops(train);
@@ -247,8 +313,8 @@ TEST(ThinnedRecord, BeginsBeyondAHundredThousandSamplesAndTwoThousandAPeriod) {
   record.step_s = 1e-6;
   record.start_s = -0.5;
   const auto block = [&record](std::size_t samples, double period_samples) -> std::size_t {
-    record.voltage_v.assign(samples, 0.0);
-    record.voltage_v[7] = 1;
+    record.voltage_v.resize(samples);
+    for (std::size_t n = 0; n < samples; ++n) record.voltage_v[n] = static_cast<double>(n);
     const double angular = 2 * M_PI / (period_samples * record.step_s);
     const auto thinned =
         Thinned(record, {.decay_per_s = 10, .stiffness_per_s2 = angular * angular});
@@ -257,6 +323,10 @@ TEST(ThinnedRecord, BeginsBeyondAHundredThousandSamplesAndTwoThousandAPeriod) {
     EXPECT_REL(thinned->record.step_s, blocks * 1e-6, 1e-12, "rounding");
     EXPECT_REL(thinned->record.start_s, -0.5 + (blocks - 1) / 2 * 1e-6, 1e-12, "a block's middle");
     EXPECT_EQ(thinned->record.voltage_v.size(), samples / thinned->block);
+    for (const std::size_t n : {0UZ, 1UZ, thinned->record.voltage_v.size() - 1}) {
+      EXPECT_EQ(thinned->record.voltage_v[n], static_cast<double>(n) * blocks + (blocks - 1) / 2)
+          << "the mean of a line's block";
+    }
     return thinned->block;
   };
   EXPECT_EQ(block(100'000, 2001), 0U);

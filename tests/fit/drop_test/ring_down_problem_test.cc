@@ -95,6 +95,17 @@ TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
   }
 }
 
+TEST(RingDownPoint, ColumnsAreTheSharedNumbersThenEachRecordsOwn) {
+  const RingDownPoint point = Point();
+  const std::vector<double> columns = ToColumns(point);
+  ASSERT_EQ(columns.size(), kSharedCount + 2 * kOwnCount);
+  EXPECT_EQ(columns[Index(Shared::kResistance)], std::log(27));
+  EXPECT_EQ(columns[Column(1, Own::kImpact)], -3e-5);
+  const RingDownPoint again = FromColumns(columns);
+  EXPECT_EQ(again.shared, point.shared);
+  EXPECT_EQ(again.own, point.own);
+}
+
 TEST(RingDownProblem, PolesMoveAsByFiniteDifferences) {
   const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 0.3)}, 130e-6);
   const auto point = Point();

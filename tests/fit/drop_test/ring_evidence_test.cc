@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -17,6 +18,7 @@
 #include "fit/drop_test/prepared_record.h"
 #include "fit/drop_test/ring_start.h"
 #include "tests/findings.h"
+#include "tests/fit/bound.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 
@@ -398,6 +400,63 @@ TEST(NoRingDown, AFrequencyThatChangesIsNamedFromATwentiethOn) {
       2)
       << text;
   EXPECT_REL(std::log(to_hz / from_hz), 0.05, 0.02, "four digits of each frequency");
+}
+
+// how far the frequencies of the first 140 samples and the next 140 differ, in deviations: each of
+// a fit, with the Cramer-Rao bound for the variance that it leaves
+double ChangeInDeviations(const RingSamples& samples) {
+  std::array<double, 2> logarithm{};
+  std::array<double, 2> deviation{};
+  for (std::size_t part = 0; part < 2; ++part) {
+    RingSamples some = samples;
+    const auto first = static_cast<std::ptrdiff_t>(part * 140);
+    some.times_s.assign(samples.times_s.begin() + first, samples.times_s.begin() + first + 140);
+    some.values_v.assign(samples.values_v.begin() + first, samples.values_v.begin() + first + 140);
+    const RingFit fit = FitRing(some, {25, std::pow(kTwoPi * 130, 2)}, {});
+    // ln d, ln w, both amplitudes, offset
+    const double w = std::sqrt(fit.poles.stiffness_per_s2 - std::pow(fit.poles.decay_per_s, 2));
+    const auto model = [&](const std::vector<double>& p) {
+      std::vector<double> values;
+      for (const double time_s : some.times_s) {
+        const double t = time_s - some.times_s.front();
+        const double angle = std::exp(p[1]) * t;
+        values.push_back(std::exp(-std::exp(p[0]) * t) *
+                             (p[2] * std::cos(angle) + p[3] * std::sin(angle)) +
+                         p[4]);
+      }
+      return values;
+    };
+    const auto bounds = tests::CramerRaoDeviations(model,
+                                                   {std::log(fit.poles.decay_per_s), std::log(w),
+                                                    fit.even_v, fit.odd_v_per_s / w, fit.offset_v},
+                                                   {1e-3, 1e-4, 1e-3, 1e-3, 1e-3});
+    logarithm[part] = 0.5 * std::log(fit.poles.stiffness_per_s2);
+    deviation[part] = bounds[1] * std::sqrt(fit.Squares() / (140 - 5));
+  }
+  return std::abs(logarithm[1] - logarithm[0]) / std::hypot(deviation[0], deviation[1]);
+}
+
+TEST(NoRingDown, AFrequencyThatChangesIsNamedFromSixDeviationsOn) {
+  // by 8 % from the first 14 ms, 0.35 of a decay time of 40 ms, to the next; in ever more noise
+  double named = 0;
+  double silent = 0.2;
+  std::array<double, 2> deviations{};
+  for (int halving = 0; halving < 14; ++halving) {
+    const double noise = (named + silent) / 2;
+    const auto record = Recorded(
+        [](double t) {
+          return t < 0 ? 0 : std::exp(-25 * t) * std::cos(kTwoPi * (125 * t + 370 * t * t));
+        },
+        noise);
+    Judged judged = Clean();
+    judged.fit.poles = {25, std::pow(kTwoPi * 130, 2)};
+    judged.samples = BlocksOf(record, 310, record.voltage_v.size(), 1);
+    const bool has = !NoRingDown(judged.evidence, judged.samples, judged.fit, false).empty();
+    (has ? named : silent) = noise;
+    deviations[has ? 0 : 1] = ChangeInDeviations(judged.samples);
+  }
+  EXPECT_REL(deviations[0], 6.0, 3e-3, "ln w for ln sqrt(q): d^2/q = 1e-3; halved 14 times");
+  EXPECT_REL(deviations[1], 6.0, 3e-3, "ln w for ln sqrt(q): d^2/q = 1e-3; halved 14 times");
 }
 
 TEST(NoRingDown, AHarmonicThatIsLeftIsNamedByItsNumber) {

@@ -42,6 +42,38 @@ TEST(RingFit, FindsEveryPartOfACleanRecord) {
   EXPECT_REL(fit.Envelope(0.1), amplitude * std::exp(-1.1), 1e-11, "closed form");
 }
 
+TEST(RingFit, EachLineOfHumHasItsCosineAndItsSine) {
+  // 0.004 and 0.003 at 150 Hz, -0.002 and 0.001 at 250 Hz beside the 50 Hz; t on the record's axis
+  auto record = Record();
+  const auto angle = [&](std::size_t n, double hertz) {
+    return 2 * std::numbers::pi * hertz * (record.start_s + static_cast<double>(n) * record.step_s);
+  };
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    record.voltage_v[n] += 4e-3 * std::cos(angle(n, 150)) + 3e-3 * std::sin(angle(n, 150)) -
+                           2e-3 * std::cos(angle(n, 250)) + 1e-3 * std::sin(angle(n, 250));
+  }
+  // condensed and not
+  for (const std::size_t end : {2400U, 900U}) {
+    for (const bool drifts : {true, false}) {
+      auto without_line = record;
+      for (std::size_t n = 0; n < 2400 && !drifts; ++n) {
+        without_line.voltage_v[n] -= 0.03 * (static_cast<double>(n) / 2399 - 0.5);
+      }
+      const auto samples = BlocksOf(without_line, 0, end, 1);
+      const auto fit = FitRing(samples, {20, 1.9e6}, {.drifts = drifts, .hum_hz = {50, 150, 250}});
+      ASSERT_EQ(fit.hum.size(), 3U);
+      EXPECT_EQ(fit.hum[1].frequency_hz, 150);
+      EXPECT_ABS(fit.hum[1].cosine_v, 4e-3, 1e-12, "noise-free");
+      EXPECT_ABS(fit.hum[1].sine_v, 3e-3, 1e-12, "noise-free");
+      EXPECT_EQ(fit.hum[2].frequency_hz, 250);
+      EXPECT_ABS(fit.hum[2].cosine_v, -2e-3, 1e-12, "noise-free");
+      EXPECT_ABS(fit.hum[2].sine_v, 1e-3, 1e-12, "noise-free");
+      EXPECT_ABS(fit.HumAmplitude(), std::sqrt(1e-4 + 25e-6 + 5e-6), 1e-12, "noise-free");
+      EXPECT_ABS(fit.hum[2].At(1e-3), 1e-3, 1e-12, "a quarter of a period: the sine");
+    }
+  }
+}
+
 TEST(RingFit, BlocksKeepThePoles) {
   auto record = Record();
   record.voltage_v[77] = std::nan("");

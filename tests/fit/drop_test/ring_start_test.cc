@@ -94,6 +94,61 @@ TEST(RingStart, TooShortARecordSaysWhatIsMissing) {
   EXPECT_FALSE(FindRingStart(empty));
 }
 
+TEST(RingStart, AReleaseBeginsAtAZeroWithTheSlopeOfItsForce) {
+  // damped by 0.02, 0.2 and 0.4 of critical: 2 sqrt(Kv Mv) = 3.96 N s/m
+  for (const double damping : {0.08, 0.8, 1.6}) {
+    SCOPED_TRACE(damping);
+    SyntheticDrop drop;
+    drop.release_current_a = 0.05;
+    drop.damping_n_s_per_m = damping;
+    drop.step_s = 5e-5;
+    drop.length_s = 0.03;
+    const auto start = FindRingStart(MakeRecord(drop));
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_ABS(start->release_s, drop.impact_s, 1e-9, "noise-free");
+    EXPECT_REL(start->release_slope_v_per_s, 0.05 / 1.4e-3, 1e-6, "Km^2 I0/Mv, noise-free");
+  }
+}
+
+TEST(RingStart, BeyondCriticalDampingBothMotionsBeginAtTheirOnlyZero) {
+  // 1.16 and 1.5 of critical: 2 sqrt(Kv Mv) = 3.96 N s/m
+  for (const double damping : {4.6, 6.0}) {
+    for (const double current_a : {0.0, 0.05}) {
+      SCOPED_TRACE(damping);
+      SCOPED_TRACE(current_a);
+      SyntheticDrop drop;
+      drop.release_current_a = current_a;
+      drop.damping_n_s_per_m = damping;
+      drop.step_s = 1e-5;
+      drop.length_s = 0.02;
+      const auto start = FindRingStart(MakeRecord(drop));
+      ASSERT_TRUE(start) << start.error().Text();
+      const double begin_s = current_a > 0 ? start->release_s : start->impact_s;
+      EXPECT_ABS(begin_s, drop.impact_s, 1e-9, "noise-free");
+    }
+  }
+}
+
+TEST(RingStart, OfFewPeriodsBehindSilenceTheImpactIsFoundAtAnyOffset) {
+  // 4.5 periods behind up to 3 silent ones: too few for the amplitude to be followed
+  for (const double offset_v : {-3.0, 0.5, 3.0}) {
+    for (const double quiet_s : {0.003, 0.006, 0.0132}) {
+      SCOPED_TRACE(quiet_s);
+      SCOPED_TRACE(offset_v);
+      SyntheticDrop drop;
+      drop.offset_v = offset_v;
+      drop.quiet_s = quiet_s;
+      drop.length_s = 0.02;
+      const auto record = MakeRecord(drop);
+      const auto start = FindRingStart(record);
+      ASSERT_TRUE(start) << start.error().Text();
+      EXPECT_ABS(start->impact_s, drop.impact_s, 1e-9, "noise-free");
+      EXPECT_ABS(start->offset_v, offset_v, 1e-9, "noise-free");
+      EXPECT_ABS(start->blow_s, 1e-4, 2.1e-4, "the next sample, to a sixteenth of a period");
+    }
+  }
+}
+
 // samples with something added, f(time)
 template <typename Added>
 ImpulseRecord With(ImpulseRecord record, const Added& added) {

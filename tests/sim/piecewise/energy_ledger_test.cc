@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "sim/linear/driven_step.h"
 #include "sim/linear/excitation.h"
+#include "sim/piecewise/piecewise_motion.h"
 #include "tests/residual.h"
 
 namespace haptometer::sim {
@@ -141,6 +144,36 @@ TEST(EnergyOver, IntegratesSquaresOfRows) {
                           20 * D::kX0 * D::kY0 * part(D::kA + D::kC) +
                           25 * D::kY0 * D::kY0 * part(2 * D::kC);
     EXPECT_REL(D::Of(energy.squares[1]), square, 1e-12, "rounding of doublings");
+  }
+}
+
+// x = exp(s t) sin(w t + phase), whose peaks grow by 5e-8 a period and lie in the middle of output
+// steps: each is above the last by far less than the chord's bulge, 7.5e-5
+TEST(Ranges, HoldAPeakThatHardlyExceedsTheLast) {
+  constexpr double kPi = std::numbers::pi, kOmega = 20, kGrowth = kOmega * 5e-8 / (2 * kPi);
+  Mode mode{.name = "swing",
+            .a = Eigen::MatrixXd::Zero(2, 2),
+            .b = Eigen::VectorXd::Zero(2),
+            .positions = {},
+            .stored_j = Eigen::MatrixXd::Identity(2, 2) / 2,
+            .current_row = Eigen::RowVectorXd::Zero(2)};
+  mode.a << kGrowth, kOmega, -kOmega, kGrowth;
+  for (const double sign : {1.0, -1.0}) {
+    mode.watched = {{.row = Eigen::RowVector2d(sign, 0), .offset = 0}};
+    const double phase = kPi / 256, rate_hz = 256 * kOmega / (2 * kPi);
+    PiecewiseMotion motion({.modes = {mode}, .transitions = {}, .dissipating_elements = {}},
+                           Excitation(Drive{.amplitude_v = 0, .frequency_hz = 1}),
+                           {.x = Eigen::Vector2d(std::sin(phase), std::cos(phase))},
+                           OutputGrid{.rate_hz = rate_hz});
+    for (int periods = 1; periods <= 3; ++periods) {
+      while (motion.index() < 256 * static_cast<std::uint64_t>(periods)) motion.Next();
+      const double peak_s = (kPi * (2 * periods - 1.5) - phase) / kOmega;
+      const double trough_s = (kPi * (2 * periods - 0.5) - phase) / kOmega;
+      const double peak = std::exp(kGrowth * peak_s), trough = std::exp(kGrowth * trough_s);
+      const ValueRange& range = motion.Ranges()[0];
+      EXPECT_ABS(range.largest, sign > 0 ? peak : trough, 1e-13, "rounding of 700 steps");
+      EXPECT_ABS(range.least, sign > 0 ? -trough : -peak, 1e-13, "rounding of 700 steps");
+    }
   }
 }
 

@@ -283,6 +283,45 @@ TEST(ChooseEffects, BeyondPredictionIsSaid) {
   EXPECT_LT(known.error_estimate, 2 * scene.tolerance);
 }
 
+// The window's integrals are differences of those since t = 0. Where what the bodies began with has
+// decayed, 1e-14 of all before it is what they are wrong by: of the case at 225 Hz, the skin at
+// 400.
+TEST(SceneRun, WhatHasDecayedIsRoundingOfTheWindow) {
+  for (const double frequency_hz : {225.0, 400.0}) {
+    Scene scene = tests::AdapterScene();
+    scene.start = Start::kRest;
+    scene.skin.damping_n_s_per_m = 3;
+    scene.drive = {.amplitude_v = 1, .frequency_hz = frequency_hz};
+    const LinearModel model = AssembleModel(scene);
+    PiecewiseStart start{.x = Eigen::VectorXd::Zero(model.states())};
+    start.x(frequency_hz > 300 ? model.skin() : Eigen::Index{LinearModel::kMover}) = 1;
+    EffectiveScene effective = WithEffects(scene, With({}));
+    const SceneRun run = RunScene(effective, 60 / frequency_hz, start);
+    effective.window_periods = 50;
+    const SceneRun before = RunScene(effective, 50 / frequency_hz, start);
+    // integrals over 50 periods and the 10 of the window
+    const auto rounding = [](double before_m, double window_m) {
+      return 1e-14 * (1 + 5 * std::pow(before_m / window_m, 2));
+    };
+    const double of_skin = rounding(before.skin_rms_m, run.skin_rms_m);
+    const double of_case = rounding(before.case_rms_m, run.case_rms_m);
+    EXPECT_GT(frequency_hz > 300 ? of_skin / of_case : of_case / of_skin, 1.1);
+    EXPECT_REL(run.error_estimate, std::max(of_skin, of_case), 1e-2, "the motion's own rounding");
+  }
+}
+
+// beside a stop whose contact settles in 1e-11 s, reached or not
+TEST(SceneRun, WhatAnyModeIsTooFastForIsRefused) {
+  Scene scene = Narrow(180, 1, 0);
+  scene.effects.travel_stops->stiffness_n_per_m = 1e6;
+  for (const double damping_n_s_per_m : {1.0, 1e8}) {
+    scene.effects.travel_stops->damping_n_s_per_m = damping_n_s_per_m;
+    const SceneRun run = RunScene(WithEffects(scene, With({Effect::kTravelStops})), 0.01);
+    EXPECT_EQ(run.stall_reason.has_value(), damping_n_s_per_m > 1);
+    EXPECT_EQ(run.stalled_at_s.has_value(), damping_n_s_per_m > 1);
+  }
+}
+
 // a pad that is pressed and left between two outputs
 TEST(SceneRun, PeaksAndLeastForceAreLocated) {
   Scene scene = Narrow(180, 1.4e-4, 0);

@@ -477,13 +477,22 @@ TEST(PiecewiseScene, RandomScenesKeepTheRules) {
 }
 
 TEST(PiecewiseScene, SkinWithoutDampingSpringsBackAtOnce) {
-  Scene scene = FromRest(AdapterScene());
-  scene.skin.damping_n_s_per_m = 0;
-  PiecewiseMotion motion(AssemblePiecewise(scene, {.contact_loss = ContactLoss{0.07}}), scene.drive,
-                         PiecewiseStartOf(scene), 1e4, true);
-  RunTo(motion, 500);
-  EXPECT_GT(motion.events().size(), 10U);
-  EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-12, "sums of exact integrals");
+  for (const double tremor_m : {0.0, 50e-6}) {
+    Scene scene = FromRest(AdapterScene());
+    scene.skin.damping_n_s_per_m = 0;
+    if (tremor_m > 0) scene.finger.tones = {{.amplitude = tremor_m, .frequency_hz = 60}};
+    PiecewiseMotion motion(AssemblePiecewise(scene, {.contact_loss = ContactLoss{0.07}}),
+                           Excitation(scene.drive, scene.finger.tones), PiecewiseStartOf(scene),
+                           OutputGrid{.rate_hz = 1e4}, true);
+    while (motion.index() < 500) {
+      motion.Next();
+      // the force is 0 where contact ends and begins: no energy is lost, aloft neither
+      const EnergyLedger ledger = motion.Ledger();
+      EXPECT_ABS(ledger.impact_j, 0, 1e-12 * ledger.input_j, "differences of two energies");
+    }
+    EXPECT_GT(motion.events().size(), 10U);
+    EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-12, "sums of exact integrals");
+  }
 }
 
 }  // namespace

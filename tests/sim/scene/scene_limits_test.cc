@@ -91,6 +91,8 @@ TEST(SceneFile, RefusesAStartBeyondAStop) {
   };
   const std::string none = "no error", weight = "gravity = true\n";
   EXPECT_EQ(error_of("mover_m = '99.9um'\n", ""), none);
+  EXPECT_EQ(error_of("mover_m = '100um'\n", ""), none) << "it touches the stop";
+  EXPECT_EQ(error_of("mover_m = '-200um'\n", ""), none) << "it touches the stop";
   EXPECT_EQ(error_of("mover_m = '100.1um'\n", ""),
             "scene.toml: [start]: mover_m: puts the mover 100.1 um from where its spring is "
             "unloaded, beyond a stop; it is measured from where the mover rests");
@@ -103,6 +105,25 @@ TEST(SceneFile, RefusesAStartBeyondAStop) {
   EXPECT_NE(error_of("mover_m = '95.2um'\n", weight), none);
   EXPECT_EQ(error_of("mover_m = '-204.8um'\n", weight), none);
   EXPECT_NE(error_of("mover_m = '-205um'\n", weight), none);
+}
+
+TEST(SceneFile, RefusesACurrentThatNoInductanceKeeps) {
+  const auto error_of = [](const std::string& inductance_h, const std::string& effects) {
+    std::string text = "[actuator]\n";
+    for (const char* key : {"moving_mass_kg", "case_mass_kg", "stiffness_n_per_m",
+                            "damping_n_s_per_m", "force_constant_n_per_a", "resistance_ohm"}) {
+      text += std::string(key) + " = 1\n";
+    }
+    return WithoutLine(ErrorOf(text + "inductance_h = " + inductance_h + "\n" + kSkin + kDrive +
+                               "[start]\ncurrent_a = 0.1\n" + effects));
+  };
+  EXPECT_EQ(error_of("1e-6", ""), "no error");
+  EXPECT_EQ(error_of("0", ""),
+            "scene.toml: [start]: current_a: needs an inductance, and inductance_h is 0; remove "
+            "it: the current follows the voltage at once");
+  EXPECT_EQ(error_of("1e-6", "[effects]\ninductance = false\n"),
+            "scene.toml: [start]: current_a: needs an inductance, which [effects] turns off; "
+            "remove it: the current follows the voltage at once");
 }
 
 // what a grip carries of a weight is not known, and so the preload is not

@@ -67,6 +67,17 @@ TEST(SmoothMode, ScalesOfACoilAreTheClosedForms) {
              current + kOmega * 0.3 / std::abs(Complex(0.1, 1) * kOmega + rate), 1e-13, "rounding");
 }
 
+// without inductance the current is V / R at once
+TEST(SmoothMode, ScalesOfACoilWithoutInductanceAreItsVoltages) {
+  Scene scene = Coil();
+  scene.actuator.inductance_h = 0;
+  const SmoothSystem system = AssembleSmooth(scene, {}, {.heating = kHeating});
+  const SmoothMode mode(system, 0, Excitation(scene.drive).Piece(0), true);
+  const Eigen::VectorXd scale = mode.ScaleFrom(Eigen::VectorXd::Zero(5));
+  EXPECT_REL(mode.LastRise(scale), 25 / scene.actuator.resistance_ohm * 100, 1e-13, "rounding");
+  EXPECT_REL(scale(4), 25 / scene.actuator.resistance_ohm / kOmega / 1e-3, 1e-13, "rounding");
+}
+
 TEST(SmoothMode, ACoilWithoutAWayOutHasNoLastRise) {
   SmoothSystem system = AssembleSmooth(Coil(), {}, {.heating = kHeating});
   system.heating->thermal_resistance_k_per_w = std::numeric_limits<double>::infinity();
@@ -156,8 +167,8 @@ class Chain {
                    .scale = std::move(scale),
                    .integral_scale = Eigen::VectorXd(0),
                    .longest_step_s = 1e-3});
-    // the coil's transient of some 5 us is over
-    while (solver_.end_s() < 2e-3) EXPECT_TRUE(solver_.Step());
+    // the coil's transient of some 5 us is over, and sine and cosine of the drive are both large
+    while (solver_.end_s() < 3e-3) EXPECT_TRUE(solver_.Step());
   }
 
   // how far g^(k) over a short time is from the integral of g^(k+1), over the size of that
@@ -246,6 +257,18 @@ TEST(SmoothMode, JetsOfAWarmingMoversGapAreDerivativesOfEachOther) {
   Chain chain(AssembleSmooth(scene, {.stops = tests::Rigid(1, 0.5)}, {.heating = quick}), scene,
               60);
   for (const std::size_t k : {0U, 1U, 2U}) EXPECT_LT(chain.Residual(0, k), 1e-4) << k;
+}
+
+// of a speed, whose second derivative holds that of the temperature
+TEST(SmoothMode, JetsOfAWarmingMoversSpeedAreDerivativesOfEachOther) {
+  Scene scene = tests::AdapterScene();
+  scene.actuator.inductance_h = 0;
+  const CoilHeating quick{.heat_capacity_j_per_k = 1e-5, .thermal_resistance_k_per_w = 100};
+  SmoothSystem system = AssembleSmooth(scene, {}, {.heating = quick});
+  system.linear.modes[0].guards = {
+      {.row = Eigen::RowVectorXd::Unit(6, LinearModel::kMoverVelocity), .offset = 1}};
+  Chain chain(std::move(system), scene, 60);
+  for (const std::size_t k : {0U, 1U}) EXPECT_LT(chain.Residual(0, k), 1e-4) << k;
 }
 
 TEST(SmoothMode, JetsOfTheContactForceAreDerivativesOfEachOther) {

@@ -119,6 +119,26 @@ TEST(AdapterGrid, HoldsWhatHasEqualBounds) {
   EXPECT_REL(best.score, SlowBest(problem, 6, {}), 1e-13, "two orders of the same operations");
 }
 
+TEST(AdapterGrid, WithoutAnyWeightHasNoMotion) {
+  const GridBest best = BestOnGrid(ThesisProblem(), 3, {0, 0, 0});
+  EXPECT_EQ(best.score, 0);
+  EXPECT_EQ(best.skin_rms_m, 0);
+  const GridBest half = BestOnGrid(ThesisProblem(), 3, {0.5, 0.5, 0.5});
+  EXPECT_EQ(half.skin_rms_m, 2 * half.score) << "the motion itself";
+}
+
+// whatever rounding makes of lower + (upper - lower)
+TEST(EqualSteps, BeginAndEndAtTheEndsOfTheirRange) {
+  for (int k = 1; k <= 200; ++k) {
+    const Range range{.lower = 0.003, .upper = 0.003 + k * 0.01};
+    const std::vector<double> steps = EqualSteps(range, 5);
+    EXPECT_EQ(steps.front(), range.lower);
+    EXPECT_EQ(steps.back(), range.upper) << k;
+    EXPECT_REL(steps[1], 0.003 + k * 0.0025, 1e-15, "rounding");
+  }
+  EXPECT_EQ(EqualSteps({.lower = 2, .upper = 3}, 1), std::vector<double>{2});
+}
+
 TEST(AdapterGrid, OfAFixedSkinHasFourAxes) {
   TuningProblem problem = ThesisProblem();
   problem.fixed_skin = Skin{.stiffness_n_per_m = 600, .damping_n_s_per_m = 0.75};

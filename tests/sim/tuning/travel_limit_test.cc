@@ -7,6 +7,8 @@
 #include <complex>
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "sim/linear/steady_state.h"
 #include "sim/tuning/adapter_optimum.h"
@@ -275,6 +277,80 @@ TEST(LimitedTravelBound, IsTheCoilsWorkInTheSkinsDamper) {
     EXPECT_GE(bound(Objective::kSkinPower), power_w);
     EXPECT_GE(bound(Objective::kSkinRms), rms_m);
   }
+}
+
+// a bound by the coil's work alone, where the best is above it: what is allowed for rounding of the
+// source, twice of a power, for the travel's difference, the limit and the steps of Nr
+TEST(TravelLimit, BoundHasItsAllowances) {
+  const TuningProblem problem = Limited(0.2e-3);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const double of_source =
+      source.rounding_allowance * (1 + std::abs(source.free_travel_m) / problem.mover_limit_m);
+  ASSERT_GT(of_source, 1e-11) << "seen by a double";
+  const auto allowance = [&](Objective objective, const ReceptorField& receptors) {
+    LimitedBest best{.value = 1e3, .prices = {}};
+    double rough = 0;
+    for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
+      best.prices.push_back(-1);
+      rough = std::max(rough, piece.weight * LimitedTravelBound(piece.objective, piece.problem,
+                                                                source, receptors));
+    }
+    const TravelBound bound = BoundWithinTravel(objective, problem, receptors, 1e-9, 10, best);
+    EXPECT_EQ(bound.boxes, 0U);
+    return bound.value / rough - 1;
+  };
+  EXPECT_ABS(allowance(Objective::kSkinRms, {}), of_source + 1e-11, 1e-15, "rounding");
+  EXPECT_ABS(allowance(Objective::kSkinPower, {}), 2 * of_source + 1e-11, 1e-15, "rounding");
+  EXPECT_ABS(allowance(Objective::kStimulus, {}), of_source + 1e-11 + 1e-9, 1e-15, "rounding");
+}
+
+// Nine places an axis: evenly, by the logarithm of the mass that moves with the case where that
+// is wide, and in steps of 8 from the upper end where the damping may be 0.
+TEST(StartPlaces, OfTheLatticeAreThoseOfTheHeader) {
+  const auto places_of = [](const TuningProblem& problem) {
+    return StartPlaces(problem, SourceOf(problem.actuator, problem.drive));
+  };
+  TuningProblem problem = ThesisProblem();
+  problem.bounds.damping_n_s_per_m.lower = 0;
+  for (const double most_kg : {5e-3, 0.2}) {
+    problem.bounds.motor_side_mass_kg = {0.25e-3, most_kg};
+    const std::vector<CubePlace> places = places_of(problem);
+    EXPECT_EQ(places.size(), 6561U + 2 * 729U + 2 * 729U) << "the lattice and two ridges";
+    // the springs' ridge, then the masses': an end stands for a root beyond the bounds
+    for (const auto& [begin, axis] : {std::pair{6561U, 1}, std::pair{6561U + 1458U, 0}}) {
+      std::size_t at_ends = 0;
+      for (std::size_t k = begin; k < begin + 1458; ++k) {
+        EXPECT_GE(places[k][axis], 0);
+        EXPECT_LE(places[k][axis], 1);
+        at_ends += places[k][axis] == 0 ? 1 : 0;
+      }
+      EXPECT_GT(at_ends, 0U) << axis;
+    }
+    const double case_kg = problem.actuator.case_mass_kg;
+    const double least_kg = 0.25e-3 + case_kg, ratio = (most_kg + case_kg) / least_kg;
+    EXPECT_EQ(ratio > 20, most_kg > 0.1);
+    for (std::size_t k = 0; k < 9; ++k) {
+      const double part = static_cast<double>(k) / 8;
+      const double wide = (least_kg * std::pow(ratio, part) - least_kg) / (most_kg - 0.25e-3);
+      EXPECT_ABS(places[729 * k][0], ratio > 20 ? wide : part, 1e-13, "rounding") << k;
+      EXPECT_EQ(places[81 * k][1], part);
+      EXPECT_EQ(places[9 * k][2], k == 0 ? 0 : std::pow(8, static_cast<double>(k) - 8));
+      EXPECT_EQ(places[k][3], part);
+      EXPECT_EQ(places[k][4], 0);
+    }
+  }
+  problem.bounds.damping_n_s_per_m.lower = 1e-3;
+  for (std::size_t k = 0; k < 9; ++k) {
+    EXPECT_EQ(places_of(problem)[9 * k][2], static_cast<double>(k) / 8) << "away from 0";
+  }
+  // a number that is held has no ridge
+  const auto count = [&](Range AdapterBounds::* held) {
+    TuningProblem other = ThesisProblem();
+    (other.bounds.*held).upper = (other.bounds.*held).lower;
+    return places_of(other).size();
+  };
+  EXPECT_EQ(count(&AdapterBounds::stiffness_n_per_m), 729U + 2 * 81U);
+  EXPECT_EQ(count(&AdapterBounds::motor_side_mass_kg), 729U + 2 * 81U);
 }
 
 // the same equation solved for p = Re kc - (Mc + Ma1) w^2: places on the lattice of Ka

@@ -90,6 +90,16 @@ TEST(TakeFloor, OfUnknownNoiseNothingIsSubtracted) {
   EXPECT_REL(made.window.power.rest.variance, (2 * 1e-12 - 3e-14) * 6e-17 / 2, kRound,
              "2 vibration S / T + noise S / T");
   EXPECT_REL(made.window.numbers.kept_noise_m, std::sqrt(3e-14), kRound, "the flat noise");
+  // and motion below the band and in its foot, but no more than there is
+  made.window.beside.below_mean_square = 2e-14;
+  made.window.beside.foot_mean_square = 5e-14;
+  ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_REL(made.window.numbers.kept_noise_m, std::sqrt(10e-14), kRound, "all three");
+  EXPECT_REL(made.window.power.rest.variance, (2 * 1e-12 - 10e-14) * 6e-17 / 2, kRound,
+             "their beat with the vibration");
+  made.window.beside.below_mean_square = 93e-14;
+  ASSERT_TRUE(TakeFloor(made.window));
+  EXPECT_EQ(made.window.numbers.kept_noise_m, 1e-6) << "all";
   // where no part of the band is known, all may be noise
   made.window.beside.is_known = false;
   ASSERT_TRUE(TakeFloor(made.window));
@@ -260,11 +270,11 @@ TEST(NoiseOfQuiet, IsLeftOutWhereItIsMoreThanTheWindow) {
 
 // a tone of 1 um at 150 Hz in noise of 0.1 um; the window is 1.5 s of 2 s that are fitted
 struct Powered : MadeWindow {
-  explicit Powered(bool has_tone) : MadeWindow(ToneInNoise()) {
+  explicit Powered(bool has_tone, std::size_t row_count = 15'000) : MadeWindow(ToneInNoise()) {
     chosen.begin = 5000;
     chosen.end = 25'000;
     window.samples = SamplesOf(window).value();
-    window.rows = 15'000;
+    window.rows = row_count;
     if (has_tone) window.numbers.tone.emplace().fit = *ToneOf(window);
     EXPECT_TRUE(MeasurePower(window));
   }
@@ -312,6 +322,30 @@ TEST(MeasurePower, OfAToneTheRestIsWhatItLeaves) {
   ASSERT_TRUE(window.density);
   EXPECT_EQ(*window.density, split.density);
   EXPECT_REL(*window.density, 1e-14 / 5e3, 0.6, "48 bins know it to 14 %, four times");
+}
+
+// What a tone that stands alone leaves is the noise, known but for what lay beyond it and for the
+// part of the window that was not fitted: none of 1.5 s, 0.5 s of 2.5 s.
+TEST(MeasurePower, OfAToneAloneTheRestIsTheNoise) {
+  for (const std::size_t rows : {15'000UZ, 25'000UZ}) {
+    const Powered made(true, rows);
+    const MeasuredWindow& window = made.window;
+    const FilterDesign& design = made.signal.design();
+    const TonePower split =
+        SplitTone(window.samples, window.numbers.tone->fit, {}, window.duration_s());
+    const double tone_hz = window.numbers.tone->fit.frequency_hz;
+    std::vector<FrequencyRange> ranges;
+    for (const double n : {1, 2, 3}) ranges.push_back({n * tone_hz - 8, n * tone_hz + 8});
+    const NoiseBeside beside =
+        MeasureNoiseBeside(window.samples.values_m, window.samples.rate_hz, design, {}, ranges);
+    const NoisePower beyond = BeyondNoise(split.rest, beside, design, {}, ranges);
+    const double left = split.rest.power.mean_square - beyond.mean_square;
+    ASSERT_LT(left - beside.power.mean_square, 3.29 * std::sqrt(beside.variance_of_rest));
+    EXPECT_REL(window.beside.power.mean_square, left, kRound, "rounding");
+    const double not_fitted = rows == 25'000 ? 1 - window.samples.duration_s() / 2.5 : 0;
+    EXPECT_REL(window.beside.variance_of_rest,
+               beyond.variance + not_fitted * beside.variance_of_rest, 1e-12, "rounding");
+  }
 }
 
 // Hum is no part of the window's power; a drive without a tone has the density at its frequency,
