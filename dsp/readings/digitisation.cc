@@ -313,6 +313,7 @@ double LimitOf(std::span<const double> sorted, double step) {
     limit = mode - std::max(kNoiseReach * kDeviationsPerMedian * off, kStepReach * step);
     const auto railed =
         static_cast<std::size_t>(std::ranges::upper_bound(sorted, limit) - sorted.begin());
+    if (railed == sorted.size()) break;  // values without noise or rounding end at their mode
     mode = sorted[(railed + sorted.size()) / 2];
   }
   return limit;
