@@ -27,6 +27,8 @@ constexpr std::size_t kLeastBlock = 64;
 constexpr int kHighestHarmonic = 3;
 constexpr int kHighestOfAny = 9;  // harmonic that flattens a motion without a limit
 constexpr Eigen::Index kDriftTerms = 5;
+// of a whole period of 10 Hz in a block, a hundred times the tone, 1e-4 is left
+constexpr Eigen::Index kTremorTerms = 9;
 // harmonics are taken where what is left without them is twice as large (in a deviation)
 constexpr double kHarmonicsNeeded = 2;
 // reciprocal condition of the normal equations below which phases are not told apart
@@ -118,26 +120,26 @@ struct Rest {
 class Fitter {
  public:
   Fitter(std::span<const double> samples, double rate_hz, double tone_hz, int highest,
-         Eigen::Index modulation = 0)
+         Eigen::Index drift_terms = kDriftTerms, Eigen::Index modulation = 0)
       : samples_(samples),
         size_(BlockOf(rate_hz)),
         highest_(highest),
-        first_(kDriftTerms + 2 * modulation) {
-    // drift, tone, harmonics below half the rate: the same in each block
+        first_(drift_terms + 2 * modulation) {
+    // drift, tone, harmonics: the same in each block
     terms_.resize(static_cast<Eigen::Index>(size_), TermsOf(highest_));
     for (Eigen::Index k = 0; k < terms_.rows(); ++k) {
       const double place = 2 * static_cast<double>(k) / static_cast<double>(size_) - 1;
       terms_(k, 0) = 1;
-      for (Eigen::Index d = 1; d < kDriftTerms; ++d) terms_(k, d) = terms_(k, d - 1) * place;
+      for (Eigen::Index d = 1; d < drift_terms; ++d) terms_(k, d) = terms_(k, d - 1) * place;
       for (int h = 1; h <= highest_; ++h) {
         const double angle = 2 * std::numbers::pi * h * tone_hz * static_cast<double>(k) / rate_hz;
         terms_(k, TermsOf(h) - 2) = std::cos(angle);
         terms_(k, TermsOf(h) - 1) = std::sin(angle);
       }
       // the tone's amplitude and phase times powers of the time
-      for (Eigen::Index d = kDriftTerms; d < first_; ++d) {
-        const bool is_new = d < kDriftTerms + 2;
-        terms_(k, d) = place * terms_(k, is_new ? TermsOf(1) - 2 + d - kDriftTerms : d - 2);
+      for (Eigen::Index d = drift_terms; d < first_; ++d) {
+        const bool is_new = d < drift_terms + 2;
+        terms_(k, d) = place * terms_(k, is_new ? TermsOf(1) - 2 + d - drift_terms : d - 2);
       }
     }
   }
@@ -389,7 +391,7 @@ Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone
   std::vector<double> negative(sorted.rbegin(), sorted.rend());
   for (double& x : negative) x = -x;
   const double least = -LimitOf(negative, step);
-  const Fitter fitter(samples, rate_hz, tone_hz, kHighestOfAny, kModulation);
+  const Fitter fitter(samples, rate_hz, tone_hz, kHighestOfAny, kTremorTerms, kModulation);
   std::optional<Rest> any;  // what the tone with its own harmonics leaves of all samples
   Clipping found;
   double best = kBetter;

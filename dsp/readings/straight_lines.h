@@ -16,7 +16,8 @@ namespace haptometer::dsp {
 /// times; and at its rate, or a part of it, above 2.05 a period of the tone (a triangle has two
 /// corners), 98 % of the samples between corners lie on lines, and 30 % at most of those beside
 /// one. Found are exactly two samples for each reading, and 2.2 and more. Not found: lines to which
-/// noise was added, or whose corners rounding hides. Cost: a sort and a transform of them.
+/// noise was added, whose corners rounding hides, or whose numbers are rounded to a count of digits
+/// (%.6g about 0), so that their step is not one. Cost: a sort and a transform of them.
 [[nodiscard]] double RowsBetweenReadings(std::span<const double> samples, double cycles_per_sample);
 
 }  // namespace haptometer::dsp
