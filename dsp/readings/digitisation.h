@@ -52,11 +52,11 @@ struct Clipping {
 ///
 /// False alarms, misses and what is undecided are counted in
 /// tests/dsp/readings/digitisation_test.cc. A trapezoid with noise is a limited tone to this. Not
-/// found: a limit below noise that lowers the tone by less than about 1 %, that is reached in few of
-/// the blocks or on one side for half of the period, one of a tone with strong harmonics above the
-/// third or with an amplitude that changes faster than once in 0.1 s, one that sets in softly
-/// (softer than x / (1 + |x/c|^16)^(1/16)), and one of a tone with fewer than 21 phases. Cost: one look at samples;
-/// of those with a rail 300 flops each; of at most 24 576 of them 4000 each.
+/// found: a limit below noise that lowers the tone by less than about 1 %, that is reached in few
+/// of the blocks or on one side for half of the period, one of a tone with strong harmonics above
+/// the third or with an amplitude that changes faster than once in 0.1 s, one that sets in softly
+/// (softer than x / (1 + |x/c|^16)^(1/16)), and one of a tone with fewer than 21 phases. Cost: one
+/// look at samples; of those with a rail 300 flops each; of at most 24 576 of them 4000 each.
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 
