@@ -303,9 +303,10 @@ double ModeOf(std::span<const double> sorted) {
   return sorted[sorted.size() / 2];
 }
 
-// where the upper half of sorted values is densest, less what noise about it and rounding reach;
+// from which value on samples belong to an upper limit: where the upper half of sorted values is
+// densest, less what noise about it and rounding reach;
 // the mode is moved to the median of what lies above that, whose upper half is noise
-double LimitOf(std::span<const double> sorted, double step) {
+double RailedFrom(std::span<const double> sorted, double step) {
   double mode = ModeOf(sorted.subspan(sorted.size() / 2));
   double limit = mode;
   for (int pass = 0; pass < kLimitPasses; ++pass) {
@@ -322,8 +323,8 @@ double LimitOf(std::span<const double> sorted, double step) {
 }
 
 // samples beyond either limit are railed; a rail is the median of these
-Rails RailsBeyond(std::span<const double> samples, std::span<const double> sorted, double least,
-                  double most) {
+Rails RailsByValue(std::span<const double> samples, std::span<const double> sorted, double least,
+                   double most) {
   Rails rails{.low = sorted.front(), .high = sorted.back(), .measured = sorted.size()};
   for (const double x : samples) {
     rails.places.push_back(std::isnan(x) ? Place::kMissing
@@ -346,8 +347,8 @@ Rails RailsBeyond(std::span<const double> samples, std::span<const double> sorte
 
 // samples are railed where a fit lies beyond the rails, which their noise does not move; the new
 // rails are their means
-Rails RailsBehind(std::span<const double> samples, std::span<const double> fitted,
-                  const Rails& before) {
+Rails RailsByFit(std::span<const double> samples, std::span<const double> fitted,
+                 const Rails& before) {
   Rails rails = before;
   rails.at_low = rails.at_high = 0;
   double low = 0, high = 0;
@@ -376,6 +377,25 @@ Clipping ClippingAt(const Rails& rails, ClippingVerdict verdict) {
   return clipping;
 }
 
+// whether a fit to the samples off the limits goes beyond them, and not as far as from one level of
+// a square wave to the other
+bool MayBeLimited(const Rest& rest, double span, double step) {
+  // noise of a step and more averages the rounding out
+  const double rounding = rest.Deviation() > step ? 0 : step;
+  return IsBeyond(rest, span, rounding) && rest.beyond <= kMostBeyond * rest.railed * span / 2;
+}
+
+// by how many deviations a limited tone explains all samples better than one of `any` harmonics:
+// half the samples times the logarithm of the variances, in the deviation that the difference of
+// terms gives it where both are right
+double BetterBy(const Rest& limited, const Rest& any) {
+  const double left =
+      (limited.square_sum + limited.railed_square_sum) / (limited.freedom + limited.railed);
+  const double samples = any.freedom + any.terms;
+  return samples / 2 * std::log(any.square_sum / any.freedom / left) /
+         std::sqrt((any.terms - limited.terms) / 2);
+}
+
 // limits at the densest values of either half, of both or of one, on which there is noise
 Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone_hz) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -387,44 +407,33 @@ Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone
   if (sorted.empty() || !(sorted.back() > sorted.front())) return {};
   const double span = sorted.back() - sorted.front();
   const double step = StepOf(samples);
-  const double most = LimitOf(sorted, step);
+  const double most = RailedFrom(sorted, step);
   std::vector<double> negative(sorted.rbegin(), sorted.rend());
   for (double& x : negative) x = -x;
-  const double least = -LimitOf(negative, step);
+  const double least = -RailedFrom(negative, step);
   const Fitter fitter(samples, rate_hz, tone_hz, kHighestOfAny, kTremorTerms, kModulation);
   std::optional<Rest> any;  // what the tone with its own harmonics leaves of all samples
   Clipping found;
   double best = kBetter;
-  // one fit to samples off the limits, from which others may follow, and whether it may be right
-  const auto try_fit = [&](int highest, Rails& rails) {
-    const Rest rest = fitter.Fit(rails, highest, false);
-    // noise of a step and more averages the rounding out
-    const double rounding = rest.Deviation() > step ? 0 : step;
-    if (!IsBeyond(rest, span, rounding) || rest.beyond > kMostBeyond * rest.railed * span / 2) {
-      return false;
-    }
-    if (!any) {
-      any = fitter.Fit(RailsBeyond(samples, sorted, -kNever, kNever), kHighestOfAny, true);
-    }
-    if (!any->is_determined || !(any->freedom > 0)) return false;
-    // half the samples times the logarithm of the variances, in the deviation that the difference
-    // of terms gives it where both are right
-    const double left = (rest.square_sum + rest.railed_square_sum) / (rest.freedom + rest.railed);
-    const double better = (any->freedom + any->terms) / 2 *
-                          std::log(any->square_sum / any->freedom / left) /
-                          std::sqrt((any->terms - rest.terms) / 2);
-    if (better > best) {
-      best = better;
-      found = ClippingAt(rails, ClippingVerdict::kBelowNoise);
-      found.beyond = rest.beyond / rest.railed;
-    }
-    rails = RailsBehind(samples, rest.fitted, rails);
-    return true;
-  };
+  // fits to the samples off the limits; each but the first is off those of the one before
   for (const auto& [low, high] : {std::pair(least, most), {-kNever, most}, {least, kNever}}) {
     for (const int highest : {1, kHighestHarmonic}) {
-      Rails rails = RailsBeyond(samples, sorted, low, high);
-      for (int pass = 0; pass <= kRefits && try_fit(highest, rails); ++pass) continue;
+      Rails rails = RailsByValue(samples, sorted, low, high);
+      for (int pass = 0; pass <= kRefits; ++pass) {
+        const Rest rest = fitter.Fit(rails, highest, false);
+        if (!MayBeLimited(rest, span, step)) break;
+        if (!any) {
+          any = fitter.Fit(RailsByValue(samples, sorted, -kNever, kNever), kHighestOfAny, true);
+        }
+        if (!any->is_determined || !(any->freedom > 0)) break;
+        const double better = BetterBy(rest, *any);
+        if (better > best) {
+          best = better;
+          found = ClippingAt(rails, ClippingVerdict::kBelowNoise);
+          found.beyond = rest.beyond / rest.railed;
+        }
+        rails = RailsByFit(samples, rest.fitted, rails);
+      }
     }
   }
   return found;

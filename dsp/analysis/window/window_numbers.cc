@@ -76,7 +76,8 @@ void DescribeSensor(MeasuredWindow& window) {
 
 // readings that the record adds because its source is slower, k rows for each on average, show less
 // of the band: held, they reduce a tone to sin(pi f k T) / (k sin(pi f T)); on straight lines, to
-// the square of that, or of sin(x) / x where k is no whole number
+// the square of that, or of sin(x) / x where k is no whole number (of few phases, as 7/2, the loss
+// is then 2 % of itself too large)
 void JudgeSource(MeasuredWindow& window, std::span<const double> samples) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
   const double cycles = frequency_hz / window.rate_hz();
@@ -87,18 +88,18 @@ void JudgeSource(MeasuredWindow& window, std::span<const double> samples) {
   record.fresh_rate_hz = std::min(record.fresh_rate_hz, window.rate_hz() / rows);
   record.observable_upper_hz = HighestObservableHz(record.fresh_rate_hz);
   const double angle = std::numbers::pi * cycles;
-  const double one = share > 0 || rows == std::round(rows) ? std::sin(angle) : angle;
-  const double held = std::abs(std::sin(rows * angle) / (rows * one));
+  const double row_gain = share > 0 || rows == std::round(rows) ? std::sin(angle) : angle;
+  const double held_gain = std::abs(std::sin(rows * angle) / (rows * row_gain));
   Findings& findings = window.analysis.findings;
   if (share > 0) {
     findings.Doubt(FindingKind::kSourceIsSlower, {{"share", share},
                                                   {"new_readings_per_s", record.fresh_rate_hz},
                                                   {"frequency_hz", frequency_hz},
-                                                  {"loss", 1 - held}});
+                                                  {"loss", 1 - held_gain}});
   } else {
     findings.Doubt(FindingKind::kStraightLines, {{"new_readings_per_s", record.fresh_rate_hz},
                                                  {"frequency_hz", frequency_hz},
-                                                 {"loss", 1 - held * held}});
+                                                 {"loss", 1 - held_gain * held_gain}});
   }
   CheckNewReadings(window.band(), &window.analysis);
 }

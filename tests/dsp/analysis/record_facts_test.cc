@@ -90,20 +90,20 @@ TEST(RecordDoubts, ASourceSlowerThanTheRecordIsTold) {
 // Readings that an export joined by lines, three and four rows for each: what lines cost a tone is
 // the square of what holding costs it; 1250 readings a second are too few for 500 Hz.
 TEST(RecordDoubts, StraightLinesBetweenReadingsAreTold) {
-  for (const std::size_t rows : {3U, 4U}) {
-    const double of_rows = static_cast<double>(rows);
-    std::vector<double> fresh = Samples(kRateHz / of_rows, 3 * kRows, 0, {{20e-6, 300.3}});
+  for (const double rows : {3.0, 41.0 / 13, 4.0}) {
+    std::vector<double> fresh = Samples(kRateHz / rows, 3 * kRows, 0, {{20e-6, 300.3}});
     Noise noise(1);
     for (double& x : fresh) x += 2e-8 * noise();
     std::vector<double> values(3 * kRows);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      values[k] =
-          std::lerp(fresh[k / rows], fresh[k / rows + 1], static_cast<double>(k % rows) / of_rows);
+      const double place = static_cast<double>(k) / rows;
+      const auto at = static_cast<std::size_t>(place);
+      values[k] = std::lerp(fresh[at], fresh[at + 1], place - static_cast<double>(at));
     }
     const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
     EXPECT_EQ(analysis.answered, rows < 4);
     EXPECT_REL(NumberOf(analysis.findings, FindingKind::kStraightLines, "new_readings_per_s"),
-               kRateHz / of_rows, 1e-5, "a sine fit");
+               kRateHz / rows, 1e-5, "a sine fit");
     EXPECT_REL(NumberOf(analysis.findings, FindingKind::kStraightLines, "loss"),
                1 - analysis.numbers->tone->fit.amplitude / 20e-6, 1e-3, "noise");
   }

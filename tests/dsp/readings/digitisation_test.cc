@@ -134,10 +134,13 @@ TEST(Clipping, BelowNoiseIsFound) {
     EXPECT_EQ(found.verdict, kBelowNoise) << is.low_m << ' ' << is.high_m;
     EXPECT_EQ(found.low_rail.has_value(), is.low_m != kNone);
     EXPECT_EQ(found.high_rail.has_value(), is.high_m != kNone);
-    EXPECT_ABS(found.low_rail.value_or(3e-3 + is.low_m) - 3e-3, is.low_m, 3e-7, "two steps");
-    EXPECT_ABS(found.high_rail.value_or(3e-3 + is.high_m) - 3e-3, is.high_m, 3e-7, "two steps");
-    EXPECT_ABS(found.share, is.share, 0.1,
-               "flanks within four deviations, where no fit improves on them");
+    if (found.low_rail) {
+      EXPECT_ABS(*found.low_rail - 3e-3, is.low_m, 3e-7, "two steps");
+    }
+    if (found.high_rail) {
+      EXPECT_ABS(*found.high_rail - 3e-3, is.high_m, 3e-7, "two steps");
+    }
+    EXPECT_ABS(found.share, is.share, 0.02, "flanks within the noise");
   }
 }
 
