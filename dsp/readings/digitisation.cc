@@ -252,36 +252,24 @@ std::size_t MostEqual(std::span<const double> samples, const Rails& rails) {
   return most;
 }
 
-ClippingVerdict Judge(const Fitter& fitter, const Rails& rails, double step) {
-  const double span = rails.high - rails.low;
-  const double floor = kRounding * span;
-  const Rest all = fitter.Fit(rails, 1, true, floor);
-  // one sine for all samples: no rail changed any
-  if (all.is_determined && all.Deviation() <= floor) return ClippingVerdict::kNone;
-  const Rest tone = fitter.Fit(rails, 1, false);
-  if (!tone.is_determined) return ClippingVerdict::kUndecided;
-  const Rest harmonics = fitter.Fit(rails, kHighestHarmonic, false);
-  if (!harmonics.is_determined) {
-    return IsBeyond(tone, span, step) ? ClippingVerdict::kUndecided : ClippingVerdict::kNone;
-  }
-  const bool needs_harmonics =
-      tone.Deviation() > kHarmonicsNeeded * std::max(harmonics.Deviation(), floor);
-  return IsBeyond(needs_harmonics ? harmonics : tone, span, step) ? ClippingVerdict::kClipped
-                                                                  : ClippingVerdict::kNone;
-}
+// samples at a rate
+struct Spread {
+  std::vector<double> samples{};
+  double rate_hz = 0;
+};
 
-// of evenly spread blocks, at most kMostOfBlock of the samples of each, and the rate of these
-std::vector<double> SpreadBlocks(std::span<const double> samples, double& rate_hz) {
+// of evenly spread blocks, at most kMostOfBlock of the samples of each
+Spread SpreadBlocks(std::span<const double> samples, double rate_hz) {
   const std::size_t size = BlockOf(rate_hz);
   const std::size_t stride = (size + kMostOfBlock - 1) / kMostOfBlock;
   const std::size_t blocks = samples.size() / size;
   const std::size_t used = std::min(blocks, kMostSpread);
-  rate_hz /= static_cast<double>(stride);
-  std::vector<double> spread;
+  Spread spread{.rate_hz = rate_hz / static_cast<double>(stride)};
   for (std::size_t block = 0; block < used; ++block) {
     const std::size_t first = block * blocks / used * size;
-    for (std::size_t k = 0; k < BlockOf(rate_hz) && first + k * stride < samples.size(); ++k) {
-      spread.push_back(samples[first + k * stride]);
+    for (std::size_t k = 0; k < BlockOf(spread.rate_hz); ++k) {
+      if (first + k * stride >= samples.size()) break;
+      spread.samples.push_back(samples[first + k * stride]);
     }
   }
   return spread;
@@ -377,29 +365,68 @@ Clipping ClippingAt(const Rails& rails, ClippingVerdict verdict) {
   return clipping;
 }
 
-// whether a fit to the samples off the limits goes beyond them, and not as far as from one level of
-// a square wave to the other
-bool MayBeLimited(const Rest& rest, double span, double step) {
-  // noise of a step and more averages the rounding out
-  const double rounding = rest.Deviation() > step ? 0 : step;
-  return IsBeyond(rest, span, rounding) && rest.beyond <= kMostBeyond * rest.railed * span / 2;
-}
-
 // by how many deviations a limited tone explains all samples better than one of `any` harmonics:
 // half the samples times the logarithm of the variances, in the deviation that the difference of
-// terms gives it where both are right
-double BetterBy(const Rest& limited, const Rest& any) {
-  const double left =
-      (limited.square_sum + limited.railed_square_sum) / (limited.freedom + limited.railed);
+// terms gives it where both are right; rounding leaves variances of `least`
+double BetterBy(const Rest& limited, const Rest& any, double least) {
+  const double railed = std::max(limited.railed_square_sum, limited.railed * least);
+  const double left = (limited.square_sum + railed) / (limited.freedom + limited.railed);
+  const double ratio = std::max(any.square_sum / any.freedom, least) / std::max(left, least);
   const double samples = any.freedom + any.terms;
-  return samples / 2 * std::log(any.square_sum / any.freedom / left) /
-         std::sqrt((any.terms - limited.terms) / 2);
+  return samples / 2 * std::log(ratio) / std::sqrt((any.terms - limited.terms) / 2);
+}
+
+// variance that steps and the rounding of numbers leave
+double RoundingVariance(double step, double span) {
+  return std::max(step * step / 12, std::pow(kRounding * span, 2));
+}
+
+// Whether samples of which many are at a rail were clipped there. `only_there`: they are ten times
+// as many as those of any other value, which neither noise nor rounding gives.
+ClippingVerdict JudgeRails(const Fitter& fitter, const Rails& rails, int highest, double step,
+                           bool only_there) {
+  const double span = rails.high - rails.low;
+  const double floor = kRounding * span;
+  // one sine for all samples: no rail changed any
+  const Rest sine = fitter.Fit(rails, 1, true, floor);
+  if (sine.is_determined && sine.Deviation() <= floor) return ClippingVerdict::kNone;
+  // a motion that rests at one extreme most of its time
+  if (only_there && 2 * std::max(rails.at_low, rails.at_high) > rails.measured) {
+    return ClippingVerdict::kUndecided;
+  }
+  const Rest tone = fitter.Fit(rails, 1, false);
+  if (!tone.is_determined) {
+    return only_there ? ClippingVerdict::kClipped : ClippingVerdict::kUndecided;
+  }
+  // the tone with harmonics where they explain the samples off the rails better
+  const Rest harmonics = fitter.Fit(rails, highest, false);
+  const bool needs_harmonics =
+      harmonics.is_determined &&
+      tone.Deviation() > kHarmonicsNeeded * std::max(harmonics.Deviation(), floor);
+  const Rest& limited = needs_harmonics ? harmonics : tone;
+  if (!only_there && !IsBeyond(limited, span, step)) return ClippingVerdict::kNone;
+  if (!only_there && !harmonics.is_determined) return ClippingVerdict::kUndecided;
+  // a tone whose own harmonics explain all samples to a step, and better
+  const Rest any = fitter.Fit(rails, kHighestOfAny, true);
+  const bool has_shape = any.is_determined && any.Deviation() <= step &&
+                         BetterBy(limited, any, RoundingVariance(step, span)) < -kBetter;
+  return has_shape ? ClippingVerdict::kUndecided : ClippingVerdict::kClipped;
+}
+
+// whether a fit to the samples off the limits goes beyond them, and not as far as from one level of
+// a square wave to the other, or from the rest of a pulse
+bool MayBeLimited(const Rest& rest, const Rails& rails, double span, double step) {
+  const bool both = rails.at_low > 0 && rails.at_high > 0;
+  // noise of a step and more averages the rounding out
+  const double rounding = rest.Deviation() > step ? 0 : step;
+  return IsBeyond(rest, span, rounding) &&
+         rest.beyond <= kMostBeyond * (both ? span / 2 : span) * rest.railed;
 }
 
 // limits at the densest values of either half, of both or of one, on which there is noise
-Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone_hz) {
+Clipping FindBelowNoise(std::span<const double> all, double all_rate_hz, double tone_hz) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const std::vector<double> samples = SpreadBlocks(all, rate_hz);
+  const auto [samples, rate_hz] = SpreadBlocks(all, all_rate_hz);
   std::vector<double> sorted;
   std::ranges::copy_if(samples, std::back_inserter(sorted),
                        [](double x) { return !std::isnan(x); });
@@ -421,12 +448,12 @@ Clipping FindBelowNoise(std::span<const double> all, double rate_hz, double tone
       Rails rails = RailsByValue(samples, sorted, low, high);
       for (int pass = 0; pass <= kRefits; ++pass) {
         const Rest rest = fitter.Fit(rails, highest, false);
-        if (!MayBeLimited(rest, span, step)) break;
+        if (!MayBeLimited(rest, rails, span, step)) break;
         if (!any) {
           any = fitter.Fit(RailsByValue(samples, sorted, -kNever, kNever), kHighestOfAny, true);
         }
         if (!any->is_determined || !(any->freedom > 0)) break;
-        const double better = BetterBy(rest, *any);
+        const double better = BetterBy(rest, *any, RoundingVariance(step, span));
         if (better > best) {
           best = better;
           found = ClippingAt(rails, ClippingVerdict::kBelowNoise);
@@ -449,9 +476,8 @@ Clipping FindClipping(std::span<const double> samples, double rate_hz, double to
     while (highest > 1 && 2 * highest * tone_hz >= rate_hz) --highest;
     // neither noise nor rounding gives an extreme ten times as often as any other value
     const bool only_there = railed > kTimesAsOften * MostEqual(samples, rails);
-    const ClippingVerdict verdict =
-        only_there ? ClippingVerdict::kClipped
-                   : Judge(Fitter(samples, rate_hz, tone_hz, highest), rails, StepOf(samples));
+    const ClippingVerdict verdict = JudgeRails(Fitter(samples, rate_hz, tone_hz, kHighestOfAny),
+                                               rails, highest, StepOf(samples), only_there);
     if (verdict != ClippingVerdict::kNone) return ClippingAt(rails, verdict);
   }
   return FindBelowNoise(samples, rate_hz, tone_hz);

@@ -12,7 +12,7 @@ namespace haptometer::dsp {
 /// What samples at their extreme say of a limit of the sensor or its converter.
 enum class ClippingVerdict : std::uint8_t {
   kNone,
-  kUndecided,  ///< clipped, or harmonics: the sampled phases cannot tell
+  kUndecided,  ///< clipped, or the motion's own shape
   kClipped,
   kBelowNoise,  ///< limited ahead of the noise that the samples hold
 };
@@ -37,8 +37,10 @@ struct Clipping {
 /// than two steps (StepOf), four standard deviations of that mean and 1e-5 of the amplitude, which
 /// is the rounding of numbers with six digits. Undecided: the sampled phases
 /// (as where rate and tone are commensurate) do not determine the harmonics, so that what flattens
-/// the tone may be its own. None also where one sine fits all samples, and where less than 0.1 %
-/// are at a rail.
+/// the tone may be its own; more than half of the samples are at one rail, as of pulses between
+/// rests; or nine harmonics of its own explain all samples to a step, and better than a limited
+/// tone (as below). None also where one sine fits all samples, and where less than 0.1 % are at a
+/// rail.
 ///
 /// Else a limit that acts ahead of noise, as of an amplifier before a converter, is sought in 24
 /// evenly spread blocks: at the densest values of the upper half, the lower one or both; samples
@@ -47,16 +49,17 @@ struct Clipping {
 /// beyond these as above, and ending it there must explain all samples better than the tone with
 /// nine harmonics of its own does: half the samples times the logarithm of the variances that are
 /// left exceeds eight times sqrt(d / 2), its deviation by d terms more where neither has anything
-/// to explain. No limit is where the fit lies beyond it by more than 0.45 of what the samples span:
-/// a square wave has levels of its own.
+/// to explain. No limit is where the fit lies beyond it by more than 0.45 of what the samples span,
+/// 0.9 of it at one limit alone: a square wave has levels of its own.
 ///
 /// False alarms, misses and what is undecided are counted in
 /// tests/dsp/readings/digitisation_test.cc. A trapezoid with noise is a limited tone to this. Not
 /// found: a limit below noise that lowers the tone by less than about 1 %, that is reached in few
-/// of the blocks or on one side for half of the period, one of a tone with strong harmonics above
-/// the third or with an amplitude that changes faster than once in 0.1 s, one that sets in softly
-/// (softer than x / (1 + |x/c|^16)^(1/16)), and one of a tone with fewer than 21 phases. Cost: one
-/// look at samples; of those with a rail 300 flops each; of at most 24 576 of them 4000 each.
+/// of the blocks or on one side for more than half of the period, one of a tone with strong
+/// harmonics above the third or with an amplitude that changes faster than once in 0.1 s, one that
+/// sets in softly (softer than x / (1 + |x/c|^16)^(1/16)), and one of a tone with fewer than 21
+/// phases. Cost: one look at samples; of those with
+/// a rail 300 flops each, 1500 where the fit lies beyond it; of at most 24 576 of them 4000 each.
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 

@@ -23,7 +23,7 @@ constexpr double kKinkDeviations = 3;
 constexpr double kKinkShare = 0.05;
 // robust standard deviations
 constexpr double kDeviations = 8;
-// a spike or step exceeds 4 steps of the converter, the edges of a held or clipped run 2.5
+// a spike or step exceeds 4 steps of the converter, the edges of a held or clipped run 2.5 at least
 constexpr double kLeastSteps = 4;
 constexpr double kSteepSteps = 2.5;
 // rows of a held run, rows and number of runs at an extreme value
@@ -38,6 +38,17 @@ constexpr std::size_t kPieceRows = 256;
 static_assert(kFaultBlockRows % kPieceRows == 0);
 // the first rows of a plain piece, which determine how its runs begin
 constexpr std::size_t kRunRows = 2;
+
+// The most steps by which rounding makes a smooth top leave a run of equal rows. Its parabola takes
+// the outer rows of the run down by less than a step, and the row beside them by so many times
+// that.
+double StepsBesideTop(std::size_t rows) {
+  const auto length = static_cast<double>(rows);
+  const double inner = rows % 2 == 0 ? 1 : 0;  // no row of an even run is at the top itself
+  const double run = std::pow(length - 1, 2) - inner;
+  return run > 0 ? (std::pow(length + 1, 2) - inner) / run
+                 : std::numeric_limits<double>::infinity();
+}
 
 // where the block that begins at `begin` ends: the last one takes what no block begins with
 std::size_t BlockEnd(std::size_t begin, std::size_t record_rows) {
@@ -364,7 +375,9 @@ void FaultScanner::FeedRun(std::size_t row, double value) {
   run_ = {row, 1, value, jump};
 }
 
-bool FaultScanner::IsSteep(const Fault& run) const { return run.size > kSteepSteps * Step(); }
+bool FaultScanner::IsSteep(const Fault& run) const {
+  return run.size > std::max(kSteepSteps, StepsBesideTop(run.rows) + 0.5) * Step();
+}
 
 void FaultScanner::EndRun(double jump_after) {
   if (run_.rows == 0) return;
@@ -378,11 +391,13 @@ void FaultScanner::EndRun(double jump_after) {
   // where the resolution is not known, a step is known only after some changes: early runs are kept
   const Fault run{FaultKind::kHeld, run_.first_row, run_.rows,
                   std::max(run_.jump_before, jump_after)};
-  const bool candidate = fed_ < kFaultBlockRows || IsSteep(run);
   // runs at the least and the greatest value are candidates of clipping
   if (run_.value <= extremes_[0].value) TakeExtreme(run, run_.value, false);
   if (run_.value >= extremes_[1].value) TakeExtreme(run, run_.value, true);
-  if (candidate && run.rows >= kLeastHeld && held_.size() < kMostCandidates) held_.push_back(run);
+  if (run.rows >= kLeastHeld && held_.size() < kMostCandidates &&
+      (fed_ < kFaultBlockRows || IsSteep(run))) {
+    held_.push_back(run);
+  }
   run_.rows = 0;
 }
 

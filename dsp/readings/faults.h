@@ -96,10 +96,11 @@ struct FaultLook {
 /// Finds faults in one pass over a channel.
 ///
 /// Clipped: a status of kClipped, a value at or beyond an end of the range, or a run of three equal
-/// values and more at the record's highest or lowest value, entered or left by more than 2.5 steps,
-/// at least twice.
+/// values and more at the record's highest or lowest value that is steep, at least twice.
 ///
-/// Held: a run of L equal values and more, entered or left by more than 2.5 steps. A slow signal on
+/// Held: a steep run of L equal values and more: entered or left by more than 2.5 steps, and more
+/// than 0.5 + ((n + 1)^2 - e) / ((n - 1)^2 - e), n its rows, e = 1 where n is even: rounding leaves a
+/// smooth top by one step less at most (4 beside three rows). A slow signal on
 /// coarse steps stays on a step too, but leaves it by one step: that tells the two apart (a hold
 /// during which the signal moves by less than that is not seen). Noise repeats a value by chance:
 /// with p the part of runs that are longer than one row, L >= 4 is such that rows x p^(L - 1) is

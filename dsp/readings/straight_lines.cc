@@ -19,8 +19,11 @@ namespace {
 // samples in which straight lines are sought, and most of them a period of the tone
 constexpr std::size_t kMostOnLines = 8192;
 constexpr double kMostPerPeriod = 40;
-constexpr double kLineSteps = 2.01;  // three roundings
-constexpr double kSteepLine = 4;     // of that, by which a line rises over two samples
+constexpr double kLineSteps = 2.01;   // three roundings
+constexpr double kSameNumber = 1e-9;  // of a number, rounding of its conversion to m
+constexpr int kLeastDigits = 2;
+constexpr int kMostDigits = 7;
+constexpr double kSteepLine = 4;  // of that, by which a line rises over two samples
 constexpr double kLeastOnLines = 0.1;
 // a tone without noise that has few phases is straight where it passes its mean, and only there
 constexpr double kLeastSpread = 0.2;
@@ -57,13 +60,39 @@ struct Range {
   }
 };
 
+// the last of `digits` digits of a number
+double LastDigit(double x, int digits) {
+  return x == 0 ? 0 : std::pow(10, std::floor(std::log10(std::abs(x))) - digits + 1);
+}
+
+// the count of digits that all numbers are rounded to (%.6g); 0 where they have more than seven
+int DigitsOf(std::span<const double> samples) {
+  int digits = kLeastDigits;
+  for (const double x : samples) {
+    const auto is_rounded = [x](int to) {
+      const double unit = LastDigit(x, to);
+      return !(std::abs(x - std::round(x / unit) * unit) > kSameNumber * std::abs(x));
+    };
+    while (digits <= kMostDigits && !is_rounded(digits)) ++digits;
+  }
+  return digits <= kMostDigits ? digits : 0;
+}
+
 Bends BendsOf(std::span<const double> samples) {
   Bends bends{.at = std::vector<Bend>(samples.size(), Bend::kUnknown)};
   Range all, on_lines;
   for (const double x : samples) all.Take(x);
   const double span = all.most - all.least;
-  const double line = std::max(kLineSteps * StepOf(samples), kNumberRounding * span);
+  const double rounding = std::max(kLineSteps * StepOf(samples), kNumberRounding * span);
+  const int digits = DigitsOf(samples);
   for (std::size_t k = 1; k + 1 < samples.size(); ++k) {
+    // what the rounding of three numbers bends a line by
+    double line = rounding;
+    if (digits > 0) {
+      const double outer =
+          std::max(LastDigit(samples[k - 1], digits), LastDigit(samples[k + 1], digits));
+      line = std::max(line, kLineSteps / 2 * (outer + LastDigit(samples[k], digits)));
+    }
     const double before = samples[k] - samples[k - 1];
     const double after = samples[k + 1] - samples[k];
     if (std::isnan(before + after)) continue;

@@ -20,8 +20,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "clipped in {count} place{count s}, {readings} readings in all, the first at {first_s}; not "
        "corrected"},
       {kMayBeClipped, "may-be-clipped",
-       "{share %} of the window is at its highest or lowest value: clipped, or flattened by "
-       "harmonics of the tone, which this sampling rate cannot distinguish"},
+       "{share %} of the window is at its highest or lowest value: clipped, or a motion that rests "
+       "or is flat there, which these samples do not distinguish"},
       {kLimited, "limited",
        "{share %} of the window lies at a limit[, {lowest_m 6} at its low end][, {highest_m 6} at "
        "its high end], with noise on it, and the tone would exceed it by {beyond_m} on average: an "

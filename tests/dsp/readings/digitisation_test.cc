@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -109,6 +110,43 @@ TEST(Clipping, HarmonicsAreNoRail) {
   EXPECT_EQ(FindClipping(std::vector<double>(500, 1.0), 10e3, 175).verdict, kNone);
 }
 
+// a second harmonic of 30 %, whose flank beside the highest step a fit to the others does not
+// follow
+TEST(Clipping, AStrongSecondHarmonicIsNot) {
+  for (const auto& [rate_hz, tone_hz, amplitude_m, step, phase] :
+       {std::array{10e3, 104.865, 15e-6, 1e-7, 2.914}, {4e3, 182.119, 11.8e-6, 1e-6, 2.74}}) {
+    std::vector<double> values =
+        Samples(rate_hz, static_cast<std::size_t>(2.5 * rate_hz), 3e-3,
+                {{amplitude_m, tone_hz}, {0.3 * amplitude_m, 2 * tone_hz, phase}});
+    Noise noise(1);
+    for (double& x : values) x = std::round((x + 1e-4 * amplitude_m * noise()) / step) * step;
+    EXPECT_NE(FindClipping(values, rate_hz, tone_hz).verdict, kClipped) << tone_hz;
+  }
+}
+
+// sin^2 of a third of each period, else at rest; and exp(q (cos - 1)), whose harmonics end below a
+// step: in steps, nearly all of the rest is one value
+TEST(Clipping, PulsesBetweenRestsAreNotClipped) {
+  const double turn = 2 * std::numbers::pi;
+  for (const double step : {1e-8, 1e-7, 1e-6}) {
+    for (const double tone_hz : {81.3, 117.9}) {
+      std::vector<double> pulses(20'000), bells(20'000);
+      for (std::size_t k = 0; k < pulses.size(); ++k) {
+        const double turns = std::fmod(tone_hz * 1e-4 * static_cast<double>(k), 1);
+        pulses[k] = turns < 0.33 ? std::pow(std::sin(turn / 2 * turns / 0.33), 2) : 0;
+        bells[k] = std::exp(4 * (std::cos(turn * turns) - 1));
+      }
+      for (std::vector<double>* values : {&pulses, &bells}) {
+        Noise noise(1);
+        for (double& x : *values) {
+          x = std::round((20e-6 * x + 3e-3 + 2e-9 * noise()) / step) * step;
+        }
+        EXPECT_NE(FindClipping(*values, 10e3, tone_hz).verdict, kClipped) << step << ' ' << tone_hz;
+      }
+    }
+  }
+}
+
 // A tone of 20 um with noise that an amplifier does not pass beyond its limits, and the noise of a
 // converter, which has steps of 0.15 um.
 TEST(Clipping, BelowNoiseIsFound) {
@@ -120,7 +158,7 @@ TEST(Clipping, BelowNoiseIsFound) {
   for (const Case& is :
        {Case{kNone, 14e-6, 3e-7, 175, 0, 0.253}, Case{-14e-6, 14e-6, 2e-7, 175, 0, 0.506},
         Case{-10e-6, 10e-6, 1e-6, 175, 0, 0.667}, Case{-18e-6, kNone, 2e-7, 92.4, 0, 0.144},
-        Case{kNone, 12e-6, 2e-7, 310.1, 0.3, 0.295}}) {
+        Case{kNone, 1e-7, 2e-7, 203.3, 0, 0.498}, Case{kNone, 12e-6, 2e-7, 310.1, 0.3, 0.295}}) {
     std::vector<double> values = Samples(10e3, 20'000, 0, {{20e-6, is.tone_hz}});
     Noise noise(3);
     for (std::size_t k = 0; k < values.size(); ++k) {

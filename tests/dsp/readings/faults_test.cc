@@ -462,10 +462,35 @@ Faults OfTops(std::size_t rows, double jump) {
   return Scan(values, {-100, 100, 1});
 }
 
-TEST(Faults, AnExtremeIsClippedFromThreeRowsAndTwoAndAHalfStepsOn) {
-  EXPECT_EQ(OfTops(3, 2.49).Count(FaultKind::kClipped), 0U);
-  EXPECT_EQ(OfTops(3, 2.51).Count(FaultKind::kClipped), 10U);
-  EXPECT_EQ(OfTops(2, 2.51).Count(FaultKind::kClipped), 0U);
+// half a step more than a parabola: 4.5, 24/8 + 0.5, 36/16 + 0.5, ... steps; 2.5 at least
+TEST(Faults, AnExtremeIsClippedFromThreeRowsAndSteepEdgesOn) {
+  for (const auto& [rows, steps] :
+       {std::pair<std::size_t, double>{3, 4.5}, {4, 3.5}, {5, 2.75}, {20, 2.5}}) {
+    EXPECT_EQ(OfTops(rows, steps - 0.01).Count(FaultKind::kClipped), 0U) << rows;
+    EXPECT_EQ(OfTops(rows, steps + 0.01).Count(FaultKind::kClipped), 10U) << rows;
+  }
+  EXPECT_EQ(OfTops(2, 50).Count(FaultKind::kClipped), 0U);
+}
+
+// tops whose curvature is 0.3 to 1.1 steps a row^2: some hold three and four equal rows beside
+// which the next is three or four steps lower
+TEST(Faults, ARoundedSineIsNeitherClippedNorHeld) {
+  for (const double noise_steps : {0.0, 0.05, 0.2})
+    for (const double curvature : {0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1}) {
+      for (const double cycles : {0.013, 0.0341, 0.0737}) {
+        std::vector<double> values(20'000);
+        Noise noise(1);
+        for (std::size_t k = 0; k < values.size(); ++k) {
+          const double turns = cycles * static_cast<double>(k);
+          const double amplitude = 2 * curvature / std::pow(2 * std::numbers::pi * cycles, 2);
+          values[k] = std::round(amplitude * std::sin(2 * std::numbers::pi * turns) +
+                                 noise_steps * noise());
+        }
+        const Faults faults = Scan(values, {-1e9, 1e9, 1});
+        EXPECT_EQ(faults.Count(FaultKind::kClipped), 0U) << curvature << ' ' << cycles;
+        EXPECT_EQ(faults.Count(FaultKind::kHeld), 0U) << curvature << ' ' << cycles;
+      }
+    }
 }
 
 // a straight line has no errors of its own: four steps decide

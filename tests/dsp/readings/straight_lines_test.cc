@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -20,6 +22,13 @@ constexpr double kToneHz = 300.3;
 std::vector<double> Rounded(std::vector<double> values, double step) {
   for (double& x : values) x = step > 0 ? std::round(x / step) * step : x;
   return values;
+}
+
+// as a file holds it
+double Printed(double x, const char* format) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, x);
+  return std::strtod(text, nullptr);
 }
 
 // readings at 1200/s with noise, joined by lines `rows` times as dense, the first row `late` rows
@@ -55,6 +64,13 @@ TEST(StraightLines, GiveTheSourcesRate) {
     EXPECT_REL(RowsBetweenReadings(single, kToneHz / (kSourceHz * rows)), rows, 1e-4, "the same")
         << rows;
   }
+  // numbers of four to seven digits about 0
+  for (const char* format : {"%.4g", "%.5g", "%.6g", "%.7g"}) {
+    std::vector<double> printed = Lines(10, 0, 2e-8);
+    for (double& x : printed) x = Printed(x - 3e-3, format);
+    EXPECT_REL(RowsBetweenReadings(printed, kToneHz / (10 * kSourceHz)), 10, 1e-4, "the same")
+        << format;
+  }
   // rows that never meet a reading, and some that are missing
   std::vector<double> values = Lines(5, 0.4, 2e-8);
   for (std::size_t k = 100; k < values.size(); k += 97) values[k] = std::nan("");
@@ -82,6 +98,12 @@ TEST(StraightLines, AreNotInOtherWaves) {
       for (const double step : {0.0, 1e-9, 1e-7, 1e-6, 5e-6}) {
         EXPECT_EQ(RowsBetweenReadings(Rounded(wave, step), cycles), 0)
             << &wave - waves.data() << ' ' << noise_m << ' ' << step;
+      }
+      for (const char* format : {"%.2g", "%.3g", "%.4g", "%.6g"}) {
+        std::vector<double> printed = wave;
+        for (double& x : printed) x = Printed(x, format);
+        EXPECT_EQ(RowsBetweenReadings(printed, cycles), 0)
+            << &wave - waves.data() << ' ' << noise_m << ' ' << format;
       }
     }
   }

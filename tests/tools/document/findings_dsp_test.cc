@@ -44,8 +44,8 @@ const std::vector<Case> kCases{
     {kMayBeClipped,
      {{"share", 0.25}},
      "may-be-clipped",
-     "25 % of the window is at its highest or lowest value: clipped, or flattened by harmonics of "
-     "the tone, which this sampling rate cannot distinguish"},
+     "25 % of the window is at its highest or lowest value: clipped, or a motion that rests or "
+     "is flat there, which these samples do not distinguish"},
     {kSourceIsSlower,
      {{"share", 0.6667}, {"new_readings_per_s", 1666.7}, {"frequency_hz", 440.3}, {"loss", 0.0995}},
      "source-is-slower",
