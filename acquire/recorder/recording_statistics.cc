@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptometer::acquire {
 
@@ -13,15 +14,26 @@ void IntervalStatistics::Add(MonotonicNs time_ns, std::uint64_t missing) {
     return;
   }
   const double interval_s = SecondsFromNs(time_ns - last_ns_);
-  total_ns_ += time_ns - last_ns_;
+  block_ns_ += time_ns - last_ns_;
   last_ns_ = time_ns;
-  places_ += 1 + missing;
+  places_of_block_ += 1 + missing;
+  // a block of rows begins here: the time up to it is that of those before
+  if (interval_s > 0.5 * mean_s_) {
+    places_ += std::exchange(places_of_block_, 0);
+    total_ns_ += std::exchange(block_ns_, 0);
+  }
   if (missing > 0) return;
   ++intervals_;
   // Welford: mean m and sum of squared deviations S of the intervals, in one pass
   const double deviation_s = interval_s - mean_s_;
   mean_s_ += deviation_s / static_cast<double>(intervals_);
   squares_s2_ += deviation_s * (interval_s - mean_s_);
+}
+
+void IntervalStatistics::Restart() {
+  has_time_ = false;
+  places_of_block_ = 0;
+  block_ns_ = 0;
 }
 
 bool IntervalStatistics::Explains(MonotonicNs time_ns, std::uint64_t missing) const {

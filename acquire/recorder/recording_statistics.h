@@ -17,24 +17,28 @@ class IntervalStatistics {
   /// rate, as so many more, and for no deviation.
   void Add(MonotonicNs time_ns, std::uint64_t missing);
   /// The interval up to the next time is none of the source's: it does not count.
-  void Restart() { has_time_ = false; }
+  void Restart();
 
   /// Whether `missing` rows explain the interval up to `time_ns`, which may be 0.25 s longer and
   /// 0.05 s shorter: a counter that wraps does not say how often it has, and a damaged one counts
   /// what was never lost.
   [[nodiscard]] bool Explains(MonotonicNs time_ns, std::uint64_t missing) const;
 
-  /// Intervals, those of lost rows too, per second of their own time; empty where no time has
-  /// passed.
+  /// Intervals, those of lost rows too, per second of their own time: up to the last row that came
+  /// later than half of the mean interval, since of rows that come in blocks the last block's have
+  /// no time of their own; empty where no time has passed.
   [[nodiscard]] std::optional<double> RateHz() const;
   /// Standard deviation of the intervals in s (divided by n - 1); empty below two intervals.
   [[nodiscard]] std::optional<double> DeviationSeconds() const;
 
  private:
   std::uint64_t intervals_ = 0;  ///< between neighbours
-  std::uint64_t places_ = 0;     ///< these, and those over lost rows
   bool has_time_ = false;
+  // intervals, those over lost rows too, and their time; since the last block of rows began
+  std::uint64_t places_ = 0;
   MonotonicNs total_ns_ = 0;
+  std::uint64_t places_of_block_ = 0;
+  MonotonicNs block_ns_ = 0;
   MonotonicNs last_ns_ = 0;
   double mean_s_ = 0;
   double squares_s2_ = 0;  ///< sum of squared deviations from the mean

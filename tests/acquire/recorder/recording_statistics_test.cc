@@ -39,6 +39,17 @@ TEST(IntervalStatistics, APauseThatIsMeantToBeDoesNotCount) {
   EXPECT_ABS(statistics.DeviationSeconds().value(), 0.0, 1e-15, "rounding of the running mean");
 }
 
+// 1000 a second that come 500 at a time: 15 blocks have 7.5 s before the last one begins, which
+// adds none; the pause of a restart neither
+TEST(IntervalStatistics, RowsInBlocksHaveTheTimeUpToTheNextBlock) {
+  IntervalStatistics statistics;
+  for (int row = 0; row < 8000; ++row) statistics.Add(500 * kMs * (row / 500), 0);
+  EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division");
+  statistics.Restart();
+  for (int row = 0; row < 2000; ++row) statistics.Add(60'000 * kMs + 500 * kMs * (row / 500), 0);
+  EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division");
+}
+
 TEST(IntervalStatistics, KnownLossesCountAsIntervals) {
   // bursts of four rows every 4 ms, of which the last row of every fifth burst is lost: 1000 a
   // second, and intervals of 0 and 4 ms whose mean would be 1.05 ms
