@@ -200,7 +200,12 @@ bool ModbusSensor::Send(ReadRequest request, Phase next) {
 }
 
 ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
-  const ModbusReply reply = link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  const std::size_t bytes = ReplyBytes(link_->framing(), request_.count);
+  ModbusReply reply = link_->Receive(bytes, deadline);
+  if (reply.arrival == ModbusArrival::kEcho) {
+    ++echoes_;
+    reply = link_->Receive(bytes, deadline);
+  }
   // RTU: silent interval of 3.5 characters after a frame, or the sensor's own gap if longer
   if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
     const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
@@ -296,6 +301,7 @@ Outcome ModbusSensor::Wait(Reading& reading) {
       }
       if (is_held_) return Outcome::kNothing;  // with another deadline
       break;
+    case ModbusArrival::kEcho:
     case ModbusArrival::kNothing:
       break;
   }
@@ -512,6 +518,11 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
                     ModbusExceptionText(answer.exception)),
         profile_.advice.empty() ? "give the <profile> of this sensor" : profile_.advice);
   }
+  if (echoes_ > 0 && answer.fault == ModbusFault::kTimeout) {
+    return CannotAnswer(link_->name(),
+                        fmt::format("sends each request back, and nothing answers to {}", asked),
+                        std::string(kEchoRemedy));
+  }
   const std::string settings =
       fmt::format("{} baud, parity {}", profile_.wire.baud, Name(profile_.wire.parity));
   std::string remedy = fmt::format("check that the sensor is on, <slave>{}",
@@ -609,6 +620,7 @@ Findings ModbusSensor::Found() const {
   if (const std::string errors = InWords(errors_); !errors.empty()) {
     found.Doubt(FindingKind::kWireErrors, {{"errors", errors}});
   }
+  if (echoes_ > 0) found.Doubt(FindingKind::kEcho, {{"echoes", echoes_}});
   found.AddAll(DoubtfulReplies(replies_, exchanges_.wire_ns()));
   return found;
 }

@@ -141,6 +141,7 @@ class ModbusSensor final : public Sensor {
   MonotonicNs held_ns_ = 0;
   bool is_held_ = false;  ///< it waits for a further one
   ReplyCounts replies_;
+  std::uint64_t echoes_ = 0;  ///< requests that came back
   std::uint64_t discarded_bytes_ = 0;
 };
 

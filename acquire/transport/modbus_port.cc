@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "acquire/protocol/wire.h"
@@ -60,6 +61,7 @@ class ModbusPort final : public ModbusLink {
   bool Send(std::string_view frame) override {
     // of the request before: a new reply grows from 0
     seen_bytes_ = 0;
+    if (framing() == ModbusFraming::kRtu) sent_.assign(frame);
     return WriteDescriptor(descriptor_, frame, clock_.Now() + kWriteTimeNs, name_).has_value();
   }
 
@@ -72,6 +74,9 @@ class ModbusPort final : public ModbusLink {
     const int waiting = WaitingBytes();
     // readable without bytes: the port is gone
     if (waiting <= 0) return {.arrival = ModbusArrival::kGone};
+    // a line that gave requests back gives this one back before the reply
+    const bool is_echo_due = has_echo_ && !sent_.empty();
+    if (is_echo_due) expected_bytes = sent_.size();
     // a reply whose rest is still on the wire at the deadline stays in the port, unless it has
     // stopped growing since the last look
     const auto missing =
@@ -84,7 +89,9 @@ class ModbusPort final : public ModbusLink {
       return {.arrival = ModbusArrival::kNothing};
     }
     // until the rest has crossed the wire, but not behind the deadline; plus the adapter's delay
-    return Take(std::min(rest_ns, std::max<MonotonicNs>(deadline - clock_.Now(), 0)) + kGraceNs);
+    const MonotonicNs longest_ns =
+        std::min(rest_ns, std::max<MonotonicNs>(deadline - clock_.Now(), 0)) + kGraceNs;
+    return is_echo_due ? TakeEcho(0, longest_ns) : Take(longest_ns);
   }
 
   std::size_t Flush() override {
@@ -124,14 +131,17 @@ class ModbusPort final : public ModbusLink {
   // the reply that has begun to come in, within `longest_ns`
   ModbusReply Take(MonotonicNs longest_ns) {
     seen_bytes_ = 0;
+    buffer_.fill(0);
     // libmodbus takes seconds and microseconds
     const auto longest_us = static_cast<std::uint32_t>(longest_ns / 1000);
     modbus_set_response_timeout(context_.get(), longest_us / 1'000'000, longest_us % 1'000'000);
     const int bytes = modbus_receive_confirmation(context_.get(), buffer_.data());
     if (bytes > 0) {
-      return {.arrival = ModbusArrival::kFrame,
-              .bytes = {reinterpret_cast<const char*>(buffer_.data()),
-                        static_cast<std::size_t>(bytes)}};
+      const std::string_view frame{reinterpret_cast<const char*>(buffer_.data()),
+                                   static_cast<std::size_t>(bytes)};
+      // a request is a sound frame where libmodbus takes its third byte for the right length
+      if (!sent_.empty() && frame == sent_) return TakeEcho(frame.size(), 0);
+      return {.arrival = ModbusArrival::kFrame, .bytes = frame};
     }
     // libmodbus ignores RTU frames of other slaves
     if (bytes == 0) return {.arrival = ModbusArrival::kDamaged, .fault = ModbusFault::kUnit};
@@ -139,7 +149,39 @@ class ModbusPort final : public ModbusLink {
     const bool is_about_frame =
         errno == ETIMEDOUT || errno == EMBBADCRC || errno == EMBBADDATA || errno == EINTR;
     if (!is_about_frame) return {.arrival = ModbusArrival::kGone};
-    return {.arrival = ModbusArrival::kDamaged, .fault = FaultOf(errno)};
+    const ModbusFault fault = FaultOf(errno);
+    // libmodbus takes the third byte of a request, the upper one of its address, for the number of
+    // bytes behind it, and leaves the rest in the port
+    const std::size_t taken =
+        std::min<std::size_t>(sent_.size(), errno == EMBBADDATA ? 3 : 5 + buffer_[2]);
+    if (!sent_.empty() && Begins(taken)) {
+      const auto rest = static_cast<MonotonicNs>(sent_.size() - taken);
+      return TakeEcho(taken, rest * byte_ns_ + kGraceNs);
+    }
+    return {.arrival = ModbusArrival::kDamaged, .fault = fault};
+  }
+
+  // whether the first bytes that came are those of the request
+  bool Begins(std::size_t bytes) const {
+    return std::ranges::equal(std::span(buffer_).first(bytes), sent_.substr(0, bytes), {}, {},
+                              [](char sent) { return static_cast<std::uint8_t>(sent); });
+  }
+
+  // the request that comes back, of which `taken` bytes are in the buffer; other bytes are damage
+  ModbusReply TakeEcho(std::size_t taken, MonotonicNs longest_ns) {
+    seen_bytes_ = 0;
+    const MonotonicNs deadline = clock_.Now() + longest_ns;
+    while (taken < sent_.size()) {
+      const auto room = std::span(buffer_).subspan(taken, sent_.size() - taken);
+      const ReadOutcome read = ReadDescriptor(
+          descriptor_, {reinterpret_cast<char*>(room.data()), room.size()}, deadline);
+      if (read.bytes == 0) break;
+      taken += read.bytes;
+    }
+    has_echo_ = taken == sent_.size() && Begins(taken);
+    sent_.clear();
+    if (has_echo_) return {.arrival = ModbusArrival::kEcho};
+    return {.arrival = ModbusArrival::kDamaged, .fault = ModbusFault::kLength};
   }
 
   SystemClock clock_;
@@ -150,7 +192,9 @@ class ModbusPort final : public ModbusLink {
   std::string source_;
   MonotonicNs byte_ns_;  ///< of one character on the wire; 0: TCP
   std::optional<MonotonicNs> latency_ns_;
-  int seen_bytes_ = 0;  ///< of a reply that has begun, at the last look
+  int seen_bytes_ = 0;     ///< of a reply that has begun, at the last look
+  std::string sent_;       ///< RTU: the last request, until it has come back
+  bool has_echo_ = false;  ///< the request before came back
   std::array<std::uint8_t, kLongestModbusAdu> buffer_{};
 };
 

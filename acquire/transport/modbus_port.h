@@ -17,6 +17,7 @@ namespace haptometer::acquire {
 enum class ModbusArrival : std::uint8_t {
   kFrame,    ///< `bytes` is a whole frame, of which CRC (RTU) and length hold
   kDamaged,  ///< bytes came and were taken that are no such frame; `fault` says why
+  kEcho,     ///< RTU: the request that was sent last came back and was taken; once a request
   kNothing,  ///< none before the deadline, or a signal came first
   kGone,     ///< the other end hung up; nothing will ever come again
 };
@@ -60,7 +61,8 @@ class ModbusLink {
 /// once its first byte is there, so no call blocks in its select(); requests are written on its
 /// descriptor, because modbus_send_raw_request() leaves TCP's transaction identifier at zero and
 /// modbus_read_registers() waits for the whole response timeout; descriptors beyond FD_SETSIZE are
-/// refused. A serial port is taken for us alone (flock before its settings change, then TIOCEXCL);
+/// refused; a request that an adapter with local echo gives back is taken off before the reply.
+/// A serial port is taken for us alone (flock before its settings change, then TIOCEXCL);
 /// a virtual terminal by flock, and always 8N1, since it carries no parity.
 /// Errors (Cause::kCannotAnswer): absent, no permission, busy, refused, no answer.
 [[nodiscard]] Result<std::unique_ptr<ModbusLink>> OpenModbusPort(const std::string& name,

@@ -25,16 +25,20 @@ class ScriptedModbusLink final : public acquire::ModbusLink {
     const Event event{clock_.Now() + after_ns, std::move(frame), fault};
     events_.insert(std::ranges::upper_bound(events_, event.time_ns, {}, &Event::time_ns), event);
   }
+  /// The line gives each request back before the reply.
+  void GiveRequestsBack() { has_echo_ = true; }
   void HangUp() { gone_ = true; }
 
   bool Send(std::string_view frame) override {
     if (gone_) return false;
+    is_echo_due_ = has_echo_;
     answer_(*this, std::string(frame));
     return true;
   }
 
   acquire::ModbusReply Receive(std::size_t /*expected*/, MonotonicNs deadline) override {
     using acquire::ModbusArrival;
+    if (std::exchange(is_echo_due_, false)) return {.arrival = ModbusArrival::kEcho};
     if (events_.empty() && gone_) return {.arrival = ModbusArrival::kGone};
     if (events_.empty() || events_.front().time_ns > deadline) {
       clock_.SleepUntil(deadline);
@@ -75,6 +79,8 @@ class ScriptedModbusLink final : public acquire::ModbusLink {
   std::deque<Event> events_;
   Event taken_;
   bool gone_ = false;
+  bool has_echo_ = false;
+  bool is_echo_due_ = false;
   std::string name_ = "scripted";
 };
 

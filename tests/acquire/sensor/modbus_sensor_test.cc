@@ -216,6 +216,28 @@ TEST_F(ModbusSensorTest, SilenceAtTheStartSaysWhatToCheck) {
                         "baud, parity even; check that the sensor is on, <slave>"));
 }
 
+TEST_F(ModbusSensorTest, RequestsThatComeBackAreNamedAndIgnored) {
+  Started(Plain());
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kEcho));
+  device_->wire->GiveRequestsBack();
+  for (int row = 0; row < 3; ++row) EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kEcho), "echoes=3");
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kWireErrors));
+}
+
+TEST_F(ModbusSensorTest, AWireThatOnlySendsRequestsBackIsNamed) {
+  device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
+  device_->script = [](bool) { return ScriptedModbusDevice::Answer{.is_missing = true}; };
+  ModbusSensor sensor(device_->Link(), {Plain(), {}}, clock_);
+  device_->wire->GiveRequestsBack();
+  const auto started = sensor.Start(kNeverStop);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(started.error().Text(),
+              HasSubstr("sends each request back, and nothing answers to slave 1, function 03, 1 "
+                        "registers from 0; check the wiring"));
+}
+
 TEST_F(ModbusSensorTest, EachRequestAtTheStartWaitsForTheLongestReply) {
   device_ = std::make_unique<ScriptedModbusDevice>(clock_, ModbusFraming::kRtu, 1);
   device_->script = [](bool) { return ScriptedModbusDevice::Answer{.is_missing = true}; };

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <future>
@@ -267,6 +268,88 @@ TEST(ModbusPort, AReplyThatStillGrowsIsLeftInThePort) {
   const ModbusReply cut = (*link)->Receive(reply.size(), tests::In(0.005));
   EXPECT_EQ(cut.arrival, ModbusArrival::kDamaged);
   EXPECT_EQ(cut.fault, ModbusFault::kLength);
+}
+
+// An adapter with local echo: the request is there before the reply. The upper byte of the address
+// is what libmodbus takes for a length.
+TEST(ModbusPort, ARequestThatComesBackIsTakenOff) {
+  for (const int address : {0x0000, 0x0003, 0x0007, 0x0300, 0x1000, 0xFF00}) {
+    const tests::PtyPair pair;
+    auto link = OpenModbusPort(pair.path(), {.baud = 115200, .parity = Parity::kNone});
+    ASSERT_TRUE(link) << link.error().Text();
+    const ReadRequest request{.address = static_cast<std::uint16_t>(address), .count = 2};
+    std::string frame;
+    AppendReadRequest(ModbusFraming::kRtu, request, frame);
+    std::string reply;
+    AppendAdu(ModbusFraming::kRtu, {.unit = 1, .function = 3, .data = "\x04\x12\x34\x56\x78"},
+              reply);
+    int sound = 0;
+    for (int row = 0; row < 4; ++row) {
+      (*link)->Flush();
+      ASSERT_TRUE((*link)->Send(frame));
+      ASSERT_EQ(pair.Receive(frame.size()), frame);
+      // in pieces, as it comes over the wire
+      pair.Send(frame.substr(0, 3));
+      pair.Send(frame.substr(3));
+      EXPECT_EQ((*link)->Receive(reply.size(), tests::In(1)).arrival, ModbusArrival::kEcho)
+          << address << " row " << row;
+      pair.Send(reply);
+      const ModbusReply got = (*link)->Receive(reply.size(), tests::In(1));
+      if (got.arrival == ModbusArrival::kFrame && got.bytes == reply) ++sound;
+    }
+    EXPECT_EQ(sound, 4) << address;
+    // without echo again, the first reply is damaged and the next ones are sound
+    for (int row = 0; row < 2; ++row) {
+      (*link)->Flush();
+      ASSERT_TRUE((*link)->Send(frame));
+      ASSERT_EQ(pair.Receive(frame.size()), frame);
+      pair.Send(reply);
+      EXPECT_EQ((*link)->Receive(reply.size(), tests::In(1)).arrival,
+                row == 0 ? ModbusArrival::kDamaged : ModbusArrival::kFrame);
+    }
+  }
+}
+
+// echo and reply may wait together when the adapter hands them over
+TEST(ModbusPort, ASensorBehindAnAdapterWithEchoIsRead) {
+  const tests::PtyPair pair;
+  std::atomic<bool> stop{false};
+  std::thread device([&] {
+    while (!stop) {
+      pollfd waiting{.fd = pair.master(), .events = POLLIN, .revents = 0};
+      if (poll(&waiting, 1, 20) != 1) continue;
+      const std::string frame = pair.Receive(8);
+      // nobody has the port open
+      if (frame.size() < 8) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        continue;
+      }
+      const ParsedAdu asked = ParseAdu(ModbusFraming::kRtu, frame);
+      const auto count = RegisterAt(asked.adu.data, 1);
+      std::string bytes = frame;
+      AppendAdu(ModbusFraming::kRtu,
+                {.unit = 1,
+                 .function = 3,
+                 .data = static_cast<char>(2 * count) + std::string(std::size_t{2} * count, '\1')},
+                bytes);
+      pair.Send(bytes);
+    }
+  });
+  SensorProfile profile{.name = "plain"};
+  profile.wire.baud = 115200;
+  {
+    Client client(pair.path(), profile);
+    for (int row = 0; row < 5; ++row) {
+      const auto reading = client.NextRow();
+      ASSERT_TRUE(reading);
+      EXPECT_EQ(reading->samples[0].status, SampleStatus::kOk);
+      EXPECT_EQ(reading->samples[0].raw.Number(trial::Encoding::kI32), 0x0101);
+    }
+    EXPECT_TRUE(client.sensor->Found().Has(FindingKind::kEcho));
+    EXPECT_FALSE(client.sensor->Found().Has(FindingKind::kWireErrors));
+  }
+  stop = true;
+  device.join();
 }
 
 TEST(ModbusPort, APortThatIsInUseIsRefused) {
