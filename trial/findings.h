@@ -36,6 +36,8 @@ enum class FindingKind : std::uint8_t {
   kTimesInOtherUnit,  ///< rate_hz of the times, stated_hz: a power of 1000 apart
   kRateReplaced,      ///< rate_hz of the user, stated_hz, stated_by
   kStartAssumed,      ///< the first row is put at 0 s
+  kRowsMissing,       ///< missing, places, line (behind the first): by the rows' numbers
+  kRowNumbersUneven,  ///< line (the first): the rows' numbers do not grow by whole steps; not used
   kRowsExcluded,      ///< excluded, rows, line: with the time of the row before
   kTimesRebuilt,      ///< repeated, rows, rate_hz, rate_uncertainty_hz (standard)
   kChannelsApart,     ///< apart_s: all are put at the first one's times

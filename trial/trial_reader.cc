@@ -401,7 +401,8 @@ void AppendTimes(const Chunk& chunk, Timing timing, Gathered* gathered) {
   }
 }
 
-// the recorder's own fit, where it covers exactly the rows that were read
+}  // namespace
+
 std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
   std::vector<Stretch> stretches;
   std::size_t next_row = 0;
@@ -420,6 +421,8 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
   if (!report.losses.empty() || stretches.empty() || next_row != report.rows) return std::nullopt;
   return stretches;
 }
+
+namespace {
 
 // where rows are missing: blocks lost in the file, or losses that the recorder noted
 std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& report) {
@@ -442,7 +445,7 @@ std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& rep
 void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& report,
               Record* record) {
   if (header.timing == Timing::kUniform) {
-    record->stretches = gathered.grid.stretches();
+    record->stretches = StoredTimeBase(report).value_or(gathered.grid.stretches());
     return;
   }
   // raw time: of arrival, or the middle of request and reply

@@ -163,6 +163,11 @@ class TrialReader {
 /// Why the recording is excluded from studies; nothing where it is not.
 [[nodiscard]] std::optional<std::string> ExclusionOf(const Metadata& metadata);
 
+/// The time base that the writer stored (EventKind::kTimeBase), where its stretches follow each
+/// other over exactly the rows that were read; nothing where rows were lost. It overrides one that
+/// is computed, and of a uniform trial the grid, whose places have no uncertainty.
+[[nodiscard]] std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report);
+
 /// A measurement in memory and how well it could be read.
 struct Recording {
   Record record{};

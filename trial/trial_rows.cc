@@ -65,7 +65,7 @@ Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::stri
   }
   // the report is complete behind the last block
   rows->report_ = reader.report();
-  rows->head_.stretches = grid.stretches();
+  rows->head_.stretches = StoredTimeBase(rows->report_).value_or(grid.stretches());
   rows->head_.metadata = MetadataOf(reader.header(), rows->report_);
   rows->source_ = std::move(reader).TakeSource();
   return rows;

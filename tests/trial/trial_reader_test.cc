@@ -46,6 +46,50 @@ void ExpectTrueValues(const Record& record) {
   }
 }
 
+// the grid's places are exact, and what was printed of a rate is not
+TEST(TrialReader, AStoredTimeBaseOverridesTheGrid) {
+  const ScratchDirectory folder;
+  const std::string path = folder.File("t.bin");
+  TrialHeader header;
+  header.rate_hz = 1000;
+  header.channels = {{.name = "x"}};
+  const Stretch first{
+      .first_row = 0, .rows = 10, .start_s = 1e-5, .rate_hz = 1000, .time_uncertainty_s = 3e-5};
+  const Stretch second{
+      .first_row = 10, .rows = 20, .start_s = 0.02, .rate_hz = 1000, .time_uncertainty_s = 2e-5};
+  const auto write = [&](const std::vector<Stretch>& stretches) {
+    ManualClock clock;
+    auto writer = TrialWriter::Create(path, header, {.overwrite = true}, clock);
+    ASSERT_TRUE(writer);
+    const Sample sample{RawValue::Counts(1), SampleStatus::kOk};
+    for (int i = 0; i < 30; ++i) {
+      ASSERT_TRUE(writer->Append({.index = i < 10 ? i : i + 10, .samples = {&sample, 1}}));
+    }
+    for (const Stretch& stretch : stretches) {
+      ASSERT_TRUE(writer->AddEvent({.kind = EventKind::kTimeBase, .stretch = stretch}));
+    }
+    ASSERT_TRUE(writer->Finish());
+  };
+  const auto expect = [&](const std::vector<double>& uncertainties_s) {
+    const auto whole = ReadRecord(path);
+    ASSERT_TRUE(whole);
+    const auto rows = OpenRows(path);
+    ASSERT_TRUE(rows);
+    for (const Record* record : {&whole->record, &rows->rows->head()}) {
+      ASSERT_EQ(record->stretches.size(), 2U);
+      for (std::size_t s = 0; s < 2; ++s) {
+        EXPECT_EQ(record->stretches[s].time_uncertainty_s, uncertainties_s[s]);
+      }
+      EXPECT_EQ(record->stretches[0].start_s, uncertainties_s[0] > 0 ? 1e-5 : 0);
+    }
+  };
+  write({first, second});
+  expect({3e-5, 2e-5});
+  // one that is not about all rows is none
+  write({first});
+  expect({0, 0});
+}
+
 TEST(TrialReader, CutAtAnyByteEveryWholeBlockIsReadAndTheLossStated) {
   const std::string whole = CountingTrial(30, 10);
   const auto offsets = BlockOffsets(whole);

@@ -49,6 +49,12 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "may be in another unit than their column states"},
     {"rate-replaced", "--rate {rate_hz} replaces {stated_hz} by '{stated_by}'"},
     {"start-assumed", "the time of the first row is not in the file; it is assumed to be 0 s"},
+    {"rows-missing",
+     "rows are missing by the row numbers in the first column: {missing} in {places} "
+     "place{places s}, the first before line {line}"},
+    {"row-numbers-uneven",
+     "the row numbers in the first column do not go on in whole steps in line {line}: whether rows "
+     "are missing is not known; all rows are taken to follow each other"},
     {"rows-excluded",
      "rows with the time of the row before are excluded: {excluded} of {rows}, the first in line "
      "{line}"},

@@ -46,25 +46,59 @@ Result<Recording> ReadExport(const MatVariable& variable, const std::string& whe
   return ReadExportedTrial(objects, FileKind::kMat);
 }
 
-// the columns of a table: the vectors of the greatest length, or the only matrix
-Result<NumberTable> TableOf(const std::vector<MatVariable>& fields, const std::string& where,
-                            const ImportOptions& options) {
+// columns of a table beside others: along the longer side are its rows
+std::size_t WidthOf(const MatVariable& variable) {
+  return std::min(variable.rows, variable.columns);
+}
+
+// the variables of the greatest length, which lie beside each other in the table
+std::vector<const MatVariable*> PartsOf(const std::vector<MatVariable>& fields) {
   std::size_t rows = 0;
   for (const MatVariable& field : fields) {
     if (field.is_numeric()) rows = std::max({rows, field.rows, field.columns});
   }
-  NumberTable table;
+  std::vector<const MatVariable*> parts;
   for (const MatVariable& field : fields) {
-    if (!field.is_numeric() || std::max(field.rows, field.columns) != rows || field.size() == 0) {
-      continue;
-    }
-    const bool is_vector = field.rows == 1 || field.columns == 1;
-    if (!is_vector && !table.columns.empty()) {
-      return CannotAnswer(where, fmt::format("holds several variables of {} rows", rows),
-                          fmt::format("name one: {}/{}", where, Printable(field.name)));
-    }
+    const bool is_long = std::max(field.rows, field.columns) == rows && field.size() > 0;
+    if (field.is_numeric() && is_long) parts.push_back(&field);
+  }
+  return parts;
+}
+
+// where a matrix stands beside others, each of all columns needs a name
+Result<void> CheckNames(const std::vector<const MatVariable*>& parts, const std::string& where,
+                        const ImportOptions& options) {
+  std::size_t width = 0;
+  std::string list;
+  for (const MatVariable* part : parts) {
+    width += WidthOf(*part);
+    list +=
+        fmt::format("{}{} of {}", list.empty() ? "" : ", ", Printable(part->name), WidthOf(*part));
+  }
+  if (width == parts.size() || width == options.columns.size()) return {};
+  const auto matrix =
+      std::ranges::find_if(parts, [](const MatVariable* part) { return WidthOf(*part) > 1; });
+  return CannotAnswer(
+      where,
+      fmt::format("holds variables of {} columns in all ({}) without names for each", width, list),
+      fmt::format("name each in <columns>, as time_s,displacement_m,-, or give one variable: {}/{}",
+                  where, Printable((*matrix)->name)));
+}
+
+// the columns of a table: those of all variables of the greatest length, in the file's order
+Result<NumberTable> TableOf(const std::vector<MatVariable>& fields, const std::string& where,
+                            const ImportOptions& options) {
+  const std::vector<const MatVariable*> parts = PartsOf(fields);
+  const bool is_alone = parts.size() == 1;
+  if (!is_alone) HAPTOMETER_TRY(CheckNames(parts, where, options));
+  NumberTable table;
+  for (const MatVariable* part : parts) {
+    const MatVariable& field = *part;
+    // one alone has its columns along the side that as many are named of
+    ImportOptions of_part = options;
+    if (!is_alone) of_part.columns.resize(WidthOf(field));
     HAPTOMETER_LET(auto columns, ColumnsOfMatrix(field.Numbers(), field.rows, field.columns, false,
-                                                 field.name, where, options));
+                                                 field.name, where, of_part));
     for (NumberColumn& column : columns) {
       column.is_count = field.is_whole();
       table.columns.push_back(std::move(column));

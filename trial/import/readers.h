@@ -57,8 +57,9 @@ namespace haptometer::trial {
                                          const ImportOptions& options = {});
 
 /// A trial from a MATLAB file of version 5 that trial/export/export.h wrote, or a table: the
-/// vectors of numbers of the greatest length of the file or of its only struct, a column each,
-/// called as they are; or its only matrix (trial/import/number_table.h).
+/// variables of numbers of the greatest length of the file or of its only struct, beside each other
+/// in the file's order. A vector is a column called as it is; the columns of a matrix have no names
+/// (trial/import/number_table.h), so that options.columns names all columns where there is one.
 ///
 /// `bytes`: of the file at `path`, which messages name; `variable`: the one to read; empty: all. At
 /// most 2^28 numbers are read; what else there is in it, trial/import/mat_variables.h says.

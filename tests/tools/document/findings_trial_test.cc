@@ -68,6 +68,14 @@ const std::vector<Case> kCases{
      {{"rate_hz", 500.0}, {"stated_hz", 1e3}, {"stated_by", "Increment"}},
      "--rate 500 Hz replaces 1000 Hz by 'Increment'"},
     {kStartAssumed, {}, "the time of the first row is not in the file; it is assumed to be 0 s"},
+    {kRowsMissing,
+     {{"missing", 23}, {"places", 2}, {"line", 1502}},
+     "rows are missing by the row numbers in the first column: 23 in 2 places, the first before "
+     "line 1502"},
+    {kRowNumbersUneven,
+     {{"line", 7}},
+     "the row numbers in the first column do not go on in whole steps in line 7: whether rows are "
+     "missing is not known; all rows are taken to follow each other"},
     {kRowsExcluded,
      {{"excluded", 1}, {"rows", 300}, {"line", 203}},
      "rows with the time of the row before are excluded: 1 of 300, the first in line 203"},

@@ -200,7 +200,8 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(ErrorOf("0,1\n1,2\n"),
             "f.csv: no line names its 2 columns: the first may be a time (1 rows per second in s, "
             "1000 in ms) or a channel like the others; give <columns> time_s,voltage_v, or "
-            "<columns> voltage_v,voltage_2_v with <rate>");
+            "<columns> voltage_v,voltage_2_v with <rate>, or <columns> sample,voltage_v where it "
+            "numbers the rows");
   EXPECT_THAT(ErrorOf("name,age\nbob,3\n"), HasSubstr("no time column"));
   EXPECT_EQ(ErrorOf("time,voltage_v\n0,1\n"),
             "f.csv: column 'time' does not state its unit; name it time_s, time_ms or time_us");

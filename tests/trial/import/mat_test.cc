@@ -10,12 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "tests/residual.h"
 #include "trial/import/mat_variables.h"
 #include "trial/import/readers.h"
 
 namespace haptometer::trial {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -279,8 +281,9 @@ Record Parsed(const std::string& bytes, const ImportOptions& options,
   return recording ? std::move(recording->record) : Record{};
 }
 
-std::string ErrorOf(const std::string& bytes, const std::string& name = "") {
-  const auto recording = ParseMat(bytes, "f.mat", name, kAtRate);
+std::string ErrorOf(const std::string& bytes, const std::string& name = "",
+                    const ImportOptions& options = kAtRate) {
+  const auto recording = ParseMat(bytes, "f.mat", name, options);
   return recording ? "was read" : recording.error().Text();
 }
 
@@ -311,8 +314,36 @@ TEST(Mat, TheOnlyMatrixIsATable) {
   EXPECT_THAT(record.channels[0].values, ElementsAre(0, 10, 20));
   EXPECT_THAT(record.channels[1].values, ElementsAre(1, 11, 21));
   EXPECT_THAT(ErrorOf(File(Matrix("m", 3, 2))), HasSubstr("is a matrix of 3 x 2 numbers"));
-  EXPECT_THAT(ErrorOf(File(Vector("v", {1, 2, 3}) + Matrix("m", 3, 2))),
-              HasSubstr("holds several variables of 3 rows; name one: f.mat/m"));
+}
+
+// whichever stands first in the file, and along whichever side the rows of the matrix lie
+TEST(Mat, AVectorBesideAMatrixIsAColumnBesideItsColumns) {
+  const std::string time = Vector("t", {0, 0.1, 0.2});
+  ImportOptions names{.columns = {"time_s", "a", "b"}};
+  for (const std::string& matrix : {Matrix("m", 3, 2), Matrix("m", 2, 3)}) {
+    EXPECT_EQ(Parsed(File(time + matrix), names).channels.size(), 2U);
+  }
+  Record record = Parsed(File(time + Matrix("m", 3, 2)), names);
+  EXPECT_THAT(record.channels.at(1).values, ElementsAre(1, 11, 21));
+  EXPECT_REL(record.stretches.at(0).rate_hz, 10, 1e-12, "a line through three doubles");
+  names.columns = {"a", "b", "time_s"};
+  record = Parsed(File(Matrix("m", 3, 2) + time), names);
+  EXPECT_THAT(record.channels.at(1).values, ElementsAre(1, 11, 21));
+  EXPECT_REL(record.stretches.at(0).rate_hz, 10, 1e-12, "a line through three doubles");
+}
+
+TEST(Mat, EachColumnBesideAMatrixNeedsAName) {
+  const std::string time = Vector("t", {0, 0.1, 0.2});
+  const ImportOptions two{.columns = {"a", "b"}, .rate_hz = 10.0};
+  for (const std::string& bytes :
+       {File(time + Matrix("m", 3, 2)), File(Matrix("m", 3, 2) + time)}) {
+    for (const ImportOptions& options : {ImportOptions{}, two}) {
+      EXPECT_THAT(ErrorOf(bytes, "", options),
+                  AllOf(HasSubstr("3 columns in all"), HasSubstr("m of 2"),
+                        HasSubstr("name each in <columns>"), HasSubstr("f.mat/m")));
+    }
+    EXPECT_EQ(Parsed(bytes, two, "m").channels.size(), 2U);
+  }
 }
 
 TEST(Mat, AStructIsATableOfItsFields) {

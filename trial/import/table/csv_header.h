@@ -14,8 +14,9 @@
 
 namespace haptometer::trial {
 
-/// kArrival: when the row arrived, beside a straightened time.
-enum class CsvColumnKind : std::uint8_t { kTime, kArrival, kValue, kStatus, kLeftOut };
+/// kArrival: when the row arrived, beside a straightened time. kNumber: the row's number
+/// (row_numbers.h), of a table without times.
+enum class CsvColumnKind : std::uint8_t { kTime, kArrival, kValue, kStatus, kNumber, kLeftOut };
 
 /// What a column's name says of it.
 struct CsvColumn {

@@ -39,6 +39,7 @@ void CsvRows::Begin(Layout layout) {
   for (const CsvColumn& column : layout_.columns) {
     if (column.kind == CsvColumnKind::kStatus) has_status_ = true;
     if (column.kind == CsvColumnKind::kTime) has_times_ = true;
+    if (column.kind == CsvColumnKind::kNumber) numbers_.emplace();
     if (column.kind != CsvColumnKind::kValue) continue;
     channels_.push_back({.name = column.name, .role = column.role, .unit = column.unit});
   }
@@ -70,12 +71,14 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const CsvColumn& column = layout_.columns[i];
     Result<void> done;
-    // of what is left out only a decimal comma counts, as it is the file's
-    if (column.kind == CsvColumnKind::kLeftOut && !MayGroupThousands(cells_[i], ',') &&
-        cells_[i].find(',') != std::string_view::npos) {
+    // of what is no value only a decimal comma counts, as it is the file's
+    const bool is_number = column.kind == CsvColumnKind::kNumber;
+    if ((is_number || column.kind == CsvColumnKind::kLeftOut) &&
+        !MayGroupThousands(cells_[i], ',') && cells_[i].find(',') != std::string_view::npos) {
       (void)CellNumber(cells_[i]);
     }
     if (column.kind == CsvColumnKind::kTime) done = TakeTime(cells_[i], column);
+    if (is_number) numbers_->Add(ReadNumberWithComma(cells_[i]).value_or(kNan), line_number);
     if (column.kind == CsvColumnKind::kValue) {
       done = TakeValue(cells_[i], column, &channels_[channel++]);
     }

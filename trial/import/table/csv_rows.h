@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "trial/import/table/csv_header.h"
 #include "trial/import/table/printed_times.h"
+#include "trial/import/table/row_numbers.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -51,6 +52,8 @@ class CsvRows {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::vector<Channel>& channels() { return channels_; }
   [[nodiscard]] std::vector<Segment>& segments() { return segments_; }
+  /// Of the column that numbers the rows; nothing where there is none.
+  [[nodiscard]] const std::optional<RowNumbers>& numbers() const { return numbers_; }
   /// Whether a number has a comma, which CheckCommas finds to be a decimal one.
   [[nodiscard]] bool has_commas() const { return !commas_.first.empty(); }
   /// Whether commas, and points beside them, are decimal ones all along. Errors
@@ -81,6 +84,7 @@ class CsvRows {
   bool is_time_falling_ = false;
   std::vector<Channel> channels_;
   std::vector<Segment> segments_;
+  std::optional<RowNumbers> numbers_;
   std::optional<double> first_clock_s_;
   double days_s_ = 0;
   // what numbers show of a comma or a point in them

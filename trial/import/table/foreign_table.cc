@@ -51,6 +51,15 @@ std::vector<std::string_view> SplitAtWideBlanks(std::string_view words) {
   return cells;
 }
 
+// whether no bracket of "Position (x,y)" stands without its other half
+bool HasWholeBrackets(std::string_view cell) {
+  const auto is_one_of = [](std::string_view signs) {
+    return [signs](char c) { return signs.contains(c); };
+  };
+  return std::ranges::count_if(cell, is_one_of("([")) ==
+         std::ranges::count_if(cell, is_one_of(")]"));
+}
+
 // keeps a line above the numbers, as key, comment or line of words
 void Keep(TableLine line, char separator, TableBeginning* found) {
   line.key = ReadTableKey(line.text, separator);
@@ -70,12 +79,16 @@ void Keep(TableLine line, char separator, TableBeginning* found) {
 }  // namespace
 
 std::vector<std::string_view> TableBeginning::CellsOfWords(std::string_view words) const {
-  auto cells = SplitCells(words, rows[0].separator);
-  // names above numbers that are separated by blanks may contain blanks
-  if (rows[0].separator == ' ' && cells.size() != width()) {
+  // names above numbers that are separated by blanks may contain blanks: another separator that
+  // gives as many cells is the better one
+  if (rows[0].separator == ' ') {
     for (const char other : {'\t', ';', ','}) {
-      if (auto split = SplitCells(words, other); split.size() == width()) return split;
+      auto split = SplitCells(words, other);
+      if (split.size() == width() && std::ranges::all_of(split, HasWholeBrackets)) return split;
     }
+  }
+  auto cells = SplitCells(words, rows[0].separator);
+  if (rows[0].separator == ' ' && cells.size() != width()) {
     if (auto split = SplitAtWideBlanks(words); split.size() == width()) return split;
   }
   // separators at the end of a header line make no names
@@ -298,6 +311,11 @@ class Finder {
     }
     if (values == 0) {
       return CannotAnswer(name_, "no column beside the time holds values", "say <columns>");
+    }
+    // times state by themselves where rows are missing
+    for (CsvColumn& column : table_.columns) {
+      const bool is_number = column.kind == CsvColumnKind::kNumber;
+      if (times > 0 && is_number) column.kind = CsvColumnKind::kLeftOut;
     }
     // a status column refers to a value column by its number
     for (const CsvColumn& column : table_.columns) {

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "trial/import/table/row_numbers.h"
 #include "trial/import/table/table_cells.h"
 
 namespace haptometer::trial {
@@ -125,6 +126,8 @@ class Head {
     named_.columns.reserve(Width());
     for (const std::string& word : options_.columns) {
       HAPTOMETER_LET(auto column, ReadToldColumn(word, options_));
+      const bool is_first = named_.columns.empty();
+      if (is_first && IsRowNumberName(word) && HasNumbers()) column.kind = CsvColumnKind::kNumber;
       named_.columns.push_back(std::move(column));
     }
     // columns behind the named ones are empty
@@ -283,7 +286,20 @@ class Head {
         fmt::format("{}: the first may be a time ({:.4g} rows per second in s, {:.4g} in ms) or a "
                     "channel like the others",
                     what, 1 / step, 1000 / step),
-        "give <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>");
+        fmt::format(
+            "give <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>{}",
+            filled[0] == 0 && HasNumbers() ? ", or <columns> sample,voltage_v where it numbers the "
+                                             "rows"
+                                           : ""));
+  }
+
+  // whether the first of several columns begins with two whole numbers that differ
+  [[nodiscard]] bool HasNumbers() const {
+    const auto is_whole = [](const TableCells& row) {
+      const auto number = ReadNumberWithComma(row.cells[0]);
+      return number && *number == std::floor(*number);
+    };
+    return Width() > 1 && std::ranges::all_of(beginning_.rows, is_whole) && Step(0) != 0;
   }
 
   // difference of the first two rows, which is the period if the column is a time
@@ -310,11 +326,13 @@ class Head {
     const std::string_view printed = unit_text.empty() ? bracket : unit_text;
     // frequency and level columns of a spectrum are omitted
     const bool is_spectrum = IsOneOf(printed, {"hz", "khz", "db", "dbv"});
-    // a first column of row numbers is no channel
-    const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
     // a date beside the time of day: midnights show in the latter
     if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kLeftOut};
-    if ((cell.empty() && unit_text.empty()) || is_spectrum || is_number) {
+    // a first column of row numbers is no channel
+    if (number == 0 && unit_text.empty() && IsRowNumberName(cell) && HasNumbers()) {
+      return CsvColumn{.kind = CsvColumnKind::kNumber, .name = std::string(cell)};
+    }
+    if ((cell.empty() && unit_text.empty()) || is_spectrum) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);
@@ -444,6 +462,17 @@ Result<CsvColumn> ReadToldColumn(const std::string& word, const ImportOptions& o
     return std::unexpected(std::move(error));
   }
   column->printed = word;
+  return column;
+}
+
+CsvColumn ReadQuantity(std::string_view cell) {
+  auto own = ReadCsvColumn(cell, "");
+  if (own && (own->kind != CsvColumnKind::kValue || own->role != ChannelRole::kOther)) {
+    return *std::move(own);
+  }
+  const auto [title, unit] = SplitUnit(cell);
+  CsvColumn column{.name = std::string(title), .printed = std::string(cell)};
+  SetPrintedUnit(unit, &column);
   return column;
 }
 

@@ -26,6 +26,10 @@ struct NamedColumns {
 [[nodiscard]] Result<CsvColumn> ReadToldColumn(const std::string& word,
                                                const ImportOptions& options);
 
+/// A column by its name alone: one of this program ("displacement_mm"), else by the unit that it
+/// states, in any language ("Weg (mm)", "Spannung / V"); of role kOther where no unit is known.
+[[nodiscard]] CsvColumn ReadQuantity(std::string_view cell);
+
 /// A channel of role kOther that a user named has the unit that the file states of it, `said`.
 void KeepStatedUnit(const CsvColumn& said, CsvColumn* told);
 
@@ -40,9 +44,10 @@ struct TableWords {
 /// else what the format is known for, which is remarked upon. Names may stand in the # line right
 /// above the numbers, if they name a time there, and in Yokogawa's key "TraceName". A time without
 /// a unit has the one in which the rows come at options.rate_hz or at the stated clock. A column of
-/// a unit of time is the time; columns of a spectrum beside the table (Hz, dB) and a row number
-/// ("nr", "sample") are left out; a unit of length makes a displacement, one of voltage or current
-/// a voltage or current. options.columns replaces all this.
+/// a unit of time is the time; columns of a spectrum beside the table (Hz, dB) are left out; a
+/// first column of whole numbers that is called so (IsRowNumberName) numbers the rows; a unit of
+/// length makes a displacement, one of voltage or current a voltage or current. options.columns
+/// replaces all this; a first word that IsRowNumberName is the rows' number there, too.
 ///
 /// Errors (Cause::kCannotAnswer), naming `name`: a time without a unit and columns without names
 /// (both readings are named), decimal commas that cannot be told from separators.

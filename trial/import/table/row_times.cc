@@ -321,7 +321,9 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                                       words.clock->printed, words.clock->from),
                           "give the rows per second (<rate>)");
     }
-    record->stretches = {UniformTimes(words, options, record->rows, findings)};
+    const Stretch whole = UniformTimes(words, options, record->rows, findings);
+    record->stretches = {whole};
+    if (rows->numbers()) record->stretches = rows->numbers()->Divide(whole, findings);
     return {};
   }
   if (segments.size() == 1) return setter.One(std::move(segments[0]), record);

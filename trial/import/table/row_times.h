@@ -50,7 +50,8 @@ void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
                                        Record* record, Findings* findings);
 
 /// Sets stretches, timing and raw times of `record` from its segments, of which options.segment
-/// keeps one (then `record`'s channels are cut to its rows); `rows.segments()` are used up.
+/// keeps one (then `record`'s channels are cut to its rows); `rows.segments()` are used up. Without
+/// times, jumps of the rows' numbers begin a stretch (row_numbers.h).
 ///
 /// A stated clock beats the printed times where their digits explain how they differ from it, and
 /// is the only word where there are none, if its number has one meaning. What was assumed goes to

@@ -500,6 +500,14 @@ TEST(ForeignTable, NamesAboveBlanksHaveASeparatorOfTheirOwn) {
     EXPECT_EQ(record.channels[0].name, "CH 1 A") << names;
     EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
   }
+  // blanks give two cells too: "Time (s);CH" and "1 (V)"
+  for (const char* names : {"Time (s)\tCH 1 (V)", "Time (s);CH 1 (V)", "Time (s),CH 1 (V)"}) {
+    const Record record = Parsed(std::string(names) + "\n0 1\n1 2\n");
+    ASSERT_EQ(record.channels.size(), 1U) << names;
+    EXPECT_EQ(record.channels[0].name, "CH 1") << names;
+  }
+  // a comma within brackets separates nothing
+  EXPECT_EQ(Parsed("Time(s) Position(x,y)\n0 1\n1 2\n").channels.at(0).name, "Position(x,y)");
   EXPECT_THAT(ErrorOf("Time (s) CH 1 (V)\n0 1\n1 2\n"), HasSubstr("no line names its 2 columns"));
 }
 
