@@ -192,10 +192,12 @@ int main(int argc, char** argv) {
   haptometer::cli::HoldStandardStreams();
   // a limit on files (ulimit -f) is an error of the write, as a full disk is
   std::signal(SIGXFSZ, SIG_IGN);
-  // No code of this program throws. Exceptions come from libraries (memory exhausted) and from fmt,
-  // whose print fails where standard output fails.
+  // No code of this program throws but where it is interrupted. Exceptions come from libraries
+  // (memory exhausted) and from fmt, whose print fails where standard output fails.
   try {
     return StatusWithOutput(haptometer::tools::Run(argc, argv));
+  } catch (const haptometer::cli::Interruption&) {
+    return StatusWithOutput(haptometer::cli::InterruptedStatus(0));
   } catch (const std::exception& error) {
     const auto* const failed = dynamic_cast<const std::system_error*>(&error);
     if (std::ferror(stdout) != 0) {

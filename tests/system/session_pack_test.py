@@ -193,6 +193,31 @@ def full_disk(folder, directory):
     check(set(os.listdir(directory)) == before, os.listdir(directory))
 
 
+def interrupted(directory):
+    """Ctrl-C while a session is packed or verified: status 130 (SIGTERM: 143), and nothing half made is left."""
+    folder, archive, temporary = f"{directory}/long", f"{directory}/long.zip", f"{directory}/temporary"
+    run("session", "new", folder, "--subjects", "4", "--conditions", "a,b", "--duration", "20s", "--", "--sensor",
+        f"scene:{SCENE}", "--speed", "max")
+    for _ in range(8):
+        run("session", "next", folder)
+    os.mkdir(temporary)
+    before = set(os.listdir(directory))
+
+    def stopped(words, number, begun):
+        process = subprocess.Popen([program("haptometer"), "session", *words], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, env={**os.environ, "TMPDIR": temporary})
+        wait_for(f"{words} begins", begun)
+        process.send_signal(number)
+        check(process.wait(timeout=DEADLINE_S) == 128 + number, (words, process.returncode))
+        check(os.listdir(temporary) == [] and set(os.listdir(directory)) == before, os.listdir(temporary))
+    began = time.monotonic()
+    stopped(["pack", folder, "-o", archive], signal.SIGINT, lambda: time.monotonic() > began + 0.1)
+    run("session", "pack", folder, "-o", archive)
+    before.add("long.zip")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        stopped(["verify", archive], number, lambda: os.listdir(temporary))
+
+
 def lost(folder, directory):
     """A trial that is missing, or of which a part is damaged: named everywhere, and no longer counted."""
     for kind, spoil in (("trial-missing", os.remove), ("trial-damaged", lambda path: os.truncate(path, 20_000)),
@@ -249,6 +274,7 @@ def main():
         another_value(archive, directory)
         lost(f"{directory}/moved", directory)
         full_disk(f"{directory}/moved", directory)
+        interrupted(directory)
         recording(directory)
 
 

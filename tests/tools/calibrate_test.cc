@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -274,6 +275,44 @@ TEST_F(Calibration, TablesOfSpreadsheetsAreRead) {
 }
 
 // "1.234,5" is no number; "1.000" beside a comma may be a thousand
+// as analyze reads them: by the unit
+TEST_F(Calibration, ColumnsOfOtherLanguagesAreKnownByTheirUnits) {
+  const std::string rows = "-1,0;-1,02\n0,0;0,01\n1,0;0,99\n2,0;2,01\n";
+  std::string numbered;
+  for (int i = 1; i <= 4; ++i)
+    numbered += fmt::format("{};{};{:.2f}\n", i, i - 2, i - 2 + 0.01 * (i % 2));
+  std::ranges::replace(numbered, '.', ',');
+  const auto gain = [&](const std::string& text) {
+    const auto outcome = Calibrate({File("p.csv", text), "--json"});
+    EXPECT_EQ(outcome.status, 0) << text << outcome.err;
+    return json::parse(outcome.out).at("gain_m_per_v").get<double>();
+  };
+  const double expected = gain("displacement_mm;voltage_v\n" + rows);
+  for (const char* names : {"Weg (mm);Spannung (V)", "Abstand [mm];U / V",
+                            "d\u00e9placement/mm;tension (V)", "x/mm;Ausgang in V"}) {
+    EXPECT_EQ(gain(names + ("\n" + rows)), expected) << names;
+  }
+  EXPECT_REL(gain("Weg (\u00b5m);Spannung (mV)\n" + rows), expected, 1e-12, "factors of both");
+  // commas within quotes are decimal ones, but where they may group thousands
+  std::string quoted = "\"Weg (mm)\",\"Spannung (V)\"\n";
+  for (const char* pair : {"-1,0;-1,02", "0,0;0,01", "1,0;0,99", "2,0;2,01"}) {
+    const std::string both = pair;
+    const std::size_t at = both.find(';');
+    quoted += fmt::format("\"{}\",\"{}\"\n", both.substr(0, at), both.substr(at + 1));
+  }
+  EXPECT_EQ(gain(quoted), expected);
+  EXPECT_EQ(Calibrate({File("g.csv", quoted + "\"3,000\",\"3,01\"\n")}).status, 3);
+  EXPECT_REL(gain("Nr;Weg (mm);Spannung (V)\n" + numbered), 1e-3, 0.01, "rounded pairs");
+  for (const auto& [text, what] :
+       {std::pair("Weg (mm);Lage (mm);U (V)\n1;1;1\n2;2;2\n3;3;3\n", "has both"),
+        {"Weg (mm);Druck (bar)\n1;1\n2;2\n3;3\n", "'Druck (bar)', which is none of pairs"},
+        {"Weg (mm);Zeit (s)\n1;1\n2;2\n3;3\n", "'Zeit (s)', which is none of pairs"}}) {
+    const auto refused = Calibrate({File("q.csv", text)});
+    EXPECT_EQ(refused.status, 3) << text;
+    EXPECT_THAT(refused.err, HasSubstr(what));
+  }
+}
+
 TEST_F(Calibration, APointBesideDecimalCommasIsRefused) {
   const auto refused = [&](const std::string& rows, const std::string& said) {
     const auto outcome =

@@ -195,6 +195,33 @@ TEST_F(TrialVerb, InfoShowsAThumbnail) {
 }
 
 // the mean of a sine about 0 is what rounding leaves
+// what stands for no reading is none, as for analyze: in counts, mean, drawing and page
+TEST_F(TrialVerb, CodesAreNoReadings) {
+  std::string text = "time_s,displacement_mm\n";
+  for (int i = 0; i < 300; ++i) {
+    const bool is_under = i >= 100 && i < 120;
+    const bool is_over = i >= 200 && i < 210;
+    text += fmt::format("{:.3f},{}\n", 1e-3 * i,
+                        is_under  ? "-99.998"
+                        : is_over ? "+99.998"
+                                  : fmt::format("{:.3f}", 0.02 * std::sin(0.7 * i)));
+  }
+  std::ofstream(Path("codes.csv")) << text;
+  const json info = json::parse(Trial({"info", Path("codes.csv"), "--json"}).out);
+  const json& statuses = info.at("channels").at(0).at("statuses");
+  EXPECT_EQ(statuses.at("ok"), 270);
+  EXPECT_EQ(statuses.at("invalid").get<int>() + statuses.at("over").get<int>() +
+                statuses.at("under").get<int>(),
+            30);
+  const std::string shown = Trial({"info", Path("codes.csv")}).out;
+  EXPECT_THAT(shown, HasSubstr("270 ok"));
+  EXPECT_THAT(shown, HasSubstr("-99.998 mm is a code for no reading: 20 readings excluded"));
+  EXPECT_THAT(shown, HasSubstr(" 99.998 mm is a code for no reading: 10 readings excluded"));
+  EXPECT_THAT(shown, Not(HasSubstr("-100000")));
+  EXPECT_THAT(Trial({"plot", Path("codes.csv"), "-o", Path("codes.svg")}).err,
+              HasSubstr("is a code for no reading: 20 readings"));
+}
+
 TEST_F(TrialVerb, AMeanOfNothingIsZero) {
   std::ofstream file(Path("sine.csv"));
   file.precision(17);

@@ -290,7 +290,7 @@ Result<void> AnalyzeEach(const AnalyzeWords& words, const Job& job, TrialResults
   const std::string further = fmt::format("alone = {}\nexpected = {}\n", is_alone, words.expect);
   const auto make_worker = [&]() -> OrderedWorker {
     return [&](std::size_t i) -> Result<Finish> {
-      if (cli::IsInterruptedWithin()) return Finish{};
+      if (cli::Interrupted()) return Finish{};
       const auto analyze = [&] { return Shown(Analyze(path_of(i), single), is_alone); };
       if (!results.IsUsed()) {
         return [&take, shown = std::make_shared<ShownTrial>(analyze())] { take(*shown); };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
@@ -13,6 +14,8 @@
 #include "base/toml.h"
 #include "dsp/statistics/distributions.h"
 #include "tools/study/text_table.h"
+#include "trial/import/table/named_columns.h"
+#include "trial/import/table/row_numbers.h"
 
 namespace haptometer::tools {
 namespace {
@@ -35,8 +38,16 @@ constexpr KnownColumn kVoltageUncertainties[]{{"voltage_standard_uncertainty_v",
                                               {"voltage_standard_uncertainty_mv", 1e-3}};
 constexpr std::string_view kHeader = "displacement_mm,voltage_v";
 
-// a column that is none of these would be passed over with its meaning
-Result<void> CheckNames(const TextTable& table) {
+// names of the table's displacements and voltages, with factors to SI
+struct PairColumns {
+  std::vector<KnownColumn> displacements{std::begin(kDisplacements), std::end(kDisplacements)};
+  std::vector<KnownColumn> voltages{std::begin(kVoltages), std::end(kVoltages)};
+};
+
+// Other names are known by their units, as analyze knows them: "Weg (mm)". A column that is none
+// of these would be passed over with its meaning; row numbers have none.
+Result<PairColumns> ColumnsOf(const TextTable& table) {
+  PairColumns columns_of;
   std::vector<std::string> known;
   for (const std::span<const KnownColumn> columns :
        {std::span<const KnownColumn>(kDisplacements), std::span<const KnownColumn>(kVoltages),
@@ -45,14 +56,24 @@ Result<void> CheckNames(const TextTable& table) {
     for (const KnownColumn& column : columns) known.emplace_back(column.name);
   }
   for (const auto& [name, cells] : table.columns) {
-    if (std::ranges::count(known, name) > 0) continue;
+    if (std::ranges::count(known, name) > 0 || trial::IsRowNumberName(name)) continue;
+    const trial::CsvColumn quantity = trial::ReadQuantity(name);
+    const KnownColumn column{name, quantity.factor};
+    if (quantity.role == trial::ChannelRole::kDisplacement) {
+      columns_of.displacements.push_back(column);
+      continue;
+    }
+    if (quantity.role == trial::ChannelRole::kVoltage) {
+      columns_of.voltages.push_back(column);
+      continue;
+    }
     const std::string nearest = Nearest(name, known);
     return CannotAnswer(table.name, fmt::format("has a column '{}', which is none of pairs", name),
                         nearest.empty()
                             ? fmt::format("its header is {}, with the units in the names", kHeader)
                             : fmt::format("is it {}?", nearest));
   }
-  return {};
+  return columns_of;
 }
 
 Result<std::vector<double>> RequiredColumn(const TextTable& table,
@@ -125,9 +146,9 @@ Result<CalibrationPoints> ReadPairs(const std::string& path,
     return CannotAnswer(path, "is no table", fmt::format("give a CSV whose header is {}", kHeader));
   }
   HAPTOMETER_LET(const auto table, ReadTextTable(path, {}));
-  HAPTOMETER_TRY(CheckNames(table));
-  HAPTOMETER_LET(const auto metres, RequiredColumn(table, kDisplacements, "displacement"));
-  HAPTOMETER_LET(const auto volts, RequiredColumn(table, kVoltages, "voltage"));
+  HAPTOMETER_LET(const auto columns, ColumnsOf(table));
+  HAPTOMETER_LET(const auto metres, RequiredColumn(table, columns.displacements, "displacement"));
+  HAPTOMETER_LET(const auto volts, RequiredColumn(table, columns.voltages, "voltage"));
   bool are_stated = false;
   HAPTOMETER_LET(const auto of_metres,
                  Uncertainties(table, kDisplacementUncertainties, displacement_uncertainty_m,

@@ -195,10 +195,8 @@ WithinProgram::~WithinProgram() { within = nullptr; }
 
 bool IsWithinProgram() { return within != nullptr; }
 
-bool IsInterruptedWithin() { return IsWithinProgram() && interrupted.load(); }
-
 void LeaveIfInterrupted() {
-  if (IsInterruptedWithin()) throw Interruption();
+  if (interrupted.load()) throw Interruption();
 }
 
 void CatchInterrupts() {

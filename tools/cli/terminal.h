@@ -74,14 +74,11 @@ class WithinProgram {
 
 [[nodiscard]] bool IsWithinProgram();
 
-/// Whether the verb runs within another program and is to end: what has not begun may be left out.
-[[nodiscard]] bool IsInterruptedWithin();
-
-/// What leaves long work that is interrupted within another program, where ending the process is
-/// not ours to do.
+/// What leaves long work that is interrupted: where ending the process is not ours to do (within
+/// another program), or where something half made is to be removed first. Caught by the program.
 struct Interruption : std::exception {};
 
-/// Throws Interruption where IsInterruptedWithin(). On the verb's own thread only.
+/// Throws Interruption where Interrupted(). On the verb's own thread only.
 void LeaveIfInterrupted();
 
 /// From now on SIGINT, SIGTERM and SIGHUP (a closed terminal) only set a flag, so that a verb can

@@ -54,7 +54,15 @@ std::optional<std::vector<std::int64_t>> PlacesOn(const trial::Record& record) {
   return places;
 }
 
-// rows without a grid carry their own times, and the time base of the importer
+// the time base of the importer
+Result<void> WriteTimeBase(const trial::Record& record, trial::TrialWriter& writer) {
+  for (const trial::Stretch& stretch : record.stretches) {
+    HAPTOMETER_TRY(writer.AddEvent({.kind = trial::EventKind::kTimeBase, .stretch = stretch}));
+  }
+  return {};
+}
+
+// rows without a grid carry their own times
 Result<void> WriteTimed(const trial::Record& record, trial::TrialWriter& writer,
                         const std::function<Result<void>(std::size_t, trial::Row)>& append) {
   for (std::size_t row = 0; row < record.rows; ++row) {
@@ -63,10 +71,7 @@ Result<void> WriteTimed(const trial::Record& record, trial::TrialWriter& writer,
     const std::int64_t time_ns = NsFromSeconds(time_s);
     HAPTOMETER_TRY(append(row, {.time_ns = time_ns, .reply_ns = time_ns}));
   }
-  for (const trial::Stretch& stretch : record.stretches) {
-    HAPTOMETER_TRY(writer.AddEvent({.kind = trial::EventKind::kTimeBase, .stretch = stretch}));
-  }
-  return {};
+  return WriteTimeBase(record, writer);
 }
 
 Result<void> WriteRows(const trial::Record& record, trial::TrialWriter& writer) {
@@ -88,7 +93,10 @@ Result<void> WriteRows(const trial::Record& record, trial::TrialWriter& writer) 
       HAPTOMETER_TRY(append(stretch.first_row + i, {.index = place}));
     }
   }
-  return {};
+  // a place on the grid has no uncertainty: that of printed times is in the time base
+  const bool is_exact = std::ranges::all_of(
+      record.stretches, [](const auto& stretch) { return stretch.time_uncertainty_s == 0; });
+  return is_exact ? Result<void>{} : WriteTimeBase(record, writer);
 }
 
 // what a trial can hold of it

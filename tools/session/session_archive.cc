@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "tools/cli/terminal.h"
 #include "trial/block.h"
 
 namespace haptometer::tools {
@@ -222,6 +223,7 @@ Result<ContentHash> HashOf(const trial::ByteSource& source, std::uint64_t at, st
   ContentHash hash;
   std::string piece;
   while (bytes > 0) {
+    cli::LeaveIfInterrupted();
     piece.resize(std::min<std::uint64_t>(bytes, kPieceBytes));
     HAPTOMETER_LET(const auto got, source.ReadAt(at, std::as_writable_bytes(std::span(piece))));
     // a file that has become shorter meanwhile has another hash

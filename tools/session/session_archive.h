@@ -102,7 +102,8 @@ struct CheckedArchive {
 [[nodiscard]] Result<CheckedArchive> CheckArchive(const trial::ByteSource& archive,
                                                   const std::string& where);
 
-/// CRC-32 and SHA-256 of the bytes; `sink`, where it is given, gets them in pieces.
+/// CRC-32 and SHA-256 of the bytes; `sink`, where it is given, gets them in pieces. Left by
+/// cli::Interruption where the program is interrupted.
 using PieceSink = std::function<Result<void>(std::string_view)>;
 struct ContentHash {
   std::uint32_t crc32 = 0;

@@ -27,7 +27,8 @@
 #include "tools/study/study_document.h"
 #include "trial/block.h"
 
-// session pack and session verify: a session as one file that can be handed in.
+// session pack and session verify: a session as one file that can be handed in. An interruption
+// leaves both by cli::Interruption, which removes what is half made.
 
 namespace haptometer::tools {
 namespace {
@@ -390,8 +391,10 @@ int RunSessionPack(int argc, const char* const* argv) {
   cli::Options options(kSessionPackText);
   options.Positional("folder", &folder, "Folder of the session");
   options.Output("-o,--output", &out, "FILE.zip", "The new archive, beside the folder");
-  return document::RunVerb(kSessionPackText.name, options, outputs, argc, argv,
-                           [&]() { return Pack(folder, out, outputs, argc, argv); });
+  return document::RunVerb(kSessionPackText.name, options, outputs, argc, argv, [&]() {
+    cli::CatchInterrupts();
+    return Pack(folder, out, outputs, argc, argv);
+  });
 }
 
 int RunSessionVerify(int argc, const char* const* argv) {
@@ -399,8 +402,10 @@ int RunSessionVerify(int argc, const char* const* argv) {
   document::Outputs outputs;
   cli::Options options(kSessionVerifyText);
   options.Positional("archive", &path, "The archive (.zip) that session pack wrote");
-  return document::RunVerb(kSessionVerifyText.name, options, outputs, argc, argv,
-                           [&]() { return Verify(path, outputs, argc, argv); });
+  return document::RunVerb(kSessionVerifyText.name, options, outputs, argc, argv, [&]() {
+    cli::CatchInterrupts();
+    return Verify(path, outputs, argc, argv);
+  });
 }
 
 }  // namespace haptometer::tools

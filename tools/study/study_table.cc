@@ -346,7 +346,7 @@ Result<std::vector<StudyTrial>> AnalyzeTrials(const std::vector<TrialFile>& file
   std::size_t done = 0;
   const auto make_worker = [&]() -> Worker {
     return [&](std::size_t i) -> Result<void> {
-      if (cli::IsInterruptedWithin()) return {};
+      if (cli::Interrupted()) return {};
       HAPTOMETER_LET(trials[i], AnalyzeTrial(file_of(i), question, import, results));
       const std::scoped_lock lock(progress_mutex);
       progress.Update(static_cast<double>(++done) / static_cast<double>(count));

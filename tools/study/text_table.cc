@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "base/input_file.h"
@@ -132,7 +133,6 @@ bool HasThousands(const std::vector<std::string>& cells) {
 // Where a comma is the decimal sign, a point is none: refused is a column with both, and one whose
 // points may separate thousands beside another with commas.
 Result<void> CheckDecimals(const TextTable& table, const std::string& column) {
-  if (table.separator == ',') return {};
   const std::vector<std::string>& cells = table.columns.at(column);
   const auto with = [](const std::vector<std::string>& of, char sign) {
     return std::ranges::find_if(of, [&](const std::string& cell) { return cell.contains(sign); });
@@ -143,7 +143,9 @@ Result<void> CheckDecimals(const TextTable& table, const std::string& column) {
   const bool is_beside = std::ranges::any_of(table.columns, [&](const auto& other) {
     return with(other.second, ',') != other.second.end();
   });
-  if (!has_comma && !(is_beside && HasThousands(cells))) return {};
+  // where commas separate cells, those of another column may stand in a text in quotes
+  const bool may_be_thousands = table.separator != ',' && is_beside && HasThousands(cells);
+  if (!has_comma && !may_be_thousands) return {};
   const std::size_t line = table.lines[static_cast<std::size_t>(point - cells.begin())];
   return CannotAnswer(fmt::format("{}:{}", table.name, line),
                       fmt::format("{} '{}' has a point beside decimal commas, which may separate "
@@ -158,8 +160,9 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
   const std::vector<std::string>& cells = table.columns.at(column);
   std::vector<double> numbers(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const auto number = table.separator == ',' ? NumberFrom<double>(cells[i])
-                                               : trial::ReadNumberWithComma(cells[i]);
+    // in quotes between commas, "1,02" has a decimal comma; "1,234" may have grouped thousands
+    const bool may_group = table.separator == ',' && trial::MayGroupThousands(cells[i], ',');
+    const auto number = may_group ? std::nullopt : trial::ReadNumberWithComma(cells[i]);
     numbers[i] = number.value_or(std::nan(""));
     if (!std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),

@@ -30,9 +30,10 @@ struct TextTable {
 [[nodiscard]] Result<TextTable> ReadTextTable(const std::string& path,
                                               const std::vector<std::string>& required);
 
-/// The numbers of a column, with decimal commas where no comma separates the cells. Errors
-/// (Cause::kCannotAnswer), with the line: a cell that is no finite number, or one of a magnitude
-/// that no measurement has (base/quantity.h); one with a point where a comma is the decimal sign.
+/// The numbers of a column, with decimal commas; where commas separate the cells, only in quotes
+/// and where they cannot group thousands. Errors (Cause::kCannotAnswer), with the line: a cell that
+/// is no finite number, or one of a magnitude that no measurement has (base/quantity.h); one with a
+/// point where a comma is the decimal sign.
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
 

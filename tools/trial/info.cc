@@ -304,7 +304,8 @@ std::string Thumbnail(const Record& record) {
 }  // namespace
 
 document::Document TrialDocument(std::string_view verb, const std::string& path,
-                                 const Recording& recording, bool has_figures) {
+                                 const ShownRecording& shown, bool has_figures) {
+  const Recording& recording = shown.recording;
   const Record& record = recording.record;
   document::Document document{.verb = std::string(verb), .title = path};
   Section& root = document.root;
@@ -327,6 +328,7 @@ document::Document TrialDocument(std::string_view verb, const std::string& path,
     root.figures = {{.caption = "the recording", .panels = PanelsOf(record)}};
   }
   document::AddFindings(root, recording.report.AllFindings());
+  document::AddFindings(root, shown.findings);
   return document;
 }
 
@@ -353,11 +355,12 @@ int RunTrialInfo(int argc, const char* const* argv) {
   cli::DeclareImport(&options, &import);
   return document::RunVerb(kText.name, options, outputs, argc, argv, [&]() -> Result<int> {
     HAPTOMETER_LET(const auto wanted, cli::ImportOf(import, {&path, 1}));
-    HAPTOMETER_LET(const auto recording, trial::ReadRecording(path, wanted));
+    HAPTOMETER_LET(auto recording, trial::ReadRecording(path, wanted));
+    HAPTOMETER_LET(const auto shown, WithoutCodes(std::move(recording)));
     const int status = document::Present(
-        TrialDocument(kText.name, path, recording, outputs.HasFigures()), outputs, argc, argv);
+        TrialDocument(kText.name, path, shown, outputs.HasFigures()), outputs, argc, argv);
     // the drawing in characters is for the text only
-    if (!outputs.json) cli::Print(Thumbnail(recording.record));
+    if (!outputs.json) cli::Print(Thumbnail(shown.recording.record));
     return status;
   });
 }

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "dsp/readings/clean_rows.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
@@ -16,6 +18,7 @@
 #include "tools/study/alike_names.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
+#include "trial/row_source.h"
 #include "trial/trial_writer.h"
 
 // trial: what can be done with recordings, a word each (tools/trial/).
@@ -81,11 +84,13 @@ Result<void> Append(const std::string& path, const trial::Event& event,
 int ShowChanged(const cli::VerbText& text, const std::string& path, bool is_json, int argc,
                 const char* const* argv) {
   if (!is_json) return 0;
-  const auto recording = trial::ReadRecording(path);
+  auto recording = trial::ReadRecording(path);
   if (!recording) return cli::ReportError(text.name, recording.error());
+  const auto shown = WithoutCodes(*std::move(recording));
+  if (!shown) return cli::ReportError(text.name, shown.error());
   document::Outputs outputs;
   outputs.json = true;
-  return document::Present(TrialDocument(text.name, path, *recording, false), outputs, argc, argv);
+  return document::Present(TrialDocument(text.name, path, *shown, false), outputs, argc, argv);
 }
 
 Result<void> Label(const std::string& path, const std::vector<std::string>& words,
@@ -220,9 +225,13 @@ Result<void> Draw(const std::string& input, const std::string& output,
   if (output.empty()) return Usage("-o", "is missing", "name the plot, e.g. -o trial.svg");
   HAPTOMETER_TRY(plot::CheckPlotPath(output));
   HAPTOMETER_LET(const auto import, cli::ImportOf(words, {&input, 1}));
-  HAPTOMETER_LET(const auto recording, ReadAndTell(kPlotText.name, input, import));
+  HAPTOMETER_LET(auto recording, ReadAndTell(kPlotText.name, input, import));
+  HAPTOMETER_LET(const auto shown, WithoutCodes(std::move(recording)));
+  for (const dsp::Finding& found : shown.findings.list()) {
+    cli::Remark(kPlotText.name, fmt::format("{}: {}", input, document::WordsOf(found)));
+  }
   // at most kMostPanels channels are drawn; a remark states the others
-  const trial::Record& record = recording.record;
+  const trial::Record& record = shown.recording.record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
   if (record.channels.size() > kMostPanels) {
     cli::Remark(kPlotText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
@@ -333,6 +342,28 @@ std::vector<plot::Panel> PanelsOf(const trial::Record& record) {
     panels.push_back(PanelOf(record, record.channels[c]));
   }
   return panels;
+}
+
+Result<ShownRecording> WithoutCodes(trial::Recording recording) {
+  ShownRecording shown;
+  trial::Record& record = recording.record;
+  for (std::size_t c = 0; record.rows > 0 && c < record.channels.size(); ++c) {
+    trial::Channel& channel = record.channels[c];
+    if (channel.role != trial::ChannelRole::kDisplacement || channel.unit != "m") continue;
+    HAPTOMETER_LET(const auto clean, dsp::Clean(trial::RecordRows(record), c));
+    for (const dsp::NoReadingCode& code : clean.codes) {
+      shown.findings.Add({.kind = dsp::FindingKind::kNoReadingCodes,
+                          .numbers = {{"value_m", code.value}, {"readings", code.rows}},
+                          .subject = channel.name});
+      for (std::size_t row = 0; row < record.rows; ++row) {
+        if (channel.values[row] != code.value) continue;
+        channel.values[row] = kNan;
+        channel.statuses[row] = code.status;
+      }
+    }
+  }
+  shown.recording = std::move(recording);
+  return shown;
 }
 
 Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/findings.h"
 #include "tools/document/document.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/import/import_options.h"
@@ -26,10 +27,20 @@ inline constexpr std::size_t kMostPanels = 8;
 /// Panels of the first channels of `record`, kMostPanels at most.
 [[nodiscard]] std::vector<plot::Panel> PanelsOf(const trial::Record& record);
 
+/// A recording as it is shown.
+struct ShownRecording {
+  trial::Recording recording;
+  dsp::Findings findings{};  ///< values that stand for no reading
+};
+
+/// `recording`, of whose displacements each value that stands for no reading, as -99.998 mm does
+/// (dsp/readings/clean_rows.h), has its status and no value, as for analyze. Errors: as dsp::Clean.
+[[nodiscard]] Result<ShownRecording> WithoutCodes(trial::Recording recording);
+
 /// What a recording holds: header, channels, rows, times, gaps, labels, losses. `verb` answers with
-/// it; `recording` must outlive it. `has_figures`: with the figure of PanelsOf().
+/// it; `shown` must outlive it. `has_figures`: with the figure of PanelsOf().
 [[nodiscard]] document::Document TrialDocument(std::string_view verb, const std::string& path,
-                                               const trial::Recording& recording, bool has_figures);
+                                               const ShownRecording& shown, bool has_figures);
 
 /// Reads the recording at `path` whole and says on stderr, as remarks of `verb`, what is lost of it
 /// and what was assumed. Errors: as trial::ReadRecording.
