@@ -61,13 +61,15 @@ enum class FindingKind : std::uint8_t {
   kMotionBeginsBefore,  ///< apart_s
   kMotionBeginsAfter,   ///< apart_s
   kRecordOfAnother,     ///< ratio
+  kFrequencyOfAnother,  ///< share
+  kDecayOfAnother,      ///< share
   // what speaks against the model
   kSpringStiffens,      ///< share, deviations
   kSpringSoftens,       ///< share, deviations
   kFrictionSlows,       ///< share, deviations
   kDampingGrows,        ///< share, deviations
-  kFrequenciesScatter,  ///< birge_ratio, degrees_of_freedom
-  kDecaysScatter,       ///< birge_ratio, degrees_of_freedom
+  kFrequenciesScatter,  ///< scatter, birge_ratio, degrees_of_freedom
+  kDecaysScatter,       ///< scatter, birge_ratio, degrees_of_freedom
   kResidualsCorrelated,
   kOutlyingPoint,    ///< frequency_hz, spread
   kFollowsOnePoint,  ///< frequency_hz; without it stiffness_ratio, damping_ratio,

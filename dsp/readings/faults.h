@@ -99,14 +99,14 @@ struct FaultLook {
 /// values and more at the record's highest or lowest value that is steep, at least twice.
 ///
 /// Held: a steep run of L equal values and more: entered or left by more than 2.5 steps, and more
-/// than 0.5 + ((n + 1)^2 - e) / ((n - 1)^2 - e), n its rows, e = 1 where n is even: rounding leaves a
-/// smooth top by one step less at most (4 beside three rows). A slow signal on
-/// coarse steps stays on a step too, but leaves it by one step: that tells the two apart (a hold
-/// during which the signal moves by less than that is not seen). Noise repeats a value by chance:
-/// with p the part of runs that are longer than one row, L >= 4 is such that rows x p^(L - 1) is
-/// below 0.01. Rows that the source itself calls repeated count neither way. Where most runs are
-/// longer than one row, as of a source that is slower than the record's rate, a held or clipped run
-/// is twice as long as the mean one.
+/// than 0.5 + ((n + 1)^2 - e) / ((n - 1)^2 - e), n its rows, e = 1 where n is even: rounding leaves
+/// a smooth top by half a step less at most (by 4 beside three rows). A slow signal on coarse steps
+/// stays on a step too, but leaves it by one step: that tells the two apart (a hold during which
+/// the signal moves by less than that is not seen). Noise repeats a value by chance: with p the
+/// part of runs that are longer than one row, L >= 4 is such that rows x p^(L - 1) is below 0.01.
+/// Rows that the source itself calls repeated count neither way. Where most runs are longer than
+/// one row, as of a source that is slower than the record's rate, a held or clipped run is twice as
+/// long as the mean one.
 ///
 /// Spikes and steps: e[n] = x[n] - (-x[n-2] + 4 x[n-1] + 4 x[n+1] - x[n+2]) / 6 is what a cubic
 /// through the neighbours leaves. Larger than 8 deviations, by the median of |e| over a block of

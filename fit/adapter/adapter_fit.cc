@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "base/mapped.h"
-#include "fit/adapter/consensus_mean.h"
+#include "fit/consensus_mean.h"
 #include "fit/drop_test/prepared_record.h"
 #include "fit/drop_test/ring_fit.h"
 #include "fit/uncertainty.h"
@@ -155,8 +155,8 @@ Error OfTap(const Error& error) {
 
 // common value of one logarithm over the taps
 ConsensusMean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
-  return ConsensusOf(Mapped<TapEstimate>(taps, [which](const Logarithms& tap) {
-    return TapEstimate{tap.values[which], tap.variances[which]};
+  return ConsensusOf(Mapped<Estimate>(taps, [which](const Logarithms& tap) {
+    return Estimate{tap.values[which], tap.variances[which]};
   }));
 }
 

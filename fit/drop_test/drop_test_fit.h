@@ -110,7 +110,8 @@ struct DropTestFit {
 /// Fits the drop-test model (sim/ring_down.h) to all records together.
 ///
 /// Kv, Bv, Km (and the mass and the coil's resistance where these are not given) are shared; each
-/// record has its own impact speed, impact time and offset. Records of a released current have no
+/// record has its own impact speed, impact time and offset, and where drops scatter its own Kv and
+/// Bv about those of all (consistency.h). Records of a released current have no
 /// amplitude of their own: it is Km^2 I0/M, which tells Km without height or load (Rodgers et al.,
 /// BSSA 85(3), 1995, p. 845). Those with a mass added to the mover tell the mover's mass. A laser's
 /// displacement tells frequency and decay. A stated drop height h fixes the speed
@@ -124,7 +125,7 @@ struct DropTestFit {
 /// the singular values of the column-scaled Jacobian say what the records determine
 /// (fit/identifiability.h). Type A: covariance with that noise. Type B: first-order propagation of
 /// the inputs' standard uncertainties through the same Jacobian; the two add as squares (JCGM
-/// 100:2008, 5.1.2).
+/// 100:2008, 5.1.2). Type A holds the scatter between drops, intervals Student's factor of it.
 ///
 /// Errors (Cause::kCannotAnswer): no records; held and free cases together without both masses.
 /// Cost: 1 us a sample in all with what PrepareRecord takes, 5 ns of it an evaluation of the joint

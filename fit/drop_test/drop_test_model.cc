@@ -428,6 +428,8 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProbl
     for (std::size_t k = 0; k < 2 * kMostHumLines; ++k) {
       unknown[Column(r, Own::kHumCosine) + k] = k < 2 * record.hum_hz.size();
     }
+    unknown[Column(r, Own::kStiffness)] = record.stiffness_scatter > 0;
+    unknown[Column(r, Own::kDamping)] = record.damping_scatter > 0;
     // an amplitude is unknown unless a speed or a released current gives it
     unknown[Column(r, Own::kAmplitude)] =
         record.speed_m_per_s == 0 && record.signal != RingingSignal::kReleaseVoltage;

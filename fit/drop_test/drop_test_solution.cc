@@ -6,8 +6,6 @@
 #include <numbers>
 #include <span>
 
-#include "fit/uncertainty.h"
-
 namespace haptometer::fit {
 namespace {
 
@@ -141,23 +139,13 @@ std::vector<double> ChangeByInput(const DropTestRoad& road, const DropTestModel&
   return change;
 }
 
-// weights whose statistical variance is as much larger as drops scatter by more than their noise
+// weights whose statistical variance is as much larger as friction and a motion that is not linear
+// leave open
 std::vector<double> Widened(const DropTestRoad& road, std::vector<double> weights) {
   weights[Index(Shared::kStiffness)] *= road.consistency.frequency_widening;
   weights[Index(Shared::kDamping)] *= road.consistency.decay_widening;
   weights[Index(Shared::kForceConstantSquared)] *= road.consistency.decay_widening;
   return weights;
-}
-
-// the scatter of drops that weights take in: of their frequencies, or of their decays
-DropScatter ScatterIn(const DropTestRoad& road, const std::vector<double>& weights) {
-  const auto weighs = [&](Shared parameter) { return weights[Index(parameter)] != 0; };
-  DropScatter scatter;
-  if (weighs(Shared::kStiffness)) scatter.TakeLarger(road.consistency.frequency);
-  if (weighs(Shared::kDamping) || weighs(Shared::kForceConstantSquared)) {
-    scatter.TakeLarger(road.consistency.decay);
-  }
-  return scatter;
 }
 
 // what the given numbers' uncertainties make of two weighted sums
@@ -217,17 +205,62 @@ bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
 
 namespace {
 
-// load, mass ratio and noise of each record for consistency.h
+// each record beside what the start values make of it, for consistency.h
 std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownProblem& problem,
-                                   double mass_kg) {
+                                   const RingDownPoint& start) {
+  const double mass_kg = std::exp(start.shared[Index(Shared::kMass)]);
+  const double stiffness = std::exp(start.shared[Index(Shared::kStiffness)]);
   std::vector<ComparedDrop> drops;
   drops.reserve(model.records.size());
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const RingDownSamples& record = problem.records()[r];
-    drops.push_back({&model.records[r], record.load_ohm, RingingMass(record, mass_kg) / mass_kg,
-                     record.noise_v});
+    const double own_kg = RingingMass(record, mass_kg);
+    const RecordPoles at = problem.Poles(start, r);
+    const double scale = record.time_scale;  // shown over true seconds, of which the poles are
+    drops.push_back(
+        {.prepared = &model.records[r],
+         .load_ohm = record.load_ohm,
+         .mass_ratio = own_kg / mass_kg,
+         .added_mass_kg = model.knows_mass ? 0 : record.added_mass_kg,
+         .expected = {at.poles.decay_per_s / scale, at.poles.stiffness_per_s2 / (scale * scale)},
+         .damping_share = at.decay_slopes[Index(Shared::kDamping)] / at.poles.decay_per_s,
+         .coil_share = std::log(at.poles.stiffness_per_s2 * own_kg / stiffness)});
   }
   return drops;
+}
+
+// the scatter between drops, of which one of another actuator says nothing
+void SetScatter(const Consistency& consistency, double DropScatter::* deviation,
+                RingDownProblem& problem) {
+  constexpr double kUnrelated = 10;  // of a logarithm
+  for (std::size_t r = 0; r < problem.records().size(); ++r) {
+    const bool is_unrelated = consistency.drops[r].is_of_another;
+    RingDownSamples& record = problem.records()[r];
+    record.stiffness_scatter = is_unrelated ? kUnrelated : consistency.frequency.*deviation;
+    record.damping_scatter = is_unrelated ? kUnrelated : consistency.decay.*deviation;
+  }
+}
+
+// begins with each drop's own constants where these are fitted
+void BeginWithOwn(const Consistency& consistency, const RingDownProblem& problem,
+                  RingDownPoint& point) {
+  for (std::size_t r = 0; r < point.own.size(); ++r) {
+    const RingDownSamples& record = problem.records()[r];
+    const OwnConstants& own = consistency.drops[r];
+    if (record.stiffness_scatter > 0) point.own[r][Index(Own::kStiffness)] = own.stiffness;
+    if (record.damping_scatter > 0) point.own[r][Index(Own::kDamping)] = own.damping;
+  }
+}
+
+// rank and covariance with the scatter that the intervals hold
+Identifiability FindHeld(const DropTestModel& model, DropTestRoad& road) {
+  SetScatter(road.consistency, &DropScatter::student_deviation, road.problem);
+  if (road.problem.ScatterRows() == 0) return road.seen;
+  const auto held =
+      FindIdentifiability(road.problem.Condense(road.point), UnknownColumns(model, road.problem),
+                          LogarithmColumns(model.records.size()));
+  SetScatter(road.consistency, &DropScatter::deviation, road.problem);
+  return held;
 }
 
 // Huber's minimum: least squares whose weights follow the residuals until they no longer change
@@ -262,6 +295,7 @@ std::vector<double> ScaledResiduals(const DropTestRoad& road) {
       residuals[row++] *= record.noise_v / (root * std::max(road.scales[r], 1e-300));
     }
   }
+  residuals.resize(row);
   return residuals;
 }
 
@@ -269,7 +303,13 @@ std::vector<double> ScaledResiduals(const DropTestRoad& road) {
 
 DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   DropTestRoad road(MakeProblem(model), uses_heights);
+  // each drop alone; Km by the loads, which are what the drops show of it
+  const RingDownPoint by_loads = StartPoint(model, false, &road.problem);
+  const auto drops = Compared(model, road.problem, by_loads);
+  road.consistency = CheckConsistency(drops);
   road.point = StartPoint(model, uses_heights, &road.problem);
+  SetScatter(road.consistency, &DropScatter::deviation, road.problem);
+  BeginWithOwn(road.consistency, road.problem, road.point);
 
   // hold what the records do not determine; solve, weight by the residuals, solve again
   const auto unknown = UnknownColumns(model, road.problem);
@@ -289,9 +329,11 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
 
   // rank with all unknowns free, those held before too
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
+  road.held = FindHeld(model, road);
+  // what a drop has for itself is given by the scatter, a residual for each
   const std::size_t fitted =
       static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -
-      road.seen.nullity;
+      road.seen.nullity - road.problem.ScatterRows();
   double samples = 0;
   for (const auto& record : road.problem.records()) {
     samples += static_cast<double>(record.times_s.size());
@@ -300,8 +342,9 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   // each record's noise is its residuals' RMS over all samples: n/(n - p) makes it a variance
   road.variance = model.loss == Loss::kHuber ? HuberVariance(ScaledResiduals(road), fitted)
                                              : samples / std::max(degrees, 1.0);
-  road.consistency = CheckConsistency(
-      Compared(model, road.problem, std::exp(road.point.shared[Index(Shared::kMass)])));
+  std::vector<double> noises_v;
+  for (const auto& record : road.problem.records()) noises_v.push_back(record.noise_v);
+  DoubtStatements(drops, noises_v, road.consistency);
   // type B: the solution's change per share of each given number
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const bool counts = DependsOn(road, model.inputs[k]);
@@ -324,17 +367,20 @@ Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
   spread.statistical = std::sqrt(road.variance * Variance(road.seen, Widened(road, weights)));
   spread.given = std::sqrt(GivenCovariance(road, model, weights, weights));
   spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
-  // with the Birge ratio R, all but 1/R^2 of the statistical variance comes from the scatter
-  const DropScatter scatter = ScatterIn(road, weights);
-  const double share = 1 - 1 / (scatter.birge_ratio * scatter.birge_ratio);
-  spread.coverage =
-      ScatterCoverage(spread.combined * spread.combined,
-                      share * spread.statistical * spread.statistical, scatter.degrees);
+  // Student's factor is in the scatter that the interval holds
+  const double held = std::sqrt(road.variance * Variance(road.held, Widened(road, weights)));
+  if (spread.combined > 0) {
+    spread.coverage *= std::hypot(held, spread.given, spread.blur) / spread.combined;
+  }
   return spread;
 }
 
 UncertainPole PoleOf(const DropTestRoad& road, const DropTestModel& model, std::size_t record) {
-  const RecordPoles at = road.problem.Poles(road.point, record);
+  // of the actuator, without what this drop has for itself
+  RingDownPoint point = road.point;
+  point.own[record][Index(Own::kStiffness)] = 0;
+  point.own[record][Index(Own::kDamping)] = 0;
+  const RecordPoles at = road.problem.Poles(point, record);
   const double decay = at.poles.decay_per_s;
   const double square = at.poles.stiffness_per_s2 - decay * decay;
   UncertainPole pole;

@@ -24,8 +24,11 @@ struct DropTestRoad {
   RingDownProblem problem;
   RingDownPoint point;  ///< the solution
   SolverReport solver;
-  Jacobian jacobian;                       ///< at the solution, condensed
-  Identifiability seen;                    ///< at the solution, all unknowns free
+  Jacobian jacobian;     ///< at the solution, condensed
+  Identifiability seen;  ///< at the solution, all unknowns free
+  /// The same with the scatter between drops that the intervals hold
+  /// (DropScatter::student_deviation).
+  Identifiability held;
   double variance = 1;                     ///< of the weighted residuals, per degree of freedom
   Consistency consistency;                 ///< of the drops with each other
   std::vector<ResidualDensity> densities;  ///< of each record's residuals at its resonance
@@ -35,10 +38,11 @@ struct DropTestRoad {
   std::vector<std::vector<double>> input_changes;
 };
 
-/// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
-/// minimises, leaves out samples that lie before the impact then, weighs every record by the noise
-/// that its residuals show (fit/residuals.h), minimises again, linearises. With Huber's loss
-/// (fit/residuals.h) weights and minimum follow each other until they stay, 50 times at most.
+/// Solves: looks at each drop alone (consistency.h), and gives each its own Kv and Bv about those
+/// of all as these scatter; holds what the records cannot tell apart (mass, resistance, Km, in this
+/// order), minimises, leaves out samples that lie before the impact then, weighs every record by
+/// the noise that its residuals show (fit/residuals.h), minimises again, linearises. With Huber's
+/// loss (fit/residuals.h) weights and minimum follow each other until they stay, 50 times at most.
 [[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.
@@ -65,7 +69,7 @@ using PowerOf = std::pair<Shared, double>;
 /// Standard deviations of a weighted sum of the Jacobian's columns' parameters.
 struct Spread {
   double blur = 0;         ///< see Blur
-  double statistical = 0;  ///< from the records' noise, widened where drops scatter by more
+  double statistical = 0;  ///< from the records' noise and the scatter between drops
   double given = 0;        ///< from the given numbers
   double combined = 0;     ///< all three
   /// Standard uncertainties in half the 95 % interval: with Student's factor where drops scatter.

@@ -109,10 +109,30 @@ bool WriteReduced(const RingDownSamples& record, const RingingSum& sum, const Re
   return true;
 }
 
-std::size_t RowCount(const std::vector<RingDownSamples>& records) {
+std::size_t SampleCount(const std::vector<RingDownSamples>& records) {
   std::size_t rows = 0;
   for (const auto& record : records) rows += record.times_s.size();
   return rows;
+}
+
+// what each drop's own constants are above those of all, over the scatter
+void WriteScatter(const std::vector<RingDownSamples>& records, std::span<const double> point,
+                  std::span<double> residuals, std::span<double> jacobian) {
+  std::size_t row = 0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    for (const auto& [own, scatter] : {std::pair(Own::kStiffness, records[r].stiffness_scatter),
+                                       {Own::kDamping, records[r].damping_scatter}}) {
+      if (scatter == 0) continue;
+      const std::size_t column = Column(r, own);
+      residuals[row] = point[column] / scatter;
+      if (!jacobian.empty()) {
+        const auto slopes = jacobian.subspan(row * point.size(), point.size());
+        std::ranges::fill(slopes, 0.0);
+        slopes[column] = 1 / scatter;
+      }
+      ++row;
+    }
+  }
 }
 
 }  // namespace
@@ -152,9 +172,11 @@ LeastSquares RingDownProblem::Whole() const {
       if (!WriteRows(records_[r], sum, out)) return false;
       row += rows;
     }
+    WriteScatter(records_, point, residuals.subspan(row),
+                 jacobian.empty() ? jacobian : jacobian.subspan(row * columns));
     return true;
   };
-  return {RowCount(records_), columns, evaluate};
+  return {SampleCount(records_) + ScatterRows(), columns, evaluate};
 }
 
 LeastSquares RingDownProblem::Condensed() const {
@@ -177,9 +199,12 @@ LeastSquares RingDownProblem::Condensed() const {
                                   : WriteReduced(records_[r], sum, out);
       if (!is_defined) return false;
     }
+    const std::size_t rows = kCondensedRows * records_.size();
+    WriteScatter(records_, point, residuals.subspan(rows),
+                 jacobian.empty() ? jacobian : jacobian.subspan(rows * columns));
     return true;
   };
-  return {kCondensedRows * records_.size(), columns, evaluate};
+  return {kCondensedRows * records_.size() + ScatterRows(), columns, evaluate};
 }
 
 SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
@@ -203,13 +228,21 @@ Jacobian RingDownProblem::Condense(const RingDownPoint& point) const {
   return fit::Linearise(Condensed(), ToColumns(point));
 }
 
+std::size_t RingDownProblem::ScatterRows() const {
+  std::size_t rows = 0;
+  for (const auto& record : records_) {
+    rows += (record.stiffness_scatter > 0 ? 1UZ : 0UZ) + (record.damping_scatter > 0 ? 1UZ : 0UZ);
+  }
+  return rows;
+}
+
 bool RingDownProblem::IsDefined(const RingDownPoint& point) const {
-  std::vector<double> residuals(RowCount(records_));
+  std::vector<double> residuals(SampleCount(records_) + ScatterRows());
   return Whole().evaluate(ToColumns(point), residuals, {});
 }
 
 std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const {
-  std::vector<double> residuals(RowCount(records_));
+  std::vector<double> residuals(SampleCount(records_) + ScatterRows());
   Whole().evaluate(ToColumns(point), residuals, {});
   return residuals;
 }

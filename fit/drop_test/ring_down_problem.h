@@ -44,6 +44,9 @@ enum class Own : std::uint8_t {
   kDrift,      ///< of the offset, in V/s, about the middle of the fitted samples
   kHumCosine,  ///< in V, at the first of the record's `hum_hz`
   kHumSine,    ///< in V; behind it the cosine and sine of each further line
+  // what this drop's constants are above those of all, held at 0 where the drops do not scatter
+  kStiffness = kHumCosine + 2 * kMostHumLines,  ///< of ln Kv
+  kDamping,                                     ///< of ln Bv
 };
 
 [[nodiscard]] constexpr std::size_t Index(Shared parameter) {
@@ -52,7 +55,7 @@ enum class Own : std::uint8_t {
 [[nodiscard]] constexpr std::size_t Index(Own parameter) {
   return static_cast<std::size_t>(parameter);
 }
-inline constexpr std::size_t kOwnCount = Index(Own::kHumCosine) + 2 * kMostHumLines;
+inline constexpr std::size_t kOwnCount = Index(Own::kDamping) + 1;
 
 /// The fitted samples of one record, and what is fixed about it.
 struct RingDownSamples {
@@ -71,6 +74,9 @@ struct RingDownSamples {
   double release_current_a = 0;  ///< of a release, times the voltage's scale
   bool drifts = false;           ///< whether the drift is fitted
   std::vector<double> hum_hz;    ///< lines of the mains that are fitted, at most kMostHumLines
+  /// Standard deviations with which ln Kv and ln Bv differ between drops; 0: not at all.
+  double stiffness_scatter = 0;
+  double damping_scatter = 0;
 };
 
 /// The mass that rings in a record, in kg.
@@ -111,7 +117,9 @@ struct RecordPoles {
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
-/// with the sign of `polarity`. Derivatives are those of fit/drop_test/ringing_model.h.
+/// with the sign of `polarity`. Where drops scatter, each has its own Kv and Bv; what these are
+/// above those of all, over the scatter, are residuals too, behind those of the samples.
+/// Derivatives are those of fit/drop_test/ringing_model.h.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
@@ -124,13 +132,13 @@ class RingDownProblem {
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
 
-  /// The same linear least-squares problem in 18 rows a record (condensed_record.h).
+  /// The same linear least-squares problem in 20 rows a record (condensed_record.h).
   [[nodiscard]] Jacobian Condense(const RingDownPoint& point) const;
 
   /// Whether the voltages at a point can be computed: no overflow, no root of a negative Km^2.
   [[nodiscard]] bool IsDefined(const RingDownPoint& point) const;
 
-  /// Weighted residuals alone, records in order.
+  /// Weighted residuals alone: the samples', records in order, then those of the scatter.
   [[nodiscard]] std::vector<double> Residuals(const RingDownPoint& point) const;
 
   /// J'c: the products of each parameter's derivatives at a point with `changes` of the residuals.
@@ -143,6 +151,9 @@ class RingDownProblem {
 
   /// The pole pair with which a record rings, in true seconds, its load included.
   [[nodiscard]] RecordPoles Poles(const RingDownPoint& point, std::size_t record) const;
+
+  /// Residuals that are no sample's: one a record for each scatter that is not 0.
+  [[nodiscard]] std::size_t ScatterRows() const;
 
   [[nodiscard]] const std::vector<RingDownSamples>& records() const { return records_; }
   [[nodiscard]] std::vector<RingDownSamples>& records() { return records_; }

@@ -132,11 +132,12 @@ Jet RingingMass(const RingDownSamples& record, const Jet* shared) {
   return record.mass_ratio * exp(shared[Index(Shared::kMass)]) + record.added_mass_kg;
 }
 
-// the circuit of one record from logarithmic parameters
-sim::RingDown<Jet> Circuit(const RingDownSamples& record, double inductance_h, const Jet* shared) {
+// the circuit of one record from logarithmic parameters, and its own part of two of these
+sim::RingDown<Jet> Circuit(const RingDownSamples& record, double inductance_h, const Jet* shared,
+                           const double* own) {
   return sim::RingDown<Jet>(
-      {.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)]),
-       .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)]),
+      {.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)] + own[Index(Own::kStiffness)]),
+       .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)] + own[Index(Own::kDamping)]),
        .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
        .mass_kg = RingingMass(record, shared),
        .coil_resistance_ohm = exp(shared[Index(Shared::kResistance)]),
@@ -215,8 +216,9 @@ struct Circuitry {
   }
 };
 
-Circuitry CircuitryOf(const RingDownSamples& record, double inductance_h, const Jets& jets) {
-  const auto circuit = Circuit(record, inductance_h, jets.shared.data());
+Circuitry CircuitryOf(const RingDownSamples& record, double inductance_h, const Jets& jets,
+                      const double* own) {
+  const auto circuit = Circuit(record, inductance_h, jets.shared.data(), own);
   // the shapes begin below 0: a record of positive polarity has the opposite sign
   const Jet amplitude = -record.polarity * Amplitude(record, jets.shared.data(), jets.own.data());
   const auto shape = Shape(record.signal, circuit);
@@ -236,7 +238,7 @@ RecordPoles PolesOf(const sim::RingDown<Jet>& circuit) {
 
 RingingSum SumOfParts(const RingDownSamples& record, double inductance_h, const double* shared,
                       const double* own) {
-  const Circuitry ringing = CircuitryOf(record, inductance_h, MakeJets(shared, own));
+  const Circuitry ringing = CircuitryOf(record, inductance_h, MakeJets(shared, own), own);
   RingingSum sum;
   sum.poles = PolesOf(ringing.circuit);
   sum.rates = {.decay_per_s = sum.poles.poles.decay_per_s,
@@ -249,8 +251,13 @@ RingingSum SumOfParts(const RingDownSamples& record, double inductance_h, const 
   for (std::size_t k = 0; k < kSharedCount; ++k) ringing.WriteAutomatic(k, sum);
   ringing.WriteAutomatic(kSharedCount + Index(Own::kAmplitude), sum);
   ringing.WriteByImpact(record.time_scale, sum);
+  // its own stiffness and damping act as those of all
+  for (auto& slopes : sum.slopes) {
+    slopes[kSharedCount + Index(Own::kStiffness)] = slopes[Index(Shared::kStiffness)];
+    slopes[kSharedCount + Index(Own::kDamping)] = slopes[Index(Shared::kDamping)];
+  }
   // linear parameters, from the offset on: the part's coefficient, with a slope of 1
-  for (std::size_t k = 0; Index(Own::kOffset) + k < kOwnCount; ++k) {
+  for (std::size_t k = 0; Index(Own::kOffset) + k < Index(Own::kStiffness); ++k) {
     sum.voltage[Index(Part::kConstant) + k] = own[Index(Own::kOffset) + k];
     sum.slopes[Index(Part::kConstant) + k][kSharedCount + Index(Own::kOffset) + k] = 1;
   }

@@ -155,10 +155,21 @@ TEST_F(FitLraRecords, ACopyOfARecordIsNoOtherDrop) {
 TEST_F(FitLraRecords, DropsOfTwoActuatorsAreNoticed) {
   auto other = Noisy();
   other.load_ohm = 33;
-  other.stiffness_n_per_m *= 1.005;
+  other.stiffness_n_per_m *= 1.05;
   ExpectContradiction(
       {"--open", Write("open.csv", Noisy()), "--load", "33ohm", Write("other.csv", other)},
       "of another actuator");
+}
+
+// 0.25 % in frequency are of one actuator, warmer by some ten kelvin
+TEST_F(FitLraRecords, DropsOfOneActuatorThatScatterAreADoubt) {
+  auto warmer = Noisy();
+  warmer.stiffness_n_per_m *= 1.005;
+  warmer.seed = 9;
+  const Outcome outcome = FitLra({"--open", Write("open.csv", Noisy()), Write("warm.csv", warmer),
+                                  "--held", "--moving-mass", "1.4g", "--resistance", "27ohm"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("doubt: the drops' stiffnesses scatter by 0.35"));
 }
 
 TEST_F(FitLraRecords, ExchangedLoadsAreNoticed) {

@@ -142,6 +142,13 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kRecordOfAnother, "record-of-another",
        "its residual in the fit of all records is {ratio} times that of its own fit: its load, "
        "case or mass is not as stated, or it is of another actuator; do not use the constants"},
+      {kFrequencyOfAnother, "frequency-of-another",
+       "its resonance differs by {share %} from that of the other records, more than 2 %: its case "
+       "or mass is not as stated, or it is of another actuator; do not use the constants"},
+      {kDecayOfAnother, "decay-of-another",
+       "its decay differs by {share %} from that of the other records with its load, more than "
+       "20 %: its load or mounting is not as stated, or it is of another actuator; do not use the "
+       "constants"},
       // dependence on the amplitude: spring, friction and damping that are not linear
       {kSpringStiffens, "spring-stiffens",
        "one decay time later the resonance differs by {share %} ({deviations} times its "
@@ -159,13 +166,13 @@ document::Sentence SentenceOf(FindingKind kind) {
        "ring-down"},
       // scatter that the noise does not explain
       {kFrequenciesScatter, "frequencies-scatter",
-       "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
-       "(Birge ratio): the statistical uncertainties of Kv and f0 are widened to that, their "
-       "intervals by Student's factor too (degrees of freedom: {degrees_of_freedom})"},
+       "the drops' stiffnesses scatter by {scatter %}, their resonances {birge_ratio} times as "
+       "much as their noise explains (Birge ratio): the uncertainties of Kv and f0 contain that, "
+       "their intervals Student's factor too (degrees of freedom: {degrees_of_freedom})"},
       {kDecaysScatter, "decays-scatter",
-       "the drops' decays scatter {birge_ratio} times as much as their noise explains (Birge "
-       "ratio): the statistical uncertainties of Bv, Km and Q are widened to that, their "
-       "intervals by Student's factor too (degrees of freedom: {degrees_of_freedom})"},
+       "the drops' dampings scatter by {scatter %}, their decays {birge_ratio} times as much as "
+       "their noise explains (Birge ratio): the uncertainties of Bv, Km and Q contain that, their "
+       "intervals Student's factor too (degrees of freedom: {degrees_of_freedom})"},
       {kResidualsCorrelated, "residuals-correlated",
        "the residuals are correlated: a second resonance, a spring that is not linear, losses "
        "of the coil that grow with frequency, or another actuator's constants; the intervals "

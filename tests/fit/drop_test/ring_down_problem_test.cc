@@ -1,5 +1,6 @@
 #include "fit/drop_test/ring_down_problem.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,6 +41,10 @@ std::vector<bool> FreeColumns(std::size_t records, const std::vector<std::size_t
   for (const Shared k : {Shared::kForceConstantSquared, Shared::kMass, Shared::kResistance}) {
     is_free[Index(k)] = false;
   }
+  for (std::size_t r = 0; r < records; ++r) {
+    is_free[Column(r, Own::kStiffness)] = false;
+    is_free[Column(r, Own::kDamping)] = false;
+  }
   for (const std::size_t k : held) is_free[k] = false;
   return is_free;
 }
@@ -50,17 +55,26 @@ TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
     std::vector records{Samples(kOpen, 1), Samples(33, 0.3), Samples(50, 1)};
     records[2].speed_m_per_s = 0.44;
     for (auto& record : records) record.hum_hz = {50, 100, 150, 250};
+    // drops that scatter, the one in both rates
+    records[0].damping_scatter = 0.02;
+    records[1].stiffness_scatter = 0.01;
+    records[1].damping_scatter = 0.03;
     const RingDownProblem problem(records, 130e-6);
     auto point = Point();
     point.own.push_back({0, 1e-5, 0.03, 0.1, 1e-3, 1e-3});
     point.shared[Index(Shared::kDamping)] = std::log(damping);
     point.own[0] = {std::log(0.44), 2e-5, 0.01, 0.3, 2e-3, -4e-3};
+    point.own[0][Index(Own::kDamping)] = -0.01;
+    point.own[1][Index(Own::kStiffness)] = 0.003;
     const auto jacobian = problem.Linearise(point);
     ASSERT_EQ(jacobian.columns, kSharedCount + 3 * kOwnCount);
+    ASSERT_EQ(problem.ScatterRows(), 3);
     const auto residuals = problem.Residuals(point);
     for (std::size_t n = 0; n < residuals.size(); ++n) {
       EXPECT_ABS(jacobian.residuals[n], residuals[n], 1e-14, "the same operations");
     }
+    const std::vector<double> own(residuals.end() - 3, residuals.end());
+    EXPECT_THAT(own, ::testing::ElementsAre(-0.01 / 0.02, 0.003 / 0.01, 0.0));
     for (std::size_t k = 0; k < jacobian.columns; ++k) {
       const auto component = [k](RingDownPoint& p) -> double& {
         if (k < kSharedCount) return p.shared[k];

@@ -1,4 +1,4 @@
-#include "fit/adapter/consensus_mean.h"
+#include "fit/consensus_mean.h"
 
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@ namespace haptometer::fit {
 namespace {
 
 // estimates of these standard uncertainties about 0, scattered by `between` too
-std::vector<TapEstimate> Drawn(const std::vector<double>& uncertainties, double between,
-                               std::mt19937_64& engine) {
+std::vector<Estimate> Drawn(const std::vector<double>& uncertainties, double between,
+                            std::mt19937_64& engine) {
   std::normal_distribution<double> normal;
-  std::vector<TapEstimate> estimates;
+  std::vector<Estimate> estimates;
   for (const double u : uncertainties) {
     estimates.push_back({between * normal(engine) + u * normal(engine), u * u});
   }
@@ -84,6 +84,59 @@ TEST(ConsensusMean, ChiSquareIsItsDegreesOfFreedom) {
   const ConsensusMean exact = ConsensusOf({{1, 0}, {2, 0}, {6, 1e-40}});
   EXPECT_REL(exact.value, 3.0, 1e-12, "alike weights");
   EXPECT_REL(exact.variance, 7.0 / 3, 1e-12, "the empirical variance over n");
+}
+
+TEST(ConsensusMean, OfGroupsTheSquaresAddAboutTheirOwnMeans) {
+  // of equal u^2 = 4: F = (2 + 8)/(4 + t^2), whatever the means are
+  const std::vector<std::vector<Estimate>> groups{{{9, 4}, {11, 4}},
+                                                  {{-52, 4}, {-50, 4}, {-48, 4}}};
+  EXPECT_REL(SquaresOf(groups, 0), 10.0 / 4, 1e-12, "rounding");
+  EXPECT_REL(SquaresOf(groups, 6), 1.0, 1e-12, "rounding");
+  EXPECT_REL(BetweenVariance(groups, 0.5), 10 / 0.5 - 4, 1e-11, "the search's end");
+  EXPECT_EQ(BetweenVariance(groups, 2.6), 0) << "F(0) is smaller";
+  // of different u, in both
+  const std::vector<std::vector<Estimate>> apart{{{0, 1}, {9, 9}}, {{0, 0.04}, {7, 4}, {1, 1}}};
+  const double between = BetweenVariance(apart, 1.5);
+  EXPECT_GT(between, 1);
+  EXPECT_REL(SquaresOf(apart, between), 1.5, 1e-11, "the search's end");
+}
+
+TEST(ConsensusMean, StudentSquaresMakeANormalIntervalStudents) {
+  // of three: +-t s/sqrt(3), s^2 = 9, t(2) = 4.30265
+  const std::vector<Estimate> estimates{{-3, 1}, {0, 1}, {3, 1}};
+  const double between = BetweenVariance({estimates}, StudentSquares(2));
+  EXPECT_REL(1.96 * std::sqrt((1 + between) / 3), 4.302653 * 3 / std::sqrt(3.0), 1e-6,
+             "the factor's digits");
+  EXPECT_REL(StudentSquares(1e9), 1e9, 1e-4, "1.96 in place of 1.959964");
+}
+
+// of 100 intervals whose scatter holds Student's factor
+double HeldByStudent(const std::vector<double>& uncertainties, double between) {
+  constexpr int kSets = 2000;  // their share scatters by 0.5 %
+  std::mt19937_64 engine(uncertainties.size());
+  const double squares = StudentSquares(static_cast<double>(uncertainties.size()) - 1);
+  int held = 0;
+  for (int set = 0; set < kSets; ++set) {
+    const auto estimates = Drawn(uncertainties, between, engine);
+    const double scatter = BetweenVariance({estimates}, squares);
+    double weights = 0;
+    for (const Estimate& estimate : estimates) weights += 1 / (estimate.variance + scatter);
+    held += std::abs(ConsensusOf(estimates).value) < 1.96 / std::sqrt(weights) ? 1 : 0;
+  }
+  return 100.0 * held / kSets;
+}
+
+TEST(ConsensusMean, WithStudentSquaresIntervalsHoldWhateverTheScatter) {
+  for (const std::size_t count : {2UL, 3UL, 6UL}) {
+    for (const double ratio : {1.0, 8.0}) {
+      for (const double scatter : {0.0, 0.5, 2.0, 4.0, 8.0, 50.0}) {
+        const double held = HeldByStudent(From1To(ratio, count), scatter);
+        // 93 less three deviations of the share
+        EXPECT_GE(held, 91.5) << count << " drops 1:" << ratio << ", scatter " << scatter;
+        EXPECT_LE(held, 99.5) << count << " drops 1:" << ratio << ", scatter " << scatter;
+      }
+    }
+  }
 }
 
 // of 100 intervals
