@@ -344,7 +344,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
   const std::vector<double> whole(drops.size(), 1.0);
   consistency.frequency = ScatterOf(Belonging(frequencies, consistency, whole));
   // drops that nothing shows to differ are taken as alike; where one constant scatters, the other
-  // may too, and the noise of its estimates hides it
+  // may too, and it is below the noise of its estimates
   if (consistency.decay.birge_ratio == 1 && consistency.frequency.birge_ratio == 1) {
     consistency.decay.student_deviation = 0;
     consistency.frequency.student_deviation = 0;

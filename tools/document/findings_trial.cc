@@ -53,7 +53,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "rows are missing by the row numbers in the first column: {missing} in {places} "
      "place{places s}, the first before line {line}"},
     {"row-numbers-uneven",
-     "the row numbers in the first column do not go on in whole steps in line {line}: whether rows "
+     "the row numbers in the first column do not grow by whole steps in line {line}: whether rows "
      "are missing is not known; all rows are taken to follow each other"},
     {"rows-excluded",
      "rows with the time of the row before are excluded: {excluded} of {rows}, the first in line "

@@ -74,7 +74,7 @@ const std::vector<Case> kCases{
      "line 1502"},
     {kRowNumbersUneven,
      {{"line", 7}},
-     "the row numbers in the first column do not go on in whole steps in line 7: whether rows are "
+     "the row numbers in the first column do not grow by whole steps in line 7: whether rows are "
      "missing is not known; all rows are taken to follow each other"},
     {kRowsExcluded,
      {{"excluded", 1}, {"rows", 300}, {"line", 203}},
