@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace haptometer::acquire {
 
@@ -13,14 +12,18 @@ void IntervalStatistics::Add(MonotonicNs time_ns, std::uint64_t missing) {
     last_ns_ = time_ns;
     return;
   }
-  const double interval_s = SecondsFromNs(time_ns - last_ns_);
-  block_ns_ += time_ns - last_ns_;
+  const MonotonicNs interval_ns = time_ns - last_ns_;
+  const double interval_s = SecondsFromNs(interval_ns);
   last_ns_ = time_ns;
-  places_of_block_ += 1 + missing;
-  // a block of rows begins here: the time up to it is that of those before
-  if (interval_s > 0.5 * mean_s_) {
-    places_ += std::exchange(places_of_block_, 0);
-    total_ns_ += std::exchange(block_ns_, 0);
+  all_.Take(1 + missing, interval_ns);
+  block_.Take(1 + missing, interval_ns);
+  // a block of rows ends where one begins, or was none: its rows are spread over time
+  if (interval_s > 0.5 * mean_s_ || 2 * block_.ns > begin_ns_) {
+    // nothing tells how long the first block took
+    const bool is_first_block = begin_ns_ == kNone && block_.places > 1;
+    if (!is_first_block) whole_.Take(block_.places, block_.ns);
+    block_ = {};
+    begin_ns_ = interval_ns;
   }
   if (missing > 0) return;
   ++intervals_;
@@ -32,8 +35,8 @@ void IntervalStatistics::Add(MonotonicNs time_ns, std::uint64_t missing) {
 
 void IntervalStatistics::Restart() {
   has_time_ = false;
-  places_of_block_ = 0;
-  block_ns_ = 0;
+  block_ = {};
+  begin_ns_ = kNone;
 }
 
 bool IntervalStatistics::Explains(MonotonicNs time_ns, std::uint64_t missing) const {
@@ -48,8 +51,9 @@ bool IntervalStatistics::Explains(MonotonicNs time_ns, std::uint64_t missing) co
 
 // rate = intervals / total time
 std::optional<double> IntervalStatistics::RateHz() const {
-  if (total_ns_ <= 0) return std::nullopt;
-  return static_cast<double>(places_) / SecondsFromNs(total_ns_);
+  const Span& span = whole_.ns > 0 ? whole_ : all_;
+  if (span.ns <= 0) return std::nullopt;
+  return static_cast<double>(span.places) / SecondsFromNs(span.ns);
 }
 
 // standard deviation of the intervals, s = sqrt(S / (n - 1))

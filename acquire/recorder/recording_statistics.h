@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "acquire/recorder/recorder.h"
@@ -24,9 +25,9 @@ class IntervalStatistics {
   /// what was never lost.
   [[nodiscard]] bool Explains(MonotonicNs time_ns, std::uint64_t missing) const;
 
-  /// Intervals, those of lost rows too, per second of their own time: up to the last row that came
-  /// later than half of the mean interval, since of rows that come in blocks the last block's have
-  /// no time of their own; empty where no time has passed.
+  /// Intervals, those of lost rows too, per second of their own time; empty where no time has
+  /// passed. Rows that come in blocks, an interval of half the mean and more ahead of each, have
+  /// the time up to the next block: the first and the last block do not count, if there are others.
   [[nodiscard]] std::optional<double> RateHz() const;
   /// Standard deviation of the intervals in s (divided by n - 1); empty below two intervals.
   [[nodiscard]] std::optional<double> DeviationSeconds() const;
@@ -34,11 +35,22 @@ class IntervalStatistics {
  private:
   std::uint64_t intervals_ = 0;  ///< between neighbours
   bool has_time_ = false;
-  // intervals, those over lost rows too, and their time; since the last block of rows began
-  std::uint64_t places_ = 0;
-  MonotonicNs total_ns_ = 0;
-  std::uint64_t places_of_block_ = 0;
-  MonotonicNs block_ns_ = 0;
+  // intervals, those over lost rows too, and their time
+  struct Span {
+    std::uint64_t places = 0;
+    MonotonicNs ns = 0;
+
+    void Take(std::uint64_t more, MonotonicNs more_ns) {
+      places += more;
+      ns += more_ns;
+    }
+  };
+  static constexpr MonotonicNs kNone = std::numeric_limits<MonotonicNs>::max();
+
+  Span all_;
+  Span whole_;                    ///< of whole blocks
+  Span block_;                    ///< since the last block began
+  MonotonicNs begin_ns_ = kNone;  ///< the interval ahead of that
   MonotonicNs last_ns_ = 0;
   double mean_s_ = 0;
   double squares_s2_ = 0;  ///< sum of squared deviations from the mean

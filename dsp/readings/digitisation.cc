@@ -46,6 +46,8 @@ constexpr double kNoiseReach = 4;
 constexpr double kStepReach = 1.5;
 // of half of what the samples span, that a limited tone goes beyond on average at most
 constexpr double kMostBeyond = 0.9;
+// of what the samples span, that a tone limited for most of its time goes beyond at most
+constexpr double kMostOfRests = 2;
 constexpr int kLimitPasses = 3;
 constexpr int kRefits = 2;
 constexpr std::size_t kDensest = 32;  // a mode is sought in a 32nd of the values
@@ -390,10 +392,6 @@ ClippingVerdict JudgeRails(const Fitter& fitter, const Rails& rails, int highest
   // one sine for all samples: no rail changed any
   const Rest sine = fitter.Fit(rails, 1, true, floor);
   if (sine.is_determined && sine.Deviation() <= floor) return ClippingVerdict::kNone;
-  // a motion that rests at one extreme most of its time
-  if (only_there && 2 * std::max(rails.at_low, rails.at_high) > rails.measured) {
-    return ClippingVerdict::kUndecided;
-  }
   const Rest tone = fitter.Fit(rails, 1, false);
   if (!tone.is_determined) {
     return only_there ? ClippingVerdict::kClipped : ClippingVerdict::kUndecided;
@@ -406,11 +404,16 @@ ClippingVerdict JudgeRails(const Fitter& fitter, const Rails& rails, int highest
   const Rest& limited = needs_harmonics ? harmonics : tone;
   if (!only_there && !IsBeyond(limited, span, step)) return ClippingVerdict::kNone;
   if (!only_there && !harmonics.is_determined) return ClippingVerdict::kUndecided;
-  // a tone whose own harmonics explain all samples to a step, and better
+  // the tone with harmonics of its own, and by how much a limit explains all samples better
   const Rest any = fitter.Fit(rails, kHighestOfAny, true);
-  const bool has_shape = any.is_determined && any.Deviation() <= step &&
-                         BetterBy(limited, any, RoundingVariance(step, span)) < -kBetter;
-  return has_shape ? ClippingVerdict::kUndecided : ClippingVerdict::kClipped;
+  const double better =
+      any.is_determined ? BetterBy(limited, any, RoundingVariance(step, span)) : 0;
+  const bool has_shape = any.Deviation() <= step && better < -kBetter;
+  // a motion at one extreme for most of its time rests there, unless a limited tone explains it
+  const bool is_limited = IsBeyond(limited, span, step) && better > 0 &&
+                          limited.beyond <= kMostOfRests * span * limited.railed;
+  const bool rests = 2 * std::max(rails.at_low, rails.at_high) > rails.measured && !is_limited;
+  return has_shape || rests ? ClippingVerdict::kUndecided : ClippingVerdict::kClipped;
 }
 
 // whether a fit to the samples off the limits goes beyond them, and not as far as from one level of

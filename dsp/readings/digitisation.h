@@ -38,9 +38,9 @@ struct Clipping {
 /// is the rounding of numbers with six digits. Undecided: the sampled phases
 /// (as where rate and tone are commensurate) do not determine the harmonics, so that what flattens
 /// the tone may be its own; more than half of the samples are at one rail, as of pulses between
-/// rests; or nine harmonics of its own explain all samples to a step, and better than a limited
-/// tone (as below). None also where one sine fits all samples, and where less than 0.1 % are at a
-/// rail.
+/// rests, and no limited tone explains them; or nine harmonics of its own explain all samples to a
+/// step, and better than a limited tone (as below). None also where one sine fits all samples, and
+/// where less than 0.1 % are at a rail.
 ///
 /// Else a limit that acts ahead of noise, as of an amplifier before a converter, is sought in 24
 /// evenly spread blocks: at the densest values of the upper half, the lower one or both; samples

@@ -305,6 +305,8 @@ TEST_F(Calibration, ColumnsOfOtherLanguagesAreKnownByTheirUnits) {
   EXPECT_REL(gain("Nr;Weg (mm);Spannung (V)\n" + numbered), 1e-3, 0.01, "rounded pairs");
   for (const auto& [text, what] :
        {std::pair("Weg (mm);Lage (mm);U (V)\n1;1;1\n2;2;2\n3;3;3\n", "has both"),
+        {"displacement_mm;u (um);voltage_v\n1;1;1\n2;1;2\n3;1;3\n",
+         "'u (um)', which is none of pairs"},
         {"Weg (mm);Druck (bar)\n1;1\n2;2\n3;3\n", "'Druck (bar)', which is none of pairs"},
         {"Weg (mm);Zeit (s)\n1;1\n2;2\n3;3\n", "'Zeit (s)', which is none of pairs"}}) {
     const auto refused = Calibrate({File("q.csv", text)});

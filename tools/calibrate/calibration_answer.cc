@@ -55,15 +55,23 @@ Result<PairColumns> ColumnsOf(const TextTable& table) {
         std::span<const KnownColumn>(kVoltageUncertainties)}) {
     for (const KnownColumn& column : columns) known.emplace_back(column.name);
   }
+  const auto has_any = [&table](std::span<const KnownColumn> columns) {
+    return std::ranges::any_of(columns, [&table](const KnownColumn& one) {
+      return table.columns.contains(std::string(one.name));
+    });
+  };
+  const bool has_displacement = has_any(kDisplacements);
+  const bool has_voltage = has_any(kVoltages);
   for (const auto& [name, cells] : table.columns) {
     if (std::ranges::count(known, name) > 0 || trial::IsRowNumberName(name)) continue;
+    // beside a column of this program another one of its quantity has no known meaning
     const trial::CsvColumn quantity = trial::ReadQuantity(name);
     const KnownColumn column{name, quantity.factor};
-    if (quantity.role == trial::ChannelRole::kDisplacement) {
+    if (quantity.role == trial::ChannelRole::kDisplacement && !has_displacement) {
       columns_of.displacements.push_back(column);
       continue;
     }
-    if (quantity.role == trial::ChannelRole::kVoltage) {
+    if (quantity.role == trial::ChannelRole::kVoltage && !has_voltage) {
       columns_of.voltages.push_back(column);
       continue;
     }

@@ -154,14 +154,20 @@ struct TextWriter {
 
   void AddTable(const Section& table, std::size_t indent) {
     const std::vector<Column> columns = ColumnsOf(table);
+    std::vector<std::size_t> widths;
+    for (const Column& column : columns) {
+      widths.push_back(WidthOf(column.heading));
+      for (const std::string& cell : column.cells) {
+        widths.back() = std::max(widths.back(), WidthOf(cell));
+      }
+    }
     // numbers aligned to the right, so that equal decimals stand one below the other
     for (std::size_t row = 0; !columns.empty() && row <= table.sections.size(); ++row) {
       std::string line;
-      for (const Column& column : columns) {
-        std::size_t width = WidthOf(column.heading);
-        for (const std::string& cell : column.cells) width = std::max(width, WidthOf(cell));
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        const Column& column = columns[k];
         const std::string& cell = row == 0 ? column.heading : column.cells[row - 1];
-        const std::string fill(width - WidthOf(cell), ' ');
+        const std::string fill(widths[k] - WidthOf(cell), ' ');
         if (!line.empty()) line += std::string(kIndent, ' ');
         line += column.is_text ? cell + fill : fill + cell;
       }

@@ -39,15 +39,35 @@ TEST(IntervalStatistics, APauseThatIsMeantToBeDoesNotCount) {
   EXPECT_ABS(statistics.DeviationSeconds().value(), 0.0, 1e-15, "rounding of the running mean");
 }
 
-// 1000 a second that come 500 at a time: 15 blocks have 7.5 s before the last one begins, which
-// adds none; the pause of a restart neither
+// 1000 a second that come 500 at a time, the first block in part: nothing tells how long it and the
+// last one took; the pause of a restart counts neither
 TEST(IntervalStatistics, RowsInBlocksHaveTheTimeUpToTheNextBlock) {
-  IntervalStatistics statistics;
-  for (int row = 0; row < 8000; ++row) statistics.Add(500 * kMs * (row / 500), 0);
-  EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division");
-  statistics.Restart();
-  for (int row = 0; row < 2000; ++row) statistics.Add(60'000 * kMs + 500 * kMs * (row / 500), 0);
-  EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division");
+  for (const int first : {50, 500, 2000}) {
+    IntervalStatistics statistics;
+    for (int row = 0; row < first; ++row) statistics.Add(0, 0);
+    for (int row = 0; row < 8000; ++row) statistics.Add(500 * kMs * (1 + row / 500), 0);
+    EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division") << first;
+    statistics.Restart();
+    for (int row = 0; row < 2000; ++row) statistics.Add(60'000 * kMs + 500 * kMs * (row / 500), 0);
+    EXPECT_REL(statistics.RateHz().value(), 1000.0, 1e-15, "one division") << first;
+  }
+  // two blocks show no more than their own time
+  IntervalStatistics two;
+  for (int row = 0; row < 1000; ++row) two.Add(500 * kMs * (row / 500), 0);
+  EXPECT_REL(two.RateHz().value(), 999 / 0.5, 1e-15, "one division");
+}
+
+// rows, a pause of 5 s, and rows: those behind it are no block, however few are ahead
+TEST(IntervalStatistics, RowsBehindAPauseAreNoBlock) {
+  for (const int ahead : {1, 10, 4000}) {
+    IntervalStatistics statistics;
+    MonotonicNs time_ns = 0;
+    for (int row = 0; row < ahead; ++row) statistics.Add(time_ns += kMs, 0);
+    time_ns += 5000 * kMs;
+    for (int row = 0; row < 4000; ++row) statistics.Add(time_ns += kMs, 0);
+    EXPECT_REL(statistics.RateHz().value(), (ahead + 3999) / (5 + (ahead + 3999) * 1e-3), 1e-3,
+               "a row ahead of the pause");
+  }
 }
 
 TEST(IntervalStatistics, KnownLossesCountAsIntervals) {

@@ -147,6 +147,20 @@ TEST(Clipping, PulsesBetweenRestsAreNotClipped) {
   }
 }
 
+// at a rail for 51 to 63 % of each period, the other half of a sine is left
+TEST(Clipping, AToneLimitedForMostOfItsPeriodIsClipped) {
+  for (const double limit_m : {-8e-6, -2e-6, -3e-7}) {
+    for (const double step : {1e-8, 1e-7}) {
+      for (const double tone_hz : {51.3, 113.7, 231.9}) {
+        std::vector<double> values = Samples(10e3, 20'000, 0, {{20e-6, tone_hz}});
+        for (double& x : values) x = std::round(std::min(x, limit_m) / step) * step;
+        EXPECT_EQ(FindClipping(values, 10e3, tone_hz).verdict, kClipped)
+            << limit_m << ' ' << step << ' ' << tone_hz;
+      }
+    }
+  }
+}
+
 // A tone of 20 um with noise that an amplifier does not pass beyond its limits, and the noise of a
 // converter, which has steps of 0.15 um.
 TEST(Clipping, BelowNoiseIsFound) {

@@ -113,9 +113,11 @@ namespace {
 
 // Whether a line is a header of column numbers, as pandas writes them where no names are given:
 // 0, 1, 2, ... above a row of numbers that are not whole. Without a cell for the index before them
-// they may be a reading: then they are a header only where a number below differs by 1 or more.
-bool AreColumnNumbers(const TableCells& line, const TableCells& row) {
+// they may be a reading: then they are a header only in the first line (`is_first`) and where a
+// number below differs by 1 or more.
+bool AreColumnNumbers(const TableCells& line, const TableCells& row, bool is_first) {
   const std::size_t first = line.cells[0].empty() ? 1 : 0;
+  if (first == 0 && !is_first) return false;
   bool is_apart = first == 1 && line.cells.size() > 1;
   for (std::size_t i = first; i < line.cells.size(); ++i) {
     const bool is_whole = row.cells[i].find_first_not_of("+-0123456789") == std::string_view::npos;
@@ -143,7 +145,7 @@ std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
     }
     if (last && found.rows[0].separator == cells.separator &&
         found.rows[0].cells.size() == cells.cells.size() &&
-        !AreColumnNumbers(found.rows[0], cells)) {
+        !AreColumnNumbers(found.rows[0], cells, found.above.empty())) {
       found.rows[1] = std::move(cells);
       found.offset = last->offset;
       found.line = last->number;

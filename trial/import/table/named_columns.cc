@@ -332,7 +332,9 @@ class Head {
     if (number == 0 && unit_text.empty() && IsRowNumberName(cell) && HasNumbers()) {
       return CsvColumn{.kind = CsvColumnKind::kNumber, .name = std::string(cell)};
     }
-    if ((cell.empty() && unit_text.empty()) || is_spectrum) {
+    // nor is one that numbers the samples of a series
+    const bool is_number = number == 0 && Width() > 1 && IsOneOf(cell, {"nr", "sample", "index"});
+    if ((cell.empty() && unit_text.empty()) || is_spectrum || is_number) {
       return CsvColumn{.kind = CsvColumnKind::kLeftOut};
     }
     const auto unit = FindUnit(printed);

@@ -14,14 +14,32 @@ namespace {
 
 // beyond it whole numbers are not exact
 constexpr double kMostNumber = 0x1p53;
+// share of rows behind missing ones: whole milliseconds of 700 rows/s jump at 43 % of them
+constexpr double kMostJumps = 0.1;
 
 }  // namespace
 
 bool IsRowNumberName(std::string_view name) {
-  constexpr std::array<std::string_view, 17> kNames{
-      "",        "#",     "no",           "no.",    "nr",     "nr.",     "number",
-      "row",     "index", "point",        "points", "sample", "samples", "sample index",
-      "row no.", "scan",  "sample number"};
+  constexpr std::array<std::string_view, 20> kNames{"",
+                                                    "#",
+                                                    "no",
+                                                    "no.",
+                                                    "nr",
+                                                    "nr.",
+                                                    "number",
+                                                    "row",
+                                                    "index",
+                                                    "point",
+                                                    "points",
+                                                    "sample",
+                                                    "samples",
+                                                    "sample index",
+                                                    "sample no.",
+                                                    "samplenr",
+                                                    "sample_number",
+                                                    "row no.",
+                                                    "scan",
+                                                    "sample number"};
   return std::ranges::find(kNames, LowerCase(Trimmed(name))) != kNames.end();
 }
 
@@ -51,8 +69,13 @@ double RowNumbers::UsualStep() const {
 std::vector<Stretch> RowNumbers::Divide(const Stretch& whole, Findings* findings) const {
   const double usual = runs_.empty() ? 1 : UsualStep();
   const auto jump = std::ranges::find_if(runs_, [&](const Run& run) { return run.step != usual; });
-  const auto uneven =
+  auto uneven =
       std::ranges::find_if(runs_, [&](const Run& run) { return std::fmod(run.step, usual) != 0; });
+  std::size_t jumps = 0;
+  for (const Run& run : runs_) jumps += run.step == usual ? 0 : run.rows;
+  // many: times in whole units, or what else is no number of rows
+  const bool is_other = static_cast<double>(jumps) > kMostJumps * static_cast<double>(whole.rows);
+  if (is_other && uneven == runs_.end()) uneven = jump;
   // which rows are missing can be stated where all numbers lie on one grid
   if (bad_line_ > 0 || uneven != runs_.end()) {
     findings->Doubt(FindingKind::kRowNumbersUneven,

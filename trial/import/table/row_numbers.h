@@ -23,7 +23,8 @@ class RowNumbers {
 
   /// `whole`, all rows at one rate, divided where numbers jump, with time for the missing rows. The
   /// step is the most frequent one. Notes how many rows are missing; numbers that do not grow by
-  /// whole steps are a doubt, and change nothing.
+  /// whole steps, or jump at more than a tenth of the rows as times in whole units do, are a doubt,
+  /// and change nothing.
   [[nodiscard]] std::vector<Stretch> Divide(const Stretch& whole, Findings* findings) const;
 
  private:

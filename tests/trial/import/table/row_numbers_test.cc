@@ -77,6 +77,30 @@ TEST(RowNumbers, EvenStepsChangeNothing) {
   }
 }
 
+// whole milliseconds of 700 rows/s: three of seven steps are 2
+TEST(RowNumbers, TimesInWholeUnitsAreDoubted) {
+  std::vector<int> times_ms;
+  for (int i = 0; i < 140; ++i) times_ms.push_back(i * 10 / 7);
+  const auto [record, findings] = Parsed(Table("Index", times_ms));
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].rows, 140U);
+  EXPECT_TRUE(findings.Has(FindingKind::kRowNumbersUneven));
+}
+
+// the number of a sample of material, beside its readings
+TEST(RowNumbers, ANumberThatStaysIsNoChannel) {
+  const auto [record, findings] = Parsed("Sample,Reading (um)\n1,0.5\n1,2.5\n1,3.5\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.stretches.at(0).rows, 3U);
+}
+
+TEST(RowNumbers, AFirstReadingOfZeroIsNoColumnNumber) {
+  const auto [record, findings] = Parsed("displacement_um\n0\n2.599\n5.154\n7.6\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "displacement");
+  EXPECT_EQ(record.stretches.at(0).rows, 4U);
+}
+
 // falling, repeated, begun again, and half a step
 TEST(RowNumbers, NumbersThatDoNotGoOnAreDoubted) {
   for (const std::vector<int>& numbers :
@@ -110,7 +134,6 @@ TEST(RowNumbers, TimesDecideWhereThereAreTimes) {
 // a first column that is called so and does not count is a channel
 TEST(RowNumbers, OtherNumbersAreAChannel) {
   EXPECT_EQ(Parsed("Point,CH1 (V)\n0.5,1\n0.75,2\n").record.channels.size(), 2U);
-  EXPECT_EQ(Parsed("Sample,CH1 (V)\n7,1\n7,2\n").record.channels.size(), 2U);
   EXPECT_EQ(Parsed("Sample\n511\n513\n").record.channels.size(), 1U);
 }
 
