@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -67,6 +68,18 @@ void RemarkSegments(const std::vector<BandSignal>& all, const BandSignal& used,
       {{"amplitude_m", below.amplitude_m},
        {"frequency_hz", below.frequency_hz},
        {"leaked_m", below.leaked_rms_m}});
+}
+
+// A doubt where one sine through the window has a smaller amplitude than those through its blocks,
+// which hardly leave anything: noise increases theirs by less than 0.2 % then.
+void RemarkWandering(const UsedPart& part, BandAnalysis* analysis) {
+  const StateInterval& state = part.state;
+  const double amplitude_m = std::numbers::sqrt2 * analysis->numbers->tone->sine_rms_m;
+  const double power = 0.5 * state.level_m * state.level_m;
+  if (!part.from_drive || state.residual > (1 - kExplained) * power) return;
+  if (amplitude_m >= (1 - kNoticeable) * state.level_m) return;
+  analysis->findings.Doubt(FindingKind::kToneWanders,
+                           {{"level_m", state.level_m}, {"amplitude_m", amplitude_m}});
 }
 
 // the filter's slope at the tone, and whether it is the drive that the file states
@@ -206,7 +219,10 @@ std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
 
 void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
                   const BandQuestion& question, BandAnalysis* analysis) {
-  if (analysis->numbers->tone) RemarkTone(chosen, question, analysis);
+  if (analysis->numbers->tone) {
+    RemarkTone(chosen, question, analysis);
+    RemarkWandering(chosen.part, analysis);
+  }
   RemarkHum(chosen, analysis);
   RefuseWithoutDrive(chosen, analysis);
   RemarkFloor(analysis);

@@ -145,6 +145,26 @@ TEST(UnsteadyDrive, AFrequencyDriftsBeyondAPercentAndMovesBeyondTen) {
   }
 }
 
+// A phase that swings by b about an even one leaves J0(b) of the amplitude in one sine through
+// whole swings: 0.99 at 0.2, 0.94 at 0.5, 0.22 at 2.
+TEST(UnsteadyDrive, AFrequencyThatWandersLeavesJ0OfTheAmplitudeInOneSine) {
+  for (const double swing : {0.0, 0.2, 0.5, 1.2}) {
+    const BandAnalysis analysis =
+        Answer(Turning([](double) { return 10e-6; },
+                       [&](double t_s) {
+                         const double turns = std::sin(2 * std::numbers::pi * 2 * t_s);
+                         return 200 * t_s + swing * turns / (2 * std::numbers::pi);
+                       }));
+    ASSERT_TRUE(analysis.answered) << swing;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kToneWanders), swing >= 0.5) << swing;
+    if (swing < 0.5) continue;
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneWanders, "level_m"), 10e-6, 0.01,
+               "the phase's curvature over a block");
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneWanders, "amplitude_m"),
+               10e-6 * std::cyl_bessel_j(0.0, swing), 0.02, "a tenth of a swing in 3.5 s");
+  }
+}
+
 // a bump of 8 um at 30 Hz from `bump_s` on, on a drive that is on throughout
 trial::Record Bumped(double bump_s) {
   trial::Record record = Turning([](double) { return 10e-6 * std::numbers::sqrt2; }, Steady);
