@@ -73,7 +73,7 @@ enum class FindingKind : std::uint8_t {
   kDriveUnsteady,      ///< drift
   kFrequencyMoves,     ///< from_hz, to_hz
   kFrequencyDrifts,    ///< the same, less than a sweep
-  kToneWanders,        ///< level_m, amplitude_m
+  kToneVaries,         ///< level_m, amplitude_m
   kDriveContradicted,  ///< off_s, from_s, to_s: the drive channel is off there; its subject
   kDriveDelayed,       ///< delay_s, uncertainty_s: of the vibration after the drive channel
   kBumpsExcluded,      ///< count, excluded_s, from_s

@@ -165,9 +165,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "all of it; use --sweep"},
       {kFrequencyDrifts, "frequency-drifts",
        "the frequency drifts from {from_hz} to {to_hz}; the RMS includes all of it"},
-      {kToneWanders, "tone-wanders",
+      {kToneVaries, "tone-varies",
        "the vibration has an amplitude of {level_m} over a few periods, but one sine through the "
-       "window {amplitude_m}: its frequency wanders, or there are two tones close to each other; "
+       "window {amplitude_m}: its frequency varies, or there are two tones close to each other; "
        "amplitude and frequency of the tone are not the vibration's, the RMS includes all of it"},
       {kDriveContradicted, "drive-contradicted",
        "the drive channel is off for {off_s} from {from_s} to {to_s}, where the displacement "

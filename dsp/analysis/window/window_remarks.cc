@@ -72,13 +72,13 @@ void RemarkSegments(const std::vector<BandSignal>& all, const BandSignal& used,
 
 // A doubt where one sine through the window has a smaller amplitude than those through its blocks,
 // which hardly leave anything: noise increases theirs by less than 0.2 % then.
-void RemarkWandering(const UsedPart& part, BandAnalysis* analysis) {
+void RemarkVarying(const UsedPart& part, BandAnalysis* analysis) {
   const StateInterval& state = part.state;
   const double amplitude_m = std::numbers::sqrt2 * analysis->numbers->tone->sine_rms_m;
   const double power = 0.5 * state.level_m * state.level_m;
   if (!part.from_drive || state.residual > (1 - kExplained) * power) return;
   if (amplitude_m >= (1 - kNoticeable) * state.level_m) return;
-  analysis->findings.Doubt(FindingKind::kToneWanders,
+  analysis->findings.Doubt(FindingKind::kToneVaries,
                            {{"level_m", state.level_m}, {"amplitude_m", amplitude_m}});
 }
 
@@ -221,7 +221,7 @@ void RemarkWindow(const std::vector<BandSignal>& all, const ChosenPart& chosen,
                   const BandQuestion& question, BandAnalysis* analysis) {
   if (analysis->numbers->tone) {
     RemarkTone(chosen, question, analysis);
-    RemarkWandering(chosen.part, analysis);
+    RemarkVarying(chosen.part, analysis);
   }
   RemarkHum(chosen, analysis);
   RefuseWithoutDrive(chosen, analysis);

@@ -147,7 +147,7 @@ TEST(UnsteadyDrive, AFrequencyDriftsBeyondAPercentAndMovesBeyondTen) {
 
 // A phase that swings by b about an even one leaves J0(b) of the amplitude in one sine through
 // whole swings: 0.99 at 0.2, 0.94 at 0.5, 0.22 at 2.
-TEST(UnsteadyDrive, AFrequencyThatWandersLeavesJ0OfTheAmplitudeInOneSine) {
+TEST(UnsteadyDrive, AFrequencyThatVariesLeavesJ0OfTheAmplitudeInOneSine) {
   for (const double swing : {0.0, 0.2, 0.5, 1.2}) {
     const BandAnalysis analysis =
         Answer(Turning([](double) { return 10e-6; },
@@ -156,11 +156,11 @@ TEST(UnsteadyDrive, AFrequencyThatWandersLeavesJ0OfTheAmplitudeInOneSine) {
                          return 200 * t_s + swing * turns / (2 * std::numbers::pi);
                        }));
     ASSERT_TRUE(analysis.answered) << swing;
-    EXPECT_EQ(analysis.findings.Has(FindingKind::kToneWanders), swing >= 0.5) << swing;
+    EXPECT_EQ(analysis.findings.Has(FindingKind::kToneVaries), swing >= 0.5) << swing;
     if (swing < 0.5) continue;
-    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneWanders, "level_m"), 10e-6, 0.01,
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneVaries, "level_m"), 10e-6, 0.01,
                "the phase's curvature over a block");
-    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneWanders, "amplitude_m"),
+    EXPECT_REL(NumberOf(analysis.findings, FindingKind::kToneVaries, "amplitude_m"),
                10e-6 * std::cyl_bessel_j(0.0, swing), 0.02, "a tenth of a swing in 3.5 s");
   }
 }
