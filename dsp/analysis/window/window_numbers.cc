@@ -13,6 +13,7 @@
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/window/measured_window.h"
 #include "dsp/analysis/window/window_remarks.h"
+#include "dsp/readings/clipping.h"
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"
 #include "dsp/readings/straight_lines.h"
