@@ -85,7 +85,9 @@ inline constexpr double kMostDecayShare = 0.2;
 /// Refuses drops that their own ring-down explains much better than the fit of all together, in
 /// which each may differ as the drops scatter: what is stated of them is wrong.
 ///
-/// @param noises_v that the fit of all takes for each drop
+/// @param drops        as CheckConsistency took them
+/// @param noises_v     that the fit of all takes for each drop
+/// @param consistency  of CheckConsistency; the refusals go into its findings
 void DoubtStatements(const std::vector<ComparedDrop>& drops, const std::vector<double>& noises_v,
                      Consistency& consistency);
 

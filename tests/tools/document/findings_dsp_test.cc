@@ -273,8 +273,8 @@ const std::vector<Case> kCases{
     {kToneVaries,
      {{"level_m", 38.5e-6}, {"amplitude_m", 15.8e-6}},
      "tone-varies",
-     "the vibration has an amplitude of 38.50 um over a few periods, but one sine through the "
-     "window 15.80 um: its frequency varies, or there are two tones close to each other; "
+     "the vibration has an amplitude of 38.5 um over a few periods, but one sine through the "
+     "window 15.8 um: its frequency varies, or there are two tones close to each other; "
      "amplitude and frequency of the tone are not the vibration's, the RMS includes all of it"},
     {kDriveContradicted,
      {{"off_s", 0.5}, {"from_s", 1.5}, {"to_s", 2.25}},
