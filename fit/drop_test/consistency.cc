@@ -334,6 +334,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
   consistency.drops.resize(drops.size());
   const auto rates = RatesOf(drops, consistency);
   std::vector<double> shares;
+  shares.reserve(drops.size());
   for (const ComparedDrop& drop : drops) {
     shares.push_back(std::max(drop.damping_share, kLeastShare));
   }

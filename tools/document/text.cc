@@ -155,6 +155,7 @@ struct TextWriter {
   void AddTable(const Section& table, std::size_t indent) {
     const std::vector<Column> columns = ColumnsOf(table);
     std::vector<std::size_t> widths;
+    widths.reserve(columns.size());
     for (const Column& column : columns) {
       widths.push_back(WidthOf(column.heading));
       for (const std::string& cell : column.cells) {
