@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -103,20 +102,6 @@ TEST(Clipping, HarmonicsAreNoRail) {
   EXPECT_EQ(FindClipping(values, 10e3, 175).verdict, kNone);
   EXPECT_EQ(FindClipping({}, 10e3, 175).verdict, kNone);
   EXPECT_EQ(FindClipping(std::vector<double>(500, 1.0), 10e3, 175).verdict, kNone);
-}
-
-// a second harmonic of 30 %, whose flank beside the highest step a fit to the others does not
-// follow
-TEST(Clipping, AStrongSecondHarmonicIsNot) {
-  for (const auto& [rate_hz, tone_hz, amplitude_m, step, phase] :
-       {std::array{10e3, 104.865, 15e-6, 1e-7, 2.914}, {4e3, 182.119, 11.8e-6, 1e-6, 2.74}}) {
-    std::vector<double> values =
-        Samples(rate_hz, static_cast<std::size_t>(2.5 * rate_hz), 3e-3,
-                {{amplitude_m, tone_hz}, {0.3 * amplitude_m, 2 * tone_hz, phase}});
-    Noise noise(1);
-    for (double& x : values) x = std::round((x + 1e-4 * amplitude_m * noise()) / step) * step;
-    EXPECT_NE(FindClipping(values, rate_hz, tone_hz).verdict, kClipped) << tone_hz;
-  }
 }
 
 // sin^2 of a third of each period, else at rest; and exp(q (cos - 1)), whose harmonics end below a
