@@ -33,12 +33,12 @@ struct Clipping {
 /// explain the samples better, and a quartic drift are fitted to the samples off the rails, in
 /// blocks of 0.1 s. Clipped: at the railed samples they lie beyond the rail, on average, by more
 /// than two steps (StepOf), four standard deviations of that mean and 1e-5 of the amplitude, which
-/// is the rounding of numbers with six digits. Undecided: the sampled phases
-/// (as where rate and tone are commensurate) do not determine the harmonics, so that what flattens
-/// the tone may be its own; more than half of the samples are at one rail, as of pulses between
-/// rests, and no limited tone explains them; or nine harmonics of its own explain all samples to a
-/// step, and better than a limited tone (as below). None also where one sine fits all samples, and
-/// where less than 0.1 % are at a rail.
+/// is the rounding of numbers with six digits. Undecided: the sampled phases (as where rate and
+/// tone are commensurate) do not determine the harmonics, so that what flattens the tone may be its
+/// own; more than half of the samples are at one rail, as of pulses between rests, and no limited
+/// tone explains them; or nine harmonics of its own explain all samples to a step, and better than
+/// a limited tone (as below). None also where one sine fits all samples, and where less than 0.1 %
+/// are at a rail.
 ///
 /// Else a limit that acts ahead of noise, as of an amplifier before a converter, is sought in 24
 /// evenly spread blocks: at the densest values of the upper half, the lower one or both; samples
@@ -56,8 +56,8 @@ struct Clipping {
 /// of the blocks or on one side for more than half of the period, one of a tone with strong
 /// harmonics above the third or with an amplitude that changes faster than once in 0.1 s, one that
 /// sets in softly (softer than x / (1 + |x/c|^16)^(1/16)), and one of a tone with fewer than 21
-/// phases. Cost: one look at samples; of those with
-/// a rail 300 flops each, 1500 where the fit lies beyond it; of at most 24 576 of them 4000 each.
+/// phases. Cost: one look at samples; of those with a rail 300 flops each, 1500 where the fit lies
+/// beyond it; of at most 24 576 of them 4000 each.
 [[nodiscard]] Clipping FindClipping(std::span<const double> samples, double rate_hz,
                                     double tone_hz);
 

@@ -1,9 +1,9 @@
 #include "trial/import/table/row_numbers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -20,27 +20,27 @@ constexpr double kMostJumps = 0.1;
 }  // namespace
 
 bool IsRowNumberName(std::string_view name) {
-  constexpr std::array<std::string_view, 20> kNames{"",
-                                                    "#",
-                                                    "no",
-                                                    "no.",
-                                                    "nr",
-                                                    "nr.",
-                                                    "number",
-                                                    "row",
-                                                    "index",
-                                                    "point",
-                                                    "points",
-                                                    "sample",
-                                                    "samples",
-                                                    "sample index",
-                                                    "sample no.",
-                                                    "samplenr",
-                                                    "sample_number",
-                                                    "row no.",
-                                                    "scan",
-                                                    "sample number"};
-  return std::ranges::find(kNames, LowerCase(Trimmed(name))) != kNames.end();
+  constexpr std::string_view kNames[]{"",
+                                      "#",
+                                      "no",
+                                      "no.",
+                                      "nr",
+                                      "nr.",
+                                      "number",
+                                      "row",
+                                      "row no.",
+                                      "index",
+                                      "point",
+                                      "points",
+                                      "sample",
+                                      "samples",
+                                      "scan",
+                                      "sample no.",
+                                      "sample number",
+                                      "sample_number",
+                                      "sample index",
+                                      "samplenr"};
+  return std::ranges::find(kNames, LowerCase(Trimmed(name))) != std::end(kNames);
 }
 
 void RowNumbers::Add(double number, std::size_t line) {
