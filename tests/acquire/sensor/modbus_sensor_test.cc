@@ -68,14 +68,25 @@ TEST_F(ModbusSensorTest, DamageIsABadFrameCountedByKind) {
 }
 
 TEST_F(ModbusSensorTest, AWireThatNeverFallsSilentGivesBadRows) {
-  Started(Plain());
-  EXPECT_EQ(NextStatus(), SampleStatus::kOk);
-  for (int i = 0; i < 1000; ++i)
-    device_->wire->Reply("?", kMs * (1 + MonotonicNs{10} * i), ModbusFault::kLength);
-  int bad = 0;
-  const MonotonicNs until_ns = clock_.Now() + 9 * kNsPerS;
-  while (clock_.Now() < until_ns) bad += NextStatus() == SampleStatus::kBadFrame ? 1 : 0;
-  EXPECT_GE(bad, 4) << "9 s of it";
+  for (const MonotonicNs longest_reply_ns : {kNsPerS, 3 * kNsPerS}) {
+    SensorProfile profile = Plain();
+    profile.longest_reply_ns = longest_reply_ns;
+    Started(profile);
+    EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+    // a byte each 10 ms for 10 s, and no reply
+    device_->script = [](bool) { return Answer{.is_missing = true}; };
+    for (int i = 0; i < 1000; ++i)
+      device_->wire->Reply("?", kMs * (2 + MonotonicNs{10} * i), ModbusFault::kLength);
+    Reading last = NextRow();
+    EXPECT_EQ(RowStatus(last), SampleStatus::kBadFrame);
+    // a second after the longest reply, with the next byte
+    for (int row = 0; row < 2; ++row) {
+      const Reading next = NextRow();
+      EXPECT_EQ(RowStatus(next), SampleStatus::kBadFrame);
+      EXPECT_EQ(next.reply_ns - last.reply_ns, longest_reply_ns + kNsPerS + 10 * kMs);
+      last = next;
+    }
+  }
 }
 
 TEST_F(ModbusSensorTest, AHangUpEndsIt) {

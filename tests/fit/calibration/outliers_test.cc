@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "tests/residual.h"
@@ -53,6 +54,17 @@ TEST(Outliers, AreThreeOrOneLessThanHalfAtMost) {
     EXPECT_LE(Places(more).size(), most) << n;
   }
   EXPECT_FALSE(FindOutliers(Exact(3, {1}), Scatter::kFromResiduals)) << "a line of two points";
+}
+
+// A distance matters from a thousandth of the span of y on, wherever y lies.
+TEST(Outliers, OfExactPointsMatterByTheSpanOfThem) {
+  for (const double off : {0.9e-2, 1.1e-2}) {
+    std::vector<LinePoint> points;
+    for (int i = 0; i <= 10; ++i) points.push_back({1.0 * i, 1000.0 + i, 0, 1});
+    points[4].y += off;
+    EXPECT_EQ(Places(FindOutliers(points, Scatter::kFromResiduals)).size(), off > 1e-2 ? 1U : 0U)
+        << off;
+  }
 }
 
 // Eight points of y = x whose residuals +-1 leave the line where it is, and one in their middle
@@ -129,6 +141,69 @@ TEST(Outliers, BeyondWhatIsStatedTheScatterOfTheOthersDecides) {
   EXPECT_FALSE(FindOutliers(OneOff(0.995 * by_scatter, 0.1), Scatter::kStated));
   EXPECT_EQ(Places(FindOutliers(OneOff(1.005 * by_scatter, 0.1), Scatter::kStated)),
             std::vector<std::size_t>{8});
+}
+
+// squares that the usual regression leaves of the points that are not left out
+double SquaresWithout(const std::vector<bool>& is_left, const std::vector<LinePoint>& points) {
+  double count = 0;
+  double x = 0;
+  double y = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_left[i]) continue;
+    ++count;
+    x += points[i].x;
+    y += points[i].y;
+  }
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_left[i]) continue;
+    xx += std::pow(points[i].x - x / count, 2);
+    xy += (points[i].x - x / count) * (points[i].y - y / count);
+    yy += std::pow(points[i].y - y / count, 2);
+  }
+  return yy - xy * xy / xx;
+}
+
+// the `count` points without which the others lie nearest to their line, of all choices
+std::vector<std::size_t> LeastTrimmedLeaves(std::size_t count,
+                                            const std::vector<LinePoint>& points) {
+  std::vector<bool> is_left(points.size());
+  std::fill_n(is_left.rbegin(), count, true);
+  std::vector<bool> best = is_left;
+  while (std::next_permutation(is_left.begin(), is_left.end())) {
+    if (SquaresWithout(is_left, points) < SquaresWithout(best, points)) best = is_left;
+  }
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    if (best[i]) places.push_back(i);
+  }
+  return places;
+}
+
+TEST(Outliers, OfAsManyAsThereMayBeAreThoseOfAllChoices) {
+  // 6 to 9 points far from y = 0, as of a sensor whose zero lies elsewhere; the outliers lie on a
+  // line of their own, 10 to 90 away
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(-1, 1);
+  for (int number = 0; number < 400; ++number) {
+    const std::size_t n = 6 + static_cast<std::size_t>(number % 4);
+    const std::size_t most = std::min<std::size_t>(3, n / 2 - 1);
+    std::vector<LinePoint> points(n);
+    std::vector<bool> is_wrong(n);
+    std::fill_n(is_wrong.begin(), most, true);
+    std::shuffle(is_wrong.begin(), is_wrong.end(), random);
+    const double slope = 1 + share(random);
+    const double shift = 50 + 20 * share(random);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = 20 * share(random);
+      const double y = is_wrong[i] ? shift + slope * x : x;
+      points[i] = {x, 1000 + y + 0.01 * share(random), 0, 1};
+    }
+    const auto expected = LeastTrimmedLeaves(most, points);
+    EXPECT_EQ(Places(FindOutliers(points, Scatter::kFromResiduals)), expected) << number;
+  }
 }
 
 }  // namespace

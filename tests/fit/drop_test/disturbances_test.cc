@@ -426,6 +426,30 @@ TEST(FindDisturbances, FrictionOfMoreThanATwentySecondOfTheSpringsForceIsNoRingD
   EXPECT_LT(reported, 0.045);
 }
 
+TEST(FindDisturbances, FrictionIsSoughtBelowThreeTenthsOfCriticalDamping) {
+  double sought = 0.2;
+  double left = 0.35;
+  double fitted = 0;
+  for (int halving = 0; halving < 12; ++halving) {
+    const double ratio = (sought + left) / 2;
+    SyntheticDrop drop;
+    drop.damping_n_s_per_m = 2 * ratio * std::sqrt(drop.stiffness_n_per_m * drop.moving_mass_kg);
+    drop.step_s = 4e-5;  // 111 samples a period
+    drop.length_s = 0.02;
+    drop.noise_v = 1e-4 * tests::SpeedVoltage(drop);
+    const auto record = Rubbing(drop, 0.01);
+    const auto start = FindRingStart(record);
+    ASSERT_TRUE(start) << start.error().Text();
+    const bool has = FindDisturbances(record, *start).found.Has(FindingKind::kDryFriction);
+    (has ? sought : left) = ratio;
+    // by a fit without friction, which takes some of it for damping
+    const auto samples = BlocksOf(record, start->first_sample, record.voltage_v.size(), 1);
+    const PolePair poles = FitRing(samples, start->poles, {}).poles;
+    fitted = poles.decay_per_s / std::sqrt(poles.stiffness_per_s2);
+  }
+  EXPECT_REL(fitted, 0.3, 1e-3, "halved 12 times");
+}
+
 TEST(FindDisturbances, AnImpactInTheLastPeriodIsNotLookedFor) {
   // 22.2 samples a period: trials begin 12 samples apart, the last two of these distances excluded
   const auto has_impact = [](std::size_t samples_before_end) {

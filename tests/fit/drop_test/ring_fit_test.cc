@@ -165,12 +165,12 @@ TEST(DryFriction, EnergyIsLostToFrictionAndDampingAlone) {
   EXPECT_REL(energy(1) - energy(u.size() - 2), lost, 1e-5, "differences 1e-6 s apart: (w h)^2");
 }
 
-TEST(DryFriction, WhatIsAddedMakesALinearMotionOfIt) {
-  // both begin at rest at -0.4 ms where the release is
+// both begin at rest where the release is, `later` samples of 10 us before what is seen
+void ExpectALinearMotionOf(std::size_t later) {
   FrictionRing ring = Released(0.02);
   ring.poles.decay_per_s = 25;
   const double damped = std::sqrt(kAngular * kAngular - 625);
-  const double begin_s = -4e-4;
+  const double since_s = 1e-5 * static_cast<double>(later);
   const auto from_begin_s = Times(1e-5, 6000);
   const auto whole = MotionWithFriction({.poles = ring.poles,
                                          .even_v = 1,
@@ -178,20 +178,26 @@ TEST(DryFriction, WhatIsAddedMakesALinearMotionOfIt) {
                                          .friction = 0.02,
                                          .signal = RecordedSignal::kDisplacement},
                                         from_begin_s);
-  // the same motion as of 40 samples later: position and speed there give even and odd
-  const double fall = std::exp(-25 * 4e-4);
-  const double even = fall * std::cos(damped * 4e-4);
-  const double odd = fall * std::sin(damped * 4e-4) / damped;
+  // the same motion from there on: position and speed give even and odd
+  const double fall = std::exp(-25 * since_s);
+  const double even = fall * std::cos(damped * since_s);
+  const double odd = fall * std::sin(damped * since_s) / damped;
   ring.even_v = 0.98 * (even + 25 * odd) + 0.02;
   ring.odd_v_per_s = -kAngular * kAngular * 0.98 * odd + 25 * ring.even_v;
   const auto times_s = Times(1e-5, 5000);
-  const auto more = LinearLessFriction(ring, begin_s, true, times_s);
+  const auto more = LinearLessFriction(ring, -since_s, true, times_s);
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    const double t = times_s[n] - begin_s;
+    const double t = times_s[n] + since_s;
     const double linear =
         std::exp(-25 * t) * (std::cos(damped * t) + 25 / damped * std::sin(damped * t));
-    EXPECT_ABS(whole[n + 40] + more[n], linear, 1e-9, "the begin is found by bisection");
+    EXPECT_ABS(whole[n + later] + more[n], linear, 1e-9, "the begin is found by bisection")
+        << later << ' ' << n;
   }
+}
+
+TEST(DryFriction, WhatIsAddedMakesALinearMotionOfIt) {
+  // half a period is 241.7 samples: the first swing's begin, middle and end
+  for (const std::size_t later : {1U, 40U, 121U, 239U, 241U}) ExpectALinearMotionOf(later);
 }
 
 TEST(RingFit, FrictionIsFittedBesideOffsetLineAndHum) {

@@ -218,13 +218,14 @@ TEST(TimeOfSample, CountsFromTheSegmentsStart) {
   EXPECT_EQ(within(4, 3.9), std::make_pair(std::size_t{10'000}, std::size_t{10'000}));
 }
 
-// 1.5 s of a tone of `share` of the drive that follows it, 10 um at 217 Hz; how many intervals are
-// quiet beside the drive
-std::size_t QuietBesideFoot(double frequency_hz, double share) {
+// 1.5 s of a tone of `share` of the drive that follows it, 10 um at 217 Hz, whose frequency changes
+// by `change_hz` evenly; how many intervals are quiet beside the drive
+std::size_t QuietBesideFoot(double from_hz, double share, double change_hz = 0) {
+  const auto foot = [&](double t_s) { return (from_hz + change_hz * t_s / 3) * t_s; };
   const BandAnalysis analysis =
       Answer(Turning([&](double t_s) { return t_s < 1.5 ? share * 10e-6 : 10e-6; },
-                     [&](double t_s) { return t_s < 1.5 ? frequency_hz * t_s : Steady(t_s); }));
-  EXPECT_TRUE(analysis.answered && analysis.numbers) << frequency_hz << ' ' << share;
+                     [&](double t_s) { return t_s < 1.5 ? foot(t_s) : Steady(t_s); }));
+  EXPECT_TRUE(analysis.answered && analysis.numbers) << from_hz << ' ' << share;
   if (!analysis.numbers) return 0;
   EXPECT_ABS(analysis.numbers->part.state.from_hz, 217, 1, "the longer state is the drive");
   return analysis.numbers->part.quiet.size();
@@ -236,6 +237,12 @@ TEST(QuietInterval, HoldsATremorOfLessThanHalfOfTheDrive) {
   EXPECT_EQ(QuietBesideFoot(36, 0.52), 0U);
   EXPECT_EQ(QuietBesideFoot(39, 0.3), 1U);
   EXPECT_EQ(QuietBesideFoot(41, 0.3), 0U);
+}
+
+TEST(QuietInterval, HoldsNoToneThatLeavesTheFootOrComesIntoIt) {
+  EXPECT_EQ(QuietBesideFoot(34, 0.3, 5), 1U);
+  EXPECT_EQ(QuietBesideFoot(34, 0.3, 12), 0U);
+  EXPECT_EQ(QuietBesideFoot(46, 0.3, -12), 0U);
 }
 
 }  // namespace

@@ -554,6 +554,11 @@ TEST(ForeignTable, KeysStandBesideTwoRowsAtLeast) {
         "Record Length,3,,0\n", "Record Length,3,,0,1\nSource,CH2,,4,2,7\n"}) {
     EXPECT_THAT(ErrorOf(std::string(text) + "\n", tds), HasSubstr("tektronix-tds")) << text;
   }
+  // lines are counted from the file's first
+  EXPECT_THAT(ErrorOf("Record Length,3,,0,1\nSource,CH2,,4,2\nNote,x,,8\n",
+                      {.columns = {"-", "-", "-", "time_s", "voltage_v"},
+                       .format = TableFormat::kTektronixTds}),
+              HasSubstr("line 3"));
 }
 
 TEST(ForeignTable, ColumnsThatContradictEachOtherAreNone) {
