@@ -83,7 +83,7 @@ TEST_F(BeforeRecording, AFactorySetUnitIsNotReadyAndEachPointNamesItsCommand) {
   EXPECT_THAT(checked.out, HasSubstr("FIX  averaging"));
   EXPECT_THAT(checked.out, HasSubstr("->  acquire --port " + port_ +
                                      " --sensor keyence-il --baud 9600 --duration 2s"
-                                     " --set averaging=1 --check"));
+                                     " --band 20-200Hz --set averaging=1 --check"));
   EXPECT_THAT(checked.out, HasSubstr("FIX  rate"));
   EXPECT_THAT(checked.out, HasSubstr("ok   distance"));
   EXPECT_THAT(checked.out, HasSubstr("ok   hold"));

@@ -57,8 +57,7 @@ TEST(PortList, WhatIsNotKnownIsNull) {
 }
 
 TEST(SensorList, AsksWhatTheOptionsSay) {
-  const auto question =
-      ReadCapabilityQuestion("20Hz-0.5kHz", Quantity{.value = 2e-6, .standard_uncertainty = 0});
+  const auto question = ReadCapabilityQuestion("20Hz-0.5kHz", 2e-6);
   ASSERT_TRUE(question);
   EXPECT_EQ(question->lower_hz, 20);
   EXPECT_EQ(question->upper_hz, 500);
@@ -70,7 +69,6 @@ TEST(SensorList, AsksWhatTheOptionsSay) {
     EXPECT_EQ(wrong.error().cause, Cause::kUsage);
     EXPECT_THAT(wrong.error().Text(), HasSubstr("--band"));
   }
-  EXPECT_FALSE(ReadCapabilityQuestion("1-2Hz", Quantity{.value = 0, .standard_uncertainty = 0}));
 }
 
 TEST(SensorList, TextAndJsonSayTheSame) {

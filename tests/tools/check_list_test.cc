@@ -58,7 +58,8 @@ CheckFindings SoundFindings() {
 }
 
 const CheckQuestion kQuestion{.band = dsp::BandPass{},
-                              .command = "acquire --port /dev/ttyUSB0",
+                              .command = "acquire --port /dev/ttyUSB0 --band 20-500Hz",
+                              .command_of_other_band = "acquire --port /dev/ttyUSB0",
                               .smallest_rms_m = std::nullopt};
 
 CheckItem Point(const std::string& name, const trial::TrialHeader& header,
@@ -134,7 +135,7 @@ std::vector<Wrong> WrongPlacesAndSettings() {
           {"distance", [](Made& s) { s.findings.level_m.reset(); }, "no reading was a measurement",
            "within the head's range"},
           {"hold", [](Made& s) { s.header.metadata.hold = "peak"; }, "peak",
-           "acquire --port /dev/ttyUSB0 --set hold=sample --check"},
+           "acquire --port /dev/ttyUSB0 --band 20-500Hz --set hold=sample --check"},
           {"high-pass",
            [](Made& s) {
              s.header.metadata.fields["keyence_data_133"] = "14";

@@ -59,14 +59,14 @@ TEST(DaemonConfig, SaysWhatIsToBeRecordedAndWhere) {
   EXPECT_EQ(left.options.port, "/dev/ttyUSB0");
   EXPECT_EQ(left.options.baud, 38400);
   ASSERT_TRUE(left.options.refresh_s);
-  EXPECT_EQ(left.options.refresh_s->value, 7e-3);
+  EXPECT_EQ(left.options.refresh_s, 7e-3);
   EXPECT_EQ(left.labels, (std::map<std::string, std::string>{{"rig", "A"}, {"shift", "day"}}));
   const DaemonSensor& right = config.sensors[1];
   EXPECT_EQ(right.options.sensor, "stream");
   EXPECT_EQ(right.options.format, "+00.00,mm,LF");
   EXPECT_EQ(right.options.averages, 16);
   ASSERT_TRUE(right.options.sampling_s);
-  EXPECT_EQ(right.options.sampling_s->value, 0.33e-3);
+  EXPECT_EQ(right.options.sampling_s, 0.33e-3);
   EXPECT_EQ(right.labels, (std::map<std::string, std::string>{{"rig", "A"}, {"shift", "night"}}));
 }
 

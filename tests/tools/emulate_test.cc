@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
               "--refresh: is the buffer of a DL-RS1A; leave it out with --protocol stream"},
         Wrong{{"--scene", kScene, "--duration", "0"},
               2,
-              "--duration: 0 s is not a time to wait; give 1ns to 1 year"},
+              "--duration: '0' is not from 1e-09 s to 3.2e+07 s; write one within"},
         Wrong{{"--scene", kScene, "--protocol", "stream", "--baud", "115200"},
               2,
               "--baud: 9 characters at 115200 baud allow 1280 lines/s, the head gives 10000; use "

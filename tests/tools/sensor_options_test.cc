@@ -55,7 +55,7 @@ TEST(SensorOptions, AveragingIsStatedOfWhatDoesNotReportIt) {
   EXPECT_EQ(Complaint(stream),
             "--sampling: is missing: the period of the samples that are averaged; give it, e.g. "
             "--sampling 1ms");
-  stream.sampling_s = Quantity{1e-3, 0};
+  stream.sampling_s = 1e-3;
   EXPECT_EQ(Complaint(stream), "");
   SensorOptions il = On("keyence-il");
   il.averages = 1;
@@ -76,7 +76,7 @@ TEST(SensorOptions, OfAnotherSensorAreNotIgnored) {
   EXPECT_EQ(Complaint(lkg), "--device-zero: is for the amplifiers of the IL series; leave it out");
 
   SensorOptions stream = On("stream");
-  stream.rate_hz = Quantity{.value = 50};
+  stream.rate_hz = 50;
   EXPECT_EQ(
       Complaint(stream),
       "--rate: is for samples, and for polled sensors: the others have their own; leave it out");

@@ -127,18 +127,19 @@ void DeclareAdvise(cli::Options& options, AdviseWords& words) {
   options.Flag("--advise", &words.advise,
                "List the ways to measure --rms at --drive in --band to --accuracy, with the record "
                "that each needs, and record nothing");
-  options.Number("--drive", &words.drive_hz, Dimension::kFrequency,
+  options.Number("--drive", &words.drive_hz, Dimension::kFrequency, cli::Above(0),
                  "Frequency of the drive, for --advise");
-  options.Number("--rms", &words.rms_m, Dimension::kLength, "Expected RMS, for --advise");
+  options.Number("--rms", &words.rms_m, Dimension::kLength, cli::Above(0),
+                 "Expected RMS, for --advise");
   options
       .Text("--accuracy", &words.accuracy, "SHARE",
             "Half of the 95 % interval of the RMS that --advise is to reach, as 1%")
       .Default("1%");
-  options.Number("--noise", &words.noise_rms_m, Dimension::kLength,
+  options.Number("--noise", &words.noise_rms_m, Dimension::kLength, cli::AtLeast(0),
                  "RMS noise of one reading of a sensor whose maker states none, for --advise",
                  cli::Shown::kHelpAll);
   options
-      .Number("--daq-rate", &words.daq_rate_hz, Dimension::kFrequency,
+      .Number("--daq-rate", &words.daq_rate_hz, Dimension::kFrequency, cli::AtLeast(1),
               "Rate of the DAQ behind an analog output, for --advise", cli::Shown::kHelpAll)
       .Default("the lowest that folds no image of the drive into the band");
   options.Text("--calibration-uncertainty", &words.calibration_uncertainty, "SHARE",
@@ -165,26 +166,21 @@ Result<RouteQuestion> ReadRouteQuestion(const AdviseWords& words, const std::str
   pass.upper_hz = corners.upper_hz;
   // a rate of 4 f_upper permits each valid band: only impossible corners are refused here
   HAPTOMETER_TRY(dsp::DesignBandPass(pass, 4 * pass.upper_hz));
-  const auto value = [](const std::optional<Quantity>& given) { return given ? given->value : 0; };
-  const double drive_hz = value(words.drive_hz);
+  const double drive_hz = words.drive_hz.value_or(0);
   HAPTOMETER_TRY(cli::CheckRules(
       {{!words.drive_hz, "--drive", "is missing", "give the drive's frequency, e.g. --drive 225Hz"},
        {!(drive_hz >= pass.lower_hz && drive_hz <= pass.upper_hz), "--drive",
         "lies outside of --band", "give a band around it"},
-       {!words.rms_m, "--rms", "is missing", "give the expected RMS, e.g. --rms 10um"},
-       {!(value(words.rms_m) > 0), "--rms", "must be above 0", "write e.g. 10um"},
-       {value(words.noise_rms_m) < 0, "--noise", "must not be below 0", "write e.g. 0.5um"},
-       {words.daq_rate_hz && !(words.daq_rate_hz->value >= 1), "--daq-rate",
-        "must be at least 1 Hz", "write e.g. 10kHz"}}));
+       {!words.rms_m, "--rms", "is missing", "give the expected RMS, e.g. --rms 10um"}}));
   RouteQuestion question{.lower_hz = pass.lower_hz,
                          .upper_hz = pass.upper_hz,
                          .drive_hz = drive_hz,
-                         .rms_m = words.rms_m->value};
+                         .rms_m = *words.rms_m};
   if (!words.accuracy.empty()) {
     HAPTOMETER_LET(question.accuracy, cli::ReadAccuracy(words.accuracy, 0, kMostAccuracy));
   }
-  if (words.noise_rms_m) question.noise_rms_m = words.noise_rms_m->value;
-  if (words.daq_rate_hz) question.daq_rate_hz = words.daq_rate_hz->value;
+  question.noise_rms_m = words.noise_rms_m;
+  question.daq_rate_hz = words.daq_rate_hz;
   if (words.calibration_uncertainty.empty()) return question;
   HAPTOMETER_LET(question.calibration, trial::ParseGainUncertainty(words.calibration_uncertainty,
                                                                    "--calibration-uncertainty"));

@@ -21,11 +21,11 @@ namespace haptometer::tools {
 /// What `acquire --advise` is asked, beside --band.
 struct AdviseWords {
   bool advise = false;
-  std::optional<Quantity> drive_hz;
-  std::optional<Quantity> rms_m;
+  std::optional<double> drive_hz;
+  std::optional<double> rms_m;
   std::string accuracy;
-  std::optional<Quantity> noise_rms_m;
-  std::optional<Quantity> daq_rate_hz;
+  std::optional<double> noise_rms_m;
+  std::optional<double> daq_rate_hz;
   std::string calibration_uncertainty;
 };
 

@@ -23,14 +23,15 @@ namespace {
 // duration of a check without --duration
 constexpr MonotonicNs kDefaultDurationNs = 10 * kNsPerS;
 
-// the command line without the options of this check, for the remedies that build on it
-std::string CommandOf(const std::vector<std::string>& words) {
+// the command line without the options of this check, for the remedies that build on it: with or
+// without its band
+std::string CommandOf(const std::vector<std::string>& words, bool has_band) {
   std::vector<std::string> kept;
   for (std::size_t word = 0; word < words.size(); ++word) {
     const std::string_view name = std::string_view(words[word]).substr(0, words[word].find('='));
     if (name == "--check" || name == "--json" || name == "--all") continue;
     // options with a value: --band=X is one word, --band X two
-    if (name == "--band" || name == "--report") {
+    if ((name == "--band" && !has_band) || name == "--report") {
       if (name.size() < words[word].size()) continue;
       ++word;  // and its value
       continue;
@@ -212,14 +213,14 @@ Result<int> RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& ba
                         "give the calibration of its voltage");
   }
   acquire::RecordingLimits limits;
-  limits.duration_ns = wanted.recording.duration_s
-                           ? NsFromSeconds(wanted.recording.duration_s->value)
-                           : kDefaultDurationNs;
+  limits.duration_ns = wanted.recording.duration_s ? NsFromSeconds(*wanted.recording.duration_s)
+                                                   : kDefaultDurationNs;
   // a trial in memory has the time base of a recording
   HAPTOMETER_LET(const auto trial, RecordInMemory(sensor, clock, cli::Interrupted(), limits));
-  CheckQuestion question{
-      .band = band, .command = CommandOf({argv, argv + argc}), .smallest_rms_m = {}};
-  if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
+  const CheckQuestion question{.band = band,
+                               .command = CommandOf({argv, argv + argc}, true),
+                               .command_of_other_band = CommandOf({argv, argv + argc}, false),
+                               .smallest_rms_m = wanted.smallest_rms_m};
   const CheckFindings findings = FindingsOf(trial.record, trial.summary, band);
   const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
   const int status = document::Present(CheckDocument(sensor.header(), findings, question, items),

@@ -65,6 +65,7 @@ struct CheckItem {
 struct CheckQuestion {
   dsp::BandPass band;
   std::string command;  ///< how acquire was called, without --check: "acquire --port /dev/ttyUSB0"
+  std::string command_of_other_band;     ///< the same without --band
   std::optional<double> smallest_rms_m;  ///< must be reported to 10 %; empty: whatever is possible
 };
 

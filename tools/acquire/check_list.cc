@@ -185,8 +185,8 @@ CheckItem CheckRate(const Context& c) {
   // rounded down to whole Hz, so that the proposed band is observable
   const double less_hz = std::floor(observable_hz);
   if (less_hz > c.question.band.lower_hz) {
-    remedy += fmt::format("; or ask for less: {} --band {:g}-{:.0f}Hz --check", c.question.command,
-                          c.question.band.lower_hz, less_hz);
+    remedy += fmt::format("; or ask for less: {} --band {:g}-{:.0f}Hz --check",
+                          c.question.command_of_other_band, c.question.band.lower_hz, less_hz);
   }
   return Fix(std::move(finding), std::move(remedy));
 }

@@ -36,7 +36,7 @@ constexpr int kDefaultStreamBaud = 921600;
 trial::Averaging AveragingOf(const SensorOptions& wanted) {
   trial::Averaging averaging;
   if (wanted.averages) averaging.averages = static_cast<int>(*wanted.averages);
-  if (wanted.sampling_s) averaging.sampling_s = wanted.sampling_s->value;
+  if (wanted.sampling_s) averaging.sampling_s = *wanted.sampling_s;
   return averaging;
 }
 
@@ -61,7 +61,7 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
   }
   HAPTOMETER_LET(auto port, acquire::OpenModbusPort(wanted.port, profile.wire));
   acquire::ModbusSetup setup{.profile = std::move(profile)};
-  if (wanted.rate_hz) setup.rate_hz = wanted.rate_hz->value;
+  if (wanted.rate_hz) setup.rate_hz = *wanted.rate_hz;
   return std::make_unique<acquire::ModbusSensor>(std::move(port), std::move(setup), clock);
 }
 
@@ -79,7 +79,7 @@ Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clo
   if (wanted.averages) channels.averaging = AveragingOf(wanted);
   HAPTOMETER_LET(auto pipe, acquire::OpenInputPipe(wanted.port));
   acquire::PipeSetup setup{
-      .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(channels)};
+      .format = *format, .rate_hz = *wanted.rate_hz, .channels = std::move(channels)};
   return std::make_unique<acquire::PipeSensor>(std::move(pipe), std::move(setup), clock);
 }
 
@@ -90,12 +90,8 @@ int BaudOf(const SensorOptions& wanted) {
   return static_cast<int>(wanted.baud.value_or(kDefaultBaud));
 }
 
-std::optional<double> RateOf(const SensorOptions& wanted) {
-  return wanted.rate_hz ? std::optional(wanted.rate_hz->value) : std::nullopt;
-}
-
 std::optional<MonotonicNs> RefreshOf(const SensorOptions& wanted) {
-  return wanted.refresh_s ? std::optional(NsFromSeconds(wanted.refresh_s->value)) : std::nullopt;
+  return wanted.refresh_s ? std::optional(NsFromSeconds(*wanted.refresh_s)) : std::nullopt;
 }
 
 std::optional<int> DecimalsOf(const SensorOptions& wanted) {
@@ -125,7 +121,7 @@ Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock
       .refresh_ns = RefreshOf(wanted),
       .unit = is_en1 ? acquire::IlUnit::kDlEn1 : acquire::IlUnit::kDlRs1a,
       .command = wanted.command == "ms" ? acquire::dl::Command::kMs : acquire::dl::Command::kM0,
-      .rate_hz = RateOf(wanted),
+      .rate_hz = wanted.rate_hz,
       .writes = writes,
       .device_zero = wanted.device_zero,
       .decimals = DecimalsOf(wanted)};
@@ -141,7 +137,7 @@ Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& cloc
                                                    : Command::kM1;
   const acquire::KeyenceLkgSetup setup{.baud = BaudOf(wanted),
                                        .command = command,
-                                       .rate_hz = RateOf(wanted),
+                                       .rate_hz = wanted.rate_hz,
                                        .refresh_ns = RefreshOf(wanted),
                                        .decimals = DecimalsOf(wanted)};
   return std::make_unique<acquire::KeyenceLkg>(std::move(port), setup, clock);

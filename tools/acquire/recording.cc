@@ -21,23 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// a time above 0 and of at most kLongestTimeS (some 30 years), in ns
-Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
-                             const std::string& remedy) {
-  // clamped before the conversion: a longer time would overflow 64 bits of nanoseconds
-  if (NsFromSeconds(std::min(time_s.value, kLongestTimeS)) < 1) {
-    return Usage(option, "must be above 0", "write e.g. 10s");
-  }
-  if (time_s.value > kLongestTimeS) return Usage(option, "is beyond 30 years", remedy);
-  return NsFromSeconds(time_s.value);
-}
+constexpr double kShortestTimeS = 1e-9;  // the resolution of the clock
 
 // --duration and --samples become limits; --until stays a wall time until the recording begins
 Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingPlan& plan) {
-  if (wanted.duration_s) {
-    HAPTOMETER_LET(plan.limits.duration_ns, ReadTime("--duration", *wanted.duration_s,
-                                                     "leave it out to record until Ctrl-C"));
-  }
+  if (wanted.duration_s) plan.limits.duration_ns = NsFromSeconds(*wanted.duration_s);
   if (wanted.samples) plan.limits.readings = static_cast<std::uint64_t>(*wanted.samples);
   if (wanted.until.empty()) return {};
   HAPTOMETER_LET(plan.until, ParseUntil(wanted.until, now));
@@ -63,8 +51,7 @@ Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
   acquire::TriggerSetup& setup = plan.trigger->setup;
   setup.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
   setup.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
-  if (!wanted.hold_off_s) return {};
-  HAPTOMETER_LET(setup.hold_off_ns, ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s"));
+  if (wanted.hold_off_s) setup.hold_off_ns = NsFromSeconds(*wanted.hold_off_s);
   return {};
 }
 
@@ -83,7 +70,11 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   if (wanted.reconnect == "forever") return {};
   HAPTOMETER_LET(const auto quantity,
                  ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect"));
-  HAPTOMETER_LET(plan.longest_away_ns, ReadTime("--reconnect", quantity, "give forever"));
+  if (!(quantity.value >= kShortestTimeS && quantity.value <= kLongestTimeS)) {
+    return Usage("--reconnect", "must be above 0 and at most 30 years",
+                 "write e.g. 10s, or forever");
+  }
+  plan.longest_away_ns = NsFromSeconds(quantity.value);
   return {};
 }
 
@@ -197,6 +188,7 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
   options.Output("-o,--output", &wanted.output, "FILE|DIR/",
                  "The trial to write; a directory names it by start, sensor and labels");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+                 cli::Within(kShortestTimeS, kLongestTimeS),
                  "Stop after this time, with a trigger after this time of each shot");
   options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
                 "Stop after this many readings, with a trigger after this many of each shot");
@@ -208,6 +200,7 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
   options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
                 "Number of readings stored from before each trigger", cli::Shown::kHelpAll);
   options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
+                 cli::Within(kShortestTimeS, kLongestTimeS),
                  "Least time from one trigger to the next", cli::Shown::kHelpAll);
   options
       .Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53, "Number of triggers to record",
@@ -390,7 +383,7 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
                "Show level, band RMS and a plot; without -o nothing is kept");
   options.Flag("--check", &wanted.check,
                "Check for 10 s (--duration) whether the sensor is ready, and list what to correct");
-  options.Number("--smallest-rms", &wanted.smallest_rms_m, Dimension::kLength,
+  options.Number("--smallest-rms", &wanted.smallest_rms_m, Dimension::kLength, cli::Above(0),
                  "RMS that --check requires to be reportable to 10 %", cli::Shown::kHelpAll);
   options.Flag("--list-ports", &wanted.list_ports, "List the serial ports, and record nothing");
   options.Flag("--list-sensors", &wanted.list_sensors,
@@ -398,7 +391,7 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
   options.Text("--band", &wanted.band, "LOWER-UPPERHz",
                "Band that --live, --check, --list-sensors and --advise examine");
   options
-      .Number("--resolution", &wanted.resolution_m, Dimension::kLength,
+      .Number("--resolution", &wanted.resolution_m, Dimension::kLength, cli::Above(0),
               "Largest permitted step, for --list-sensors")
       .Default("1 um");
   DeclareAdvise(options, wanted.advise);

@@ -48,11 +48,11 @@ struct RecordingOptions {
   bool overwrite = false;
   std::vector<std::string> labels{};
   std::optional<std::int64_t> samples{};
-  std::optional<Quantity> duration_s{};
+  std::optional<double> duration_s{};
   std::string until{};
   std::string trigger{};
   std::optional<std::int64_t> pre_samples{};
-  std::optional<Quantity> hold_off_s{};
+  std::optional<double> hold_off_s{};
   std::optional<std::int64_t> shots{};
   std::string reconnect{};
   bool tare = false;
@@ -124,10 +124,10 @@ struct AcquireOptions {
   bool live = false;
   bool check = false;
   std::string band{kDefaultBand};
-  std::optional<Quantity> smallest_rms_m;
+  std::optional<double> smallest_rms_m;
   bool list_ports = false;
   bool list_sensors = false;
-  std::optional<Quantity> resolution_m;
+  std::optional<double> resolution_m;
   AdviseWords advise;
   DaemonOptions daemon;
   document::Outputs outputs;

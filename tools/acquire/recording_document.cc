@@ -286,17 +286,14 @@ document::Document PortsDocument(const std::vector<PortInfo>& ports) {
 }
 
 Result<CapabilityQuestion> ReadCapabilityQuestion(const std::string& band,
-                                                  const std::optional<Quantity>& resolution_m) {
+                                                  std::optional<double> resolution_m) {
   HAPTOMETER_LET(const auto read, cli::ParseBand(band));
   // LOWER below UPPER; 0 Hz is permitted as the lower corner here
   if (!(read.lower_hz >= 0 && read.lower_hz < read.upper_hz)) {
     return Usage("--band", fmt::format("'{}' does not rise", band), "write it as 20-500Hz");
   }
   CapabilityQuestion question{.lower_hz = read.lower_hz, .upper_hz = read.upper_hz};
-  if (resolution_m) question.resolution_m = resolution_m->value;
-  if (!(question.resolution_m > 0)) {
-    return Usage("--resolution", "must be above 0", "write e.g. 1um");
-  }
+  if (resolution_m) question.resolution_m = *resolution_m;
   return question;
 }
 

@@ -54,7 +54,7 @@ struct TimeBaseReview {
 /// What is asked of the sensors, from `--band` and `--resolution`. Errors (Cause::kUsage): a band
 /// that is none, a resolution that is not above 0.
 [[nodiscard]] Result<acquire::CapabilityQuestion> ReadCapabilityQuestion(
-    const std::string& band, const std::optional<Quantity>& resolution_m);
+    const std::string& band, std::optional<double> resolution_m);
 
 /// Each known sensor, whether it can answer the question, and why.
 [[nodiscard]] document::Document SensorsDocument(const acquire::CapabilityQuestion& question);

@@ -70,7 +70,7 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
        "leave it out: other sensors report it, or state it in their file"},
       {wanted.averages.value_or(1) > 1 && !wanted.sampling_s, "--sampling",
        "is missing: the period of the samples that are averaged", "give it, e.g. --sampling 1ms"},
-      {wanted.sampling_s && !(wanted.sampling_s->value > 0), "--sampling", "must be above 0",
+      {wanted.sampling_s && !(*wanted.sampling_s > 0), "--sampling", "must be above 0",
        "write e.g. 0.33ms"},
       // a rate is either that of samples without times, or a limit of polling
       {wanted.rate_hz && !is_pipe && !kind.is_asked, "--rate",
@@ -104,7 +104,7 @@ Result<void> CheckPresence(const SensorOptions& wanted, const SensorKind& kind) 
   const bool is_pipe = kind.type == SensorType::kPipe;
   return cli::CheckRules({
       // below 1 mHz a row would take over 16 minutes
-      {wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3), "--rate", "must be at least 1 mHz",
+      {wanted.rate_hz && !(*wanted.rate_hz >= 1e-3), "--rate", "must be at least 1 mHz",
        "write e.g. 10kHz"},
       // raw samples describe nothing of themselves: channels, rate and form are required
       {is_pipe && wanted.channels.empty(), "--channels", "is missing",
@@ -116,7 +116,7 @@ Result<void> CheckPresence(const SensorOptions& wanted, const SensorKind& kind) 
       // a pipe may be standard input, so its --port is not required
       {wanted.port.empty() && !is_pipe && !wanted.is_scene(), "--port", "is missing",
        "name the sensor's port, e.g. --port /dev/ttyUSB0"},
-      {wanted.refresh_s && !(wanted.refresh_s->value > 0), "--refresh", "must be above 0",
+      {wanted.refresh_s && !(*wanted.refresh_s > 0), "--refresh", "must be above 0",
        "write e.g. 7ms"},
   });
 }
@@ -154,7 +154,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
                "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
   options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
                "Channels of a pipe, e.g. displacement:um,voltage:V,trigger");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, {},
                  "Rows per second of a pipe; of a polled sensor the largest polling rate");
   options.Text(
       "--calibration", &wanted.calibration, "FILE",
@@ -164,7 +164,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
              "Samples that the sensor of a stream or pipe averages in a reading; 1: none",
              cli::Shown::kHelpAll)
       .Default("as in --calibration, else unknown");
-  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime,
+  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime, {},
                  "Period of the samples that --averaging is of", cli::Shown::kHelpAll);
   options
       .Text("--speed", &wanted.speed, "recorded|max|FACTOR", "Speed of a replay or a scene",
@@ -176,7 +176,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
       .Known(Mapped<std::string>(acquire::BuiltInProfiles(), &acquire::SensorProfile::name));
   options.Count("--slave", &wanted.slave, 0, 255, "Modbus address").Default("the profile's");
   options
-      .Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+      .Number("--refresh", &wanted.refresh_s, Dimension::kTime, {},
               "Interval at which a Keyence refreshes its values", cli::Shown::kHelpAll)
       .Default("7 ms, of a DL-RS1A with one amplifier");
   options

@@ -28,11 +28,11 @@ struct SensorOptions {
   std::string channels;                  ///< pipe
   std::string calibration;               ///< pipe: a file
   std::optional<std::int64_t> averages;  ///< pipe, stream: of the sensor before it
-  std::optional<Quantity> sampling_s;    ///< pipe, stream: period of what is averaged
+  std::optional<double> sampling_s;      ///< pipe, stream: period of what is averaged
   std::string speed;                     ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
-  std::optional<Quantity> refresh_s;
-  std::optional<Quantity> rate_hz;       ///< pipe: of its rows; keyence-*, modbus: of polls
+  std::optional<double> refresh_s;
+  std::optional<double> rate_hz;         ///< pipe: of its rows; keyence-*, modbus: of polls
   std::string command;                   ///< keyence-*: "m0", "m1", "m2", "ms"; "": the usual
   std::optional<std::int64_t> decimals;  ///< keyence-en1, keyence-lkg
   bool device_zero = false;              ///< keyence-il, keyence-en1: changes the device

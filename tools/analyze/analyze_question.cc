@@ -137,6 +137,7 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                   cli::Shown::kHelpAll);
   options
       ->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
+               cli::Above(0),
                "Frequency of the drive, which is fitted where a record is too slow for the band",
                cli::Shown::kHelpAll)
       .Default("what the file states");
@@ -173,7 +174,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
                                                                     "--calibration-uncertainty"));
     question.gain_uncertainty = relative;
   }
-  if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
+  if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz;
   HAPTOMETER_TRY(TakeWindow(words.window, question));
   return question;
 }
@@ -210,7 +211,7 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
   options->Output("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf",
                   "Write the spectrum over time", cli::Shown::kHelpAll);
   options
-      ->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
+      ->Number("--resolution", &words->resolution_hz, Dimension::kFrequency, cli::Above(0),
                "Resolution of the spectra", cli::Shown::kHelpAll)
       .Default("1 Hz, or eight segments in a short window");
   options->Choice("--spectrum-window", &words->window,
@@ -218,9 +219,8 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
                   "Window function of each segment; the output states its noise bandwidth",
                   cli::Shown::kHelpAll);
   options
-      ->Number("--overlap", &words->overlap, Dimension::kNone,
-               "Overlap of consecutive segments as a share of their length, 0 to 0.95",
-               cli::Shown::kHelpAll)
+      ->Number("--overlap", &words->overlap, Dimension::kNone, cli::Within(0, 0.95),
+               "Overlap of consecutive segments as a share of their length", cli::Shown::kHelpAll)
       .Default("0.5");
   options->Flag("--overwrite", &words->overwrite,
                 "Replace older tables of --table, --spectrum, --spectrogram and --response",
@@ -237,18 +237,8 @@ Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {
     HAPTOMETER_TRY(CheckPlace(path, table, words.overwrite));
   }
   SpectrumQuestion question{words.spectrum, words.spectrogram, {}, {}, 0.5, false, words.overwrite};
-  if (words.resolution_hz) {
-    if (!(words.resolution_hz->value > 0)) {
-      return Usage("--resolution", "must be above 0", "give it as 1Hz");
-    }
-    question.resolution_hz = words.resolution_hz->value;
-  }
-  if (words.overlap) question.overlap = words.overlap->value;
-  // also refuses NaN; above 0.95 a spectrum repeats nearly the same samples
-  if (!(question.overlap >= 0) || question.overlap > 0.95) {
-    return Usage("--overlap", fmt::format("of {:g} is not possible", question.overlap),
-                 "give a share from 0 to 0.95");
-  }
+  question.resolution_hz = words.resolution_hz;
+  question.overlap = words.overlap.value_or(question.overlap);
   // Choice() has checked that the name exists
   question.window = std::ranges::find(kWindows, std::string_view(words.window),
                                       &decltype(kWindows)::value_type::first)

@@ -21,9 +21,9 @@ namespace haptometer::tools {
 struct SpectrumWords {
   std::string spectrum;
   std::string spectrogram;
-  std::optional<Quantity> resolution_hz;
+  std::optional<double> resolution_hz;
   std::string window = "hann";
-  std::optional<Quantity> overlap;
+  std::optional<double> overlap;
   std::string scaling = "density";
   bool overwrite = false;  ///< also of the tables of trials and of a sweep's points
 };
@@ -57,7 +57,7 @@ struct AnalyzeWords {
   std::string calibration_uncertainty;  ///< empty: what the file's calibration states
   std::string expect;
   std::string table;  ///< of all trials; empty: none
-  std::optional<Quantity> drive_frequency_hz;
+  std::optional<double> drive_frequency_hz;
   bool sweep = false;
   std::string response;
   document::Outputs outputs;

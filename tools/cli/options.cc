@@ -561,19 +561,14 @@ Option& Options::Number(std::string_view name, std::optional<Quantity>* value, D
   return AddNumber(name, keep, dimension, bounds, help);
 }
 
-Option& Options::Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
-                        std::string_view help, Shown shown) {
-  Option& option = Number(name, value, dimension, Bounds{}, help);
-  return shown == Shown::kHelpAll ? option.Rare() : option;
-}
-
 Option& Options::Number(std::string_view name, std::optional<double>* value, Dimension dimension,
-                        Bounds bounds, std::string_view help) {
+                        Bounds bounds, std::string_view help, Shown shown) {
   const auto keep = [value, name = std::string(name)](const Quantity& quantity) {
     *value = quantity.value;
     return CheckExact(name, quantity);
   };
-  return AddNumber(name, keep, dimension, bounds, help);
+  Option& option = AddNumber(name, keep, dimension, bounds, help);
+  return shown == Shown::kHelpAll ? option.Rare() : option;
 }
 
 Option& Options::Number(std::string_view name, double* value, Dimension dimension, Bounds bounds,
@@ -601,8 +596,12 @@ Option& Options::Range(std::string_view name, double* low, double* high, Dimensi
                    fmt::format("the lower end of '{}' lies above the upper one", text),
                    "write it as LOW:HIGH"}};
   };
+  // a default that is not finite means none, and is not shown
+  const bool is_shown = std::isfinite(*low) && std::isfinite(*high);
   return state_->AddRead(option, read)
-      .Default(fmt::format("{}:{}", NumberText(*low, dimension), NumberText(*high, dimension)));
+      .Default(is_shown
+                   ? fmt::format("{}:{}", NumberText(*low, dimension), NumberText(*high, dimension))
+                   : "");
 }
 
 // one value per occurrence, so that a word behind it is not taken as a further value

@@ -136,11 +136,9 @@ class Options {
   /// A number with its unit (base/quantity.h), and its uncertainty.
   Option& Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
                  Bounds bounds, std::string_view help);
-  Option& Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
-                 std::string_view help, Shown shown = Shown::kHelp);
   /// A number with its unit, which is exact: one with an uncertainty is refused.
   Option& Number(std::string_view name, std::optional<double>* value, Dimension dimension,
-                 Bounds bounds, std::string_view help);
+                 Bounds bounds, std::string_view help, Shown shown = Shown::kHelp);
   /// The same; a default that is not finite is none.
   Option& Number(std::string_view name, double* value, Dimension dimension, Bounds bounds,
                  std::string_view help);

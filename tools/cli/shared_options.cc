@@ -82,11 +82,10 @@ Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
 
 namespace {
 
-Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, const char* example) {
-  if (!scale) return std::optional<double>{};
+Result<std::optional<double>> ScaleOf(std::optional<double> scale, const char* example) {
   // a negative scale is permitted: it turns the sign of the column
-  if (scale->value == 0) return Usage("--scale", "must not be 0", example);
-  return std::optional(scale->value);
+  if (scale == 0) return Usage("--scale", "must not be 0", example);
+  return scale;
 }
 
 }  // namespace
@@ -100,10 +99,10 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
           "Rows per second of a foreign table without times, or whose times contradict its header")
       .Rare();
   if (scaled == Scaled::kVoltage) {
-    options->Number("--scale", &words->scale_v, Dimension::kVoltage,
+    options->Number("--scale", &words->scale_v, Dimension::kVoltage, {},
                     "Voltage for one printed unit of a foreign table's voltage", Shown::kHelpAll);
   } else {
-    options->Number("--scale", &words->scale_m, Dimension::kLength,
+    options->Number("--scale", &words->scale_m, Dimension::kLength, {},
                     "Length for one printed unit of a foreign table's displacement",
                     Shown::kHelpAll);
     options->Text("--calibration", &words->calibration, "FILE",
@@ -186,7 +185,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words,
     options.columns.emplace_back(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  if (words.rate_hz) options.rate_hz = words.rate_hz->value;
+  options.rate_hz = words.rate_hz;
   HAPTOMETER_LET(options.scale_m, ScaleOf(words.scale_m, "write e.g. 1mm"));
   HAPTOMETER_LET(options.scale_v, ScaleOf(words.scale_v, "write e.g. 1mV"));
   // a file that is not there is refused where no table needs it, too

@@ -47,9 +47,9 @@ void DeclareBand(Options* options, BandWords* words, Shown order_shown);
 /// What the command line says of a foreign table.
 struct ImportWords {
   std::string columns;
-  std::optional<Quantity> rate_hz;
-  std::optional<Quantity> scale_m;
-  std::optional<Quantity> scale_v;
+  std::optional<double> rate_hz;
+  std::optional<double> scale_m;
+  std::optional<double> scale_v;
   std::string calibration;
   std::string format;
   std::string channel;

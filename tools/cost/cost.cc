@@ -88,10 +88,12 @@ void Declare(cli::Options& options, Words& words) {
       .Default(std::string(kDefaultActuator))
       .Known({std::string(kDefaultActuator)});
   options.Text("--sensor", &words.sensor, "TEXT", "Of band-rms: routes whose name holds it");
-  options.Number("--rms", &words.vibration.rms_m, Dimension::kLength, "Of band-rms: expected RMS")
+  options
+      .Number("--rms", &words.vibration.rms_m, Dimension::kLength, cli::Above(0),
+              "Of band-rms: expected RMS")
       .Default("10um");
   options
-      .Number("--drive", &words.vibration.drive_hz, Dimension::kFrequency,
+      .Number("--drive", &words.vibration.drive_hz, Dimension::kFrequency, cli::Above(0),
               "Of band-rms: frequency of the drive")
       .Default("225Hz");
   options.Text("--band", &words.band, "20-500Hz", "Of band-rms: band of the RMS")
@@ -155,8 +157,8 @@ Result<CostAnswer> AnswerRecording(const Words& words) {
   // what is not stated is as RouteQuestion has it
   AdviseWords vibration = words.vibration;
   const RouteQuestion usual;
-  if (!vibration.rms_m) vibration.rms_m = Quantity{usual.rms_m};
-  if (!vibration.drive_hz) vibration.drive_hz = Quantity{usual.drive_hz};
+  if (!vibration.rms_m) vibration.rms_m = usual.rms_m;
+  if (!vibration.drive_hz) vibration.drive_hz = usual.drive_hz;
   vibration.accuracy = fmt::format("{:.17g}", words.accuracy.value_or(kDefaultMeasured));
   const std::string band = words.band.empty() ? std::string(kDefaultBand) : words.band;
   HAPTOMETER_LET(const auto question, ReadRouteQuestion(vibration, band));

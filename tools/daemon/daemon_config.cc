@@ -139,7 +139,7 @@ struct CountKey {
   std::int64_t most;
 };
 struct QuantityKey {
-  std::optional<Quantity> SensorOptions::* field;
+  std::optional<double> SensorOptions::* field;
   Dimension dimension;
 };
 
@@ -183,7 +183,7 @@ struct ReadInto {
     options.*key.field = *count;
   }
   void operator()(const QuantityKey& key) const {
-    if (table.Has(name)) options.*key.field = table.RequireQuantity(name, key.dimension);
+    if (table.Has(name)) options.*key.field = table.RequireQuantity(name, key.dimension).value;
   }
 };
 

@@ -42,19 +42,19 @@ struct SimulateOptions {
   std::string scene_path;
   std::string output;
   bool overwrite = false;
-  std::optional<Quantity> duration_s;
+  std::optional<double> duration_s;
   AccuracyWords accuracy;
   std::string quantity;
   bool explain = false;
   std::string waveforms;
-  std::optional<Quantity> rate_hz;
+  std::optional<double> rate_hz;
   document::Outputs outputs;
   std::vector<std::string> command;
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
-  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime, {},
                  "Length of the run; overrides [run] duration_s");
   options.Flag(
       "--explain", &wanted.explain,
@@ -67,7 +67,9 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  "Write the readings of the scene's sensor as a trial");
   options.Output("--waveforms", &wanted.waveforms, "FILE.csv|h5|bin",
                  "Write the exact motion, voltage, current and force over time");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, "Rows per second of --waveforms")
+  options
+      .Number("--rate", &wanted.rate_hz, Dimension::kFrequency, {},
+              "Rows per second of --waveforms")
       .Default("64 in the shortest period");
   options.Flag("--all", &wanted.outputs.all, "Print the whole run and the method too");
   options.Output("--plot", &wanted.outputs.plot, "FILE.svg|png|pdf", "Draw waveforms and spectrum");
@@ -136,7 +138,7 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
   }
   scene.tolerance = wanted.accuracy.Asked().value_or(scene.tolerance);
   if (!wanted.duration_s) return scene;
-  const double duration_s = wanted.duration_s->value;
+  const double duration_s = *wanted.duration_s;
   if (!(duration_s > 0 && duration_s <= sim::kLongestRunS)) {
     return Usage("--duration", fmt::format("{:g} s is not between 0 and 1e6 s", duration_s),
                  "give the length of the run");
@@ -166,7 +168,7 @@ Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer)
   if (wanted.waveforms.empty() && !has_figures) return {};
   const sim::EffectiveScene effective = EffectiveOf(answer.solved);
   const double own_hz = effective.RateHz();
-  const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : own_hz;
+  const double rate_hz = wanted.rate_hz.value_or(own_hz);
   const double duration_s = LengthOfFiles(answer.solved.scene, answer.findings);
   // rows of the file and of the figures, which have a rate of their own
   const double rows = duration_s * std::max(rate_hz, has_figures ? own_hz : 0);
@@ -205,7 +207,7 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   if (!wanted.output.empty()) {
     HAPTOMETER_TRY(cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite));
   }
-  const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : 1;
+  const double rate_hz = wanted.rate_hz.value_or(1);
   const document::Outputs& outputs = wanted.outputs;
   const bool writes = !wanted.output.empty() || !wanted.waveforms.empty() ||
                       !outputs.plot.empty() || !outputs.report.empty();
