@@ -71,6 +71,25 @@ class FitSkinFiles : public tests::TemporaryFiles {
 
 constexpr auto kHeader = "frequency_hz,displacement_amplitude_um,current_amplitude_ma\n";
 
+TEST_F(FitSkinFiles, AnAreaInSquareMetresIsThatInSquareMillimetres) {
+  std::string in_m2 = "contact_area_m2," + std::string(kHeader);
+  std::string in_mm2 = "contact_area_mm2," + std::string(kHeader);
+  unsigned seed = 11;
+  for (const double mm2 : {1.0, 80.0}) {
+    const sim::Skin law{600 + 10 * mm2, 0.75};
+    in_m2 += Rows(law, fmt::format("{:g},", 1e-6 * mm2), ++seed);
+    in_mm2 += Rows(law, fmt::format("{:g},", mm2), seed);
+  }
+  const auto contacts = [&](const std::string& text) {
+    const Outcome outcome = FitSkin(With({File("areas.csv", text), "--json"}));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json::parse(outcome.out).at("contacts");
+  };
+  const json read = contacts(in_m2);
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read, contacts(in_mm2));
+}
+
 TEST_F(FitSkinFiles, OneSweepGivesTheSkinWithinItsIntervals) {
   const auto path = File("skin.csv", kHeader + Rows({1200, 1.5}, "", 1));
   const Outcome outcome = FitSkin(With({path, "--json"}));

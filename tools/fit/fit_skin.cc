@@ -127,11 +127,13 @@ Result<void> ReadDrive(const TextTable& table, Columns* columns) {
 Result<Columns> ReadColumns(const TextTable& table) {
   constexpr KnownColumn kFrequency[]{{document::kFrequency.name, 1}, {"drive.frequency_hz", 1}};
   constexpr KnownColumn kPhase[]{{"phase_deg", 1}};
-  constexpr KnownColumn kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
+  constexpr KnownColumn kArea[]{
+      {"contact_area_mm2", 1}, {"contact_area_m2", 1e6}, {"skin.contact_area_m2", 1e6}};
   Columns columns;
   HAPTOMETER_LET(auto frequency, Required(table, kFrequency, "frequency",
                                           "its header needs the column frequency_hz"));
   columns.frequencies_hz = std::move(frequency);
+  HAPTOMETER_LET(columns.areas_mm2, FindColumn(table, kArea));
   // a response table has its drive and phase in its own columns
   HAPTOMETER_LET(const auto is_response, ReadResponse(table, &columns));
   if (is_response) return columns;
@@ -140,13 +142,8 @@ Result<Columns> ReadColumns(const TextTable& table) {
                           "its header needs displacement_amplitude_um (or _m, _mm, or "
                           "displacement_rms_um, _m, _mm)"));
   HAPTOMETER_TRY(ReadDrive(table, &columns));
-  const std::pair<std::span<const KnownColumn>, Column*> kOptional[]{
-      {kPhase, &columns.phases_deg},
-      {kUncertainties, &columns.uncertainties_m},
-      {kArea, &columns.areas_mm2}};
-  for (const auto& [known, column] : kOptional) {
-    HAPTOMETER_LET(*column, FindColumn(table, known));
-  }
+  HAPTOMETER_LET(columns.phases_deg, FindColumn(table, kPhase));
+  HAPTOMETER_LET(columns.uncertainties_m, FindColumn(table, kUncertainties));
   return columns;
 }
 
