@@ -90,9 +90,10 @@ void StreamHead::PrepareLine() {
   // faults count lines from 1
   const Fault* fault = setup_.faults.At(number + 1);
 
-  // counts of the last decimal, as the line carries them
-  Value value{.counts = static_cast<std::int32_t>(
-                  std::lround(reading.value_m / MetresPerCount(setup_.format))),
+  // counts of the last decimal, as the line carries them; what it cannot hold is one more than that
+  const double beyond = 1.0 + MostCounts(setup_.format);
+  const double counts = reading.value_m / MetresPerCount(setup_.format);
+  Value value{.counts = static_cast<std::int32_t>(std::lround(std::clamp(counts, -beyond, beyond))),
               .decimals = setup_.format.decimals,
               .status = reading.status};
   if (fault != nullptr && fault->status != trial::SampleStatus::kOk) value.status = fault->status;

@@ -29,13 +29,13 @@ constexpr int kMostAddresses = 65536;
 
 // whether `count` registers from `address` are among those that one request reads
 bool IsRead(const SensorProfile& profile, int address, int count) {
-  return address >= profile.address && address + count <= profile.address + profile.count;
+  return address >= profile.address && address - profile.address <= profile.count - count;
 }
 
 // addresses exist, and one request can ask for them
 bool CanBeAsked(const SensorProfile& profile, int address, int count) {
   return address >= profile.address_base && count >= 1 && count <= kMostModbusRegisters &&
-         address - profile.address_base + count <= kMostAddresses;
+         address - profile.address_base <= kMostAddresses - count;
 }
 
 // "KEY: WHAT" of the first impossible value, "" where there is none

@@ -66,13 +66,23 @@ void FitLine(std::span<const double> times_s, Places& places) {
   places.start_s = times_s[0] + mean_s - mean_place * places.period_s;
 }
 
+// the places where no reading was dropped
+Places CountedPlaces(std::span<const double> times_s) {
+  Places places{.place = std::vector<std::int64_t>(times_s.size())};
+  std::iota(places.place.begin(), places.place.end(), 0);
+  FitLine(times_s, places);
+  return places;
+}
+
 // Places on a grid that follows the readings: each takes the one nearest to its time, behind that
-// of the reading before. Behind a long gap the grid begins again.
+// of the reading before. Behind a long gap the grid begins again. Where most times repeat there is
+// no period to follow.
 Places FollowedPlaces(std::span<const double> times_s) {
+  const double period_s = MedianInterval(times_s);
+  if (!(period_s > 0)) return CountedPlaces(times_s);
   Places places;
   places.place.reserve(times_s.size());
   places.place.push_back(0);
-  const double period_s = MedianInterval(times_s);
   double start_s = times_s[0];
   for (std::size_t j = 1; j < times_s.size(); ++j) {
     const double last_s = start_s + static_cast<double>(places.place.back()) * period_s;
@@ -81,14 +91,6 @@ Places FollowedPlaces(std::span<const double> times_s) {
     const double at_s = start_s + static_cast<double>(places.place.back()) * period_s;
     start_s += (periods * kFollowed > 1 ? 1 : kFollowed) * (times_s[j] - at_s);
   }
-  FitLine(times_s, places);
-  return places;
-}
-
-// the places where no reading was dropped
-Places CountedPlaces(std::span<const double> times_s) {
-  Places places{.place = std::vector<std::int64_t>(times_s.size())};
-  std::iota(places.place.begin(), places.place.end(), 0);
   FitLine(times_s, places);
   return places;
 }
@@ -271,7 +273,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
     grid = std::move(without_drops);
   }
   // times too far from any grid cannot be assigned to places
-  if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
+  if (!(places.period_s > 0 && grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
     return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
                                                   {"grid_s", 1 / grid.rate_hz},
                                                   {"largest_jitter_s", grid.largest_jitter_s}});

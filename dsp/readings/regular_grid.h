@@ -48,7 +48,8 @@ struct RegularGrid {
 ///
 /// Refused: fewer than four rows; a time farther than 0.45 periods from its place, so that dropped
 /// readings and jitter cannot be told apart; the bound above kLargestInterpolationError in more
-/// than half of the rows. Programmer's error: no known times. Cost: O(rows points^2).
+/// than half of the rows; most times equal to the one before. Programmer's error: no known times.
+/// Cost: O(rows points^2).
 [[nodiscard]] RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz);
 /// The same of a source whose head has the known times. Errors: as RowSource::Read.
 [[nodiscard]] Result<RegularGrid> OnRegularGrid(const trial::RowSource& source, double upper_hz);

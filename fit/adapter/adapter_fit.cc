@@ -140,19 +140,6 @@ FittedTap Told(const PreparedRecord& prepared, const Part& part) {
           .found = prepared.part.found};
 }
 
-// FindRingStart's messages name voltages
-std::string OfMotion(std::string text) {
-  constexpr std::string_view kVoltage = "voltage";
-  for (auto at = text.find(kVoltage); at != std::string::npos; at = text.find(kVoltage)) {
-    text.replace(at, kVoltage.size(), "reading");
-  }
-  return text;
-}
-
-Error OfTap(const Error& error) {
-  return {error.cause, error.where, OfMotion(error.what), OfMotion(error.remedy)};
-}
-
 // common value of one logarithm over the taps
 ConsensusMean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
   return ConsensusOf(Mapped<Estimate>(taps, [which](const Logarithms& tap) {
@@ -291,7 +278,7 @@ Result<AdapterFit> FitAdapter(const std::vector<ImpulseRecord>& records, const Q
   for (const auto& record : records) {
     const auto prepared = PrepareRecord(record);
     if (!prepared) {
-      fit.left_out.push_back(OfTap(prepared.error()));
+      fit.left_out.push_back(prepared.error());
       continue;
     }
     const auto part =

@@ -337,6 +337,7 @@ void TakeIntoBackground(const ImpulseRecord& record, const Suspect& found, Distu
 
 // friction is accepted only if the fit with friction as a parameter confirms the first-order trial
 bool TakesFriction(const ImpulseRecord& record, const RingSamples& above, Disturbances* part) {
+  if (above.values_v.size() < kLeastBlocks) return false;
   RingBackground rubbing = part->background;
   const RingFit without = FitRing(above, part->poles, rubbing);
   rubbing.has_friction = true;

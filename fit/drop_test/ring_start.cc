@@ -286,7 +286,7 @@ Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& 
   const auto frequency_hz = StrongestFrequency(From(values, rough, blow.middle_v), record.step_s);
   if (!frequency_hz) {
     return Unfit(record, "shows no ring-down",
-                 "the voltage must jump and then decay for at least 32 samples");
+                 "the readings must jump and then decay for at least 32 samples");
   }
   blow.frequency_hz = *frequency_hz;
   blow.period_samples = 1 / (*frequency_hz * record.step_s);
@@ -423,9 +423,9 @@ Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const L
         fmt::format("the oscillation at {:.4g} Hz has only {} dB more energy than the noise",
                     blow.frequency_hz,
                     Below(10 * std::log10(energy), 10 * std::log10(kLeastEnergy), 1)),
-        fmt::format(
-            "record a stronger impact or a smaller voltage range; at least {:.1f} dB are needed",
-            10 * std::log10(kLeastEnergy)));
+        fmt::format("record a stronger impact or a smaller range of the converter; at least {:.1f} "
+                    "dB are needed",
+                    10 * std::log10(kLeastEnergy)));
   }
   if (blow.period_samples < kLeastSamplesPerPeriod) {
     return Unfit(
@@ -442,7 +442,7 @@ Result<RingStart> StartOf(const ImpulseRecord& record) {
   const auto measured = static_cast<std::size_t>(std::count_if(
       record.voltage_v.begin(), record.voltage_v.end(), [](double v) { return std::isfinite(v); }));
   if (measured < kLeastSamples) {
-    return Unfit(record, fmt::format("holds only {} voltages", measured),
+    return Unfit(record, fmt::format("holds only {} readings", measured),
                  "a ring-down needs at least 32 samples");
   }
   const auto values = Filled(record.voltage_v);

@@ -176,6 +176,8 @@ def planned(directory):
                           "--order", "given", "--duration", "0.6s", "--drive-frequency", "230Hz", "--drive-amplitude",
                           "5V", "--contrast", "cones:cone", "--spread", "10%", "--json", *source).stdout)
     kinds = {one["kind"] for one in said["findings"]}
+    texts = " ".join(one["text"] for one in said["findings"])
+    check("cone and cones differ by one letter" in texts, texts)
     check({"planned-names-alike", "scale-not-checked"} <= kinds, kinds)
     # tests/dsp/statistics/power_reference.csv
     check(abs(said["detectable_effect_d_z"] - 1.156035) < 1e-6, said)

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 namespace haptometer::plot {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -155,6 +157,20 @@ TEST_F(PlotText, LongTextsEndWithAMark) {
   EXPECT_LE(Quoted::TickName(name).word().size(), 49U + 1 + 2) << "a doubled sign, two quotes";
   EXPECT_EQ(Quoted(std::string(1000, 'x')).word(), "'" + std::string(1000, 'x') + "'");
   EXPECT_EQ(Quoted(std::string(1001, 'x')).word(), "'" + std::string(999, 'x') + "…'");
+}
+
+// gnuplot draws nothing of panels of which one has no point on its axes
+TEST_F(PlotText, APanelWithoutPointsIsAnEmptyFrame) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const LogAxes axes : {LogAxes::kNone, LogAxes::kX, LogAxes::kY, LogAxes::kBoth}) {
+    for (const double value : {nan, axes == LogAxes::kNone ? nan : -1.0}) {
+      Panel empty{.title = "empty", .series = {{.x = {value, value}, .y = {value, value}}}};
+      empty.log_axes = axes;
+      const auto svg = DrawSvg({empty, PanelOf("full")});
+      ASSERT_TRUE(svg);
+      EXPECT_THAT(TextsOf(*svg), AllOf(HasSubstr("empty"), HasSubstr("full")));
+    }
+  }
 }
 
 }  // namespace

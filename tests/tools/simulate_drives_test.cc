@@ -290,6 +290,13 @@ TEST_F(SimulateDrives, DrawsWaveformsAndSpectrum) {
   }
 }
 
+TEST_F(SimulateDrives, DrawsASkinThatDoesNotVibrate) {
+  const std::string silent = "[drive]\nkind = 'sine'\nfrequency_hz = 225\namplitude_v = 0\n";
+  const Outcome outcome = Simulate({Scene(silent), "--duration", "0.1s", "--plot", Path("0.svg")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_GT(fs::file_size(Path("0.svg")), 1000U);
+}
+
 TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
   const auto expect = [](const Outcome& outcome, const std::string& text) {
     EXPECT_EQ(outcome.status, 2);

@@ -296,6 +296,17 @@ TEST_F(StudyVerb, APatternReplacesThoseOfTheManifestsGroups) {
   EXPECT_EQ(study["subjects"], Json({"a", "b"}));
 }
 
+TEST_F(StudyVerb, ALinkToItselfIsAnErrorOfThisFileAlone) {
+  WriteNamedTrials();
+  fs::create_symlink("s9_loop.csv", directory_ / "s9_loop.csv");
+  const std::string manifest =
+      Write("m.toml", "[[trials]]\nfiles = \"*.csv\"\npattern = \"s{subject}_{condition}\"\n");
+  const Outcome outcome = Study({manifest});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("s9_loop.csv"));
+  EXPECT_THAT(outcome.out, HasSubstr("trials with a value                        6\n"));
+}
+
 TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   Trial("1.csv", 10, "# label.subject = x\n# label.condition = a\n");
   Trial("2.csv", 10, "# label.subject = x\n");

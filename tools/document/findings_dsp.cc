@@ -179,8 +179,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "{count} bump{count s} excluded together with the filter's response, {excluded_s} of the "
        "window in all, the first at {from_s}"},
       {kOtherDrive, "other-drive",
-       "the tone is at {frequency_hz}, and the header states a drive of {expected_hz}: check the "
-       "generator, or correct the header"},
+       "the tone is at {frequency_hz}, and a drive of {expected_hz} is stated: check the "
+       "generator, "
+       "or correct what states it (the file's header, --drive-frequency)"},
       // the requested or chosen window
       {kWindowOutside, "window-outside",
        "the window {from_s} to {to_s} lies outside of the record, {record_from_s} to "

@@ -105,13 +105,14 @@ std::size_t WidthOf(std::string_view text) {
 }
 
 // width of the labels in one column, with those of inner sections without a heading
-std::size_t LabelWidth(const Section& section) {
+std::size_t LabelWidth(const Section& section, Detail detail) {
   std::size_t width = 0;
   for (const Item& item : section.items) {
     if (item.value.IsKnown() || item.at_most) width = std::max(width, WidthOf(item.label));
   }
   for (const Section& inner : section.sections) {
-    if (inner.heading.empty() && IsShown(inner)) width = std::max(width, LabelWidth(inner));
+    if (!inner.heading.empty() || !IsShown(inner) || inner.detail > detail) continue;
+    width = std::max(width, LabelWidth(inner, detail));
   }
   return width;
 }
@@ -131,7 +132,7 @@ struct TextWriter {
     if (!section.heading.empty()) {
       AddLine(indent, section.heading);
       indent += kIndent;
-      width = LabelWidth(section);
+      width = LabelWidth(section, detail);
     }
     if (!section.sources.empty()) AddLine(indent, "data: " + SourcesText(section.sources));
     AddItems(section, indent, width);
@@ -254,7 +255,7 @@ std::string SourcesText(const std::vector<DataSource>& sources) {
 
 std::string TextOf(const Section& section, Detail detail) {
   TextWriter writer{.detail = detail};
-  writer.AddSection(section, kIndent, LabelWidth(section));
+  writer.AddSection(section, kIndent, LabelWidth(section, detail));
   return std::move(writer.text);
 }
 

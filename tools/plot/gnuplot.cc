@@ -86,6 +86,32 @@ Words LogWords(LogAxes axes) {
   return kWords.at(static_cast<std::size_t>(axes));
 }
 
+// whether a point lies on the axes, of which logarithmic ones hold positive values alone
+bool HasPoints(const Panel& panel) {
+  const bool both = panel.log_axes == LogAxes::kBoth;
+  const auto lies_on = [](double value, bool is_logarithmic) {
+    return std::isfinite(value) && (value > 0 || !is_logarithmic);
+  };
+  return std::ranges::any_of(panel.series, [&](const Series& series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (lies_on(series.x[i], both || panel.log_axes == LogAxes::kX) &&
+          lies_on(series.y[i], both || panel.log_axes == LogAxes::kY)) {
+        return true;
+      }
+    }
+    return false;
+  });
+}
+
+// gnuplot finds no range without a point: from 0 to 1 where none is stated
+Panel EmptyFrame(Panel panel) {
+  panel.log_axes = LogAxes::kNone;
+  for (auto* range : {&panel.x_range, &panel.y_range}) {
+    if (!(range->first < range->second)) *range = {0, 1};
+  }
+  return panel;
+}
+
 // from 0 to 5 % beyond the last point, so that no point lies on the frame
 void AddRangeOfX(const Panel& panel, Script* script) {
   if (panel.x_range.first < panel.x_range.second) {
@@ -265,7 +291,11 @@ Script PanelsScript(const MemoryFile& drawing, const Terminal& terminal,
   if (!square && panels.size() > 1) script.Add("set lmargin 11\nset rmargin 3\n");
   for (std::size_t p = 0; p < panels.size(); ++p) {
     script.Add(ShapeWords(panels[p]));
-    AddPanel(p, panels[p], &script);
+    if (HasPoints(panels[p])) {
+      AddPanel(p, panels[p], &script);
+    } else {
+      AddPanel(p, EmptyFrame(panels[p]), &script);
+    }
   }
   script.Add("unset multiplot\nunset output\n");
   return script;

@@ -206,9 +206,12 @@ void FindInPlan(const SessionPlan& plan, Section& root) {
     for (const AlikeNames& pair : NamesAlike(*names)) {
       root.Find(
           Severity::kDoubt, "planned-names-alike",
-          "the {label}s {one} and {other} differ by one letter: if they are one, plan again in "
-          "another folder",
-          {{"label", std::string(label)}, {"one", pair.one}, {"other", pair.other}});
+          "the {label}s {one} and {other} differ by {how}: if they are one, plan again in another "
+          "folder",
+          {{"label", std::string(label)},
+           {"one", pair.one},
+           {"other", pair.other},
+           {"how", std::string(WordsOf(pair.likeness))}});
     }
   }
   const std::size_t rows = DesignRows(plan);

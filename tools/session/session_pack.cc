@@ -200,7 +200,8 @@ Result<void> CheckTarget(const std::string& out, const fs::path& folder) {
   if (fs::is_regular_file(out, error)) {
     return Usage(out, "already exists", "name another file: an archive is never replaced");
   }
-  const std::string inside = fs::weakly_canonical(fs::absolute(out)).lexically_relative(folder);
+  const fs::path whole = fs::weakly_canonical(fs::absolute(out, error), error);
+  const std::string inside = error ? "" : whole.lexically_relative(folder).string();
   if (!inside.empty() && !inside.starts_with("..")) {
     return Usage(out, "lies in the folder that is packed", "name a file beside it");
   }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <set>
 
 #include "base/mapped.h"
 #include "base/names.h"
@@ -166,21 +165,6 @@ Result<std::vector<std::string>> ReadSubjects(const std::string& text) {
   return Mapped<std::string>(Counted(*count), [](std::size_t i) { return std::to_string(i + 1); });
 }
 
-namespace {
-
-// of two conditions of the plan each, and each pair once
-Result<void> CheckContrasts(const SessionPlan& plan, const std::string& where) {
-  std::set<std::set<std::string>> pairs;
-  for (const PlannedContrast& contrast : plan.contrasts) {
-    HAPTOMETER_TRY(CheckConditions(contrast, plan.conditions));
-    if (pairs.insert({contrast.treatment, contrast.control}).second) continue;
-    return Usage(where, fmt::format("compare {} twice", NameOf(contrast)), "write each pair once");
-  }
-  return {};
-}
-
-}  // namespace
-
 Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
   HAPTOMETER_TRY(CheckNames(plan.subjects, where + ": subjects", kMostSubjects));
   HAPTOMETER_TRY(CheckNames(plan.conditions, where + ": conditions", kMostConditions));
@@ -204,7 +188,7 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
     if (ReadFolderFile(file)) continue;
     return Usage(where + ": files_before", fmt::format("'{}' is no file with its size", file));
   }
-  HAPTOMETER_TRY(CheckContrasts(plan, where + ": contrasts"));
+  HAPTOMETER_TRY(CheckContrasts(plan.contrasts, plan.conditions));
   const bool has_frequency = !plan.drive_frequency_hz || *plan.drive_frequency_hz > 0;
   const bool has_amplitude = !plan.drive_amplitude_v || *plan.drive_amplitude_v > 0;
   if (!has_frequency || !has_amplitude) return Usage(where + ": drive", "is not above 0");

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <limits>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -105,50 +105,15 @@ const Eigen::VectorXd& TargetOf(const sim::Waveforms& waves, const sim::Scene& s
   return target == sim::SensorTarget::kCase ? waves.case_m : waves.skin_m;
 }
 
-// name of a channel as a column of the CSV, with its unit
-std::string ColumnOf(const trial::Channel& channel) {
-  switch (channel.role) {
-    case trial::ChannelRole::kDisplacement:
-      return "displacement_m";
-    case trial::ChannelRole::kVoltage:
-      return "voltage_v";
-    case trial::ChannelRole::kCurrent:
-      return "current_a";
-    default:
-      return channel.name;
-  }
-}
-
-// metadata as comment lines, so that the CSV is read back with all of it
-std::string HeadOf(const trial::Record& record) {
-  std::string head = trial::CsvMetadataLines(record.metadata);
-  // times on a grid: begin and rate are exact, not computed from rounded times
-  head += trial::CsvCommentLine("times", "grid");
-  const trial::Stretch& stretch = record.stretches.front();
-  head += trial::CsvCommentLine(
-      "stretch", fmt::format("0 {} {} {} 0", stretch.rows, stretch.start_s, stretch.rate_hz));
-  std::string columns = "time_s";
-  for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    const trial::Channel& channel = record.channels[c];
-    columns += "," + ColumnOf(channel);
-    // units of channels without a role of their own
-    if (channel.role != trial::ChannelRole::kOther) continue;
-    head += trial::CsvCommentLine(fmt::format("channel.{}.unit", c + 1), channel.unit);
-  }
-  return head + columns + "\n";
-}
-
-// shortest digits that give the same double
+// a CSV that is read back with all metadata; channels without a role have their own names
 Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
-  const auto append = [&](std::size_t row, std::string* text) {
-    fmt::format_to(std::back_inserter(*text), "{}", TimeOf(record, row));
-    for (const trial::Channel& channel : record.channels) {
-      fmt::format_to(std::back_inserter(*text), ",{}", channel.values[row]);
-    }
-    *text += '\n';
-  };
-  return trial::WriteInPieces(HeadOf(record), record.rows, append,
-                              [&](std::string_view piece) { return file.Write(piece); });
+  std::vector<std::string> names = trial::CsvColumnNames(record.channels);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const trial::Channel& channel = record.channels[c];
+    if (channel.role == trial::ChannelRole::kOther) names[c] = channel.name;
+  }
+  return trial::WriteCsv(
+      record, [&](std::string_view piece) { return file.Write(piece); }, std::move(names));
 }
 
 Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file) {
@@ -209,9 +174,13 @@ Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
                                      .segment_size = static_cast<std::size_t>(waves.rows()),
                                      .detrend = dsp::Detrend::kNothing}));
   const std::vector<double> amplitudes_m = dsp::AmplitudeSpectrum(spectrum);
-  const double least_m = kLeastShown * std::ranges::max(amplitudes_m);
-  plot::Series series{.style = plot::Lines(plot::kBlue)};
   // from bin 1: the constant part is no vibration
+  double largest_m = 0;
+  for (const double each_m : amplitudes_m | std::views::drop(1)) {
+    largest_m = std::max(largest_m, each_m);
+  }
+  const double least_m = kLeastShown * largest_m;
+  plot::Series series{.style = plot::Lines(plot::kBlue)};
   for (std::size_t k = 1; k < amplitudes_m.size(); ++k) {
     const double frequency_hz = static_cast<double>(k) * spectrum.grid.resolution_hz;
     if (frequency_hz > kShownPart * waves.rate_hz) break;

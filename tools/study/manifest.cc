@@ -119,7 +119,10 @@ Result<std::vector<std::string>> Expand(const std::string& pattern) {
   if (failure == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   ::globfree(&found);
   // a wildcard finds folders too
-  std::erase_if(paths, [](const std::string& path) { return fs::is_directory(path); });
+  std::erase_if(paths, [](const std::string& path) {
+    std::error_code ignored;  // what cannot be read is an error of this file alone
+    return fs::is_directory(path, ignored);
+  });
   if (paths.empty()) return CannotAnswer(pattern, "finds no file", "correct files in the manifest");
   return paths;
 }
@@ -237,6 +240,8 @@ std::vector<PlannedContrast> AllAgainstTheFirst(const std::vector<std::string>& 
   return planned;
 }
 
+namespace {
+
 Result<void> CheckConditions(const PlannedContrast& planned,
                              const std::vector<std::string>& conditions) {
   for (const std::string* name : {&planned.treatment, &planned.control}) {
@@ -248,6 +253,8 @@ Result<void> CheckConditions(const PlannedContrast& planned,
   }
   return {};
 }
+
+}  // namespace
 
 Result<void> CheckContrasts(const std::vector<PlannedContrast>& planned,
                             const std::vector<std::string>& conditions) {

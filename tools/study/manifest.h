@@ -36,12 +36,8 @@ struct PlannedContrast {
 [[nodiscard]] std::vector<PlannedContrast> AllAgainstTheFirst(
     const std::vector<std::string>& conditions);
 
-/// Errors (Cause::kUsage): one of the two is none of `conditions`; with the nearest.
-[[nodiscard]] Result<void> CheckConditions(const PlannedContrast& planned,
-                                           const std::vector<std::string>& conditions);
-
-/// The same of all. Errors also: a pair of conditions twice, in whichever order, whose test Holm's
-/// correction would count twice.
+/// Errors (Cause::kUsage): one of two is none of `conditions`, with the nearest; a pair of
+/// conditions twice, in whichever order, whose test Holm's correction would count twice.
 [[nodiscard]] Result<void> CheckContrasts(const std::vector<PlannedContrast>& planned,
                                           const std::vector<std::string>& conditions);
 

@@ -8,7 +8,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -201,9 +200,9 @@ Result<void> TakeSession(const StudyWords& wanted, Task& task) {
 Result<void> TakeFloor(const StudyWords& wanted, Task& task) {
   const std::string path = FloorPath(wanted, task.manifest);
   if (path.empty()) return {};
-  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   HAPTOMETER_LET(task.study.question.floor,
-                 ReadFloor(path, task.study.question, task.import, threads));
+                 ReadFloor(path, task.study.question, task.import,
+                           cli::ThreadsOf(wanted.threads, kMostStudyThreads)));
   // equivalent() finds the file under another spelling of its path too
   std::erase_if(task.files, [&](const TrialFile& file) {
     std::error_code ignored;

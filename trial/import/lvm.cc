@@ -300,7 +300,7 @@ class Parser {
     ++record_.rows;
     // a cell behind the last channel is the row's comment
     if (cells.size() > needed && !cells[needed].empty()) {
-      record_.metadata.notes.push_back(fmt::format("row {}: {}", record_.rows - 1, cells[needed]));
+      comments_[record_.rows - 1] = cells[needed];
     }
     return {};
   }
@@ -433,6 +433,7 @@ class Parser {
     }
     record_.rows = kept;
     segment_.rows.rows = rows;
+    comments_.erase(comments_.lower_bound(kept), comments_.end());
   }
 
   // adds a segment's times; where X begins again, behind the pause that the wall clock gives
@@ -473,6 +474,11 @@ class Parser {
     std::move(times_).Complete(&record_);
     HAPTOMETER_TRY(CheckRate(name_, options_, record_));
     LeaveOutRows(left_out_, &record_);
+    for (const auto& [row, comment] : comments_) {
+      const auto before = std::ranges::lower_bound(left_out_, row) - left_out_.begin();
+      record_.metadata.notes.push_back(
+          fmt::format("row {}: {}", row - static_cast<std::size_t>(before), comment));
+    }
     return std::move(record_);
   }
 
@@ -492,7 +498,8 @@ class Parser {
   bool x_is_read_ = true;
   double x_factor_ = 1;  // seconds
   std::size_t segments_ = 0;
-  std::vector<std::size_t> left_out_;  // rows of the record
+  std::vector<std::size_t> left_out_;            // rows of the record
+  std::map<std::size_t, std::string> comments_;  // of rows of the record
   std::optional<double> first_clock_s_;
   std::string first_date_;
   double first_start_s_ = 0;

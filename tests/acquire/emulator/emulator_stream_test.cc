@@ -45,6 +45,16 @@ TEST(StreamHead, WritesNineBytesALine) {
   EXPECT_EQ(Lines(Quiet([](double) { return -11e-3; }), 99'999), "-FFFFFFF\r");
 }
 
+// 4.5 mm are 4.5e9 counts of 1 pm, beyond 32 bits
+TEST(StreamHead, SendsLettersForWhatALineOfFineCountsCannotHold) {
+  for (const double sign : {1.0, -1.0}) {
+    StreamSetup setup = Quiet([sign](double) { return sign * 4.5e-3; });
+    setup.head.head.sampling_s = 1e-3;
+    setup.format = *ParseStreamFormat("+000000.000,nm,CR");
+    EXPECT_EQ(Lines(setup, 199'999), sign > 0 ? "+FFFFFFFFFF\r" : "-FFFFFFFFFF\r");
+  }
+}
+
 TEST(StreamHead, NumbersItsLinesAndSkipsTheNumberOfALostOne) {
   StreamSetup setup = Quiet([](double) { return 0.0; });
   setup.format = *ParseStreamFormat("0 +0.0,mm,LF");

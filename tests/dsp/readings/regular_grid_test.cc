@@ -278,6 +278,17 @@ TEST(RegularGrid, ARowIsLeftOutWhereItsBoundIsAboveAThousandth) {
   }
 }
 
+// times at 3 kHz that a spreadsheet rounded to milliseconds, and one time for all
+TEST(RegularGrid, TimesThatRepeatAreRefused) {
+  std::vector<double> rounded;
+  for (int k = 0; k < 30'000; ++k) rounded.push_back(1e-3 * std::floor(k / 3.0));
+  for (const auto& times_s : {rounded, std::vector<double>(1000, 0.25)}) {
+    const RegularGrid grid = OnRegularGrid(AtTimes(times_s), 10);
+    ASSERT_TRUE(grid.refusal);
+    EXPECT_EQ(grid.refusal->kind, FindingKind::kTimesTooUneven);
+  }
+}
+
 TEST(RegularGrid, NeedsFourRows) {
   EXPECT_TRUE(OnRegularGrid(AtTimes({0, kPeriodS, 2 * kPeriodS}), 10).refusal);
   EXPECT_FALSE(OnRegularGrid(AtTimes({0, kPeriodS, 2 * kPeriodS, 3 * kPeriodS}), 10).refusal);

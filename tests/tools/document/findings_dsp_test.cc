@@ -294,8 +294,8 @@ const std::vector<Case> kCases{
     {kOtherDrive,
      {{"frequency_hz", 230.0}, {"expected_hz", 225.0}},
      "other-drive",
-     "the tone is at 230 Hz, and the header states a drive of 225 Hz: check the generator, or "
-     "correct the header"},
+     "the tone is at 230 Hz, and a drive of 225 Hz is stated: check the generator, or correct what "
+     "states it (the file's header, --drive-frequency)"},
     {kToneBelowBand,
      {{"amplitude_m", 20e-6}, {"frequency_hz", 60.0}},
      "tone-below-band",

@@ -88,6 +88,16 @@ TEST(TextOf, ADocumentIsALineForEachLabel) {
             "  doubt: a.bin: 48 readings are few\n");
 }
 
+TEST(TextOf, WhatIsNotShownWidensNoColumn) {
+  Document document{.verb = "v", .title = "t"};
+  document.root.Add({"tone_hz", "tone", kHertz}, 225.0);
+  Section hidden{.detail = Detail::kAll};
+  hidden.Add({"noise_m", "noise of one reading", kMetre}, 2e-9);
+  document.root.sections.push_back(hidden);
+  EXPECT_EQ(TextOf(document, Detail::kShort), "t\n  tone  225 Hz\n");
+  EXPECT_THAT(TextOf(document, Detail::kAll), HasSubstr("  tone                  225 Hz\n"));
+}
+
 TEST(TextOf, AllDetailsHoldTheirSectionsAndTheProvenance) {
   const std::string text = TextOf(Sample(), Detail::kAll);
   EXPECT_THAT(text, HasSubstr("  Budget\n    noise  0.002 um\n"));

@@ -421,6 +421,10 @@ TEST(Lvm, OneSegmentCanBeRead) {
   const Record record = ParsedLvm(text, {.segment = 2});
   EXPECT_EQ(record.channels.at(0).values, (std::vector<double>{5, 7}));
   EXPECT_THAT(LvmErrorOf(text, {.segment = 3}), HasSubstr("has 2 segments"));
+  // the comments of its own rows alone
+  const std::string noted = Lvm(
+      "", kSegment + "0\t1\t2\tone\n0.001\t3\t4\n\n" + kSegment + "0\t5\t6\n0.001\t7\t8\ttwo\n");
+  EXPECT_THAT(ParsedLvm(noted, {.segment = 2}).metadata.notes, ElementsAre("row 1: two"));
 }
 
 // --- headers and rows that other writers leave ---------------------------------------------------
