@@ -3,19 +3,12 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace haptometer {
 
 std::string_view Name(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kBaseline:
-      return "sse2";
-    case InstructionSet::kAvx2:
-      return "avx2";
-    case InstructionSet::kAvx512:
-      return "avx512";
-  }
-  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
+  return Names<InstructionSet, 3>{{"sse2", "avx2", "avx512"}}.Of(set);
 }
 
 #ifdef __x86_64__

@@ -457,7 +457,7 @@ bool AreOne(const StateInterval& a, const StateInterval& b) {
 }  // namespace
 
 std::string_view Name(DriveState state) {
-  constexpr std::array<std::string_view, 4> kNames{"on", "off", "transition", "artifact"};
+  constexpr std::array<std::string_view, 3> kNames{"on", "off", "transition"};
   return kNames[static_cast<std::size_t>(state)];
 }
 

@@ -94,10 +94,9 @@ enum class DriveState : std::uint8_t {
   kOn,          ///< a tone that exceeds what noise puts on the ridge
   kOff,         ///< no such tone
   kTransition,  ///< the drive is switched, or comes or goes below the noise
-  kArtifact,    ///< residual power that rises and decays: a bump
 };
 
-/// "on", "off", "transition", "artifact".
+/// "on", "off", "transition".
 [[nodiscard]] std::string_view Name(DriveState state);
 
 /// Blocks [first, end) of one state.

@@ -1,6 +1,7 @@
 #include "dsp/filter/lane_cascade.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/error.h"
@@ -13,15 +14,8 @@ namespace {
 
 const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(IsSupported(set), "this processor has no {}", Name(set));
-  switch (set) {
-    case InstructionSet::kBaseline:
-      return kLaneKernelBaseline;
-    case InstructionSet::kAvx2:
-      return kLaneKernelAvx2;
-    case InstructionSet::kAvx512:
-      return kLaneKernelAvx512;
-  }
-  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
+  constexpr std::array kKernels{&kLaneKernelBaseline, &kLaneKernelAvx2, &kLaneKernelAvx512};
+  return *kKernels.at(static_cast<std::size_t>(set));
 }
 
 // for each sample of a lane the states at its end if the first section's combination of

@@ -29,15 +29,8 @@ bool AllFinite(std::span<const double> values) {
 }
 
 const RowKernel& WidestRowKernel() {
-  switch (UsableInstructionSet()) {
-    case InstructionSet::kBaseline:
-      return kRowKernelBaseline;
-    case InstructionSet::kAvx2:
-      return kRowKernelAvx2;
-    case InstructionSet::kAvx512:
-      return kRowKernelAvx512;
-  }
-  HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(UsableInstructionSet()));
+  constexpr std::array kKernels{&kRowKernelBaseline, &kRowKernelAvx2, &kRowKernelAvx512};
+  return *kKernels.at(static_cast<std::size_t>(UsableInstructionSet()));
 }
 
 }  // namespace haptometer::dsp

@@ -66,18 +66,9 @@ void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double 
     for (std::size_t term = 0; term < kDriftTerms; ++term) value += parts.drift[term] * p[term];
     samples[k] += factor * value;
   }
-  std::array<double, kBlock> cosines;
-  std::array<double, kBlock> sines;
   for (const Sine& sine : parts.sines) {
-    const PhasorBlocks phasors(kTwoPi * sine.frequency_hz / frame.rate_hz);
-    for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
-      const std::size_t count = std::min(kBlock, samples.size() - begin);
-      phasors.Fill(static_cast<double>(first + begin) - frame.middle,
-                   std::span(cosines).first(count), std::span(sines).first(count));
-      for (std::size_t k = 0; k < count; ++k) {
-        samples[begin + k] += factor * (sine.cosine * cosines[k] + sine.sine * sines[k]);
-      }
-    }
+    SubtractSine(kTwoPi * sine.frequency_hz / frame.rate_hz, -factor * sine.cosine,
+                 -factor * sine.sine, static_cast<double>(first) - frame.middle, samples);
   }
 }
 

@@ -30,18 +30,10 @@ constexpr double kNeighboursPerValue = 2;
 std::vector<double> HannPower(std::span<const double> signal) {
   const std::size_t n = signal.size();
   const double mean = Mean(signal);
-  std::vector<double> windowed(n);
-  const PhasorBlocks phasors(2 * std::numbers::pi / static_cast<double>(n));
-  std::array<double, PhasorBlocks::kBlock> cosines;
-  std::array<double, PhasorBlocks::kBlock> sines;
-  for (std::size_t begin = 0; begin < n; begin += PhasorBlocks::kBlock) {
-    const std::size_t count = std::min(PhasorBlocks::kBlock, n - begin);
-    phasors.Fill(static_cast<double>(begin), std::span(cosines).first(count),
-                 std::span(sines).first(count));
-    for (std::size_t k = 0; k < count; ++k) {
-      windowed[begin + k] = (signal[begin + k] - mean) * (0.5 - 0.5 * cosines[k]);
-    }
-  }
+  // the window 0.5 - 0.5 cos(2 pi k / n), times the signal
+  std::vector<double> windowed(n, 0.5);
+  SubtractSine(2 * std::numbers::pi / static_cast<double>(n), 0.5, 0, 0, windowed);
+  for (std::size_t k = 0; k < n; ++k) windowed[k] *= signal[k] - mean;
   // the transform of the windowed signal; power in squared units of the signal, not scaled
   const std::vector<std::complex<double>> bins = RealSpectrum(windowed);
   std::vector<double> power(bins.size());

@@ -67,7 +67,7 @@ TEST(InstructionSet, OfOtherProcessorsOnlyTheBaselineIsSupported) {
 
 TEST(InstructionSetDeathTest, AnotherOneIsAnErrorOfTheProgrammer) {
   const auto none = static_cast<InstructionSet>(3);
-  EXPECT_DEATH((void)Name(none), "instruction set 3");
+  EXPECT_DEATH((void)Name(none), "value 3 of 3");
 #ifdef __x86_64__
   EXPECT_DEATH((void)IsSupported(none), "instruction set 3");
 #endif

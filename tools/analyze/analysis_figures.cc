@@ -234,9 +234,8 @@ plot::Panel StatesPanel(const Rows& rows) {
                     "RMS / um"};
   panel.y_from_zero = true;
   const double gap = std::numeric_limits<double>::quiet_NaN();
-  for (const auto& [state, colour] :
-       {std::pair(kOn, plot::kBlue), std::pair(kOff, plot::kDarkGrey),
-        std::pair(kTransition, plot::kYellow), std::pair(kArtifact, plot::kOrange)}) {
+  for (const auto& [state, colour] : {std::pair(kOn, plot::kBlue), std::pair(kOff, plot::kDarkGrey),
+                                      std::pair(kTransition, plot::kYellow)}) {
     plot::Series series{std::string(Name(state)), plot::Lines(colour, 8)};
     for (const dsp::StateInterval& one : rows.analysis.states) {
       if (one.state != state) continue;

@@ -28,6 +28,11 @@
 #include "tools/document/provenance.h"
 
 namespace haptometer::tools {
+
+// the keys of a plan's file are the fields' names
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CampaignPlan, working_folder, run, merge, ending, chunks, jobs,
+                                   threads, job_minutes)
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,15 +44,9 @@ constexpr cli::OutputKind kPlanOutput{.name = "a plan of a campaign", .begin = "
 std::string PlanPath(const std::string& folder) { return folder + "/plan.json"; }
 
 Json JsonOf(const CampaignPlan& plan) {
-  return {{"haptometer_campaign", kVersion},
-          {"working_folder", plan.working_folder},
-          {"run", plan.run},
-          {"merge", plan.merge},
-          {"ending", plan.ending},
-          {"chunks", plan.chunks},
-          {"jobs", plan.jobs},
-          {"threads", plan.threads},
-          {"job_minutes", plan.job_minutes}};
+  Json json = plan;
+  json["haptometer_campaign"] = kVersion;
+  return json;
 }
 
 bool IsPlan(const CampaignPlan& plan) {
@@ -66,15 +65,8 @@ std::optional<CampaignPlan> PlanOf(const std::string& text, const std::string& f
   if (!json.is_object() || json.value("haptometer_campaign", Json()) != kVersion)
     return std::nullopt;
   try {
-    CampaignPlan plan{.folder = folder,
-                      .working_folder = json.at("working_folder").get<std::string>(),
-                      .run = json.at("run").get<std::vector<std::string>>(),
-                      .merge = json.at("merge").get<std::vector<std::string>>(),
-                      .ending = json.at("ending").get<std::string>(),
-                      .chunks = json.at("chunks").get<std::uint64_t>(),
-                      .jobs = json.at("jobs").get<std::uint64_t>(),
-                      .threads = json.at("threads").get<std::uint64_t>(),
-                      .job_minutes = json.at("job_minutes").get<double>()};
+    auto plan = json.get<CampaignPlan>();
+    plan.folder = folder;
     return IsPlan(plan) ? std::optional(std::move(plan)) : std::nullopt;
   } catch (const Json::exception&) {
     return std::nullopt;

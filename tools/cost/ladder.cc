@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/smooth/smooth_motion.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/reproduce/thesis_model.h"
 
 namespace haptometer::tools {
@@ -24,63 +26,34 @@ constexpr double kProbeTolerance = 1e-6;
 constexpr std::string_view kProbeSetting = "1e-6";
 constexpr double kProbeS = 0.2;
 
-// the cells of a line; the ladders quote none
-std::vector<std::string_view> CellsOf(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return cells;
-}
-
-// the columns that a rung is made of
-struct Columns {
-  std::size_t scene = 0, method = 0, setting = 0, microseconds = 0, rms_error = 0, worst_error = 0;
-
-  static Columns Of(const std::vector<std::string_view>& header) {
-    const auto place = [&](std::string_view name) {
-      const auto found = std::ranges::find(header, name);
-      HAPTOMETER_CHECK(found != header.end(), "no column {}", name);
-      return static_cast<std::size_t>(found - header.begin());
-    };
-    return {place("scene"),        place("method"),    place("setting"),
-            place("microseconds"), place("rms_error"), place("worst_error")};
-  }
-};
-
-// a line of the table as a rung; nothing of the effects' rows, of a method that failed, and of runs
-// with other outputs
-std::optional<Rung> RungOf(const std::vector<std::string_view>& cells, const Columns& at) {
-  constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  const auto* const name = std::ranges::find(kNames, cells[at.scene]);
-  const auto rms_error = NumberFrom<double>(cells[at.rms_error]);
-  const auto microseconds = NumberFrom<double>(cells[at.microseconds]);
-  if (name == kNames.end() || !rms_error || !microseconds) return std::nullopt;
-  if (cells[at.setting].ends_with("outputs")) return std::nullopt;
-  return Rung{.scene_class = static_cast<SceneClass>(name - kNames.begin()),
-              .method = std::string(cells[at.method]),
-              .setting = std::string(cells[at.setting]),
-              .seconds = 1e-6 * *microseconds,
-              .rms_error = *rms_error,
-              .worst_error = NumberFrom<double>(cells[at.worst_error]).value_or(kUnknown)};
-}
-
+// The rungs of the shipped table; none of the effects' rows, of a method that failed, and of runs
+// with other outputs.
 std::vector<Rung> ReadRungs() {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
   std::vector<Rung> rungs;
-  std::optional<Columns> columns;
-  for (std::string_view rest = kSimulationLadders; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  std::vector<std::string> names;  // of the columns
+  std::istringstream table{std::string(kSimulationLadders)};
+  for (std::string line; std::getline(table, line);) {
     if (line.empty() || line.front() == '#') continue;
-    const auto cells = CellsOf(line);
-    if (!columns) {
-      columns = Columns::Of(cells);
-    } else if (const auto rung = RungOf(cells, *columns)) {
-      rungs.push_back(*rung);
+    const auto cells = cli::CellsOf(line);
+    if (names.empty()) {
+      names = cells;
+      continue;
     }
+    const auto cell = [&](std::string_view column) -> const std::string& {
+      return cells.at(static_cast<std::size_t>(std::ranges::find(names, column) - names.begin()));
+    };
+    const auto* const name = std::ranges::find(kNames, cell("scene"));
+    const auto rms_error = NumberFrom<double>(cell("rms_error"));
+    const auto microseconds = NumberFrom<double>(cell("microseconds"));
+    if (name == kNames.end() || !rms_error || !microseconds) continue;
+    if (cell("setting").ends_with("outputs")) continue;
+    rungs.push_back({.scene_class = static_cast<SceneClass>(name - kNames.begin()),
+                     .method = cell("method"),
+                     .setting = cell("setting"),
+                     .seconds = 1e-6 * *microseconds,
+                     .rms_error = *rms_error,
+                     .worst_error = NumberFrom<double>(cell("worst_error")).value_or(kUnknown)});
   }
   return rungs;
 }

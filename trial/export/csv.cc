@@ -50,7 +50,8 @@ std::string_view TimesWord(const Record& record) {
 }
 
 // metadata, time base, channels, and the line of column names
-std::string Head(const Record& record, StatusColumns status_columns) {
+std::string Head(const Record& record, const std::vector<std::string>& names,
+                 StatusColumns status_columns) {
   std::string head = CsvMetadataLines(record.metadata);
   head += CsvCommentLine("times", TimesWord(record));
   for (const Stretch& stretch : record.stretches) {
@@ -59,10 +60,10 @@ std::string Head(const Record& record, StatusColumns status_columns) {
                                stretch.rate_hz, stretch.time_uncertainty_s));
   }
   std::string columns = HasArrivalTimes(record) ? "time_s,arrival_s" : "time_s";
-  const std::vector<std::string> names = CsvColumnNames(record.channels);
   for (std::size_t c = 0; c < names.size(); ++c) {
     // the names of these columns have no unit
-    const bool has_own_unit = names[c].starts_with("channel_") || names[c].starts_with("trig");
+    const bool has_own_unit = record.channels[c].role == ChannelRole::kOther ||
+                              names[c].starts_with("channel_") || names[c].starts_with("trig");
     head += ChannelLines(record.channels[c], c + 1, has_own_unit);
     columns += "," + names[c];
   }
@@ -114,11 +115,12 @@ Result<void> WriteInPieces(std::string bytes, std::size_t rows,
   return sink(bytes);
 }
 
-Result<void> WriteCsv(const Record& record, const PieceSink& sink) {
+Result<void> WriteCsv(const Record& record, const PieceSink& sink, std::vector<std::string> names) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
+  if (names.empty()) names = CsvColumnNames(record.channels);
   const StatusColumns status_columns = StatusColumnsOf(record);
   return WriteInPieces(
-      Head(record, status_columns), record.rows,
+      Head(record, names, status_columns), record.rows,
       [&](std::size_t row, std::string* text) { AppendRow(record, row, status_columns, text); },
       sink);
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "trial/hdf5_id.h"
@@ -41,8 +42,10 @@ using FindingSayer = std::function<std::string(const Finding&)>;
 /// a channel in SI units, and a status column where any value is not ok.
 ///
 /// Numbers are printed with the fewest digits that give the same double back. Values without a
-/// measurement are empty cells, their status says why.
-[[nodiscard]] Result<void> WriteCsv(const Record& record, const PieceSink& sink);
+/// measurement are empty cells, their status says why. `names`: of the channels' columns; empty:
+/// CsvColumnNames.
+[[nodiscard]] Result<void> WriteCsv(const Record& record, const PieceSink& sink,
+                                    std::vector<std::string> names = {});
 
 /// Writes `record` as one NumPy array with named fields: `numpy.load(f)["displacement_m"]`.
 ///
