@@ -23,6 +23,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::size_t kBlock = PhasorBlocks::kBlock;
 constexpr int kMostMultiples = 10;
+constexpr std::array<double, 4> kNoiseBins{10, 12, 14, 16};
 constexpr std::size_t kMostForStep = 1 << 16;  // samples that the converter's step is found from
 
 // tapered windows of one length, each beginning half of it after the one before
@@ -81,7 +82,7 @@ Result<double> LargestOfRounding(const BandSignal& signal, const Windows& window
   // noise beside the line: the median of powers that have an exponential distribution is ln 2 of
   // their mean, 4 s^2 sum w^2 / (sum w)^2 of white noise s
   std::vector<double> powers;
-  for (const double bins : {10, 12, 14, 16}) {
+  for (const double bins : kNoiseBins) {
     const double away_hz = bins * windows.rate_hz / static_cast<double>(windows.length());
     for (std::size_t k = 0; k < windows.count(); ++k) {
       powers.push_back(std::norm(windows.Demodulated(k, frequency_hz - away_hz)));
