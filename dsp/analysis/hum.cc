@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <utility>
 
-#include "base/median.h"
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/decision_limits.h"
 #include "dsp/analysis/drive_states.h"
-#include "dsp/readings/digitisation.h"
 #include "dsp/spectrum/sine_fit.h"
 
 namespace haptometer::dsp {
@@ -23,8 +19,6 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::size_t kBlock = PhasorBlocks::kBlock;
 constexpr int kMostMultiples = 10;
-constexpr std::array<double, 4> kNoiseBins{10, 12, 14, 16};
-constexpr std::size_t kMostForStep = 1 << 16;  // samples that the converter's step is found from
 
 // tapered windows of one length, each beginning half of it after the one before
 struct Windows {
@@ -64,38 +58,7 @@ struct Windows {
     }
     return 2.0 * sum / weight_sum;
   }
-
-  // noise in window k, `away_hz` on either side of a line
-  [[nodiscard]] double NoiseBeside(std::size_t k, double frequency_hz, double away_hz) const {
-    return std::min(std::abs(Demodulated(k, frequency_hz - away_hz)),
-                    std::abs(Demodulated(k, frequency_hz + away_hz)));
-  }
 };
-
-// The amplitude that rounding gives a line at most: all its power, q^2/12, in one sine. 0 where
-// noise of half a step, of which the rounding is a part, smooths the steps.
-Result<double> LargestOfRounding(const BandSignal& signal, const Windows& windows,
-                                 double frequency_hz) {
-  std::vector<double> samples(std::min(signal.size(), kMostForStep));
-  HAPTOMETER_TRY(signal.samples().ReadMeasured((signal.size() - samples.size()) / 2, samples));
-  const double step = StepOf(samples);
-  // noise beside the line: the median of powers that have an exponential distribution is ln 2 of
-  // their mean, 4 s^2 sum w^2 / (sum w)^2 of white noise s
-  std::vector<double> powers;
-  for (const double bins : kNoiseBins) {
-    const double away_hz = bins * windows.rate_hz / static_cast<double>(windows.length());
-    for (std::size_t k = 0; k < windows.count(); ++k) {
-      powers.push_back(std::norm(windows.Demodulated(k, frequency_hz - away_hz)));
-      powers.push_back(std::norm(windows.Demodulated(k, frequency_hz + away_hz)));
-    }
-  }
-  const double squares = std::transform_reduce(windows.weights.begin(), windows.weights.end(), 0.0,
-                                               std::plus{}, [](double w) { return w * w; });
-  const double white = std::sqrt(UpperMedian(std::move(powers)) / std::numbers::ln2 / squares *
-                                 signal.rate_hz() / windows.rate_hz) *
-                       windows.weight_sum / 2;
-  return white > step / 2 ? 0.0 : step / std::sqrt(6.0);
-}
 
 // whether a line is there in every short window, but for its noise
 bool IsSteady(const Windows& windows, double frequency_hz, const std::complex<double>& mean) {
@@ -106,7 +69,8 @@ bool IsSteady(const Windows& windows, double frequency_hz, const std::complex<do
       std::min(windows.length(), static_cast<std::size_t>(short_s * windows.rate_hz)));
   const double away_hz = kReachBins * windows.rate_hz / static_cast<double>(shorter.length());
   for (std::size_t k = 0; k < shorter.count(); ++k) {
-    const double noise = shorter.NoiseBeside(k, frequency_hz, away_hz);
+    const double noise = std::min(std::abs(shorter.Demodulated(k, frequency_hz - away_hz)),
+                                  std::abs(shorter.Demodulated(k, frequency_hz + away_hz)));
     const double off = std::abs(shorter.Demodulated(k, frequency_hz) - mean);
     if (off > kSteadyWithin * std::abs(mean) + kFalseAlarmDeviations * noise) return false;
   }
@@ -134,7 +98,8 @@ std::optional<SteadyLine> LineNear(const Windows& windows, double frequency_hz, 
   double noise = 0;
   const double away_hz = 2 * kReachBins * windows.rate_hz / static_cast<double>(windows.length());
   for (std::size_t k = 0; k < windows.count(); ++k) {
-    noise += windows.NoiseBeside(k, exact_hz, away_hz);
+    noise += std::min(std::abs(windows.Demodulated(k, exact_hz - away_hz)),
+                      std::abs(windows.Demodulated(k, exact_hz + away_hz)));
     if (std::abs(mean) <= kClearUncertainties * noise / static_cast<double>(windows.count()))
       return std::nullopt;
   }
@@ -178,16 +143,12 @@ Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal, const BandPass
     const double tolerance_hz = kMainsPart * kMainsHz.front();
     const auto fundamental = LineNear(windows, mains_hz, tolerance_hz);
     if (!fundamental) continue;
-    HAPTOMETER_LET(const double least_m,
-                   LargestOfRounding(signal, windows, fundamental->frequency_hz));
-    if (fundamental->amplitude_m() <= least_m) continue;
     lines.push_back(*fundamental);
     for (int order = 2; order <= kMostMultiples; ++order) {
       const double at_hz = order * fundamental->frequency_hz;
       if (at_hz > band.upper_hz) break;
       const auto line = LineNear(windows, at_hz, order * tolerance_hz);
-      if (!line || line->amplitude_m() <= least_m) continue;
-      if (line->amplitude_m() <= fundamental->amplitude_m()) lines.push_back(*line);
+      if (line && line->amplitude_m() <= fundamental->amplitude_m()) lines.push_back(*line);
     }
     return lines;
   }

@@ -44,9 +44,7 @@ void SubtractLines(std::span<const SteadyLine> lines, double rate_hz, double fir
 /// segment) lies within half of |z| and its own noise of it: a drive that is switched does not. A
 /// drive within 16 Hz, or 64 divided by the duration, reaches the short windows: hum there is not
 /// claimed. A multiple must not exceed the fundamental: a drive at 100 Hz beside weak hum is no
-/// hum. Lines of up to q / sqrt(6), all the power of rounding to steps q, are no hum where noise
-/// does not smooth the steps: a drive whose period is a few samples has them at multiples of 50 Hz.
-/// Where `stated_hz`, the drive's known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that
+/// hum. Where `stated_hz`, the drive's known frequency, is a multiple of 50 or 60 Hz to 1 Hz, that
 /// mains is not sought. Below 1 s, and beyond 2^21 values, nothing is sought. Errors: as
 /// BandSignal::Read. Cost: 20 flops a value and line.
 [[nodiscard]] Result<std::vector<SteadyLine>> FindHum(const BandSignal& signal,

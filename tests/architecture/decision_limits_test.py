@@ -34,7 +34,7 @@ SIZES = {
     "band_noise.cc": {"kFootFrom", "kSteps", "kFolded", "kLeastSamples", "kRatePerUpper"},
     "band_signal.cc": {"kMostKept", "kThinnedAtOnce", "kLongestCellS", "kMostCells"},
     "drive_states.cc": {"kRatePerUpper", "kMostValues", "kMostInFrames", "kLeastSamples"},
-    "hum.cc": {"kMostMultiples", "kBlock", "kMostForStep"},
+    "hum.cc": {"kMostMultiples", "kBlock"},
     "record_facts.cc": {"kLeastBlock", "kMostBlocks", "kMost", "kSteps"},
     "sensor_gain.cc": {"kGridSteps"},
     "sweep_analysis.cc": {"kMostSamples"},
@@ -45,7 +45,6 @@ SIZES = {
 # sizes of an estimate: what they cost is in its standard uncertainty or its bound
 ESTIMATES = {
     "band_noise.cc": {"kBinsOnASide", "kBinsOfPart", "kPartRatio"},
-    "hum.cc": {"kNoiseBins"},
     "sweep_analysis.cc": {"kLongestSegmentS", "kSegmentsInRecord"},
 }
 # numbers in expressions beside these, with their reason
@@ -57,7 +56,6 @@ LITERALS = {
     # quantiles for the largest level and the least residual; parameters of a change, and their sums; a block that
     # is longer by less serves as well
     "drive_states.cc": {"0.95", "0.25", "5", "1.2", "1e-12", "1e-300"},
-    "hum.cc": {"6"},  # a sine of all the power q^2/12 of rounding
     "record_facts.cc": {"0.25"},  # steps of a bin
     "rms_estimate.cc": {"0.04", "0.025", "0.05"},  # tails of 95 %
     "sensor_gain.cc": {"1e+06"},

@@ -70,6 +70,7 @@ def packed(folder, archive):
             file.extractall(unpacked)
             subprocess.run(["sha256sum", "--quiet", "--strict", "-c", "SHA256SUMS"], cwd=unpacked, check=True)
     content = read(archive)
+    check("name another file" in run("session", "pack", folder, "-o", "x" * 300 + ".zip", status=2).stderr, "too long")
     check("never replaced" in run("session", "pack", folder, "-o", archive, status=2).stderr, "it is not replaced")
     check(read(archive) == content, "and stays as it is")
     check("lies in the folder" in run("session", "pack", folder, "-o", f"{folder}/a.zip", status=2).stderr, "inside")

@@ -85,6 +85,9 @@ TEST_F(FitSkinFiles, AnAreaInSquareMetresIsThatInSquareMillimetres) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return json::parse(outcome.out).at("contacts");
   };
+  const std::string in_cm2 = "contact_area_cm2" + in_m2.substr(in_m2.find(','));
+  EXPECT_THAT(FitSkin(With({File("areas.csv", in_cm2)})).err,
+              HasSubstr("has a column contact_area_cm2, whose unit is not known"));
   const json read = contacts(in_m2);
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read, contacts(in_mm2));

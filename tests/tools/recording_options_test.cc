@@ -226,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongPlan{{.shots = 2}, "stream", "--shots: is part of a trigger"},
         WrongPlan{{.trigger = "rising 1mm", .shots = 2}, "stream", "needs an end for each shot"},
         WrongPlan{{.reconnect = "often"}, "stream", "--reconnect"},
-        WrongPlan{{.reconnect = "0s"}, "stream", "--reconnect: must be above 0"},
+        WrongPlan{{.reconnect = "0s"}, "stream", "--reconnect: must be an exact time, above 0"},
         WrongPlan{{.reconnect = "1s"}, "replay", "a replay cannot come back"},
         WrongPlan{{.reconnect = "1s"}, "pipe", "a pipe cannot come back"},
         WrongPlan{{.reconnect = "1s"}, "scene:x.toml", "a scene cannot come back"},

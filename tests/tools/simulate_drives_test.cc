@@ -306,7 +306,8 @@ TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
   expect(Simulate({scene, "--waveforms", Path("w.txt")}), "use .csv, .h5 or .bin");
   expect(Simulate({scene, "--plot", Path("w.txt")}), "w.txt");
   expect(Simulate({scene, "--rate", "1kHz"}), "add --waveforms FILE");
-  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}), "0 Hz is not a rate");
+  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}),
+         "--rate: '0Hz' is not above 0");
   expect(Simulate({scene, "--rate", "1MHz", "--duration", "10s", "--waveforms", Path("w.csv")}),
          "10 s at 1e+06 Hz are 1e+07 rows; give a --duration or --rate for 1 to 2e+06");
   std::ofstream(Path("kept.csv")) << "the only copy";

@@ -247,7 +247,8 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   };
   expect(Simulate({"/no/such.toml"}), 3, "haptometer simulate: /no/such.toml: no such file");
-  expect(Simulate({cone, "--duration", "-1s"}), 2, "--duration: -1 s is not between 0 and 1e6 s");
+  expect(Simulate({cone, "--duration", "-1s"}), 2,
+         "--duration: '-1s' is not above 0 and at most 1000000 s");
   expect(Simulate({cone, "--duraton", "1s"}), 2, "did you mean --duration?");
   expect(Simulate({Scene("[effects]\ntremor = true\n")}), 2, "tremor: needs [tremor]");
   // options of another option that is not there

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/quantity.h"
 #include "tools/acquire/advise.h"
 #include "tools/cli/options.h"
 #include "tools/document/document.h"

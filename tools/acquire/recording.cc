@@ -21,11 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kShortestTimeS = 1e-9;  // the resolution of the clock
+constexpr cli::Bounds kTimes{.least = 0, .most = kLongestTimeS, .is_above = true};
+
+// a time above 0 in ns, one at least
+MonotonicNs NsOf(double time_s) { return std::max<MonotonicNs>(NsFromSeconds(time_s), 1); }
 
 // --duration and --samples become limits; --until stays a wall time until the recording begins
 Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingPlan& plan) {
-  if (wanted.duration_s) plan.limits.duration_ns = NsFromSeconds(*wanted.duration_s);
+  if (wanted.duration_s) plan.limits.duration_ns = NsOf(*wanted.duration_s);
   if (wanted.samples) plan.limits.readings = static_cast<std::uint64_t>(*wanted.samples);
   if (wanted.until.empty()) return {};
   HAPTOMETER_LET(plan.until, ParseUntil(wanted.until, now));
@@ -51,7 +54,7 @@ Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
   acquire::TriggerSetup& setup = plan.trigger->setup;
   setup.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
   setup.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
-  if (wanted.hold_off_s) setup.hold_off_ns = NsFromSeconds(*wanted.hold_off_s);
+  if (wanted.hold_off_s) setup.hold_off_ns = NsOf(*wanted.hold_off_s);
   return {};
 }
 
@@ -70,11 +73,11 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
   if (wanted.reconnect == "forever") return {};
   HAPTOMETER_LET(const auto quantity,
                  ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect"));
-  if (!(quantity.value >= kShortestTimeS && quantity.value <= kLongestTimeS)) {
-    return Usage("--reconnect", "must be above 0 and at most 30 years",
+  if (!(quantity.exact() && quantity.value > 0 && quantity.value <= kLongestTimeS)) {
+    return Usage("--reconnect", "must be an exact time, above 0 and at most 30 years",
                  "write e.g. 10s, or forever");
   }
-  plan.longest_away_ns = NsFromSeconds(quantity.value);
+  plan.longest_away_ns = NsOf(quantity.value);
   return {};
 }
 
@@ -187,8 +190,7 @@ Result<void> CheckAlone(const AcquireOptions& wanted) {
 void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
   options.Output("-o,--output", &wanted.output, "FILE|DIR/",
                  "The trial to write; a directory names it by start, sensor and labels");
-  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
-                 cli::Within(kShortestTimeS, kLongestTimeS),
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime, kTimes,
                  "Stop after this time, with a trigger after this time of each shot");
   options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
                 "Stop after this many readings, with a trigger after this many of each shot");
@@ -199,8 +201,7 @@ void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
                "rising or falling");
   options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
                 "Number of readings stored from before each trigger", cli::Shown::kHelpAll);
-  options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
-                 cli::Within(kShortestTimeS, kLongestTimeS),
+  options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime, kTimes,
                  "Least time from one trigger to the next", cli::Shown::kHelpAll);
   options
       .Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53, "Number of triggers to record",

@@ -12,7 +12,6 @@
 #include "acquire/sensor/sensor.h"
 #include "base/band.h"
 #include "base/error.h"
-#include "base/quantity.h"
 #include "dsp/filter/butterworth.h"
 #include "tools/acquire/advise_document.h"
 #include "tools/acquire/sensor_options.h"

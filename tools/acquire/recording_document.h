@@ -10,7 +10,6 @@
 #include "acquire/recorder/recorder.h"
 #include "acquire/transport/port_list.h"
 #include "base/error.h"
-#include "base/quantity.h"
 #include "tools/document/document.h"
 #include "tools/document/keys.h"
 #include "trial/trial_format.h"
@@ -52,7 +51,7 @@ struct TimeBaseReview {
 [[nodiscard]] document::Document PortsDocument(const std::vector<acquire::PortInfo>& ports);
 
 /// What is asked of the sensors, from `--band` and `--resolution`. Errors (Cause::kUsage): a band
-/// that is none, a resolution that is not above 0.
+/// that is none.
 [[nodiscard]] Result<acquire::CapabilityQuestion> ReadCapabilityQuestion(
     const std::string& band, std::optional<double> resolution_m);
 

@@ -37,6 +37,11 @@ constexpr std::array<SensorKind, 8> kKinds{{
     {.type = SensorType::kScene, .name = kScenePrefix, .is_played = true, .ends_by_itself = true},
 }};
 
+constexpr double kLongestPeriodS = 3600;
+constexpr std::string_view kNoPeriod = "must be above 0, and an hour at most";
+
+bool IsPeriod(double period_s) { return period_s > 0 && period_s <= kLongestPeriodS; }
+
 // all names for a message: "keyence-en1, ..., stream, scene:FILE"
 std::string SensorNames() {
   std::string names;
@@ -70,7 +75,7 @@ Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind)
        "leave it out: other sensors report it, or state it in their file"},
       {wanted.averages.value_or(1) > 1 && !wanted.sampling_s, "--sampling",
        "is missing: the period of the samples that are averaged", "give it, e.g. --sampling 1ms"},
-      {wanted.sampling_s && !(*wanted.sampling_s > 0), "--sampling", "must be above 0",
+      {wanted.sampling_s && !IsPeriod(*wanted.sampling_s), "--sampling", kNoPeriod,
        "write e.g. 0.33ms"},
       // a rate is either that of samples without times, or a limit of polling
       {wanted.rate_hz && !is_pipe && !kind.is_asked, "--rate",
@@ -116,8 +121,7 @@ Result<void> CheckPresence(const SensorOptions& wanted, const SensorKind& kind) 
       // a pipe may be standard input, so its --port is not required
       {wanted.port.empty() && !is_pipe && !wanted.is_scene(), "--port", "is missing",
        "name the sensor's port, e.g. --port /dev/ttyUSB0"},
-      {wanted.refresh_s && !(*wanted.refresh_s > 0), "--refresh", "must be above 0",
-       "write e.g. 7ms"},
+      {wanted.refresh_s && !IsPeriod(*wanted.refresh_s), "--refresh", kNoPeriod, "write e.g. 7ms"},
   });
 }
 

@@ -10,7 +10,6 @@
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "base/quantity.h"
 #include "tools/cli/options.h"
 
 namespace haptometer::tools {

@@ -7,7 +7,6 @@
 
 #include "base/band.h"
 #include "base/error.h"
-#include "base/quantity.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"

@@ -99,9 +99,11 @@ std::string BoundsText(const Option& option) {
       option.kind == Option::Kind::kCount ? bounds.most <= kMostExact : std::isfinite(bounds.most);
   const auto [least, most] = EndTexts(option);
   // a closed end is "from" or "to", an open one "above" or "below"
+  if (has_least && has_most && bounds.is_above) {
+    return fmt::format("above {} and {} {}", least, bounds.is_below ? "below" : "at most", most);
+  }
   if (has_least && has_most) {
-    return fmt::format("{} {} to {}{}", bounds.is_above ? "above" : "from", least,
-                       bounds.is_below ? "below " : "", most);
+    return fmt::format("from {} to {}{}", least, bounds.is_below ? "below " : "", most);
   }
   if (has_least) return (bounds.is_above ? "above " : "at least ") + least;
   if (has_most) return (bounds.is_below ? "below " : "at most ") + most;
@@ -589,8 +591,13 @@ Option& Options::Range(std::string_view name, double* low, double* high, Dimensi
   const auto read = [option, low, high](const std::string& text) {
     // LOW:HIGH, or one number for both
     const std::size_t colon = text.find(':');
-    *low = *high = ReadNumber(option, text.substr(0, colon)).value;
-    if (colon != std::string::npos) *high = ReadNumber(option, text.substr(colon + 1)).value;
+    const auto end = [&](const std::string& word) {
+      const Quantity quantity = ReadNumber(option, word);
+      ThrowWhereWrong(CheckExact(option.name, quantity));
+      return quantity.value;
+    };
+    *low = *high = end(text.substr(0, colon));
+    if (colon != std::string::npos) *high = end(text.substr(colon + 1));
     if (*low <= *high) return;
     throw Refused{{Cause::kUsage, option.name,
                    fmt::format("the lower end of '{}' lies above the upper one", text),

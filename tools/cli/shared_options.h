@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/quantity.h"
 #include "dsp/analysis/band_question.h"
 #include "tools/cli/options.h"
 #include "trial/import/import_options.h"

@@ -183,7 +183,10 @@ struct ReadInto {
     options.*key.field = *count;
   }
   void operator()(const QuantityKey& key) const {
-    if (table.Has(name)) options.*key.field = table.RequireQuantity(name, key.dimension).value;
+    if (!table.Has(name)) return;
+    const Quantity given = table.RequireQuantity(name, key.dimension);
+    if (!given.exact()) table.Refuse(name, "has an uncertainty, which is not used here");
+    options.*key.field = given.value;
   }
 };
 

@@ -10,7 +10,7 @@ Sentence SentenceOf(dsp::FindingKind kind) {
   static constexpr KindSentence<dsp::FindingKind> kSentences[] = {
       // readings
       {kExcluded, "readings-excluded",
-       "{excluded} of {readings} readings are excluded ({statuses})"},
+       "{excluded} of {readings} readings are missing or no measurement ({statuses})"},
       {kRepeated, "readings-repeated",
        "{repeated} of {readings} readings are repeated: the sensor had no new value"},
       {kInterpolated, "readings-interpolated",
@@ -180,8 +180,7 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "window in all, the first at {from_s}"},
       {kOtherDrive, "other-drive",
        "the tone is at {frequency_hz}, and a drive of {expected_hz} is stated: check the "
-       "generator, "
-       "or correct what states it (the file's header, --drive-frequency)"},
+       "generator, or correct what states it (the file's header, --drive-frequency)"},
       // the requested or chosen window
       {kWindowOutside, "window-outside",
        "the window {from_s} to {to_s} lies outside of the record, {record_from_s} to "

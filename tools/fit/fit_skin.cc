@@ -134,6 +134,12 @@ Result<Columns> ReadColumns(const TextTable& table) {
                                           "its header needs the column frequency_hz"));
   columns.frequencies_hz = std::move(frequency);
   HAPTOMETER_LET(columns.areas_mm2, FindColumn(table, kArea));
+  // without its unit each contact would be taken for the same
+  for (const auto& [name, cells] : table.columns) {
+    if (columns.areas_mm2 || !name.contains("area")) continue;
+    return CannotAnswer(table.name, fmt::format("has a column {}, whose unit is not known", name),
+                        "name it contact_area_mm2 or contact_area_m2");
+  }
   // a response table has its drive and phase in its own columns
   HAPTOMETER_LET(const auto is_response, ReadResponse(table, &columns));
   if (is_response) return columns;

@@ -201,7 +201,8 @@ Result<void> CheckTarget(const std::string& out, const fs::path& folder) {
     return Usage(out, "already exists", "name another file: an archive is never replaced");
   }
   const fs::path whole = fs::weakly_canonical(fs::absolute(out, error), error);
-  const std::string inside = error ? "" : whole.lexically_relative(folder).string();
+  if (error) return Usage(out, "cannot be a file: " + error.message(), "name another file");
+  const std::string inside = whole.lexically_relative(folder);
   if (!inside.empty() && !inside.starts_with("..")) {
     return Usage(out, "lies in the folder that is packed", "name a file beside it");
   }

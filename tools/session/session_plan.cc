@@ -188,7 +188,10 @@ Result<void> CheckPlan(const SessionPlan& plan, const std::string& where) {
     if (ReadFolderFile(file)) continue;
     return Usage(where + ": files_before", fmt::format("'{}' is no file with its size", file));
   }
-  HAPTOMETER_TRY(CheckContrasts(plan.contrasts, plan.conditions));
+  if (const auto checked = CheckContrasts(plan.contrasts, plan.conditions); !checked) {
+    const Error& error = checked.error();
+    return Usage(fmt::format("{}: contrasts: {}", where, error.where), error.what, error.remedy);
+  }
   const bool has_frequency = !plan.drive_frequency_hz || *plan.drive_frequency_hz > 0;
   const bool has_amplitude = !plan.drive_amplitude_v || *plan.drive_amplitude_v > 0;
   if (!has_frequency || !has_amplitude) return Usage(where + ": drive", "is not above 0");

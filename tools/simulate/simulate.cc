@@ -54,7 +54,8 @@ struct SimulateOptions {
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
-  options.Number("--duration", &wanted.duration_s, Dimension::kTime, {},
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+                 {.least = 0, .most = sim::kLongestRunS, .is_above = true},
                  "Length of the run; overrides [run] duration_s");
   options.Flag(
       "--explain", &wanted.explain,
@@ -68,7 +69,7 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Output("--waveforms", &wanted.waveforms, "FILE.csv|h5|bin",
                  "Write the exact motion, voltage, current and force over time");
   options
-      .Number("--rate", &wanted.rate_hz, Dimension::kFrequency, {},
+      .Number("--rate", &wanted.rate_hz, Dimension::kFrequency, cli::Above(0),
               "Rows per second of --waveforms")
       .Default("64 in the shortest period");
   options.Flag("--all", &wanted.outputs.all, "Print the whole run and the method too");
@@ -137,13 +138,7 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
     scene.quantity = static_cast<sim::AskedQuantity>(place - sim::kAskedQuantityNames.begin());
   }
   scene.tolerance = wanted.accuracy.Asked().value_or(scene.tolerance);
-  if (!wanted.duration_s) return scene;
-  const double duration_s = *wanted.duration_s;
-  if (!(duration_s > 0 && duration_s <= sim::kLongestRunS)) {
-    return Usage("--duration", fmt::format("{:g} s is not between 0 and 1e6 s", duration_s),
-                 "give the length of the run");
-  }
-  scene.duration_s = duration_s;
+  if (wanted.duration_s) scene.duration_s = wanted.duration_s;
   return scene;
 }
 
@@ -207,7 +202,6 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   if (!wanted.output.empty()) {
     HAPTOMETER_TRY(cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite));
   }
-  const double rate_hz = wanted.rate_hz.value_or(1);
   const document::Outputs& outputs = wanted.outputs;
   const bool writes = !wanted.output.empty() || !wanted.waveforms.empty() ||
                       !outputs.plot.empty() || !outputs.report.empty();
@@ -219,8 +213,6 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
        "add -o FILE or --waveforms FILE"},
       {wanted.rate_hz && wanted.waveforms.empty(), "--rate",
        "applies to --waveforms only, which is not given", "add --waveforms FILE"},
-      {!(rate_hz > 0), "--rate", fmt::format("{:g} Hz is not a rate", rate_hz),
-       "give rows per second"},
   }));
   if (wanted.waveforms.empty()) return {};
   return CheckWaveformPath(wanted.waveforms, wanted.overwrite);

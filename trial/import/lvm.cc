@@ -475,6 +475,7 @@ class Parser {
     HAPTOMETER_TRY(CheckRate(name_, options_, record_));
     LeaveOutRows(left_out_, &record_);
     for (const auto& [row, comment] : comments_) {
+      if (std::ranges::binary_search(left_out_, row)) continue;
       const auto before = std::ranges::lower_bound(left_out_, row) - left_out_.begin();
       record_.metadata.notes.push_back(
           fmt::format("row {}: {}", row - static_cast<std::size_t>(before), comment));

@@ -238,24 +238,6 @@ TEST(FindHum, AMultipleIsNoStrongerThanTheFundamental) {
   }
 }
 
-// A drive at 150 Hz is sampled at 40 phases alone: its rounding repeats 50 times a second.
-TEST(FindHum, RoundingOfADriveIsNone) {
-  const auto rounded = [](double hum_m, double noise_m, int seed) {
-    std::vector<double> values =
-        Samples(kRateHz, 8000, 0.03, {{4e-6, 150, 0.1 * seed}, {hum_m, 50.02, 0.4}});
-    Noise noise(static_cast<std::uint64_t>(seed));
-    for (double& value : values) value = 1e-6 * std::round((value + noise_m * noise()) / 1e-6);
-    return HumIn(std::move(values));
-  };
-  for (int seed = 1; seed <= 20; ++seed) {
-    EXPECT_TRUE(rounded(0, 0, seed).empty()) << seed;
-    EXPECT_TRUE(rounded(0, 0.05e-6, seed).empty()) << seed;
-    // above all that rounding may be (0.41 um), and below it where noise smooths the steps
-    EXPECT_FALSE(rounded(0.6e-6, 0.05e-6, seed).empty()) << seed;
-    EXPECT_FALSE(rounded(0.39e-6, 0.7e-6, seed).empty()) << seed;
-  }
-}
-
 // Multiples up to the tenth, and up to the end of the band.
 TEST(FindHum, SeeksMultiplesUpToTheBandsEnd) {
   std::vector<Sine> hum;

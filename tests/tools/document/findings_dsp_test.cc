@@ -28,7 +28,7 @@ const std::vector<Case> kCases{
     {kExcluded,
      {{"excluded", 130}, {"readings", 4000}, {"statuses", "over 30, late 100"s}},
      "readings-excluded",
-     "130 of 4000 readings are excluded (over 30, late 100)"},
+     "130 of 4000 readings are missing or no measurement (over 30, late 100)"},
     {kRepeated,
      {{"repeated", 20}, {"readings", 4000}},
      "readings-repeated",

@@ -159,8 +159,10 @@ TEST(SessionPlan, ImpossiblePlansAreRefusedInOneLine) {
   EXPECT_NE(refused([](SessionPlan& plan) { plan.source.clear(); }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.expect = "tone"; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c9"}}; }), "");
-  EXPECT_EQ(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c2"}, {"c1", "c2"}}; }),
-            "c1 against c2: is a pair of conditions that is planned twice; write each pair once");
+  EXPECT_EQ(
+      refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c2"}, {"c1", "c2"}}; }),
+      "p: contrasts: c1 against c2: is a pair of conditions that is planned twice; write each "
+      "pair once");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.contrasts = {{"c1", "c2"}, {"c2", "c1"}}; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) { plan.drive_frequency_hz = 0; }), "");
   EXPECT_NE(refused([](SessionPlan& plan) {
