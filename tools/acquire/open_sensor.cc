@@ -36,7 +36,7 @@ constexpr int kDefaultStreamBaud = 921600;
 trial::Averaging AveragingOf(const SensorOptions& wanted) {
   trial::Averaging averaging;
   if (wanted.averages) averaging.averages = static_cast<int>(*wanted.averages);
-  if (wanted.sampling_s) averaging.sampling_s = *wanted.sampling_s;
+  averaging.sampling_s = wanted.sampling_s;
   return averaging;
 }
 
@@ -61,7 +61,7 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
   }
   HAPTOMETER_LET(auto port, acquire::OpenModbusPort(wanted.port, profile.wire));
   acquire::ModbusSetup setup{.profile = std::move(profile)};
-  if (wanted.rate_hz) setup.rate_hz = *wanted.rate_hz;
+  setup.rate_hz = wanted.rate_hz;
   return std::make_unique<acquire::ModbusSensor>(std::move(port), std::move(setup), clock);
 }
 
