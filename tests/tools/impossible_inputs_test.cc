@@ -53,6 +53,29 @@ TEST_F(ImpossibleInputs, InOptions) {
   Refused(RunTune, "tune", {kAdapter, "--springs", "1e-300"});
 }
 
+TEST_F(ImpossibleInputs, BeyondTheRangesOfOptions) {
+  for (const auto& [option, value] :
+       {std::pair("--duration", "0s"), std::pair("--duration", "-1s"),
+        std::pair("--duration", "1e10s"), std::pair("--hold-off", "0s"),
+        std::pair("--smallest-rms", "-1um"), std::pair("--resolution", "0um")}) {
+    Refused(RunAcquire, "acquire", {"--port", "p", std::string(option) + "=" + value},
+            "is not above 0");
+  }
+  Refused(RunAcquire, "acquire", {"--port", "p", "--sensor", "keyence-il", "--refresh", "1e12s"},
+          "--refresh: must be above 0, and an hour at most");
+  Refused(RunAnalyze, "analyze", {kImpulse, "--drive-frequency", "0Hz"}, "is not above 0");
+  Refused(RunAnalyze, "analyze", {kImpulse, "--overlap", "0.96"}, "is not from 0 to 0.95");
+}
+
+TEST_F(ImpossibleInputs, UncertaintiesThatNothingUses) {
+  const std::string unused = "has an uncertainty, which is not used here";
+  Refused(RunAcquire, "acquire", {"--port", "p", "--duration", "1s+-0.1s"}, unused);
+  Refused(RunAnalyze, "analyze", {kImpulse, "--drive-frequency", "225Hz+-1Hz"}, unused);
+  Refused(RunEmulate, "emulate", {"--scene", kAdapter, "--duration", "1s+-0.1s"}, unused);
+  Refused(RunSimulate, "simulate", {kAdapter, "--duration", "1s+-0.1s"}, unused);
+  Refused(RunTune, "tune", {kAdapter, "--stiffness", "5e3N/m+-1N/m:9e3N/m"}, unused);
+}
+
 TEST_F(ImpossibleInputs, InFiles) {
   const std::string actuator =
       File("a.toml",

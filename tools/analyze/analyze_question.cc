@@ -174,7 +174,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
                                                                     "--calibration-uncertainty"));
     question.gain_uncertainty = relative;
   }
-  if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz;
+  question.drive_frequency_hz = words.drive_frequency_hz;
   HAPTOMETER_TRY(TakeWindow(words.window, question));
   return question;
 }

@@ -151,7 +151,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
 Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   const bool has_buffer = !wanted.stream() && wanted.protocol != kLkg;
   const std::string without = fmt::format("leave it out with --protocol {}", wanted.protocol);
-  HAPTOMETER_TRY(cli::CheckRules({
+  return cli::CheckRules({
       {options.json(), "--json", "emulate has no document to print", "read its line 'ready PATH'"},
       {wanted.scene.empty() == wanted.trial.empty(), "", "what to play is not clear",
        "give one of --scene FILE and --trial FILE"},
@@ -171,8 +171,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
        "--analog", "is the output of an IL amplifier", without},
       {!wanted.stream() && !wanted.format.empty(), "--format",
        "is for lines that are sent without request", "add --protocol stream"},
-  }));
-  return {};
+  });
 }
 
 // The head in front of a played scene: its motion and, where the scene's sensor is of this

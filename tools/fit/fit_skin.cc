@@ -134,10 +134,12 @@ Result<Columns> ReadColumns(const TextTable& table) {
                                           "its header needs the column frequency_hz"));
   columns.frequencies_hz = std::move(frequency);
   HAPTOMETER_LET(columns.areas_mm2, FindColumn(table, kArea));
-  // without its unit each contact would be taken for the same
-  for (const auto& [name, cells] : table.columns) {
-    if (columns.areas_mm2 || !name.contains("area")) continue;
-    return CannotAnswer(table.name, fmt::format("has a column {}, whose unit is not known", name),
+  // all rows would be one contact where their areas are not read
+  const auto area = std::ranges::find_if(
+      table.columns, [](const auto& column) { return column.first.contains("area"); });
+  if (!columns.areas_mm2 && area != table.columns.end()) {
+    return CannotAnswer(table.name,
+                        fmt::format("has a column {}, whose unit is not known", area->first),
                         "name it contact_area_mm2 or contact_area_m2");
   }
   // a response table has its drive and phase in its own columns
