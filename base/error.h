@@ -13,18 +13,27 @@ namespace haptometer::internal {
 [[noreturn]] void CheckFailed(const char* file, int line, const char* expression,
                               const std::string& detail);
 
+/// The same with the detail as a format and its values. Out of line and by value, so that a check
+/// that holds costs a comparison: no text is made, and no number has to be in memory.
+template <typename... Values>
+[[noreturn, gnu::cold, gnu::noinline]] void CheckFailedWith(const char* file, int line,
+                                                            const char* expression,
+                                                            fmt::format_string<Values...> format,
+                                                            Values... values) {
+  CheckFailed(file, line, expression, fmt::vformat(format, fmt::make_format_args(values...)));
+}
+
 }  // namespace haptometer::internal
 
 /// Guards against a programmer's error; always on. The further arguments are an fmt format and its
 /// values, printed when the condition is false:
 ///   HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
 /// Anything that a user, file or device can cause is a Result (base/error.h), never a check.
-#define HAPTOMETER_CHECK(condition, ...)                                  \
-  do {                                                                    \
-    if (!(condition)) {                                                   \
-      ::haptometer::internal::CheckFailed(__FILE__, __LINE__, #condition, \
-                                          fmt::format(__VA_ARGS__));      \
-    }                                                                     \
+#define HAPTOMETER_CHECK(condition, ...)                                                    \
+  do {                                                                                      \
+    if (!(condition)) {                                                                     \
+      ::haptometer::internal::CheckFailedWith(__FILE__, __LINE__, #condition, __VA_ARGS__); \
+    }                                                                                       \
   } while (false)
 
 namespace haptometer {

@@ -207,17 +207,23 @@ bool IsPossible(double value, const DimensionRow& row) {
          (row.dimension == Dimension::kResistance && value > 0 && std::isinf(value));
 }
 
-// `quantity`, which `written` stands for, where nothing about it is impossible
-Result<Quantity> Possible(Quantity quantity, std::string_view written, const DimensionRow& row,
-                          std::string_view where) {
-  if (IsPossible(quantity.value, row) && IsPossible(quantity.standard_uncertainty, row)) {
-    return quantity;
-  }
+bool IsPossible(Quantity quantity, const DimensionRow& row) {
+  return IsPossible(quantity.value, row) && IsPossible(quantity.standard_uncertainty, row);
+}
+
+Result<Quantity> NotPossible(std::string_view written, const DimensionRow& row,
+                             std::string_view where) {
   const std::string_view unit = UnitsOf(row.dimension)[0].symbol;
   return Usage(std::string(where),
                fmt::format("'{}' is outside the possible range of {}", written, row.name),
                fmt::format("its size is 0, or from {} to {}{}{}", row.possible.least,
                            row.possible.largest, unit.empty() ? "" : " ", unit));
+}
+
+// `quantity`, which `written` stands for, where nothing about it is impossible
+Result<Quantity> Possible(Quantity quantity, std::string_view written, const DimensionRow& row,
+                          std::string_view where) {
+  return IsPossible(quantity, row) ? Result<Quantity>(quantity) : NotPossible(written, row, where);
 }
 
 Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::string_view where) {
@@ -236,7 +242,9 @@ bool HasDecimalComma(std::string_view text, std::string_view rest) {
 PossibleMagnitudes PossibleMagnitudesOf(Dimension dimension) { return RowOf(dimension).possible; }
 
 Result<Quantity> PossibleQuantity(Quantity quantity, Dimension dimension, std::string_view where) {
-  return Possible(quantity, fmt::format("{}", quantity.value), RowOf(dimension), where);
+  const DimensionRow& row = RowOf(dimension);
+  if (IsPossible(quantity, row)) return quantity;
+  return NotPossible(fmt::format("{}", quantity.value), row, where);
 }
 
 std::string_view SiUnit(Dimension dimension) { return UnitsOf(dimension)[0].symbol; }

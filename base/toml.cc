@@ -267,23 +267,23 @@ std::map<std::string, std::string> TomlTable::Texts(std::string_view key) {
 
 namespace {
 
-// a number as it stands (SI), or a string with a unit
-Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::string_view where) {
+// A number as it stands (SI), or a string with a unit. Errors do not say where it stands: that text
+// is made where it is needed only.
+Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension) {
   if (const auto* text = node.as_string()) {
     // the key has its unit in its name
-    return ParseQuantity(text->get(), dimension, where, BareNumber::kRefusedSi);
+    return ParseQuantity(text->get(), dimension, "", BareNumber::kRefusedSi);
   }
   const auto number = node.value<double>();
   if (!number || node.is_boolean()) {
-    return Usage(std::string(where), "is not a number",
-                 "write an SI number or a string with a unit");
+    return Usage("", "is not a number", "write an SI number or a string with a unit");
   }
   // a resistance may be infinite: an open circuit
   const bool may_be_infinite = dimension == Dimension::kResistance && *number > 0;
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
-    return Usage(std::string(where), "is not a finite number", "write an SI number");
+    return Usage("", "is not a finite number", "write an SI number");
   }
-  return PossibleQuantity({*number, 0}, dimension, where);
+  return PossibleQuantity({*number, 0}, dimension, "");
 }
 
 }  // namespace
@@ -296,14 +296,12 @@ Quantity TomlTable::RequireQuantity(std::string_view key, Dimension dimension) {
                  unit.empty() ? "add it" : fmt::format("add it, in {} or with a unit", unit));
     return {};
   }
-  // "FILE:LINE: [TABLE]: KEY" for messages
-  auto quantity =
-      ReadQuantity(*node, dimension, fmt::format("{}: {}", state_->PlaceOf(*node), key));
-  if (!quantity) {
-    state_->Keep(quantity.error());
-    return {};
-  }
-  return *quantity;
+  auto quantity = ReadQuantity(*node, dimension);
+  if (quantity) return *quantity;
+  // "FILE:LINE: [TABLE]: KEY"
+  quantity.error().where = fmt::format("{}: {}", state_->PlaceOf(*node), key);
+  state_->Keep(std::move(quantity).error());
+  return {};
 }
 
 double TomlTable::Require(std::string_view key, Dimension dimension) {

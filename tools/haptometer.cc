@@ -142,8 +142,8 @@ int DescribeOptions() {
 // Has pages come seldom and many at a time: the system takes 0.3 us for the first use of a page, a
 // virtual machine up to 12 us, which was a quarter of the time of a short trial and of a long one.
 void PrepareHeap() {
-  // all memory up to 32 MB comes from one heap, which keeps it
-  mallopt(M_ARENA_MAX, 1);
+  // all memory of the main thread up to 32 MB comes from one heap, which keeps it; other threads
+  // have heaps of their own, without which two threads of a sweep are hardly faster than one
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 2 * kHeapBytes);
   mallopt(M_TOP_PAD, kHeapBytes);

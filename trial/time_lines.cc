@@ -69,7 +69,8 @@ double UsualSilence(const TimedRows& rows) {
   std::vector<std::pair<double, double>> silences;
   double silent_ns = 0;
   double total_ns = 0;
-  for (const double interval_ns : Differences(rows.times)) {
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const double interval_ns = rows.times[k] - rows.times[k - 1];
     // times that run backwards, of a damaged file, have none
     total_ns += std::max(interval_ns, 0.0);
     if (interval_ns < kShortestBlockNs) continue;
@@ -156,6 +157,7 @@ std::size_t WindowRows(const TimedRows& rows, double period_ns) {
 // each level becomes the least of itself and the next count - 1
 std::vector<LevelWindow> RunningLeast(const std::vector<LevelWindow>& windows, std::size_t count) {
   std::vector<LevelWindow> least;
+  least.reserve(windows.size());
   for (std::size_t k = 0; k + count <= windows.size(); ++k) {
     least.push_back(windows[k]);
     for (std::size_t i = 1; i < count; ++i) {
@@ -169,6 +171,7 @@ std::vector<LevelWindow> RunningLeast(const std::vector<LevelWindow>& windows, s
 std::vector<double> Slopes(const TimedRows& rows, const std::vector<LevelWindow>& windows,
                            std::size_t lag) {
   std::vector<double> slopes;
+  slopes.reserve(windows.size());
   for (std::size_t k = lag; k < windows.size(); ++k) {
     const LevelWindow& from = windows[k - lag];
     slopes.push_back((windows[k].level_ns - from.level_ns) /
@@ -236,6 +239,7 @@ std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
 
 std::vector<double> Differences(std::span<const double> values) {
   std::vector<double> differences;
+  differences.reserve(values.size());
   for (std::size_t k = 1; k < values.size(); ++k) differences.push_back(values[k] - values[k - 1]);
   return differences;
 }
@@ -255,6 +259,8 @@ std::vector<LevelWindow> WindowsOf(const TimedRows& rows, double period_ns, std:
   std::vector<LevelWindow> all;
   std::vector<LevelWindow> in_time;
   const std::size_t windows = std::max<std::size_t>(1, rows.size() / count);
+  all.reserve(windows);
+  in_time.reserve(windows);
   for (std::size_t k = 0; k < windows; ++k) {
     const std::size_t first = k * count;
     const std::size_t end = k + 1 == windows ? rows.size() : first + count;
@@ -295,10 +301,10 @@ SourcePeriod PeriodOf(const TimedRows& rows) {
     return {*between_ns, WindowRows(rows, *between_ns), may_be_collected ? silence_ns : 0};
   }
   // rough period by counts per window, then a robust one by medians
-  const double median_ns = MedianInterval(rows);
-  const double first_ns = PeriodByCounts(rows).value_or(median_ns);
+  const std::optional<double> counted_ns = PeriodByCounts(rows);
+  const double first_ns = counted_ns ? *counted_ns : MedianInterval(rows);
   const std::size_t window_rows = WindowRows(rows, first_ns);
-  if (rows.size() <= window_rows) return {median_ns, window_rows};
+  if (rows.size() <= window_rows) return {MedianInterval(rows), window_rows};
   const double rough_ns = PeriodByWindows(rows, first_ns, window_rows);
   return {RobustPeriod(rows, rough_ns, window_rows), window_rows};
 }

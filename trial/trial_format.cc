@@ -61,19 +61,6 @@ TrialHeader HeaderOf(const Record& record) {
 }
 
 // raw number before scale and offset; 4-byte encodings are in the low 32 bits
-double RawValue::Number(Encoding encoding) const {
-  const auto low = static_cast<std::uint32_t>(bits_);
-  switch (encoding) {
-    case Encoding::kI32:
-      return std::bit_cast<std::int32_t>(low);
-    case Encoding::kF32:
-      return static_cast<double>(std::bit_cast<float>(low));
-    case Encoding::kF64:
-      return std::bit_cast<double>(bits_);
-  }
-  HAPTOMETER_CHECK(false, "encoding {}", static_cast<int>(encoding));
-}
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -82,7 +82,18 @@ class RawValue {
 
   [[nodiscard]] std::uint64_t bits() const { return bits_; }
   /// The number that the bits mean in `encoding`, before scale and offset.
-  [[nodiscard]] double Number(Encoding encoding) const;
+  [[nodiscard]] double Number(Encoding encoding) const {
+    const auto low = static_cast<std::uint32_t>(bits_);
+    switch (encoding) {
+      case Encoding::kI32:
+        return std::bit_cast<std::int32_t>(low);
+      case Encoding::kF32:
+        return static_cast<double>(std::bit_cast<float>(low));
+      case Encoding::kF64:
+        return std::bit_cast<double>(bits_);
+    }
+    HAPTOMETER_CHECK(false, "encoding {}", static_cast<int>(encoding));
+  }
 
  private:
   explicit RawValue(std::uint64_t bits) : bits_(bits) {}

@@ -492,6 +492,7 @@ Result<Recording> Gather(TrialReader* reader) {
   }
   Gathered gathered{
       .time_ns = {}, .reply_ns = {}, .grid = UniformGrid(header.rate_hz), .breaks = {}};
+  if (header.timing != Timing::kUniform) gathered.time_ns.reserve(rows);
   for (;;) {
     HAPTOMETER_LET(const auto chunk, reader->Next());
     if (chunk == nullptr) break;

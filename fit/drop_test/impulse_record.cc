@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <string_view>
+#include <unordered_set>
 
 #include "base/text.h"
 
@@ -192,11 +193,21 @@ constexpr std::size_t kMostCodes = 4096;
 constexpr double kCodeTolerance = 0.1;  // of a step: printed decimals round
 constexpr double kFewSamples = 2;
 
+// The finite values in rising order, each once. Of a converter with few codes no copy of the many
+// samples is sorted.
 std::vector<double> DistinctValues(const std::vector<double>& values) {
-  std::vector<double> distinct;
-  distinct.reserve(values.size());
-  std::ranges::copy_if(values, std::back_inserter(distinct),
-                       [](double v) { return std::isfinite(v); });
+  const auto is_finite = [](double v) { return std::isfinite(v); };
+  std::unordered_set<double> codes;
+  for (auto v = values.begin(); v != values.end() && codes.size() <= kMostCodes; ++v) {
+    if (is_finite(*v)) codes.insert(*v);
+  }
+  std::vector<double> distinct(codes.begin(), codes.end());
+  // more than a converter has: all samples
+  if (codes.size() > kMostCodes) {
+    distinct.clear();
+    distinct.reserve(values.size());
+    std::ranges::copy_if(values, std::back_inserter(distinct), is_finite);
+  }
   std::ranges::sort(distinct);
   distinct.erase(std::ranges::unique(distinct).begin(), distinct.end());
   return distinct;

@@ -65,14 +65,15 @@ class GuardBound {
              const ExcitationShape& shape, double horizon_s);
 
   [[nodiscard]] double Value(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const {
-    const double value = row_.head(x.size()).dot(x) + offset_;
+    const double value = Eigen::VectorXd::Map(row_.data(), x.size()).dot(x) + offset_;
     return feeds_ ? value + row_.tail(w.size()).dot(w) : value;
   }
   [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const;
   /// M2 alone, from the state at the interval's beginning and LargestSignals.
   [[nodiscard]] double SecondBound(const Eigen::VectorXd& x, const Eigen::VectorXd& largest) const {
-    return second_bound_.head(x.size()).dot(x.cwiseAbs()) +
-           second_bound_.tail(largest.size()).dot(largest);
+    const double* bound = second_bound_.data();
+    return Eigen::VectorXd::Map(bound, x.size()).dot(x.cwiseAbs()) +
+           Eigen::VectorXd::Map(bound + x.size(), largest.size()).dot(largest);
   }
   /// All three. M3 and M4 are set up when first asked for.
   [[nodiscard]] GuardBounds Bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& largest);

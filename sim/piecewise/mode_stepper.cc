@@ -2,17 +2,7 @@
 
 #include <cmath>
 
-#include "base/error.h"
-
 namespace haptometer::sim {
-namespace {
-
-std::size_t PlaceOf(int level) {
-  HAPTOMETER_CHECK(level >= 0 && level <= kFinestLevel, "level {}", level);
-  return static_cast<std::size_t>(level);
-}
-
-}  // namespace
 
 ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
                          const ExcitationShape& shape, double rate_hz)
@@ -32,9 +22,8 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
   if (!mode.guards.empty()) coarsest_level_ = watch_level_;
 }
 
-const Eigen::MatrixXd& ModeStepper::Step(int level) {
+const Eigen::MatrixXd& ModeStepper::MadeStep(int level) {
   Eigen::MatrixXd& step = steps_[PlaceOf(level)];
-  if (step.size() > 0) return step;
   const double length_s = std::ldexp(step_s_, -level);
   const Eigen::Index signals = shape_->generator.rows();
   // with known rounding errors of the model the step is computed in long double
@@ -59,12 +48,10 @@ const LongMatrix& ModeStepper::LongStep(std::size_t power) {
   return step;
 }
 
-const StepEnergy& ModeStepper::Energy(int level) {
+const StepEnergy& ModeStepper::MadeEnergy(int level) {
   StepEnergy& energy = energies_[PlaceOf(level)];
-  if (energy.input_j.size() == 0) {
-    energy = EnergyOver(*mode_, system_->squared_rows, generator_, shape_->rows,
-                        std::ldexp(step_s_, -level));
-  }
+  energy = EnergyOver(*mode_, system_->squared_rows, generator_, shape_->rows,
+                      std::ldexp(step_s_, -level));
   return energy;
 }
 
@@ -78,8 +65,7 @@ GuardBound ModeStepper::BoundOf(const Eigen::RowVectorXd& row, double offset,
   return {generator_, whole, offset, *shape_, std::ldexp(step_s_, -level)};
 }
 
-std::vector<GuardBound>& ModeStepper::Guards() {
-  if (guards_.size() == mode_->guards.size()) return guards_;
+std::vector<GuardBound>& ModeStepper::MadeGuards() {
   guards_.reserve(mode_->guards.size());
   for (const Guard& guard : mode_->guards) {
     guards_.push_back(BoundOf(guard.row, guard.offset, guard.feed, coarsest_level_));
@@ -87,8 +73,7 @@ std::vector<GuardBound>& ModeStepper::Guards() {
   return guards_;
 }
 
-std::vector<GuardBound>& ModeStepper::Watched() {
-  if (watched_.size() == mode_->watched.size()) return watched_;
+std::vector<GuardBound>& ModeStepper::MadeWatched() {
   watched_.reserve(mode_->watched.size());
   for (const WatchedNumber& number : mode_->watched) {
     watched_.push_back(BoundOf(number.row, number.offset, number.feed, watch_level_));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/error.h"
 #include "sim/linear/driven_step.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
@@ -32,19 +33,37 @@ class ModeStepper {
   [[nodiscard]] const Mode& mode() const { return *mode_; }
   /// DrivenStep over 2^-level / rate_hz, 0 <= level <= kFinestLevel. Each from an exponential of
   /// its own: squaring the smallest would lose what distinguishes it from 1.
-  [[nodiscard]] const Eigen::MatrixXd& Step(int level);
+  [[nodiscard]] const Eigen::MatrixXd& Step(int level) {
+    const Eigen::MatrixXd& step = steps_[PlaceOf(level)];
+    return step.size() > 0 ? step : MadeStep(level);
+  }
   /// LongDrivenStep over 2^power outputs.
   [[nodiscard]] const LongMatrix& LongStep(std::size_t power);
   /// EnergyOver of Step(level).
-  [[nodiscard]] const StepEnergy& Energy(int level);
+  [[nodiscard]] const StepEnergy& Energy(int level) {
+    const StepEnergy& energy = energies_[PlaceOf(level)];
+    return energy.input_j.size() > 0 ? energy : MadeEnergy(level);
+  }
   /// The bounds of the mode's guards hold over 2^-CoarsestLevel() of an output step.
-  [[nodiscard]] std::vector<GuardBound>& Guards();
+  [[nodiscard]] std::vector<GuardBound>& Guards() {
+    return guards_.size() == mode_->guards.size() ? guards_ : MadeGuards();
+  }
   [[nodiscard]] int CoarsestLevel() const { return coarsest_level_; }
   /// The bounds of the mode's watched numbers, which hold over 2^-WatchLevel() of an output step.
-  [[nodiscard]] std::vector<GuardBound>& Watched();
+  [[nodiscard]] std::vector<GuardBound>& Watched() {
+    return watched_.size() == mode_->watched.size() ? watched_ : MadeWatched();
+  }
   [[nodiscard]] int WatchLevel() const { return watch_level_; }
 
  private:
+  [[nodiscard]] static std::size_t PlaceOf(int level) {
+    HAPTOMETER_CHECK(level >= 0 && level <= kFinestLevel, "level {}", level);
+    return static_cast<std::size_t>(level);
+  }
+  const Eigen::MatrixXd& MadeStep(int level);
+  const StepEnergy& MadeEnergy(int level);
+  std::vector<GuardBound>& MadeGuards();
+  std::vector<GuardBound>& MadeWatched();
   [[nodiscard]] GuardBound BoundOf(const Eigen::RowVectorXd& row, double offset,
                                    const Eigen::RowVectorXd& feed, int level) const;
 

@@ -248,7 +248,8 @@ class PiecewiseMotion {
   std::uint64_t index_ = 0;
   std::size_t mode_;
   Point now_;
-  Point next_;  // work space
+  Point next_;                // work space
+  Eigen::VectorXd energy_z_;  // the same: [x, w] of CountEnergy
   std::optional<Departure> departure_;
   Eigen::VectorXd anchor_;  // the state at output anchor_index_, all since in one mode
   std::uint64_t anchor_index_ = 0;

@@ -369,8 +369,6 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
     if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
     answer.effects = std::move(choice);
   }
-  // from the actuator's constants, by derivatives of the linear steady state
-  if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
   answer.window = WindowOf(answer);
   return answer;
 }

@@ -37,8 +37,7 @@ struct SceneAnswer {
   /// `effects` then has the motion that the scene settles to.
   std::optional<sim::SteadyState> steady;
   std::optional<sim::SteadyTones> tones;  ///< the same under tones, of a scene without a duration
-  double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
-  std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
+  std::optional<WindowAnswer> window;     ///< with a duration of at least ten periods
   /// What became of its effects, and the run that they were decided by; absent where the scene
   /// names none.
   std::optional<sim::EffectChoice> effects;

@@ -175,8 +175,9 @@ Section SteadySection(const SceneAnswer& solved) {
   Item& skin = steady.items.front();
   skin.form = document::Form::kUncertain;
   // from the actuator's constants: u = relative u x RMS, where the steady motion is the linear one
-  if (solved.skin_rms_relative_uncertainty > 0 && solved.steady) {
-    skin.standard_uncertainty = solved.skin_rms_relative_uncertainty * solved.steady->skin_rms_m;
+  const double relative_uncertainty = solved.steady ? sim::SkinRmsUncertainty(solved.scene) : 0;
+  if (relative_uncertainty > 0) {
+    skin.standard_uncertainty = relative_uncertainty * solved.steady->skin_rms_m;
     skin.note = "standard uncertainty from the actuator's constants";
   }
   // constant part of the motion, caused by an offset of the voltage; absent without one

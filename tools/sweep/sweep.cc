@@ -85,11 +85,15 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
   return made;
 }
 
-// rows of a table that did not match their checksums; nothing where a signal stopped the run
-using Mended = std::optional<std::uint64_t>;
+// a table that was written or joined
+struct MadeTable {
+  std::uint64_t mended_rows = 0;  // of those there already: they did not match their checksums
+  bool is_stopped = false;        // by a signal, with the first rows
+  sim::Findings findings{};       // of the question
+};
 
-Result<Mended> Compute(const SweepWords& words) {
-  HAPTOMETER_LET(const auto question, ReadQuestion(words));
+Result<MadeTable> Compute(const SweepWords& words) {
+  HAPTOMETER_LET(auto question, ReadQuestion(words));
   const TableHeader header = HeaderOf(question, document::CollectProvenance(words.command));
   // the picture is checked before the first row is computed
   HAPTOMETER_TRY(CheckPicture(words.plot, header));
@@ -102,11 +106,12 @@ Result<Mended> Compute(const SweepWords& words) {
       const auto made,
       MakeRows(question, cli::ThreadsOf(words.threads, kMostSweepThreads), file, words.output));
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
-  // all rows exist
-  if (made == rows) return file.mended_rows();
-  cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
-                                 words.output, made, rows));
-  return std::nullopt;
+  const bool is_stopped = made < rows;
+  if (is_stopped) {
+    cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
+                                   words.output, made, rows));
+  }
+  return MadeTable{file.mended_rows(), is_stopped, std::move(question.findings)};
 }
 
 // words of the merging: what is said of the answer, and the table
@@ -146,14 +151,14 @@ Result<document::Document> Plan(const SweepWords& words) {
 }
 
 // joins the shards' tables; the header of the first one, without its shard, is that of the whole
-Result<Mended> Merge(const SweepWords& words) {
+Result<MadeTable> Merge(const SweepWords& words) {
   HAPTOMETER_LET(const auto tables, ReadMerge(words));
   HAPTOMETER_LET(auto first, TableReader::Open(tables.front()));
   TableHeader whole = first.header();
   whole.shard.clear();
   HAPTOMETER_TRY(CheckPicture(words.plot, whole));
   HAPTOMETER_TRY(MergeTables(tables, words));
-  return std::uint64_t{0};
+  return MadeTable{};
 }
 
 using document::Section;
@@ -294,18 +299,15 @@ Result<int> Answer(const SweepWords& words, int argc, const char* const* argv) {
     HAPTOMETER_LET(auto planned, Plan(words));
     return document::Present(std::move(planned), words.outputs, argc, argv);
   }
-  HAPTOMETER_LET(const auto mended, words.merge.empty() ? Compute(words) : Merge(words));
-  if (!mended) return cli::InterruptedStatus(1);
+  HAPTOMETER_LET(auto made, words.merge.empty() ? Compute(words) : Merge(words));
+  if (made.is_stopped) return cli::InterruptedStatus(1);
   // the summary reads the table again, so that a resumed or merged one is complete
   HAPTOMETER_LET(auto summary, Summarise(words.output, wish));
-  summary.mended = *mended;
+  summary.mended = made.mended_rows;
+  summary.findings = std::move(made.findings);
   // a map is no panel, so the picture is not a figure of the document
   if (!words.plot.empty()) HAPTOMETER_TRY(DrawSweep(words.plot, words.output, wish.column));
   summary.plot = words.plot;
-  if (words.merge.empty()) {
-    HAPTOMETER_LET(const auto question, ReadQuestion(words));
-    summary.findings = question.findings;
-  }
   return document::Present(SweepDocument(summary), words.outputs, argc, argv);
 }
 

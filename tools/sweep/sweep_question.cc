@@ -165,17 +165,20 @@ Result<sim::SweepRange> ReadRange(std::string text, Dimension dimension, RangesA
   return range;
 }
 
-// values per axis that are read through the scene before the sweep
-constexpr std::size_t kMostChecked = 1000;  // of an axis
+// values that are read through the scene before the sweep
+constexpr std::size_t kMostOfList = 1000;
+constexpr std::size_t kMostOfRange = 100;
 constexpr std::uint64_t kSampledChecked = 8;
 
-// about kMostChecked values of an axis at most, with both ends
+// about kMostOfList or kMostOfRange values of an axis at most, with both ends
 std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::size_t number) {
   const sim::SweepAxis& axis = points.axes()[number];
   std::vector<sim::SweepValue> values;
   // a grid or a list: every step-th value and the last one
   if (const std::size_t count = CountOf(axis); count > 0) {
-    const std::size_t step = (count + kMostChecked - 1) / kMostChecked;
+    const bool is_range = std::holds_alternative<sim::SweepRange>(axis.values);
+    const std::size_t most = is_range ? kMostOfRange : kMostOfList;
+    const std::size_t step = (count + most - 1) / most;
     values.reserve(count / step + 2);
     for (std::size_t index = 0; index < count; index += step) {
       values.push_back(ValueOf(axis, index));

@@ -77,7 +77,7 @@ struct Bound {
   double more_s = 0;
 
   [[nodiscard]] double At(const Printed& printed, std::size_t row) const {
-    return factor * printed.resolutions_s[row] + more_s;
+    return factor == 0 ? more_s : factor * printed.resolutions_s[row] + more_s;
   }
 };
 
@@ -229,6 +229,19 @@ std::optional<Stretch> LineThroughCoarse(const Printed& printed) {
                  .start_s = line->start_s,
                  .rate_hz = 1 / line->period_s,
                  .time_uncertainty_s = TimeUncertainty(*line, printed.rows())};
+}
+
+// The one segment of times that the grid through their ends gives back exactly: they need no
+// resolutions. Nothing of others, and where the rounding of doubles could hide a missing row.
+std::optional<Stretch> ExactGrid(std::span<const double> times_s) {
+  constexpr double kClear = 0.1;  // of a period, below which no interval is half of one too long
+  const Printed printed{.times_s = times_s, .resolutions_s = {}};
+  const double period_s = printed.MeanPeriod();
+  const Bound bound = OfExactTimes(printed, period_s);
+  const bool is_clear = period_s > 0 && std::isfinite(1 / period_s);
+  if (!is_clear || !(bound.more_s < kClear * period_s)) return std::nullopt;
+  if (!FitsFromFirst(printed, period_s, bound)) return std::nullopt;
+  return Stretch{.rows = times_s.size(), .start_s = times_s[0], .rate_hz = 1 / period_s};
 }
 
 // The clocked segments behind printed times, or nothing where the times' resolution does not
@@ -433,6 +446,7 @@ std::vector<double> PrintedTimes::Resolutions(double rounding_s) const {
 }
 
 std::optional<std::vector<Stretch>> PrintedTimes::Grid() const {
+  if (const auto exact = ExactGrid(times_s_)) return std::vector<Stretch>{*exact};
   const double rounding_s = FloatRounding();
   const std::vector<double> resolutions_s = Resolutions(rounding_s);
   return PrintedGrid({times_s_, resolutions_s, rounding_s});

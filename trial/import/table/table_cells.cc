@@ -62,6 +62,11 @@ std::string FromUtf16(std::string_view raw, bool is_big_endian) {
 
 bool IsUtf8(std::string_view text) {
   while (!text.empty()) {
+    // most tables are ASCII
+    const auto is_ascii = [](char c) { return Byte(c) < 0x80; };
+    text.remove_prefix(
+        static_cast<std::size_t>(std::ranges::find_if_not(text, is_ascii) - text.begin()));
+    if (text.empty()) return true;
     const std::size_t bytes = Utf8CharacterBytes(text);
     if (bytes == 0) return false;
     text.remove_prefix(bytes);
