@@ -81,8 +81,15 @@ Value IlAmplifier::ReadingAt(MonotonicNs sampled, MonotonicNs now) const {
   const trial::HeadReading reading = head_.Reading(head_.LastSample(sampled));
   // counts = round(value in mm * 10^decimals), less the zero shift
   const double steps_per_m = 1e3 * PowerOfTen(type_.decimals);
-  const auto counts = static_cast<std::int32_t>(std::lround(steps_per_m * reading.value_m));
-  return {.counts = counts - zero_counts_, .decimals = type_.decimals, .status = reading.status};
+  const double counts = std::round(steps_per_m * reading.value_m) - zero_counts_;
+  // the display's last numbers stand for no measurement: 99999, -99999 and -99998
+  constexpr std::int32_t kMost = dl_rs1a::kMostCounts;
+  Value value{.counts = static_cast<std::int32_t>(std::clamp<double>(counts, -kMost, kMost)),
+              .decimals = type_.decimals,
+              .status = reading.status};
+  if (value.counts >= kMost) value.status = SampleStatus::kOver;
+  if (value.counts <= 1 - kMost) value.status = SampleStatus::kUnder;
+  return value;
 }
 
 // bit 0 HIGH, bit 1 LOW, bit 3 alarm, else bit 2 GO

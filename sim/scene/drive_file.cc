@@ -105,7 +105,7 @@ std::string_view Bare(std::string_view line) {
   const std::size_t first = line.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
   line = line.substr(first, line.find_last_not_of(kBlanks) - first + 1);
-  if (line.starts_with('+')) line.remove_prefix(1);
+  if (line.starts_with('+') && !line.starts_with("+-")) line.remove_prefix(1);
   return line;
 }
 

@@ -51,6 +51,7 @@ TEST_F(ImpossibleInputs, InOptions) {
   Refused(RunSweep, "sweep",
           {kAdapter, "--vary", "drive.frequency_hz=1e-310:1:3", "-o", directory_ / "t.csv"});
   Refused(RunTune, "tune", {kAdapter, "--springs", "1e-300"});
+  Refused(RunTune, "tune", {kAdapter, "--springs", ""}, "names no spring");
 }
 
 TEST_F(ImpossibleInputs, BeyondTheRangesOfOptions) {

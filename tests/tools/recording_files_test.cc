@@ -25,7 +25,8 @@ class RecordingFiles : public tests::TemporaryFiles {
     const auto files = RecordingsIn(directory_);
     if (!files) return {files.error().Text()};
     for (const RecordingFile& file : *files) {
-      names.push_back(std::filesystem::relative(file.path, directory_));
+      // not relative(), which follows links
+      names.push_back(std::filesystem::path(file.path).lexically_relative(directory_));
     }
     return names;
   }
@@ -50,6 +51,14 @@ TEST_F(RecordingFiles, AreListedOnceWhateverLinksLeadToThem) {
   Put("t1.csv");
   std::filesystem::create_symlink("t1.csv", directory_ / "latest.csv");
   EXPECT_EQ(Found(), std::vector<std::string>{"t1.csv"});
+}
+
+TEST_F(RecordingFiles, AreLinksThatLeadNowhereToo) {
+  Put("one.csv");
+  std::filesystem::create_symlink("loop.csv", directory_ / "loop.csv");
+  std::filesystem::create_symlink("deleted.csv", directory_ / "lost.csv");
+  EXPECT_EQ(Found(), (std::vector<std::string>{"loop.csv", "lost.csv", "one.csv"}))
+      << "reading one of them tells that it is lost";
 }
 
 TEST_F(RecordingFiles, AreNotASubsetWhereAFolderCannotBeRead) {

@@ -64,7 +64,10 @@ Result<std::vector<RecordingFile>> RecordingsIn(const std::string& folder) {
     const std::string name = last.filename();
     const bool is_hidden = name.starts_with('.') || name == "lost+found";
     if (is_hidden) at.disable_recursion_pending();
-    if (!is_hidden && at->is_regular_file(ignored) && IsRecording(last)) files.push_back({last});
+    // a link to nothing, or to itself, stays in the list: reading it tells that it is lost
+    const bool is_lost_link = at->is_symlink(ignored) && !fs::exists(last, ignored);
+    const bool is_file = at->is_regular_file(ignored) || is_lost_link;
+    if (!is_hidden && is_file && IsRecording(last)) files.push_back({last});
   }
   if (error) {
     return Failed(last, "cannot be listed: " + error.message(),

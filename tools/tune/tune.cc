@@ -78,7 +78,9 @@ Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n
     }
     springs_n_per_m.push_back(spring.value);
   }
-  return {};
+  if (!springs_n_per_m.empty()) return {};
+  return Usage("--springs", "names no spring",
+               "give those that can be had, such as --springs 8200,9100");
 }
 
 // a number without unit is refused: 25 would mean 25 s

@@ -14,8 +14,7 @@ namespace {
 using dl::Command;
 
 constexpr std::size_t kValueWidth = 7;  // sign, five digits, point
-// 99999: above the range; -99999: below; -99998: invalid
-constexpr std::int32_t kMostCounts = 99'999;
+// -99998: invalid
 constexpr std::int32_t kInvalidCounts = -99'998;
 constexpr std::array kCommands = {Command::kM0, Command::kMs, Command::kSr, Command::kSw,
                                   Command::kAw};

@@ -23,6 +23,8 @@ namespace haptometer::acquire::dl_rs1a {
 inline constexpr std::array<int, 5> kBauds = {9600, 2400, 4800, 19200, 38400};
 /// Identification numbers run from 00 (main amplifier) to 14.
 inline constexpr std::size_t kMostUnits = dl::kMostUnits;
+/// Counts of the display's five digits that mean above the range; below it: the same, negative.
+inline constexpr std::int32_t kMostCounts = 99'999;
 /// Characters of the longest legal line: MS with two-digit outputs of 15 amplifiers.
 inline constexpr std::size_t kLongestLine = 2 + kMostUnits * 11;
 /// Processing of M0 and MS between the request's last and the reply's first character, at most.

@@ -110,12 +110,34 @@ TEST(LkgUnit, AnswersInItsModes) {
   EXPECT_EQ(Ask(unit, clock, std::string(40, 'x') + "\r"), "ER,xx,20\r");
 }
 
-// what OUT1 shows for a target at `position_m`, of a head without an end
-std::string ShownAt(double position_m, int decimals) {
+// a still head whose range has no end
+MovingHead EndlessHead(double position_m) {
   MovingHead head = StillHead(position_m);
   head.head.resolution_m = 0;
   head.head.range_min_m = -1e6;
   head.head.range_max_m = 1e6;
+  return head;
+}
+
+TEST(DlEn1Unit, ShowsOverAndUnderBeyondTheAmplifiersDisplay) {
+  // an IL-030 shows three decimals in five digits, and -99.998 and -99.999 are no measurements
+  const auto shown = [](double position_m) {
+    ManualClock clock;
+    DlEn1Unit unit({.heads = {EndlessHead(position_m)}});
+    return Ask(unit, clock, "SR,01,037\r\n");
+  };
+  EXPECT_EQ(shown(99.998e-3), "SR,01,037,+000099998\r\n");
+  EXPECT_EQ(shown(-99.997e-3), "SR,01,037,-000099997\r\n");
+  for (const double beyond_m : {99.999e-3, 0.1, 0.2, 1e5}) {
+    EXPECT_EQ(shown(beyond_m), "SR,01,037,+000099999\r\n") << beyond_m;
+    EXPECT_EQ(shown(-beyond_m), "SR,01,037,-000099999\r\n") << beyond_m;
+  }
+  EXPECT_EQ(shown(-99.998e-3), "SR,01,037,-000099999\r\n");
+}
+
+// what OUT1 shows for a target at `position_m`, of a head without an end
+std::string ShownAt(double position_m, int decimals) {
+  const MovingHead head = EndlessHead(position_m);
   ManualClock clock;
   LkgUnit unit({.heads = {head}, .decimals = decimals});
   return Ask(unit, clock, "M1\r");

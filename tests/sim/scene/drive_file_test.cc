@@ -230,6 +230,7 @@ TEST_F(SamplesFile, TellsItsOwnLines) {
       {"voltage_v\n0\n1e10\n",
        ":3: \"1e10\" is not a voltage; write a number of volts, up to 1e+09"},
       {"voltage_v\n0\nnan\n", ":3: \"nan\" is not a voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n+-5\n", ":3: \"+-5\" is not a voltage; write a number of volts, up to 1e+09"},
       {"voltage_v\n0\n5V\n", ":3: \"5V\" is not a voltage; write a number of volts, up to 1e+09"},
       {"voltage_v\n1\n", ": has fewer than two voltages; give one a line"}};
   for (const auto& [content, message] : cases) {
