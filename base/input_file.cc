@@ -75,6 +75,12 @@ void ForgetInputs() {
   Noted().files.clear();
 }
 
+std::unexpected<Error> DoesNotOpen(const std::string& path, int error_number) {
+  const bool is_loop = error_number == ELOOP;
+  return CannotAnswer(path, std::strerror(error_number),
+                      is_loop ? "remove the link" : "check its permissions");
+}
+
 Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_bytes) {
   namespace fs = std::filesystem;
   std::error_code failure;
@@ -87,7 +93,7 @@ Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_b
     return CannotAnswer(path, "is a directory", "name a file in it");
   }
   std::ifstream file(path, std::ios::binary);
-  if (!file) return CannotAnswer(path, std::strerror(errno), "check its permissions");
+  if (!file) return DoesNotOpen(path, errno);
   NoteInput(path);
   // in pieces, because pipes and /dev files have no size to ask for
   std::string content;

@@ -17,6 +17,9 @@ namespace haptometer {
 [[nodiscard]] Result<std::string> ReadInputFile(const std::string& path,
                                                 std::uint64_t limit_bytes = 2ULL << 30);
 
+/// The error (Cause::kCannotAnswer) of a file that is there and does not open, by its errno.
+[[nodiscard]] std::unexpected<Error> DoesNotOpen(const std::string& path, int error_number);
+
 /// Whatever opens a file to read what a command works on says so here, so that no output of the
 /// same command takes the file's place, under whatever name: a file is its device and inode. Paths
 /// without a regular file are let pass. Thread-safe; one stat.

@@ -18,6 +18,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "base/mapped.h"
@@ -143,7 +144,9 @@ int DescribeOptions() {
 // virtual machine up to 12 us, which was a quarter of the time of a short trial and of a long one.
 void PrepareHeap() {
   // all memory of the main thread up to 32 MB comes from one heap, which keeps it; other threads
-  // have heaps of their own, without which two threads of a sweep are hardly faster than one
+  // have heaps beside it, as many as there are cores: with one for all two threads of a sweep are
+  // hardly faster than one
+  mallopt(M_ARENA_MAX, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 2 * kHeapBytes);
   mallopt(M_TOP_PAD, kHeapBytes);

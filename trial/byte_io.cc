@@ -227,7 +227,7 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     if (errno == ENOENT) return CannotAnswer(path, "no such file", "check the path");
-    return CannotAnswer(path, std::strerror(errno), "check its permissions");
+    return DoesNotOpen(path, errno);
   }
   struct stat status{};
   // the descriptor is closed on each refusal

@@ -60,7 +60,6 @@ TrialHeader HeaderOf(const Record& record) {
   return header;
 }
 
-// raw number before scale and offset; 4-byte encodings are in the low 32 bits
 namespace {
 
 using Json = nlohmann::ordered_json;

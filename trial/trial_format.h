@@ -81,7 +81,8 @@ class RawValue {
   [[nodiscard]] static RawValue Bits(std::uint64_t bits) { return RawValue(bits); }
 
   [[nodiscard]] std::uint64_t bits() const { return bits_; }
-  /// The number that the bits mean in `encoding`, before scale and offset.
+  /// The number that the bits mean in `encoding`, before scale and offset; 4-byte encodings are in
+  /// the low 32 bits.
   [[nodiscard]] double Number(Encoding encoding) const {
     const auto low = static_cast<std::uint32_t>(bits_);
     switch (encoding) {

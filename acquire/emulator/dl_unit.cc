@@ -75,13 +75,16 @@ IlAmplifier::IlAmplifier(MovingHead head, bool is_main)
   codes_[dl_rs1a::kAveraging] = dl_rs1a::AveragingCode(head_.head.averages).value_or(0);
 }
 
+// value in mm * 10^decimals, whole
+double IlAmplifier::CountsOf(const trial::HeadReading& reading) const {
+  return std::round(1e3 * PowerOfTen(type_.decimals) * reading.value_m);
+}
+
 Value IlAmplifier::ReadingAt(MonotonicNs sampled, MonotonicNs now) const {
   // invalid (-99.998) until two response times after a change of a setting
   if (now < settled_at_) return {.decimals = type_.decimals, .status = SampleStatus::kInvalid};
   const trial::HeadReading reading = head_.Reading(head_.LastSample(sampled));
-  // counts = round(value in mm * 10^decimals), less the zero shift
-  const double steps_per_m = 1e3 * PowerOfTen(type_.decimals);
-  const double counts = std::round(steps_per_m * reading.value_m) - zero_counts_;
+  const double counts = CountsOf(reading) - zero_counts_;
   // the display's last numbers stand for no measurement: 99999, -99999 and -99998
   constexpr std::int32_t kMost = dl_rs1a::kMostCounts;
   Value value{.counts = static_cast<std::int32_t>(std::clamp<double>(counts, -kMost, kMost)),
@@ -182,7 +185,11 @@ void IlAmplifier::ShiftZero(int number, int code, MonotonicNs now) {
   requests_[number] = code;
   if (!is_edge) return;
   // the present value becomes 0; a reset restores the head's own zero
-  zero_counts_ = number == dl_rs1a::kZeroShift ? zero_counts_ + ReadingAt(now, now).counts : 0;
+  if (number != dl_rs1a::kZeroShift) {
+    zero_counts_ = 0;
+  } else if (now >= settled_at_) {
+    zero_counts_ = CountsOf(head_.Reading(head_.LastSample(now)));
+  }
 }
 
 namespace {

@@ -58,14 +58,15 @@ class IlAmplifier {
   [[nodiscard]] int decimals() const { return type_.decimals; }
 
  private:
+  [[nodiscard]] double CountsOf(const trial::HeadReading& reading) const;
   void ShiftZero(int number, int code, MonotonicNs now);
 
   MovingHead head_;
   const dl_rs1a::Head& type_;
   bool is_main_;
-  std::map<int, int> codes_;      ///< those that can be written, by data number
-  std::map<int, int> requests_;   ///< last written to 001 and 002
-  std::int32_t zero_counts_ = 0;  ///< subtracted from readings
+  std::map<int, int> codes_;     ///< those that can be written, by data number
+  std::map<int, int> requests_;  ///< last written to 001 and 002
+  double zero_counts_ = 0;       ///< whole; subtracted from readings
   MonotonicNs settled_at_ = 0;
 };
 

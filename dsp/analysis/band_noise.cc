@@ -135,6 +135,22 @@ double MedianDensity(const std::vector<Bin>& of) {
   return UpperMedian(std::move(bins)) / mean;
 }
 
+// NoiseBeside::upper_density of parts with so many bins
+double UpperDensity(const NoiseBeside& noise, std::span<const std::size_t> counts,
+                    const BandPass& band) {
+  std::vector<double> densities;
+  double bins = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (2 * noise.parts[k].to_hz <= band.lower_hz + band.upper_hz) continue;
+    densities.push_back(noise.densities[k]);
+    bins += static_cast<double>(counts[k]);
+  }
+  if (!(bins > 0)) return 0;
+  // a median scatters by sqrt(pi / 2) more than the mean
+  const double relative = std::sqrt(0.5 * std::numbers::pi * 2.08 * kCorrelatedBins / bins);
+  return Median(std::move(densities)) * std::max(0.0, 1 - relative);
+}
+
 }  // namespace
 
 std::vector<double> BlackmanHarris(std::size_t count) {
@@ -197,6 +213,7 @@ NoiseBeside MeasureNoiseBeside(std::span<const double> samples, double rate_hz,
     noise.least_density =
         std::min(noise.least_density, noise.densities[k] * (1 + kFalseAlarmDeviations * relative));
   }
+  noise.upper_density = UpperDensity(noise, counts, band);
   // beyond noise: motion below the corner, and what lies above it in the first part
   const FrequencyRange below{kFootFrom * band.lower_hz, band.lower_hz};
   const auto beyond_in = [&](const FrequencyRange& range) {

@@ -65,7 +65,9 @@ struct NoiseBeside {
   double below_mean_square = 0;  ///< of `power`: beyond noise below the lower corner, as of tremor
   double foot_mean_square = 0;   ///< beyond noise in the lowest part: tremor, or vibration
   double least_density = 0;      ///< of the quietest part, 3.29 deviations up, units^2/Hz
-  double flat_mean_square = 0;   ///< of noise that is as dense everywhere
+  /// The median of the parts in the band's upper half, one standard uncertainty down, units^2/Hz.
+  double upper_density = 0;
+  double flat_mean_square = 0;  ///< of noise that is as dense everywhere
   std::vector<FrequencyRange> parts;
   std::vector<double> densities;  ///< one-sided, of each part before the filter, units^2/Hz
 

@@ -114,6 +114,7 @@ namespace {
 // x' form x of a form (n, n), without a temporary vector
 double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
   const Eigen::Index n = x.size();
+  HAPTOMETER_CHECK(form.rows() == n && form.cols() == n, "{} rows for {}", form.rows(), n);
   double sum = 0;
   for (Eigen::Index column = 0; column < n; ++column) {
     sum += x[column] * Eigen::VectorXd::Map(form.data() + column * n, n).dot(x);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/error.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
 
@@ -65,12 +66,15 @@ class GuardBound {
              const ExcitationShape& shape, double horizon_s);
 
   [[nodiscard]] double Value(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const {
+    HAPTOMETER_CHECK(x.size() + w.size() == row_.size(), "{} of {}", x.size(), row_.size());
     const double value = Eigen::VectorXd::Map(row_.data(), x.size()).dot(x) + offset_;
     return feeds_ ? value + row_.tail(w.size()).dot(w) : value;
   }
   [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const;
   /// M2 alone, from the state at the interval's beginning and LargestSignals.
   [[nodiscard]] double SecondBound(const Eigen::VectorXd& x, const Eigen::VectorXd& largest) const {
+    HAPTOMETER_CHECK(x.size() + largest.size() == second_bound_.size(), "{} of {}", x.size(),
+                     second_bound_.size());
     const double* bound = second_bound_.data();
     return Eigen::VectorXd::Map(bound, x.size()).dot(x.cwiseAbs()) +
            Eigen::VectorXd::Map(bound + x.size(), largest.size()).dot(largest);

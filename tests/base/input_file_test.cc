@@ -46,6 +46,10 @@ TEST_F(InputFile, WhatDoesNotOpenHasTheReasonOfTheSystem) {
   EXPECT_EQ(error.cause, Cause::kCannotAnswer);
   EXPECT_EQ(error.what, std::strerror(ENAMETOOLONG));
   EXPECT_EQ(error.remedy, "check its permissions");
+  const std::filesystem::path loop = directory_ / "loop";
+  std::filesystem::create_symlink("loop", loop);
+  EXPECT_EQ(ReadInputFile(loop).error().what, std::strerror(ELOOP));
+  EXPECT_EQ(ReadInputFile(loop).error().remedy, "remove the link");
 }
 
 // the memory of this process: nothing is at its beginning

@@ -3,13 +3,14 @@
 
   /usr/bin/python3 tests/long/sweep_rate.py build/release/bin [--scene FILE] [--points 1000] [--rounds 7]
 
-Without --scene the thesis's adapter scene with travel stops at 0.5 mm, reached around the resonance only, so that points
-take from 2 to 5 ms; a linear one is --scene fixtures/lra_adapter.toml. Four ways of the same sweep in alternation, by the
-clock: one process with one thread; one with two threads; two processes with one thread and half of the points each (--shard), started together; and one thread without the work,
-`--resume` of the finished table, which is what all the rest costs. Tables are compared byte for byte but for their
-provenance, the shards' after --merge. Gain: the time of one thread over that of two. The bar: two workers gain at least 0.9 of what two
-processes gain. Medians over the rounds; beside other work the machine's second core is not there to be gained, and
-both gains fall together.
+Without --scene the thesis's adapter scene with travel stops at 0.5 mm, reached around the resonance only, so that
+points take from 2 to 5 ms; a linear one is --scene fixtures/lra_adapter.toml. Four ways of the same sweep in
+alternation, by the clock: one process with one thread; one with two threads; two processes with one thread and half
+of the points each (--shard), started together; and one thread without the work, `--resume` of the finished table,
+which is what all the rest costs. Tables are compared byte for byte but for their provenance, the shards' after
+--merge. Gain: the time of one thread over that of two. The bar: two workers gain at least 0.9 of what two processes
+gain. Medians over the rounds; beside other work the machine's second core is not there to be gained, and both gains
+fall together.
 """
 import argparse
 import os

@@ -56,6 +56,11 @@ TEST_F(SweepVerb, DoubtsUnusualNumbersOfItsEnds) {
   const std::string both = said("1kg:5kg:3");
   EXPECT_THAT(both, HasSubstr("doubt: adapter.skin_side_mass_kg = 1 is unusual"));
   EXPECT_THAT(both, Not(HasSubstr("= 5 is unusual")));
+  // of many values those beside the ends: no mass at all is usual, and one of 8 mg is not
+  EXPECT_THAT(Sweep({kAdapter, "--vary", "adapter.motor_side_mass_kg=0:0.0008:102"}, "m.csv",
+                    {"--overwrite"})
+                  .out,
+              HasSubstr("doubt: adapter.motor_side_mass_kg = 7.92"));
 }
 
 // every value of a list, and both ends of what is sampled; a number without a unit is in the key's

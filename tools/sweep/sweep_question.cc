@@ -170,7 +170,7 @@ constexpr std::size_t kMostOfList = 1000;
 constexpr std::size_t kMostOfRange = 100;
 constexpr std::uint64_t kSampledChecked = 8;
 
-// about kMostOfList or kMostOfRange values of an axis at most, with both ends
+// about kMostOfList or kMostOfRange values of an axis at most, with both ends as first and last
 std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::size_t number) {
   const sim::SweepAxis& axis = points.axes()[number];
   std::vector<sim::SweepValue> values;
@@ -179,10 +179,13 @@ std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::
     const bool is_range = std::holds_alternative<sim::SweepRange>(axis.values);
     const std::size_t most = is_range ? kMostOfRange : kMostOfList;
     const std::size_t step = (count + most - 1) / most;
-    values.reserve(count / step + 2);
+    values.reserve(count / step + 4);
     for (std::size_t index = 0; index < count; index += step) {
       values.push_back(ValueOf(axis, index));
     }
+    // the values beside the ends: an end of 0 is usual where the least of the others is not
+    if (step > 1) values.push_back(ValueOf(axis, 1));
+    if (step > 1) values.push_back(ValueOf(axis, count - 2));
     values.push_back(ValueOf(axis, count - 1));
     return values;
   }

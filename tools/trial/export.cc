@@ -199,7 +199,9 @@ Result<int> Export(const Wanted& wanted) {
   if (format == Format::kMat) return ExportAll<trial::MatWriter>(wanted, *format, inputs, import);
   // CSV, NumPy and WAV have no groups
   if (inputs.size() > 1) {
-    return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs.size()),
+    return Usage("-o",
+                 fmt::format("a file of this kind holds one trial, not {} ({}, {}{})",
+                             inputs.size(), inputs[0], inputs[1], inputs.size() > 2 ? ", ..." : ""),
                  "give one, or write all into one .h5 or .mat");
   }
   HAPTOMETER_TRY(ExportOne(wanted, format.value_or(Format::kCsv), inputs.front(), import));

@@ -79,8 +79,9 @@ Result<void> BoundSteps(MeasuredWindow& window) {
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   HAPTOMETER_TRY(window.signal().samples().Read(first, samples));
   const double step = std::max(StepOf(samples), window.step_m);
-  // noise before the rounding, over all frequencies: what is above the rounding's own
-  const double density = window.beside.DensityAt(window.band().upper_hz);
+  // noise before the rounding, over all frequencies: what is above the rounding's own. An estimate
+  // that is too large would hide what rounding does, hence one uncertainty below the best one
+  const double density = window.beside.upper_density;
   const double noise = std::sqrt(std::max(0.0, density * window.rate_hz() / 2 - step * step / 12));
   const double rms = std::sqrt(window.power.tone_mean_square);
   const double amplitude = rms * std::numbers::sqrt2;

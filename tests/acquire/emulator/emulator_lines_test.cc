@@ -133,6 +133,11 @@ TEST(DlEn1Unit, ShowsOverAndUnderBeyondTheAmplifiersDisplay) {
     EXPECT_EQ(shown(-beyond_m), "SR,01,037,-000099999\r\n") << beyond_m;
   }
   EXPECT_EQ(shown(-99.998e-3), "SR,01,037,-000099999\r\n");
+  // a zero shift takes what the head measures, not what the display holds
+  ManualClock clock;
+  DlEn1Unit far({.heads = {EndlessHead(-0.12)}, .is_writable = true});
+  EXPECT_EQ(Ask(far, clock, "SW,01,001,+000000001\r\n"), "SW,01,001\r\n");
+  EXPECT_EQ(Ask(far, clock, "SR,01,037\r\n"), "SR,01,037,+000000000\r\n");
 }
 
 // what OUT1 shows for a target at `position_m`, of a head without an end

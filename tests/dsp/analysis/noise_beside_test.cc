@@ -77,6 +77,7 @@ TEST(NoiseBeside, WhiteNoiseLiesWithinItsVariances) {
   int rest_held = 0;
   double sum = 0;
   double density_sum = 0;
+  int below = 0;
   for (int seed = 1; seed <= repetitions; ++seed) {
     const std::vector<double> values = FilteredNoise(design, 0, static_cast<std::uint64_t>(seed));
     const NoiseBeside noise = MeasureNoiseBeside(values, kRateHz, design, band, kBesideTone);
@@ -86,9 +87,12 @@ TEST(NoiseBeside, WhiteNoiseLiesWithinItsVariances) {
     rest_held += std::abs(rest) <= 2 * std::sqrt(noise.variance_of_rest) ? 1 : 0;
     sum += estimate;
     density_sum += noise.DensityAt(300);
+    below += noise.upper_density <= Density(0, 300) ? 1 : 0;
   }
   ExpectTwoSigma("mean square of white noise", held, repetitions);
   ExpectTwoSigma("mean square of the window less that of the noise", rest_held, repetitions);
+  // one standard uncertainty down: 84 % of a normal distribution, known to 2.6 % by 200 records
+  EXPECT_NEAR(static_cast<double>(below) / repetitions, 0.84, 0.08);
   // 8.5 % of one estimate (2.08 x 2 / 576 bins), four times; skirts of the filter
   const double scatter = 4 * 0.085 / std::sqrt(repetitions);
   EXPECT_REL(sum / repetitions, truth, scatter, "scatter of the mean");

@@ -208,6 +208,12 @@ TEST(ConverterStep, IsTheDistanceOfNeighbouringCodes) {
   EXPECT_EQ(ConverterStep({0.25, 0.5, 0.25}), 0.25) << "two are neighbours";
   EXPECT_DOUBLE_EQ(ConverterStep({0, 2, 6, std::nan("")}), 2) << "codes may be missing";
   EXPECT_EQ(ConverterStep({0, 2, 5}), 0) << "2.5 steps of 2 are none";
+  // 4096 codes at most
+  std::vector<double> codes;
+  for (int code = 4095; code >= 0; --code) codes.push_back(0.25 * code);
+  EXPECT_EQ(ConverterStep(codes), 0.25);
+  codes.push_back(1024);
+  EXPECT_EQ(ConverterStep(codes), 0) << "more than a converter of 12 bits has";
 }
 
 TEST(ImpulseRecord, NumbersAreTakenUpToTheEndsOfTheirRanges) {

@@ -231,16 +231,14 @@ std::optional<Stretch> LineThroughCoarse(const Printed& printed) {
                  .time_uncertainty_s = TimeUncertainty(*line, printed.rows())};
 }
 
-// The one segment of times that the grid through their ends gives back exactly: they need no
-// resolutions. Nothing of others, and where the rounding of doubles could hide a missing row.
+// The one segment of times that the grid through their ends gives back to a millionth of a period:
+// those need no resolutions, which only widen the bounds (WithEnds, OfExactTimes). Nothing of
+// others.
 std::optional<Stretch> ExactGrid(std::span<const double> times_s) {
-  constexpr double kClear = 0.1;  // of a period, below which no interval is half of one too long
   const Printed printed{.times_s = times_s, .resolutions_s = {}};
   const double period_s = printed.MeanPeriod();
-  const Bound bound = OfExactTimes(printed, period_s);
-  const bool is_clear = period_s > 0 && std::isfinite(1 / period_s);
-  if (!is_clear || !(bound.more_s < kClear * period_s)) return std::nullopt;
-  if (!FitsFromFirst(printed, period_s, bound)) return std::nullopt;
+  if (!(period_s > 0) || !std::isfinite(1 / period_s)) return std::nullopt;
+  if (!FitsFromFirst(printed, period_s, {0, Slack(period_s)})) return std::nullopt;
   return Stretch{.rows = times_s.size(), .start_s = times_s[0], .rate_hz = 1 / period_s};
 }
 

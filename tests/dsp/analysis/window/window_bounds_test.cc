@@ -246,9 +246,7 @@ struct Rounded : MadeWindow {
     window.power.tone_mean_square = amplitude_m * amplitude_m / 2;
     window.numbers.tone.emplace().fit.frequency_hz = 104.3;
     // up to 5 kHz, with the rounding's own
-    const double density = (noise_m * noise_m + kStep * kStep / 12) / 5e3;
-    window.beside.parts = {{20, 500}};
-    window.beside.densities = {density};
+    window.beside.upper_density = (noise_m * noise_m + kStep * kStep / 12) / 5e3;
     EXPECT_TRUE(BoundSteps(window));
   }
   static constexpr double kStep = 1e-7;

@@ -266,6 +266,17 @@ TEST(PrintedTimes, JitterOfDoublesIsFoundToTheirLastDigit) {
   EXPECT_TRUE(Parsed(text(0)).raw_times_s.empty());
 }
 
+// Doubles of Unix seconds are 0.24 us apart: jitter of about as much, a thousandth of the interval,
+// is not explained by nine decimals.
+TEST(PrintedTimes, JitterBeyondTheDigitsOfUnixSecondsIsKept) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> jitter(-0.3e-6, 0.3e-6);
+  const Record record = Parsed(Table(5000, [&](auto i) {
+    return fmt::format("{:.9f}", 1.7e9 + 333e-6 * static_cast<double>(i) + jitter(random));
+  }));
+  EXPECT_EQ(record.raw_times_s.size(), 5000);
+}
+
 TEST(PrintedTimes, ARateThatDriftsIsNoGrid) {
   // 20 ppm over the record bend the line by 0.05 of an interval
   const Record record = Parsed(Table(20'000, [](auto i) {
