@@ -422,13 +422,14 @@ double PrintedTimes::FloatRounding() const {
   if (is_count_) return 0;
   const double span_s = times_s_.back() - times_s_.front();
   const double largest_s = std::max(std::abs(times_s_.front()), std::abs(times_s_.back()));
-  // half a unit in the last place of a 24-bit significand
-  const double rounding_s = 0x1p-24 * (largest_s + span_s);
   // a rounding below a thousandth of the period needs no proof
   constexpr double kNegligible = 1e-3;
-  if (rounding_s <= kNegligible * span_s / static_cast<double>(times_s_.size())) return rounding_s;
+  const double negligible_s = kNegligible * span_s / static_cast<double>(times_s_.size());
   // floats of the printed time or of the time since the first row, in s or another unit
   for (const double origin_s : {0.0, times_s_.front()}) {
+    // half a unit in the last place of a 24-bit significand
+    const double rounding_s = 0x1p-24 * (origin_s == 0 ? largest_s + span_s : span_s);
+    if (rounding_s <= negligible_s) return rounding_s;
     for (const double scale : {1.0, 1e-3, 1e-6, 1e-9, 1e3, 1e6}) {
       if (MayBeFloats(scale, origin_s)) return rounding_s;
     }
