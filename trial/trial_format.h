@@ -85,15 +85,10 @@ class RawValue {
   /// the low 32 bits.
   [[nodiscard]] double Number(Encoding encoding) const {
     const auto low = static_cast<std::uint32_t>(bits_);
-    switch (encoding) {
-      case Encoding::kI32:
-        return std::bit_cast<std::int32_t>(low);
-      case Encoding::kF32:
-        return static_cast<double>(std::bit_cast<float>(low));
-      case Encoding::kF64:
-        return std::bit_cast<double>(bits_);
-    }
-    HAPTOMETER_CHECK(false, "encoding {}", static_cast<int>(encoding));
+    if (encoding == Encoding::kI32) return std::bit_cast<std::int32_t>(low);
+    if (encoding == Encoding::kF32) return static_cast<double>(std::bit_cast<float>(low));
+    HAPTOMETER_CHECK(encoding == Encoding::kF64, "encoding {}", static_cast<int>(encoding));
+    return std::bit_cast<double>(bits_);
   }
 
  private:
