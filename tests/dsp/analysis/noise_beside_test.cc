@@ -91,8 +91,12 @@ TEST(NoiseBeside, WhiteNoiseLiesWithinItsVariances) {
   }
   ExpectTwoSigma("mean square of white noise", held, repetitions);
   ExpectTwoSigma("mean square of the window less that of the noise", rest_held, repetitions);
-  // one standard uncertainty down: 84 % of a normal distribution, known to 2.6 % by 200 records
-  EXPECT_NEAR(static_cast<double>(below) / repetitions, 0.84, 0.08);
+  // One standard uncertainty down: 84 % of a normal distribution, and 89 % of two parts, whose mean
+  // scatters less by the sqrt(pi / 2) that a median is given; known to 2.4 % by 200 records.
+  const double share = static_cast<double>(below) / repetitions;
+  std::printf("[coverage] density of the upper half: %.4f\n", share);
+  EXPECT_GE(share, 0.84 - 0.05);
+  EXPECT_LE(share, 0.89 + 0.05);
   // 8.5 % of one estimate (2.08 x 2 / 576 bins), four times; skirts of the filter
   const double scatter = 4 * 0.085 / std::sqrt(repetitions);
   EXPECT_REL(sum / repetitions, truth, scatter, "scatter of the mean");
