@@ -65,16 +65,12 @@ class Splitter {
         std::max(stretch_.first_row,
                  holes.front().begin - std::min(holes.front().begin, kInterpolationReach));
     const std::size_t end = std::min(end_, holes.back().end + kInterpolationReach);
-    // the neighbourhood, with what was interpolated before in its place
+    // the neighbourhood as it was measured: what was interpolated before would feed its own errors
     std::vector<double> values(end - begin);
     std::vector<trial::SampleStatus> statuses(values.size());
     HAPTOMETER_TRY(source_.Read(channel_, begin, values, statuses));
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (!IsMeasured(values[k], statuses[k])) values[k] = std::numeric_limits<double>::quiet_NaN();
-    }
-    for (auto bridge = segment_.bridges.rbegin(); bridge != segment_.bridges.rend(); ++bridge) {
-      if (segment_.first_row + bridge->sample < begin) break;
-      values[segment_.first_row + bridge->sample - begin] = bridge->value;
     }
     const auto found = Interpolate(values, holes.front().begin - begin, holes.back().end - begin);
     const double most = kMostError * VarianceOf(values);

@@ -117,6 +117,31 @@ TEST(Segments, RandomHolesAreInterpolated) {
   EXPECT_GT(square_sum, ExpandedSquares(part) / 8);
 }
 
+// One row of N lost throughout a record whose drive is on for two thirds of it: no interpolated row
+// feeds another, so that an error at the drive's edge does not grow with the holes behind it.
+TEST(Segments, ARowLostAgainAndAgainIsInterpolated) {
+  for (const std::size_t every : {5U, 8U, 10U, 11U, 20U}) {
+    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+      std::vector<double> truth = Samples(5e3, 30000, 0.03, {{20e-6, 170}});
+      Noise noise(seed);
+      for (std::size_t k = 0; k < truth.size(); ++k) {
+        if (k < 5000 || k >= 25000) truth[k] = 0;
+        truth[k] += 1e-7 * noise();
+      }
+      trial::Record record = RecordOf(truth, 5e3);
+      for (std::size_t row = 43; row < truth.size() - 1; row += every) Spoil(record, row, 1);
+      const Segments segments = Split(record);
+      ASSERT_EQ(segments.parts.size(), 1U) << every;
+      double worst = 0;
+      for (const Bridge& bridge : segments.parts[0].bridges) {
+        worst = std::max(worst, std::abs(bridge.value - truth[bridge.sample]));
+      }
+      // at the edges a row is that of the drive or of the pause: its amplitude
+      EXPECT_LT(worst, 20e-6) << every << " " << seed;
+    }
+  }
+}
+
 TEST(Segments, TwoHolesBesideEachOtherAreInterpolated) {
   trial::Record beside = RecordOf(Samples(kRateHz, 400, 0.03, {{1e-6, 100}}), kRateHz);
   Spoil(beside, 50, 1);
