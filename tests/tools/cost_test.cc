@@ -288,7 +288,7 @@ TEST(Cost, RefusesWhatAQuestionDoesNotLookAt) {
   refused({"km", "--measure"}, "--measure");
   refused({"km", "--accuracy", "30%"}, "25 %");
   refused({"waveform", "--accuracy", "1e-13"}, "1e-11");
-  refused({"waveform", "--accuracy", "2"}, "200 % lies outside 0 to 100 %");
+  refused({"waveform", "--accuracy", "2"}, "2 lies outside 0 to 1;");
   refused({"--accuracy", "1e-3"}, "of a question");
   refused({"band-rms", "--sensor", "il-999"}, "no route");
 }

@@ -147,6 +147,22 @@ int WithoutFiles(int argc, const char* const* argv) {
   return options.Parse(argc, argv).value_or(0);
 }
 
+int WithAFile(int argc, const char* const* argv) {
+  std::string file;
+  bool all = false;
+  Options options({.name = "one", .summary = "One file.", .examples = {"one", "two", "three"}});
+  options.Positional("file", &file, "Trial");
+  options.Flag("--all", &all, "All");
+  return options.Parse(argc, argv).value_or(0);
+}
+
+TEST(Options, AnUnknownOptionIsNamedBeforeAnAbsentFile) {
+  EXPECT_THAT(tools::Captured(WithAFile, "one", {"--al"}).err,
+              HasSubstr("--al: is not an option; did you mean --all?"));
+  EXPECT_THAT(tools::Captured(WithAFile, "one", {"--al=3"}).err, HasSubstr("--al: is not"));
+  EXPECT_THAT(tools::Captured(WithAFile, "one", {"--all"}).err, HasSubstr("file is required"));
+}
+
 TEST(Options, AWordThatIsLeftOverIsNamed) {
   const Outcome word = tools::Captured(WithoutFiles, "alone", {"1s", "-o", "a.csv"});
   EXPECT_EQ(word.status, 2);

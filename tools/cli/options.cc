@@ -245,7 +245,7 @@ struct Options::State {
   // the first option that is followed by another option, or by nothing, in place of its value
   std::optional<Error> MissingValue(int argc, const char* const* argv) const;
   // a message in the form of all errors for what CLI11 found wrong
-  Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
+  Error Explain(const CLI::ParseError& error, int argc) const;
 };
 
 std::string Options::State::Description() const {
@@ -355,20 +355,16 @@ std::optional<Error> Options::State::MissingValue(int argc, const char* const* a
   return std::nullopt;
 }
 
-Error Options::State::Explain(const CLI::ParseError& error, int argc,
-                              const char* const* argv) const {
+Error Options::State::Explain(const CLI::ParseError& error, int argc) const {
   const std::string help_remedy = fmt::format("see haptometer {} --help", verb.name);
   const std::vector<std::string> names = Names();
-  // CLI11 reports left-over words without the nearest name: the first unknown option is found here
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    for (int i = 1; i < argc; ++i) {
-      const std::string word(argv[i], std::strcspn(argv[i], "="));
-      if (word.starts_with("-") && Named(word) == nullptr) {
-        const std::string nearest = Nearest(word, names);
-        return {Cause::kUsage, word, "is not an option",
-                nearest.empty() ? help_remedy : fmt::format("did you mean {}?", nearest)};
-      }
-    }
+  // CLI11 reports an absent input first, and left-over words without the nearest name
+  for (const std::string& left : app.remaining()) {
+    const std::string word = left.substr(0, left.find('='));
+    if (!word.starts_with("-") || Named(word) != nullptr) continue;
+    const std::string nearest = Nearest(word, names);
+    return {Cause::kUsage, word, "is not an option",
+            nearest.empty() ? help_remedy : fmt::format("did you mean {}?", nearest)};
   }
   // no word at all: the name of the missing input alone would be of little use
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && argc <= 1) {
@@ -650,7 +646,7 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     error = refused.error;
   } catch (const CLI::ParseError& parse_error) {
     is_incomplete = dynamic_cast<const CLI::RequiredError*>(&parse_error) != nullptr;
-    error = state_->Explain(parse_error, argc, argv);
+    error = state_->Explain(parse_error, argc);
   }
   // the cause of other errors, as where the next option's value is left over
   if (auto missing = state_->MissingValue(argc, argv)) {

@@ -22,9 +22,11 @@ Result<double> ReadAccuracy(std::string_view text, double least, double most) {
   HAPTOMETER_LET(const auto number, ParseQuantity(text, Dimension::kNone, "--accuracy"));
   const double relative = is_percent ? number.value / 100 : number.value;
   if (relative > 0 && relative >= least && relative <= most) return relative;
+  const double unit = is_percent ? 100 : 1;
   return Usage(
       "--accuracy",
-      fmt::format("{:g} % lies outside {:g} to {:g} %", 100 * relative, 100 * least, 100 * most),
+      fmt::format("{:g}{} lies outside {:g} to {:g}{}", number.value, is_percent ? " %" : "",
+                  unit * least, unit * most, is_percent ? " %" : ""),
       "write e.g. 1%, or 1e-6 of a simulation");
 }
 
