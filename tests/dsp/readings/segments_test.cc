@@ -125,7 +125,7 @@ TEST(Segments, ARowLostAgainAndAgainIsInterpolated) {
       std::vector<double> truth = Samples(5e3, 30000, 0.03, {{20e-6, 170}});
       Noise noise(seed);
       for (std::size_t k = 0; k < truth.size(); ++k) {
-        if (k < 5000 || k >= 25000) truth[k] = 0;
+        if (k < 5000 || k >= 25000) truth[k] = 0.03;
         truth[k] += 1e-7 * noise();
       }
       trial::Record record = RecordOf(truth, 5e3);
