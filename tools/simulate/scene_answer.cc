@@ -173,7 +173,9 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
 std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
   // of a run: static force plus the least dynamic force
   if (const sim::SceneRun* run = RunOf(answer)) {
-    return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
+    const double least_n = sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
+    // the skin does not pull where contact may break
+    return answer.scene.effects.contact_loss ? std::max(0.0, least_n) : least_n;
   }
   if (played != nullptr) return played->force_least_n;
   if (answer.scene.duration_s) return std::nullopt;
