@@ -85,7 +85,7 @@ enum class FindingKind : std::uint8_t {
   kCornerLoss,         ///< frequency_hz, gain, rms_m: as it would be without the filter
   // hum of the mains
   kHumSubtracted,   ///< frequency_hz, amplitude_m, lines
-  kHumAtDrive,      ///< frequency_hz, amplitude_m: too near to the drive to be told apart
+  kHumAtDrive,      ///< frequency_hz, mains_hz, amplitude_m: a multiple too near to the drive
   kMainsFrequency,  ///< frequency_hz, amplitude_m: of a tone that never pauses
   // noise floor; its file is the subject
   kNoFloor,           ///< noise_m: that the RMS holds at most, where that is less than all

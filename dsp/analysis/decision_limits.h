@@ -52,8 +52,9 @@ inline constexpr double kWideShare = 0.025;
 /// NoPartIsDriven.AndNoneIsSeen
 inline constexpr double kSteadyWithin = 0.5;
 /// More than this part is most of it: phases that continue, a channel that is on, a segment free of
-/// transients, a residual that another frequency halves, a level beside its top, bumps of a window.
-/// Test: DriveStates.ASteadyLevelOfLoosePhaseIsNoSteadyState
+/// transients, a residual that another frequency halves, a level beside its top, a drive beside the
+/// strongest one (ToneOfAPause.IsNoDriveWhereItIsWeak), bumps of a window. Test:
+/// DriveStates.ASteadyLevelOfLoosePhaseIsNoSteadyState
 inline constexpr double kMajority = 0.5;
 /// A model that explains this part of a power explains all but noise: the tone of the drive, the
 /// phases of a clear one, a resonance. Test: AnalyzeSweep.SaysWhatIsNotDetermined
@@ -116,6 +117,10 @@ inline constexpr double kFootReach = 2;
 /// A drive in the foot scatters by less than this part of its level. Test:
 /// DriveStates.NoiseAloneIsOff
 inline constexpr double kScatterAtFoot = 0.15;
+/// A drive in the foot of fewer than kFewest blocks has this many at least, changes and scatters by
+/// less than kNoticeable and explains its blocks: 0.3 to 1 s of 20 to 40 Hz. Test:
+/// BurstsAtTheFoot.AreNotAveragedWithTheirPauses
+inline constexpr std::size_t kFewestAtFoot = 3;
 /// The residual of a bump is above its median by this, in logarithms, at least. Class bumps-gated.
 /// Test: QuietInterval.IsCutWhereABumpIs
 inline constexpr double kBumpLeast = 0.35;

@@ -437,10 +437,22 @@ bool IsOn(const StateInterval& interval, const BlockCourse& course) {
   return interval.level_m > ridge * (kOnLevel + kOnScatter / std::sqrt(m));
 }
 
+// whether the tone is nearly all of its blocks
+bool IsExplained(const StateInterval& state) {
+  return state.residual < (1 - kExplained) * 0.5 * state.level_m * state.level_m;
+}
+
 // narrow noise at the band's foot, as red noise has, scatters less than the ridge of white noise
 double MostScatter(const StateInterval& state, double lower_hz) {
   return std::max(state.from_hz, state.to_hz) < kFootReach * lower_hz ? kScatterAtFoot
                                                                       : kSteadyWithin;
+}
+
+// whether a steady tone at the band's foot is a drive: fewer blocks have to be nearly one sine
+bool IsDriveAtFoot(const StateInterval& state) {
+  if (state.blocks() >= kFewest) return true;
+  return state.blocks() >= kFewestAtFoot && state.scatter < kNoticeable &&
+         std::abs(state.drift) < kNoticeable && IsExplained(state);
 }
 
 bool AreOne(const StateInterval& a, const StateInterval& b) {
@@ -452,6 +464,105 @@ bool AreOne(const StateInterval& a, const StateInterval& b) {
   };
   return same(a.level_m, b.level_m) &&
          same(a.level_m * (1 + 0.5 * a.drift), b.level_m * (1 - 0.5 * b.drift));
+}
+
+// level, scatter and phases of one amplitude
+bool IsSteady(const StateInterval& state, double lower_hz) {
+  return std::abs(state.drift) < kSteadyWithin && state.scatter < MostScatter(state, lower_hz) &&
+         state.coherence > kMajority;
+}
+
+// whether a state may be part of a drive of `level_m` and `frequency_hz` that goes up and down
+bool IsPartOf(const StateInterval& state, double level_m, double frequency_hz) {
+  return state.state != DriveState::kOff && state.level_m > kMajority * level_m &&
+         std::abs(0.5 * (state.from_hz + state.to_hz) - frequency_hz) < kDriveReachHz;
+}
+
+// what a state is by its drift, its phases and its place in the band
+void Judge(double lower_hz, StateInterval& state) {
+  // a drive that comes or goes, below the noise on average: no part of it is quiet
+  const double least = std::max(kSteadyWithin, kFalseAlarmDeviations * state.drift_uncertainty);
+  if (state.state == DriveState::kOff && std::abs(state.drift) > least) {
+    state.state = DriveState::kTransition;
+  }
+  if (state.state == DriveState::kOff) return;
+  const bool at_foot = std::max(state.from_hz, state.to_hz) < kFootReach * lower_hz;
+  if (state.state == DriveState::kOn) state.is_steady = IsSteady(state, lower_hz);
+  if (!at_foot) return;
+  // tremor reaches the band's foot as a tone that is never steady
+  state.is_steady = state.is_steady && IsDriveAtFoot(state);
+  state.is_short_at_foot = !state.is_steady && IsExplained(state);
+  if (state.state == DriveState::kOn && !state.is_steady) state.state = DriveState::kOff;
+}
+
+// the end of the neighbours of state `first` that may be parts of one drive
+std::size_t EndOfDrive(const std::vector<StateInterval>& states, std::size_t first) {
+  const double frequency_hz = 0.5 * (states[first].from_hz + states[first].to_hz);
+  double level_m = 0;
+  std::size_t end = first;
+  while (end < states.size() && IsPartOf(states[end], level_m, frequency_hz)) {
+    level_m = std::max(level_m, states[end].level_m);
+    ++end;
+  }
+  return end;
+}
+
+// whether an amplitude goes up and down, or along, within a state by more than noise does
+bool Wanders(const StateInterval& state, const BlockCourse& course) {
+  if (state.Drifts() || state.state == DriveState::kTransition) return true;
+  const double of_noise =
+      std::sqrt(2 * state.residual / course.degrees_of_freedom()) / state.level_m;
+  return state.scatter > std::max(kNoticeable, kFalseAlarmDeviations * of_noise);
+}
+
+// Whether states are one amplitude that goes up and down all the time, as in a modulation or a
+// beat: most of it changes, and no state is most of it.
+bool IsWandering(std::span<const StateInterval> states, const BlockCourse& course) {
+  std::size_t all = 0;
+  std::size_t changing = 0;
+  std::size_t longest = 0;
+  for (const StateInterval& state : states) {
+    all += state.blocks();
+    longest = std::max(longest, state.blocks());
+    if (Wanders(state, course)) changing += state.blocks();
+  }
+  const double most = kMajority * static_cast<double>(all);
+  return states.size() > 2 &&
+         static_cast<double>(longest)<most&& static_cast<double>(changing)> most;
+}
+
+// how often the level of blocks goes up and down, once at least: half of its crossings of the mean
+double CyclesOf(std::span<const DriveBlock> blocks, double mean_m) {
+  int crossings = 0;
+  for (std::size_t k = 1; k < blocks.size(); ++k) {
+    if ((blocks[k - 1].level_m() > mean_m) != (blocks[k].level_m() > mean_m)) ++crossings;
+  }
+  return std::max(1.0, crossings / 2.0);
+}
+
+// the states with those of a wandering drive joined
+std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
+                                  const std::vector<StateInterval>& states) {
+  std::vector<StateInterval> joined;
+  for (std::size_t k = 0; k < states.size();) {
+    const std::size_t end = std::max(k + 1, EndOfDrive(states, k));
+    const auto part = std::span(states).subspan(k, end - k);
+    k = end;
+    if (IsWandering(part, course)) {
+      StateInterval whole = Describe(course, part.front().first, part.back().end);
+      whole.state = DriveState::kOn;
+      whole.is_steady = IsSteady(whole, lower_hz);
+      if (whole.is_steady) {
+        const auto blocks = std::span(course.blocks).subspan(whole.first, whole.blocks());
+        whole.wander = std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
+                       CyclesOf(blocks, whole.level_m);
+        joined.push_back(whole);
+        continue;
+      }
+    }
+    joined.insert(joined.end(), part.begin(), part.end());
+  }
+  return joined;
 }
 
 }  // namespace
@@ -485,21 +596,8 @@ std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz
     }
     states.push_back(next);
   }
-  for (StateInterval& state : states) {
-    // a drive that comes or goes, below the noise on average: no part of it is quiet
-    const double least = std::max(kSteadyWithin, kFalseAlarmDeviations * state.drift_uncertainty);
-    if (state.state == DriveState::kOff && std::abs(state.drift) > least) {
-      state.state = DriveState::kTransition;
-    }
-    if (state.state != DriveState::kOn) continue;
-    state.is_steady = std::abs(state.drift) < kSteadyWithin &&
-                      state.scatter < MostScatter(state, lower_hz) && state.coherence > kMajority;
-    // tremor reaches the band's foot as a tone that is never steady
-    const bool at_foot = std::max(state.from_hz, state.to_hz) < kFootReach * lower_hz;
-    if (at_foot && state.blocks() < kFewest) state.is_steady = false;
-    if (at_foot && !state.is_steady) state.state = DriveState::kOff;
-  }
-  return states;
+  for (StateInterval& state : states) Judge(lower_hz, state);
+  return Joined(course, lower_hz, states);
 }
 
 }  // namespace haptometer::dsp

@@ -109,12 +109,16 @@ struct StateInterval {
   double drift = 0;    ///< change of the amplitude from begin to end, as a part of level_m
   double drift_uncertainty = 0;  ///< standard, from the scatter
   double scatter = 0;   ///< standard deviation of the blocks about that line, as a part of level_m
+  double wander = 0;    ///< half width of the mean level over other parts of an amplitude that goes
+                        ///< up and down n times with that scatter: sqrt(2) scatter / (pi n)
   double residual = 0;  ///< mean square beside the tone, m2
   double rms_m = 0;     ///< of the filtered samples
   double from_hz = 0;   ///< frequency at begin and end, by a line through the blocks
   double to_hz = 0;
   double coherence = 0;  ///< of a block's phase with the one before: 1 of a tone, 0 of noise
   bool is_steady = false;
+  bool is_short_at_foot =
+      false;  ///< a clear tone at the band's foot, too short to be one that is on
 
   [[nodiscard]] std::size_t blocks() const { return end - first; }
   /// Whether the amplitude changes noticeably, and by more than its uncertainty gives (1e-3).
@@ -133,11 +137,13 @@ struct StateInterval {
 ///
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
 /// between others is a transition, and so is one that is off but changes by half its level.
-/// Neighbours of the same kind whose levels meet within 2 % are one. A state is steady where its
-/// level changes and scatters by less than half of itself (0.15, and eight blocks at least, up to
-/// twice `lower_hz`, where red noise has a narrow ridge), and the phases of its blocks continue
-/// each other. Limits and error rates: dsp/analysis/decision_limits.h. Cost: linear in the blocks
-/// for states of bounded length.
+/// Neighbours of the same kind whose levels meet within 2 % are one, and so are those of a drive
+/// whose amplitude goes up and down all the time. A state is steady where its
+/// level changes and scatters by less than half of itself, and the phases of its blocks continue
+/// each other. Up to twice `lower_hz`, where red noise has a narrow ridge and tremor its harmonics,
+/// it scatters by less than 0.15 over eight blocks, or changes and scatters by less than 0.02 over
+/// three that the tone explains; what is not steady there is off. Limits and error rates:
+/// dsp/analysis/decision_limits.h. Cost: linear in the blocks for states of bounded length.
 [[nodiscard]] std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz);
 
 }  // namespace haptometer::dsp

@@ -207,8 +207,8 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "hum of the mains subtracted: {lines} line{lines s}, the strongest {amplitude_m} at "
        "{frequency_hz}; --hum keep counts it as vibration"},
       {kHumAtDrive, "hum-at-drive",
-       "hum of {amplitude_m} at {frequency_hz} is too close to the drive to be distinguished from "
-       "it: the RMS includes it; drive at another frequency"},
+       "hum at {frequency_hz} cannot be distinguished from the drive, and the RMS includes it; at "
+       "{mains_hz} hum has {amplitude_m}; drive at another frequency"},
       {kMainsFrequency, "mains-frequency",
        "the only tone is at {frequency_hz}[, {amplitude_m},] a multiple of the mains' frequency, "
        "and never off: it may be hum; record an interval with the drive off, drive at another "

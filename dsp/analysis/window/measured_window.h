@@ -33,6 +33,7 @@ struct MeasuredWindow {
   double steps_m = 0;               ///< bound of what the converter's steps hide
   double hum_square = 0;            ///< mean square that hum adds, m2
   std::optional<SineFit> second{};  ///< the strongest tone beside the tone
+  double mirrored_m = 0;  ///< amplitude as far on the tone's other side, of a modulation's sideband
   double tone_variance = 0;         ///< of the tone's mean square, m4
   std::optional<double> density{};  ///< of the noise at the drive, m2/Hz
   std::size_t rows = 0;             ///< of the window

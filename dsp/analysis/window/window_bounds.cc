@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t kMostForSteps = std::size_t{1} << 16U;
 
 // Half width of what a part of a beat changes of the RMS: the squares of a1 cos(w1 t) + a2 cos(w2
-// t) hold a1 a2 cos((w1 - w2) t), whose mean over T is a1 a2 / (pi df T) at most. Over whole
-// periods of the tone its harmonics have none.
+// t) hold a1 a2 cos((w1 - w2) t), whose mean over T is a1 a2 / (pi df T) at most; a modulation has
+// a sideband as far on the other side, whose beat adds. Over whole periods of the tone its
+// harmonics have none.
 double BeatBound(const MeasuredWindow& window, double rms) {
   if (!window.second) return 0;
   const SineFit& tone = window.numbers.tone->fit;
@@ -25,7 +26,7 @@ double BeatBound(const MeasuredWindow& window, double rms) {
   const double bin_hz = 1 / window.samples.duration_s();
   if (harmonic_hz > 0 && std::abs(other.frequency_hz - harmonic_hz) < bin_hz) return 0;
   const double apart_hz = std::abs(other.frequency_hz - tone.frequency_hz);
-  return tone.amplitude * other.amplitude /
+  return tone.amplitude * (other.amplitude + window.mirrored_m) /
          (2 * rms * std::numbers::pi * apart_hz * window.duration_s());
 }
 
@@ -146,9 +147,8 @@ Result<std::vector<RmsBound>> BoundsOf(const MeasuredWindow& window) {
     add(RmsCause::kFoot, (above + 0.5 * window.beside.below_mean_square) / (2 * rms));
   }
   add(RmsCause::kHum, (alone ? kSameWithin : 0.5) * std::abs(window.hum_square) / (2 * rms));
-  if (is_chosen && part.state.Drifts()) {
-    add(RmsCause::kDrift, 0.5 * std::abs(part.state.drift) * rms);
-  }
+  const double drift = part.state.Drifts() ? 0.5 * std::abs(part.state.drift) : 0;
+  if (is_chosen) add(RmsCause::kDrift, (drift + part.state.wander) * rms);
   return bounds;
 }
 

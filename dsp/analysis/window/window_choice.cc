@@ -77,12 +77,19 @@ std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size
   return SettledWithin(*course.signal, inner);
 }
 
-// whether a state is no drive beside one of `level_m`: off, or a harmonic of tremor at the band's
-// foot
-bool IsQuiet(const StateInterval& state, double level_m, double lower_hz) {
+// whether the tones of two states differ by more than what is beside a drive
+bool AreApart(const StateInterval& a, const StateInterval& b) {
+  const double a_hz = 0.5 * (a.from_hz + a.to_hz);
+  const double b_hz = 0.5 * (b.from_hz + b.to_hz);
+  return std::abs(a_hz - b_hz) > std::max(kDriveReachHz, kSameWithin * b_hz);
+}
+
+// Whether a state is no drive beside `drive`: off, or a steady tone far below it, or weaker and of
+// another frequency, which may be there all the time; NoiseOfQuiet asks whether it is.
+bool IsQuiet(const StateInterval& state, const StateInterval& drive) {
   if (state.state == DriveState::kOff) return true;
-  return state.state == DriveState::kOn && state.to_hz < kFootReach * lower_hz &&
-         state.from_hz < kFootReach * lower_hz && state.level_m < kMajority * level_m;
+  if (!state.is_steady || state.level_m >= drive.level_m) return false;
+  return state.level_m < kMajority * drive.level_m || AreApart(state, drive);
 }
 
 // logarithm of a mean square, as far as it counts beside a drive of `level_m`
@@ -91,12 +98,12 @@ double LogOf(double mean_square, double level_m) {
 }
 
 // median of the logarithms over all blocks without a drive; unknown where there are few
-double LogOfPauses(const Course& course, double level_m) {
+double LogOfPauses(const Course& course, const StateInterval& drive) {
   std::vector<double> logs;
   for (const StateInterval& state : course.states) {
-    if (state.state != DriveState::kOff) continue;
+    if (!IsQuiet(state, drive)) continue;
     for (std::size_t k = state.first; k < state.end; ++k) {
-      logs.push_back(LogOf(course.blocks.blocks[k].mean_square, level_m));
+      logs.push_back(LogOf(course.blocks.blocks[k].mean_square, drive.level_m));
     }
   }
   if (logs.size() < kFewest) return kUnknown;
@@ -163,13 +170,13 @@ SampleRanges BumpsIn(const Course& course, double DriveBlock::* mean_square, dou
   return bumps;
 }
 
-// intervals without the drive of `level_m`, away from everything else and from bumps
-std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double lower_hz) {
+// intervals without `drive`, away from everything else and from bumps
+std::vector<TimeWindow> QuietOf(const Course& course, const StateInterval& drive, double lower_hz) {
   const BandSignal& signal = *course.signal;
   const std::vector<StateInterval>& states = course.states;
   std::vector<TimeWindow> quiet;
   for (std::size_t k = 0; k < states.size(); ++k) {
-    if (!IsQuiet(states[k], level_m, lower_hz)) continue;
+    if (!IsQuiet(states[k], drive)) continue;
     // a drive that ends just within a segment, or begins: a line through it and noise crosses zero
     if (k == 0 && states[k].drift < -2) continue;
     if (k + 1 == states.size() && states[k].drift > 2) continue;
@@ -179,7 +186,8 @@ std::vector<TimeWindow> QuietOf(const Course& course, double level_m, double low
                                          : TimeOfSample(signal, signal.settled_end());
     if (window.end_s <= window.begin_s) continue;
     const auto [begin, end] = SettledWithin(signal, window);
-    for (const auto& [from, to] : BumpsIn(course, &DriveBlock::mean_square, level_m, begin, end)) {
+    for (const auto& [from, to] :
+         BumpsIn(course, &DriveBlock::mean_square, drive.level_m, begin, end)) {
       const double from_s = TimeOfSample(signal, from);
       if (from_s > window.begin_s) quiet.push_back({window.begin_s, from_s});
       window.begin_s = TimeOfSample(signal, to);
@@ -195,16 +203,36 @@ std::size_t SizeOf(const SampleRanges& ranges) {
   return size;
 }
 
-// the longest steady state that is on, over all signals
+// samples of a steady state that make a window; else none
+std::pair<std::size_t, std::size_t> WindowOf(const Course& course, std::size_t k, double lower_hz) {
+  if (!course.states[k].is_steady) return {0, 0};
+  const auto [begin, end] = InnerSamples(course, k);
+  const double duration_s = static_cast<double>(end - begin) / course.signal->rate_hz();
+  if (duration_s < kLeastWindowPeriods / lower_hz) return {0, 0};
+  return {begin, end};
+}
+
+// the strongest level of all states that make a window
+double StrongestLevel(const std::vector<Course>& courses, double lower_hz) {
+  double strongest_m = 0;
+  for (const Course& course : courses) {
+    for (std::size_t k = 0; k < course.states.size(); ++k) {
+      const auto [begin, end] = WindowOf(course, k, lower_hz);
+      if (end > begin) strongest_m = std::max(strongest_m, course.states[k].level_m);
+    }
+  }
+  return strongest_m;
+}
+
+// the longest steady state that is on, over all signals, without those far below the strongest
 std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, double lower_hz) {
+  const double least_m = kMajority * StrongestLevel(courses, lower_hz);
   std::optional<ChosenPart> best;
   const Course* of = nullptr;
   for (const Course& course : courses) {
     for (std::size_t k = 0; k < course.states.size(); ++k) {
-      if (!course.states[k].is_steady) continue;
-      const auto [begin, end] = InnerSamples(course, k);
-      const double duration_s = static_cast<double>(end - begin) / course.signal->rate_hz();
-      if (duration_s < kLeastWindowPeriods / lower_hz) continue;
+      const auto [begin, end] = WindowOf(course, k, lower_hz);
+      if (end == begin || course.states[k].level_m < least_m) continue;
       if (best && end - begin <= best->end - best->begin) continue;
       of = &course;
       best = ChosenPart{course.signal, begin, end};
@@ -216,13 +244,14 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
   }
   if (!best) return best;
   best->hum = of->hum;
-  const double level_m = best->part.state.level_m;
-  best->part.quiet = QuietOf(*of, level_m, lower_hz);
+  const StateInterval& drive = best->part.state;
+  best->part.quiet = QuietOf(*of, drive, lower_hz);
   // bumps throughout, beside a pause or beside each other, are none; at an end they shorten the
   // window
   const double most = kMajority * static_cast<double>(best->end - best->begin);
-  for (const double of_pause : {LogOfPauses(*of, level_m), kUnknown}) {
-    best->excluded = BumpsIn(*of, &DriveBlock::residual, level_m, best->begin, best->end, of_pause);
+  for (const double of_pause : {LogOfPauses(*of, drive), kUnknown}) {
+    best->excluded =
+        BumpsIn(*of, &DriveBlock::residual, drive.level_m, best->begin, best->end, of_pause);
     if (static_cast<double>(SizeOf(best->excluded)) <= most) break;
     if (of_pause < kUnknown) best->may_be_bumps = best->excluded;
     best->excluded.clear();
@@ -290,7 +319,7 @@ void KeepStates(const std::vector<Course>& courses, BandAnalysis* analysis) {
 Finding WhyNoDrive(const std::vector<Course>& courses, const BandAnalysis& analysis) {
   double on_s = 0;
   for (const StateInterval& state : analysis.states) {
-    if (state.state == DriveState::kOn) on_s += state.time.duration_s();
+    if (state.state == DriveState::kOn || state.is_short_at_foot) on_s += state.time.duration_s();
   }
   Finding why{.severity = Severity::kRefusal, .kind = FindingKind::kNoDrive};
   if (on_s > 0) {
@@ -395,6 +424,23 @@ Result<std::optional<ChosenPart>> SteadiestOf(const BandPass& band, double lengt
   return LongestSteady(courses, band.lower_hz);
 }
 
+// whether a tone at the band's foot that comes and goes is most of what there is: longer blocks
+// would average its pauses
+bool PausesAtFoot(const std::vector<StateInterval>& states) {
+  double all = 0;
+  double at_foot = 0;
+  double level_m = 0;
+  double least_m = kUnknown;
+  for (const StateInterval& state : states) {
+    const double energy = state.rms_m * state.rms_m * state.time.duration_s();
+    all += energy;
+    if (state.is_short_at_foot) at_foot += energy;
+    if (state.is_short_at_foot) level_m = std::max(level_m, state.level_m);
+    least_m = std::min(least_m, state.level_m);
+  }
+  return at_foot > kMajority * all && least_m < kMajority * level_m;
+}
+
 // the drive of the longest steady state, else a refusal beside all that is free of transients
 Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<BandSignal>& all,
                                 const BandQuestion& question, BandAnalysis* analysis) {
@@ -402,12 +448,13 @@ Result<ChosenPart> ChooseDriven(std::vector<Course>& courses, const std::vector<
     HAPTOMETER_LET(auto best, SteadiestOf(question.band, length, courses));
     const bool is_shortest = length == kBlockLengths.front();
     if (best || is_shortest) KeepStates(courses, analysis);
+    if (!best && is_shortest && PausesAtFoot(analysis->states)) break;
     if (!best) continue;
     const bool is_hum = MayBeHum(*best, analysis->states, is_shortest, question);
     return is_hum ? WithoutDrive(*best) : *std::move(best);
   }
   if (std::ranges::none_of(analysis->states, [](const StateInterval& state) {
-        return state.state == DriveState::kOn;
+        return state.state == DriveState::kOn || state.is_short_at_foot;
       })) {
     HAPTOMETER_LET(auto faint, FaintTone(courses, question.band, analysis));
     if (faint && MayBeHum(*faint, {}, false, question)) return WithoutDrive(*faint);
@@ -436,7 +483,7 @@ void DescribeGiven(const std::vector<Course>& courses, double lower_hz, ChosenPa
     chosen.part.state = state;
   }
   chosen.hum = course->hum;
-  chosen.part.quiet = QuietOf(*course, chosen.part.state.level_m, lower_hz);
+  chosen.part.quiet = QuietOf(*course, chosen.part.state, lower_hz);
   // up to a period of the lower corner beside the drive is no mixture
   const double off_s = window.duration_s() - on_s;
   chosen.part.from_drive = on_s > 0 && off_s <= 1 / lower_hz + course->blocks.block_s;

@@ -128,12 +128,16 @@ void RemarkHum(const ChosenPart& chosen, BandAnalysis* analysis) {
   analysis->findings.Add({.severity = seen_alone ? Severity::kNote : Severity::kDoubt,
                           .kind = FindingKind::kHumSubtracted,
                           .numbers = {frequency, amplitude, {"lines", hum.size()}}});
-  // a multiple of the mains within the drive's bins
+  // a multiple of the mains within the drive's bins; a pause shows what hum has there
   const double reach_hz = std::max(kMainsWithinHz, kReachBins / numbers.part.window.duration_s());
   const double tone_hz = chosen.part.state.from_hz;
   const double order = std::round(tone_hz / hum.front().frequency_hz);
-  if (order >= 1 && std::abs(tone_hz - order * hum.front().frequency_hz) < reach_hz) {
-    analysis->findings.Doubt(FindingKind::kHumAtDrive, {frequency, amplitude});
+  const double multiple_hz = order * hum.front().frequency_hz;
+  const bool is_hidden = order == 1 || (order > 1 && !seen_alone);
+  if (is_hidden && std::abs(tone_hz - multiple_hz) < reach_hz) {
+    analysis->findings.Doubt(
+        FindingKind::kHumAtDrive,
+        {{"frequency_hz", multiple_hz}, {"mains_hz", hum.front().frequency_hz}, amplitude});
   }
 }
 

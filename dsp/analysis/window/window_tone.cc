@@ -34,6 +34,16 @@ void Subtract(const SineFit& sine, double rate_hz, std::span<double> samples) {
                -sine.amplitude * std::sin(sine.phase_rad), 0, samples);
 }
 
+// amplitude at a frequency, where it is clear of the noise; `samples` are without the strong tones
+double ClearAmplitude(std::span<const double> samples, const SineFitOptions& options,
+                      double frequency_hz) {
+  if (frequency_hz <= 0 || 2 * frequency_hz >= options.rate_hz) return 0;
+  const SineFit fit = FitSineAt(samples, options, frequency_hz);
+  const bool is_clear =
+      fit.converged && fit.amplitude > kClearUncertainties * fit.amplitude_uncertainty;
+  return is_clear ? fit.amplitude : 0;
+}
+
 // the strongest tone of the samples, fitted again without the strongest one of the others
 std::optional<SineFit> ToneApart(MeasuredWindow& window) {
   const double rate_hz = window.samples.rate_hz;
@@ -47,10 +57,14 @@ std::optional<SineFit> ToneApart(MeasuredWindow& window) {
   // nearer ones are the tone's own change
   const double least_hz = kReachBins / window.samples.duration_s();
   if (!second || std::abs(second->frequency_hz - tone->frequency_hz) < least_hz) return tone;
+  const SineFitOptions options{rate_hz, window.bandwidth_hz(), 0};
   std::vector<double> without = window.samples.values_m;
   Subtract(*second, rate_hz, without);
-  const SineFit alone = FitSine(without, {rate_hz, window.bandwidth_hz(), 0}, tone->frequency_hz);
+  const SineFit alone = FitSine(without, options, tone->frequency_hz);
   window.second = second;
+  Subtract(*second, rate_hz, others);
+  window.mirrored_m =
+      ClearAmplitude(others, options, 2 * tone->frequency_hz - second->frequency_hz);
   return alone.converged ? alone : tone;
 }
 

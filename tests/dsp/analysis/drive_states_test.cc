@@ -712,8 +712,8 @@ TEST(DriveStates, AStateIsOnBeyondWhatNoisePutsOnTheRidge) {
   }
 }
 
-// Up to 40 Hz, twice the lower corner, eight blocks and a scatter below 15 % are needed; above,
-// neither, and a scatter of half is too much.
+// Up to 40 Hz, twice the lower corner, eight blocks and a scatter below 15 % are needed, or three
+// and one below 2 %; above, neither, and a scatter of half is too much.
 TEST(DriveStates, AtTheFootADriveIsSteadierAndLonger) {
   const auto state_of = [](double frequency_hz, int blocks, double scatter) {
     BlockCourse course{.start_s = 0, .block_s = 0.1, .bandwidth_hz = 480, .blocks = {}};
@@ -731,7 +731,11 @@ TEST(DriveStates, AtTheFootADriveIsSteadierAndLonger) {
   };
   const auto is_on = [](const StateInterval& state) { return state.state == DriveState::kOn; };
   EXPECT_TRUE(is_on(state_of(39.9, 8, 0.01)));
-  EXPECT_FALSE(is_on(state_of(39.9, 7, 0.01)));
+  EXPECT_FALSE(is_on(state_of(39.9, 7, 0.025)));
+  EXPECT_TRUE(state_of(39.9, 7, 0.025).is_short_at_foot);
+  EXPECT_TRUE(state_of(39.9, 7, 0.015).is_steady);
+  EXPECT_TRUE(is_on(state_of(39.9, 3, 0.001)));
+  EXPECT_FALSE(is_on(state_of(39.9, 2, 0)));
   EXPECT_TRUE(is_on(state_of(40.1, 7, 0.01)));
   EXPECT_TRUE(is_on(state_of(39.9, 40, 0.148)));
   EXPECT_FALSE(is_on(state_of(39.9, 40, 0.152)));

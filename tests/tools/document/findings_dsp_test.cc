@@ -318,10 +318,10 @@ const std::vector<Case> kCases{
      "as "
      "vibration"},
     {kHumAtDrive,
-     {{"frequency_hz", 250.0}, {"amplitude_m", 2.5e-07}},
+     {{"frequency_hz", 250.0}, {"mains_hz", 50.0}, {"amplitude_m", 2.5e-07}},
      "hum-at-drive",
-     "hum of 0.25 um at 250 Hz is too close to the drive to be distinguished from it: the RMS "
-     "includes it; drive at another frequency"},
+     "hum at 250 Hz cannot be distinguished from the drive, and the RMS includes it; at 50 Hz hum "
+     "has 0.25 um; drive at another frequency"},
     {kMainsFrequency,
      {{"frequency_hz", 150.0}, {"amplitude_m", 2.5e-07}},
      "mains-frequency",

@@ -218,31 +218,39 @@ TEST(TimeOfSample, CountsFromTheSegmentsStart) {
   EXPECT_EQ(within(4, 3.9), std::make_pair(std::size_t{10'000}, std::size_t{10'000}));
 }
 
-// 1.5 s of a tone of `share` of the drive that follows it, 10 um at 217 Hz, whose frequency changes
-// by `change_hz` evenly; how many intervals are quiet beside the drive
-std::size_t QuietBesideFoot(double from_hz, double share, double change_hz = 0) {
-  const auto foot = [&](double t_s) { return (from_hz + change_hz * t_s / 3) * t_s; };
+// 1.5 s of a tone of `share` of the drive that follows it, 10 um at 217 Hz
+BandAnalysis BehindATone(double tone_hz, double share) {
   const BandAnalysis analysis =
       Answer(Turning([&](double t_s) { return t_s < 1.5 ? share * 10e-6 : 10e-6; },
-                     [&](double t_s) { return t_s < 1.5 ? foot(t_s) : Steady(t_s); }));
-  EXPECT_TRUE(analysis.answered && analysis.numbers) << from_hz << ' ' << share;
+                     [&](double t_s) { return t_s < 1.5 ? tone_hz * t_s : Steady(t_s); }));
+  EXPECT_TRUE(analysis.answered && analysis.numbers) << tone_hz << ' ' << share;
+  return analysis;
+}
+
+std::size_t QuietBehind(double tone_hz, double share) {
+  const BandAnalysis analysis = BehindATone(tone_hz, share);
   if (!analysis.numbers) return 0;
   EXPECT_ABS(analysis.numbers->part.state.from_hz, 217, 1, "the longer state is the drive");
   return analysis.numbers->part.quiet.size();
 }
 
-// Up to 40 Hz, twice the lower corner, and half of the drive's level a steady tone is tremor.
-TEST(QuietInterval, HoldsATremorOfLessThanHalfOfTheDrive) {
-  EXPECT_EQ(QuietBesideFoot(36, 0.48), 1U);
-  EXPECT_EQ(QuietBesideFoot(36, 0.52), 0U);
-  EXPECT_EQ(QuietBesideFoot(39, 0.3), 1U);
-  EXPECT_EQ(QuietBesideFoot(41, 0.3), 0U);
+// A steady tone may be there all the time: one of less than half of the drive, or one below it
+// that is more than 8 Hz away.
+TEST(QuietInterval, HoldsATonePerhapsBesideTheDrive) {
+  EXPECT_EQ(QuietBehind(222, 0.48), 1U);
+  EXPECT_EQ(QuietBehind(222, 0.52), 0U);
+  EXPECT_EQ(QuietBehind(228, 0.52), 1U);
+  EXPECT_EQ(QuietBehind(36, 0.95), 1U);
+  EXPECT_EQ(QuietBehind(36, 1.05), 0U);
 }
 
-TEST(QuietInterval, HoldsNoToneThatLeavesTheFootOrComesIntoIt) {
-  EXPECT_EQ(QuietBesideFoot(34, 0.3, 5), 1U);
-  EXPECT_EQ(QuietBesideFoot(34, 0.3, 12), 0U);
-  EXPECT_EQ(QuietBesideFoot(46, 0.3, -12), 0U);
+// Of a tone that the drive's window does not have, nothing is subtracted.
+TEST(QuietInterval, OfAToneThatEndsWithItIsNoNoise) {
+  for (const double tone_hz : {36.0, 100.0, 300.0}) {
+    const BandAnalysis analysis = BehindATone(tone_hz, 0.5);
+    ASSERT_TRUE(analysis.numbers && analysis.numbers->floor);
+    EXPECT_EQ(analysis.numbers->floor->from, NoiseSource::kBeside) << tone_hz;
+  }
 }
 
 }  // namespace

@@ -136,6 +136,13 @@ TEST(RemarkHum, AMultipleAtTheDriveIsADoubt) {
   EXPECT_TRUE(at_drive(150.03 + 0.995, 20));
   EXPECT_FALSE(at_drive(150.03 + 1.005, 20));
   EXPECT_FALSE(at_drive(24.9, 0.19)) << "below the hum there is no multiple";
+  EXPECT_TRUE(at_drive(150.03, 2));
+  const Finding hidden = FirstOf(made.Remarks(), FindingKind::kHumAtDrive);
+  EXPECT_REL(NumberOf(hidden, "frequency_hz"), 150.03, kRound, "the third multiple");
+  EXPECT_EQ(NumberOf(hidden, "mains_hz"), 50.01);
+  ExpectFloor(made, NoiseSource::kQuiet);
+  EXPECT_FALSE(at_drive(150.03, 2)) << "the pause shows hum at the multiple";
+  EXPECT_TRUE(at_drive(50.5, 2)) << "beside the line itself it shows another line";
 }
 
 TEST(RefuseWithoutDrive, StatesTheNoiseAndWhatADriveIsBelow) {
