@@ -15,8 +15,16 @@
 namespace haptometer::trial {
 
 /// kArrival: when the row arrived, beside a straightened time. kNumber: the row's number
-/// (row_numbers.h), of a table without times.
-enum class CsvColumnKind : std::uint8_t { kTime, kArrival, kValue, kStatus, kNumber, kLeftOut };
+/// (row_numbers.h), of a table without times. kDate: of the time of day beside it (dates.h).
+enum class CsvColumnKind : std::uint8_t {
+  kTime,
+  kArrival,
+  kValue,
+  kStatus,
+  kNumber,
+  kDate,
+  kLeftOut
+};
 
 /// What a column's name says of it.
 struct CsvColumn {

@@ -13,7 +13,7 @@ namespace haptometer::trial {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDayS = 86400;
+constexpr int kDayS = 86400;
 // more are unsorted rows
 constexpr std::size_t kMostSegments = 100'000;
 
@@ -77,7 +77,10 @@ Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
         !MayGroupThousands(cells_[i], ',') && cells_[i].find(',') != std::string_view::npos) {
       (void)CellNumber(cells_[i]);
     }
-    if (column.kind == CsvColumnKind::kTime) done = TakeTime(cells_[i], column);
+    if (column.kind == CsvColumnKind::kDate) date_ = cells_[i];
+    if (column.kind == CsvColumnKind::kTime) {
+      done = column.is_clock ? TakeClock(cells_[i], column) : TakeTime(cells_[i], column);
+    }
     if (is_number) numbers_->Add(ReadNumberWithComma(cells_[i]).value_or(kNan), line_number);
     if (column.kind == CsvColumnKind::kValue) {
       done = TakeValue(cells_[i], column, &channels_[channel++]);
@@ -138,34 +141,37 @@ std::optional<double> CsvRows::CellNumber(std::string_view cell) {
   return number;
 }
 
-// seconds since the first row's time of day, plus whole days for the midnights between them
-double CsvRows::OnOneDay(double clock_s) {
-  if (!first_clock_s_) first_clock_s_ = clock_s;
-  const auto& times_s = segments_.back().times.times_s();
-  double time_s = clock_s - *first_clock_s_ + days_s_;
-  // a fall by more than half a day is a midnight
-  if (!times_s.empty() && time_s < times_s.back() - kDayS / 2) {
-    days_s_ += kDayS;
-    time_s += kDayS;
-  }
-  return time_s;
-}
-
-Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
-  const auto printed = column.is_clock ? ReadClock(cell) : CellNumber(cell);
+// seconds since the first row's time of day, plus the whole days between them
+Result<void> CsvRows::TakeClock(std::string_view cell, const CsvColumn& column) {
+  const auto clock_s = ReadClock(cell);
+  if (!clock_s) return NoTime(cell);
   // seconds of a time of day are never grouped
-  if (column.is_clock && printed && cell.find(',', cell.rfind(':')) != std::string_view::npos) {
+  if (cell.find(',', cell.rfind(':')) != std::string_view::npos) {
     commas_.is_decimal = true;
     if (commas_.first.empty()) commas_.first = cell;
   }
-  // time in s = printed * factor + offset
-  const double time_s = !printed          ? kNan
-                        : column.is_clock ? OnOneDay(*printed)
-                                          : *printed * column.factor + column.offset;
-  if (!std::isfinite(time_s)) {
-    return CannotAnswer(Here(), fmt::format("'{}' is not a time{}", cell, WhatElse(cell)),
-                        "every row needs a time; remove the line or write its time");
+  const std::string_view date = date_.empty() ? DateBefore(cell) : date_;
+  const auto days = days_.Take(date, *clock_s);
+  if (!days) {
+    return CannotAnswer(Here(),
+                        fmt::format("the date changes from '{}' to '{}', and the number of days "
+                                    "between them is not clear",
+                                    days_.date(), date),
+                        "write the dates as yyyy-mm-dd");
   }
+  if (!first_clock_s_) first_clock_s_ = clock_s;
+  return PlaceTime(cell, *clock_s - *first_clock_s_ + *days * kDayS, column);
+}
+
+std::unexpected<Error> CsvRows::NoTime(std::string_view cell) const {
+  return CannotAnswer(Here(), fmt::format("'{}' is not a time{}", cell, WhatElse(cell)),
+                      "every row needs a time; remove the line or write its time");
+}
+
+Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
+  // time in s = printed * factor + offset
+  const double time_s = CellNumber(cell).value_or(kNan) * column.factor + column.offset;
+  if (!std::isfinite(time_s)) return NoTime(cell);
   return PlaceTime(cell, time_s, column);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "trial/import/table/csv_header.h"
+#include "trial/import/table/dates.h"
 #include "trial/import/table/printed_times.h"
 #include "trial/import/table/row_numbers.h"
 #include "trial/record.h"
@@ -66,7 +67,8 @@ class CsvRows {
   [[nodiscard]] Result<void> CheckWidth();
   [[nodiscard]] Result<void> CheckEmptyRow();
   [[nodiscard]] Result<void> TakeTime(std::string_view cell, const CsvColumn& column);
-  [[nodiscard]] double OnOneDay(double clock_s);
+  [[nodiscard]] std::unexpected<Error> NoTime(std::string_view cell) const;
+  [[nodiscard]] Result<void> TakeClock(std::string_view cell, const CsvColumn& column);
   [[nodiscard]] Result<void> PlaceTime(std::string_view cell, double time_s,
                                        const CsvColumn& column);
   [[nodiscard]] Result<void> TakeValue(std::string_view cell, const CsvColumn& column,
@@ -86,7 +88,8 @@ class CsvRows {
   std::vector<Segment> segments_;
   std::optional<RowNumbers> numbers_;
   std::optional<double> first_clock_s_;
-  double days_s_ = 0;
+  DayCount days_;
+  std::string_view date_;  // of the row, where a column of dates stands before the times
   // what numbers show of a comma or a point in them
   struct Sign {
     char sign = ',';

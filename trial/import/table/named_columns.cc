@@ -326,8 +326,7 @@ class Head {
     const std::string_view printed = unit_text.empty() ? bracket : unit_text;
     // frequency and level columns of a spectrum are omitted
     const bool is_spectrum = IsOneOf(printed, {"hz", "khz", "db", "dbv"});
-    // a date beside the time of day: midnights show in the latter
-    if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kLeftOut};
+    if (number == 0 && HasDates()) return CsvColumn{.kind = CsvColumnKind::kDate};
     // a first column of row numbers is no channel
     if (number == 0 && unit_text.empty() && IsRowNumberName(cell) && HasNumbers()) {
       return CsvColumn{.kind = CsvColumnKind::kNumber, .name = std::string(cell)};

@@ -265,15 +265,46 @@ TEST(ForeignTable, EachMidnightAddsADay) {
 // a time of day that falls by more than twelve hours is the next day's
 TEST(ForeignTable, AMidnightIsAFallOfMoreThanHalfADay) {
   const auto text = [](const char* first, const char* second) {
-    return fmt::format(
-        "Date,Time,Coil (V)\n2024-05-06,{}:00,1\n2024-05-06,{}:01,2\n2024-05-06,{}:00,3\n"
-        "2024-05-06,{}:01,4\n",
-        first, first, second, second);
+    return fmt::format("Time,Coil (V)\n{}:00,1\n{}:01,2\n{}:00,3\n{}:01,4\n", first, first, second,
+                       second);
   };
   const Record record = Parsed(text("18:00", "05:59"));
   ASSERT_EQ(record.rows, 4U);
   EXPECT_EQ(TimeOf(record, 2) - TimeOf(record, 0), 12 * 3600 - 60);
   EXPECT_THAT(ErrorOf(text("18:00", "06:01")), HasSubstr("its times begin again at line 4"));
+}
+
+// rows a millisecond apart, the second three behind the given dates' change
+std::string OnTwoDays(const char* form, std::string_view first, std::string_view second) {
+  std::string text = form;
+  for (int i = 0; i < 6; ++i) {
+    const bool is_date_apart = text.starts_with("Date,");
+    text += fmt::format("{}{}10:00:00.{:03},{}\n", i < 3 ? first : second,
+                        is_date_apart ? ',' : ' ', i, i);
+  }
+  return text;
+}
+
+TEST(ForeignTable, DaysBetweenDatesAreNotLost) {
+  for (const char* form : {"Date,Time,Coil (V)\n", "DateTime,Coil (V)\n"}) {
+    // over the leap day
+    const Record record = Parsed(OnTwoDays(form, "2024-02-28", "2024-03-01"));
+    ASSERT_EQ(record.rows, 6U);
+    EXPECT_NEAR(TimeOf(record, 5) - TimeOf(record, 0), 2 * 86'400 + 0.005, 1e-9);
+    // dates that run backwards
+    EXPECT_THAT(ErrorOf(OnTwoDays(form, "2024-02-03", "2024-02-01")),
+                HasSubstr("its times begin again at line 5"));
+    EXPECT_EQ(ErrorOf(OnTwoDays(form, "02/01/2024", "02/03/2024")),
+              "f.csv: line 5: the date changes from '02/01/2024' to '02/03/2024', and the number "
+              "of days between them is not clear; write the dates as yyyy-mm-dd");
+  }
+}
+
+TEST(ForeignTable, AnEarlierTimeOfALaterDayIsLater) {
+  const Record record = Parsed(
+      "timestamp,Coil (V)\n2024-02-01T10:00:00.5Z,1\n2024-02-01T10:00:01.0Z,2\n"
+      "2024-02-03T09:00:00.5Z,3\n2024-02-03T09:00:01.0Z,4\n");
+  EXPECT_NEAR(TimeOf(record, 2) - TimeOf(record, 0), 47 * 3600, 1e-6);
 }
 
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
