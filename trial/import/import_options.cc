@@ -78,18 +78,13 @@ class Signs {
     }
     return false;
   }
-  // a header of which only the time has a unit
+  // a header of which only the time has a unit, and a channel the name that Saleae gives
   [[nodiscard]] bool BeginsWithTimeAlone() const {
     constexpr std::string_view kTime = "time[s],";
-    const auto has_unit = [](std::string_view cell) {
-      const std::size_t open = cell.find_first_of("[(");
-      const std::size_t close = cell.find_last_of("])");
-      return open != std::string_view::npos && close != std::string_view::npos && close > open &&
-             FindUnit(cell.substr(open + 1, close - open - 1));
-    };
     return std::ranges::any_of(lines_, [&](std::string_view line) {
-      return line.starts_with(kTime) &&
-             std::ranges::none_of(SplitCells(line.substr(kTime.size()), ','), has_unit);
+      if (!line.starts_with(kTime)) return false;
+      const auto cells = SplitCells(line.substr(kTime.size()), ',');
+      return std::ranges::none_of(cells, HasUnit) && std::ranges::any_of(cells, IsSaleaeName);
     });
   }
   // metadata beside the numbers, from the first line on
@@ -100,6 +95,21 @@ class Signs {
   }
 
  private:
+  static bool HasUnit(std::string_view cell) {
+    const std::size_t open = cell.find_first_of("[(");
+    const std::size_t close = cell.find_last_of("])");
+    return open != std::string_view::npos && close != std::string_view::npos && close > open &&
+           FindUnit(cell.substr(open + 1, close - open - 1));
+  }
+  // "channel0", "d0" and "a0", where the user has not renamed it
+  static bool IsSaleaeName(std::string_view cell) {
+    const std::size_t digits = cell.find_first_of("0123456789");
+    if (digits == std::string_view::npos) return false;
+    const std::string_view word = cell.substr(0, digits);
+    return (word == "channel" || word == "d" || word == "a") &&
+           cell.find_first_not_of("0123456789", digits) == std::string_view::npos;
+  }
+
   std::vector<std::string> lines_;
 };
 

@@ -234,8 +234,15 @@ TEST(TableFormats, AreFoundByTheirSigns) {
       {"Time [s],A [V]", kPlain},
       {"Time [s],A (mV),B", kPlain},
       // brackets that do not close, or close before they open
-      {"Time [s],A [V", kSaleae},
-      {"Time [s],A )(V", kSaleae},
+      {"Time [s],D0,A [V", kSaleae},
+      {"Time [s],D0,A )(V", kSaleae},
+      // of channels that have other names than Saleae gives one has
+      {"Time [s],Coil,A1", kSaleae},
+      {"Time [s],Laser", kPlain},
+      {"Time [s],Laser mm", kPlain},
+      {"Time [s],Force [N]", kPlain},
+      {"Time [s],Channel", kPlain},
+      {"Time [s],Channel 0 x", kPlain},
       {"t/s,CH1/V", kOpenhantek},
       {"in s,CH1 in V", kRohdeSchwarz},
       {"Time in s,CH1 in V", kRohdeSchwarz},

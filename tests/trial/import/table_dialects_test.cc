@@ -253,7 +253,7 @@ TEST(TableDialects, WordsAboveNumbersAreNoNumbers) {
 
 TEST(TableDialects, SaleaeTellsAnalogFromDigital) {
   Findings findings;
-  const Record analog = Parsed("Time [s],Coil\n0.0,0.125\n0.5,-0.25\n1.0,1\n", {}, &findings);
+  const Record analog = Parsed("Time [s],Channel 0\n0.0,0.125\n0.5,-0.25\n1.0,1\n", {}, &findings);
   EXPECT_EQ(analog.channels.at(0).role, ChannelRole::kVoltage);
   EXPECT_EQ(NumbersOf(findings, FindingKind::kValueUnitAssumed), "title=Saleae Logic 2 unit=V");
   EXPECT_FALSE(findings.Has(FindingKind::kTransitionsOnly));
@@ -275,8 +275,20 @@ TEST(TableDialects, ATimeInBracketsBesideOtherUnitsIsNoLogicAnalyser) {
                 .role,
             ChannelRole::kOther);
   EXPECT_EQ(
-      Parsed("Time [s],CS[0],CS[1]\n0.0,1.5,2.5\n0.5,1.6,2.4\n1.0,1.4,2.5\n").channels.at(1).role,
+      Parsed("Time [s],A0,CS[1]\n0.0,1.5,2.5\n0.5,1.6,2.4\n1.0,1.4,2.5\n").channels.at(1).role,
       ChannelRole::kVoltage);
+}
+
+// the unit that a name states is not the volt, beside a channel of a logic analyser too
+TEST(TableDialects, AStatedUnitIsNotReplacedByVolts) {
+  for (const char* name : {"Force [N]", "Acceleration (m/s^2)", "Laser mm", "Laser_mm",
+                           "Laser [mm] (raw)", "Position [raw]"}) {
+    for (const char* beside : {"", "Channel 0,"}) {
+      const Record record = Parsed(fmt::format("Time [s],{}{}\n0.0,1.5,{}\n0.5,1.6,{}\n", beside,
+                                               name, *beside ? "2.5" : "", *beside ? "2.4" : ""));
+      EXPECT_NE(record.channels.back().role, ChannelRole::kVoltage) << beside << name;
+    }
+  }
 }
 
 // pandas without names

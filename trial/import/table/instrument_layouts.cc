@@ -206,6 +206,20 @@ SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
   return head;
 }
 
+// whether a name states what its numbers are: "Force [N]", "Laser mm", "Laser_mm"; an index in
+// brackets and a word of one letter do not
+bool MayStateUnit(std::string_view name) {
+  constexpr std::string_view kBetween = " _()[]/";
+  for (std::size_t at = 0; at < name.size();) {
+    const std::size_t end = std::min(name.find_first_of(kBetween, at), name.size());
+    const std::string_view word = name.substr(at, end - at);
+    const bool is_in_brackets = at > 0 && (name[at - 1] == '(' || name[at - 1] == '[');
+    if (is_in_brackets ? !ReadNumber(word) : word.size() > 1 && FindUnit(word)) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
 // Saleae's digital channels are 0, 1 or X; analog ones have decimals, and their unit is the volt
 void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
   // the cells of a digital channel
@@ -221,7 +235,8 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
     const bool has_levels = std::ranges::all_of(
         beginning.rows, [&](const TableCells& row) { return is_level(row.cells[i]); });
     is_digital = is_digital || has_levels;
-    if (has_levels || column.role != ChannelRole::kOther) continue;
+    const bool is_volts = column.role == ChannelRole::kOther && !MayStateUnit(column.printed);
+    if (has_levels || !is_volts) continue;
     SetPrintedUnit("V", &column);
     is_assumed = true;
   }

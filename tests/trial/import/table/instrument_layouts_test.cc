@@ -191,7 +191,7 @@ TEST(TektronixTds, ItsChannelNeedsNoSourceAndItsTimesNoUnit) {
 TEST(Saleae, LevelsAreZeroOneAndX) {
   const auto found = [](const char* rows, FindingKind kind) {
     Findings findings;
-    (void)Parsed(std::string("Time [s],A\n") + rows, &findings);
+    (void)Parsed(std::string("Time [s],A0\n") + rows, &findings);
     return findings.Has(kind);
   };
   for (const char* rows : {"0,0\n1,1\n", "0,X\n1,x\n", "0,1\n1,\n"}) {
@@ -207,7 +207,7 @@ TEST(Saleae, LevelsAreZeroOneAndX) {
   const ImportOptions saleae{.format = TableFormat::kSaleae};
   ASSERT_TRUE(ParseCsv("Time [s],A [mV]\n0,0\n1,1\n", "f", saleae, &findings));
   EXPECT_FALSE(findings.Has(FindingKind::kTransitionsOnly));
-  const Record record = Parsed("Time [s],trigger,A\n0,0.5,0.5\n1,2,2\n");
+  const Record record = Parsed("Time [s],trigger,A0\n0,0.5,0.5\n1,2,2\n");
   EXPECT_EQ(record.channels.at(0).unit, "") << "a trigger has no unit";
   EXPECT_EQ(record.channels.at(1).unit, "V");
 }
