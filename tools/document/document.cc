@@ -70,8 +70,10 @@ std::optional<std::string> Replacement(std::string_view place,
   // "+-other" its standard uncertainty; else the unit that the name ends with
   if (how == "s") return number == 1 ? "" : "s";
   if (how.starts_with("+-")) {
-    const FindingNumber* uncertainty = Named(how.substr(2), numbers);
-    return QuantityText(number, UnitOfName(name), 4, uncertainty ? NumberIn(*uncertainty) : 0);
+    const FindingNumber* found_beside = Named(how.substr(2), numbers);
+    const double uncertainty = found_beside == nullptr ? 0 : NumberIn(*found_beside);
+    // one that is too small to be shown leaves seven digits certain
+    return QuantityText(number, UnitOfName(name), uncertainty > 0 ? 7 : 4, uncertainty);
   }
   if (how == "SI") return NumberText(number, 0, 0);
   if (count && how.empty()) return fmt::format("{}", *count);

@@ -135,6 +135,10 @@ TEST(Fill, PutsTheSiNumberAlone) {
 
 TEST(Fill, PutsPercent) {
   EXPECT_EQ(Fill("{part %} of it", {{"part", 0.25}}), "25 % of it");
+  EXPECT_EQ(Fill("{rate_hz +-u_hz}", {{"rate_hz", 10'002.2999}, {"u_hz", 0.31}}),
+            "10002.30(31) Hz");
+  EXPECT_EQ(Fill("{rate_hz +-u_hz}", {{"rate_hz", 10'002.2999}, {"u_hz", 3e-4}}), "10002.3 Hz");
+  EXPECT_EQ(Fill("{rate_hz +-u_hz}", {{"rate_hz", 10'002.2999}}), "10000 Hz");
   EXPECT_EQ(Fill("{part %} of it", {{"part", 1}}), "100 % of it");
 }
 

@@ -44,30 +44,43 @@ bool AreCopies(const Share& with_time, const Share& beside) {
          by_chance <= with_time.count / 10;
 }
 
+// rows up to `reach` from one with the time of the row before, whose own time is another, and how
+// many of them repeat the values
+Share Beside(const std::vector<Channel>& channels, const CsvRows::Segment& segment,
+             std::size_t reach) {
+  const auto& times_s = segment.times.times_s();
+  Share beside;
+  std::size_t next = 1;  // the first row that is not counted yet
+  for (const std::size_t i : segment.times.repeated()) {
+    const std::size_t end = std::min(i + reach + 1, times_s.size());
+    for (next = std::max(next, i > reach ? i - reach : 1); next < end; ++next) {
+      if (times_s[next] == times_s[next - 1]) continue;
+      ++beside.of;
+      if (RepeatsValues(channels, segment.first_row + next)) ++beside.count;
+    }
+  }
+  return beside;
+}
+
 }  // namespace
 
 void MarkRowsWrittenTwice(const std::vector<Channel>& channels, CsvRows::Segment* segment) {
-  const auto& times_s = segment->times.times_s();
+  constexpr std::size_t kFar = 512;
+  constexpr double kSeldom = 0.01;
   const auto& repeated = segment->times.repeated();
   Share with_time{.of = static_cast<double>(repeated.size())};
-  Share beside;
-  std::size_t counted = 0;  // rows up to it are counted
-  // row `i` of the segment, where its time differs from that of the row before
-  const auto count_beside = [&](std::size_t i) {
-    if (i <= counted || i >= times_s.size() || times_s[i] == times_s[i - 1]) return;
-    counted = i;
-    ++beside.of;
-    if (RepeatsValues(channels, segment->first_row + i)) ++beside.count;
-  };
   for (const std::size_t i : repeated) {
-    // the rows next to it alone: readings may rest in another part of the record
-    count_beside(i - 1);
-    count_beside(i + 1);
     if (!RepeatsValues(channels, segment->first_row + i)) continue;
     if (with_time.count == 0) segment->first_copy = i;
     ++with_time.count;
   }
-  if (repeated.empty() || !AreCopies(with_time, beside)) return;
+  if (with_time.count == 0) return;
+  // the rows next to them alone, as readings may rest in another part of the record; more of them
+  // where hardly any repeat
+  const Share next = Beside(channels, *segment, 1);
+  const Share around = next.count == 0 ? Beside(channels, *segment, kFar) : next;
+  const bool is_seldom = around.value() <= kSeldom;
+  if (!AreCopies(with_time, next) && !(is_seldom && AreCopies(with_time, around))) return;
   segment->copies = static_cast<std::size_t>(with_time.count);
 }
 

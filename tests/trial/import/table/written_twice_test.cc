@@ -91,6 +91,45 @@ TEST(WrittenTwice, ChanceExplainsATenthOfThemAtMost) {
   EXPECT_EQ(CopiesOf({.n = 109, .m = 99, .d = 110, .u = 55}), 0U);
 }
 
+// `rows` rows, of which every 500th is written twice and the one 100 behind a copy has its value
+Rows Sparse(std::size_t rows, std::size_t copies, std::size_t equal) {
+  Rows made;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const bool is_equal = i % 500 == 350 && i / 500 < equal;
+    made.Add(true, !is_equal);
+    if (i % 500 == 250 && i / 500 < copies) made.Add(false, false);
+  }
+  return made;
+}
+
+TEST(WrittenTwice, AreFoundFromOneOnWhereHardlyAnyOtherRowRepeats) {
+  const auto copies_of = [](std::size_t copies, std::size_t equal) {
+    Rows rows = Sparse(10'000, copies, equal);
+    MarkRowsWrittenTwice(rows.channels, &rows.segment);
+    return rows.segment.copies;
+  };
+  EXPECT_EQ(copies_of(0, 0), 0U);
+  EXPECT_EQ(copies_of(1, 0), 1U);
+  EXPECT_EQ(copies_of(2, 0), 2U);
+  EXPECT_EQ(copies_of(4, 0), 4U);
+  // one other beside one copy: may be chance
+  EXPECT_EQ(copies_of(1, 1), 0U);
+  EXPECT_EQ(copies_of(2, 1), 2U);
+}
+
+// of values with few steps, which repeat often, a few rows decide nothing
+TEST(WrittenTwice, AreNotFoundAmongFewSteps) {
+  for (const std::size_t every : {20U, 90U}) {
+    Rows rows;
+    for (std::size_t i = 0; i < 10'000; ++i) {
+      rows.Add(true, i % every != 0);
+      if (i % 3000 == 1511) rows.Add(false, false);
+    }
+    MarkRowsWrittenTwice(rows.channels, &rows.segment);
+    EXPECT_EQ(rows.segment.copies, 0U) << every;
+  }
+}
+
 TEST(WrittenTwice, MissingReadingsAreEqualAndOtherStatusesAreNot) {
   const Counts counts{.n = 8, .m = 8, .d = 8, .u = 0};
   Rows rows = RowsOf(counts);
