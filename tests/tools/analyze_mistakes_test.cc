@@ -125,6 +125,8 @@ TEST_F(AnalyzeMistakes, SwappedAndRenamedColumnsAreNamed) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("column 1 grows in even steps as times do"));
   EXPECT_EQ(Analyze({"--columns", "time_s,displacement_m", swapped}).status, 0);
+  EXPECT_EQ(Analyze({"--columns", " time_s , displacement_m ", swapped}).status, 0);
+  EXPECT_THAT(Analyze({"--columns", "time_s, ,-", swapped}).err, HasSubstr("has an empty name"));
   const std::string path = Write("a.csv", 4000, tone);
   const char* const overridden = "column 2 is in units of 1 m by the file and of 0.001 m by";
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_mm", path}).out, HasSubstr(overridden));

@@ -180,11 +180,12 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words,
   trial::ImportOptions options;
   for (std::string_view rest = words.columns; !rest.empty();) {
     const std::size_t end = std::min(rest.find(','), rest.size());
+    const std::string_view name = trial::Trimmed(rest.substr(0, end));
     // "a,,b" and "a," hold an empty name
-    if (end == 0 || end + 1 == rest.size()) {
+    if (name.empty() || end + 1 == rest.size()) {
       return Usage("--columns", "has an empty name", "write - for a column to leave out");
     }
-    options.columns.emplace_back(rest.substr(0, end));
+    options.columns.emplace_back(name);
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   options.rate_hz = words.rate_hz;
