@@ -61,6 +61,7 @@ class Parser {
 
   Result<Record> Parse() {
     HAPTOMETER_TRY(CheckLines(rest_, name_));
+    LeaveOutCutLine();
     HAPTOMETER_TRY(ReadFileHeader());
     while (NextLine()) {
       // a key of a segment header ends the segment before it
@@ -75,6 +76,12 @@ class Parser {
 
   std::unexpected<Error> Wrong(const std::string& what) const {
     return CannotAnswer(Here(), what, kRemedy);
+  }
+
+  void LeaveOutCutLine() {
+    if (!IsLastLineCutOff(rest_)) return;
+    findings_.Doubt(FindingKind::kLastLineCutOff, {{"line", 1 + std::ranges::count(rest_, '\n')}});
+    rest_ = rest_.substr(0, rest_.rfind('\n') + 1);
   }
 
   // the next line that is not blank, without its end; tabs at its beginning count
@@ -397,6 +404,7 @@ class Parser {
       Truncate(0);
       return {};
     }
+    CountStatedRows();
     HAPTOMETER_LET(const auto clock, CommonClock());
     TimeWords words;
     if (clock) words.clock = StatedClock{clock->interval_s, clock->start_s, "Delta_X"};
@@ -422,6 +430,23 @@ class Parser {
     HAPTOMETER_LET(auto read, ReadSegmentTimes(name_, words, options_, std::move(segment_.rows),
                                                &left_out_, &findings_));
     return Append(read);
+  }
+
+  // compares the segment's rows with its Samples, of which several writes below one header make a
+  // multiple
+  void CountStatedRows() {
+    double samples = 0;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      samples = std::max(samples, Number(ValueOf(segment_.keys, "Samples", c)).value_or(0));
+    }
+    // counts below 2^53 are exact as doubles
+    const std::size_t rows = segment_.rows.rows;
+    const bool is_stated = samples >= 1 && samples < 1e15 && samples == std::floor(samples);
+    const std::size_t stated = is_stated ? static_cast<std::size_t>(samples) : rows;
+    const bool differs = rows % stated != 0;
+    rows_differ_ = rows_differ_ || differs;
+    stated_rows_ += differs ? stated : rows;
+    counted_rows_ += rows;
   }
 
   // keeps the first `rows` rows of the segment
@@ -464,6 +489,10 @@ class Parser {
                           "give <segment> with one of them, counted from 1");
     }
     if (options_.format) findings_.Note(FindingKind::kFormatNotUsed);
+    if (rows_differ_) {
+      findings_.Doubt(FindingKind::kStatedRowsDiffer,
+                      {{"stated_rows", stated_rows_}, {"rows", counted_rows_}});
+    }
     if (record_.rows < 2) {
       return CannotAnswer(name_,
                           fmt::format("holds {} row{}", record_.rows, record_.rows == 1 ? "" : "s"),
@@ -499,6 +528,9 @@ class Parser {
   bool x_is_read_ = true;
   double x_factor_ = 1;  // seconds
   std::size_t segments_ = 0;
+  std::size_t stated_rows_ = 0;  // of the segments that are read, by their Samples
+  std::size_t counted_rows_ = 0;
+  bool rows_differ_ = false;                     // in one of them
   std::vector<std::size_t> left_out_;            // rows of the record
   std::map<std::size_t, std::string> comments_;  // of rows of the record
   std::optional<double> first_clock_s_;

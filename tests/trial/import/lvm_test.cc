@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
 
@@ -527,6 +528,44 @@ TEST(Lvm, ColumnsThatAreSaidAreXAndChannels) {
   Findings findings;
   ASSERT_TRUE(ParseLvm(text, "f", {.format = TableFormat::kLecroy}, &findings));
   EXPECT_TRUE(findings.Has(FindingKind::kFormatNotUsed));
+}
+
+// a segment of one channel that states `samples`, with `rows` rows a millisecond apart
+std::string OneChannel(int samples, int rows) {
+  std::string text = fmt::format(
+      "Channels\t1\nSamples\t{}\nX0\t0\nDelta_X\t0.001\n***End_of_Header***\nX_Value\tLaser\n",
+      samples);
+  for (int i = 0; i < rows; ++i) text += fmt::format("{:.6f}\t{:.6f}\n", i * 1e-3, std::sin(i));
+  return text;
+}
+
+Findings FoundInLvm(const std::string& body) {
+  Findings findings;
+  const auto record = ParseLvm(Lvm("X_Columns\tOne\n", body), "f.lvm", {}, &findings);
+  EXPECT_TRUE(record) << record.error().Text();
+  return findings;
+}
+
+TEST(Lvm, ALastLineThatWasCutOffIsLeftOut) {
+  const std::string whole = OneChannel(200, 200);
+  EXPECT_TRUE(FoundInLvm(whole).list().empty());
+  EXPECT_TRUE(FoundInLvm(whole.substr(0, whole.size() - 1)).list().empty()) << "the line end alone";
+  for (const std::size_t cut : {6U, 11U}) {
+    const std::string text = whole.substr(0, whole.size() - cut);
+    EXPECT_TRUE(FoundInLvm(text).Has(FindingKind::kLastLineCutOff)) << cut;
+    EXPECT_EQ(ParsedLvm(Lvm("X_Columns\tOne\n", text)).rows, 199U);
+  }
+}
+
+TEST(Lvm, RowsThatAreNotItsSamplesAreDoubted) {
+  for (const int samples : {150, 250}) {
+    const Findings findings = FoundInLvm(OneChannel(samples, 200));
+    EXPECT_EQ(findings.list().size(), 1U);
+    EXPECT_EQ(tests::NumbersOf(findings, FindingKind::kStatedRowsDiffer),
+              fmt::format("stated_rows={} rows=200", samples));
+  }
+  // two writes of 100 samples below one header
+  EXPECT_TRUE(FoundInLvm(OneChannel(100, 200)).list().empty());
 }
 
 // a second channel of another clock is read to its Samples, or to the last row
