@@ -31,6 +31,8 @@ T At(std::string_view bytes, std::size_t at) {
   return LoadLittleEndian<T>(reinterpret_cast<const std::byte*>(bytes.data() + at));
 }
 
+constexpr std::size_t kTagBytes = 8;
+
 struct Element {
   std::uint32_t type = 0;
   std::string_view data{};
@@ -38,7 +40,6 @@ struct Element {
 
 // The element that `bytes` begin with; they then begin behind it. Nothing where it is not whole.
 std::optional<Element> TakeElement(std::string_view* bytes) {
-  constexpr std::size_t kTagBytes = 8;
   if (bytes->size() < kTagBytes) return std::nullopt;
   const auto word = At<std::uint32_t>(*bytes, 0);
   // up to four bytes stand in the tag itself, their number in its upper half
@@ -65,8 +66,28 @@ std::optional<std::string_view> TakeData(std::string_view* bytes, std::uint32_t 
   return element->data;
 }
 
-// what a zlib stream holds, at most `most` bytes
+// The bytes of the element of which these are the first, with its tag. Nothing where they are no
+// element, or one of a matrix of more numbers than are read.
+std::optional<std::size_t> StatedBytes(std::string_view beginning) {
+  if (beginning.size() < kTagBytes) return std::nullopt;
+  // one of up to four bytes stands in its tag
+  const auto type = At<std::uint32_t>(beginning, 0);
+  if (type >> 16U > 0) return kTagBytes;
+  const std::size_t size = At<std::uint32_t>(beginning, 4);
+  beginning.remove_prefix(kTagBytes);
+  const auto flags = type == kMatrixType ? TakeData(&beginning, kUint32Type) : std::nullopt;
+  const auto sides = flags ? TakeData(&beginning, kInt32Type) : std::nullopt;
+  if (sides && sides->size() == 8) {
+    const std::uint64_t rows = At<std::uint32_t>(*sides, 0);
+    if (rows * At<std::uint32_t>(*sides, 4) > kMostNumbers) return std::nullopt;
+  }
+  return kTagBytes + (size + 7) / 8 * 8;
+}
+
+// the element that a zlib stream holds, at most `most` bytes
 std::optional<std::string> Inflated(std::string_view stream, std::size_t most) {
+  // what deflate makes of one byte at most (zlib's technical details)
+  constexpr std::size_t kMostBytesOfOne = 1032;
   z_stream state{};
   if (inflateInit(&state) != Z_OK) return std::nullopt;
   // zlib reads the input only
@@ -75,14 +96,21 @@ std::optional<std::string> Inflated(std::string_view stream, std::size_t most) {
   std::string content;
   std::array<char, 1U << 16U> piece{};
   int status = Z_OK;
-  while (status == Z_OK && content.size() <= most) {
+  std::size_t stated = 0;
+  while (status == Z_OK && content.size() <= stated) {
     state.next_out = reinterpret_cast<Bytef*>(piece.data());
     state.avail_out = static_cast<uInt>(piece.size());
     status = inflate(&state, Z_NO_FLUSH);
+    // the first piece states how many bytes there are
+    if (content.empty()) {
+      stated = StatedBytes({piece.data(), piece.size() - state.avail_out}).value_or(most + 1);
+      if (stated > most) break;
+      content.reserve(std::min(stated, kMostBytesOfOne * stream.size()) + piece.size());
+    }
     content.append(piece.data(), piece.size() - state.avail_out);
   }
   inflateEnd(&state);
-  if (status != Z_STREAM_END || content.size() > most) return std::nullopt;
+  if (status != Z_STREAM_END || content.size() > stated) return std::nullopt;
   return content;
 }
 

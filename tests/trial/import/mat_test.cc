@@ -202,6 +202,18 @@ TEST(MatVariables, ACompressedOneIsFollowedByTheNextAtOnce) {
   EXPECT_FALSE(ReadMatVariables(File(Le(15, 4) + Le(one.size() - 9, 4) + one.substr(8))).is_whole);
 }
 
+// of a stream no more is unpacked than the element in it states
+TEST(MatVariables, ACompressedOneIsAsLongAsItStates) {
+  const std::string inner = Element(5, Le(7, 4));
+  EXPECT_TRUE(ReadMatVariables(File(Packed(inner))).is_whole);
+  EXPECT_FALSE(ReadMatVariables(File(Packed(inner + std::string(1U << 20U, '\0')))).is_whole);
+  EXPECT_FALSE(ReadMatVariables(File(Packed(std::string(1U << 20U, '\0')))).is_whole);
+  // 2^28 + 2^14 bytes of a matrix, which are more numbers than are read
+  const std::string head = Head(9, {1U << 14U, (1U << 14U) + 1}, "x");
+  const std::string many = Le(kMatrix, 4) + Le((1U << 28U) + (1U << 15U), 4) + head;
+  EXPECT_FALSE(ReadMatVariables(File(Packed(many))).is_whole);
+}
+
 // classes by their numbers: 1 cells, 3 objects, 5 sparse, 6 double, 7 single, 8 to 15 int8 to
 // uint64
 TEST(MatVariables, ClassesFromDoubleToUint64AreNumbers) {
