@@ -233,13 +233,18 @@ class Reader {
   Result<CsvRows::Segment> TimesOf(const CsvColumn& as, const NumberColumn& column) const {
     CsvRows::Segment segment{.rows = record_.rows, .line = 1};
     segment.times.Reserve(record_.rows);
+    // the differences of large counts, as of microseconds since 1970, have fewer digits than they
+    const double first = column.values[0];
+    const double origin = column.is_count && std::isfinite(first) ? first : 0;
+    segment.times.CountFrom(origin * as.factor);
     for (std::size_t row = 0; row < record_.rows; ++row) {
-      const double time_s = column.values[row] * as.factor;
+      const double time_s = (column.values[row] - origin) * as.factor;
       const auto& before = segment.times.times_s();
       if (!std::isfinite(time_s) || (!before.empty() && time_s < before.back())) {
         return CannotAnswer(
             name_,
-            fmt::format("its time in row {} is {} s, which {}", row + 1, time_s,
+            fmt::format("its time in row {} is {} s, which {}", row + 1,
+                        column.values[row] * as.factor,
                         std::isfinite(time_s) ? "is before that of the row above" : "is no time"),
             "sort its rows, or name another column time_s in <columns>");
       }
@@ -247,7 +252,7 @@ class Reader {
         segment.repeat_line = row + 1;
       }
       if (column.is_count) {
-        segment.times.AddCount(time_s);
+        segment.times.AddCount(time_s, as.factor);
       } else {
         segment.times.Add(fmt::format("{:.16e}", column.values[row]), time_s, as.factor);
       }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -22,6 +23,25 @@ void SetStatus(SampleStatus status, Channel* channel) {
   if (IsMeasurement(status) && std::isnan(channel->values.back())) return;
   channel->statuses.back() = status;
   if (!IsMeasurement(status)) channel->values.back() = kNan;
+}
+
+// a number without a sign and an exponent, of which no digit before the point is rounded
+struct Decimal {
+  std::int64_t whole = 0;
+  double fraction = 0;
+};
+
+std::optional<Decimal> ReadDecimal(std::string_view cell) {
+  Decimal decimal;
+  const auto parsed = std::from_chars(cell.begin(), cell.end(), decimal.whole);
+  if (parsed.ec != std::errc() || decimal.whole < 0) return std::nullopt;
+  const std::string_view rest(parsed.ptr, cell.end());
+  if (rest.empty()) return decimal;
+  const auto fraction = ReadNumberWithComma(rest);
+  const bool is_plain = rest.find_first_not_of("0123456789", 1) == std::string_view::npos;
+  if (!fraction || !is_plain) return std::nullopt;
+  decimal.fraction = *fraction;
+  return decimal;
 }
 
 // a reason why a cell that should be a number is none
@@ -168,25 +188,42 @@ std::unexpected<Error> CsvRows::NoTime(std::string_view cell) const {
                       "every row needs a time; remove the line or write its time");
 }
 
+// The number in a column of times; of numbers from 2^30 on, as of seconds or nanoseconds since
+// 1970, what lies between it and the first one's whole part: they have more digits than a double.
+std::optional<double> CsvRows::SinceFirst(std::string_view cell, const CsvColumn& column) {
+  constexpr std::int64_t kLarge = std::int64_t{1} << 30;
+  const auto number = CellNumber(cell);
+  const auto decimal = ReadDecimal(cell);
+  if (rows_ == 0 && !column.is_count && decimal && decimal->whole >= kLarge) {
+    first_whole_ = decimal->whole;
+    segments_.back().times.CountFrom(static_cast<double>(first_whole_) * column.factor);
+  }
+  if (first_whole_ == 0 || !number) return number;
+  return decimal ? static_cast<double>(decimal->whole - first_whole_) + decimal->fraction
+                 : *number - static_cast<double>(first_whole_);
+}
+
 Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
   // time in s = printed * factor + offset
-  const double time_s = CellNumber(cell).value_or(kNan) * column.factor + column.offset;
+  const double time_s = SinceFirst(cell, column).value_or(kNan) * column.factor + column.offset;
   if (!std::isfinite(time_s)) return NoTime(cell);
   return PlaceTime(cell, time_s, column);
 }
 
 Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvColumn& column) {
   const auto& times_s = segments_.back().times.times_s();
+  const double origin_s = segments_.back().times.origin_s();
   // a time that falls begins a segment in a foreign table, and is an error in one of this program
   if (!times_s.empty() && time_s < times_s.back()) {
     if (!layout_.is_foreign || segments_.size() == kMostSegments) {
       is_time_falling_ = true;
       return CannotAnswer(Here(),
-                          fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
-                                      times_s.back()),
+                          fmt::format("time {} s does not grow (the row before is at {} s)",
+                                      origin_s + time_s, origin_s + times_s.back()),
                           "sort the rows, or print the times with more digits");
     }
     segments_.push_back({.first_row = rows_, .line = line_number_});
+    segments_.back().times.CountFrom(origin_s);
   }
   // rows of one burst have one arrival time; too few digits give several rows the same time
   Segment& segment = segments_.back();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -67,6 +68,7 @@ class CsvRows {
   [[nodiscard]] Result<void> CheckWidth();
   [[nodiscard]] Result<void> CheckEmptyRow();
   [[nodiscard]] Result<void> TakeTime(std::string_view cell, const CsvColumn& column);
+  [[nodiscard]] std::optional<double> SinceFirst(std::string_view cell, const CsvColumn& column);
   [[nodiscard]] std::unexpected<Error> NoTime(std::string_view cell) const;
   [[nodiscard]] Result<void> TakeClock(std::string_view cell, const CsvColumn& column);
   [[nodiscard]] Result<void> PlaceTime(std::string_view cell, double time_s,
@@ -88,6 +90,7 @@ class CsvRows {
   std::vector<Segment> segments_;
   std::optional<RowNumbers> numbers_;
   std::optional<double> first_clock_s_;
+  std::int64_t first_whole_ = 0;  // of the first time, where it lies long after 0; else 0
   DayCount days_;
   std::string_view date_;  // of the row, where a column of dates stands before the times
   // what numbers show of a comma or a point in them

@@ -59,11 +59,12 @@ struct Printed {
   std::span<const double> times_s;
   std::span<const double> resolutions_s;
   double rounding_s = 0;  // what a float's rounding adds to half a digit in each of resolutions_s
+  double origin_s = 0;    // from which the times count, where they were doubles that count from 0
 
   [[nodiscard]] std::size_t rows() const { return times_s.size(); }
   [[nodiscard]] Printed Of(const Run& run) const {
     return {times_s.subspan(run.first, run.rows), resolutions_s.subspan(run.first, run.rows),
-            rounding_s};
+            rounding_s, origin_s};
   }
   // (last - first) / (n - 1)
   [[nodiscard]] double MeanPeriod() const {
@@ -88,7 +89,7 @@ double Slack(double period_s) { return 1e-6 * period_s; }
 Bound OfExactTimes(const Printed& printed, double period_s) {
   const double largest_s =
       std::max(std::abs(printed.times_s.front()), std::abs(printed.times_s.back()));
-  return {0, Slack(period_s) + 0x1p-51 * largest_s};
+  return {0, Slack(period_s) + 0x1p-51 * (largest_s + printed.origin_s)};
 }
 
 // a grid begins at a printed time, so the end points' digits count too
@@ -377,9 +378,10 @@ void PrintedTimes::Add(std::string_view printed, double time_s, double factor) {
   factor_ = factor;
 }
 
-void PrintedTimes::AddCount(double time_s) {
+void PrintedTimes::AddCount(double time_s, double factor) {
   if (!times_s_.empty() && time_s == times_s_.back()) repeated_.push_back(times_s_.size());
   times_s_.push_back(time_s);
+  factor_ = factor;
   is_count_ = true;
 }
 
@@ -398,20 +400,22 @@ double PrintedTimes::HalfDigit(double time_s, Decade* decade) const {
   return decade->half_s;
 }
 
-// whether the digits of every row may be those of a 32-bit float, of the time since `origin_s` in
-// units of 1/`scale` of the printed one
-bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
+// whether the digits of every row may be those of a 32-bit float, of the time or of that since the
+// first row, in units of 1/`scale` of the printed one
+bool PrintedTimes::MayBeFloats(double scale, bool is_since_first) const {
   // 9 digits are enough to distinguish any two 32-bit floats
-  const bool may_be_shortest = most_.significant <= 9 && scale == 1 && origin_s == 0;
+  const bool may_be_shortest = most_.significant <= 9 && scale == 1 && !is_since_first;
   Decade decade;
-  // the origin has an uncertainty of its own digits
-  const double origin_half_s = origin_s == 0 ? 0 : HalfDigit(origin_s, &decade);
+  // the first time has an uncertainty of its own digits
+  const double first_half_s = is_since_first ? HalfDigit(times_s_.front(), &decade) : 0;
+  const double first_s = is_since_first ? times_s_.front() : -origin_s_;
   return std::ranges::all_of(times_s_, [&](double time_s) {
-    const double number = (time_s - origin_s) / factor_ * scale;
-    const double half = (HalfDigit(time_s, &decade) + origin_half_s) / factor_ * scale;
+    const double number = (time_s - first_s) / factor_ * scale;
+    const double half = (HalfDigit(time_s, &decade) + first_half_s) / factor_ * scale;
     const auto rounded = static_cast<float>(number);
     // rounding of the double arithmetic on the time
-    const double arithmetic = 4 * 0x1p-53 * std::abs(time_s / factor_ * scale);
+    const double largest_s = std::max(std::abs(time_s), std::abs(time_s - first_s));
+    const double arithmetic = 4 * 0x1p-53 * std::abs(largest_s / factor_ * scale);
     if (std::abs(number - static_cast<double>(rounded)) <= half + arithmetic) return true;
     return may_be_shortest && IsShortest(number, rounded);
   });
@@ -421,17 +425,19 @@ bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
 double PrintedTimes::FloatRounding() const {
   if (is_count_) return 0;
   const double span_s = times_s_.back() - times_s_.front();
-  const double largest_s = std::max(std::abs(times_s_.front()), std::abs(times_s_.back()));
+  const double first_s = times_s_.front() + origin_s_;
+  const double largest_s = std::max(std::abs(first_s), std::abs(times_s_.back() + origin_s_));
   // a rounding below a thousandth of the period needs no proof
   constexpr double kNegligible = 1e-3;
   const double negligible_s = kNegligible * span_s / static_cast<double>(times_s_.size());
   // floats of the printed time or of the time since the first row, in s or another unit
-  for (const double origin_s : {0.0, times_s_.front()}) {
+  for (const bool is_since_first : {false, true}) {
+    if (is_since_first && first_s == 0) break;
     // half a unit in the last place of a 24-bit significand
-    const double rounding_s = 0x1p-24 * (origin_s == 0 ? largest_s + span_s : span_s);
+    const double rounding_s = 0x1p-24 * (is_since_first ? span_s : largest_s + span_s);
     if (rounding_s <= negligible_s) return rounding_s;
     for (const double scale : {1.0, 1e-3, 1e-6, 1e-9, 1e3, 1e6}) {
-      if (MayBeFloats(scale, origin_s)) return rounding_s;
+      if (MayBeFloats(scale, is_since_first)) return rounding_s;
     }
   }
   return 0;
@@ -448,7 +454,12 @@ std::optional<std::vector<Stretch>> PrintedTimes::Grid() const {
   if (const auto exact = ExactGrid(times_s_)) return std::vector<Stretch>{*exact};
   const double rounding_s = FloatRounding();
   const std::vector<double> resolutions_s = Resolutions(rounding_s);
-  return PrintedGrid({times_s_, resolutions_s, rounding_s});
+  // more digits than a double has may be those of one, as are counts that were read as doubles
+  constexpr int kDigits = 16;
+  const bool may_be_doubles =
+      is_count_ ? std::abs(origin_s_ / factor_) > 0x1p53 : most_.significant > kDigits;
+  return PrintedGrid(
+      {times_s_, resolutions_s, rounding_s, may_be_doubles ? std::abs(origin_s_) : 0});
 }
 
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
@@ -458,9 +469,9 @@ std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
   // arithmetic on clock times
   const Starts starts = StartsAt({times_s_, resolutions_s, rounding_s}, clock.interval_s,
                                  {1 + 1e-4, Slack(clock.interval_s)});
-  const double least_s = starts.least_s;
-  const double most_s = starts.most_s;
-  if (!(least_s <= most_s)) return std::nullopt;
+  const double least_s = starts.least_s + origin_s_;
+  const double most_s = starts.most_s + origin_s_;
+  if (!(starts.least_s <= starts.most_s)) return std::nullopt;
   Stretch stretch{.rows = times_s_.size(), .rate_hz = 1 / clock.interval_s};
   // a stated start may be printed with fewer digits than the rows
   const double slack_s = 2 * resolutions_s[0] + Slack(clock.interval_s);
@@ -471,8 +482,9 @@ std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
     stretch.start_s = *clock.start_s;
   } else {
     // the first row's own time where it lies in the interval
-    const bool is_first = times_s_[0] >= least_s && times_s_[0] <= most_s;
-    stretch.start_s = is_first ? times_s_[0] : std::midpoint(least_s, most_s);
+    const double first_s = times_s_[0] + origin_s_;
+    const bool is_first = first_s >= least_s && first_s <= most_s;
+    stretch.start_s = is_first ? first_s : std::midpoint(least_s, most_s);
   }
   return stretch;
 }
@@ -490,7 +502,7 @@ bool PrintedTimes::Describe(std::span<const Stretch> stretches, Timing timing) c
       const double line_s =
           stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;
       const double bound_s = timing != Timing::kUniform ? kLargestDelayS : 1e-6 / stretch.rate_hz;
-      const double late_s = times_s_[row] - line_s;
+      const double late_s = times_s_[row] - (line_s - origin_s_);
       if (timing == Timing::kArrival && late_s > bound_s) {
         ++stalled;
       } else if (!(std::abs(late_s) <= bound_s)) {
@@ -520,6 +532,12 @@ std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
                                            : FitPolledTimes(time_ns, time_ns, nominal_rate_hz);
 }
 
+// makes times that count from the origin count from 0
+void PrintedTimes::MoveToOrigin(Record* record) const {
+  for (Stretch& stretch : record->stretches) stretch.start_s += origin_s_;
+  for (double& time_s : record->raw_times_s) time_s += origin_s_;
+}
+
 bool PrintedTimes::HasFewRepeated() const {
   // at most one repeated time in 100 rows (docs/reference/formats.md)
   constexpr std::size_t kRowsARepeat = 100;
@@ -535,8 +553,9 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
   std::vector<std::size_t> left_out;
   // the file's own time base, where it agrees with the rows
   if (Describe(stated, timing)) {
-    record->stretches = std::move(stated);
     if (times_are_raw) record->raw_times_s = std::move(times_s_);
+    MoveToOrigin(record);
+    record->stretches = std::move(stated);
     return left_out;
   }
   if (!times_are_raw) {
@@ -551,6 +570,7 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
     }
     if (grid) {
       record->stretches = std::move(*grid);
+      MoveToOrigin(record);
       return left_out;
     }
     // no grid explains the times: they are retained as the readings' own
@@ -560,6 +580,7 @@ std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
   // neither a grid nor explained: the mean line, beside the times as they stand
   record->stretches = MeanLines(*record);
   record->raw_times_s = std::move(times_s_);
+  MoveToOrigin(record);
   // times of no extent give no finite rate
   const bool is_sound =
       !record->stretches.empty() && std::ranges::all_of(record->stretches, [](const Stretch& s) {

@@ -30,12 +30,17 @@ class PrintedTimes {
   /// Room for `rows` times.
   void Reserve(std::size_t rows) { times_s_.reserve(rows); }
 
+  /// The times that are added, and times_s(), count from `origin_s`: a double has no digits left
+  /// for the differences of times since 1970. What the others take and give counts from 0.
+  void CountFrom(double origin_s) { origin_s_ = origin_s; }
+  [[nodiscard]] double origin_s() const { return origin_s_; }
+
   /// Takes the next row's time: its text, and the seconds that it means; `factor`: seconds for one
   /// printed unit. Times must not fall.
   void Add(std::string_view printed, double time_s, double factor);
 
   /// Takes times as whole numbers of `factor` seconds, of which no digit is rounded.
-  void AddCount(double time_s);
+  void AddCount(double time_s, double factor = 1);
 
   [[nodiscard]] const std::vector<double>& times_s() const { return times_s_; }
 
@@ -79,12 +84,14 @@ class PrintedTimes {
     double half_s = 0;
   };
   [[nodiscard]] double HalfDigit(double time_s, Decade* decade) const;
-  [[nodiscard]] bool MayBeFloats(double scale, double origin_s) const;
+  [[nodiscard]] bool MayBeFloats(double scale, bool is_since_first) const;
   [[nodiscard]] double FloatRounding() const;
   [[nodiscard]] std::vector<double> Resolutions(double rounding_s) const;
   [[nodiscard]] std::optional<std::vector<Stretch>> Grid() const;
+  void MoveToOrigin(Record* record) const;
 
   std::vector<double> times_s_{};
+  double origin_s_ = 0;
   Digits most_{};  // a file prints a number of decimals or of digits, and drops zeros at the end
   double factor_ = 1;
   std::vector<std::size_t> repeated_{};

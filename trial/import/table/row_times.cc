@@ -131,7 +131,7 @@ class TimeSetter {
         return part;
       }
     }
-    const double first_s = segment.times.times_s().front();
+    const double first_s = segment.times.origin_s() + segment.times.times_s().front();
     // else the printed times: as grid where one agrees with them, or as they are
     const auto left_out =
         std::move(segment.times).Complete(Timing::kUniform, {}, segment.copies > 0, &part);

@@ -281,6 +281,75 @@ TEST(PrintedTimes, JitterBeyondTheDigitsOfUnixSecondsIsKept) {
   }
 }
 
+// `names` above 300 rows that are `step` apart, from `first` on
+Record CountedSince1970(const char* names, std::int64_t first, std::int64_t step,
+                        std::size_t missing = 300) {
+  std::string text = std::string(names) + "\n";
+  for (std::size_t i = 0; i < 300; ++i) {
+    const std::int64_t row = static_cast<std::int64_t>(i < missing ? i : i + 1);
+    text += fmt::format("{},{}\n", first + row * step, i % 7);
+  }
+  const auto record = ParseCsv(text, "f.csv");
+  EXPECT_TRUE(record) << record.error().Text();
+  return record.value_or(Record{});
+}
+
+// a double of as many nanoseconds leaves out up to 128 of them, one of Unix seconds 120 ns
+TEST(PrintedTimes, CountsSince1970HaveAllTheirDigits) {
+  constexpr double kStartS = 1'682'935'200.123456;
+  constexpr std::int64_t kNs = 1'682'935'200'123'456'789;
+  for (const char* names : {"time_ns,voltage_v", "Time (ns),Coil (V)"}) {
+    const Record ns = CountedSince1970(names, kNs, 125'000);
+    EXPECT_TRUE(ns.raw_times_s.empty());
+    ASSERT_EQ(ns.stretches.size(), 1U);
+    EXPECT_REL(ns.stretches[0].rate_hz, 8000, 1e-14, "whole numbers");
+    EXPECT_NEAR(ns.stretches[0].start_s, kStartS, 1e-6);
+  }
+  const Record us = CountedSince1970("time_us,voltage_v", kNs / 1000, 125);
+  EXPECT_REL(us.stretches.at(0).rate_hz, 8000, 1e-14, "whole numbers");
+  const Record s = CountedSince1970("time_s,voltage_v", kNs / 1'000'000'000, 2);
+  EXPECT_REL(s.stretches.at(0).rate_hz, 0.5, 1e-14, "whole numbers");
+  EXPECT_EQ(s.stretches[0].start_s, 1'682'935'200);
+  const Record gap = CountedSince1970("time_ns,voltage_v", kNs, 125'000, 100);
+  ASSERT_EQ(gap.stretches.size(), 2U);
+  EXPECT_NEAR(gap.stretches[1].start_s, kStartS + 101 / 8000.0, 1e-6);
+}
+
+TEST(PrintedTimes, DecimalsSince1970HaveAllTheirDigits) {
+  for (const int decimals : {4, 5, 6}) {
+    const auto record = ParseCsv(Table(
+                                     10'000,
+                                     [&](auto i) {
+                                       const std::string fraction = fmt::format(
+                                           "{:.{}f}", 1e-4 * static_cast<double>(i), decimals);
+                                       return "168293520" + fraction;
+                                     },
+                                     "time_s,voltage_v\n"),
+                                 "f.csv");
+    ASSERT_TRUE(record) << record.error().Text();
+    EXPECT_REL(record->stretches.at(0).rate_hz, 10'000, 1e-12, "decimals");
+  }
+  // doubles of Unix seconds with all their digits lie on a grid as before
+  const Record doubles = Parsed(Table(
+      300, [](auto i) { return fmt::format("{}", 1682935200 + 125e-6 * static_cast<double>(i)); }));
+  EXPECT_TRUE(doubles.raw_times_s.empty());
+}
+
+TEST(PrintedTimes, UnevenCountsSince1970AreKept) {
+  std::string text = "time_us,voltage_v\n";
+  for (std::int64_t i = 0; i < 300; ++i) {
+    text += fmt::format("{},{}\n", 1'682'935'200'123'456 + 125 * i + i * i % 11, i % 7);
+  }
+  const auto record = ParseCsv(text, "f.csv");
+  ASSERT_TRUE(record) << record.error().Text();
+  ASSERT_EQ(record->raw_times_s.size(), 300U);
+  EXPECT_NEAR(record->raw_times_s[1], 1'682'935'200.123456 + 126e-6, 1e-6);
+  EXPECT_NEAR(record->stretches.at(0).start_s, 1'682'935'200.123456, 1e-5);
+  const auto falling = ParseCsv("time_us,voltage_v\n1682935200000002,1\n1682935200000001,2\n", "f");
+  ASSERT_FALSE(falling);
+  EXPECT_THAT(falling.error().Text(), ::testing::HasSubstr("time 1682935200.000001 s does not"));
+}
+
 TEST(PrintedTimes, ARateThatDriftsIsNoGrid) {
   // 20 ppm over the record bend the line by 0.05 of an interval
   const Record record = Parsed(Table(20'000, [](auto i) {
