@@ -193,6 +193,7 @@ std::unexpected<Error> CsvRows::NoTime(std::string_view cell) const {
 std::optional<double> CsvRows::SinceFirst(std::string_view cell, const CsvColumn& column) {
   constexpr std::int64_t kLarge = std::int64_t{1} << 30;
   const auto number = CellNumber(cell);
+  if (rows_ > 0 && first_whole_ == 0) return number;
   const auto decimal = ReadDecimal(cell);
   if (rows_ == 0 && !column.is_count && decimal && decimal->whole >= kLarge) {
     first_whole_ = decimal->whole;

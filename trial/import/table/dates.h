@@ -37,8 +37,8 @@ class DayCount {
   std::string date_{};
   std::optional<double> clock_s_{};
   std::array<bool, 3> may_be_{true, true, true};  // the orders of dates
-  int days_ = 0;       // by dates
-  int midnights_ = 0;  // since the last date that was read
+  int days_ = 0;                                  // by dates
+  int midnights_ = 0;                             // since the last date that was read
 };
 
 }  // namespace haptometer::trial

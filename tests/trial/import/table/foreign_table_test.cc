@@ -304,6 +304,7 @@ TEST(ForeignTable, AnEarlierTimeOfALaterDayIsLater) {
   const Record record = Parsed(
       "timestamp,Coil (V)\n2024-02-01T10:00:00.5Z,1\n2024-02-01T10:00:01.0Z,2\n"
       "2024-02-03T09:00:00.5Z,3\n2024-02-03T09:00:01.0Z,4\n");
+  ASSERT_EQ(record.rows, 4U);
   EXPECT_NEAR(TimeOf(record, 2) - TimeOf(record, 0), 47 * 3600, 1e-6);
 }
 
