@@ -24,6 +24,7 @@ enum class FindingKind : std::uint8_t {
 
   // --- the recording
   kDoubtedAtRecording,  ///< text: what a sensor doubted at the end of it
+  kNumbersRefuted,      ///< lines, missing and row (of the first): by its number, not by its time
 
   // --- tables of other programs
   kFormatFound,       ///< format, title, channels, separator (where it is blanks)

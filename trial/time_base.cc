@@ -236,7 +236,8 @@ double Scatter(const TimedRows& part, const TimeLine& line, std::size_t window_r
   return kDeviationsPerMedian * UpperMedian(std::move(levels));
 }
 
-// each row's place: its number, and what is known to be missing before it
+}  // namespace
+
 std::vector<double> PlacesOf(std::size_t rows, std::span<const MissingRows> missing) {
   std::vector<double> places(rows, 1);
   if (rows > 0) places[0] = 0;
@@ -246,8 +247,6 @@ std::vector<double> PlacesOf(std::size_t rows, std::span<const MissingRows> miss
   std::partial_sum(places.begin(), places.end(), places.begin());
   return places;
 }
-
-}  // namespace
 
 std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                                      std::optional<double> nominal_rate_hz,

@@ -16,6 +16,9 @@ struct MissingRows {
   std::optional<std::uint64_t> count{};
 };
 
+/// The place of each row on its source's grid: its number, and what is known to be missing before.
+[[nodiscard]] std::vector<double> PlacesOf(std::size_t rows, std::span<const MissingRows> missing);
+
 /// The straight lines behind the arrival times of a free-running source.
 ///
 /// Model: row i of a stretch left the source at start_s + i / rate_hz and arrived d_i >= 0 later.

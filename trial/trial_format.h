@@ -147,6 +147,11 @@ inline constexpr std::string_view kDoubtMark = "doubt: ";
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";
 
+/// The metadata field that says how late every line's time is at least, in seconds: its own time on
+/// the wire. How much more the sensor, the driver and the system add is one constant that nobody
+/// here can know; it does not touch intervals.
+inline constexpr std::string_view kLatencyField = "latency_at_least_s";
+
 /// The metadata field of a trial that is excluded from studies, with the reason. kExcluded sets it,
 /// kIncluded removes it (MetadataOf); an export and a CSV carry it as any other field.
 inline constexpr std::string_view kExcludedField = "excluded";

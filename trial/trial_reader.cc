@@ -12,8 +12,11 @@
 #include "base/clock.h"
 #include "base/mapped.h"
 #include "base/names.h"
+#include "base/text.h"
 #include "trial/block.h"
+#include "trial/line_numbers.h"
 #include "trial/time_base.h"
+#include "trial/time_lines.h"
 
 namespace haptometer::trial {
 namespace {
@@ -442,8 +445,37 @@ std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& rep
   return missing;
 }
 
-void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& report,
-              Record* record) {
+// how a source numbers its lines, of its fields: "0 to 999", and the seconds of one on its wire
+NumberedLines LinesOf(const Metadata& metadata) {
+  NumberedLines lines;
+  const auto numbers = metadata.fields.find(std::string(kLineNumbersField));
+  constexpr std::string_view kTo = "0 to ";
+  if (numbers != metadata.fields.end() && numbers->second.starts_with(kTo)) {
+    const auto last = NumberFrom<std::uint32_t>(numbers->second.substr(kTo.size()));
+    if (last) lines.turn = std::uint64_t{*last} + 1;
+  }
+  const auto latency = metadata.fields.find(std::string(kLatencyField));
+  if (latency != metadata.fields.end()) {
+    const auto wire_s = NumberFrom<double>(latency->second);
+    if (wire_s && *wire_s > 0) lines.wire_ns = kNsPerSecond * *wire_s;
+  }
+  return lines;
+}
+
+// the losses of numbered lines that their times hold; a doubt where one is refused
+JudgedLosses HeldLosses(const Gathered& gathered, const std::vector<MissingRows>& missing,
+                        const Metadata& metadata, Findings* findings) {
+  JudgedLosses judged = JudgeLosses(gathered.time_ns, missing, LinesOf(metadata));
+  if (!judged.refused.empty()) {
+    const MissingRows& first = judged.refused.front();
+    findings->Doubt(FindingKind::kNumbersRefuted, {{"lines", judged.refused.size()},
+                                                   {"row", first.row},
+                                                   {"missing", first.count.value_or(0)}});
+  }
+  return judged;
+}
+
+void SetTimes(const TrialHeader& header, Gathered gathered, ReadReport& report, Record* record) {
   if (header.timing == Timing::kUniform) {
     record->stretches = StoredTimeBase(report).value_or(gathered.grid.stretches());
     return;
@@ -462,7 +494,7 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
     return;
   }
   // no usable fit in the file: a new one from the raw times
-  const std::vector<MissingRows> missing = Missing(gathered, report);
+  std::vector<MissingRows> missing = Missing(gathered, report);
   const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
   if (header.timing == Timing::kPolled) {
     const auto breaks = Mapped<std::size_t>(missing, &MissingRows::row);
@@ -471,8 +503,14 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
     return;
   }
   // a lost block may have held the event of a loss: then the list of losses is not complete
-  const bool is_numbered =
+  bool is_numbered =
       report.losses.empty() && header.metadata.fields.contains(std::string(kLineNumbersField));
+  if (is_numbered) {
+    JudgedLosses judged = HeldLosses(gathered, missing, header.metadata, &report.findings);
+    missing = std::move(judged.missing);
+    // numbers of which some are wrong do not state every loss
+    is_numbered = judged.refused.empty();
+  }
   record->stretches = FitArrivalTimes(gathered.time_ns, nominal_rate_hz, missing, is_numbered);
 }
 

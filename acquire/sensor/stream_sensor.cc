@@ -132,7 +132,7 @@ void StreamSensor::MakeHeader() {
         fmt::format("0 to {}", CounterTurn(format) - 1);
   }
   // a line's time is that of its last byte: the reading is older by its wire time at least
-  header_.metadata.fields[std::string(kLatencyField)] =
+  header_.metadata.fields[std::string(trial::kLatencyField)] =
       fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }
 

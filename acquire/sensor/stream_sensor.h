@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/line_link.h"
@@ -33,11 +32,6 @@ class LineCounter {
   std::optional<std::int32_t> last_;
   std::int64_t damaged_ = 0;  ///< since the last number
 };
-
-/// The metadata field that says how late every line's time is at least, in seconds: its own time on
-/// the wire. How much more the sensor, the driver and the system add is one constant that nobody
-/// here can know; it does not touch intervals.
-inline constexpr std::string_view kLatencyField = "latency_at_least_s";
 
 /// How a free-running sensor sends.
 struct StreamSetup {

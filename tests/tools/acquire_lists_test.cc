@@ -136,6 +136,15 @@ TEST(RecordingDocument, SaysWhatCameOfIt) {
   EXPECT_EQ(document["lost"], 0);
 }
 
+TEST(RecordingDocument, NumbersThatTheTimesRefuteAreADoubt) {
+  TimeBaseReview review;
+  review.doubts.Doubt(trial::FindingKind::kNumbersRefuted,
+                      {{"lines", 1}, {"row", 700}, {"missing", 999}});
+  EXPECT_THAT(
+      TextOf(RecordingDocument("t.bin", Emulated(), Summary(), review, {})),
+      HasSubstr("doubt: by the number of 1 line more lines are missing than the times hold"));
+}
+
 TEST(RecordingDocument, TheLengthIsThatOfTheRowsAndTheWaitIsBesideIt) {
   // 12500 rows at 5 kHz, of which the first was the 7500th
   acquire::RecordingSummary summary;

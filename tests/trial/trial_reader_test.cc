@@ -404,6 +404,33 @@ TEST(TrialReader, OfNumberedLinesLossesAreLookedForOnlyWhereABlockIsLost) {
   EXPECT_EQ(RowsOfNumbered(true), (std::vector<std::size_t>{300, 700}));
 }
 
+// 1000 numbered lines at 1 kHz, of which line 300 came twice: a turn less one seems to be lost
+TEST(TrialReader, ALossThatTheTimesDoNotHoldIsADoubt) {
+  MemoryDisk disk;
+  ManualClock clock;
+  TrialHeader header = CountsHeader(Timing::kArrival);
+  header.metadata.fields[std::string(kLineNumbersField)] = "0 to 999";
+  auto writer = WriterInto(&disk, header, clock);
+  for (int i = 0; i < 1000; ++i) {
+    if (i == 301) {
+      EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kGap, .missing = {{999U}}}));
+    }
+    const std::int64_t place = i > 300 ? i - 1 : i;
+    EXPECT_TRUE(AppendCounts(&writer, i, {.time_ns = place * 1'000'000}));
+  }
+  EXPECT_TRUE(writer.Finish());
+  const auto read = ReadBytes(disk.bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(tests::DoubtsOf(read->report.AllFindings()), std::vector{FindingKind::kNumbersRefuted});
+  EXPECT_EQ(tests::NumbersOf(read->report.AllFindings(), FindingKind::kNumbersRefuted),
+            "lines=1 row=301 missing=999");
+  ASSERT_EQ(read->record.stretches.size(), 2U);
+  EXPECT_NEAR(read->record.stretches[1].start_s, 0.3, 1e-9);
+  EXPECT_NEAR(read->record.stretches[1].rate_hz, 1000, 1e-6);
+  EXPECT_EQ(read->report.events.at(0).missing, std::optional(std::optional<std::uint64_t>(999)))
+      << "the file holds what was sent";
+}
+
 TEST(TrialReader, LaterEventsChangeLabelsAndExclusion) {
   TrialHeader header = CountsHeader(Timing::kUniform);
   header.metadata.labels = {{"subject", "1"}, {"rig", "A"}};

@@ -52,7 +52,7 @@ Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,
   Findings<RecordingFinding> findings;
   findings.Note(RecordingFinding::kTimesStraightened,
                 {{"time_uncertainty_s", review.uncertainty_s}});
-  const auto latency = metadata.fields.find(std::string(acquire::kLatencyField));
+  const auto latency = metadata.fields.find(std::string(trial::kLatencyField));
   if (latency == metadata.fields.end()) return findings;
   if (const auto latency_s = trial::ReadNumber(latency->second)) {
     findings.Note(RecordingFinding::kLatencyUnknown, {{"latency_at_least_s", *latency_s}});
@@ -213,6 +213,9 @@ std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Tim
   for (const trial::Stretch& stretch : recording->record.stretches) {
     review.uncertainty_s = std::max(review.uncertainty_s, stretch.time_uncertainty_s);
   }
+  for (const trial::Finding& finding : recording->report.findings.list()) {
+    if (finding.kind == trial::FindingKind::kNumbersRefuted) review.doubts.Add(finding);
+  }
   return review;
 }
 
@@ -264,7 +267,10 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   root.Add({"connection_lost"}, summary.connection_lost);
   root.Add({"interrupted"}, summary.interrupted);
   root.Add({document::kTimeUncertainty.name}, uncertainty_s);
-  if (time_base) document::AddFindings(root, FindingsOf(*time_base, metadata));
+  if (time_base) {
+    document::AddFindings(root, time_base->doubts);
+    document::AddFindings(root, FindingsOf(*time_base, metadata));
+  }
   document::AddFindings(root, NameFindings(file));
   return document;
 }

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "tools/document/document.h"
 #include "tools/document/keys.h"
+#include "trial/findings.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
@@ -27,6 +28,7 @@ inline constexpr document::Key kJitterKey{"jitter_s", "jitter", document::kSecon
 struct TimeBaseReview {
   std::uint64_t gaps = 0;    ///< between its segments: single lost lines show here
   double uncertainty_s = 0;  ///< of a row's time, the worst segment's standard deviation
+  trial::Findings doubts{};  ///< of the numbers of lines
 };
 
 /// Reads a free-running sensor's trial back and fits its time base, which finds losses that the

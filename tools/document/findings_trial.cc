@@ -27,6 +27,10 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"damaged-from-block", "the file is damaged from block {block} on"},
     {"not-finished", "the file was not finished by its writer"},
     {"doubted-at-recording", "at the recording: {text}"},
+    {"numbers-refuted",
+     "by the number{lines s} of {lines} line{lines s} more lines are missing than the times hold "
+     "({missing} before row {row}): a line sent twice, a wrong number or a counter that was reset; "
+     "these losses are not believed"},
     {"format-found",
      "the file is read as {title} (found; --format {format})[, cells separated by {separator}], "
      "channels {channels}"},

@@ -294,7 +294,7 @@ TEST_F(StreamSensorTest, TheRangeIsThatOfTheDigits) {
   EXPECT_REL(channel.range_max, 99.9999e-3, 1e-15, "a product");
   EXPECT_REL(channel.range_min, -99.9999e-3, 1e-15, "a product");
   // 9 characters of 10 bits at 921600 baud
-  EXPECT_EQ(sensor_->header().metadata.fields.at(std::string(kLatencyField)), "9.7656e-05");
+  EXPECT_EQ(sensor_->header().metadata.fields.at(std::string(trial::kLatencyField)), "9.7656e-05");
 }
 
 TEST(StreamSensorCounter, StandsInTheHeaderAndInTheFindings) {

@@ -37,6 +37,10 @@ const std::vector<Case> kCases{
     {kDamagedFromBlock, {{"block", 3}}, "the file is damaged from block 3 on"},
     {kNotFinished, {}, "the file was not finished by its writer"},
     {kDoubtedAtRecording, {{"text", "errors on the wire"}}, "at the recording: errors on the wire"},
+    {kNumbersRefuted,
+     {{"lines", 1}, {"row", 700}, {"missing", 999}},
+     "by the number of 1 line more lines are missing than the times hold (999 before row 700): a "
+     "line sent twice, a wrong number or a counter that was reset; these losses are not believed"},
     {kFormatFound,
      {{"format", "plain"}, {"title", "plain table"}, {"channels", "CH1 [V]"}},
      "the file is read as plain table (found; --format plain), channels CH1 [V]"},
