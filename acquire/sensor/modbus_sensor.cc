@@ -311,8 +311,11 @@ Outcome ModbusSensor::Wait(Reading& reading) {
     // nothing followed: it is the reply
     return Accept(held_sample_, held_registers_, held_ns_, reading);
   }
-  if (!other_transaction_) ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
-  return GiveFault(reading, ModbusFault::kTimeout);
+  // a part of a reply is a damaged one
+  const bool is_cut = reply.arrival == ModbusArrival::kNothing && reply.fault != ModbusFault::kNone;
+  const ModbusFault fault = is_cut ? reply.fault : ModbusFault::kTimeout;
+  if (is_cut || !other_transaction_) ++errors_.faults[static_cast<std::size_t>(fault)];
+  return GiveFault(reading, fault);
 }
 
 Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
@@ -478,6 +481,8 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
   ReadReply answer{.fault = ModbusFault::kTimeout};
   for (int attempt = 0; attempt < tries; ++attempt) {
     clock_.SleepUntil(free_from_ns_);
+    // what is there belongs to the try before
+    if (attempt > 0) discarded_bytes_ += link_->Flush();
     if (!Send(request, Phase::kFree)) {
       return Failed(link_->name(), "the connection was lost", "check cable and power");
     }
@@ -490,7 +495,11 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
       if (reply.arrival == ModbusArrival::kGone) {
         return Failed(link_->name(), "the connection was lost", "check cable and power");
       }
-      if (reply.arrival == ModbusArrival::kNothing) continue;
+      if (reply.arrival == ModbusArrival::kNothing) {
+        // a part of a reply
+        if (reply.fault != ModbusFault::kNone) answer.fault = reply.fault;
+        continue;
+      }
       answer = Parse(reply);
       if (answer.fault == ModbusFault::kNone) return answer;
       // a damaged reply: the right one may follow before the deadline

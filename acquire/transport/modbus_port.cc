@@ -26,6 +26,7 @@ namespace {
 
 constexpr std::uint32_t kConnectTimeoutS = 5;
 constexpr MonotonicNs kWriteTimeNs = kNsPerS;
+constexpr std::size_t kTcpHeader = 6;         // bytes of MBAP that the length does not count
 constexpr MonotonicNs kGraceNs = 20'000'000;  // an FTDI adapter hands bytes over every 16 ms
 
 struct CloseAndFree {
@@ -67,10 +68,9 @@ class ModbusPort final : public ModbusLink {
 
   // waits for the first byte, then for the rest of the reply at the baud rate of the wire
   ModbusReply Receive(std::size_t expected_bytes, MonotonicNs deadline) override {
+    if (framing() == ModbusFraming::kTcp) return ReceiveTcp(deadline);
     const int events = WaitFor(descriptor_, POLLIN, deadline);
     if (events == 0) return {.arrival = ModbusArrival::kNothing};
-    // TCP brings whole replies; libmodbus finds a closed connection by itself
-    if (framing() == ModbusFraming::kTcp) return Take(kGraceNs);
     const int waiting = WaitingBytes();
     // readable without bytes: the port is gone
     if (waiting <= 0) return {.arrival = ModbusArrival::kGone};
@@ -103,7 +103,7 @@ class ModbusPort final : public ModbusLink {
       if (waiting > 0) tcflush(descriptor_, TCIOFLUSH);
       return static_cast<std::size_t>(waiting);
     }
-    // TCP: only the bytes that wait now, so that the loop ends
+    // TCP: only the bytes that wait now, so that the loop ends, and the reply that has begun
     std::array<char, 4096> dropped{};
     std::size_t flushed = 0;
     while (flushed < static_cast<std::size_t>(waiting)) {
@@ -111,7 +111,7 @@ class ModbusPort final : public ModbusLink {
       if (taken <= 0) break;
       flushed += static_cast<std::size_t>(taken);
     }
-    return flushed;
+    return flushed + std::exchange(begun_bytes_, 0);
   }
 
   ModbusFraming framing() const override {
@@ -128,7 +128,42 @@ class ModbusPort final : public ModbusLink {
     return ioctl(descriptor_, FIONREAD, &waiting) == 0 ? waiting : -1;
   }
 
-  // the reply that has begun to come in, within `longest_ns`
+  // TCP is a stream: a reply comes in pieces of any size, and its header says how long it is
+  ModbusReply ReceiveTcp(MonotonicNs deadline) {
+    std::size_t whole = TcpBytes();
+    while (begun_bytes_ < whole) {
+      const auto room = std::span(buffer_).subspan(begun_bytes_, whole - begun_bytes_);
+      const ReadOutcome read = ReadDescriptor(
+          descriptor_, {reinterpret_cast<char*>(room.data()), room.size()}, deadline);
+      if (read.state == ReadState::kGone) return {.arrival = ModbusArrival::kGone};
+      // what has come of it stays for the next call
+      if (read.bytes == 0) {
+        const auto fault = begun_bytes_ > 0 ? ModbusFault::kLength : ModbusFault::kNone;
+        return {.arrival = ModbusArrival::kNothing, .fault = fault};
+      }
+      begun_bytes_ += read.bytes;
+      whole = TcpBytes();
+      if (whole > buffer_.size()) {
+        // no Modbus, or out of step: nothing tells where the next reply begins
+        Flush();
+        return {.arrival = ModbusArrival::kDamaged, .fault = ModbusFault::kLength};
+      }
+    }
+    begun_bytes_ = 0;
+    return {.arrival = ModbusArrival::kFrame,
+            .bytes = {reinterpret_cast<const char*>(buffer_.data()), whole}};
+  }
+
+  // Bytes of the reply that has begun, of its header before that is whole. More than a reply can
+  // have where the header is none of Modbus: protocol 0, then 2 to 254 bytes.
+  std::size_t TcpBytes() const {
+    if (begun_bytes_ < kTcpHeader) return kTcpHeader;
+    const std::size_t length = 256U * buffer_[4] + buffer_[5];
+    const bool is_modbus = buffer_[2] == 0 && buffer_[3] == 0 && length >= 2;
+    return is_modbus ? kTcpHeader + length : buffer_.size() + 1;
+  }
+
+  // RTU: the reply that has begun to come in, within `longest_ns`
   ModbusReply Take(MonotonicNs longest_ns) {
     seen_bytes_ = 0;
     buffer_.fill(0);
@@ -192,9 +227,10 @@ class ModbusPort final : public ModbusLink {
   std::string source_;
   MonotonicNs byte_ns_;  ///< of one character on the wire; 0: TCP
   std::optional<MonotonicNs> latency_ns_;
-  int seen_bytes_ = 0;     ///< of a reply that has begun, at the last look
-  std::string sent_;       ///< RTU: the last request, until it has come back
-  bool has_echo_ = false;  ///< the request before came back
+  std::size_t begun_bytes_ = 0;  ///< TCP: of the next reply, in the buffer
+  int seen_bytes_ = 0;           ///< RTU: of a reply that has begun, at the last look
+  std::string sent_;             ///< RTU: the last request, until it has come back
+  bool has_echo_ = false;        ///< the request before came back
   std::array<std::uint8_t, kLongestModbusAdu> buffer_{};
 };
 

@@ -367,6 +367,110 @@ TEST(ModbusPort, SaysWhatIsNotThere) {
   EXPECT_THAT(OpenModbusPort("127.0.0.1:1", {}).error().Text(), HasSubstr("does not connect"));
 }
 
+// --- TCP in pieces ---
+
+/// A connection on which the test plays the device.
+class TcpPeer {
+ public:
+  TcpPeer() : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(listener_, 1), 0);
+    EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    auto opened = OpenModbusPort("127.0.0.1:" + std::to_string(ntohs(address.sin_port)), {});
+    EXPECT_TRUE(opened) << opened.error().Text();
+    link = std::move(*opened);
+    peer_ = accept(listener_, nullptr, nullptr);
+  }
+  TcpPeer(const TcpPeer&) = delete;
+  TcpPeer& operator=(const TcpPeer&) = delete;
+  ~TcpPeer() {
+    HangUp();
+    close(listener_);
+  }
+  void Sends(std::string_view bytes) const {
+    EXPECT_EQ(send(peer_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  }
+  void HangUp() {
+    if (peer_ >= 0) close(std::exchange(peer_, -1));
+  }
+  std::unique_ptr<ModbusLink> link;
+
+ private:
+  int listener_;
+  int peer_ = -1;
+};
+
+// a reply to request 7 with the float of two registers
+constexpr std::string_view kReply("\0\7\0\0\0\7\1\4\4\x7c\x37\x42\x8b", 13);
+
+TEST(ModbusPort, ATcpReplyComesInAnyPieces) {
+  for (std::size_t first = 1; first < kReply.size(); ++first) {
+    TcpPeer peer;
+    peer.Sends(kReply.substr(0, first));
+    const ModbusReply part = peer.link->Receive(kReply.size(), tests::In(0.03));
+    EXPECT_EQ(part.arrival, ModbusArrival::kNothing) << first;
+    EXPECT_EQ(part.fault, ModbusFault::kLength) << first;
+    // the rest later than any grace, and a second reply behind it
+    peer.Sends(std::string(kReply.substr(first)) + std::string(kReply));
+    for (int reply = 0; reply < 2; ++reply) {
+      const ModbusReply whole = peer.link->Receive(kReply.size(), tests::In(5));
+      EXPECT_EQ(whole.arrival, ModbusArrival::kFrame) << first;
+      EXPECT_EQ(whole.bytes, kReply) << first;
+    }
+  }
+}
+
+TEST(ModbusPort, AByteAtATimeIsOneTcpReply) {
+  TcpPeer peer;
+  std::thread device([&] {
+    for (const char& byte : kReply) {
+      peer.Sends({&byte, 1});
+      usleep(5000);
+    }
+  });
+  const ModbusReply reply = peer.link->Receive(kReply.size(), tests::In(5));
+  device.join();
+  EXPECT_EQ(reply.arrival, ModbusArrival::kFrame);
+  EXPECT_EQ(reply.bytes, kReply);
+}
+
+TEST(ModbusPort, AHeaderThatIsNoneOfModbusIsDamageAtOnce) {
+  // 255 bytes, 1 byte, and another protocol
+  for (const std::string_view header :
+       {std::string_view("\0\7\0\0\0\xff", 6), std::string_view("\0\7\0\0\0\1", 6),
+        std::string_view("\0\7\0\1\0\7", 6)}) {
+    TcpPeer peer;
+    peer.Sends(std::string(header) + "rest");
+    const MonotonicNs late = tests::In(5);
+    EXPECT_EQ(peer.link->Receive(kReply.size(), late).arrival, ModbusArrival::kDamaged);
+    EXPECT_GT(late, tests::In(3)) << "not at the deadline";
+    // what waits behind it goes with it
+    peer.Sends(kReply);
+    EXPECT_EQ(peer.link->Receive(kReply.size(), late).bytes, kReply);
+  }
+  // 254 bytes are allowed
+  TcpPeer peer;
+  const std::string longest = std::string("\0\7\0\0\0\xfe", 6) + std::string(254, 'x');
+  peer.Sends(longest);
+  EXPECT_EQ(peer.link->Receive(kReply.size(), tests::In(5)).bytes, longest);
+}
+
+TEST(ModbusPort, APartOfATcpReplyIsFlushedToo) {
+  TcpPeer peer;
+  peer.Sends(kReply.substr(0, 5));
+  EXPECT_EQ(peer.link->Receive(kReply.size(), tests::In(0.03)).fault, ModbusFault::kLength);
+  EXPECT_EQ(peer.link->Flush(), 5U);
+  peer.Sends(kReply);
+  EXPECT_EQ(peer.link->Receive(kReply.size(), tests::In(5)).bytes, kReply);
+  peer.Sends(kReply.substr(0, 5));
+  peer.HangUp();
+  EXPECT_EQ(peer.link->Receive(kReply.size(), tests::In(5)).arrival, ModbusArrival::kGone);
+}
+
 // --- libmodbus's own server ---
 
 /// libmodbus's server with input registers 0 to 9, of which the first two are a float in order
