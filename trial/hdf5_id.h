@@ -6,6 +6,12 @@
 
 namespace haptometer::trial {
 
+/// Before anything else of libhdf5 is called, each time a file is opened or made: its errors are
+/// reported by this program, not by libhdf5 on stderr, and it closes nothing by itself when the
+/// program ends. All is closed with its Hdf5Id; what could not be, of a full disk, would be closed
+/// once more, which ended the program by a signal (1.10.8).
+void PrepareHdf5();
+
 /// An open object of libhdf5 (file, group, dataset, space, type), closed with it. hid_t is an
 /// int64_t and herr_t an int, so that this header does not need hdf5.h.
 class Hdf5Id {

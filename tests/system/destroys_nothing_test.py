@@ -340,6 +340,11 @@ def check_failing_writes(option, out, ending):
         check(stderr.count("\n") >= 1, f"{option} says what failed: {stderr}")
         _, new = attempt(option.command("fresh" + ending), 1, f"{option} beyond the limit, anew", limit_bytes=60)
         check(not new, f"{option} beyond the limit leaves {new}")
+    if ending == ".h5":  # libhdf5 writes parts at once and others when it closes
+        size = os.path.getsize(out)
+        for part in (size // 4, size // 2, size - 1):
+            _, new = attempt(option.command(out, True), 1, f"{option} beyond {part} bytes", limit_bytes=part)
+            check(not new, f"{option} beyond {part} bytes leaves {new}")
     os.symlink("/dev/full", "full" + ending)
     by_library = ending in (".h5", ".mat") or (option.verb, option.name) == ("sweep", "--output")
     attempt(option.command("full" + ending), 2 if by_library else 1, f"{option} to /dev/full")

@@ -250,8 +250,7 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
 }  // namespace
 
 Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
-  // errors are reported by this program, not by libhdf5 on stderr
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  PrepareHdf5();
   Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) return NotWritten();
   return Hdf5Writer(std::move(file));

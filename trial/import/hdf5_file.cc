@@ -42,8 +42,7 @@ Hdf5File::Hdf5File(std::string path, Hdf5Id file, Hdf5Id root)
 }
 
 Result<Hdf5File> Hdf5File::Open(const std::string& path) {
-  // errors are reported by this program, not by libhdf5 on stderr
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  PrepareHdf5();
   Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   Hdf5Id root(file.ok() ? H5Gopen2(file.id(), "/", H5P_DEFAULT) : -1, H5Gclose);
   if (!root.ok()) {
