@@ -30,7 +30,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"numbers-refuted",
      "by the number{lines s} of {lines} line{lines s} more lines are missing than the times hold "
      "({missing} before row {row}): a line sent twice, a wrong number or a counter that was reset; "
-     "these losses are not believed"},
+     "these losses do not count"},
     {"format-found",
      "the file is read as {title} (found; --format {format})[, cells separated by {separator}], "
      "channels {channels}"},

@@ -40,7 +40,7 @@ const std::vector<Case> kCases{
     {kNumbersRefuted,
      {{"lines", 1}, {"row", 700}, {"missing", 999}},
      "by the number of 1 line more lines are missing than the times hold (999 before row 700): a "
-     "line sent twice, a wrong number or a counter that was reset; these losses are not believed"},
+     "line sent twice, a wrong number or a counter that was reset; these losses do not count"},
     {kFormatFound,
      {{"format", "plain"}, {"title", "plain table"}, {"channels", "CH1 [V]"}},
      "the file is read as plain table (found; --format plain), channels CH1 [V]"},
