@@ -552,7 +552,9 @@ std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
       StateInterval whole = Describe(course, part.front().first, part.back().end);
       whole.state = DriveState::kOn;
       whole.is_steady = IsSteady(whole, lower_hz);
-      if (whole.is_steady) {
+      // not a part of a sweep through a resonance
+      const double moved_hz = std::abs(whole.to_hz - whole.from_hz);
+      if (whole.is_steady && moved_hz < kSameWithin * whole.from_hz) {
         const auto blocks = std::span(course.blocks).subspan(whole.first, whole.blocks());
         whole.wander = std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
                        CyclesOf(blocks, whole.level_m);
