@@ -66,9 +66,11 @@ enum class FindingKind : std::uint8_t {
   kSteadyDrive,  ///< the longest steady state that is on
   kOneState,     ///< the drive is on throughout
   // what speaks against a window, or goes with it
-  kNoDrive,        ///< noise_m, at_most_m: no state is on
-  kNothingSteady,  ///< on_s: none of what is on is steady for long enough
-  kWindowMixed,    ///< off_s, window_s
+  kNoDrive,         ///< noise_m, at_most_m: no state is on
+  kNothingSteady,   ///< on_s: none of what is on is steady for long enough
+  kOtherVibration,  ///< other_s, rms_m: vibration outside of the window that is twice as strong, or
+                    ///< a longer steady one of less than half of its level
+  kWindowMixed,     ///< off_s, window_s
   kDriveOffInWindow,
   kDriveUnsteady,      ///< drift
   kFrequencyMoves,     ///< from_hz, to_hz

@@ -526,9 +526,8 @@ bool IsWandering(std::span<const StateInterval> states, const BlockCourse& cours
     longest = std::max(longest, state.blocks());
     if (Wanders(state, course)) changing += state.blocks();
   }
-  const double most = kMajority * static_cast<double>(all);
-  return states.size() > 2 &&
-         static_cast<double>(longest)<most&& static_cast<double>(changing)> most;
+  // counted twice: more than half
+  return states.size() > 2 && 2 * longest < all && 2 * changing > all;
 }
 
 // how often the level of blocks goes up and down, once at least: half of its crossings of the mean
@@ -556,7 +555,7 @@ std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
       const double moved_hz = std::abs(whole.to_hz - whole.from_hz);
       if (whole.is_steady && moved_hz < kSameWithin * whole.from_hz) {
         const auto blocks = std::span(course.blocks).subspan(whole.first, whole.blocks());
-        whole.wander = std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
+        whole.wander = 2 * std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
                        CyclesOf(blocks, whole.level_m);
         joined.push_back(whole);
         continue;

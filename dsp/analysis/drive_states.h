@@ -108,9 +108,10 @@ struct StateInterval {
   double level_m = 0;  ///< mean amplitude of the tone
   double drift = 0;    ///< change of the amplitude from begin to end, as a part of level_m
   double drift_uncertainty = 0;  ///< standard, from the scatter
-  double scatter = 0;   ///< standard deviation of the blocks about that line, as a part of level_m
-  double wander = 0;    ///< half width of the mean level over other parts of an amplitude that goes
-                        ///< up and down n times with that scatter: sqrt(2) scatter / (pi n)
+  double scatter = 0;  ///< standard deviation of the blocks about that line, as a part of level_m
+  double wander = 0;   ///< half width of the mean level over other parts of an amplitude that goes
+                       ///< up and down n times with that scatter, and ends within one as the window
+                       ///< does: 2 sqrt(2) scatter / (pi n)
   double residual = 0;  ///< mean square beside the tone, m2
   double rms_m = 0;     ///< of the filtered samples
   double from_hz = 0;   ///< frequency at begin and end, by a line through the blocks

@@ -155,6 +155,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "the drive is on[ for {on_s}], but no interval of it is steady and free of filter "
        "transients for long enough: drive longer at a constant amplitude, choose an interval with "
        "--window FROM:TO, or use --window all for the RMS of the whole record"},
+      {kOtherVibration, "other-vibration",
+       "outside of the window {other_s} of the record have another RMS, {rms_m}; --window measures "
+       "them"},
       {kWindowMixed, "window-mixed",
        "in {off_s} of the window's {window_s} the drive is off or changes; --window auto uses the "
        "longest steady interval"},

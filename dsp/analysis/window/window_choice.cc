@@ -224,6 +224,67 @@ double StrongestLevel(const std::vector<Course>& courses, double lower_hz) {
   return strongest_m;
 }
 
+// what states outside of a window last together, and their mean RMS
+struct Outside {
+  double seconds = 0;
+  double energy = 0;  // m2 s
+
+  void Add(const StateInterval& state) {
+    seconds += state.time.duration_s();
+    energy += state.rms_m * state.rms_m * state.time.duration_s();
+  }
+  [[nodiscard]] Finding As(Severity severity) const {
+    return {.severity = severity,
+            .kind = FindingKind::kOtherVibration,
+            .numbers = {{"other_s", seconds}, {"rms_m", std::sqrt(energy / seconds)}}};
+  }
+};
+
+// all that is twice as strong as `drive`, steady or not; not the border between two states
+Outside StrongerThan(const StateInterval& drive, const std::vector<Course>& courses) {
+  Outside stronger;
+  for (const Course& course : courses) {
+    for (const StateInterval& state : course.states) {
+      if (state.blocks() > 1 && kMajority * state.rms_m > drive.rms_m) stronger.Add(state);
+    }
+  }
+  return stronger;
+}
+
+// the longest window of a level that is too weak beside the strongest, but no noise
+Outside LongestOfWeaker(const std::vector<Course>& courses, double least_m, double lower_hz) {
+  Outside longest;
+  for (const Course& course : courses) {
+    for (std::size_t k = 0; k < course.states.size(); ++k) {
+      const StateInterval& state = course.states[k];
+      const auto [begin, end] = WindowOf(course, k, lower_hz);
+      if (end == begin || state.level_m >= least_m) continue;
+      if (state.level_m < kNoticeable * least_m) continue;
+      if (state.time.duration_s() < longest.seconds) continue;
+      longest = {};
+      longest.Add(state);
+    }
+  }
+  return longest;
+}
+
+// Nothing where most of the time that a window stands for is stronger and never steady; else the
+// finding of a vibration that the window is not of, as long as eight blocks or longer than it.
+std::optional<ChosenPart> WithOther(ChosenPart chosen, const Course& of,
+                                    const std::vector<Course>& courses, double least_m,
+                                    double lower_hz) {
+  const StateInterval& drive = chosen.part.state;
+  const Outside stronger = StrongerThan(drive, courses);
+  if (stronger.seconds > kMajority * drive.time.duration_s()) return std::nullopt;
+  const Outside weaker = LongestOfWeaker(courses, least_m, lower_hz);
+  if (stronger.seconds > static_cast<double>(kFewest) * of.blocks.block_s) {
+    chosen.other = stronger.As(Severity::kDoubt);
+  } else if (weaker.seconds > drive.time.duration_s()) {
+    chosen.other = weaker.As(Severity::kNote);
+  }
+  return chosen;
+}
+
 // the longest steady state that is on, over all signals, without those far below the strongest
 std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, double lower_hz) {
   const double least_m = kMajority * StrongestLevel(courses, lower_hz);
@@ -265,7 +326,7 @@ std::optional<ChosenPart> LongestSteady(const std::vector<Course>& courses, doub
     best->end = bumps.back().first;
     bumps.pop_back();
   }
-  return best;
+  return WithOther(*std::move(best), *of, courses, least_m, lower_hz);
 }
 
 ChosenPart AllSettled(const BandSignal& signal) {
@@ -555,6 +616,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const std::vector<BandSignal>& all,
     HAPTOMETER_LET(auto chosen, ChooseDriven(courses, all, question, analysis));
     RemarkUnsteady(chosen.part, analysis);
     RemarkBumps(chosen, analysis);
+    if (chosen.other) analysis->findings.Add(*chosen.other);
     return chosen;
   }
   auto chosen = question.choice == WindowChoice::kGiven ? ChooseGiven(all, question, analysis)

@@ -29,6 +29,7 @@ struct ChosenPart {
   UsedPart part{};                    ///< how it was chosen; window and rows are not set yet
   std::optional<DriveDelay> delay{};  ///< of the vibration behind a drive channel
   std::optional<Finding> refusal{};   ///< why there is no drive; its numbers are not set yet
+  std::optional<Finding> other{};     ///< vibration outside of the window
 };
 
 /// The longest part that a tone is sought and fitted in as a whole, in samples (5 s at 392 kHz).

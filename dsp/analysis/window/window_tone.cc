@@ -136,10 +136,13 @@ void FinishTone(MeasuredWindow& window) {
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 
-  // power beside the tone of a drive this weak is hardly told from noise: the interval holds both
+  // power beside the tone of a drive this weak is hardly told from noise: the interval holds both;
+  // sidebands of a modulation are the drive
   RmsEstimate& rms = window.numbers.rms;
-  const bool has_drive = window.chosen.part.from_drive;
-  if (has_drive && 0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
+  const UsedPart& part = window.chosen.part;
+  const bool is_modulated = part.state.wander > 0 || window.mirrored_m > 0;
+  if (part.from_drive && !is_modulated &&
+      0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
     const double least_m = tone.sine_rms_m * tone.amplitude_lower_m / fit.amplitude;
     rms.lower_m = std::clamp(least_m, 0.0, rms.lower_m);
   }

@@ -81,6 +81,48 @@ TEST(ToneOfAPause, IsADriveFromHalfOfTheOtherOn) {
   EXPECT_REL(analysis.numbers->rms.rms_m, 0.55 * kRmsM, 1e-3, "noise");
 }
 
+// A drive that is never steady: the tone of the pause is not answered in its place, but for a short
+// drive with a doubt.
+TEST(ToneOfAPause, IsNotAnsweredForAnUnsteadyDrive) {
+  Noise noise(5);
+  const std::vector<std::function<double(double)>> drives = {
+      [](double t_s) { return t_s * Sinus(180, t_s); },
+      [](double t_s) { return (0.3 + 0.7 * t_s) * Sinus(180, t_s); },
+      [](double t_s) { return std::fmod(t_s, 0.05) < 0.03 ? Sinus(180, t_s) : 0; },
+      [](double t_s) { return std::fmod(t_s, 0.1) < 0.04 ? Sinus(180, t_s) : 0; },
+      [&](double) { return 2 * noise(); },
+  };
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    for (const double share : {0.02, 0.1, 0.3}) {
+      for (const double drive_s : {5.0, 1.5}) {
+        const auto value = [&](double t_s) {
+          const bool is_on = t_s >= 6 && t_s < 6 + drive_s;
+          return share * Sinus(87, t_s) + (is_on ? drives[k]((t_s - 6) / drive_s) : 0);
+        };
+        const BandAnalysis analysis = Analysed(12, value);
+        if (!analysis.answered) continue;
+        EXPECT_TRUE(analysis.numbers->rms.rms_m > 0.5 * kRmsM ||
+                    analysis.findings.Has(FindingKind::kOtherVibration))
+            << k << " " << share << " " << drive_s << ": " << analysis.numbers->rms.rms_m;
+      }
+    }
+  }
+}
+
+// A short strong drive is answered for a long weaker one, which is told.
+TEST(ToneOfAPause, IsToldWhereItIsLongerThanTheDrive) {
+  const auto value = [](double t_s) {
+    return t_s >= 7 && t_s < 7.4 ? 3 * Sinus(250, t_s) : Sinus(120, t_s);
+  };
+  const BandAnalysis analysis = Analysed(9, value);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_REL(analysis.numbers->rms.rms_m, 3 * kRmsM, 0.01, "edges of a short window");
+  const Finding other = FirstOf(analysis.findings, FindingKind::kOtherVibration);
+  EXPECT_EQ(other.severity, Severity::kNote);
+  EXPECT_ABS(NumberOf(other, "other_s"), 6.9, 0.3, "a block, and the filter's transients");
+  EXPECT_REL(NumberOf(other, "rms_m"), kRmsM, 0.01, "noise");
+}
+
 // hum of a quarter of the drive, 3 Hz beside it, which the pause shows alone
 TEST(ToneOfAPause, IsSubtractedWhereItIsHumBesideTheDrive) {
   for (const double drive_hz : {53.0, 103.0, 184.0}) {

@@ -251,6 +251,10 @@ const std::vector<Case> kCases{
      "the drive is on for 250 ms, but no interval of it is steady and free of filter transients "
      "for long enough: drive longer at a constant amplitude, choose an interval with --window "
      "FROM:TO, or use --window all for the RMS of the whole record"},
+    {kOtherVibration,
+     {{"other_s", 1.5}, {"rms_m", 2.5e-07}},
+     "other-vibration",
+     "outside of the window 1.5 s of the record have another RMS, 0.25 um; --window measures them"},
     {kWindowMixed,
      {{"off_s", 0.25}, {"window_s", 1.0}},
      "window-mixed",
