@@ -169,6 +169,8 @@ Section GapsSection(const Record& record) {
   for (std::size_t i = 1; i < record.stretches.size(); ++i) {
     const Stretch &before = record.stretches[i - 1], &after = record.stretches[i];
     const double end_s = before.start_s + static_cast<double>(before.rows) / before.rate_hz;
+    // a segment may begin within the last interval of the one before
+    if (after.start_s <= end_s) continue;
     Section& row = list.sections.emplace_back();
     row.Add(kRow, after.first_row);
     row.Add({"at_s", "at", document::kSecond}, end_s);
