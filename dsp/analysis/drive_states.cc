@@ -507,8 +507,8 @@ std::size_t EndOfDrive(const std::vector<StateInterval>& states, std::size_t fir
   return end;
 }
 
-// whether an amplitude goes up and down, or along, within a state by more than noise does
-bool Wanders(const StateInterval& state, const BlockCourse& course) {
+// whether the amplitude changes within a state by more than noise does
+bool IsModulated(const StateInterval& state, const BlockCourse& course) {
   if (state.Drifts() || state.state == DriveState::kTransition) return true;
   const double of_noise =
       std::sqrt(2 * state.residual / course.degrees_of_freedom()) / state.level_m;
@@ -517,14 +517,14 @@ bool Wanders(const StateInterval& state, const BlockCourse& course) {
 
 // Whether states are one amplitude that goes up and down all the time, as in a modulation or a
 // beat: most of it changes, and no state is most of it.
-bool IsWandering(std::span<const StateInterval> states, const BlockCourse& course) {
+bool AreModulated(std::span<const StateInterval> states, const BlockCourse& course) {
   std::size_t all = 0;
   std::size_t changing = 0;
   std::size_t longest = 0;
   for (const StateInterval& state : states) {
     all += state.blocks();
     longest = std::max(longest, state.blocks());
-    if (Wanders(state, course)) changing += state.blocks();
+    if (IsModulated(state, course)) changing += state.blocks();
   }
   // counted twice: more than half
   return states.size() > 2 && 2 * longest < all && 2 * changing > all;
@@ -539,7 +539,7 @@ double CyclesOf(std::span<const DriveBlock> blocks, double mean_m) {
   return std::max(1.0, crossings / 2.0);
 }
 
-// the states with those of a wandering drive joined
+// the states with those of a modulated drive joined
 std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
                                   const std::vector<StateInterval>& states) {
   std::vector<StateInterval> joined;
@@ -547,7 +547,7 @@ std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
     const std::size_t end = std::max(k + 1, EndOfDrive(states, k));
     const auto part = std::span(states).subspan(k, end - k);
     k = end;
-    if (IsWandering(part, course)) {
+    if (AreModulated(part, course)) {
       StateInterval whole = Describe(course, part.front().first, part.back().end);
       whole.state = DriveState::kOn;
       whole.is_steady = IsSteady(whole, lower_hz);
@@ -555,8 +555,8 @@ std::vector<StateInterval> Joined(const BlockCourse& course, double lower_hz,
       const double moved_hz = std::abs(whole.to_hz - whole.from_hz);
       if (whole.is_steady && moved_hz < kSameWithin * whole.from_hz) {
         const auto blocks = std::span(course.blocks).subspan(whole.first, whole.blocks());
-        whole.wander = 2 * std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
-                       CyclesOf(blocks, whole.level_m);
+        whole.modulation = 2 * std::numbers::sqrt2 * whole.scatter / std::numbers::pi /
+                           CyclesOf(blocks, whole.level_m);
         joined.push_back(whole);
         continue;
       }

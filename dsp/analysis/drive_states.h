@@ -109,17 +109,18 @@ struct StateInterval {
   double drift = 0;    ///< change of the amplitude from begin to end, as a part of level_m
   double drift_uncertainty = 0;  ///< standard, from the scatter
   double scatter = 0;  ///< standard deviation of the blocks about that line, as a part of level_m
-  double wander = 0;   ///< half width of the mean level over other parts of an amplitude that goes
-                       ///< up and down n times with that scatter, and ends within one as the window
-                       ///< does: 2 sqrt(2) scatter / (pi n)
+  /// Half width of the mean level over other parts of an amplitude that goes up and down n times,
+  /// as a part of level_m, where drive and window end within one: 2 sqrt(2) scatter / (pi n); else
+  /// 0.
+  double modulation = 0;
   double residual = 0;  ///< mean square beside the tone, m2
   double rms_m = 0;     ///< of the filtered samples
   double from_hz = 0;   ///< frequency at begin and end, by a line through the blocks
   double to_hz = 0;
   double coherence = 0;  ///< of a block's phase with the one before: 1 of a tone, 0 of noise
   bool is_steady = false;
-  bool is_short_at_foot =
-      false;  ///< a clear tone at the band's foot, too short to be one that is on
+  /// A clear tone at the band's foot that is too short to be told from tremor; it is off.
+  bool is_short_at_foot = false;
 
   [[nodiscard]] std::size_t blocks() const { return end - first; }
   /// Whether the amplitude changes noticeably, and by more than its uncertainty gives (1e-3).
@@ -139,11 +140,11 @@ struct StateInterval {
 /// A state is on where its level exceeds what noise alone puts on the ridge; a state of one block
 /// between others is a transition, and so is one that is off but changes by half its level.
 /// Neighbours of the same kind whose levels meet within 2 % are one, and so are those of a drive
-/// whose amplitude goes up and down all the time. A state is steady where its
-/// level changes and scatters by less than half of itself, and the phases of its blocks continue
-/// each other. Up to twice `lower_hz`, where red noise has a narrow ridge and tremor its harmonics,
-/// it scatters by less than 0.15 over eight blocks, or changes and scatters by less than 0.02 over
-/// three that the tone explains; what is not steady there is off. Limits and error rates:
+/// whose amplitude goes up and down all the time. A state is steady where its level changes and
+/// scatters by less than half of itself, and the phases of its blocks continue each other. Up to
+/// twice `lower_hz`, where red noise has a narrow ridge and tremor its harmonics, it scatters by
+/// less than 0.15 over eight blocks, or changes and scatters by less than 0.02 over three that the
+/// tone explains; what is not steady there is off. Limits and error rates:
 /// dsp/analysis/decision_limits.h. Cost: linear in the blocks for states of bounded length.
 [[nodiscard]] std::vector<StateInterval> FindStates(const BlockCourse& course, double lower_hz);
 

@@ -148,7 +148,7 @@ Result<std::vector<RmsBound>> BoundsOf(const MeasuredWindow& window) {
   }
   add(RmsCause::kHum, (alone ? kSameWithin : 0.5) * std::abs(window.hum_square) / (2 * rms));
   const double drift = part.state.Drifts() ? 0.5 * std::abs(part.state.drift) : 0;
-  if (is_chosen) add(RmsCause::kDrift, (drift + part.state.wander) * rms);
+  if (is_chosen) add(RmsCause::kDrift, (drift + part.state.modulation) * rms);
   return bounds;
 }
 

@@ -140,7 +140,7 @@ void FinishTone(MeasuredWindow& window) {
   // sidebands of a modulation are the drive
   RmsEstimate& rms = window.numbers.rms;
   const UsedPart& part = window.chosen.part;
-  const bool is_modulated = part.state.wander > 0 || window.mirrored_m > 0;
+  const bool is_modulated = part.state.modulation > 0 || window.mirrored_m > 0;
   if (part.from_drive && !is_modulated &&
       0.5 * (rms.upper_m - rms.lower_m) > kWideShare * rms.rms_m) {
     const double least_m = tone.sine_rms_m * tone.amplitude_lower_m / fit.amplitude;
