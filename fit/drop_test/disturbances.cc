@@ -16,6 +16,7 @@ namespace {
 // blocks per period that the record is averaged to before the trials
 constexpr double kSamplesPerPeriod = 16;
 constexpr double kLeastPeriods = 3;
+constexpr double kLeastPeriodsAboveStep = 1.5;
 constexpr std::size_t kLeastBlocks = 32;
 constexpr double kQuietShare = 0.2;  // of the ringing's first amplitude
 constexpr int kMostRounds = 12;
@@ -90,7 +91,7 @@ std::size_t EndAboveStep(const ImpulseRecord& record, const RingStart& start, co
   const double since_s = std::log(fit.Envelope(0) / step_v) / fit.poles.decay_per_s;
   const double samples = std::min(since_s / record.step_s, static_cast<double>(part.end_sample));
   const double periods = std::floor(samples) * record.step_s / PeriodOf(fit.poles);
-  if (periods < kLeastPeriods) return part.end_sample;
+  if (periods < kLeastPeriodsAboveStep) return part.end_sample;
   return std::min(part.end_sample, part.first_sample + static_cast<std::size_t>(samples));
 }
 

@@ -260,6 +260,9 @@ void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, Dr
                            Weights(road, {{Shared::kDamping, 1}}),
                            Weights(road, {{Shared::kForceConstantSquared, 0.5}})};
   for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i]->determined) {
+      fit.by_rounding[i] = std::sqrt(CovarianceBy(road.rounding_changes, weights[i], weights[i]));
+    }
     for (std::size_t j = 0; j < values.size(); ++j) {
       if (!values[i]->determined || !values[j]->determined) continue;
       fit.relative_covariance[i][j] = CovarianceOf(road, model, weights[i], weights[j]);

@@ -27,7 +27,7 @@ struct FittedValue {
   double value = 0;
   double standard_uncertainty = 0;  ///< statistical: from the records' noise alone (type A)
   double combined_standard_uncertainty =
-      0;             ///< with masses, ohms, height and rebound (type A and B)
+      0;             ///< with masses, ohms, height, rebound, rounding (type A and B)
   double lower = 0;  ///< 95 % interval, of both; not always about the value
   double upper = 0;
   /// Of what is too faint to be determined: the upper end of the 95 % interval whose lower end lies
@@ -93,6 +93,9 @@ struct DropTestFit {
   /// Combined relative covariance of Kv, Bv and Km: that of their logarithms. 0 in the rows and
   /// columns of what is not determined.
   std::array<std::array<double, 3>, 3> relative_covariance{};
+  /// Relative standard uncertainties of Kv, Bv and Km by the rounding of the records' converters
+  /// (converter_rounding.h).
+  std::array<double, 3> by_rounding{};
   std::string mass_symbol = "Mv";  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
   std::vector<InputInfluence> influences;
@@ -124,8 +127,9 @@ struct DropTestFit {
 /// residuals show at the resonance (solved twice; fit/residuals.h). Before any number is given,
 /// the singular values of the column-scaled Jacobian say what the records determine
 /// (fit/identifiability.h). Type A: covariance with that noise. Type B: first-order propagation of
-/// the inputs' standard uncertainties through the same Jacobian; the two add as squares (JCGM
-/// 100:2008, 5.1.2). Type A holds the scatter between drops, intervals Student's factor of it.
+/// the inputs' standard uncertainties through the same Jacobian, and the rounding of coarse
+/// converters (converter_rounding.h); all add as squares (JCGM 100:2008, 5.1.2). Type A holds the
+/// scatter between drops, intervals Student's factor of it.
 ///
 /// Errors (Cause::kCannotAnswer): no records; held and free cases together without both masses.
 /// Cost: 1 us a sample in all with what PrepareRecord takes, 5 ns of it an evaluation of the joint

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
+
+#include "fit/drop_test/converter_rounding.h"
 
 namespace haptometer::fit {
 namespace {
@@ -148,10 +151,10 @@ std::vector<double> Widened(const DropTestRoad& road, std::vector<double> weight
   return weights;
 }
 
-// what the given numbers' uncertainties make of two weighted sums
-double GivenCovariance(const DropTestRoad& road, const DropTestModel& model,
+// what the given numbers' uncertainties and the converters' rounding make of two weighted sums
+double TypeBCovariance(const DropTestRoad& road, const DropTestModel& model,
                        const std::vector<double>& first, const std::vector<double>& second) {
-  double sum = 0;
+  double sum = CovarianceBy(road.rounding_changes, first, second);
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const DropTestInput& input = model.inputs[k];
     if (!DependsOn(road, input)) continue;
@@ -351,13 +354,19 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
     road.input_changes.push_back(counts ? ChangeByInput(road, model, k)
                                         : std::vector<double>(road.jacobian.columns, 0.0));
   }
+  for (std::size_t r = 0; r < model.records.size(); ++r) {
+    const double step_v = ConverterStep(model.records[r].record.voltage_v);
+    std::ranges::move(
+        RoundingChanges(road.problem, road.point, road.seen, r, step_v, road.scales[r]),
+        std::back_inserter(road.rounding_changes));
+  }
   return road;
 }
 
 double CovarianceOf(const DropTestRoad& road, const DropTestModel& model,
                     const std::vector<double>& first, const std::vector<double>& second) {
   return road.variance * Covariance(road.seen, Widened(road, first), Widened(road, second)) +
-         GivenCovariance(road, model, first, second);
+         TypeBCovariance(road, model, first, second);
 }
 
 Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
@@ -365,12 +374,12 @@ Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
   Spread spread;
   spread.blur = Blur(road.seen, weights);
   spread.statistical = std::sqrt(road.variance * Variance(road.seen, Widened(road, weights)));
-  spread.given = std::sqrt(GivenCovariance(road, model, weights, weights));
-  spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
+  spread.type_b = std::sqrt(TypeBCovariance(road, model, weights, weights));
+  spread.combined = std::hypot(spread.statistical, spread.type_b, spread.blur);
   // Student's factor is in the scatter that the interval holds
   const double held = std::sqrt(road.variance * Variance(road.held, Widened(road, weights)));
   if (spread.combined > 0) {
-    spread.coverage *= std::hypot(held, spread.given, spread.blur) / spread.combined;
+    spread.coverage *= std::hypot(held, spread.type_b, spread.blur) / spread.combined;
   }
   return spread;
 }
@@ -458,7 +467,7 @@ std::vector<double> SquareAlone(const DropTestRoad& road) {
   return weights;
 }
 
-// half the interval of Km^2 on one side, given numbers included
+// half the interval of Km^2 on one side, type B included
 double HalfWidth(const DropTestRoad& road, const DropTestModel& model, const Spread& spread,
                  int side) {
   const double square = road.point.shared[kColumn];
@@ -467,7 +476,7 @@ double HalfWidth(const DropTestRoad& road, const DropTestModel& model, const Spr
   const double statistical = is_gaussian ? spread.coverage * spread.statistical
                                          : road.consistency.decay_widening *
                                                ProfileWidth(road, model, side, spread.coverage);
-  return std::hypot(statistical, spread.coverage * spread.given, spread.coverage * spread.blur);
+  return std::hypot(statistical, spread.coverage * spread.type_b, spread.coverage * spread.blur);
 }
 
 }  // namespace
@@ -516,7 +525,7 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
   // d ln Km = d Km^2 / (2 Km^2)
   TakeRelative({.blur = spread.blur / (2 * square),
                 .statistical = spread.statistical / (2 * square),
-                .given = spread.given / (2 * square),
+                .type_b = spread.type_b / (2 * square),
                 .combined = spread.combined / (2 * square),
                 .coverage = spread.coverage},
                value);

@@ -36,6 +36,7 @@ struct DropTestRoad {
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
   std::vector<std::vector<double>> input_changes;
+  std::vector<std::vector<double>> rounding_changes;  ///< of all records (converter_rounding.h)
 };
 
 /// Solves: looks at each drop alone (consistency.h), and gives each its own Kv and Bv about those
@@ -70,7 +71,7 @@ using PowerOf = std::pair<Shared, double>;
 struct Spread {
   double blur = 0;         ///< see Blur
   double statistical = 0;  ///< from the records' noise and the scatter between drops
-  double given = 0;        ///< from the given numbers
+  double type_b = 0;       ///< from the given numbers and the converters' rounding
   double combined = 0;     ///< all three
   /// Standard uncertainties in half the 95 % interval: with Student's factor where drops scatter.
   double coverage = kCoverage95;
@@ -110,7 +111,7 @@ void TakeRelative(const Spread& spread, FittedValue& value);
 /// By the heights its interval is that of its logarithm. By the loads, which show Km^2 in
 /// proportion, it is that of Km^2: Km is determined where this excludes 0 (statistically, 97.5 % on
 /// that side); else it has an upper limit, where the records see Km at all. Beyond 5 % of
-/// uncertainty the interval is the profile likelihood's (ProfileWidth), the given numbers' share
+/// uncertainty the interval is the profile likelihood's (ProfileWidth), the share of type B
 /// added in squares on either side.
 [[nodiscard]] FittedValue EvaluateForceConstant(const DropTestRoad& road,
                                                 const DropTestModel& model);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -247,27 +248,35 @@ std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const
   return residuals;
 }
 
+std::vector<double> RingDownProblem::ProductsOf(const RingDownPoint& point, std::size_t r,
+                                                std::span<const double> changes) const {
+  const RingDownSamples& record = records_[r];
+  const auto sum = SumOfParts(record, inductance_h_, point.shared.data(), point.own[r].data());
+  RingingParts parts(record, sum.rates);
+  // J' change without J: sums of the parts over the samples, then their slopes
+  PartNumbers along{};
+  for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+    const PartNumbers here = parts.At(record.times_s[n]);
+    const double change = Weight(record, n) * changes[n];
+    for (std::size_t k = 0; k < kPartCount; ++k) along[k] += change * here[k];
+  }
+  AnsweredSlopes slopes{};
+  AddSlopes(sum, along, 1, &slopes);
+  std::vector<double> products(kSharedCount + kOwnCount * records_.size());
+  std::copy_n(slopes.begin(), kSharedCount, products.begin());
+  std::copy_n(slopes.begin() + kSharedCount, kOwnCount,
+              products.begin() + static_cast<std::ptrdiff_t>(Column(r, Own::kAmplitude)));
+  return products;
+}
+
 std::vector<double> RingDownProblem::Products(const RingDownPoint& point,
                                               std::span<const double> changes) const {
   std::vector<double> products(kSharedCount + kOwnCount * records_.size());
   for (std::size_t r = 0; r < records_.size(); ++r) {
-    const RingDownSamples& record = records_[r];
-    const auto sum = SumOfParts(record, inductance_h_, point.shared.data(), point.own[r].data());
-    RingingParts parts(record, sum.rates);
-    // J' change without J: sums of the parts over the samples, then their slopes
-    PartNumbers along{};
-    for (std::size_t n = 0; n < record.times_s.size(); ++n) {
-      const PartNumbers here = parts.At(record.times_s[n]);
-      const double change = Weight(record, n) * changes[n];
-      for (std::size_t k = 0; k < kPartCount; ++k) along[k] += change * here[k];
-    }
-    changes = changes.subspan(record.times_s.size());
-    AnsweredSlopes slopes{};
-    AddSlopes(sum, along, 1, &slopes);
-    for (std::size_t k = 0; k < kSharedCount; ++k) products[k] += slopes[k];
-    for (std::size_t k = 0; k < kOwnCount; ++k) {
-      products[Column(r, static_cast<Own>(k))] = slopes[kSharedCount + k];
-    }
+    const std::size_t rows = records_[r].times_s.size();
+    const auto own = ProductsOf(point, r, changes.first(rows));
+    std::ranges::transform(products, own, products.begin(), std::plus{});
+    changes = changes.subspan(rows);
   }
   return products;
 }

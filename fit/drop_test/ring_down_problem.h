@@ -145,6 +145,10 @@ class RingDownProblem {
   [[nodiscard]] std::vector<double> Products(const RingDownPoint& point,
                                              std::span<const double> changes) const;
 
+  /// The same of the rows of one record alone.
+  [[nodiscard]] std::vector<double> ProductsOf(const RingDownPoint& point, std::size_t record,
+                                               std::span<const double> changes) const;
+
   /// The model's voltage at `times_s` for a record, offset and disturbances included.
   [[nodiscard]] std::vector<double> Voltages(const RingDownPoint& point, std::size_t record,
                                              const std::vector<double>& times_s) const;

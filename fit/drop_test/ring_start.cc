@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -223,11 +224,12 @@ std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_
 }
 
 // Residual sum of squares of a record that is divided before sample `n`: a constant, then a
-// ring-down; infinite where the rest is none.
-double Misfit(const std::vector<double>& values, double step_s, const Blow& blow, std::size_t n) {
+// ring-down of these poles, or of those estimated from it; infinite where the rest is none.
+double Misfit(const std::vector<double>& values, double step_s, const Blow& blow, std::size_t n,
+              std::optional<PolePair> poles) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const auto ringing = From(values, n, blow.middle_v);
-  const auto poles = EstimatePoles(ringing, step_s);
+  if (!poles) poles = EstimatePoles(ringing, step_s);
   if (!poles || IsHeavilyDamped(*poles)) return kNone;
   const LinearFit fit = FitLinear(ringing, step_s, *poles);
   double sum = fit.residual_rms_v * fit.residual_rms_v * static_cast<double>(ringing.size());
@@ -239,17 +241,17 @@ double Misfit(const std::vector<double>& values, double step_s, const Blow& blow
   return sum;
 }
 
-// of a record too short for its amplitude to be followed: the best parting to a sixteenth of a
-// period, or `first_large` where that is better
+// the best parting from `first` up to `end` to a sixteenth of a period, or the first sample beyond
+// half of the largest where that is better
 std::size_t BestParting(const std::vector<double>& values, double step_s, const Blow& blow,
-                        std::size_t first_large) {
+                        std::size_t first, std::size_t end, std::optional<PolePair> poles = {}) {
   const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
   const std::size_t stride = std::max<std::size_t>(period / 16, 1);
-  std::size_t best = first_large;
-  double least = Misfit(values, step_s, blow, first_large);
+  std::size_t best = FindLargeSample(values, blow.middle_v);
+  double least = Misfit(values, step_s, blow, best, poles);
   // at least two periods remain for the ring-down
-  for (std::size_t n = 0; n + 2 * period < values.size(); n += stride) {
-    const double misfit = Misfit(values, step_s, blow, n);
+  for (std::size_t n = first; n < end && n + 2 * period < values.size(); n += stride) {
+    const double misfit = Misfit(values, step_s, blow, n, poles);
     if (misfit >= least) continue;
     least = misfit;
     best = n;
@@ -257,14 +259,30 @@ std::size_t BestParting(const std::vector<double>& values, double step_s, const 
   return best;
 }
 
+// the poles of an oscillation that falls so much within a period of its begin that too little is
+// left there to be continued back
+std::optional<PolePair> PolesOfFastDecay(const std::vector<double>& amplitudes, double step_s,
+                                         const Blow& blow) {
+  constexpr double kLeast = 0.04;  // of the amplitude a period later: a quality factor of 1
+  constexpr double kMost = 0.5;    // 4.5
+  const auto largest = std::ranges::max_element(amplitudes);
+  const auto later = static_cast<std::size_t>(largest - amplitudes.begin()) +
+                     static_cast<std::size_t>(std::ceil(blow.period_samples));
+  if (later >= amplitudes.size()) return std::nullopt;
+  const double share = amplitudes[later] / *largest;
+  if (share < kLeast || share > kMost) return std::nullopt;
+  const double decay_per_s = -std::log(share) / (blow.period_samples * step_s);
+  return PolePair{decay_per_s, std::pow(2 * std::numbers::pi * blow.frequency_hz, 2) +
+                                   decay_per_s * decay_per_s};
+}
+
 // where the amplitude at the resonance has risen to half of its largest, and around there the best
-// parting; for a motion too damped for that, the first sample beyond half of the largest
+// parting; of a record too short for its amplitude to be followed, the best of all
 std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blow& blow) {
-  const std::size_t first_large = FindLargeSample(values, blow.middle_v);
   const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
   const auto amplitudes = FollowingAmplitude(values, blow.middle_v, blow.period_samples);
   if (6 * period > values.size() || amplitudes.empty()) {
-    return BestParting(values, step_s, blow, first_large);
+    return BestParting(values, step_s, blow, 0, values.size());
   }
   // where the amplitude over the following period reaches half of its largest
   const double half = *std::ranges::max_element(amplitudes) / 2;
@@ -273,8 +291,13 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
       amplitudes.begin());
   // the amplitude at n is that of the period behind n: a period and a quarter later, only ringing
   const std::size_t known = risen + period + period / 4;
-  if (known + 3 * period > values.size()) return BestParting(values, step_s, blow, first_large);
+  if (known + 3 * period > values.size()) {
+    return BestParting(values, step_s, blow, 0, values.size());
+  }
   const std::size_t first = risen > period ? risen - period : 0;
+  if (const auto poles = PolesOfFastDecay(amplitudes, step_s, blow)) {
+    return BestParting(values, step_s, blow, first, known, poles);
+  }
   return PartQuietFromRinging(values, step_s, blow, first, known);
 }
 

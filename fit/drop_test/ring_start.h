@@ -33,9 +33,10 @@ struct RingStart {
 /// Finds the blow in a record and the start values of its ring-down.
 ///
 /// The blow is the sample that best parts a quiet stretch from the ring-down (least squares over
-/// the two periods around the amplitude's rise), for a motion without oscillation the first sample
-/// beyond half of the largest distance from the median. What lies well before it is quiet and gives
-/// the noise; a record that begins with the blow has none.
+/// the two periods around the amplitude's rise; between the quality factors 1 and 4.5 with a
+/// ring-down of one decay rate fitted to what follows each), for a motion without oscillation the
+/// first sample beyond half of the largest distance from the median. What lies well before it is
+/// quiet and gives the noise; a record that begins with the blow has none.
 /// A slow course or a hum of the ring-down's own size hides it: where such parts last
 /// (fit/drop_test/first_look.h), the record is tried without them too, and the start that explains
 /// more of quiet part and ring-down is taken. Noise, offset and residual are then without them.

@@ -106,9 +106,10 @@ double CombinedPercent(std::size_t /*constant*/, const FittedValue& value) {
 
 // the influence of undetermined combinations on a determined constant, %
 double UnseenPercent(const DropTestFit& fit, std::size_t k, const FittedValue& value) {
-  // combined variance, less noise and given numbers
+  // combined variance, less noise, given numbers and rounding
   const double whole = std::pow(value.combined_standard_uncertainty / value.value, 2);
-  double square = whole - std::pow(value.standard_uncertainty / value.value, 2);
+  double square = whole - std::pow(value.standard_uncertainty / value.value, 2) -
+                  std::pow(fit.by_rounding[k], 2);
   for (const fit::InputInfluence& influence : fit.influences) {
     square -=
         std::pow(influence.relative_standard_uncertainty * influence.percent_per_percent[k], 2);
@@ -140,7 +141,17 @@ void AddCause(const DropTestFit& fit, std::string cause, std::optional<std::stri
   if (moves_some) table.sections.push_back(std::move(row));
 }
 
-// what the records' noise makes, what each given number makes, what is not determined, all
+// whether rounding makes a hundredth of a combined standard uncertainty, as all digits shown do
+bool RoundingIsSeen(const DropTestFit& fit) {
+  for (std::size_t k = 0; k < fit.by_rounding.size(); ++k) {
+    const FittedValue& value = *ConstantsOf(fit)[k].second;
+    if (value.determined && 100 * fit.by_rounding[k] > 0.01 * CombinedPercent(k, value))
+      return true;
+  }
+  return false;
+}
+
+// what the records' noise, each given number, rounding and what is not determined make, and all
 Section BudgetSection(const DropTestFit& fit) {
   Section table{.name = "budget",
                 .heading = "standard uncertainty by cause",
@@ -156,6 +167,12 @@ Section BudgetSection(const DropTestFit& fit) {
     };
     const std::string amount = AmountText(input.value, input.standard_uncertainty, input.unit);
     AddCause(fit, fmt::format("{} {}", input.input, amount), "B", of_input, table);
+  }
+  if (RoundingIsSeen(fit)) {
+    const auto rounding = [&fit](std::size_t k, const FittedValue&) {
+      return 100 * fit.by_rounding[k];
+    };
+    AddCause(fit, "rounding of the converter", "B", rounding, table);
   }
   const auto unseen = [&fit](std::size_t k, const FittedValue& value) {
     return UnseenPercent(fit, k, value);
