@@ -44,6 +44,7 @@ enum class FindingKind : std::uint8_t {
   kReadingsTooFarApart,  ///< upper_hz, readings_per_s, at uneven times
   kRegularGrid,          ///< jitter_s, largest_jitter_s, readings_per_s, readings, missing,
                          ///< excluded, error: of a tone, at most
+  kClockDrift,           ///< drift_s, readings_per_s: of times from an even grid
   kSamplingContradicted,  ///< sampling_s, samples_per_s, new_readings_per_s
   kTimesInOtherUnit,      ///< column, readings_per_s, duration_s
   kPolledTimes,           ///< readings of unknown age: no tone is fitted

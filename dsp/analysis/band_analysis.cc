@@ -230,6 +230,10 @@ void RemarkGrid(const RegularGrid& grid, BandAnalysis* analysis) {
                                                       {"missing", grid.dropped},
                                                       {"excluded", grid.left_out},
                                                       {"error", grid.error_bound}});
+  if (grid.drift_s > 0) {
+    analysis->findings.Note(FindingKind::kClockDrift,
+                            {{"drift_s", grid.drift_s}, {"readings_per_s", grid.rate_hz}});
+  }
 }
 
 }  // namespace

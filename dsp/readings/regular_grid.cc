@@ -28,9 +28,13 @@ constexpr std::size_t kMostPoints = kPoints.back();
 
 // places of the rows on a grid, and the grid
 struct Places {
-  std::vector<std::int64_t> place;  // of each row, growing
+  std::vector<std::int64_t> place{};   // of each row, growing
+  std::vector<std::size_t> reading{};  // of each row: the one that it is of, or the nearest in time
   double start_s = 0;
   double period_s = 0;
+  // of the times about a grid that follows them: standard deviation and largest
+  double followed_jitter_s = 0;
+  double followed_largest_s = 0;
 
   [[nodiscard]] double TimeOf(std::int64_t n) const {
     return start_s + static_cast<double>(n) * period_s;
@@ -68,9 +72,12 @@ void FitLine(std::span<const double> times_s, Places& places) {
 
 // the places where no reading was dropped
 Places CountedPlaces(std::span<const double> times_s) {
-  Places places{.place = std::vector<std::int64_t>(times_s.size())};
+  Places places{.place = std::vector<std::int64_t>(times_s.size()),
+                .reading = std::vector<std::size_t>(times_s.size())};
   std::iota(places.place.begin(), places.place.end(), 0);
+  std::iota(places.reading.begin(), places.reading.end(), 0UZ);
   FitLine(times_s, places);
+  places.followed_largest_s = std::numeric_limits<double>::infinity();
   return places;
 }
 
@@ -80,18 +87,51 @@ Places CountedPlaces(std::span<const double> times_s) {
 Places FollowedPlaces(std::span<const double> times_s) {
   const double period_s = MedianInterval(times_s);
   if (!(period_s > 0)) return CountedPlaces(times_s);
-  Places places;
+  Places places{.reading = std::vector<std::size_t>(times_s.size())};
+  std::iota(places.reading.begin(), places.reading.end(), 0UZ);
   places.place.reserve(times_s.size());
   places.place.push_back(0);
   double start_s = times_s[0];
+  double square_sum = 0;
   for (std::size_t j = 1; j < times_s.size(); ++j) {
     const double last_s = start_s + static_cast<double>(places.place.back()) * period_s;
     const double periods = std::clamp((times_s[j] - last_s) / period_s, 1.0, 1e15);
     places.place.push_back(places.place.back() + std::llround(periods));
     const double at_s = start_s + static_cast<double>(places.place.back()) * period_s;
-    start_s += (periods * kFollowed > 1 ? 1 : kFollowed) * (times_s[j] - at_s);
+    const double off_s = times_s[j] - at_s;
+    start_s += (periods * kFollowed > 1 ? 1 : kFollowed) * off_s;
+    square_sum += off_s * off_s;
+    places.followed_largest_s = std::max(places.followed_largest_s, std::abs(off_s));
   }
+  places.followed_jitter_s = std::sqrt(square_sum / static_cast<double>(times_s.size() - 1));
   FitLine(times_s, places);
+  return places;
+}
+
+// The places of an even grid of the mean period from the first time on, of a clock that drifts away
+// from any: rows are taken where a reading lies within a period, whichever it is.
+Places DriftingPlaces(std::span<const double> times_s, const Places& followed) {
+  Places places{.start_s = times_s[0],
+                .period_s = followed.period_s,
+                .followed_jitter_s = followed.followed_jitter_s,
+                .followed_largest_s = followed.followed_largest_s};
+  const auto place_of = [&](double time_s) {
+    return static_cast<std::int64_t>((time_s - places.start_s) / places.period_s);
+  };
+  const std::int64_t last = place_of(times_s.back());
+  std::size_t j = 0;
+  for (std::int64_t n = 0; n <= last; ++n) {
+    const double at_s = places.TimeOf(n);
+    while (j + 1 < times_s.size() && std::abs(times_s[j + 1] - at_s) <= std::abs(times_s[j] - at_s))
+      ++j;
+    if (std::abs(times_s[j] - at_s) <= places.period_s) {
+      places.place.push_back(n);
+      places.reading.push_back(j);
+    } else if (j + 1 < times_s.size()) {
+      // on to the place before the gap's end
+      n = std::max(n, place_of(times_s[j + 1]) - 1);
+    }
+  }
   return places;
 }
 
@@ -115,6 +155,7 @@ RegularGrid Described(std::span<const double> times_s, const Places& places) {
 struct Readings {
   std::vector<double> times_s;
   std::vector<double> values;
+  std::vector<std::size_t> rank;  // of each reading: how many measured ones precede it
 };
 
 Readings MeasuredOf(const trial::Channel& channel, std::span<const double> times_s) {
@@ -122,6 +163,7 @@ Readings MeasuredOf(const trial::Channel& channel, std::span<const double> times
   readings.times_s.reserve(times_s.size());
   readings.values.reserve(times_s.size());
   for (std::size_t j = 0; j < times_s.size(); ++j) {
+    readings.rank.push_back(readings.times_s.size());
     if (!IsMeasured(channel.values[j], channel.statuses[j])) continue;
     readings.times_s.push_back(times_s[j]);
     readings.values.push_back(channel.values[j]);
@@ -202,8 +244,9 @@ class Interpolator {
 
   template <typename Visit>
   void ForEachMeasured(const Visit& visit) const {
-    for (std::size_t row = 0, j = 0; row < places_.place.size(); ++row) {
-      if (IsMeasured(channel_.values[row], channel_.statuses[row])) visit(row, j++);
+    for (std::size_t row = 0; row < places_.place.size(); ++row) {
+      const std::size_t j = places_.reading[row];
+      if (IsMeasured(channel_.values[j], channel_.statuses[j])) visit(row, readings_.rank[j]);
     }
   }
 
@@ -236,7 +279,17 @@ std::size_t PointsFor(const Interpolator& interpolator) {
   return best;
 }
 
-// one row per reading; a stretch ends where places are without one
+// statuses of the rows' readings, and their values on the grid
+trial::Channel OnPlaces(const trial::Channel& channel, const Places& places,
+                        std::vector<double> values) {
+  trial::Channel placed = channel;
+  placed.values = std::move(values);
+  placed.statuses.clear();
+  for (const std::size_t j : places.reading) placed.statuses.push_back(channel.statuses[j]);
+  return placed;
+}
+
+// one row per place with a reading; a stretch ends where places are without one
 void LayOut(const Places& places, RegularGrid& grid) {
   trial::Record& record = grid.record;
   record.rows = places.place.size();
@@ -272,8 +325,17 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
     places = std::move(counted);
     grid = std::move(without_drops);
   }
+  // a clock that drifts: from any even grid its times go away, from one that follows them they do
+  // not
+  const double farthest_s = kFarthestPeriods * places.period_s;
+  if (grid.largest_jitter_s > farthest_s && places.followed_largest_s <= farthest_s) {
+    places = DriftingPlaces(times_s, places);
+    grid.drift_s = grid.largest_jitter_s;
+    grid.jitter_s = places.followed_jitter_s;
+    grid.largest_jitter_s = places.followed_largest_s;
+  }
   // times too far from any grid cannot be assigned to places
-  if (!(places.period_s > 0 && grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
+  if (!(places.period_s > 0 && grid.largest_jitter_s <= farthest_s)) {
     return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
                                                   {"grid_s", 1 / grid.rate_hz},
                                                   {"largest_jitter_s", grid.largest_jitter_s}});
@@ -285,7 +347,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
   // each channel has its own unmeasured rows, so its own nodes and number of points
   for (const trial::Channel& channel : record.channels) {
     const Interpolator interpolator(channel, times_s, places, 2 * std::numbers::pi * upper_hz);
-    std::vector<double> values(record.rows, std::numeric_limits<double>::quiet_NaN());
+    std::vector<double> values(grid.record.rows, std::numeric_limits<double>::quiet_NaN());
     if (interpolator.readings() >= kPoints.front()) {
       grid.points = PointsFor(interpolator);
       const std::size_t left_out_before = grid.left_out;
@@ -296,8 +358,7 @@ RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
                        {{"upper_hz", upper_hz}, {"readings_per_s", grid.rate_hz}});
       }
     }
-    grid.record.channels.push_back(channel);
-    grid.record.channels.back().values = std::move(values);
+    grid.record.channels.push_back(OnPlaces(channel, places, std::move(values)));
   }
   return grid;
 }

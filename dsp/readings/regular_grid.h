@@ -20,6 +20,9 @@ struct RegularGrid {
   double rate_hz = 0;           ///< of the grid: what the times come to on average
   double jitter_s = 0;          ///< standard deviation of the times about the grid
   double largest_jitter_s = 0;  ///< the largest distance of a time from its place on the grid
+  /// The largest distance from an even grid, of a clock that drifts; jitter is then that about a
+  /// grid that follows the times. 0: none is that far.
+  double drift_s = 0;
   std::size_t dropped = 0;      ///< places on the grid without a reading
   std::size_t points = 0;       ///< readings that each value was interpolated from
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
@@ -35,7 +38,9 @@ struct RegularGrid {
 /// Dropped readings are told from jitter first: a grid of the median period follows the readings,
 /// each of which takes its nearest place; where counting them without a gap leaves less jitter,
 /// none was dropped. The grid is the least-squares line through the times over those places. A row
-/// is a reading; places without one end a stretch.
+/// is a reading; places without one end a stretch. Where times lie farther than 0.45 periods from
+/// that line, but not from a grid that takes a 16th of each time's distance, their clock drifts:
+/// rows are then the places of an even grid of the mean period, with a reading within a period.
 ///
 /// A value is the polynomial through the nearest `points` measured readings at their own times,
 /// taken at its place on the grid (Neville), which lies beside one of them. For a tone of angular
@@ -46,7 +51,7 @@ struct RegularGrid {
 /// Motion above `upper_hz` has no such bound. Ignored, jitter of s would add 2 pi f s of the tone
 /// as noise.
 ///
-/// Refused: fewer than four rows; a time farther than 0.45 periods from its place, so that dropped
+/// Refused: fewer than four rows; a time farther than 0.45 periods from both grids, so that dropped
 /// readings and jitter cannot be told apart; the bound above kLargestInterpolationError in more
 /// than half of the rows; most times equal to the one before. Programmer's error: no known times.
 /// Cost: O(rows points^2).

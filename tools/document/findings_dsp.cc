@@ -99,6 +99,9 @@ Sentence SentenceOf(dsp::FindingKind kind) {
        "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
        "SI} readings/s: {readings} readings assigned to it, {missing} missing, {excluded} "
        "excluded; this adds {error} of a tone at most"},
+      {kClockDrift, "clock-drift",
+       "the clock of its times drifts: they go away by up to {drift_s} from uniform ones "
+       "of {readings_per_s SI} readings/s; values are interpolated to the true times"},
       {kSamplingContradicted, "sampling-contradicted",
        "the file states a sampling period of {sampling_s}, {samples_per_s SI} samples/s, and holds "
        "{new_readings_per_s SI} new readings/s: one of the two is wrong, and the sensor's gain is "

@@ -259,6 +259,51 @@ TEST(RegularGrid, ATimeMayBeNearlyHalfAPeriodFromItsPlace) {
 }
 
 // Of four points, two before the late one and one behind it, the remainder is w^4 / 4! 2 p^3 d.
+// places whose clock goes wrong by up to `periods`, slowly, as one that is set right again
+std::vector<double> Drifting(std::size_t count, double periods) {
+  std::vector<double> places;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(count);
+    places.push_back(static_cast<double>(k) + periods * std::sin(2 * std::numbers::pi * share));
+  }
+  return places;
+}
+
+TEST(RegularGrid, AClockThatDriftsIsInterpolatedToEvenTimes) {
+  for (const double jitter : {0.0, 0.02}) {
+    const auto grid = OnRegularGrid(Jittered(Drifting(20000, 6), jitter), kUpperHz);
+    ASSERT_FALSE(grid.refusal);
+    EXPECT_EQ(grid.dropped, 0U);
+    EXPECT_EQ(grid.left_out, 0U);
+    EXPECT_EQ(grid.record.stretches.size(), 1U);
+    // 6 sin(2 pi u) less its line -(36/pi) (u - 1/2) is largest at the ends: 18/pi = 5.73
+    EXPECT_NEAR(grid.drift_s, 18 / std::numbers::pi * kPeriodS, 0.1 * kPeriodS);
+    EXPECT_NEAR(grid.jitter_s, jitter * kPeriodS, 0.05 * kPeriodS);
+    // two tones of 1 um, and rounding at 30 mm
+    EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+    EXPECT_LT(grid.error_bound, 1e-3);
+  }
+  // half a period from an even grid is no drift
+  EXPECT_EQ(OnRegularGrid(Jittered(Drifting(20000, 0.3), 0), kUpperHz).drift_s, 0);
+}
+
+TEST(RegularGrid, ReadingsDroppedFromADriftingClockStayHoles) {
+  auto places = Drifting(20000, 6);
+  places.erase(places.begin() + 7000, places.begin() + 7040);
+  trial::Record record = Jittered(places, 0.01);
+  record.channels[0].statuses[12000] = SampleStatus::kLate;
+  record.channels[0].values[12000] = std::numeric_limits<double>::quiet_NaN();
+  const auto grid = OnRegularGrid(record, kUpperHz);
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.dropped, 40U);
+  ASSERT_EQ(grid.record.stretches.size(), 2U);
+  EXPECT_NEAR(grid.record.stretches[1].start_s - grid.record.stretches[0].start_s,
+              places[7000] * kPeriodS, 2 * kPeriodS);
+  EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+  // one row is late where one reading is
+  EXPECT_EQ(std::ranges::count(grid.record.channels[0].statuses, SampleStatus::kLate), 1);
+}
+
 TEST(RegularGrid, TheBoundIsCauchysRemainder) {
   const double w = 2 * std::numbers::pi * 100 * kPeriodS;
   const auto grid = OnRegularGrid(WithOneLate(4000, 0.3), 100);

@@ -165,6 +165,11 @@ const std::vector<Case> kCases{
      "its readings at non-uniform times are too far apart for motion at 4500 Hz: 10000 readings/s: "
      "choose "
      "a lower band, or record with a clocked source"},
+    {kClockDrift,
+     {{"drift_s", 0.0012}, {"readings_per_s", 10000.0}},
+     "clock-drift",
+     "the clock of its times drifts: they go away by up to 1.2 ms from uniform ones of 10 k "
+     "readings/s; values are interpolated to the true times"},
     {kRegularGrid,
      {{"jitter_s", 5e-07},
       {"largest_jitter_s", 2e-06},
