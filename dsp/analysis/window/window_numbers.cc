@@ -1,5 +1,6 @@
 #include "dsp/analysis/window/window_numbers.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -17,6 +18,7 @@
 #include "dsp/readings/digitisation.h"
 #include "dsp/readings/faults.h"
 #include "dsp/readings/straight_lines.h"
+#include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/kinematics.h"
 #include "dsp/spectrum/slow_motion.h"
 
@@ -186,6 +188,26 @@ void DropOwnTone(MeasuredWindow& window) {
   if (apart_hz * window.samples.duration_s() < 1) below.reset();
 }
 
+// A doubt where the amplitude of a tone at the band's foot is not one: blocks there are as long as
+// bursts and their pauses together, and show a mean of both. The amplitude in three periods
+// scatters by sqrt(1/d - 1) of its mean in bursts of duty d, by 0.48 in a beat of two equal tones.
+void DoubtUnsteadyFoot(MeasuredWindow& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  if (!window.chosen.part.from_drive || frequency_hz > kFootReach * window.band().lower_hz ||
+      window.analysis.findings.Has(FindingKind::kDriveUnsteady)) {
+    return;
+  }
+  const Envelope envelope = DemodulateTone(
+      window.samples.values_m, {.rate_hz = window.samples.rate_hz, .tone_hz = frequency_hz});
+  if (envelope.amplitude.size() < kFewest) return;
+  const Eigen::Map<const Eigen::ArrayXd> amplitudes(
+      envelope.amplitude.data(), static_cast<Eigen::Index>(envelope.amplitude.size()));
+  const double mean = amplitudes.mean();
+  const double scatter = std::sqrt((amplitudes - mean).square().mean()) / mean;
+  if (scatter <= kSteadyWithin) return;
+  window.analysis.findings.Doubt(FindingKind::kDriveUnsteady, {{"drift", scatter}});
+}
+
 // A tone beside the band, stronger than all in it, may be the drive: a doubt where the band has no
 // tone, and where most of what was measured is what the filter leaves of it. Neither is so where
 // the band's own tone is most of that.
@@ -257,6 +279,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   window.numbers.rms = EstimateRms(window.power, bounds);
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
+  if (has_tone) DoubtUnsteadyFoot(window);
   HAPTOMETER_TRY(DoubtBesideBand(window, analysis));
   // harmonics, kinematics and drive do not depend on each other
   const auto described = RunBeside(

@@ -152,6 +152,39 @@ TEST(BurstsAtTheFoot, AreNotAveragedWithTheirPauses) {
   }
 }
 
+// Shorter ones than blocks resolve are averaged with their pauses, with a doubt.
+TEST(BurstsAtTheFoot, ShorterThanABlockAreDoubted) {
+  int answered = 0;
+  for (const double drive_hz : {22.0, 25.0, 30.0, 38.0}) {
+    for (const double on_s : {0.15, 0.2, 0.3, 0.4}) {
+      for (const double off_s : {0.2, 0.5}) {
+        const auto value = [&](double t_s) {
+          return std::fmod(t_s, on_s + off_s) < on_s ? Sinus(drive_hz, t_s) : 0;
+        };
+        const BandAnalysis analysis = Analysed(10, value);
+        answered += analysis.answered ? 1 : 0;
+        EXPECT_TRUE(!analysis.answered || Holds(analysis, PassedRms(drive_hz)) ||
+                    analysis.findings.Has(FindingKind::kDriveUnsteady))
+            << drive_hz << " " << on_s << " " << off_s << ": " << analysis.numbers->rms.rms_m;
+      }
+    }
+  }
+  EXPECT_GT(answered, 5);
+}
+
+// no doubt on what is steady, or beats
+TEST(BurstsAtTheFoot, AreNoSteadyDriveAndNoBeat) {
+  for (const double drive_hz : {22.0, 30.0, 38.0}) {
+    for (const double second : {0.0, 0.5}) {
+      const auto value = [&](double t_s) {
+        return Sinus(drive_hz, t_s) + second * Sinus(drive_hz + 1.5, t_s);
+      };
+      EXPECT_FALSE(Analysed(10, value).findings.Has(FindingKind::kDriveUnsteady))
+          << drive_hz << " " << second;
+    }
+  }
+}
+
 TEST(BurstsAtTheFoot, OfASecondOrARecordOfOneAreAnswered) {
   const auto whole = [](double t_s) { return Sinus(30, t_s); };
   const auto once = [](double t_s) { return t_s >= 0.8 && t_s < 1.8 ? Sinus(36, t_s) : 0; };
