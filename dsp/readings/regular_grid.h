@@ -23,8 +23,8 @@ struct RegularGrid {
   /// The largest distance from an even grid, of a clock that drifts; jitter is then that about a
   /// grid that follows the times. 0: none is that far.
   double drift_s = 0;
-  std::size_t dropped = 0;      ///< places on the grid without a reading
-  std::size_t points = 0;       ///< readings that each value was interpolated from
+  std::size_t dropped = 0;  ///< places on the grid without a reading
+  std::size_t points = 0;   ///< readings that each value was interpolated from
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
   /// lower ones); of the worst row that is kept.
   double error_bound = 0;
