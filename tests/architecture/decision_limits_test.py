@@ -25,7 +25,8 @@ MATHEMATICS = {
     "rms_estimate.cc": {"kNormal90", "kToneDegrees", "kManyDegrees", "kLeastDegrees"},
     "rms_estimate.h": {"kRmsCauseCount"},
     "sweep_analysis.cc": {"kFastest"},  # where a series stops to converge
-    "window_choice.cc": {"kBlockLengths", "kUnknown"},
+    "window_choice.cc": {"kBlockLengths"},
+    "window_states.h": {"kUnknownPause"},
     "window_tone.cc": {"kTwoPi", "kCoverage"},
 }
 # memory, speed, and what is left out because it is below the accuracy that is stated beside it
@@ -60,7 +61,7 @@ LITERALS = {
     "rms_estimate.cc": {"0.04", "0.025", "0.05"},  # tails of 95 %
     "sensor_gain.cc": {"1e+06"},
     "sweep_analysis.cc": {"60", "8"},  # bisection, samples
-    "window_choice.cc": {"1e-300"},
+    "window_states.cc": {"1e-300"},
     "window_tone.cc": {"1e-300", "10.5"},  # the tenth harmonic
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -10,13 +9,11 @@
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/hum.h"
+#include "dsp/analysis/window/window_states.h"
 
 /// The step of AnalyzeBand that chooses which rows its numbers are of: from the states of the drive
 /// to the window, and to the intervals without drive that noise is measured in.
 namespace haptometer::dsp {
-
-/// Samples [first, second).
-using SampleRanges = std::vector<std::pair<std::size_t, std::size_t>>;
 
 /// Samples [begin, end) of a signal, all free of transients.
 struct ChosenPart {
@@ -58,12 +55,5 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 /// Filtered samples [begin, end), or the FittedOf(end - begin) in their middle.
 [[nodiscard]] Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
                                                      std::size_t end);
-
-/// Samples of `window` in `signal`'s count, within what is free of transients; begin == end: none.
-[[nodiscard]] std::pair<std::size_t, std::size_t> SettledWithin(const BandSignal& signal,
-                                                                const TimeWindow& window);
-
-/// The record's time of sample `sample`.
-[[nodiscard]] double TimeOfSample(const BandSignal& signal, std::size_t sample);
 
 }  // namespace haptometer::dsp

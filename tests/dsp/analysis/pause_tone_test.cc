@@ -216,6 +216,30 @@ TEST(ModulatedDrive, IsAnsweredAsAWhole) {
   EXPECT_GE(held, 8) << "95 % of 9";
 }
 
+// Deeper than half only the crests are steady: what goes up and down beside them is a doubt. A
+// drive of two levels with ramps between them, which comes down once, is none.
+TEST(ModulatedDrive, ThatIsAnsweredAtACrestIsDoubted) {
+  for (const double depth : {0.6, 0.8}) {
+    const auto value = [&](double t_s) {
+      const double level = t_s >= 1 && t_s < 11 ? 1 + depth * Sinus(0.5, t_s, 1) : 0;
+      return level * Sinus(150, t_s);
+    };
+    const BandAnalysis analysis = Analysed(12, value);
+    EXPECT_TRUE(!analysis.answered ||
+                FirstOf(analysis.findings, FindingKind::kOtherVibration).severity ==
+                    Severity::kDoubt)
+        << depth;
+  }
+  const auto ramped = [](double t_s) {
+    const double up = std::clamp(t_s - 1, 0.0, 2.0);
+    const double down = std::clamp(t_s - 4.5, 0.0, 2.0);
+    return (up - down) / 2 * Sinus(150, t_s);
+  };
+  const BandAnalysis analysis = Analysed(8, ramped);
+  EXPECT_TRUE(Holds(analysis, kRmsM));
+  EXPECT_FALSE(analysis.findings.Has(FindingKind::kOtherVibration));
+}
+
 // A modulation has a sideband on either side of the drive; both beat with it.
 TEST(ModulatedDrive, LiesInItsIntervalAtAnyPhase) {
   for (const double depth : {0.1, 0.3}) {
