@@ -42,13 +42,17 @@ Result<void> FindStatesOf(const BandPass& band, double length, double least_s,
 namespace {
 
 // samples of a state that are free of transients, without its outer blocks where it changes
-std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size_t k) {
+std::pair<std::size_t, std::size_t> InnerSamples(const Course& course, std::size_t k,
+                                                 double lower_hz) {
   TimeWindow inner = course.states[k].time;
   if (k > 0) inner.begin_s += course.blocks.block_s;
-  // the last block of a segment is cut: the state lasts to its end
-  inner.end_s = k + 1 < course.states.size()
-                    ? inner.end_s - course.blocks.block_s
-                    : TimeOfSample(*course.signal, course.signal->settled_end());
+  if (k + 1 < course.states.size()) {
+    inner.end_s -= course.blocks.block_s;
+  } else {
+    // what is left behind the last block belongs to its state, but not a rest that a window fits in
+    const double settled_s = TimeOfSample(*course.signal, course.signal->settled_end());
+    if (settled_s - inner.end_s <= kBlockPeriods / lower_hz) inner.end_s = settled_s;
+  }
   if (inner.end_s <= inner.begin_s) return {0, 0};
   return SettledWithin(*course.signal, inner);
 }
@@ -172,7 +176,7 @@ std::vector<TimeWindow> QuietOf(const Course& course, const StateInterval& drive
 
 std::pair<std::size_t, std::size_t> WindowOf(const Course& course, std::size_t k, double lower_hz) {
   if (!course.states[k].is_steady) return {0, 0};
-  const auto [begin, end] = InnerSamples(course, k);
+  const auto [begin, end] = InnerSamples(course, k, lower_hz);
   const double duration_s = static_cast<double>(end - begin) / course.signal->rate_hz();
   if (duration_s < kLeastWindowPeriods / lower_hz) return {0, 0};
   return {begin, end};

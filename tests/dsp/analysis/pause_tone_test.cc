@@ -240,6 +240,22 @@ TEST(ModulatedDrive, ThatIsAnsweredAtACrestIsDoubted) {
   EXPECT_FALSE(analysis.findings.Has(FindingKind::kOtherVibration));
 }
 
+// Blocks of four times the length average it; a pause that is shorter than the last one is no part
+// of the window.
+TEST(ModulatedDrive, OfLongBlocksEndsBeforeThePauseBehindIt) {
+  for (const double phase_rad : {1.5, 2.5, 3.0}) {
+    const auto value = [&](double t_s) {
+      const double level = t_s >= 1 && t_s < 11 ? 1 + 0.8 * Sinus(1.4, t_s, phase_rad) : 0;
+      return level * Sinus(150, t_s);
+    };
+    const BandAnalysis analysis = Analysed(12, value);
+    ASSERT_TRUE(analysis.answered) << phase_rad;
+    EXPECT_LT(analysis.numbers->part.window.end_s, 11.3) << phase_rad;
+    EXPECT_REL(analysis.numbers->rms.rms_m, kRmsM * std::sqrt(1 + 0.8 * 0.8 / 2), 0.03,
+               "a third of a second without drive, of ten, and part of an up and down");
+  }
+}
+
 // A modulation has a sideband on either side of the drive; both beat with it.
 TEST(ModulatedDrive, LiesInItsIntervalAtAnyPhase) {
   for (const double depth : {0.1, 0.3}) {
