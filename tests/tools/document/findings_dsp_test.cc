@@ -168,7 +168,7 @@ const std::vector<Case> kCases{
     {kClockDrift,
      {{"drift_s", 0.0012}, {"readings_per_s", 10000.0}},
      "clock-drift",
-     "the clock of its times drifts: they go away by up to 1.2 ms from uniform ones of 10 k "
+     "the clock of its times drifts: they go away by up to 1.2 ms from uniform ones of 10000 "
      "readings/s; values are interpolated to the true times"},
     {kRegularGrid,
      {{"jitter_s", 5e-07},
