@@ -30,9 +30,12 @@ struct PhasorSystem {
   double omega_rad_per_s = 0;
   Eigen::MatrixXd a;      // (n, n)
   Eigen::VectorXd right;  // (n): b V
-  // the rounding errors of both (linear_model.h), or empty
+  // the rounding errors of all three (linear_model.h), or empty
   Eigen::MatrixXd a_rest{};
   Eigen::VectorXd right_rest{};
+  double omega_rest_rad_per_s = 0;
+
+  [[nodiscard]] bool HasRests() const { return right_rest.size() > 0; }
 };
 
 PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
@@ -51,6 +54,10 @@ PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
     system.right_rest(k) +=
         std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k));
   }
+  // beside a sharp resonance an ulp of w is seen as well as one of the stiffness
+  system.omega_rest_rad_per_s =
+      static_cast<double>(2 * std::numbers::pi_v<long double> * drive.frequency_hz -
+                          static_cast<long double>(system.omega_rad_per_s));
   return system;
 }
 
@@ -64,16 +71,15 @@ Eigen::MatrixXcd MatrixOf(const PhasorSystem& system) {
 // b V - j w X + A X in 64 bits of mantissa, so that the refinement has digits to correct
 Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
   const auto wide = [](double value) { return static_cast<long double>(value); };
-  const bool with_rests = system.right_rest.size() > 0;
-  const long double w = wide(system.omega_rad_per_s);
+  const long double w = wide(system.omega_rad_per_s) + wide(system.omega_rest_rad_per_s);
   Eigen::VectorXcd residual(x.size());
   for (Eigen::Index row = 0; row < x.size(); ++row) {
     long double re = wide(system.right(row)) + w * wide(x(row).imag());
     long double im = -w * wide(x(row).real());
-    if (with_rests) re += wide(system.right_rest(row));
+    if (system.HasRests()) re += wide(system.right_rest(row));
     for (Eigen::Index k = 0; k < x.size(); ++k) {
       long double a = wide(system.a(row, k));
-      if (with_rests) a += wide(system.a_rest(row, k));
+      if (system.HasRests()) a += wide(system.a_rest(row, k));
       re += a * wide(x(k).real());
       im += a * wide(x(k).imag());
     }
@@ -82,16 +88,55 @@ Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x)
   return residual;
 }
 
-// |residual| + eps (|M| |x| + |b V|): how far each equation may be off
-Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd& x) {
-  // with known rounding errors the numbers are good to long double
-  const double eps = system.right_rest.size() > 0
-                         ? static_cast<double>(std::numeric_limits<long double>::epsilon())
-                         : std::numeric_limits<double>::epsilon();
+// |M|
+Eigen::MatrixXd TermsOf(const PhasorSystem& system) {
   Eigen::MatrixXd terms = system.a.cwiseAbs();
   for (double& own : terms.diagonal()) own = Hypot(own, system.omega_rad_per_s);
-  const Eigen::VectorXd rounding = eps * (terms * Magnitudes(x) + system.right.cwiseAbs());
-  return Magnitudes(Residual(system, x)) + rounding;
+  return terms;
+}
+
+// |residual| + eps (|M| |x| + |b V|): how far each equation may be off
+Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::MatrixXd& terms,
+                              const Eigen::VectorXcd& x, const Eigen::VectorXcd& x_rest) {
+  double eps = std::numeric_limits<double>::epsilon();
+  Eigen::VectorXcd residual = Residual(system, x);
+  if (system.HasRests()) {
+    // the numbers are good to long double: half an ulp each of at most six operations for an entry,
+    // of its product and of nine sums
+    constexpr double kLongUlps = 8;
+    eps = kLongUlps * static_cast<double>(std::numeric_limits<long double>::epsilon());
+    // what rounding x to double leaves over is no error of the equations, but of the sums of x
+    residual -= MatrixOf(system) * x_rest;
+  }
+  return Magnitudes(residual) + eps * (terms * Magnitudes(x) + system.right.cwiseAbs());
+}
+
+// of a bound, what its second order may come to before it counts
+constexpr double kNegligible = 1e-3;
+
+// 1 / (1 - |G|), G = I - C M, by which |M^-1| b exceeds that of the computed inverse C; infinite
+// where C is none. Rounding replaces a pivot that is below eps of what it is the difference of (the
+// inertia of bodies that nothing holds, beside their springs, at microhertz), and a small residual
+// does not show it.
+double InverseFactor(const PhasorSystem& system, const Eigen::MatrixXd& terms,
+                     const ComplexEquations& equations, const Eigen::MatrixXd& inverse_parts,
+                     const Eigen::VectorXd& bound) {
+  const Eigen::Index n = bound.size();
+  const Eigen::VectorXd states =
+      (inverse_parts.leftCols(n).cwiseAbs() + inverse_parts.rightCols(n).cwiseAbs())
+          .lazyProduct(bound);
+  // |M G M^-1| b is some eps |M| |C| b
+  constexpr double kUlps = 8 * std::numeric_limits<double>::epsilon();
+  if (((kUlps * terms.lazyProduct(states)).array() <= kNegligible * bound.array()).all()) return 1;
+  // G y = C (b - M y) of y = C b
+  PhasorSystem probe = system;
+  probe.right = bound;
+  probe.right_rest.setZero();
+  const Eigen::VectorXcd y = equations.Solve(bound.cast<Complex>());
+  const Eigen::VectorXd left = Magnitudes(equations.Solve(Residual(probe, y)));
+  const double share =
+      (left.array() == 0).select(0, left.cwiseQuotient(states)).maxCoeff<Eigen::PropagateNaN>();
+  return share < 0.5 ? 1 / (1 - share) : HUGE_VAL;
 }
 
 // Sums of phasors, rows X + fixed, and bounds of their errors.
@@ -112,7 +157,7 @@ struct PhasorSums {
 // |rows D M^-1| times the equations' bounds, and the rounding of the sums
 PhasorSums SumsOf(const Eigen::MatrixXd& rows, const Eigen::VectorXd& fixed,
                   const Eigen::VectorXcd& phasors, const Eigen::MatrixXd& balanced_inverse,
-                  const Eigen::VectorXd& equation_bound) {
+                  const Eigen::VectorXd& equation_bound, const Eigen::VectorXd& term_ulps) {
   constexpr double kEps = std::numeric_limits<double>::epsilon();
   constexpr double kUlps = 8;  // of what becomes of the sum itself
   const Eigen::Index n = phasors.size();
@@ -124,7 +169,7 @@ PhasorSums SumsOf(const Eigen::MatrixXd& rows, const Eigen::VectorXd& fixed,
   const Eigen::MatrixXd from =
       (parts.leftCols(n).cwiseAbs2() + parts.rightCols(n).cwiseAbs2()).cwiseSqrt();
   PhasorSums found{.values = Magnitudes(sums), .errors = from * equation_bound};
-  found.errors += kEps * (terms + kUlps * found.values);
+  found.errors += kEps * (terms.cwiseProduct(term_ulps) + kUlps * found.values);
   return found;
 }
 
@@ -144,9 +189,19 @@ double LargestError(const LinearModel& model, const SineDrive& drive,
   rows.bottomRows(powers) = model.power_rows.leftCols(n);
   fixed(kCurrent) = model.current_per_volt * drive.amplitude_v;
   fixed.tail(powers) = model.power_rows.col(n) * drive.amplitude_v;
-  const PhasorSums sums = SumsOf(rows, fixed, phasors, balanced_inverse, equation_bound);
+  // constants of currents are rounded, and their products; without rests the equations' bounds,
+  // which then are eps of all terms, hold that
+  Eigen::VectorXd term_ulps = Eigen::VectorXd::Ones(kPower + powers);
+  if (model.a_rest.size() > 0) term_ulps.tail(powers + 1).setConstant(3);
+  const PhasorSums sums = SumsOf(rows, fixed, phasors, balanced_inverse, equation_bound, term_ulps);
   return std::max({sums.Relative(kSkin), sums.Relative(kCase), sums.Relative(kTravel),
                    sums.Relative(kCurrent), sums.RelativeOfSquares(powers)});
+}
+
+// e / (1 - e): the error relative to the true number, by that relative to the computed one
+double OfTrue(double error) {
+  if (error < kNegligible) return error;
+  return error < 1 ? error / (1 - error) : HUGE_VAL;
 }
 
 // [X, V], on which the rows of the power act
@@ -200,20 +255,23 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
   // solve, then correct once by the residual
   const ComplexEquations equations(MatrixOf(system));
   Eigen::VectorXcd x = equations.Solve(system.right.cast<Complex>());
-  x += equations.Solve(Residual(system, x));
+  const Eigen::VectorXcd first = x, correction = equations.Solve(Residual(system, x));
+  x += correction;
 
   SteadyState steady;
   steady.phasors = balanced.scale.asDiagonal() * x;
   steady.mean = StaticState(model, drive.offset_v);
   Summarise(model, drive, skin, steady);
 
-  // not finite where the matrix is singular
-  const double error = LargestError(model, drive, steady.phasors,
-                                    balanced.scale.asDiagonal() * equations.InverseParts(),
-                                    EquationBound(system, x));
+  // not finite where the matrix is singular, which OfTrue makes infinite
+  const Eigen::MatrixXd terms = TermsOf(system), inverse_parts = equations.InverseParts();
+  const Eigen::VectorXd bound = EquationBound(system, terms, x, correction - (x - first));
+  const double first_order = LargestError(model, drive, steady.phasors,
+                                          balanced.scale.asDiagonal() * inverse_parts, bound);
+  const double error =
+      OfTrue(first_order * InverseFactor(system, terms, equations, inverse_parts, bound));
   // without an amplitude all phasors are exactly 0
-  const bool silent = drive.amplitude_v == 0;
-  steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
+  steady.error_estimate = drive.amplitude_v == 0 ? 0 : error;
   return steady;
 }
 
@@ -411,6 +469,8 @@ class SumOfTones {
       if (finger_.col(input).isZero(0)) continue;
       LinearModel pushed = model_;
       pushed.b = finger_.col(input);
+      // the column's own rounding is that of all its phasors, within an ulp
+      pushed.b_rest.setZero();
       states += (input == 0 ? finger_m : rate) * UnderUnit(pushed, frequency_hz).phasors;
     }
     return states;

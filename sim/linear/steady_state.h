@@ -30,8 +30,10 @@ struct SteadyState {
   double mean_travel_m = 0;      ///< of mover_peak_m, with its sign
   double mean_skin_force_n = 0;  ///< of skin_force_peak_n, with its sign
   /// Bound of the relative error of all numbers above: residual and rounding of the matrix, both
-  /// carried through |M^-1|, M = j w I - A, and what rounding adds to the numbers themselves. 1 or
-  /// more (also infinite): the drive excites an undamped resonance and there is no steady state;
+  /// carried through |M^-1|, M = j w I - A, and what rounding adds to the numbers themselves. Of a
+  /// stiff mover (LinearModel::a_rest) w and the matrix count with their 64 bits. 1 or more
+  /// (also infinite): the drive excites an undamped resonance or the inertia of floating bodies is
+  /// lost beside their springs, and there is no steady state that doubles can tell;
   /// the other fields then hold nothing.
   double error_estimate = 0;
 };

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "sim/linear/linear_model.h"
@@ -80,6 +82,56 @@ TEST(SteadyState, BoundsItsOwnError) {
   }
   const SteadyState steady = SolveSteadyState(AdapterScene());
   EXPECT_LE(std::abs(steady.skin_rms_m / tests::kAdapterSkinRmsM - 1), steady.error_estimate);
+}
+
+Scene SceneOf(const tests::SharpReference& sharp) {
+  Scene scene;
+  scene.actuator = {.moving_mass_kg = sharp.moving_mass_kg,
+                    .case_mass_kg = sharp.case_mass_kg,
+                    .stiffness_n_per_m = sharp.mover_stiffness_n_per_m,
+                    .damping_n_s_per_m = sharp.mover_damping_n_s_per_m,
+                    .force_constant_n_per_a = sharp.force_constant_n_per_a,
+                    .resistance_ohm = sharp.resistance_ohm,
+                    .inductance_h = sharp.inductance_h};
+  if (sharp.skin_side_mass_kg > 0) {
+    scene.adapter = Adapter{.motor_side_mass_kg = sharp.motor_side_mass_kg,
+                            .skin_side_mass_kg = sharp.skin_side_mass_kg,
+                            .stiffness_n_per_m = sharp.adapter_stiffness_n_per_m,
+                            .damping_n_s_per_m = sharp.adapter_damping_n_s_per_m};
+  }
+  scene.skin = {.stiffness_n_per_m = sharp.skin_stiffness_n_per_m,
+                .damping_n_s_per_m = sharp.skin_damping_n_s_per_m};
+  scene.grip.stiffness_n_per_m = sharp.grip_stiffness_n_per_m;
+  scene.drive = {.amplitude_v = sharp.amplitude_v, .frequency_hz = sharp.frequency_hz};
+  return scene;
+}
+
+double LargestDeviation(const SteadyState& steady, const tests::SharpReference& sharp) {
+  double largest = 0;
+  for (const auto& [value, reference] : {std::pair(steady.skin_rms_m, sharp.skin_rms_m),
+                                         {steady.mover_peak_m, sharp.mover_peak_m},
+                                         {steady.case_rms_m, sharp.case_rms_m},
+                                         {steady.current_rms_a, sharp.current_rms_a},
+                                         {steady.power_w, sharp.power_w},
+                                         {steady.skin_force_peak_n, sharp.skin_force_peak_n}}) {
+    if (reference != 0) largest = std::max(largest, std::abs(value / reference - 1));
+  }
+  return largest;
+}
+
+// the rounding of 2 pi f is seen 1e2 to 1e4 times beside these resonances
+TEST(SteadyState, BoundsItsErrorBesideSharpResonances) {
+  for (const tests::SharpReference& sharp : tests::kSharpReferences) {
+    const SteadyState steady = SolveSteadyState(SceneOf(sharp));
+    const double deviation = LargestDeviation(steady, sharp);
+    EXPECT_LE(deviation, steady.error_estimate) << sharp.frequency_hz;
+    if (sharp.frequency_hz < 1) {
+      EXPECT_GE(steady.error_estimate, 1) << "the inertia of bodies that float is lost in doubles";
+      continue;
+    }
+    EXPECT_LT(deviation, 1e-15) << sharp.frequency_hz << ": " << kFiftyDigits;
+    EXPECT_LT(steady.error_estimate, 2e-13) << sharp.frequency_hz;
+  }
 }
 
 // mean electrical power against what the resistance and the three dampers turn into heat

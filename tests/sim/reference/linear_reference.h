@@ -36,6 +36,69 @@ inline constexpr double kStiffMoverPowerW = 4.6294151381014190053e-1;
 inline constexpr double kStiffMoverPhaseRad = -6.8066794845990011567e-3;
 inline constexpr double kStiffMoverSkinForcePeakN = 7.7294767144592690413e-10;
 
+// beside sharp resonances; without an adapter its numbers are 0
+struct SharpReference {
+  double moving_mass_kg;
+  double case_mass_kg;
+  double mover_stiffness_n_per_m;
+  double mover_damping_n_s_per_m;
+  double force_constant_n_per_a;
+  double resistance_ohm;
+  double inductance_h;
+  double motor_side_mass_kg;
+  double skin_side_mass_kg;
+  double adapter_stiffness_n_per_m;
+  double adapter_damping_n_s_per_m;
+  double skin_stiffness_n_per_m;
+  double skin_damping_n_s_per_m;
+  double grip_stiffness_n_per_m;
+  double amplitude_v;
+  double frequency_hz;
+  double skin_rms_m;
+  double mover_peak_m;
+  double case_rms_m;
+  double current_rms_a;
+  double power_w;
+  double skin_force_peak_n;
+};
+inline constexpr SharpReference kSharpReferences[] = {
+    {1.85e-4, 0.0387, 1.97e5, 0, 0.088, 30.6, 0, 0, 9.83e-5, 4.43, 0, 600, 3.06, 0, 2.97e-5, 5200.6,
+     2.1615721713154786002e-17,
+     2.0962248311540459297e-10,
+     7.0520037537380467431e-13,
+     6.8616816193017367031e-7,
+     1.4407298441268498160e-11,
+     3.0566611954407542226e-12},
+    {1.95e-6, 0.083, 8.2e4, 0, 1.11, 3760, 1.13, 0, 6.44e-6, 9.92e5, 0, 0, 1.64e-3, 0, 1.46e-4, 32635,
+     1.2400179160282562430e-15,
+     5.4275087181011446631e-11,
+     9.0154104296008955616e-16,
+     4.0780130117103648412e-10,
+     6.2529525467983810684e-16,
+     5.8972602139831503480e-13},
+    {5.27e-6, 0.673, 7.79e6, 0, 0.0222, 229, 1.38e-6, 0, 0, 0, 0, 600, 1.98e-5, 57, 3.54e-3, 193300,
+     1.1694324917001095693e-16,
+     2.1120198882951084736e-11,
+     1.1694324917001095693e-16,
+     1.0930515211011091983e-5,
+     2.7360041276195172583e-8,
+     9.9309306230186999970e-14},
+    {2.46e-5, 1.36, 8.92e6, 0, 0.804, 332, 0, 0, 0, 0, 0, 600, 0.0603, 0, 0.724, 95845,
+     1.3061331094505349414e-11,
+     1.0212077281568202451e-6,
+     1.3061331094505349414e-11,
+     1.1263982384333617137e-3,
+     4.2123263692390357550e-4,
+     6.7085452373266631455e-7},
+    {2.9e-6, 5.5e-4, 3.5e6, 554, 4.72e-4, 213, 0.164, 0, 3.1e-6, 2300, 0, 0, 0, 0, 1.67, 8e-6,
+     3.8995907403345802745e-15,
+     1.0573306505700862754e-12,
+     3.8995907403345802612e-15,
+     5.5439827445142414607e-3,
+     6.5467136150234638153e-3,
+     0.0},
+};
+
 // RMS of the skin over the last 10 periods of 0.1 s from rest, adapter scene
 inline constexpr double kAdapterWindowRmsM = 1.9117910472254904510e-4;
 

@@ -35,6 +35,20 @@ SCENES = {
     "StiffMover": dict(**dict(ACTUATOR, Kv="1e11"), **ADAPTER, Ks="600", Bs="0.75"),
 }
 VOLT, HERTZ = mp.mpf(5), mp.mpf(225)
+# Stiff movers beside a resonance without damping to speak of, where an ulp of w is 1e2 to 1e4 of the
+# answer; the last one floats, and the inertia of 8 uHz is 1e-19 of its springs.
+SHARP = [
+    dict(Mv="1.85e-4", Mc="0.0387", Kv="1.97e5", Bv="0", Km="0.088", R="30.6", L="0", Ma1="0",
+         Ma2="9.83e-5", Ka="4.43", Ba="0", Ks="600", Bs="3.06", Kg="0", V="2.97e-5", f="5200.6"),
+    dict(Mv="1.95e-6", Mc="0.083", Kv="8.2e4", Bv="0", Km="1.11", R="3760", L="1.13", Ma1="0",
+         Ma2="6.44e-6", Ka="9.92e5", Ba="0", Ks="0", Bs="1.64e-3", Kg="0", V="1.46e-4", f="32635"),
+    dict(Mv="5.27e-6", Mc="0.673", Kv="7.79e6", Bv="0", Km="0.0222", R="229", L="1.38e-6", Ks="600",
+         Bs="1.98e-5", Kg="57", V="3.54e-3", f="193300"),
+    dict(Mv="2.46e-5", Mc="1.36", Kv="8.92e6", Bv="0", Km="0.804", R="332", L="0", Ks="600",
+         Bs="0.0603", Kg="0", V="0.724", f="95845"),
+    dict(Mv="2.9e-6", Mc="5.5e-4", Kv="3.5e6", Bv="554", Km="4.72e-4", R="213", L="0.164", Ma1="0",
+         Ma2="3.1e-6", Ka="2300", Ba="0", Ks="0", Bs="0", Kg="0", V="1.67", f="8e-6"),
+]
 # Every constant is rounded to the nearest double first: the references are those of the numbers that
 # a program can hold, so the last digits compare.
 def constants(texts):
@@ -42,32 +56,32 @@ def constants(texts):
 
 
 def steady(texts):
-    """Peak phasors (i, xv, xa, xs) for v = VOLT at HERTZ."""
-    c = constants(texts)
-    s = mp.mpc(0, 2 * mp.pi * HERTZ)
+    """Peak phasors (i, xv, xa, xs) for v = V at f, which are VOLT and HERTZ where not among texts."""
+    c = dict(Kg=mp.mpf(0), V=VOLT, f=HERTZ) | constants(texts)
+    s = mp.mpc(0, 2 * mp.pi * c["f"])
     motor = c["Kv"] + c["Bv"] * s
     if "Ka" in c:
         link = c["Ka"] + c["Ba"] * s
-        case = (c["Mc"] + c["Ma1"]) * s**2 + motor + link
+        case = (c["Mc"] + c["Ma1"]) * s**2 + motor + link + c["Kg"]
         skin = c["Ma2"] * s**2 + link + c["Ks"] + c["Bs"] * s
     else:
         # the case is the contact: tie xs to xa
         link, skin = mp.mpf(1), mp.mpf(1)
-        case = c["Mc"] * s**2 + motor + c["Ks"] + c["Bs"] * s + link
+        case = c["Mc"] * s**2 + motor + c["Ks"] + c["Bs"] * s + link + c["Kg"]
     m = mp.matrix([
         [c["R"] + c["L"] * s, -c["Km"] * s, c["Km"] * s, 0],
         [c["Km"], c["Mv"] * s**2 + motor, -motor, 0],
         [-c["Km"], -motor, case, -link],
         [0, 0, -link, skin]])
-    return mp.lu_solve(m, mp.matrix([VOLT, 0, 0, 0])), c
+    return mp.lu_solve(m, mp.matrix([c["V"], 0, 0, 0])), c
 
 
 def summary(texts):
     (i, xv, xa, xs), c = steady(texts)
-    force = abs((c["Ks"] + mp.mpc(0, 2 * mp.pi * HERTZ) * c["Bs"]) * xs)
+    force = abs((c["Ks"] + mp.mpc(0, 2 * mp.pi * c["f"]) * c["Bs"]) * xs)
     return dict(skin_rms_m=abs(xs) / mp.sqrt(2), mover_peak_m=abs(xv - xa),
                 case_rms_m=abs(xa) / mp.sqrt(2), current_rms_a=abs(i) / mp.sqrt(2),
-                power_w=VOLT * mp.re(i) / 2, phase_rad=mp.arg(i), skin_force_peak_n=force)
+                power_w=c["V"] * mp.re(i) / 2, phase_rad=mp.arg(i), skin_force_peak_n=force)
 
 
 def system(texts):
@@ -256,6 +270,27 @@ def hard_cases():
     return out + ["};", ""]
 
 
+SHARP_FIELDS = dict(Mv="moving_mass_kg", Mc="case_mass_kg", Kv="mover_stiffness_n_per_m",
+                    Bv="mover_damping_n_s_per_m", Km="force_constant_n_per_a", R="resistance_ohm",
+                    L="inductance_h", Ma1="motor_side_mass_kg", Ma2="skin_side_mass_kg",
+                    Ka="adapter_stiffness_n_per_m", Ba="adapter_damping_n_s_per_m",
+                    Ks="skin_stiffness_n_per_m", Bs="skin_damping_n_s_per_m",
+                    Kg="grip_stiffness_n_per_m", V="amplitude_v", f="frequency_hz")
+SHARP_ANSWERS = ("skin_rms_m", "mover_peak_m", "case_rms_m", "current_rms_a", "power_w",
+                 "skin_force_peak_n")
+
+
+def sharp_scenes():
+    out = ["// beside sharp resonances; without an adapter its numbers are 0", "struct SharpReference {"]
+    out += [f"  double {name};" for name in (*SHARP_FIELDS.values(), *SHARP_ANSWERS)]
+    out += ["};", "inline constexpr SharpReference kSharpReferences[] = {"]
+    for texts in SHARP:
+        answers = summary(texts)
+        constants_of = ", ".join(texts.get(symbol, "0") for symbol in SHARP_FIELDS)
+        out += [f"    {{{constants_of},", rows((answers[key] for key in SHARP_ANSWERS), 5) + "},"]
+    return out + ["};", ""]
+
+
 def number(value):
     return mp.nstr(value, 20, strip_zeros=False, min_fixed=0, max_fixed=0)
 
@@ -273,6 +308,7 @@ def header():
             out.append(f"inline constexpr double k{name}{words} = {number(value)};")
         out.append("")
 
+    out += sharp_scenes()
     adapter = FromRest(SCENES["Adapter"])
     begin, end = mp.mpf("0.1") - 10 / HERTZ, mp.mpf("0.1")
     rms = adapter.window_rms(4, begin, end)
