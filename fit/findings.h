@@ -23,6 +23,7 @@ enum class FindingKind : std::uint8_t {
   kDryFriction,            ///< share: of the spring's force at the first swing
   kHum,                    ///< frequency_hz, amplitude_v or _m
   kDrift,                  ///< amplitude_v or _m
+  kSlowRest,               ///< amplitude_v or _m: what is slow and no line
   kOtherMode,              ///< unexplained_share
   kHeightWithoutImpact,    ///< not used
   kCurrentWithoutRelease,  ///< not used

@@ -113,6 +113,49 @@ std::optional<Outliers> OutliersOffTheLine(std::span<const LinePoint> points, Sc
   return found;
 }
 
+// sum of squares that residuals leave of a line and a step before the point `first`
+double LeftByStep(std::span<const LinePoint> points, const std::vector<double>& residuals,
+                  std::size_t first, Eigen::Vector3d* terms) {
+  Eigen::MatrixX3d columns(points.size(), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    columns.row(static_cast<Eigen::Index>(i)) << 1, points[i].x, i < first ? 0.0 : 1.0;
+  }
+  const Eigen::Map<const Eigen::VectorXd> of(residuals.data(), std::ssize(residuals));
+  const auto solver = columns.colPivHouseholderQr();
+  // no step that a line could not be told from
+  if (solver.rank() < 3) return of.squaredNorm();
+  *terms = solver.solve(of);
+  return (of - columns * *terms).squaredNorm();
+}
+
+std::optional<Slip> SlipOf(std::span<const LinePoint> points, const StraightLine& line) {
+  constexpr std::size_t kLeastPoints = 6;
+  constexpr double kRounding = 1e-9;  // of the range of y
+  if (points.size() < kLeastPoints) return std::nullopt;
+  Slip slip;
+  double least = HUGE_VAL;
+  // at least two points on either side
+  for (std::size_t first = 2; first + 2 <= points.size(); ++first) {
+    Eigen::Vector3d terms = Eigen::Vector3d::Zero();
+    const double left = LeftByStep(points, line.residuals, first, &terms);
+    if (left >= least) continue;
+    least = left;
+    slip = {.point = first, .step = terms[2], .slope = line.slope + terms[1]};
+  }
+  const auto [lowest, highest] = std::ranges::minmax(points, {}, &LinePoint::y);
+  if (std::abs(slip.step) < kRounding * (highest.y - lowest.y)) return std::nullopt;
+  // the best of so many steps, and better than a curve
+  const auto freedom = static_cast<double>(points.size() - 3);
+  double all = 0;
+  for (const double residual : line.residuals) all += residual * residual;
+  const double chance = dsp::FisherUpperP((all - least) / (least / freedom), 1, freedom);
+  const auto cubic = CubicOf(points, line.residuals);
+  if (chance > kByChance / freedom || (cubic && cubic->left / cubic->freedom < least / freedom)) {
+    return std::nullopt;
+  }
+  return slip;
+}
+
 // of the points that are no outliers
 void AddCurvature(std::span<const LinePoint> points, CalibrationFit& fit) {
   const auto cubic = fit.outliers ? CubicOf(fit.outliers->kept, fit.outliers->others.residuals)
@@ -133,6 +176,9 @@ Result<CalibrationFit> FitCalibration(std::span<const LinePoint> points, Scatter
   fit.directions = DirectionsOf(points);
   fit.hysteresis = HysteresisOf(fit.line.residuals, fit.directions);
   fit.outliers = OutliersOffTheLine(points, scatter, fit.line);
+  // play of the stage is a step where the direction turns
+  const bool has_play = fit.hysteresis && fit.hysteresis->is_significant;
+  if (!fit.outliers && !has_play) fit.slip = SlipOf(points, fit.line);
   AddCurvature(points, fit);
   const double of_slope = fit.line.coverage_95 * fit.line.slope_uncertainty /
                           (dsp::kNormalCritical * std::abs(fit.line.slope));

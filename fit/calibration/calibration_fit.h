@@ -17,6 +17,13 @@ struct Hysteresis {
   bool is_significant = false;  ///< beyond three standard uncertainties
 };
 
+/// A step between two points, in the order in which they were measured: a target that slipped.
+struct Slip {
+  std::size_t point = 0;  ///< the first behind it
+  double step = 0;        ///< of y, behind it less before it
+  double slope = 0;       ///< of the two parallel lines
+};
+
 /// A calibration line and how well its points keep to it; y is the reference (m), x the input (V).
 struct CalibrationFit {
   StraightLine line;
@@ -36,6 +43,10 @@ struct CalibrationFit {
   /// Whether a cubic explains the residuals better than chance does: F test of the quadratic and
   /// cubic terms, level 1 %; of six points at least, without outliers.
   bool is_curved = false;
+  /// Nothing unless two parallel lines, of two points each at least, leave less than one line does
+  /// (F test of the best of all steps, each at the level 1 % over their number) and than a cubic;
+  /// of six points at least, without outliers and hysteresis. The line holds all points.
+  std::optional<Slip> slip;
   /// Relative standard uncertainty by which the slope within the range differs from the line's:
   /// RMS over the range of the cubic's slope less the line's; 0 unless curved.
   double local_slope_uncertainty = 0;

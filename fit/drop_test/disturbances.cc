@@ -283,6 +283,33 @@ std::string TooShortToTell(const RingSamples& samples, const RingFit& fit, doubl
       periods, left_v / noise_v);
 }
 
+// A doubt where what is slower than the ringing, and no line, remains: means of the residuals over
+// two periods that are five times as far from 0 as their white noise gives. It leaks into the
+// ringing's own decay and frequency.
+void DoubtSlowRest(const ImpulseRecord& record, const RingSamples& samples, const RingFit& fit,
+                   Disturbances* part) {
+  constexpr double kPeriods = 2;
+  constexpr std::size_t kLeastMeans = 8;
+  constexpr double kFar = 5;
+  constexpr double kLeastShare = 5e-4;  // of the ringing's first amplitude, as of a drift
+  const auto& residuals = fit.jacobian.residuals;
+  const auto length = static_cast<std::size_t>(kPeriods * PeriodOf(fit.poles) / samples.step_s);
+  const std::size_t count = length > 0 ? residuals.size() / length : 0;
+  if (count < kLeastMeans) return;
+  const Eigen::Map<const Eigen::ArrayXXd> columns(
+      residuals.data(), static_cast<Eigen::Index>(length), static_cast<Eigen::Index>(count));
+  const Eigen::ArrayXd means = columns.colwise().mean();
+  const Eigen::Map<const Eigen::ArrayXd> all(residuals.data(), std::ssize(residuals));
+  const double noise = 0.5 * (all.tail(all.size() - 1) - all.head(all.size() - 1)).square().mean();
+  const double largest = means.abs().maxCoeff();
+  if (means.square().mean() * static_cast<double>(length) < kFar * kFar * noise ||
+      largest < kLeastShare * fit.Envelope(0)) {
+    return;
+  }
+  part->found.Add(About(record.name, Severity::kDoubt, FindingKind::kSlowRest,
+                        {{InUnit(record, "amplitude_v", "amplitude_m"), largest}}));
+}
+
 // whether what is left of the part is one ring-down, and where its tail ends
 void Judge(const ImpulseRecord& record, const RingStart& start, const RingSamples& samples,
            const RingFit& fit, Disturbances* part) {
@@ -319,6 +346,7 @@ void Judge(const ImpulseRecord& record, const RingStart& start, const RingSample
         "or a beat?)",
         1 / PeriodOf(fit.poles));
   }
+  if (part->no_ring_down.empty()) DoubtSlowRest(record, samples, fit, part);
   // the evidence is of the whole part; a tail that is not silent is cut only then
   CutQuantisedTail(record, start, fit, part);
 }

@@ -54,6 +54,9 @@ struct Disturbances {
 /// precede it; and where less than two periods leave both ten times the noise before them and 1 %
 /// of their first amplitude, because a wrong oscillation with a drift fits so short a part.
 ///
+/// What is slow and no line (a coupling capacitor, a mount that creeps) is a doubt: means over two
+/// periods five times as far from 0 as noise gives, from 0.05 % of the first amplitude on.
+///
 /// A blow below 0.5 % of the ringing's first amplitude, hum and drift below 0.05 %, are let pass.
 /// Cost: some 5 ms; the record is averaged to 16 samples a period first.
 [[nodiscard]] Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start);

@@ -94,7 +94,7 @@ struct DropTestFit {
   /// columns of what is not determined.
   std::array<std::array<double, 3>, 3> relative_covariance{};
   /// Relative standard uncertainties of Kv, Bv and Km by the rounding of the records' converters
-  /// (converter_rounding.h).
+  /// (ring_down_problem.h).
   std::array<double, 3> by_rounding{};
   std::string mass_symbol = "Mv";  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
@@ -128,7 +128,7 @@ struct DropTestFit {
 /// the singular values of the column-scaled Jacobian say what the records determine
 /// (fit/identifiability.h). Type A: covariance with that noise. Type B: first-order propagation of
 /// the inputs' standard uncertainties through the same Jacobian, and the rounding of coarse
-/// converters (converter_rounding.h); all add as squares (JCGM 100:2008, 5.1.2). Type A holds the
+/// converters (ring_down_problem.h); all add as squares (JCGM 100:2008, 5.1.2). Type A holds the
 /// scatter between drops, intervals Student's factor of it.
 ///
 /// Errors (Cause::kCannotAnswer): no records; held and free cases together without both masses.

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <span>
 
-#include "fit/drop_test/converter_rounding.h"
-
 namespace haptometer::fit {
 namespace {
 

@@ -36,7 +36,7 @@ struct DropTestRoad {
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
   std::vector<std::vector<double>> input_changes;
-  std::vector<std::vector<double>> rounding_changes;  ///< of all records (converter_rounding.h)
+  std::vector<std::vector<double>> rounding_changes;  ///< of all records (ring_down_problem.h)
 };
 
 /// Solves: looks at each drop alone (consistency.h), and gives each its own Kv and Bv about those

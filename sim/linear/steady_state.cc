@@ -55,9 +55,9 @@ PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
         std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k));
   }
   // beside a sharp resonance an ulp of w is seen as well as one of the stiffness
-  system.omega_rest_rad_per_s =
-      static_cast<double>(2 * std::numbers::pi_v<long double> * drive.frequency_hz -
-                          static_cast<long double>(system.omega_rad_per_s));
+  system.omega_rest_rad_per_s = static_cast<double>(
+      2 * std::numbers::pi_v<long double> * static_cast<long double>(drive.frequency_hz) -
+      static_cast<long double>(system.omega_rad_per_s));
   return system;
 }
 

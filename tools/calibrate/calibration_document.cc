@@ -234,6 +234,18 @@ void AddPointFindings(Section& root, const CalibrationAnswer& answer) {
             "are in no uncertainty unless --reference-uncertainty states them");
 }
 
+// displacements that no laser sensor measures: of another unit
+void AddReferenceFindings(Section& root, const CalibrationAnswer& answer) {
+  constexpr double kMostRangeM = 2;
+  const auto [least, most] = std::ranges::minmax(answer.measured.points, {}, &fit::LinePoint::y);
+  const double range_m = most.y - least.y;
+  if (range_m <= kMostRangeM) return;
+  root.Find(Severity::kDoubt, "displacement-unit",
+            "the displacements extend over {range_m}, more than a laser sensor measures: is the "
+            "column in um? Name it displacement_um",
+            {{"range_m", range_m}});
+}
+
 // the volts or millivolts of a DAQ as the other
 void AddUnitFindings(Section& root, const CalibrationAnswer& answer) {
   constexpr double kMilli = 1e-3;
@@ -306,6 +318,17 @@ void AddFitFindings(Section& root, const CalibrationAnswer& answer) {
               "which its uncertainty includes; a smaller range has less",
               {{"share", fit.local_slope_uncertainty}});
   }
+  if (fit.slip) {
+    root.Find(Severity::kDoubt, "slip",
+              "from " + answer.NameOf(fit.slip->point) +
+                  " on the points lie {step_m} off the line of those before: a target that "
+                  "slipped? The gain is {gain_m_per_v} with all and {gain_without_m_per_v} by two "
+                  "parallel lines; measure again",
+              {{"point", fit.slip->point + 1},
+               {"step_m", fit.slip->step},
+               {"gain_m_per_v", fit.line.slope},
+               {"gain_without_m_per_v", fit.slip->slope}});
+  }
   if (fit.hysteresis && fit.hysteresis->is_significant) {
     root.Find(Severity::kDoubt, "hysteresis",
               "rising and falling points differ by {difference_m}: play of the stage, or a target "
@@ -347,6 +370,7 @@ document::Document CalibrationDocument(const CalibrationAnswer& answer, const st
                    DetailSection(answer), PointsSection(answer)};
   root.figures.push_back(CalibrationFigure(answer));
   AddUnitFindings(root, answer);
+  AddReferenceFindings(root, answer);
   AddPointFindings(root, answer);
   AddFitFindings(root, answer);
   return document;

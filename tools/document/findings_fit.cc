@@ -31,6 +31,10 @@ document::Sentence SentenceOf(FindingKind kind) {
       {kHum, "hum", "hum of {frequency_hz}[, {amplitude_v}][, {amplitude_m}]: included in the fit"},
       {kDrift, "drift",
        "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: included in the fit"},
+      {kSlowRest, "slow-rest",
+       "slow motion[ of {amplitude_v}][ of {amplitude_m}] that is no straight line remains and may "
+       "move the constants by more than their intervals: record without it, or fit less "
+       "(--window)"},
       {kOtherMode, "other-mode",
        "a single decaying oscillation does not explain {unexplained_share %} of the power: there "
        "is "

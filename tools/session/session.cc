@@ -47,6 +47,14 @@ constexpr cli::VerbText kNewText{
                  "--port /dev/ttyUSB1",
                  "haptometer session next day1"}};
 
+// whether a session is to be made; help and the description of the options need no source
+bool IsPlanning(int argc, const char* const* argv) {
+  return argc > 1 && std::none_of(argv + 1, argv + argc, [](std::string_view word) {
+           return word == "-h" || word == "--version" || word == "--describe-options" ||
+                  word.starts_with("--help");
+         });
+}
+
 // "10%" as a share
 Result<double> ReadSpread(const std::string& text) {
   const bool is_percent = text.ends_with('%');
@@ -62,6 +70,12 @@ int RunNew(int argc, const char* const* argv) {
   const auto* const dashes = std::find_if(
       argv, argv + argc, [](const char* word) { return std::string_view(word) == "--"; });
   const auto own = static_cast<int>(dashes - argv);
+  if (own == argc && IsPlanning(argc, argv)) {
+    return cli::ReportError(
+        kNewText.name, {Cause::kUsage, "--", "is missing",
+                        "write the source behind it: -- --port /dev/ttyUSB0, or another sensor of "
+                        "acquire, or -- --from-folder DIR --pattern '*.csv'"});
+  }
   SessionPlan plan;
   std::string folder;
   std::string subjects;
@@ -104,11 +118,6 @@ int RunNew(int argc, const char* const* argv) {
       "percent");
   if (const auto status = options.Parse(own, argv)) return *status;
   const auto make = [&]() -> Result<document::Document> {
-    if (own == argc) {
-      return Usage("--", "is missing",
-                   "write the source behind it: -- --port /dev/ttyUSB0, or another sensor of "
-                   "acquire, or -- --from-folder DIR --pattern '*.csv'");
-    }
     HAPTOMETER_LET(plan.subjects, ReadSubjects(subjects));
     plan.conditions = NamesIn(conditions);
     plan.order = OrderNamed(order).value_or(plan.order);
@@ -116,7 +125,7 @@ int RunNew(int argc, const char* const* argv) {
     if (!duration_s) return Usage("--duration", "is missing", "write, for example, --duration 4s");
     plan.duration_s = *duration_s;
     HAPTOMETER_LET(plan.contrasts, ParseContrasts(contrasts));
-    plan.source = WithFullPaths({argv + own + 1, argv + argc});
+    if (own < argc) plan.source = WithFullPaths({argv + own + 1, argv + argc});
     HAPTOMETER_TRY(CheckPlan(plan, folder));
     HAPTOMETER_LET(const auto source, ReadSource(plan, kNewText.name));
     HAPTOMETER_TRY(CheckSource(source, folder));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/median.h"
+#include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/decision_limits.h"
 
 namespace haptometer::dsp {

@@ -171,6 +171,56 @@ TEST(CalibrationFit, ACurveWidensTheSlope) {
   EXPECT_ABS(fit->nonlinearity, 0.4 * bend, 4e-6, "four standard deviations of noise");
 }
 
+// n points over +-5 V of 1 mm/V in rising order, noise of 3 mV, and a step before one of them
+std::vector<LinePoint> Slipped(unsigned seed, int n, int first, double step_m) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> noise(0, 3e-3);
+  std::vector<LinePoint> points;
+  for (int i = 0; i < n; ++i) {
+    const double volts = -5 + 10. * i / (n - 1);
+    points.push_back({volts + noise(engine), 1e-3 * volts + (i < first ? 0 : step_m), 3e-3, 0});
+  }
+  return points;
+}
+
+TEST(CalibrationFit, ASlipIsFoundWhereItIsWithTheGainOfTwoLines) {
+  for (const int n : {9, 21, 40}) {
+    int found = 0;
+    for (unsigned seed = 0; seed < 100; ++seed) {
+      const auto fit = FitCalibration(Slipped(seed, n, n / 2, 30e-6), Scatter::kFromResiduals);
+      ASSERT_TRUE(fit);
+      if (!fit->slip) continue;
+      ++found;
+      EXPECT_EQ(fit->slip->point, static_cast<std::size_t>(n / 2)) << seed;
+      // 3 um of noise a point: the step's standard uncertainty is below 6 um, the gain's 0.2 %
+      EXPECT_NEAR(fit->slip->step, 30e-6, 24e-6);
+      EXPECT_NEAR(fit->slip->slope, 1e-3, 8e-6);
+    }
+    std::printf("%2d points: %d of 100 slips\n", n, found);
+    EXPECT_GE(found, 80) << n;
+  }
+}
+
+TEST(CalibrationFit, NoiseACurveAndExactPointsAreSeldomASlip) {
+  for (const int n : {6, 21}) {
+    int slips = 0;
+    int of_curves = 0;
+    for (unsigned seed = 0; seed < 1000; ++seed) {
+      slips += FitCalibration(Slipped(seed, n, 0, 0), Scatter::kFromResiduals)->slip ? 1 : 0;
+      auto curved = Slipped(seed, n, 0, 0);
+      for (LinePoint& point : curved) point.x += 3e-4 * std::pow(point.x, 3);
+      of_curves += FitCalibration(curved, Scatter::kFromResiduals)->slip ? 1 : 0;
+    }
+    std::printf("%2d points: %d of 1000 slips, of curves %d\n", n, slips, of_curves);
+    // 1 % of 1000 and four standard deviations
+    EXPECT_LE(slips, 22) << n;
+    EXPECT_LE(of_curves, 30) << n;
+  }
+  std::vector<LinePoint> exact;
+  for (int i = 0; i < 9; ++i) exact.push_back({0.1 * i, 0.3 * i, 1, 0});
+  EXPECT_FALSE(FitCalibration(exact, Scatter::kFromResiduals)->slip);
+}
+
 TEST(CalibrationFit, HysteresisIsTheDifferenceOfUpAndDown) {
   // falling points read 10 mV more, so their displacements lie 10 um lower on the line
   const auto fit = FitCalibration(Points(2, 41, 0, 10e-6), Scatter::kFromResiduals);

@@ -1,6 +1,4 @@
 // Intervals of records of a few converter steps, whose rounding errors follow the ringing.
-#include "fit/drop_test/converter_rounding.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/ring_down_problem.h"
 #include "tests/fit/fitted_drops.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/repetitions.h"

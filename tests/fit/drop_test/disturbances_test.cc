@@ -134,6 +134,27 @@ TEST_P(SpoiledRecord, DriftIsFittedAlong) {
   Expect(FindingKind::kDrift, Add([](double t) { return 0.01 * t / 0.25; }));
 }
 
+// a coupling capacitor's exponential, a line and nothing, beside noise of 1 % of the ringing
+TEST(FindDisturbances, ASlowRestIsDoubtedWhereNoLineExplainsIt) {
+  const auto doubts = [](const std::function<double(double)>& slow, unsigned seed) {
+    SyntheticDrop drop;
+    drop.noise_v = 0.01 * tests::SpeedVoltage(drop);
+    drop.seed = seed;
+    ImpulseRecord record = MakeRecord(drop);
+    Add(slow)(drop, record);
+    const auto start = FindRingStart(record);
+    EXPECT_TRUE(start);
+    return FindDisturbances(record, *start).found.Has(FindingKind::kSlowRest);
+  };
+  int false_alarms = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    EXPECT_TRUE(doubts([](double t) { return 0.1 * std::exp(-t / 0.05); }, seed)) << seed;
+    false_alarms += doubts([](double t) { return 0.1 * t; }, seed) ? 1 : 0;
+    false_alarms += doubts([](double) { return 0.0; }, seed) ? 1 : 0;
+  }
+  EXPECT_EQ(false_alarms, 0);
+}
+
 // hum of 50 Hz and `further`, on a ring-down at 150 Hz with a quality factor of 40
 Disturbances AtAHarmonic(const std::function<double(double)>& further) {
   SyntheticDrop drop;
