@@ -226,7 +226,7 @@ void RemarkGrid(const RegularGrid& grid, BandAnalysis* analysis) {
   analysis->findings.Note(FindingKind::kRegularGrid, {{"jitter_s", grid.jitter_s},
                                                       {"largest_jitter_s", grid.largest_jitter_s},
                                                       {"readings_per_s", grid.rate_hz},
-                                                      {"readings", grid.record.rows},
+                                                      {"readings", grid.readings},
                                                       {"missing", grid.dropped},
                                                       {"excluded", grid.left_out},
                                                       {"error", grid.error_bound}});

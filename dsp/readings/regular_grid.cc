@@ -99,7 +99,10 @@ Places FollowedPlaces(std::span<const double> times_s) {
     places.place.push_back(places.place.back() + std::llround(periods));
     const double at_s = start_s + static_cast<double>(places.place.back()) * period_s;
     const double off_s = times_s[j] - at_s;
-    start_s += (periods * kFollowed > 1 ? 1 : kFollowed) * off_s;
+    const bool begins_again = periods * kFollowed > 1;
+    start_s += (begins_again ? 1 : kFollowed) * off_s;
+    // what a clock went away within a gap is no jitter
+    if (begins_again) continue;
     square_sum += off_s * off_s;
     places.followed_largest_s = std::max(places.followed_largest_s, std::abs(off_s));
   }
@@ -108,15 +111,15 @@ Places FollowedPlaces(std::span<const double> times_s) {
   return places;
 }
 
-// The places of an even grid of the mean period from the first time on, of a clock that drifts away
-// from any: rows are taken where a reading lies within a period, whichever it is.
+// The places of an even grid of the line's period from the first time on, of a clock that drifts
+// away from any: rows are taken where a reading lies within a period, whichever it is.
 Places DriftingPlaces(std::span<const double> times_s, const Places& followed) {
   Places places{.start_s = times_s[0],
                 .period_s = followed.period_s,
                 .followed_jitter_s = followed.followed_jitter_s,
                 .followed_largest_s = followed.followed_largest_s};
   const auto place_of = [&](double time_s) {
-    return static_cast<std::int64_t>((time_s - places.start_s) / places.period_s);
+    return static_cast<std::int64_t>(std::llround((time_s - places.start_s) / places.period_s));
   };
   const std::int64_t last = place_of(times_s.back());
   std::size_t j = 0;
@@ -128,8 +131,8 @@ Places DriftingPlaces(std::span<const double> times_s, const Places& followed) {
       places.place.push_back(n);
       places.reading.push_back(j);
     } else if (j + 1 < times_s.size()) {
-      // on to the place before the gap's end
-      n = std::max(n, place_of(times_s[j + 1]) - 1);
+      // on to the places before the gap's end
+      n = std::max(n, place_of(times_s[j + 1]) - 2);
     }
   }
   return places;
@@ -147,6 +150,7 @@ RegularGrid Described(std::span<const double> times_s, const Places& places) {
   const auto n = static_cast<double>(times_s.size());
   grid.jitter_s = std::sqrt(square_sum / (n - 2));
   grid.rate_hz = 1 / places.period_s;
+  grid.readings = times_s.size();
   grid.dropped = static_cast<std::size_t>(places.place.back()) + 1 - times_s.size();
   return grid;
 }

@@ -23,8 +23,9 @@ struct RegularGrid {
   /// The largest distance from an even grid, of a clock that drifts; jitter is then that about a
   /// grid that follows the times. 0: none is that far.
   double drift_s = 0;
-  std::size_t dropped = 0;  ///< places on the grid without a reading
-  std::size_t points = 0;   ///< readings that each value was interpolated from
+  std::size_t readings = 0;  ///< that the rows are of
+  std::size_t dropped = 0;   ///< places on the grid without a reading
+  std::size_t points = 0;    ///< readings that each value was interpolated from
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
   /// lower ones); of the worst row that is kept.
   double error_bound = 0;
@@ -40,7 +41,7 @@ struct RegularGrid {
 /// none was dropped. The grid is the least-squares line through the times over those places. A row
 /// is a reading; places without one end a stretch. Where times lie farther than 0.45 periods from
 /// that line, but not from a grid that takes a 16th of each time's distance, their clock drifts:
-/// rows are then the places of an even grid of the mean period, with a reading within a period.
+/// rows are then the places of an even grid of the line's period, with a reading within a period.
 ///
 /// A value is the polynomial through the nearest `points` measured readings at their own times,
 /// taken at its place on the grid (Neville), which lies beside one of them. For a tone of angular

@@ -166,7 +166,9 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
 FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& road,
                             const FittedValue& force_constant, const UncertainPole& pole,
                             std::size_t r) {
-  const auto& [record, start, part] = prepared;
+  const ImpulseRecord& record = prepared.record;
+  const RingStart& start = prepared.start;
+  const Disturbances& part = prepared.part;
   const auto& samples = road.problem.records()[r];
   const auto& own = road.point.own[r];
   FittedRecord fitted;

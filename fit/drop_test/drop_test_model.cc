@@ -104,7 +104,8 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
 // what the case did, record by record; an unstated case counts as held
 void AddConditions(const ActuatorKnowns& knowns, DropTestModel& model) {
   bool assumed = false;
-  for (const auto& [record, start, part] : model.records) {
+  for (const PreparedRecord& prepared : model.records) {
+    const ImpulseRecord& record = prepared.record;
     assumed = assumed || !record.condition;
     model.conditions.push_back(record.condition.value_or(CaseCondition::kHeld));
   }
@@ -289,7 +290,9 @@ Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
 RingDownProblem MakeProblem(const DropTestModel& model) {
   std::vector<RingDownSamples> samples(model.records.size());
   for (std::size_t r = 0; r < samples.size(); ++r) {
-    const auto& [record, start, part] = model.records[r];
+    const ImpulseRecord& record = model.records[r].record;
+    const RingStart& start = model.records[r].start;
+    const Disturbances& part = model.records[r].part;
     // measured samples of the part, with the difference that removes dry friction
     for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
       if (!std::isfinite(record.voltage_v[n])) continue;

@@ -93,11 +93,13 @@ void Reweight(Loss loss, DropTestRoad& road) {
   std::span<const double> rest(residuals);
   road.densities.clear();
   road.scales.clear();
+  road.deviations_v.clear();
   for (auto& record : road.problem.records()) {
     const auto own = rest.first(record.times_s.size());
     rest = rest.subspan(own.size());
     const bool is_robust = loss == Loss::kHuber;
-    const double scale = is_robust ? RobustScale(own) : RootMeanSquare(own);
+    const double deviation = RootMeanSquare(own);
+    const double scale = is_robust ? RobustScale(own) : deviation;
     const auto drawn = is_robust ? DrawnIn(own, scale) : std::vector(own.begin(), own.end());
     // noise density at the record's resonance over that of white noise of the same power
     const auto grid = OnGrid(drawn, record.times_s, record.step_s);
@@ -107,6 +109,8 @@ void Reweight(Loss loss, DropTestRoad& road) {
     double peak = 0;
     for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
     road.scales.push_back(record.noise_v * scale);
+    // of rounding alone, whose median is not a Gaussian's, or without outlying samples
+    road.deviations_v.push_back(record.noise_v * std::min(scale, deviation));
     record.noise_v = std::max(
         road.scales.back() * (density.is_coloured ? std::sqrt(density.ratio) : 1), 1e-14 * peak);
     road.densities.push_back(density);
@@ -353,9 +357,11 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
                                         : std::vector<double>(road.jacobian.columns, 0.0));
   }
   for (std::size_t r = 0; r < model.records.size(); ++r) {
-    const double step_v = ConverterStep(model.records[r].record.voltage_v);
+    const PreparedRecord& prepared = model.records[r];
+    const double noise_v =
+        prepared.averaged_noise_v > 0 ? prepared.averaged_noise_v : road.deviations_v[r];
     std::ranges::move(
-        RoundingChanges(road.problem, road.point, road.seen, r, step_v, road.scales[r]),
+        RoundingChanges(road.problem, road.point, road.seen, r, prepared.step_v, noise_v),
         std::back_inserter(road.rounding_changes));
   }
   return road;

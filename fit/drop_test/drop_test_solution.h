@@ -33,6 +33,7 @@ struct DropTestRoad {
   Consistency consistency;                 ///< of the drops with each other
   std::vector<ResidualDensity> densities;  ///< of each record's residuals at its resonance
   std::vector<double> scales;              ///< of each record's residuals, in V
+  std::vector<double> deviations_v;        ///< the scales, or their RMS where that is less
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
   std::vector<std::vector<double>> input_changes;

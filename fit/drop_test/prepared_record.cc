@@ -62,7 +62,7 @@ void ForgetMissingBlow(PreparedRecord* prepared) {
 Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   auto start = FindRingStart(record);
   if (!start) return std::unexpected(start.error());
-  PreparedRecord prepared{record, *start, {}};
+  PreparedRecord prepared{record, *start, {}, ConverterStep(record.voltage_v)};
   // clipped samples are excluded; the start is then found again without them
   const std::size_t clipped = MaskRails(prepared.record.voltage_v, PeriodSamples(record, *start));
   if (clipped > 0) {
@@ -299,8 +299,14 @@ Result<PreparedRecord> PrepareThinned(ImpulseRecord& drop, Findings& findings) {
   std::vector<FindingNumber> numbers{{"samples", drop.voltage_v.size()}, {"block", thinned->block}};
   if (thinned->clipped > 0) numbers.emplace_back("clipped", thinned->clipped);
   findings.Add(About(drop.name, Severity::kNote, FindingKind::kThinned, std::move(numbers)));
+  const double noise_v = NoiseOfSamples(Filled(drop.voltage_v));
+  const double step_v = prepared.step_v;
   drop = std::move(thinned->record);
-  return PrepareRecord(drop);
+  HAPTOMETER_LET(auto of_means, PrepareRecord(drop));
+  // a converter's codes do not show in means
+  of_means.step_v = step_v;
+  of_means.averaged_noise_v = noise_v;
+  return of_means;
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ struct PreparedRecord {
   ImpulseRecord record;
   RingStart start;  ///< of the part
   Disturbances part;
+  double step_v = 0;  ///< of the converter, before any averaging (ConverterStep)
+  /// Of one sample before averaging, from its third differences; 0: the record is not averaged.
+  double averaged_noise_v = 0;
 };
 
 /// Prepares a record. What was found and done is in `part.found`.

@@ -190,8 +190,11 @@ class RingDownProblem {
 /// the fitted motion, in 16 cases over which the offset takes all places between two codes and the
 /// ringing all peaks within a step, each evenly (van der Corput). The noise before the converter is
 /// the residuals' without step/sqrt(12). Type A contains the white part already, which then counts
-/// twice: at most sqrt(2) too wide where nothing but rounding is left.
-/// @param seen at the solution `point`
+/// twice.
+/// @param problem of all records
+/// @param point its solution
+/// @param seen at `point`
+/// @param record whose rounding it is
 /// @param step_v the converter's; 0: none
 /// @param residual_v standard deviation of the record's residuals; empty where half a step of noise
 ///        or more goes before the converter

@@ -225,9 +225,8 @@ TEST(ModulatedDrive, ThatIsAnsweredAtACrestIsDoubted) {
       return level * Sinus(150, t_s);
     };
     const BandAnalysis analysis = Analysed(12, value);
-    EXPECT_TRUE(!analysis.answered ||
-                FirstOf(analysis.findings, FindingKind::kOtherVibration).severity ==
-                    Severity::kDoubt)
+    ASSERT_TRUE(analysis.answered) << depth;
+    EXPECT_EQ(FirstOf(analysis.findings, FindingKind::kOtherVibration).severity, Severity::kDoubt)
         << depth;
   }
   const auto ramped = [](double t_s) {

@@ -258,7 +258,6 @@ TEST(RegularGrid, ATimeMayBeNearlyHalfAPeriodFromItsPlace) {
              "the line moves by 1 / 2000 of it");
 }
 
-// Of four points, two before the late one and one behind it, the remainder is w^4 / 4! 2 p^3 d.
 // places whose clock goes wrong by up to `periods`, slowly, as one that is set right again
 std::vector<double> Drifting(std::size_t count, double periods) {
   std::vector<double> places;
@@ -283,8 +282,20 @@ TEST(RegularGrid, AClockThatDriftsIsInterpolatedToEvenTimes) {
     EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
     EXPECT_LT(grid.error_bound, 1e-3);
   }
-  // half a period from an even grid is no drift
+  // 0.3 periods from an even grid are jitter
   EXPECT_EQ(OnRegularGrid(Jittered(Drifting(20000, 0.3), 0), kUpperHz).drift_s, 0);
+}
+
+// behind a long pause a clock has any place between two of the grid's
+TEST(RegularGrid, AClockThatDriftsMayPauseForAnyTime) {
+  for (const double pause : {1000.0, 1000.2, 1000.45, 1000.5, 1000.7, 7.2e7 + 0.48}) {
+    auto places = Drifting(20000, 6);
+    for (std::size_t k = 9000; k < places.size(); ++k) places[k] += pause;
+    const auto grid = OnRegularGrid(Jittered(places, 0.01), kUpperHz);
+    ASSERT_FALSE(grid.refusal) << pause;
+    EXPECT_EQ(grid.record.stretches.size(), 2U) << pause;
+    EXPECT_NEAR(static_cast<double>(grid.record.rows), 20000, 14) << pause;
+  }
 }
 
 TEST(RegularGrid, ReadingsDroppedFromADriftingClockStayHoles) {
@@ -300,10 +311,14 @@ TEST(RegularGrid, ReadingsDroppedFromADriftingClockStayHoles) {
   EXPECT_NEAR(grid.record.stretches[1].start_s - grid.record.stretches[0].start_s,
               places[7000] * kPeriodS, 2 * kPeriodS);
   EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
+  EXPECT_EQ(grid.readings, 19960U);
+  // the period of the line, of which the sine takes (36/pi)/n
+  EXPECT_REL(grid.rate_hz, kRateHz / (1 - 36 / std::numbers::pi / 20000), 1e-5, "40 rows missing");
   // one row is late where one reading is
   EXPECT_EQ(std::ranges::count(grid.record.channels[0].statuses, SampleStatus::kLate), 1);
 }
 
+// Of four points, two before the late one and one behind it, the remainder is w^4 / 4! 2 p^3 d.
 TEST(RegularGrid, TheBoundIsCauchysRemainder) {
   const double w = 2 * std::numbers::pi * 100 * kPeriodS;
   const auto grid = OnRegularGrid(WithOneLate(4000, 0.3), 100);

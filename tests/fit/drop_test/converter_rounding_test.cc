@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
@@ -114,6 +115,35 @@ TEST(ConverterRounding, WidensKmOfFewStepsByLoads) {
   EXPECT_GT(fit.by_rounding[2], 0.01);
   EXPECT_LT(fit.by_rounding[2] * fit.force_constant.value,
             fit.force_constant.combined_standard_uncertainty);
+}
+
+// 200 000 samples, which are averaged: their means show no codes
+TEST(ConverterRounding, IsThatOfTheSamplesWhereTheseAreAveraged) {
+  tests::SyntheticDrop drop = CoarseDrop({10, 20, 0.2}, 3);
+  drop.step_s = 2e-6;
+  drop.length_s = 0.4;
+  ImpulseRecord record = tests::MakeRecord(drop);
+  auto prepared = PrepareDrops(record);
+  ASSERT_EQ(prepared.prepared.size(), 1U);
+  ASSERT_TRUE(prepared.findings.Has(FindingKind::kThinned));
+  ActuatorKnowns knowns;
+  knowns.moving_mass_kg = Quantity{1.4e-3, 0};
+  const auto fit = FitDropTest(std::move(prepared.prepared), knowns);
+  ASSERT_TRUE(fit);
+  // of 20 steps at this quality factor some 0.2 %, whatever the rate
+  EXPECT_GT(fit->by_rounding[1], 5e-4);
+  EXPECT_LT(fit->by_rounding[1], 5e-3);
+}
+
+// the median of rounding errors is not a Gaussian's: it is no noise before the converter
+TEST(ConverterRounding, IsAsLargeForTheRobustFit) {
+  const tests::SyntheticDrop drop = CoarseDrop({6, 16, 0}, 5);
+  ActuatorKnowns knowns;
+  knowns.moving_mass_kg = Quantity{1.4e-3, 0};
+  const auto plain = FitDropTest({tests::MakeRecord(drop)}, knowns);
+  const auto robust = FitDropTest({tests::MakeRecord(drop)}, knowns, Loss::kHuber);
+  ASSERT_TRUE(plain && robust);
+  EXPECT_GT(robust->by_rounding[1], 0.8 * plain->by_rounding[1]);
 }
 
 TEST(ConverterRounding, IsNoneInNoiseOfAStep) {
