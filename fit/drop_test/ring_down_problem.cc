@@ -330,10 +330,10 @@ double MeanRoundingError(double x, double noise) {
 std::vector<std::vector<double>> RoundingChanges(const RingDownProblem& problem,
                                                  const RingDownPoint& point,
                                                  const Identifiability& seen, std::size_t record,
-                                                 double step_v, double residual_v) {
+                                                 double step_v, double deviation_v) {
   if (step_v == 0) return {};
-  // the residuals' variance is the noise's and the rounding's, 1/12 of a step squared
-  const double noise = std::sqrt(std::max(std::pow(residual_v / step_v, 2) - 1.0 / 12, 0.0));
+  // its square is the noise's and the rounding's, 1/12 of a step squared
+  const double noise = std::sqrt(std::max(std::pow(deviation_v / step_v, 2) - 1.0 / 12, 0.0));
   if (noise >= kMostNoise) return {};
   const RingDownSamples& samples = problem.records()[record];
   auto motion_v = problem.Voltages(point, record, samples.times_s);

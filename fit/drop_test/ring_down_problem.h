@@ -196,13 +196,14 @@ class RingDownProblem {
 /// @param seen at `point`
 /// @param record whose rounding it is
 /// @param step_v the converter's; 0: none
-/// @param residual_v standard deviation of the record's residuals; empty where half a step of noise
-///        or more goes before the converter
-/// Cost: 16 times 6 error functions a sample.
+/// @param deviation_v standard deviation of the record's residuals, or of one sample's noise and
+///        rounding where the samples are means
+/// Empty where half a step of noise or more goes before the converter. Cost: 16 times 6 error
+/// functions a sample.
 [[nodiscard]] std::vector<std::vector<double>> RoundingChanges(const RingDownProblem& problem,
                                                                const RingDownPoint& point,
                                                                const Identifiability& seen,
                                                                std::size_t record, double step_v,
-                                                               double residual_v);
+                                                               double deviation_v);
 
 }  // namespace haptometer::fit
